@@ -1,0 +1,5 @@
+//! Triangle meshes.
+
+mod positions;
+
+pub use positions::Positions;

@@ -1,0 +1,39 @@
+//! The vertices of a mesh, kept in the precision that they were given in.
+
+/// Vertex positions in the mesh's own frame and unit; a stored coordinate is the real number that its float is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Positions {
+    /// Single precision, kept as given.
+    F32(Vec<[f32; 3]>),
+    /// Double precision, kept as given.
+    F64(Vec<[f64; 3]>),
+}
+
+impl Positions {
+    /// How many vertices there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::F32(v) => v.len(),
+            Self::F64(v) => v.len(),
+        }
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Vertex `index` in double precision, which holds either kind without rounding.
+    ///
+    /// # Panics
+    /// Where `index` is not below [`len`](Self::len).
+    #[must_use]
+    pub fn get(&self, index: usize) -> [f64; 3] {
+        match self {
+            Self::F32(v) => v[index].map(f64::from),
+            Self::F64(v) => v[index],
+        }
+    }
+}
