@@ -57,6 +57,8 @@ pub enum InputErrorKind {
         /// Its length.
         length: f64,
     },
+    /// A rotation axis of length zero.
+    ZeroAxis,
 }
 
 impl InputError {
@@ -106,6 +108,7 @@ impl fmt::Display for InputError {
             InputErrorKind::NotUnitQuaternion { length } => {
                 write!(f, "the quaternion has length {length}, not 1")?;
             }
+            InputErrorKind::ZeroAxis => write!(f, "the rotation axis has length zero")?,
         }
         match self.hint {
             Some(hint) => write!(f, " ({hint})"),

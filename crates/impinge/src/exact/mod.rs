@@ -1,1 +1,24 @@
-//! Predicates decided exactly.
+//! Exact decisions about closed triangles that two poses place in the world.
+//!
+//! A corner is the real number triple that its floats are, and its image under a pose is taken over the reals; a
+//! triangle is the convex hull of its three images, be that a triangle, a segment or a point. What is decided is the
+//! truth about these sets. Every decision is a tree over signs of determinants (no constructed point, no division, no
+//! tolerance), so it cannot depend on the order of corners or triangles. A sign comes from the first of three tiers
+//! that is certain of it:
+//!
+//! - [`filter`]: floats in A's frame, with a bound of the error that holds whatever the poses are;
+//! - [`fixed`]: integers of one machine word, where both poses keep a common grid: equal poses, translations, quarter
+//!   turns, mirrors;
+//! - dyadic integers of any size in the world frame.
+
+mod corners;
+// mod crossing;
+mod filter;
+mod fixed;
+mod placement;
+mod triangles;
+
+pub use corners::{Corners, Tier};
+// pub use crossing::{Crossing, Endpoint, Feature, crossing};
+pub use placement::Placement;
+pub use triangles::{Decision, decide_triangles, triangles_intersect};

@@ -1,5 +1,10 @@
 //! Poses and the small, error-bounded linear algebra that the rest stands on.
 
+pub(crate) mod dyadic;
 mod pose;
+pub(crate) mod relative;
+mod sign;
 
 pub use pose::Pose;
+pub use relative::RelativeMap;
+pub use sign::Sign;

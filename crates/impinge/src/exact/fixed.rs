@@ -1,0 +1,106 @@
+//! Signs of determinants of integers that fit a machine word.
+//!
+//! Where both poses keep a common grid, the six corners of a pair usually span few enough bits (coordinates in single
+//! precision between 1e-4 and 1e6 do) to be integers below 2^60, and a determinant below 2^187 is exact in a handful of
+//! multiplications.
+
+use super::corners::Corners;
+use super::placement::Frame;
+use crate::math::Sign;
+use crate::math::dyadic::decompose;
+
+/// A corner on the common grid, each coordinate below 2^60 in magnitude.
+pub(super) type Point = [i64; 3];
+
+/// Bits that the given coordinates may span. The image of a corner under entries -1, 0, 1 and an offset is a sum of up
+/// to four of them, so 2^60 bounds it; differences are then below 2^61, two-by-two minors below 2^123, and the two
+/// halves of `orientation` below 2^127.
+const SPAN: i32 = 58;
+
+/// The corners of A, then of B, on the finest grid that holds all of them, or nothing where they span too many bits.
+pub(super) fn grid_points(frame: &Frame, a: &Corners, b: &Corners) -> Option<[Point; 6]> {
+    match frame {
+        Frame::World => None,
+        Frame::Local => {
+            let grid = Grid::spanning(a.iter().chain(b))?;
+            Some(std::array::from_fn(|i| grid.point(if i < 3 { &a[i] } else { &b[i - 3] })))
+        }
+        Frame::Grid { linear_a, linear_b, offset } => {
+            let grid = Grid::spanning(a.iter().chain(b).chain([offset]))?;
+            let offset = grid.point(offset);
+            Some(std::array::from_fn(|i| {
+                if i < 3 {
+                    image(linear_a, grid.point(&a[i]), [0; 3])
+                } else {
+                    image(linear_b, grid.point(&b[i - 3]), offset)
+                }
+            }))
+        }
+    }
+}
+
+/// The sign of `det(q - p, r - p, s - p)`.
+pub(super) fn orient3d(p: &Point, q: &Point, r: &Point, s: &Point) -> Sign {
+    let from_p = |x: &Point| -> Point { std::array::from_fn(|k| x[k] - p[k]) };
+    let (u, v, w) = (from_p(q), from_p(r), from_p(s));
+    // The determinant is high · 2^64 + low.
+    let (mut high, mut low) = (0_i128, 0_i128);
+    for k in 0..3 {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        let minor = i128::from(u[i]) * i128::from(v[j]) - i128::from(u[j]) * i128::from(v[i]);
+        high += (minor >> 64) * i128::from(w[k]);
+        low += i128::from(minor as u64) * i128::from(w[k]);
+    }
+    high += low >> 64;
+    match high.cmp(&0).into() {
+        Sign::Zero if low as u64 != 0 => Sign::Positive,
+        sign => sign,
+    }
+}
+
+/// The sign of `det(q - p, r - p)` without coordinate `axis`.
+pub(super) fn orient2d(axis: usize, p: &Point, q: &Point, r: &Point) -> Sign {
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    let product = |x: i64, y: i64| i128::from(x) * i128::from(y);
+    product(q[i] - p[i], r[j] - p[j]).cmp(&product(q[j] - p[j], r[i] - p[i])).into()
+}
+
+/// Multiples of `2^exponent`.
+struct Grid {
+    exponent: i32,
+}
+
+impl Grid {
+    fn spanning<'p>(points: impl Iterator<Item = &'p [f64; 3]>) -> Option<Self> {
+        let (mut lowest, mut highest) = (i32::MAX, i32::MIN);
+        for &x in points.flatten() {
+            if x != 0.0 {
+                let (_, mantissa, exponent) = decompose(x);
+                lowest = lowest.min(exponent + mantissa.trailing_zeros() as i32);
+                highest = highest.max(exponent + 64 - mantissa.leading_zeros() as i32);
+            }
+        }
+        let all_zero = lowest > highest;
+        (all_zero || highest - lowest <= SPAN).then_some(Self { exponent: if all_zero { 0 } else { lowest } })
+    }
+
+    fn point(&self, point: &[f64; 3]) -> Point {
+        point.map(|x| {
+            let (negative, mantissa, exponent) = decompose(x);
+            let shift = exponent - self.exponent;
+            // A multiple of the grid: a right shift drops zeros only.
+            let magnitude = if mantissa == 0 {
+                0
+            } else if shift < 0 {
+                (mantissa >> -shift) as i64
+            } else {
+                (mantissa << shift) as i64
+            };
+            if negative { -magnitude } else { magnitude }
+        })
+    }
+}
+
+fn image(linear: &[[i64; 3]; 3], point: Point, offset: Point) -> Point {
+    std::array::from_fn(|i| linear[i][0] * point[0] + linear[i][1] * point[1] + linear[i][2] * point[2] + offset[i])
+}

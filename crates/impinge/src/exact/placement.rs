@@ -1,0 +1,93 @@
+//! Two poses, and what is derived from them once for all the pairs of triangles that they place.
+
+use crate::math::dyadic::Dyadic;
+use crate::math::relative::Offset;
+use crate::math::{Pose, RelativeMap};
+
+/// Where two meshes are: both poses, the map from B's frame to A's, and the cheapest frame for exact arithmetic.
+#[derive(Clone, Debug)]
+pub struct Placement {
+    world_from_a: Pose,
+    world_from_b: Pose,
+    relative: RelativeMap,
+    frame: Frame,
+}
+
+/// A frame in which the corners of both meshes have exact coordinates. An affine map keeps or flips all orientations
+/// alike, so any will do, up to that flip.
+#[derive(Clone, Debug)]
+pub(super) enum Frame {
+    /// The common local frame of equal poses.
+    Local,
+    /// The world, moved by A's translation, where both linear parts have entries -1, 0 and 1 only: coordinates are
+    /// sums of given floats, on a grid no finer than theirs.
+    Grid { linear_a: [[i64; 3]; 3], linear_b: [[i64; 3]; 3], offset: [f64; 3] },
+    /// The world.
+    World,
+}
+
+impl Placement {
+    /// A's and B's places in the world.
+    #[must_use]
+    pub fn new(world_from_a: &Pose, world_from_b: &Pose) -> Self {
+        let relative = RelativeMap::a_from_b(world_from_a, world_from_b);
+        let frame = if world_from_a == world_from_b { Frame::Local } else { Frame::of(world_from_a, world_from_b) };
+        Self { world_from_a: *world_from_a, world_from_b: *world_from_b, relative, frame }
+    }
+
+    /// The map from B's frame to A's, with the bounds of its error.
+    #[must_use]
+    pub fn relative(&self) -> &RelativeMap {
+        &self.relative
+    }
+
+    /// A's place in the world.
+    #[must_use]
+    pub fn world_from_a(&self) -> &Pose {
+        &self.world_from_a
+    }
+
+    /// B's place in the world.
+    #[must_use]
+    pub fn world_from_b(&self) -> &Pose {
+        &self.world_from_b
+    }
+
+    /// Whether both are in the same place, so that the answers are those about the local coordinates.
+    #[must_use]
+    pub fn is_shared(&self) -> bool {
+        matches!(self.frame, Frame::Local)
+    }
+
+    pub(super) fn frame(&self) -> &Frame {
+        &self.frame
+    }
+}
+
+impl Frame {
+    fn of(world_from_a: &Pose, world_from_b: &Pose) -> Self {
+        let offset = Offset::between(world_from_a, world_from_b);
+        match (unit_entries(world_from_a), unit_entries(world_from_b)) {
+            (Some(linear_a), Some(linear_b)) if offset.is_exact() => {
+                Self::Grid { linear_a, linear_b, offset: offset.rounded }
+            }
+            _ => Self::World,
+        }
+    }
+}
+
+/// The exact image of a point of the local frame.
+pub(super) fn world_point(world_from_local: &Pose, point: &[f64; 3]) -> [Dyadic; 3] {
+    std::array::from_fn(|i| {
+        let mut coordinate = Dyadic::from_f64(world_from_local.translation()[i]);
+        for k in 0..3 {
+            coordinate = &coordinate + &Dyadic::product(world_from_local.linear()[i][k], point[k]);
+        }
+        coordinate
+    })
+}
+
+fn unit_entries(pose: &Pose) -> Option<[[i64; 3]; 3]> {
+    let is_unit = |entry: &f64| *entry == 0.0 || entry.abs() == 1.0;
+    pose.linear().iter().flatten().all(is_unit).then(|| pose.linear().map(|row| row.map(|entry| entry as i64)))
+}
