@@ -56,19 +56,16 @@ fn ties_under_grid_poses() {
     let mut tally = Tally::default();
     for _ in 0..6000 {
         let (a, b) = tied_pair(&mut random);
-        let unit = |random: &mut Random| {
-            let linear = if random.one_in(2) { *Pose::IDENTITY.linear() } else { integer_linear(random, 1) };
-            Pose::new(linear, integer_offset(random, 1)).expect("legal")
-        };
-        let world_from_a = unit(&mut random);
-        let world_from_b = if random.one_in(2) {
-            unit(&mut random)
-        } else {
-            Pose::new(*world_from_a.linear(), integer_offset(&mut random, 1)).expect("legal")
-        };
+        let linear_a = integer_linear(&mut random, 1);
+        let linear_b = random.pick(&[linear_a, linear_a, linear_a, *Pose::IDENTITY.linear()]);
+        let offset_a = integer_offset(&mut random, 3);
+        let mut offset_b = offset_a;
+        offset_b[random.integer(0, 2) as usize] += random.integer(-1, 1) as f64;
+        let world_from_a = Pose::new(linear_a, offset_a).expect("legal");
+        let world_from_b = Pose::new(linear_b, offset_b).expect("legal");
         tally.check(&world_from_a, &world_from_b, &a, &b);
     }
-    tally.assert_hit_rate(0.3, 0.7);
+    tally.assert_hit_rate(0.2, 0.7);
     tally.assert_tier_rate(Tier::Fixed, 0.1, 0.7);
     tally.assert_tier_rate(Tier::Dyadic, 0.0, 0.0);
 }
@@ -80,15 +77,18 @@ fn ties_under_integer_affine_poses() {
     for _ in 0..6000 {
         let (a, b) = tied_pair(&mut random);
         let world_from_a = Pose::new(integer_linear(&mut random, 3), integer_offset(&mut random, 2)).expect("legal");
-        let world_from_b = Pose::new(integer_linear(&mut random, 3), integer_offset(&mut random, 2)).expect("legal");
-        tally.check(&world_from_a, &world_from_b, &a, &b);
+        if random.one_in(4) {
+            let offset = integer_offset(&mut random, 2);
+            let world_from_b = Pose::new(integer_linear(&mut random, 2), offset).expect("legal");
+            tally.check(&world_from_a, &world_from_b, &a, &b);
+        }
         // Near each other: the same map, but for a scale that the corners take back.
         let factor = random.pick(&[0.5, -2.0, 3.0]);
         let other = Pose::new(world_from_a.linear().map(|row| row.map(|x| x * factor)), *world_from_a.translation());
         tally.check(&world_from_a, &other.expect("legal"), &a, &scaled_corners(&b, random.pick(&[1.0 / factor, 1.0])));
     }
     tally.assert_hit_rate(0.3, 0.7);
-    tally.assert_tier_rate(Tier::Dyadic, 0.1, 0.7);
+    tally.assert_tier_rate(Tier::Dyadic, 0.3, 0.9);
 }
 
 #[test]
@@ -268,8 +268,12 @@ fn moving_both_keeps_the_answer() {
     let mut hits = 0;
     for _ in 0..5000 {
         let (a, b) = tied_pair(&mut random);
-        let world_from_a = Pose::new(integer_linear(&mut random, 2), integer_offset(&mut random, 1)).expect("legal");
-        let world_from_b = Pose::new(*world_from_a.linear(), integer_offset(&mut random, 1)).expect("legal");
+        let offset_a = integer_offset(&mut random, 1);
+        let mut offset_b = offset_a;
+        offset_b[random.integer(0, 2) as usize] += random.pick(&[0.0, 0.0, 1.0]);
+        let linear = integer_linear(&mut random, 2);
+        let world_from_a = Pose::new(linear, offset_a).expect("legal");
+        let world_from_b = Pose::new(linear, offset_b).expect("legal");
         let expected = triangles_intersect(&Placement::new(&world_from_a, &world_from_b), &a, &b);
         hits += usize::from(expected);
         // Small whole numbers: composing the poses rounds nothing.
@@ -277,7 +281,7 @@ fn moving_both_keeps_the_answer() {
         let (moved_a, moved_b) =
             (moved.compose(&world_from_a).expect("legal"), moved.compose(&world_from_b).expect("legal"));
         assert_eq!(triangles_intersect(&Placement::new(&moved_a, &moved_b), &a, &b), expected);
-        let factor = power_of_two(random.integer(-140, 60) as i32);
+        let factor = power_of_two(random.integer(-140, 58) as i32);
         let placement = Placement::new(&scaled(&moved_a, factor), &scaled(&moved_b, factor));
         assert_eq!(triangles_intersect(&placement, &a, &b), expected);
     }

@@ -42,7 +42,8 @@ pub(crate) fn rational(x: f64) -> RBig {
 }
 
 pub(crate) fn power_of_two(exponent: i32) -> f64 {
-    2.0_f64.powi(exponent)
+    // In two factors: `powi` takes the reciprocal of a power that may overflow.
+    2.0_f64.powi(exponent / 2) * 2.0_f64.powi(exponent - exponent / 2)
 }
 
 /// The exact image of a point.
