@@ -1,10 +1,15 @@
 //! Exact, fast collision detection for triangle meshes.
 
 pub mod exact;
+pub mod hierarchy;
 pub mod input;
 pub mod math;
 pub mod mesh;
+pub mod query;
+pub mod simd;
+pub mod storage;
+pub mod volume;
 
 pub use input::{InputError, InputErrorKind};
 pub use math::Pose;
-pub use mesh::Positions;
+pub use mesh::{Mesh, Positions};

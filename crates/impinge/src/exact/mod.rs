@@ -12,13 +12,13 @@
 //! - dyadic integers of any size in the world frame.
 
 mod corners;
-mod crossing;
+// mod crossing;
 mod filter;
 mod fixed;
 mod placement;
 mod triangles;
 
 pub use corners::{Corners, Tier};
-pub use crossing::{Crossing, Endpoint, Feature, crossing};
+// pub use crossing::{Crossing, Endpoint, Feature, crossing};
 pub use placement::Placement;
 pub use triangles::{Decision, decide_triangles, triangles_intersect};

@@ -29,11 +29,23 @@ impl Positions {
     ///
     /// # Panics
     /// Where `index` is not below [`len`](Self::len).
+    #[inline(always)]
     #[must_use]
     pub fn get(&self, index: usize) -> [f64; 3] {
         match self {
             Self::F32(v) => v[index].map(f64::from),
             Self::F64(v) => v[index],
+        }
+    }
+
+    /// The same positions in single precision where that holds every coordinate exactly, unchanged otherwise.
+    pub(super) fn narrowed(self) -> Self {
+        let exact = |x: f64| f64::from(x as f32) == x;
+        match self {
+            Self::F64(vertices) if vertices.iter().flatten().all(|&x| exact(x)) => {
+                Self::F32(vertices.into_iter().map(|v| v.map(|x| x as f32)).collect())
+            }
+            kept => kept,
         }
     }
 }

@@ -1,0 +1,207 @@
+//! The simultaneous descent of two trees: one in its own frame, the host, and one carried into it, the guest.
+//!
+//! Source: Gottschalk, Lin, Manocha, *OBBTree*, SIGGRAPH 1996, for descending two trees at once; ours opens both nodes
+//! together, eight boxes against eight, and carries a guest node's boxes once for all the host nodes that they meet.
+
+use std::ops::ControlFlow;
+
+use fearless_simd::Simd;
+
+use super::lanes::{BoxMap, overlapping};
+use super::wide::{Child, Node};
+use crate::simd::{LANES, prefetch};
+use crate::volume::Aabb;
+
+/// What happens at the leaves, which the hierarchy does not understand.
+pub(crate) trait LeafVisitor {
+    /// Takes up a guest leaf: the calls of [`pair`](Self::pair) that follow mean this one. Returns bounds of all that
+    /// it holds, in the host's frame.
+    fn take_up<S: Simd>(&mut self, simd: S, guest_leaf: u32) -> Aabb;
+
+    /// Meets the guest leaf taken up last with a host leaf.
+    fn pair<S: Simd>(&mut self, simd: S, host_leaf: u32) -> ControlFlow<()>;
+
+    /// Asks for the memory of a guest leaf that will be taken up soon.
+    fn prefetch_guest(&self, leaf: u32);
+
+    /// Asks for the memory of a host leaf that will be met soon.
+    fn prefetch_host(&self, leaf: u32);
+}
+
+/// What is left to open: a guest child against some children of a host node.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Task {
+    guest: Child,
+    host: u32,
+    host_lanes: u8,
+}
+
+/// Tasks wait here between the stack and their turn, while the memory that they need is on its way. Fewer hide less of
+/// its latency; more push each other's lines out of the first cache.
+const QUEUE: usize = 8;
+
+/// The nodes of two trees and the map between them.
+pub(crate) struct Descent<'a> {
+    pub(crate) host: &'a [Node],
+    pub(crate) guest: &'a [Node],
+    pub(crate) map: &'a BoxMap,
+}
+
+impl Descent<'_> {
+    /// The task that all others come from; none where a tree is empty.
+    pub(crate) fn root(&self) -> Option<Task> {
+        let host = self.host.first()?;
+        self.guest.first()?;
+        Some(Task { guest: Child::Inner(0), host: 0, host_lanes: lanes_in_use(host) as u8 })
+    }
+
+    /// Works off the stack and all that comes from it, until the visitor breaks off.
+    ///
+    /// The stack holds at most 64 tasks for each level of the two trees, whose depth is bounded: opening a task takes
+    /// one away and adds at most 64, all deeper than it.
+    #[inline(always)]
+    pub(crate) fn run<S: Simd, V: LeafVisitor>(
+        &self,
+        simd: S,
+        stack: &mut Vec<Task>,
+        visitor: &mut V,
+    ) -> ControlFlow<()> {
+        let mut queue = [Task { guest: Child::Inner(0), host: 0, host_lanes: 0 }; QUEUE];
+        let (mut next, mut waiting) = (0, 0);
+        loop {
+            while waiting < QUEUE
+                && let Some(task) = stack.pop()
+            {
+                self.prefetch(&task, visitor);
+                queue[(next + waiting) % QUEUE] = task;
+                waiting += 1;
+            }
+            if waiting == 0 {
+                return ControlFlow::Continue(());
+            }
+            let task = queue[next];
+            next = (next + 1) % QUEUE;
+            waiting -= 1;
+            self.open(simd, task, visitor, stack)?;
+        }
+    }
+
+    /// Opens one task: appends the tasks below it and shows the visitor the pairs of leaves.
+    #[inline(always)]
+    pub(crate) fn open<S: Simd, V: LeafVisitor>(
+        &self,
+        simd: S,
+        task: Task,
+        visitor: &mut V,
+        below: &mut Vec<Task>,
+    ) -> ControlFlow<()> {
+        match task.guest {
+            Child::Inner(guest) => {
+                self.open_guest(simd, task, &self.guest[guest as usize], below);
+                ControlFlow::Continue(())
+            }
+            Child::Leaf(leaf) => self.meet_guest(simd, task, leaf, visitor, below),
+        }
+    }
+
+    /// A guest node against host children: inner ones are opened at once, leaves wait for the guest's children.
+    #[inline(always)]
+    fn open_guest<S: Simd>(&self, simd: S, task: Task, guest: &Node, below: &mut Vec<Task>) {
+        let guests = self.map.apply(simd, guest);
+        let parent = &self.host[task.host as usize];
+        for lane in bits(u32::from(task.host_lanes)) {
+            match parent.child(lane) {
+                Child::Inner(host) => {
+                    let node = &self.host[host as usize];
+                    let in_use = lanes_in_use(node);
+                    let mut met = 0_u64;
+                    for (guest_lane, bounds) in (0..guest.count()).map(|lane| (lane, guests.lane(lane))) {
+                        let lanes = overlapping(simd, (&node.min, &node.max), &bounds) & in_use;
+                        met |= u64::from(lanes) << (LANES * guest_lane);
+                    }
+                    while met != 0 {
+                        let guest_lane = met.trailing_zeros() as usize / LANES;
+                        let host_lanes = (met >> (LANES * guest_lane)) as u8;
+                        met &= !(0xff << (LANES * guest_lane));
+                        below.push(Task { guest: guest.child(guest_lane), host, host_lanes });
+                    }
+                }
+                Child::Leaf(_) => {
+                    let bounds = Aabb {
+                        min: std::array::from_fn(|axis| parent.min[axis][lane]),
+                        max: std::array::from_fn(|axis| parent.max[axis][lane]),
+                    };
+                    let met = overlapping(simd, (&guests.min, &guests.max), &bounds) & lanes_in_use(guest);
+                    for guest_lane in bits(met) {
+                        below.push(Task {
+                            guest: guest.child(guest_lane),
+                            host: task.host,
+                            host_lanes: 1 << lane,
+                        });
+                    }
+                }
+            }
+        }
+    }
+
+    /// A guest leaf against host children: inner ones are opened, leaves are met.
+    #[inline(always)]
+    fn meet_guest<S: Simd, V: LeafVisitor>(
+        &self,
+        simd: S,
+        task: Task,
+        leaf: u32,
+        visitor: &mut V,
+        below: &mut Vec<Task>,
+    ) -> ControlFlow<()> {
+        let bounds = visitor.take_up(simd, leaf);
+        let parent = &self.host[task.host as usize];
+        let still = overlapping(simd, (&parent.min, &parent.max), &bounds) & u32::from(task.host_lanes);
+        for lane in bits(still) {
+            match parent.child(lane) {
+                Child::Inner(host) => {
+                    let node = &self.host[host as usize];
+                    let lanes = overlapping(simd, (&node.min, &node.max), &bounds) & lanes_in_use(node);
+                    if lanes != 0 {
+                        below.push(Task { guest: task.guest, host, host_lanes: lanes as u8 });
+                    }
+                }
+                Child::Leaf(host_leaf) => visitor.pair(simd, host_leaf)?,
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn prefetch<V: LeafVisitor>(&self, task: &Task, visitor: &V) {
+        match task.guest {
+            Child::Inner(guest) => prefetch(&self.guest[guest as usize]),
+            Child::Leaf(leaf) => visitor.prefetch_guest(leaf),
+        }
+        let parent = &self.host[task.host as usize];
+        for lane in bits(u32::from(task.host_lanes)) {
+            match (parent.child(lane), task.guest) {
+                (Child::Inner(host), _) => prefetch(&self.host[host as usize]),
+                (Child::Leaf(host), Child::Leaf(_)) => visitor.prefetch_host(host),
+                (Child::Leaf(_), Child::Inner(_)) => {}
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn lanes_in_use(node: &Node) -> u32 {
+    (1 << node.count()) - 1
+}
+
+/// The positions of the bits that are set, from the lowest.
+#[inline(always)]
+pub(crate) fn bits(mut set: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (set != 0).then(|| {
+            let lowest = set.trailing_zeros() as usize;
+            set &= set - 1;
+            lowest
+        })
+    })
+}

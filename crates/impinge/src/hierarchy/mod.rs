@@ -1,0 +1,16 @@
+//! Bounding volume hierarchies over boxes: how they are built, laid out and descended. Nothing here knows a shape.
+//!
+//! A builder orders the boxes and emits one neutral [`BinaryTree`]; one collapse turns it into the [`WideTree`] that
+//! every query descends.
+
+mod binary;
+mod descent;
+mod lanes;
+mod morton;
+mod wide;
+
+pub use binary::{Below, BinaryNode, BinaryTree, LEAF_CAPACITY, MAX_DEPTH};
+pub(crate) use descent::{Descent, LeafVisitor, Task, bits};
+pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, load, overlapping};
+pub use morton::build_morton;
+pub use wide::{Child, Node, WideTree};

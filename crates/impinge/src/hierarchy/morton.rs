@@ -1,0 +1,179 @@
+//! The linear builder: boxes sorted along a space-filling curve, split where the curve's cells split.
+//!
+//! Source: Lauterbach et al., *Fast BVH construction on GPUs*, Eurographics 2009; Karras, *Maximizing parallelism in the
+//! construction of BVHs*, HPG 2012. Ours departs in three ways: 63-bit codes, so that small detail in a large scene
+//! keeps its order; a bounded depth, by halving ranges once the curve has split often enough; and short ranges split
+//! where the surface area heuristic likes it best, in whole packets, which keeps the leaves full.
+
+use rayon::prelude::*;
+
+use super::binary::{Below, BinaryNode, BinaryTree, LEAF_CAPACITY};
+use crate::volume::Aabb;
+
+/// Bits of a code for each axis; three axes fill 63 bits.
+const BITS: u32 = 21;
+
+/// Depth from which ranges are halved whatever the codes say. 2^32 boxes halved 29 times leave one packet, so that no
+/// leaf is deeper than 32 + 29, below [`MAX_DEPTH`](super::MAX_DEPTH).
+const HALVE_FROM_DEPTH: usize = 32;
+
+/// Ranges up to this long are split by the surface area heuristic. Longer costs build time, shorter leaves half-filled
+/// packets where the curve jumps.
+const SWEEP_UP_TO: usize = 8 * LEAF_CAPACITY;
+
+/// Ranges longer than this are built as two tasks.
+const SPLIT_TASKS_ABOVE: usize = 1 << 15;
+
+/// The tree of these boxes, none of which may be empty; the same for any number of threads.
+///
+/// # Complexity
+/// O(n log n), depth at most [`MAX_DEPTH`](super::MAX_DEPTH) for any input: equal, nested or sorted boxes included.
+#[must_use]
+pub fn build_morton(boxes: &[Aabb]) -> BinaryTree {
+    if boxes.is_empty() {
+        return BinaryTree::default();
+    }
+    let keys = sorted_keys(boxes);
+    let order: Vec<u32> = keys.par_iter().map(|key| key.index).collect();
+    let nodes = Builder { boxes, keys: &keys }.subtree(0, keys.len(), 0);
+    BinaryTree { nodes, order }
+}
+
+/// A box's place on the curve; ties are broken by its index, so that the order is one only.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Key {
+    code: u64,
+    index: u32,
+}
+
+fn sorted_keys(boxes: &[Aabb]) -> Vec<Key> {
+    let bounds = boxes.par_iter().copied().reduce(|| Aabb::EMPTY, Aabb::union);
+    // Twice the centre runs from twice the least bound over a range of twice the extent.
+    let origin: [f32; 3] = std::array::from_fn(|axis| 2.0 * bounds.min[axis]);
+    let cells = (1_u32 << BITS) as f32;
+    let scale: [f32; 3] = std::array::from_fn(|axis| {
+        let extent = 2.0 * (bounds.max[axis] - bounds.min[axis]);
+        if extent > 0.0 { cells / extent } else { 0.0 }
+    });
+    let code = |bounds: &Aabb| {
+        (0..3).fold(0, |code, axis| {
+            let cell = (bounds.min[axis] + bounds.max[axis] - origin[axis]) * scale[axis];
+            // A float cast saturates, and takes NaN to zero: any cell is a legal one.
+            let cell = (cell as u32).min((1 << BITS) - 1);
+            code | spread(cell) << axis
+        })
+    };
+    let mut keys: Vec<Key> =
+        boxes.par_iter().enumerate().map(|(index, bounds)| Key { code: code(bounds), index: index as u32 }).collect();
+    keys.par_sort_unstable();
+    keys
+}
+
+/// The low 21 bits of `x`, each followed by two zeros.
+fn spread(x: u32) -> u64 {
+    let mut x = u64::from(x) & 0x1f_ffff;
+    x = (x | x << 32) & 0x001f_0000_0000_ffff;
+    x = (x | x << 16) & 0x001f_0000_ff00_00ff;
+    x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
+    x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
+    (x | x << 2) & 0x1249_2492_4924_9249
+}
+
+struct Builder<'a> {
+    boxes: &'a [Aabb],
+    keys: &'a [Key],
+}
+
+impl Builder<'_> {
+    /// The nodes of the range in preorder, counted from zero.
+    fn subtree(&self, first: usize, end: usize, depth: usize) -> Vec<BinaryNode> {
+        if end - first <= SPLIT_TASKS_ABOVE {
+            let mut nodes = Vec::with_capacity((end - first) / 2);
+            self.emit(first, end, depth, &mut nodes);
+            return nodes;
+        }
+        let middle = self.split(first, end, depth);
+        let (left, right) =
+            rayon::join(|| self.subtree(first, middle, depth + 1), || self.subtree(middle, end, depth + 1));
+        let right_at = 1 + left.len() as u32;
+        let bounds = left[0].bounds.union(right[0].bounds);
+        let mut nodes = Vec::with_capacity(1 + left.len() + right.len());
+        nodes.push(BinaryNode { bounds, below: Below::Inner { right: right_at } });
+        nodes.extend(left.into_iter().map(|node| node.moved_by(1)));
+        nodes.extend(right.into_iter().map(|node| node.moved_by(right_at)));
+        nodes
+    }
+
+    /// Appends the nodes of the range, the root first, and returns its bounds.
+    fn emit(&self, first: usize, end: usize, depth: usize, nodes: &mut Vec<BinaryNode>) -> Aabb {
+        let at = nodes.len();
+        if end - first <= LEAF_CAPACITY {
+            let bounds = self.bounds(first, end);
+            nodes.push(BinaryNode {
+                bounds,
+                below: Below::Leaf { first: first as u32, count: (end - first) as u32 },
+            });
+            return bounds;
+        }
+        nodes.push(BinaryNode { bounds: Aabb::EMPTY, below: Below::Inner { right: 0 } });
+        let middle = self.split(first, end, depth);
+        let left = self.emit(first, middle, depth + 1, nodes);
+        let right_at = nodes.len() as u32;
+        let right = self.emit(middle, end, depth + 1, nodes);
+        nodes[at] = BinaryNode { bounds: left.union(right), below: Below::Inner { right: right_at } };
+        nodes[at].bounds
+    }
+
+    fn bounds(&self, first: usize, end: usize) -> Aabb {
+        self.keys[first..end].iter().fold(Aabb::EMPTY, |bounds, key| bounds.union(self.boxes[key.index as usize]))
+    }
+
+    /// Where to split a range of more than one leaf; strictly inside it.
+    fn split(&self, first: usize, end: usize, depth: usize) -> usize {
+        if end - first <= SWEEP_UP_TO {
+            return self.sweep(first, end);
+        }
+        let (low, high) = (self.keys[first].code, self.keys[end - 1].code);
+        if low == high || depth >= HALVE_FROM_DEPTH {
+            return first + (end - first) / 2;
+        }
+        let top_bit = 1 << (low ^ high).ilog2();
+        first + self.keys[first..end].partition_point(|key| key.code & top_bit == 0)
+    }
+
+    /// The split of least surface area cost among those that leave whole packets on the left.
+    fn sweep(&self, first: usize, end: usize) -> usize {
+        let packets = (end - first).div_ceil(LEAF_CAPACITY);
+        let mut bounds = [Aabb::EMPTY; SWEEP_UP_TO / LEAF_CAPACITY];
+        for (packet, bounds) in bounds[..packets].iter_mut().enumerate() {
+            let at = first + packet * LEAF_CAPACITY;
+            *bounds = self.bounds(at, (at + LEAF_CAPACITY).min(end));
+        }
+        let mut cost = [0.0; SWEEP_UP_TO / LEAF_CAPACITY];
+        let mut right = Aabb::EMPTY;
+        for split in (1..packets).rev() {
+            right = right.union(bounds[split]);
+            cost[split] = right.half_area() * (packets - split) as f32;
+        }
+        let mut left = Aabb::EMPTY;
+        let mut best = (f32::INFINITY, 1);
+        for split in 1..packets {
+            left = left.union(bounds[split - 1]);
+            let total = cost[split] + left.half_area() * split as f32;
+            if total < best.0 {
+                best = (total, split);
+            }
+        }
+        first + best.1 * LEAF_CAPACITY
+    }
+}
+
+impl BinaryNode {
+    /// The same node in an array that starts `offset` nodes earlier.
+    fn moved_by(mut self, offset: u32) -> Self {
+        if let Below::Inner { right } = &mut self.below {
+            *right += offset;
+        }
+        self
+    }
+}

@@ -1,0 +1,308 @@
+//! Triangles against packets of triangles in single precision: proved apart, proved to meet, or open.
+//!
+//! Source: Devillers, Guigue, *Faster triangle-triangle intersection tests*, INRIA RR-4488, 2002, on eight lanes; ours
+//! departs in that every sign comes with a bound of its error (lemma L4), and a lane whose signs are not all certain
+//! stays open.
+//!
+//! # The bound of a determinant
+//! Every determinant here is (e × f) · d with edges e, f of two triangles and d from a corner of one to a corner of the
+//! other. Write u = 2^-24, ε for the sum of what the corners of the two triangles may be off by, and let
+//! X ≥ |e| + 4ε, Z ≥ |f| + 4ε and Y ≥ |d| + 4ε bound the components. An edge is off by at most 2ε + uX, d by ε + uY.
+//! Then e × f is off by at most 4ε(X + Z) + 10uXZ, the 4ε in X and Z paying for products of errors, and the dot product
+//! with its own four roundings by at most
+//!
+//! ε (6XZ + 15Y(X + Z)) + 68 u XYZ.
+//!
+//! The code takes 16 for 15 and 72 for 68, which pays for evaluating the bound. ε is at least 2^-40, so that the bound
+//! is above what products too small for single precision lose (at most 2^-146 (1 + X + Y + Z) against 2^-111 Y). A
+//! bound or determinant that overflows compares as *open*.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8, mask32x8};
+
+use super::frame::PACKING_ERROR;
+use super::packet::Packet;
+use super::relation::Relation;
+use crate::hierarchy::{BoxLanes, HALF_ULP, bits, load, overlapping};
+use crate::simd::{LANES, by_axis};
+use crate::volume::Aabb;
+
+/// The bits of the lanes of a host packet that a guest triangle is proved to meet, and of those that are left open.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Verdict {
+    pub(crate) meets: u32,
+    pub(crate) open: u32,
+}
+
+/// Least error that the bounds assume; see the head of this file.
+const LEAST_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// A guest packet, turned into the host's orientation but not moved: each host packet has its own anchor.
+#[derive(Clone, Debug, Default)]
+#[repr(align(64))]
+pub(crate) struct Guest {
+    corners: [[[f32; LANES]; 3]; 3],
+    normal: [[f32; LANES]; 3],
+    min: [[f32; LANES]; 3],
+    max: [[f32; LANES]; 3],
+    /// The greatest extent of each triangle's box.
+    width: [f32; LANES],
+    count: usize,
+    /// The anchor's image in the host's packed frame.
+    anchor: [f64; 3],
+    /// What the turned corners may be off by, before they are moved to a host anchor.
+    error: f64,
+}
+
+/// Three coordinates in each lane.
+type Lanes3<S> = [f32x8<S>; 3];
+
+impl Guest {
+    /// Turns a packet.
+    #[inline(always)]
+    pub(crate) fn take_up<S: Simd>(&mut self, simd: S, packet: &Packet, relation: &Relation) {
+        let linear: [Lanes3<S>; 3] =
+            by_axis!(row => by_axis!(column => f32x8::splat(simd, relation.linear[row][column] as f32)));
+        let corners: [Lanes3<S>; 3] = by_axis!(corner => {
+            let from = load3(simd, &packet.corners[corner]);
+            by_axis!(axis => dot(&linear[axis], &from))
+        });
+        let (min, max) = bounds(&corners);
+        store3(&corners[0], &mut self.corners[0]);
+        store3(&corners[1], &mut self.corners[1]);
+        store3(&corners[2], &mut self.corners[2]);
+        store3(&min, &mut self.min);
+        store3(&max, &mut self.max);
+        store3(&cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0])), &mut self.normal);
+        width(&min, &max).store_slice(&mut self.width);
+        self.count = packet.count();
+        self.anchor = relation.apply(packet.anchor);
+        // Rounding of the packed corner, of the matrix, and three of the sum: 5, with one to spare for their products;
+        // then packing in double precision, and the anchor's image with its five roundings.
+        self.error = relation.stretch * (6.0 * HALF_ULP * f64::from(packet.radius) + PACKING_ERROR)
+            + relation.error
+            + PACKING_ERROR * (relation.stretch + self.anchor.iter().fold(0.0, |m, x| x.abs().max(m)));
+    }
+
+    /// Bounds of the packet in the host's packed frame.
+    #[inline(always)]
+    pub(crate) fn bounds<S: Simd>(&self, simd: S) -> Aabb {
+        let min: [f32; 3] = by_axis!(axis => load(simd, &self.min[axis]).reduce_min());
+        let max: [f32; 3] = by_axis!(axis => load(simd, &self.max[axis]).reduce_max());
+        Aabb {
+            min: by_axis!(axis => ((self.anchor[axis] + f64::from(min[axis]) - self.error) as f32).next_down()),
+            max: by_axis!(axis => ((self.anchor[axis] + f64::from(max[axis]) + self.error) as f32).next_up()),
+        }
+    }
+
+    /// Meets all triangles of the guest with all of a host packet: a verdict for each guest lane of which the bits
+    /// returned are set, nothing for the others.
+    #[inline(always)]
+    pub(crate) fn meet<S: Simd>(&self, simd: S, host: &Packet, verdicts: &mut [Verdict; LANES]) -> u32 {
+        let offset: [f64; 3] = by_axis!(axis => self.anchor[axis] - f64::from(host.anchor[axis]));
+        let reach = offset[0].abs().max(offset[1].abs()).max(offset[2].abs());
+        // The offset's rounding and that of the sum with a turned corner; the sum's other part is within `error` by
+        // its spare. The host's corners are off by their own rounding and packing.
+        let error = self.error + 2.0 * HALF_ULP * reach + HALF_ULP * f64::from(host.radius) + PACKING_ERROR;
+        let error = (error.max(LEAST_ERROR) as f32).next_up();
+        let offset: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, offset[axis] as f32));
+
+        let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.corners[corner]));
+        let (host_min, host_max) = bounds(&host_corners);
+        let (mut boxes_min, mut boxes_max) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+        store3(&host_min, &mut boxes_min);
+        store3(&host_max, &mut boxes_max);
+        let slack = f32x8::splat(simd, error);
+        let mut moved = BoxLanes::default();
+        for axis in 0..3 {
+            (load(simd, &self.min[axis]) + offset[axis] - slack).store_slice(&mut moved.min[axis]);
+            (load(simd, &self.max[axis]) + offset[axis] + slack).store_slice(&mut moved.max[axis]);
+        }
+        let in_use = host.lanes_in_use();
+        let mut near = [0_u32; LANES];
+        let mut any = 0;
+        for lane in 0..self.count {
+            near[lane] = overlapping(simd, (&boxes_min, &boxes_max), &moved.lane(lane)) & in_use;
+            any |= u32::from(near[lane] != 0) << lane;
+        }
+        if any == 0 {
+            return 0;
+        }
+        let side = Side::new(simd, host_corners, width(&host_min, &host_max), error);
+        let mut met = 0;
+        for lane in bits(any) {
+            let guest = self.triangle(simd, lane, &offset);
+            verdicts[lane] = side.judge(&guest, near[lane]);
+            met |= u32::from(verdicts[lane] != Verdict::default()) << lane;
+        }
+        met
+    }
+
+    /// The guest triangle of one lane, moved and repeated in every lane.
+    #[inline(always)]
+    fn triangle<S: Simd>(&self, simd: S, lane: usize, offset: &Lanes3<S>) -> Triangle<S> {
+        Triangle {
+            corners: by_axis!(corner => by_axis!(axis => {
+                f32x8::splat(simd, self.corners[corner][axis][lane]) + offset[axis]
+            })),
+            normal: by_axis!(axis => f32x8::splat(simd, self.normal[axis][lane])),
+            width: f32x8::splat(simd, self.width[lane]),
+        }
+    }
+}
+
+struct Triangle<S: Simd> {
+    corners: [Lanes3<S>; 3],
+    normal: Lanes3<S>,
+    width: f32x8<S>,
+}
+
+/// The host's eight triangles, ready for any number of guests.
+struct Side<S: Simd> {
+    simd: S,
+    triangle: Triangle<S>,
+    error: f32x8<S>,
+}
+
+impl<S: Simd> Side<S> {
+    #[inline(always)]
+    fn new(simd: S, corners: [Lanes3<S>; 3], width: f32x8<S>, error: f32) -> Self {
+        let normal = cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0]));
+        Self { simd, triangle: Triangle { corners, normal, width }, error: f32x8::splat(simd, error) }
+    }
+
+    /// Judges one guest against the host lanes of `near`, whose boxes overlap its own.
+    #[inline(always)]
+    fn judge(&self, guest: &Triangle<S>, near: u32) -> Verdict {
+        let host = &self.triangle;
+        let margin = self.error * 4.0;
+        let (x, z) = (host.width + margin, guest.width + margin);
+        // Corners of boxes that overlap when grown by the error are no farther apart than both widths and that.
+        let y = host.width + guest.width + margin + margin;
+        let host_plane = self.bound(x, x, y);
+        let guest_plane = self.bound(z, z, y);
+
+        let guest_heights: [f32x8<S>; 3] =
+            by_axis!(corner => dot(&host.normal, &sub(&guest.corners[corner], &host.corners[0])));
+        let host_heights: [f32x8<S>; 3] =
+            by_axis!(corner => dot(&guest.normal, &sub(&host.corners[corner], &guest.corners[0])));
+        let apart = one_sided(&guest_heights, host_plane) | one_sided(&host_heights, guest_plane);
+        let near = near & !(apart.to_bitmask() as u32);
+        if near == 0 {
+            return Verdict::default();
+        }
+        let certain = all_certain(&guest_heights, host_plane) & all_certain(&host_heights, guest_plane);
+
+        // Each triangle's corner that is alone on its side of the other's plane comes first, and a triangle is turned
+        // over where the other's lone corner lies below it.
+        let (host_lone, guest_lone) = (Lone::of(&host_heights), Lone::of(&guest_heights));
+        let zero = f32x8::splat(self.simd, 0.0);
+        let (host_first, host_rest) = host_lone.canonical(&host.corners, guest_lone.height.simd_lt(zero));
+        let (guest_first, guest_rest) = guest_lone.canonical(&guest.corners, host_lone.height.simd_lt(zero));
+        let between = sub(&guest_first, &host_first);
+        let edge_bound = self.bound(x, z, y);
+        let start = dot(&cross(&sub(&host_rest[0], &host_first), &sub(&guest_rest[0], &guest_first)), &between);
+        let end = dot(&cross(&sub(&host_rest[1], &host_first), &sub(&guest_rest[1], &guest_first)), &between);
+        let meets = certain & start.simd_gt(edge_bound) & end.simd_lt(-edge_bound);
+        let misses = certain & (start.simd_lt(-edge_bound) | end.simd_gt(edge_bound));
+        let meets = meets.to_bitmask() as u32 & near;
+        let misses = misses.to_bitmask() as u32;
+        Verdict { meets, open: near & !meets & !misses }
+    }
+
+    /// The bound of a determinant's error; see the head of this file.
+    #[inline(always)]
+    fn bound(&self, x: f32x8<S>, z: f32x8<S>, y: f32x8<S>) -> f32x8<S> {
+        let product = x * z;
+        let rounding = f32x8::splat(self.simd, 72.0 * HALF_ULP as f32);
+        let edges = product.mul_add(f32x8::splat(self.simd, 6.0), y * (x + z) * 16.0);
+        self.error.mul_add(edges, rounding * product * y)
+    }
+}
+
+/// Which corner is alone on its side of the other's plane, by lane; the first unless a mask says otherwise. Only
+/// meaningful where the three heights are not all of one sign.
+struct Lone<S: Simd> {
+    second: mask32x8<S>,
+    third: mask32x8<S>,
+    height: f32x8<S>,
+}
+
+impl<S: Simd> Lone<S> {
+    #[inline(always)]
+    fn of(heights: &[f32x8<S>; 3]) -> Self {
+        let zero = f32x8::splat(heights[0].token(), 0.0);
+        let above: [mask32x8<S>; 3] = by_axis!(corner => heights[corner].simd_gt(zero));
+        let second = (above[1] ^ above[0]) & (above[1] ^ above[2]);
+        let third = (above[2] ^ above[0]) & (above[2] ^ above[1]);
+        Self { second, third, height: second.select(heights[1], third.select(heights[2], heights[0])) }
+    }
+
+    /// The lone corner, and the other two in turn, or in reverse where the triangle is turned `over`.
+    #[inline(always)]
+    fn canonical(&self, corners: &[Lanes3<S>; 3], over: mask32x8<S>) -> (Lanes3<S>, [Lanes3<S>; 2]) {
+        let [p, q, r] = corners;
+        let first = by_axis!(axis => self.second.select(q[axis], self.third.select(r[axis], p[axis])));
+        let next: Lanes3<S> = by_axis!(axis => self.second.select(r[axis], self.third.select(p[axis], q[axis])));
+        let last: Lanes3<S> = by_axis!(axis => self.second.select(p[axis], self.third.select(q[axis], r[axis])));
+        let turned = [
+            by_axis!(axis => over.select(last[axis], next[axis])),
+            by_axis!(axis => over.select(next[axis], last[axis])),
+        ];
+        (first, turned)
+    }
+}
+
+/// Lanes in which all three heights are certainly on one side.
+#[inline(always)]
+fn one_sided<S: Simd>(heights: &[f32x8<S>; 3], bound: f32x8<S>) -> mask32x8<S> {
+    let [a, b, c] = *heights;
+    (a.simd_gt(bound) & b.simd_gt(bound) & c.simd_gt(bound))
+        | (a.simd_lt(-bound) & b.simd_lt(-bound) & c.simd_lt(-bound))
+}
+
+/// Lanes in which all three signs are certain.
+#[inline(always)]
+fn all_certain<S: Simd>(heights: &[f32x8<S>; 3], bound: f32x8<S>) -> mask32x8<S> {
+    heights[0].abs().simd_gt(bound) & heights[1].abs().simd_gt(bound) & heights[2].abs().simd_gt(bound)
+}
+
+#[inline(always)]
+fn bounds<S: Simd>(corners: &[Lanes3<S>; 3]) -> (Lanes3<S>, Lanes3<S>) {
+    let [p, q, r] = corners;
+    (by_axis!(axis => p[axis].min(q[axis]).min(r[axis])), by_axis!(axis => p[axis].max(q[axis]).max(r[axis])))
+}
+
+/// The greatest extent of a box.
+#[inline(always)]
+fn width<S: Simd>(min: &Lanes3<S>, max: &Lanes3<S>) -> f32x8<S> {
+    let [x, y, z] = sub(max, min);
+    x.max(y).max(z)
+}
+
+#[inline(always)]
+fn sub<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> Lanes3<S> {
+    by_axis!(axis => a[axis] - b[axis])
+}
+
+#[inline(always)]
+fn cross<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> Lanes3<S> {
+    [a[1].mul_sub(b[2], a[2] * b[1]), a[2].mul_sub(b[0], a[0] * b[2]), a[0].mul_sub(b[1], a[1] * b[0])]
+}
+
+#[inline(always)]
+fn dot<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> f32x8<S> {
+    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
+}
+
+#[inline(always)]
+fn load3<S: Simd>(simd: S, lanes: &[[f32; LANES]; 3]) -> Lanes3<S> {
+    by_axis!(axis => load(simd, &lanes[axis]))
+}
+
+#[inline(always)]
+fn store3<S: Simd>(values: &Lanes3<S>, lanes: &mut [[f32; LANES]; 3]) {
+    for axis in 0..3 {
+        values[axis].store_slice(&mut lanes[axis]);
+    }
+}

@@ -1,0 +1,41 @@
+//! The door: arrays are judged once, so that no query can fail.
+
+use rayon::prelude::*;
+
+use super::positions::Positions;
+use crate::input::{InputError, InputErrorKind};
+
+/// Coordinates stay below this magnitude, which every finite single precision number does: the range of the proofs.
+const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
+
+/// Leaves and nodes are numbered with 31 bits, and there are at most as many as faces.
+const MOST_FACES: usize = 1 << 31;
+
+pub(super) fn judge(positions: &Positions, faces: &[[u32; 3]]) -> Result<(), InputError> {
+    let too_many = |what, count| Err(InputError::new(InputErrorKind::TooMany { what, count }));
+    if positions.len() > u32::MAX as usize {
+        return too_many("vertices", positions.len());
+    }
+    if faces.len() >= MOST_FACES {
+        return too_many("faces", faces.len());
+    }
+    let broken = match positions {
+        Positions::F32(vertices) => vertices.par_iter().position_first(|v| !v.iter().all(|x| x.is_finite())),
+        Positions::F64(vertices) => vertices.par_iter().position_first(|v| !v.iter().all(|x| x.abs() < LIMIT)),
+    };
+    if let Some(index) = broken {
+        let finite = positions.get(index).iter().all(|x| x.is_finite());
+        return Err(InputError::new(if finite {
+            InputErrorKind::OutOfRange { what: "vertex", index, limit: "2^128" }
+        } else {
+            InputErrorKind::NonFinite { what: "vertex", index }
+        }));
+    }
+    let len = positions.len();
+    let lost = faces.par_iter().position_first(|face| face.iter().any(|&vertex| vertex as usize >= len));
+    if let Some(face) = lost {
+        let index = faces[face].into_iter().find(|&vertex| vertex as usize >= len).unwrap_or_default();
+        return Err(InputError::new(InputErrorKind::IndexOutOfBounds { face, index, len }));
+    }
+    Ok(())
+}

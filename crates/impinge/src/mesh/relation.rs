@@ -1,0 +1,60 @@
+//! How one mesh's packed frame lies in the other's: the map that the descent and the filter carry boxes and corners by.
+
+use super::frame::{PackedFrame, REACH};
+use crate::hierarchy::BoxMap;
+use crate::math::RelativeMap;
+
+/// The map from the guest's packed frame into the host's, in double precision, and how far it may be off.
+#[derive(Clone, Debug)]
+pub(crate) struct Relation {
+    pub(crate) linear: [[f64; 3]; 3],
+    pub(crate) translation: [f64; 3],
+    /// No image of a packed point is off by more on any axis.
+    pub(crate) error: f64,
+    /// The greatest sum of magnitudes in a row: no image of a vector is larger than this times the vector.
+    pub(crate) stretch: f64,
+    pub(crate) boxes: BoxMap,
+}
+
+impl Relation {
+    /// # Accuracy
+    /// The relative map brings its own bound. The two changes of frame add five roundings of terms of at most
+    /// |linear|·|guest origin| + |translation| + |host origin| on an axis; scales are powers of two and round nothing.
+    pub(crate) fn new(host_from_guest: &RelativeMap, host: &PackedFrame, guest: &PackedFrame) -> Self {
+        const ROUNDING: f64 = 8.0 * (f64::EPSILON / 2.0);
+        /// Makes up for the evaluation of the bounds themselves.
+        const OUTWARD: f64 = 1.0 + 1e-12;
+        let local = host_from_guest;
+        let ratio = host.scale / guest.scale;
+        let linear = local.linear.map(|row| row.map(|x| x * ratio));
+        let mut translation = [0.0; 3];
+        let mut error = [0.0; 3];
+        for axis in 0..3 {
+            let (row, row_error) = (&local.linear[axis], &local.linear_error[axis]);
+            let moved = (row[0] * guest.origin[0] + row[1] * guest.origin[1]) + row[2] * guest.origin[2];
+            translation[axis] = ((moved + local.translation[axis]) - host.origin[axis]) * host.scale;
+            let mut terms = local.translation[axis].abs() + host.origin[axis].abs();
+            let mut carried = local.translation_error[axis];
+            let mut per_unit = 0.0;
+            for from in 0..3 {
+                terms += row[from].abs() * guest.origin[from].abs();
+                carried += row_error[from] * guest.origin[from].abs();
+                per_unit += row_error[from];
+            }
+            error[axis] = ((ROUNDING * terms + carried) * host.scale + per_unit * ratio * REACH) * OUTWARD;
+        }
+        let stretch = linear.iter().map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max) * OUTWARD;
+        let boxes = BoxMap::new(&linear, &translation, &error, REACH);
+        Self { linear, translation, error: error.into_iter().fold(0.0, f64::max), stretch, boxes }
+    }
+
+    /// The image of a packed point, to nearest.
+    #[inline(always)]
+    pub(crate) fn apply(&self, point: [f32; 3]) -> [f64; 3] {
+        std::array::from_fn(|axis| {
+            let row = &self.linear[axis];
+            let [x, y, z] = point.map(f64::from);
+            row[0] * x + row[1] * y + row[2] * z + self.translation[axis]
+        })
+    }
+}

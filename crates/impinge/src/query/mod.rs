@@ -1,0 +1,59 @@
+//! The questions one asks of two meshes. They take judged meshes and poses, and so cannot fail.
+
+use crate::mesh::{Options, Placed, Stop, visit_intersecting};
+
+/// Whether the surfaces of two meshes have a point in common; touching counts.
+///
+/// The answer is the truth about the real images of the closed triangles under the given maps: no tolerance, no scale.
+///
+/// # Complexity
+/// Stops at the first pair found: logarithmic where the meshes are deep in each other or well apart.
+#[must_use]
+pub fn intersects<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> bool {
+    intersects_with(a, b, &Options::default())
+}
+
+/// [`intersects`], run in a stated way.
+#[must_use]
+pub fn intersects_with<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, options: &Options) -> bool {
+    let met = visit_intersecting(a.into(), b.into(), options, |met: &mut bool, _, _| {
+        *met = true;
+        Stop::Break(())
+    });
+    met.into_iter().any(|met| met)
+}
+
+/// Every pair of faces (of `a`, of `b`) that have a point in common, sorted, without duplicates.
+///
+/// ```
+/// use impinge::{Mesh, Pose, Positions, query};
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 1, 2]])?;
+/// let touching = Pose::from_translation([1.0, 0.0, 0.0])?;
+/// assert_eq!(query::intersecting_pairs(&mesh, mesh.at(touching)), [[0, 0]]);
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+///
+/// # Complexity
+/// Grows with the pairs of boxes that overlap near the intersection, on all cores of the current rayon pool.
+#[must_use]
+pub fn intersecting_pairs<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Vec<[u32; 2]> {
+    intersecting_pairs_with(a, b, &Options::default())
+}
+
+/// [`intersecting_pairs`], run in a stated way.
+#[must_use]
+pub fn intersecting_pairs_with<'a, 'b>(
+    a: impl Into<Placed<'a>>,
+    b: impl Into<Placed<'b>>,
+    options: &Options,
+) -> Vec<[u32; 2]> {
+    let found = visit_intersecting(a.into(), b.into(), options, |pairs: &mut Vec<u64>, face_a, face_b| {
+        pairs.push(u64::from(face_a) << 32 | u64::from(face_b));
+        Stop::Continue(())
+    });
+    let mut pairs = found.concat();
+    pairs.sort_unstable();
+    pairs.into_iter().map(|pair| [(pair >> 32) as u32, pair as u32]).collect()
+}

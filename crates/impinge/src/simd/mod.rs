@@ -1,0 +1,61 @@
+//! The vector units of the processor, found at run time.
+//!
+//! Kernels are written once over [`fearless_simd`]'s lanes and compiled for every [`Level`]; the best one that the
+//! processor has is chosen when a query starts. No answer depends on the level: lanes only ever *reject* or
+//! *confirm* within proved bounds, and what they leave open is decided exactly.
+
+mod prefetch;
+
+/// `[body, body, body]` with `axis` 0, 1, 2. A closure would do, but one that the compiler leaves out of line loses the
+/// vector unit of its caller.
+macro_rules! by_axis {
+    ($axis:ident => $body:expr) => {
+        [
+            {
+                let $axis = 0;
+                $body
+            },
+            {
+                let $axis = 1;
+                $body
+            },
+            {
+                let $axis = 2;
+                $body
+            },
+        ]
+    };
+}
+
+pub(crate) use by_axis;
+
+pub(crate) use prefetch::prefetch;
+
+pub use fearless_simd::Level;
+
+/// Lanes that the boxes of a node and the triangles of a packet fill: one 256-bit vector of single precision,
+/// which narrower levels split and wider ones do not gain from (a 512-bit compare costs two 256-bit ones there).
+pub const LANES: usize = 8;
+
+/// The level that queries use unless told otherwise: the widest that this processor has.
+#[must_use]
+pub fn best_level() -> Level {
+    Level::new()
+}
+
+/// Every level that this processor can run, the scalar one first; tests ask each of them the same questions.
+#[must_use]
+pub fn levels() -> Vec<(&'static str, Level)> {
+    let best = best_level();
+    let mut levels = vec![("scalar", Level::fallback())];
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    {
+        levels.extend(best.as_sse2().map(|token| ("sse2", Level::Sse2(token))));
+        levels.extend(best.as_sse4_2().map(|token| ("sse4.2", Level::Sse4_2(token))));
+        levels.extend(best.as_avx2().map(|token| ("avx2", Level::Avx2(token))));
+        levels.extend(best.as_avx512().map(|token| ("avx512", Level::Avx512(token))));
+    }
+    #[cfg(target_arch = "aarch64")]
+    levels.extend(best.as_neon().map(|token| ("neon", Level::Neon(token))));
+    levels
+}
