@@ -7,15 +7,15 @@ use std::ops::ControlFlow;
 
 use fearless_simd::Simd;
 
-use super::lanes::{BoxMap, overlapping};
+use super::lanes::{BoxLanes, BoxMap, load3, overlapping};
 use super::wide::{Child, Node};
-use crate::simd::{LANES, prefetch};
+use crate::simd::{LANES, by_axis, prefetch};
 use crate::volume::Aabb;
 
 /// What happens at the leaves, which the hierarchy does not understand.
 pub(crate) trait LeafVisitor {
-    /// Takes up a guest leaf: the calls of [`pair`](Self::pair) that follow mean this one. Returns bounds of all that
-    /// it holds, in the host's frame.
+    /// Takes up a guest leaf, if it is not the one taken up last: the calls of [`pair`](Self::pair) that follow mean
+    /// this one. Returns bounds of all that it holds, in the host's frame.
     fn take_up<S: Simd>(&mut self, simd: S, guest_leaf: u32) -> Aabb;
 
     /// Meets the guest leaf taken up last with a host leaf.
@@ -39,6 +39,18 @@ pub(crate) struct Task {
 /// Tasks wait here between the stack and their turn, while the memory that they need is on its way. Fewer hide less of
 /// its latency; more push each other's lines out of the first cache.
 const QUEUE: usize = 8;
+
+/// The guest node carried over last, and its boxes in the host's frame.
+pub(crate) struct Carried {
+    node: u32,
+    boxes: BoxLanes,
+}
+
+impl Default for Carried {
+    fn default() -> Self {
+        Self { node: u32::MAX, boxes: BoxLanes::default() }
+    }
+}
 
 /// The nodes of two trees and the map between them.
 pub(crate) struct Descent<'a> {
@@ -68,6 +80,7 @@ impl Descent<'_> {
     ) -> ControlFlow<()> {
         let mut queue = [Task { guest: Child::Inner(0), host: 0, host_lanes: 0 }; QUEUE];
         let (mut next, mut waiting) = (0, 0);
+        let mut carried = Carried::default();
         loop {
             while waiting < QUEUE
                 && let Some(task) = stack.pop()
@@ -82,7 +95,7 @@ impl Descent<'_> {
             let task = queue[next];
             next = (next + 1) % QUEUE;
             waiting -= 1;
-            self.open(simd, task, visitor, stack)?;
+            self.open(simd, task, visitor, &mut carried, stack)?;
         }
     }
 
@@ -93,52 +106,69 @@ impl Descent<'_> {
         simd: S,
         task: Task,
         visitor: &mut V,
+        carried: &mut Carried,
         below: &mut Vec<Task>,
     ) -> ControlFlow<()> {
         match task.guest {
             Child::Inner(guest) => {
-                self.open_guest(simd, task, &self.guest[guest as usize], below);
+                self.open_guest(simd, task, guest, carried, below);
                 ControlFlow::Continue(())
             }
             Child::Leaf(leaf) => self.meet_guest(simd, task, leaf, visitor, below),
         }
     }
 
-    /// A guest node against host children: inner ones are opened at once, leaves wait for the guest's children.
+    /// A guest node against host children: inner ones are opened at once, leaves wait for the guest's children. The
+    /// tasks of one guest child are left side by side, so that it is carried over once for all of them.
     #[inline(always)]
-    fn open_guest<S: Simd>(&self, simd: S, task: Task, guest: &Node, below: &mut Vec<Task>) {
-        let guests = self.map.apply(simd, guest);
+    fn open_guest<S: Simd>(&self, simd: S, task: Task, index: u32, carried: &mut Carried, below: &mut Vec<Task>) {
+        let guest = &self.guest[index as usize];
+        if carried.node != index {
+            carried.node = index;
+            carried.boxes = self.map.apply(simd, guest);
+        }
+        let guests = &carried.boxes;
         let parent = &self.host[task.host as usize];
+        // What each guest child meets: children of up to eight inner host children, and leaves among these.
+        let mut met = [[0_u8; LANES]; LANES];
+        let mut met_leaves = [0_u8; LANES];
+        let mut any = 0;
         for lane in bits(u32::from(task.host_lanes)) {
             match parent.child(lane) {
                 Child::Inner(host) => {
                     let node = &self.host[host as usize];
                     let in_use = lanes_in_use(node);
-                    let mut met = 0_u64;
-                    for (guest_lane, bounds) in (0..guest.count()).map(|lane| (lane, guests.lane(lane))) {
-                        let lanes = overlapping(simd, (&node.min, &node.max), &bounds) & in_use;
-                        met |= u64::from(lanes) << (LANES * guest_lane);
-                    }
-                    while met != 0 {
-                        let guest_lane = met.trailing_zeros() as usize / LANES;
-                        let host_lanes = (met >> (LANES * guest_lane)) as u8;
-                        met &= !(0xff << (LANES * guest_lane));
-                        below.push(Task { guest: guest.child(guest_lane), host, host_lanes });
+                    let (min, max) = (load3(simd, &node.min), load3(simd, &node.max));
+                    for guest_lane in 0..guest.count() {
+                        let lanes = overlapping(simd, (&min, &max), &guests.lane(guest_lane)) & in_use;
+                        met[guest_lane][lane] = lanes as u8;
+                        any |= u32::from(lanes != 0) << guest_lane;
                     }
                 }
                 Child::Leaf(_) => {
                     let bounds = Aabb {
-                        min: std::array::from_fn(|axis| parent.min[axis][lane]),
-                        max: std::array::from_fn(|axis| parent.max[axis][lane]),
+                        min: by_axis!(axis => parent.min[axis][lane]),
+                        max: by_axis!(axis => parent.max[axis][lane]),
                     };
-                    let met = overlapping(simd, (&guests.min, &guests.max), &bounds) & lanes_in_use(guest);
-                    for guest_lane in bits(met) {
-                        below.push(Task {
-                            guest: guest.child(guest_lane),
-                            host: task.host,
-                            host_lanes: 1 << lane,
-                        });
+                    let lanes = overlapping(simd, (&load3(simd, &guests.min), &load3(simd, &guests.max)), &bounds) & lanes_in_use(guest);
+                    for guest_lane in bits(lanes) {
+                        met_leaves[guest_lane] |= 1 << lane;
                     }
+                    any |= lanes;
+                }
+            }
+        }
+        for guest_lane in bits(any) {
+            let child = guest.child(guest_lane);
+            if met_leaves[guest_lane] != 0 {
+                below.push(Task { guest: child, host: task.host, host_lanes: met_leaves[guest_lane] });
+            }
+            for lane in bits(u32::from(task.host_lanes)) {
+                let host_lanes = met[guest_lane][lane];
+                if host_lanes != 0
+                    && let Child::Inner(host) = parent.child(lane)
+                {
+                    below.push(Task { guest: child, host, host_lanes });
                 }
             }
         }
@@ -156,12 +186,12 @@ impl Descent<'_> {
     ) -> ControlFlow<()> {
         let bounds = visitor.take_up(simd, leaf);
         let parent = &self.host[task.host as usize];
-        let still = overlapping(simd, (&parent.min, &parent.max), &bounds) & u32::from(task.host_lanes);
+        let still = overlapping(simd, (&load3(simd, &parent.min), &load3(simd, &parent.max)), &bounds) & u32::from(task.host_lanes);
         for lane in bits(still) {
             match parent.child(lane) {
                 Child::Inner(host) => {
                     let node = &self.host[host as usize];
-                    let lanes = overlapping(simd, (&node.min, &node.max), &bounds) & lanes_in_use(node);
+                    let lanes = overlapping(simd, (&load3(simd, &node.min), &load3(simd, &node.max)), &bounds) & lanes_in_use(node);
                     if lanes != 0 {
                         below.push(Task { guest: task.guest, host, host_lanes: lanes as u8 });
                     }

@@ -4,7 +4,7 @@
 //! Ericson 4.2.6), in single precision with the rounding error carried as a bound.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, f32x8, mask32x8};
 
 use super::wide::Node;
 use crate::simd::{LANES, by_axis};
@@ -97,18 +97,21 @@ impl BoxLanes {
     }
 }
 
-/// The lanes of `boxes` that are not proved apart from `one`, as bits. A comparison with NaN proves nothing, so that a
-/// bound that overflowed costs time and never a pair.
+/// The lanes whose boxes are not proved apart from `one`, as bits. A comparison with NaN proves nothing, so that a bound
+/// that overflowed costs time and never a pair.
 #[inline(always)]
-pub(crate) fn overlapping<S: Simd>(simd: S, boxes: (&[[f32; LANES]; 3], &[[f32; LANES]; 3]), one: &Aabb) -> u32 {
+pub(crate) fn overlapping<S: Simd>(simd: S, boxes: (&[f32x8<S>; 3], &[f32x8<S>; 3]), one: &Aabb) -> u32 {
     let (min, max) = boxes;
-    let mut apart = load(simd, &min[0]).simd_gt(f32x8::splat(simd, one.max[0]));
-    apart |= load(simd, &max[0]).simd_lt(f32x8::splat(simd, one.min[0]));
-    for axis in 1..3 {
-        apart |= load(simd, &min[axis]).simd_gt(f32x8::splat(simd, one.max[axis]));
-        apart |= load(simd, &max[axis]).simd_lt(f32x8::splat(simd, one.min[axis]));
-    }
-    !(apart.to_bitmask() as u32) & 0xff
+    let apart: [mask32x8<S>; 3] = by_axis!(axis => {
+        min[axis].simd_gt(f32x8::splat(simd, one.max[axis])) | max[axis].simd_lt(f32x8::splat(simd, one.min[axis]))
+    });
+    !((apart[0] | apart[1] | apart[2]).to_bitmask() as u32) & 0xff
+}
+
+/// One coordinate triple in each lane.
+#[inline(always)]
+pub(crate) fn load3<S: Simd>(simd: S, lanes: &[[f32; LANES]; 3]) -> [f32x8<S>; 3] {
+    by_axis!(axis => load(simd, &lanes[axis]))
 }
 
 #[inline(always)]

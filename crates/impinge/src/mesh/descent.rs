@@ -12,7 +12,7 @@ use super::packet::Packet;
 use super::relation::Relation;
 use super::{Mesh, Placed};
 use crate::exact::{Placement, triangles_intersect};
-use crate::hierarchy::{Descent, LEAF_CAPACITY, LeafVisitor, Task, bits};
+use crate::hierarchy::{Carried, Descent, LEAF_CAPACITY, LeafVisitor, Task, bits};
 use crate::math::RelativeMap;
 use crate::simd::{self, LANES, Level, prefetch};
 use crate::volume::Aabb;
@@ -73,8 +73,8 @@ pub(crate) fn visit_intersecting<C: Default + Send>(
         host: host.leaves(),
         guest: guest.leaves(),
         relation: &relation,
-        taken_up: Guest::default(),
-        guest_leaf: 0,
+        taken_up: Guest::EMPTY,
+        guest_leaf: u32::MAX,
         placement: &placement,
         swapped,
         stopped: &stopped,
@@ -117,8 +117,9 @@ fn expand<S: Simd, V: LeafVisitor>(
 ) {
     while !tasks.is_empty() && tasks.len() < enough {
         let mut below = Vec::with_capacity(4 * tasks.len());
+        let mut carried = Carried::default();
         for task in tasks.drain(..) {
-            if descent.open(simd, task, visitor, &mut below).is_break() {
+            if descent.open(simd, task, visitor, &mut carried, &mut below).is_break() {
                 below.clear();
                 break;
             }
@@ -202,9 +203,11 @@ impl<C, F: Fn(&mut C, u32, u32) -> Stop> Pairs<'_, C, F> {
 impl<C, F: Fn(&mut C, u32, u32) -> Stop> LeafVisitor for Pairs<'_, C, F> {
     #[inline(always)]
     fn take_up<S: Simd>(&mut self, simd: S, guest_leaf: u32) -> Aabb {
-        self.guest_leaf = guest_leaf;
-        self.taken_up.take_up(simd, &self.guest.packets[guest_leaf as usize], self.relation);
-        self.taken_up.bounds(simd)
+        if self.guest_leaf != guest_leaf {
+            self.guest_leaf = guest_leaf;
+            self.taken_up.take_up(simd, &self.guest.packets[guest_leaf as usize], self.relation);
+        }
+        self.taken_up.bounds
     }
 
     #[inline(always)]

@@ -23,7 +23,7 @@ use fearless_simd::{Simd, f32x8, mask32x8};
 use super::frame::PACKING_ERROR;
 use super::packet::Packet;
 use super::relation::Relation;
-use crate::hierarchy::{BoxLanes, HALF_ULP, bits, load, overlapping};
+use crate::hierarchy::{BoxLanes, HALF_ULP, bits, load, load3, overlapping};
 use crate::simd::{LANES, by_axis};
 use crate::volume::Aabb;
 
@@ -38,7 +38,7 @@ pub(crate) struct Verdict {
 const LEAST_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// A guest packet, turned into the host's orientation but not moved: each host packet has its own anchor.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct Guest {
     corners: [[[f32; LANES]; 3]; 3],
@@ -52,12 +52,27 @@ pub(crate) struct Guest {
     anchor: [f64; 3],
     /// What the turned corners may be off by, before they are moved to a host anchor.
     error: f64,
+    /// Bounds of the packet in the host's packed frame.
+    pub(crate) bounds: Aabb,
 }
 
 /// Three coordinates in each lane.
 type Lanes3<S> = [f32x8<S>; 3];
 
 impl Guest {
+    /// No triangles.
+    pub(crate) const EMPTY: Self = Self {
+        corners: [[[0.0; LANES]; 3]; 3],
+        normal: [[0.0; LANES]; 3],
+        min: [[0.0; LANES]; 3],
+        max: [[0.0; LANES]; 3],
+        width: [0.0; LANES],
+        count: 0,
+        anchor: [0.0; 3],
+        error: 0.0,
+        bounds: Aabb::EMPTY,
+    };
+
     /// Turns a packet.
     #[inline(always)]
     pub(crate) fn take_up<S: Simd>(&mut self, simd: S, packet: &Packet, relation: &Relation) {
@@ -81,18 +96,14 @@ impl Guest {
         // then packing in double precision, and the anchor's image with its five roundings.
         self.error = relation.stretch * (6.0 * HALF_ULP * f64::from(packet.radius) + PACKING_ERROR)
             + relation.error
-            + PACKING_ERROR * (relation.stretch + self.anchor.iter().fold(0.0, |m, x| x.abs().max(m)));
-    }
-
-    /// Bounds of the packet in the host's packed frame.
-    #[inline(always)]
-    pub(crate) fn bounds<S: Simd>(&self, simd: S) -> Aabb {
-        let min: [f32; 3] = by_axis!(axis => load(simd, &self.min[axis]).reduce_min());
-        let max: [f32; 3] = by_axis!(axis => load(simd, &self.max[axis]).reduce_max());
-        Aabb {
-            min: by_axis!(axis => ((self.anchor[axis] + f64::from(min[axis]) - self.error) as f32).next_down()),
-            max: by_axis!(axis => ((self.anchor[axis] + f64::from(max[axis]) + self.error) as f32).next_up()),
-        }
+            + PACKING_ERROR * (relation.stretch + self.anchor[0].abs().max(self.anchor[1].abs()).max(self.anchor[2].abs()));
+        let least: [f32; 3] = by_axis!(axis => min[axis].reduce_min());
+        let greatest: [f32; 3] = by_axis!(axis => max[axis].reduce_max());
+        let (anchor, error) = (&self.anchor, self.error);
+        self.bounds = Aabb {
+            min: by_axis!(axis => ((anchor[axis] + f64::from(least[axis]) - error) as f32).next_down()),
+            max: by_axis!(axis => ((anchor[axis] + f64::from(greatest[axis]) + error) as f32).next_up()),
+        };
     }
 
     /// Meets all triangles of the guest with all of a host packet: a verdict for each guest lane of which the bits
@@ -109,9 +120,6 @@ impl Guest {
 
         let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.corners[corner]));
         let (host_min, host_max) = bounds(&host_corners);
-        let (mut boxes_min, mut boxes_max) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
-        store3(&host_min, &mut boxes_min);
-        store3(&host_max, &mut boxes_max);
         let slack = f32x8::splat(simd, error);
         let mut moved = BoxLanes::default();
         for axis in 0..3 {
@@ -122,7 +130,7 @@ impl Guest {
         let mut near = [0_u32; LANES];
         let mut any = 0;
         for lane in 0..self.count {
-            near[lane] = overlapping(simd, (&boxes_min, &boxes_max), &moved.lane(lane)) & in_use;
+            near[lane] = overlapping(simd, (&host_min, &host_max), &moved.lane(lane)) & in_use;
             any |= u32::from(near[lane] != 0) << lane;
         }
         if any == 0 {
@@ -293,11 +301,6 @@ fn cross<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> Lanes3<S> {
 #[inline(always)]
 fn dot<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> f32x8<S> {
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
-}
-
-#[inline(always)]
-fn load3<S: Simd>(simd: S, lanes: &[[f32; LANES]; 3]) -> Lanes3<S> {
-    by_axis!(axis => load(simd, &lanes[axis]))
 }
 
 #[inline(always)]
