@@ -27,9 +27,7 @@ pub(crate) fn check(root: &Path) -> Result<Vec<Violation>> {
             }
         } else if shown.file_name().is_some_and(|name| name == "Cargo.toml") {
             let manifest: toml::Table = text.parse().with_context(|| format!("reading {}", shown.display()))?;
-            let holds_home =
-                shown.parent().is_some_and(|folder| HOMES.iter().any(|home| Path::new(home).starts_with(folder)));
-            if let Some(what) = judge_manifest(&manifest, holds_home) {
+            if let Some(what) = judge_manifest(&manifest) {
                 report(1, what);
             }
         }
@@ -62,8 +60,8 @@ fn find_unsafe(tokens: TokenStream, report: &mut impl FnMut(usize, String)) {
     }
 }
 
-/// What is wrong with the lints of a manifest; one that holds a home denies `unsafe_code`, as `forbid` cannot be lifted there.
-fn judge_manifest(manifest: &toml::Table, holds_home: bool) -> Option<String> {
+/// What is wrong with the lints of a manifest; they deny `unsafe_code`, as `forbid` could not be lifted in the homes.
+fn judge_manifest(manifest: &toml::Table) -> Option<String> {
     let lints = |table: &toml::Table| {
         let level = table.get("lints")?.get("rust")?.get("unsafe_code")?;
         level.as_str().or_else(|| level.get("level")?.as_str()).map(str::to_owned)
@@ -74,9 +72,8 @@ fn judge_manifest(manifest: &toml::Table, holds_home: bool) -> Option<String> {
         None => lints(manifest),
     };
     match level.as_deref() {
-        Some("forbid") => None,
-        Some("deny") if holds_home && !manifest.contains_key("workspace") => None,
-        Some(level) => Some(format!("the lint `unsafe_code` is at `{level}`: `forbid` it")),
+        Some("forbid" | "deny") => None,
+        Some(level) => Some(format!("the lint `unsafe_code` is at `{level}`: `deny` it")),
         None => Some("no lint on `unsafe_code`: inherit the lints of the workspace".to_owned()),
     }
 }
@@ -112,14 +109,14 @@ mod tests {
     }
 
     #[test]
-    fn only_a_crate_with_a_home_may_deny_instead_of_forbid() {
-        let judge = |text: &str, holds_home| judge_manifest(&text.parse().unwrap(), holds_home).is_none();
-        assert!(judge("[lints]\nworkspace = true", false));
-        assert!(judge("[lints.rust]\nunsafe_code = { level = \"deny\" }", true));
-        assert!(!judge("[lints.rust]\nunsafe_code = \"deny\"", false));
-        assert!(!judge("[lints.rust]\nunsafe_code = \"warn\"", true));
-        assert!(!judge("[package]\nname = \"a\"", true));
-        assert!(judge("[workspace.lints.rust]\nunsafe_code = \"forbid\"", false));
-        assert!(!judge("[workspace.lints.rust]\nunsafe_code = \"deny\"", true));
+    fn every_manifest_denies_unsafe_code() {
+        let passes = |text: &str| judge_manifest(&text.parse().unwrap()).is_none();
+        assert!(passes("[lints]\nworkspace = true"));
+        assert!(passes("[lints.rust]\nunsafe_code = { level = \"deny\" }"));
+        assert!(passes("[workspace.lints.rust]\nunsafe_code = \"forbid\""));
+        assert!(!passes("[workspace.lints.rust]\nunsafe_code = \"warn\""));
+        assert!(!passes("[lints]\nworkspace = false"));
+        assert!(!passes("[lints.rust]\nunsafe_code = \"allow\""));
+        assert!(!passes("[package]\nname = \"a\""));
     }
 }
