@@ -43,7 +43,14 @@ fn main() -> Result<ExitCode> {
             println!("layers: {} violations", violations.len());
             violations.is_empty()
         }
-        Chore::FileLength => file_length::check(root)?,
+        Chore::FileLength => {
+            let found = file_length::check(root)?;
+            for (_, line) in &found {
+                println!("{line}");
+            }
+            println!("file-length: {} long files", found.len());
+            found.iter().all(|(verdict, _)| *verdict != file_length::Verdict::TooLong)
+        }
         Chore::Test => test_run::run(root)?,
     };
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
