@@ -1,2 +1,57 @@
-//! Chores of the workspace: `cargo xtask layers`.
-fn main() {}
+//! The chores of the workspace: `cargo xtask layers`, `cargo xtask file-length`, `cargo xtask test`.
+#![allow(clippy::print_stdout, reason = "a chore reports to the terminal")]
+
+mod file_length;
+mod layers;
+mod sources;
+mod test_run;
+mod unsafe_code;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use anyhow::{Context, Result};
+use clap::{Parser, Subcommand};
+
+/// The chores of the workspace.
+#[derive(Parser)]
+#[command(name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    chore: Chore,
+}
+
+#[derive(Subcommand)]
+enum Chore {
+    /// Fail on an import against the order of crates or modules, and on `unsafe` outside its homes.
+    Layers,
+    /// Warn of source files past 400 lines, fail on those past 800.
+    FileLength,
+    /// Run every test of the workspace and print their counts last.
+    Test,
+}
+
+fn main() -> Result<ExitCode> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask lies in the workspace")?;
+    let passed = match Arguments::parse().chore {
+        Chore::Layers => {
+            let mut violations = layers::check(root)?;
+            violations.extend(unsafe_code::check(root)?);
+            for violation in &violations {
+                println!("{violation}");
+            }
+            println!("layers: {} violations", violations.len());
+            violations.is_empty()
+        }
+        Chore::FileLength => {
+            let found = file_length::check(root)?;
+            for (_, line) in &found {
+                println!("{line}");
+            }
+            println!("file-length: {} long files", found.len());
+            found.iter().all(|(verdict, _)| *verdict != file_length::Verdict::TooLong)
+        }
+        Chore::Test => test_run::run(root)?,
+    };
+    Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}

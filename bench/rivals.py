@@ -1,0 +1,295 @@
+"""FCL, Coal and impinge on the same two meshes in one run, one thread each: build, all intersecting pairs, first hit.
+
+    python3 -m venv .venv && .venv/bin/pip install -r bench/requirements.txt
+    .venv/bin/python bench/rivals.py
+
+A mesh is a torus knot of two million triangles unless --nu and --nv say otherwise, set against itself moved. FCL
+and Coal get it as arrays, impinge as a PLY file of the same doubles. At full size FCL and Coal need 5 GB each, one
+after the other, and half a minute to build. The answers are compared: a rival that finds other pairs is no yardstick.
+"""
+
+import argparse
+import gc
+import json
+import os
+import platform
+import shlex
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from datetime import date
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+from torus_knot import torus_knot, write_ply
+
+ROOT = Path(__file__).resolve().parent.parent
+NO_LIMIT = 10**8  # contacts, more than any pose here has
+FIRST_HIT_CALLS = 100  # calls timed as one, as one takes microseconds
+COAL_TOLERANCE = 0.01  # share of pairs by which Coal may be off: it decides triangles by iteration
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where the second mesh stands: a rotation as a unit quaternion (w, x, y, z), then a translation."""
+
+    name: str
+    translation: tuple[float, float, float]
+    quaternion: tuple[float, float, float, float]
+
+    def rotation(self) -> np.ndarray:
+        """The (3, 3) matrix for column vectors."""
+        w, x, y, z = self.quaternion
+        return np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+
+
+@dataclass
+class Timing:
+    """One engine at one pose; every list holds the seconds of single runs."""
+
+    engine: str
+    pose: str
+    pairs: int
+    build_seconds: list[float]
+    all_pairs_seconds: list[float]
+    first_hit_seconds: list[float]
+
+
+Mesh = tuple[np.ndarray, np.ndarray]
+
+
+def poses() -> list[Pose]:
+    axis = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
+    half = 0.7 / 2  # rad
+    turn = (float(np.cos(half)), *(float(c) for c in np.sin(half) * axis))
+    return [
+        Pose("deep", (0.3, 0.2, 0.1), turn),
+        Pose("shallow", (4.5, 0.5, 0.3), turn),
+        Pose("apart", (6.0, 0.5, 0.3), turn),  # by 0.28, so that boxes overlap deep into both trees
+        Pose("far", (100.0, 0.0, 0.0), turn),  # costs a call and no descent: what every other first hit holds of it
+    ]
+
+
+def seconds(run: Callable[[], object]) -> float:
+    start = time.perf_counter()
+    run()
+    return time.perf_counter() - start
+
+
+def measure_fcl(mesh: Mesh, repeats: int) -> list[Timing]:
+    """FCL through python-fcl: BVHModel is its OBBRSS tree in double precision."""
+    import fcl
+
+    vertices, faces = mesh
+    model = fcl.BVHModel()
+    model.beginModel(len(faces), len(vertices))
+    model.addSubModel(vertices, faces.tolist())
+    build = [seconds(model.endModel)]  # adding the triangles one by one in Python is not held against it
+
+    # After the query python-fcl makes four arrays of each contact, which takes as long as the query did. That is not
+    # FCL's time: the class that it makes them of stops the call at the first.
+    contact = fcl.fcl.Contact
+
+    class Found(Exception):
+        pass
+
+    def stop() -> None:
+        raise Found
+
+    timings = []
+    for pose in poses():
+        a = fcl.CollisionObject(model, fcl.Transform())
+        b = fcl.CollisionObject(model, fcl.Transform(pose.rotation(), np.array(pose.translation)))
+
+        def query(limit: int, a=a, b=b) -> None:
+            try:
+                fcl.collide(a, b, fcl.CollisionRequest(num_max_contacts=limit, enable_contact=False))
+            except Found:
+                pass
+
+        result = fcl.CollisionResult()
+        fcl.collide(a, b, fcl.CollisionRequest(num_max_contacts=NO_LIMIT, enable_contact=False), result)
+        pairs = len({(c.b1, c.b2) for c in result.contacts})
+        fcl.fcl.Contact = stop
+        timings.append(time_queries("FCL", pose, pairs, build, query, repeats))
+        fcl.fcl.Contact = contact
+    return timings
+
+
+def measure_coal(mesh: Mesh, repeats: int) -> list[Timing]:
+    """Coal through its own Python module, whose contacts stay in C++ until they are asked for."""
+    import coal
+
+    vertices, faces = mesh
+    model = coal.BVHModelOBBRSS()
+    model.beginModel(len(faces), len(vertices))
+    model.addVertices(vertices)
+    model.addTriangles(faces.astype(np.int64))
+    build = [seconds(model.endModel)]
+
+    timings = []
+    for pose in poses():
+        world_from_b = coal.Transform3s(pose.rotation(), np.array(pose.translation))
+        result = coal.CollisionResult()
+
+        def query(limit: int, world_from_b=world_from_b, result=result) -> None:
+            result.clear()
+            request = coal.CollisionRequest(coal.CollisionRequestFlag.NO_REQUEST, limit)
+            coal.collide(model, coal.Transform3s(), model, world_from_b, request, result)
+
+        query(NO_LIMIT)
+        timings.append(time_queries("Coal", pose, result.numContacts(), build, query, repeats))
+    return timings
+
+
+def time_queries(
+    engine: str, pose: Pose, pairs: int, build: list[float], query: Callable[[int], None], repeats: int
+) -> Timing:
+    """Times `query(limit)`, which has been called once before, so that its data is warm."""
+    return Timing(
+        engine=engine,
+        pose=pose.name,
+        pairs=pairs,
+        build_seconds=build,
+        all_pairs_seconds=[seconds(lambda: query(NO_LIMIT)) for _ in range(repeats)],
+        first_hit_seconds=[
+            seconds(lambda: [query(1) for _ in range(FIRST_HIT_CALLS)]) / FIRST_HIT_CALLS for _ in range(repeats)
+        ],
+    )
+
+
+def measure_impinge(mesh: Mesh, repeats: int) -> list[Timing]:
+    """impinge by its benchmark program, which reads the mesh from a file and times its own calls."""
+    path = ROOT / "target" / "rivals" / f"torus_knot_{len(mesh[1])}.ply"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_ply(path, *mesh)
+    timings = []
+    for pose in poses():
+        numbers = ",".join(repr(x) for x in (*pose.translation, *pose.quaternion))
+        program = ["cargo", "run", "--quiet", "--release", "-p", "impinge-bench", "--bin", "headline", "--"]
+        arguments = ["--mesh", str(path), "--pose-b", numbers, "--threads", "1", "--json"]
+        run = subprocess.run(program + arguments, cwd=ROOT, stdout=subprocess.PIPE, check=True)
+        answer = json.loads(run.stdout)
+        measured = {key: answer[key] for key in ("pairs", "build_seconds", "all_pairs_seconds", "first_hit_seconds")}
+        timings.append(Timing(engine="impinge", pose=pose.name, **measured))
+    return timings
+
+
+ENGINES = {"impinge": measure_impinge, "FCL": measure_fcl, "Coal": measure_coal}
+
+
+def disagreements(timings: list[Timing]) -> list[str]:
+    """Where the numbers of pairs differ by more than they may; impinge is the reference, in its absence FCL."""
+    found = []
+    for pose in poses():
+        pairs = {t.engine: t.pairs for t in timings if t.pose == pose.name}
+        reference = next((pairs[e] for e in ("impinge", "FCL") if e in pairs), None)
+        for engine, count in pairs.items():
+            allowed = COAL_TOLERANCE * (reference or 0) if engine == "Coal" else 0
+            if reference is not None and abs(count - reference) > allowed:
+                found.append(f"{pose.name}: {engine} finds {count} pairs where {reference} are expected")
+    return found
+
+
+def table(timings: list[Timing]) -> str:
+    """Medians and, in brackets, minima; a ratio is the median of the engine over that of impinge."""
+    ours = {t.pose: t for t in timings if t.engine == "impinge"}
+    rows = ["| pose | engine | pairs | build, s | all pairs, ms | ratio | first hit, µs | ratio |", "|" + "---|" * 8]
+    for pose in poses():
+        for t in (t for t in timings if t.pose == pose.name):
+            base = ours.get(t.pose)
+            cells = [
+                t.pose,
+                t.engine,
+                str(t.pairs),
+                spread(t.build_seconds, 1.0),
+                spread(t.all_pairs_seconds, 1e3),
+                ratio(t.all_pairs_seconds, base and base.all_pairs_seconds),
+                spread(t.first_hit_seconds, 1e6),
+                ratio(t.first_hit_seconds, base and base.first_hit_seconds),
+            ]
+            rows.append("| " + " | ".join(cells) + " |")
+    return "\n".join(rows)
+
+
+def spread(runs: list[float], scale: float) -> str:
+    return f"{statistics.median(runs) * scale:.3g} ({min(runs) * scale:.3g})"
+
+
+def ratio(runs: list[float], base: list[float] | None) -> str:
+    return f"{statistics.median(runs) / statistics.median(base):.3g}" if base else "–"
+
+
+def circumstances() -> dict[str, str]:
+    """What the numbers depend on beside the code."""
+    cpus = [line.split(":", 1)[1].strip() for line in read_lines("/proc/cpuinfo") if line.startswith("model name")]
+    return {
+        "date": date.today().isoformat(),
+        "command": shlex.join(["python", *sys.argv]),
+        "cpu": f"{cpus[0] if cpus else platform.processor()}, {os.cpu_count()} cores",
+        "load before": f"{os.getloadavg()[0]:.2f}",
+        "commit": output("git", "describe", "--always", "--dirty"),
+        "rustc": output("rustc", "--version"),
+        "python": platform.python_version(),
+        "python-fcl": version("python-fcl"),
+        "coal": version("coal"),
+        "numpy": np.__version__,
+    }
+
+
+def read_lines(path: str) -> list[str]:
+    return Path(path).read_text().splitlines() if Path(path).exists() else []
+
+
+def output(*command: str) -> str:
+    return subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True).stdout.strip()
+
+
+def write_record(folder: Path, about: dict[str, str], timings: list[Timing], problems: list[str]) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{about['date']}-rivals.md"
+    lines = [f"# impinge beside FCL and Coal, {about['date']}", ""]
+    lines += [f"- {name}: `{value}`" for name, value in about.items() if name != "date"]
+    lines += ["", "One thread; median (minimum) of the runs; a ratio is the engine's median over impinge's.", ""]
+    lines += [table(timings), "", *(f"- disagreement: {p}" for p in problems)]
+    path.write_text("\n".join(lines).rstrip() + "\n")
+    runs = {"about": about, "timings": [asdict(t) for t in timings], "disagreements": problems}
+    path.with_suffix(".json").write_text(json.dumps(runs, indent=1) + "\n")
+    return path
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--nu", type=int, default=2000, help="quads along the knot")
+    parser.add_argument("--nv", type=int, default=500, help="quads round its tube")
+    parser.add_argument("--repeats", type=int, default=15, help="runs of each query of FCL and Coal")
+    parser.add_argument("--engines", nargs="+", choices=ENGINES, default=list(ENGINES))
+    parser.add_argument("--record", type=Path, default=ROOT / "bench" / "record", help="folder of the dated records")
+    options = parser.parse_args()
+
+    about = circumstances()
+    mesh = torus_knot(options.nu, options.nv)
+    timings = []
+    for engine in options.engines:
+        timings += ENGINES[engine](mesh, options.repeats)
+        gc.collect()  # the trees of one rival leave the memory before those of the next come
+    problems = disagreements(timings)
+    print(table(timings))
+    for problem in problems:
+        print(f"error: {problem}", file=sys.stderr)
+    print(f"recorded in {write_record(options.record, about, timings, problems)}")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,67 @@
+"""The mesh of the headline benchmark: a closed bumpy tube round a torus knot, and how it is written for others to read."""
+
+from pathlib import Path
+
+import numpy as np
+
+# The knot winds P times round the axis of the torus while it passes Q times through its hole.
+P, Q = 2, 3
+TORUS_RADIUS = 2.0  # of the circle that the knot winds about; the knot itself keeps 1 from it
+TUBE_RADIUS = 0.4  # thin enough that the tube stays clear of itself
+BUMP = 0.03  # of the tube's radius; without bumps the faces would lie in regular rows
+BUMPS_ALONG, BUMPS_ROUND = 40, 6
+
+
+def torus_knot(nu: int, nv: int) -> tuple[np.ndarray, np.ndarray]:
+    """Returns (nu * nv, 3) float64 vertices and (2 * nu * nv, 3) int32 faces, nu quads along the knot and nv round its tube.
+
+    The mesh is closed; its faces wind clockwise where they are seen from outside.
+    """
+    u = np.linspace(0.0, 2.0 * np.pi, nu, endpoint=False)
+    v = np.linspace(0.0, 2.0 * np.pi, nv, endpoint=False)
+    centre = _centre(u)
+
+    # A frame across the tube: the tangent by a central difference, the normal away from the axis of the torus.
+    step = 1e-4
+    tangent = _unit(_centre(u + step) - _centre(u - step))
+    outward = _unit(centre * [1.0, 1.0, 0.0])
+    normal = _unit(outward - np.sum(outward * tangent, axis=1, keepdims=True) * tangent)
+    binormal = np.cross(tangent, normal)
+
+    radius = TUBE_RADIUS * (1.0 + BUMP * np.sin(BUMPS_ALONG * u)[:, None] * np.sin(BUMPS_ROUND * v)[None, :])
+    across = np.cos(v)[None, :, None] * normal[:, None] + np.sin(v)[None, :, None] * binormal[:, None]
+    vertices = centre[:, None] + radius[..., None] * across
+    return vertices.reshape(-1, 3), _faces(nu, nv)
+
+
+def write_ply(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
+    """Writes (n, 3) vertices in double precision, without rounding, and (m, 3) faces as a binary PLY file."""
+    header = (
+        "ply\nformat binary_little_endian 1.0\n"
+        f"element vertex {len(vertices)}\nproperty double x\nproperty double y\nproperty double z\n"
+        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    rows = np.empty(len(faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
+    rows["count"] = 3
+    rows["corners"] = faces
+    path.write_bytes(header.encode("ascii") + vertices.astype("<f8").tobytes() + rows.tobytes())
+
+
+def _centre(u: np.ndarray) -> np.ndarray:
+    from_axis = TORUS_RADIUS + np.cos(Q * u)
+    return np.stack([from_axis * np.cos(P * u), from_axis * np.sin(P * u), np.sin(Q * u)], axis=-1)
+
+
+def _unit(rows: np.ndarray) -> np.ndarray:
+    return rows / np.linalg.norm(rows, axis=1, keepdims=True)
+
+
+def _faces(nu: int, nv: int) -> np.ndarray:
+    i = np.arange(nu)[:, None]
+    j = np.arange(nv)[None, :]
+    i_next, j_next = (i + 1) % nu, (j + 1) % nv
+    a, b = i * nv + j, i_next * nv + j
+    c, d = i_next * nv + j_next, i * nv + j_next
+    lower = np.stack([a, b, c], axis=-1).reshape(-1, 3)
+    upper = np.stack([a, c, d], axis=-1).reshape(-1, 3)
+    return np.concatenate([lower, upper]).astype(np.int32)
