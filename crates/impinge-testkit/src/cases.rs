@@ -23,10 +23,10 @@
 //! ```
 
 use crate::generate::{Rng, knots, solids};
+use crate::read_error::{ReadError, read_text};
 use crate::{Affine, Mesh};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// A question about two posed meshes, and its answer.
@@ -79,33 +79,22 @@ pub enum Expected {
     PairCount(usize),
 }
 
-/// A file of cases that cannot be read.
-#[derive(Debug)]
-pub struct CaseError {
-    /// The file or folder.
-    pub path: PathBuf,
-    /// What is wrong with it.
-    pub message: String,
-}
-
 /// The cases of every `*.toml` in a folder, by file name and then in the order of the file.
 ///
 /// # Errors
 /// Where a file cannot be read or does not follow the format, or two cases have one id.
-pub fn read_folder(folder: &Path) -> Result<Vec<Case>, CaseError> {
-    let unreadable = |path: &Path, error: std::io::Error| CaseError::new(path, error.to_string());
+pub fn read_folder(folder: &Path) -> Result<Vec<Case>, ReadError> {
     let mut paths: Vec<PathBuf> = std::fs::read_dir(folder)
         .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect())
-        .map_err(|error| unreadable(folder, error))?;
+        .map_err(|error| ReadError::new(folder, error))?;
     paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
     paths.sort();
     let mut cases = Vec::new();
     let mut ids = BTreeSet::new();
     for path in paths {
-        let text = std::fs::read_to_string(&path).map_err(|error| unreadable(&path, error))?;
-        for case in parse(&text).map_err(|message| CaseError::new(&path, message))? {
+        for case in parse(&read_text(&path)?).map_err(|message| ReadError::new(&path, message))? {
             if !ids.insert(case.id.clone()) {
-                return Err(CaseError::new(&path, format!("a second case has the id {:?}", case.id)));
+                return Err(ReadError::new(&path, format!("a second case has the id {:?}", case.id)));
             }
             cases.push(case);
         }
@@ -117,7 +106,7 @@ pub fn read_folder(folder: &Path) -> Result<Vec<Case>, CaseError> {
 ///
 /// # Errors
 /// As [`read_folder`].
-pub fn corpus() -> Result<Vec<Case>, CaseError> {
+pub fn corpus() -> Result<Vec<Case>, ReadError> {
     read_folder(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases"))
 }
 
@@ -257,20 +246,6 @@ impl Expected {
         }
     }
 }
-
-impl CaseError {
-    fn new(path: &Path, message: String) -> Self {
-        Self { path: path.to_owned(), message }
-    }
-}
-
-impl fmt::Display for CaseError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.path.display(), self.message)
-    }
-}
-
-impl std::error::Error for CaseError {}
 
 #[cfg(test)]
 mod tests {

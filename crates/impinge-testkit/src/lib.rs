@@ -8,9 +8,12 @@
 //! - [`oracle`] answers which triangles meet, slowly and exactly.
 
 pub mod cases;
+pub mod env_rob;
 pub mod generate;
 pub mod oracle;
 
+mod read_error;
 mod scene;
 
+pub use read_error::ReadError;
 pub use scene::{Affine, Mesh, Posed};
