@@ -1,0 +1,97 @@
+//! Axis-aligned boxes in f64 that provably hold the exact images of posed triangles.
+//!
+//! **Bound.** Let u = 2^-53, c = r0 x + r1 y + r2 z + t over the reals, and S = |r0 x| + |r1 y| + |r2 z| + |t|. Computed
+//! in f64, c' differs from c by at most 4u/(1-4u) S, by one rounding of each product and three sums, and by 3 · 2^-1075
+//! where products underflow (Higham, *Accuracy and Stability of Numerical Algorithms*, 3.1). The computed S' has the same
+//! error, so S ≤ S'(1 + 5u) + 2^-1073 and |c' - c| ≤ 5u S' + 2^-1072. The reach taken, `8u S' + 2^-1070`, exceeds that by
+//! more than the rounding of its own one sum. Subtracting and adding it rounds once more: one step outward makes up for it.
+//! Where anything overflows, the bounds are infinite.
+
+use crate::{Affine, Posed};
+
+/// Closed bounds in world coordinates, rounded outward.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorldBox {
+    /// Least coordinates.
+    pub low: [f64; 3],
+    /// Greatest coordinates.
+    pub high: [f64; 3],
+}
+
+impl WorldBox {
+    /// Bounds of the exact image of one triangle.
+    pub fn of_triangle(corners: &[[f64; 3]; 3], world_from_local: &Affine) -> Self {
+        let mut bounds = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+        for &corner in corners {
+            let (image, reach) = image_and_reach(world_from_local, corner);
+            for k in 0..3 {
+                bounds.low[k] = bounds.low[k].min((image[k] - reach[k]).next_down());
+                bounds.high[k] = bounds.high[k].max((image[k] + reach[k]).next_up());
+            }
+        }
+        bounds
+    }
+
+    /// Bounds of every face of a mesh.
+    pub fn of_faces(mesh: Posed) -> Vec<Self> {
+        (0..mesh.faces.len()).map(|i| Self::of_triangle(&mesh.triangle(i), &mesh.world_from_local)).collect()
+    }
+
+    /// Whether the boxes have a point in common.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
+    }
+}
+
+/// The rounded image of a point, and how far from it the exact image may be along each axis.
+pub(super) fn image_and_reach(world_from_local: &Affine, point: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+    const EIGHT_ROUNDINGS: f64 = 4.0 * f64::EPSILON;
+    /// 2^-1070: sixteen of the smallest numbers, more than all underflows together lose.
+    const UNDERFLOW: f64 = 16.0 * 5e-324;
+    let mut image = world_from_local.apply_rounded(point);
+    let size = Affine {
+        linear: world_from_local.linear.map(|row| row.map(f64::abs)),
+        translation: world_from_local.translation.map(f64::abs),
+    }
+    .apply_rounded(point.map(f64::abs));
+    let mut reach = size.map(|s| EIGHT_ROUNDINGS * s + UNDERFLOW);
+    for k in 0..3 {
+        if !reach[k].is_finite() {
+            (image[k], reach[k]) = (0.0, f64::INFINITY);
+        }
+    }
+    (image, reach)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::Rng;
+
+    #[test]
+    fn boxes_hold_the_exact_images() {
+        // A point is its own triangle: it meets each side of its box where the box is drawn as triangles.
+        let mut rng = Rng::new(1);
+        for round in 0..300 {
+            let scale = 2f64.powi([0, 0, 30, -30, 100, -1060][round % 6]);
+            let pose = Affine::new(
+                std::array::from_fn(|_| std::array::from_fn(|_| rng.uniform(-2.0, 2.0))),
+                std::array::from_fn(|_| rng.uniform(-2.0, 2.0) * scale),
+            );
+            let point: [f64; 3] = std::array::from_fn(|_| rng.uniform(-1.0, 1.0) * scale);
+            let bounds = WorldBox::of_triangle(&[point; 3], &pose);
+            for k in 0..3 {
+                // Outside by one step of a box that hugs the point, its half-space must not hold the point: the exact
+                // coordinate, compared through the exact test along one axis.
+                let flat = Affine::new(
+                    std::array::from_fn(|i| if i == 0 { pose.linear[k] } else { [0.0; 3] }),
+                    [pose.translation[k], 0.0, 0.0],
+                );
+                let span = [[bounds.low[k], 0.0, 0.0], [bounds.high[k], 0.0, 0.0], [bounds.low[k], 0.0, 0.0]];
+                assert!(crate::oracle::triangles_meet(&[point; 3], &flat, &span, &Affine::IDENTITY));
+                let width = bounds.high[k] - bounds.low[k];
+                assert!(width <= 1e-14 * 8.0 * scale + 1e-321, "the box is also tight: {width}");
+            }
+        }
+    }
+}
