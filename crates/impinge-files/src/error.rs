@@ -9,7 +9,7 @@ use crate::format::Format;
 
 /// A file that could not be loaded: which file, where in it, what is wrong and what to do.
 ///
-/// Its [`Display`](fmt::Display) text says all of it: `bunny.obj, line 12: face names vertex 900, but there are 812
+/// Its [`Display`](fmt::Display) text says all of it: `bunny.obj, line 12: face 5 names vertex 900, but there are 812
 /// vertices`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadError(Box<Inner>);
@@ -75,6 +75,8 @@ pub enum LoadErrorKind {
     },
     /// A face names a vertex that does not exist.
     IndexOutOfBounds {
+        /// The face, counted from zero through the whole file.
+        face: u64,
         /// The index as the file has it.
         index: i64,
         /// How many vertices there are.
@@ -104,10 +106,6 @@ pub enum Place {
     Byte(u64),
     /// A line, counted from one.
     Line(u64),
-    /// A vertex, counted from zero.
-    Vertex(u64),
-    /// A face, counted from zero.
-    Face(u64),
     /// A named entry, such as `accessor 3` or `object 12`.
     Entry(String),
 }
@@ -228,8 +226,8 @@ impl fmt::Display for LoadErrorKind {
             Self::NonFinite { vertex } => {
                 write!(f, "vertex {vertex} has a coordinate that is NaN, infinite or too large")
             }
-            Self::IndexOutOfBounds { index, len } => {
-                write!(f, "face names vertex {index}, but there are {len} vertices")
+            Self::IndexOutOfBounds { face, index, len } => {
+                write!(f, "face {face} names vertex {index}, but there are {len} vertices")
             }
             Self::TooMany { what, count, limit } => {
                 write!(f, "{count} {what} are more than the {limit} that are allowed")
@@ -244,8 +242,6 @@ impl fmt::Display for Place {
         match self {
             Self::Byte(at) => write!(f, "byte {at}"),
             Self::Line(line) => write!(f, "line {line}"),
-            Self::Vertex(vertex) => write!(f, "vertex {vertex}"),
-            Self::Face(face) => write!(f, "face {face}"),
             Self::Entry(entry) => f.write_str(entry),
         }
     }

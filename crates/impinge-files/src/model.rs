@@ -60,6 +60,8 @@ pub enum WarningKind {
     ShortFaces,
     /// Polygons that cross themselves, have no area or are huge: made a fan about their first corner.
     FannedPolygons,
+    /// Rows with more values than the header tells, which were skipped.
+    SurplusValues,
     /// Bytes after the end of the content, ignored.
     TrailingBytes,
     /// Corners left over after the last whole triangle, ignored.
@@ -80,6 +82,7 @@ impl fmt::Display for WarningKind {
             Self::NotTriangles => "points, lines or curves skipped",
             Self::ShortFaces => "faces skipped that have fewer than three corners",
             Self::FannedPolygons => "polygons without a simple outline or too large, triangulated as a fan",
+            Self::SurplusValues => "rows with more values than the header tells, which were skipped",
             Self::TrailingBytes => "bytes ignored after the end of the content",
             Self::LeftoverCorners => "corners ignored after the last whole triangle",
             Self::StripJoints => "triangles of strips left out that repeat a corner",

@@ -156,9 +156,9 @@ impl FaceReader<'_> {
             1.. => Some(index.unsigned_abs() - 1),
             ..0 => self.seen.checked_sub(index.unsigned_abs()),
         };
-        let len = self.positions.len() as u64;
+        let (face, len) = (self.faces.polygons().into(), self.positions.len() as u64);
         vertex.filter(|&v| v < len).and_then(|v| u32::try_from(v).ok()).ok_or_else(|| {
-            let error = LoadError::new(LoadErrorKind::IndexOutOfBounds { index, len });
+            let error = LoadError::new(LoadErrorKind::IndexOutOfBounds { face, index, len });
             if index == 0 { error.hint("OBJ counts vertices from 1") } else { error }
         })
     }
@@ -283,14 +283,14 @@ mod tests {
     #[test]
     fn errors_name_the_line() {
         let face = |f: &str| error(format!("{SQUARE}\n{f}\n"));
-        assert_eq!(face("f 1 2 900"), "line 6: face names vertex 900, but there are 4 vertices");
+        assert_eq!(face("f 1 2 900"), "line 6: face 0 names vertex 900, but there are 4 vertices");
         assert_eq!(
             face("f 0 1 2"),
-            "line 6: face names vertex 0, but there are 4 vertices (OBJ counts vertices from 1)"
+            "line 6: face 0 names vertex 0, but there are 4 vertices (OBJ counts vertices from 1)"
         );
-        assert_eq!(face("f 1 2 -5"), "line 6: face names vertex -5, but there are 4 vertices");
+        assert_eq!(face("f 1 2 -5"), "line 6: face 0 names vertex -5, but there are 4 vertices");
         let huge = face("f 1 2 99999999999999999999");
-        assert_eq!(huge, "line 6: face names vertex 9223372036854775807, but there are 4 vertices");
+        assert_eq!(huge, "line 6: face 0 names vertex 9223372036854775807, but there are 4 vertices");
         assert_eq!(face("f 1 2 x"), "line 6: expected a face corner such as 1, 1/2 or 1/2/3, found \"x\"");
         assert_eq!(face("v 1 2"), "line 6: expected a coordinate, found nothing");
         assert_eq!(face("v 1 2 1,5"), "line 6: expected a coordinate, found \"1,5\"");

@@ -119,7 +119,7 @@ fn read_faces(content: &mut Content<'_>, count: u64, positions: &[[f64; 3]]) -> 
         let Some(line) = content.next() else {
             return Err(LoadError::truncated("faces", count, face).at(content.place()));
         };
-        read_corners(line, positions.len(), &mut corners).map_err(|e| e.at(content.place()))?;
+        read_corners(line, face, positions.len(), &mut corners).map_err(|e| e.at(content.place()))?;
         faces.polygon(&corners, |i| positions[i as usize], 0, || content.place())?;
     }
     let left = trim_start(content.lines.rest()).len();
@@ -129,7 +129,7 @@ fn read_faces(content: &mut Content<'_>, count: u64, positions: &[[f64; 3]]) -> 
     Ok(faces)
 }
 
-fn read_corners(line: &[u8], len: usize, corners: &mut Vec<u32>) -> Result<(), LoadError> {
+fn read_corners(line: &[u8], face: u64, len: usize, corners: &mut Vec<u32>) -> Result<(), LoadError> {
     corners.clear();
     let mut numbers = tokens(line);
     let token = numbers.next().unwrap_or_default();
@@ -143,7 +143,9 @@ fn read_corners(line: &[u8], len: usize, corners: &mut Vec<u32>) -> Result<(), L
         };
         let index = integer(token).ok_or_else(|| LoadError::syntax("a vertex index", token))?;
         let vertex = u32::try_from(index).ok().filter(|&v| (v as usize) < len);
-        corners.push(vertex.ok_or_else(|| LoadError::new(LoadErrorKind::IndexOutOfBounds { index, len: len as u64 }))?);
+        corners.push(
+            vertex.ok_or_else(|| LoadError::new(LoadErrorKind::IndexOutOfBounds { face, index, len: len as u64 }))?,
+        );
     }
     Ok(())
 }
@@ -193,8 +195,8 @@ mod tests {
         );
         let head = "OFF\n1 1 0\n0 0 0\n";
         assert_eq!(error(head), format!("line 3: 1 faces promised, but there is room for 0 at most {hint}"));
-        assert_eq!(error(&format!("{head}3 0 0 1")), "line 4: face names vertex 1, but there are 1 vertices");
-        assert_eq!(error(&format!("{head}3 0 0 -1")), "line 4: face names vertex -1, but there are 1 vertices");
+        assert_eq!(error(&format!("{head}3 0 0 1")), "line 4: face 0 names vertex 1, but there are 1 vertices");
+        assert_eq!(error(&format!("{head}3 0 0 -1")), "line 4: face 0 names vertex -1, but there are 1 vertices");
         let short = format!("line 4: 9999999999 corners of a face promised, but there is room for 1 at most {hint}");
         assert_eq!(error(&format!("{head}9999999999 0")), short);
         assert_eq!(error(&format!("{head}x")), "line 4: expected the number of corners, found \"x\"");

@@ -57,7 +57,7 @@ fn read_polygons(
             if let Some(&index) = corners.iter().find(|&&i| i as usize >= len) {
                 let signed = property.scalar == Scalar::Int;
                 let index = if signed { i64::from(index.cast_signed()) } else { i64::from(index) };
-                return Err(out_of_bounds(index, len, faces.polygons()));
+                return Err(out_of_bounds(index, len, faces.polygons()).at(Place::Byte(at as u64)));
             }
             faces.polygon(corners, &position, 0, || Place::Byte(at as u64))
         });
@@ -126,9 +126,12 @@ fn read_row(
             continue;
         }
         for _ in 0..read_len(property, values)? {
-            index(read_integer(property.scalar, values, "a vertex index")?)?;
+            let at = values.offset();
+            let value = read_integer(property.scalar, values, "a vertex index")?;
+            index(value).map_err(|e| e.at(values.place(at)))?;
         }
     }
+    values.end_row();
     Ok(())
 }
 
@@ -137,6 +140,5 @@ fn vertex(index: i64, len: usize) -> Option<u32> {
 }
 
 fn out_of_bounds(index: i64, len: usize, face: u32) -> LoadError {
-    let kind = LoadErrorKind::IndexOutOfBounds { index, len: len as u64 };
-    LoadError::new(kind).at(Place::Face(face.into()))
+    LoadError::new(LoadErrorKind::IndexOutOfBounds { face: face.into(), index, len: len as u64 })
 }
