@@ -31,6 +31,8 @@
 
 mod error;
 mod format;
+mod gltf;
+mod instance;
 mod model;
 mod obj;
 mod off;
@@ -68,14 +70,19 @@ fn load_file(path: &Path) -> Result<Model, LoadError> {
     };
     let mut bytes = Vec::new();
     file.read_to_end(&mut bytes).map_err(|e| LoadError::io(&e))?;
-    parse(&bytes, format)
+    read(&bytes, format, path.parent())
 }
 
-/// Reads the triangles of a file's bytes, which should be of this format.
+/// Reads the triangles of a file's bytes, which should be of this format. Other files that they name are not read.
 ///
 /// # Errors
 /// As [`load`]; the error's path is empty.
 pub fn parse(bytes: &[u8], format: Format) -> Result<Model, LoadError> {
+    read(bytes, format, None)
+}
+
+/// Other files that the content names lie in `folder`.
+fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Model, LoadError> {
     if bytes.is_empty() {
         return Err(LoadError::new(LoadErrorKind::Empty));
     }
@@ -85,7 +92,8 @@ pub fn parse(bytes: &[u8], format: Format) -> Result<Model, LoadError> {
         Format::Stl => stl::read(bytes),
         Format::Ply => ply::read(bytes),
         Format::Off => off::read(bytes),
-        Format::Gltf | Format::Glb | Format::ThreeMf => Err(LoadError::unsupported(actual.to_string())),
+        Format::Gltf | Format::Glb => gltf::read(bytes, actual, folder),
+        Format::ThreeMf => Err(LoadError::unsupported(actual.to_string())),
     }?;
     if actual != format {
         let mut warnings = Warnings::default();
