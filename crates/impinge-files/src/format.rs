@@ -1,0 +1,86 @@
+//! Which format a file has: by its extension, and by what its bytes say.
+
+use std::fmt;
+
+use crate::text::{trim_start, without_bom};
+
+/// The file formats that can be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// Wavefront OBJ.
+    Obj,
+    /// STL, binary or ASCII.
+    Stl,
+    /// The Stanford polygon format, ASCII or binary.
+    Ply,
+    /// The object file format of Geomview, ASCII.
+    Off,
+    /// glTF 2.0 as JSON.
+    Gltf,
+    /// glTF 2.0 in its binary container.
+    Glb,
+    /// 3MF, the 3D manufacturing format.
+    ThreeMf,
+}
+
+impl Format {
+    /// Every format.
+    pub const ALL: [Self; 7] = [Self::Obj, Self::Stl, Self::Ply, Self::Off, Self::Gltf, Self::Glb, Self::ThreeMf];
+
+    /// The extension of its files, in lower case and without the dot.
+    #[must_use]
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Obj => "obj",
+            Self::Stl => "stl",
+            Self::Ply => "ply",
+            Self::Off => "off",
+            Self::Gltf => "gltf",
+            Self::Glb => "glb",
+            Self::ThreeMf => "3mf",
+        }
+    }
+
+    /// The format with this extension, in any case.
+    #[must_use]
+    pub fn from_extension(extension: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|f| f.extension().eq_ignore_ascii_case(extension))
+    }
+
+    /// The format that the bytes prove, if they prove one: a signature, or the length law of binary STL.
+    /// OBJ has neither, and text STL only where `solid` is followed by a facet or its end.
+    #[must_use]
+    pub fn of_content(bytes: &[u8]) -> Option<Self> {
+        if bytes.starts_with(b"glTF") {
+            return Some(Self::Glb);
+        }
+        if bytes.starts_with(b"PK\x03\x04") {
+            return Some(Self::ThreeMf);
+        }
+        if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
+            return Some(Self::Ply);
+        }
+        if crate::stl::has_binary_length(bytes) || crate::stl::opens_as_text(bytes) {
+            return Some(Self::Stl);
+        }
+        let text = trim_start(without_bom(bytes));
+        if crate::off::opens(text) {
+            return Some(Self::Off);
+        }
+        (text.starts_with(b"{") && memchr::memmem::find(text, b"\"asset\"").is_some()).then_some(Self::Gltf)
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Obj => "OBJ",
+            Self::Stl => "STL",
+            Self::Ply => "PLY",
+            Self::Off => "OFF",
+            Self::Gltf => "glTF",
+            Self::Glb => "GLB",
+            Self::ThreeMf => "3MF",
+        })
+    }
+}

@@ -1,0 +1,232 @@
+//! glTF 2.0 (Khronos, ISO/IEC 12113), as JSON and in its binary container GLB.
+//!
+//! - What is loaded is the default scene, or else the first; without scenes all root nodes; without nodes all meshes.
+//!   Each node with a mesh is a part, named after the node or else the mesh.
+//! - Node transforms are composed in f64 and applied to the positions in f64; the result is rounded to f32 once.
+//!   A quaternion is taken as the rotation that it is nearest to, its length aside.
+//! - Points and lines are skipped and counted. A skinned mesh is taken as modelled, morph targets are not applied.
+//! - `KHR_mesh_quantization` is supported, and extensions that leave positions alone are ignored. Any other extension
+//!   that a file requires is an error that names it.
+//! - Buffers are the GLB chunk, base64 text, or files in the folder of the document or below.
+
+mod accessor;
+mod buffer;
+mod container;
+mod document;
+mod scene;
+
+use std::{
+    collections::{HashMap, HashSet},
+    path::Path,
+};
+
+use impinge::Positions;
+
+use crate::{
+    error::{LoadError, LoadErrorKind, Place},
+    format::Format,
+    instance::{Affine, Budget},
+    model::{Faces, Model, WarningKind},
+    text::name,
+    unit::Unit,
+};
+use accessor::Source;
+use buffer::Buffers;
+use document::{Document, Mesh, Primitive};
+use scene::Instance;
+
+/// Reads a document whose external buffers lie in `folder`.
+pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Model, LoadError> {
+    let mut faces = Faces::default();
+    let (json, chunk) = match format {
+        Format::Glb => container::split(bytes, &mut faces.warnings)?,
+        _ => (bytes, None),
+    };
+    let document = read_document(json, format)?;
+    let buffers = Buffers::load(&document.buffers, chunk, folder)?;
+    let source = Source { document: &document, buffers: &buffers };
+    let instances = scene::instances(&document)?;
+    let budget = Budget::for_bytes(bytes.len() as u64 + buffers.total_len());
+    check_budget(&source, &instances, budget)?;
+
+    let mut reader = Reader { source, positions: Vec::new(), parts: Vec::new(), faces };
+    for instance in &instances {
+        reader.instance(instance)?;
+    }
+    let Reader { positions, parts, faces, .. } = reader;
+    faces.into_model(Positions::F32(positions), parts, Some(Unit::Metre), format)
+}
+
+fn read_document(json: &[u8], format: Format) -> Result<Document, LoadError> {
+    let document: Document = serde_json::from_slice(crate::text::without_bom(json)).map_err(|e| {
+        let place = match format {
+            Format::Glb => Place::Entry(format!("JSON chunk, line {} column {}", e.line(), e.column())),
+            _ => Place::Line(e.line() as u64),
+        };
+        LoadError::new(LoadErrorKind::Syntax { expected: "a glTF document".into(), found: e.to_string() }).at(place)
+    })?;
+    let version = document.asset.min_version.as_ref().unwrap_or(&document.asset.version);
+    if version != "2.0" && !(document.asset.min_version.is_none() && version.starts_with("2.")) {
+        return Err(LoadError::unsupported(format!("glTF version {version:?}")));
+    }
+    match document.extensions_required.iter().find(|e| !leaves_positions_alone(e)) {
+        Some(extension) => Err(lacking(extension)),
+        None => Ok(document),
+    }
+}
+
+/// Extensions without which the triangles are still right.
+fn leaves_positions_alone(extension: &str) -> bool {
+    const NAMES: [&str; 5] = [
+        "KHR_mesh_quantization",
+        "KHR_lights_punctual",
+        "KHR_animation_pointer",
+        "KHR_xmp_json_ld",
+        "MSFT_texture_dds",
+    ];
+    const FAMILIES: [&str; 4] = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "EXT_lights_"];
+    NAMES.contains(&extension) || FAMILIES.iter().any(|family| extension.starts_with(family))
+}
+
+/// The error that an extension is needed.
+fn lacking(extension: &str) -> LoadError {
+    let error = LoadError::unsupported(format!("glTF extension {extension}"));
+    if extension.contains("compression") { error.hint("export it without compression") } else { error }
+}
+
+/// Counts what the instances add up to before anything is stored.
+fn check_budget(source: &Source<'_>, instances: &[Instance], budget: Budget) -> Result<(), LoadError> {
+    let mut of_mesh = vec![None; source.document.meshes.len()];
+    let mut total = [0_u64; 3];
+    for instance in instances {
+        let counts = match of_mesh[instance.mesh] {
+            Some(counts) => counts,
+            None => *of_mesh[instance.mesh].insert(mesh_counts(source, &source.document.meshes[instance.mesh])?),
+        };
+        for (k, what) in ["vertices", "corners of triangles", "primitives"].into_iter().enumerate() {
+            total[k] = total[k].saturating_add(counts[k]);
+            budget.check(what, total[k])?;
+        }
+    }
+    Ok(())
+}
+
+/// The vertices, corners and primitives of a mesh; primitives that share vertices count them once.
+fn mesh_counts(source: &Source<'_>, mesh: &Mesh) -> Result<[u64; 3], LoadError> {
+    let mut seen = HashSet::new();
+    let mut counts = [0_u64, 0, mesh.primitives.len() as u64];
+    for primitive in &mesh.primitives {
+        let Some(positions) = primitive.attributes.position else { continue };
+        let count = source.count(positions)?;
+        if seen.insert(positions) {
+            counts[0] = counts[0].saturating_add(count);
+        }
+        counts[1] = counts[1].saturating_add(primitive.indices.map_or(Ok(count), |i| source.count(i))?);
+    }
+    Ok(counts)
+}
+
+struct Reader<'a> {
+    source: Source<'a>,
+    positions: Vec<[f32; 3]>,
+    parts: Vec<String>,
+    faces: Faces,
+}
+
+impl Reader<'_> {
+    fn instance(&mut self, instance: &Instance) -> Result<(), LoadError> {
+        let world = &instance.world;
+        let mesh = &self.source.document.meshes[instance.mesh];
+        let node = instance.node.map(|i| &self.source.document.nodes[i]);
+        let place = || instance.node.map(|i| Place::Entry(format!("node {i}")));
+        if let Some(node) = node {
+            let warnings = &mut self.faces.warnings;
+            warnings.add(WarningKind::Unposed, node.skin.is_some().into(), place);
+            warnings.add(WarningKind::SingleInstances, node.extensions.instancing.is_some().into(), place);
+        }
+        let before = self.faces.faces.len();
+        // Primitives of a mesh often share their vertices.
+        let mut shared = HashMap::new();
+        for primitive in &mesh.primitives {
+            let mode = primitive.mode.unwrap_or(4);
+            if mode < 4 {
+                self.faces.warnings.add(WarningKind::NotTriangles, 1, place);
+                continue;
+            }
+            let Some(accessor) = primitive.attributes.position else { continue };
+            let (first, len) = match shared.get(&accessor) {
+                Some(&known) => known,
+                None => *shared.entry(accessor).insert_entry(self.vertices(primitive, accessor, world)?).get(),
+            };
+            let corners = match primitive.indices {
+                Some(indices) => self.source.indices(indices, len)?,
+                None => (0..len as u32).collect(),
+            };
+            self.triangles(mode, &corners, first, world.mirrors())?;
+        }
+        if self.faces.faces.len() > before {
+            let own = node.and_then(|n| n.name.as_deref());
+            self.parts.push(name(own.or(mesh.name.as_deref()).unwrap_or_default().as_bytes()));
+        }
+        Ok(())
+    }
+
+    /// Adds the vertices of an accessor; returns the first and their number.
+    fn vertices(&mut self, primitive: &Primitive, accessor: u32, world: &Affine) -> Result<(u32, usize), LoadError> {
+        let compressed = primitive.extensions.draco.is_some();
+        let no_data = |a: &document::Accessor| a.buffer_view.is_none();
+        if compressed && self.source.document.accessors.get(accessor as usize).is_some_and(no_data) {
+            return Err(lacking("KHR_draco_mesh_compression"));
+        }
+        let local = self.source.positions(accessor)?;
+        let first = self.positions.len() as u32;
+        for (vertex, &p) in local.iter().enumerate() {
+            let p = world.apply(p).map(|x| x as f32);
+            if !p.iter().all(|x| x.is_finite()) {
+                let error = LoadError::new(LoadErrorKind::NonFinite { vertex: vertex as u64 });
+                return Err(error.at(Place::Entry(format!("accessor {accessor}"))).hint("as its node places it"));
+            }
+            self.positions.push(p);
+        }
+        Ok((first, local.len()))
+    }
+
+    /// Adds the triangles of a primitive; `first` is the vertex that its corners count from.
+    fn triangles(&mut self, mode: u32, corners: &[u32], first: u32, mirrored: bool) -> Result<(), LoadError> {
+        const TRIANGLES: u32 = 4;
+        const STRIP: u32 = 5;
+        const FAN: u32 = 6;
+        let part = self.parts.len() as u32;
+        let faces = &mut self.faces;
+        let mut add = |[a, b, c]: [u32; 3]| {
+            let face = if mirrored { [a, c, b] } else { [a, b, c] };
+            faces.triangle(face.map(|i| first + i), part)
+        };
+        match mode {
+            TRIANGLES => {
+                let (triangles, left) = corners.as_chunks::<3>();
+                triangles.iter().try_for_each(|&t| add(t))?;
+                faces.warnings.add(WarningKind::LeftoverCorners, left.len() as u64, || None);
+            }
+            STRIP => {
+                let mut joints = 0;
+                for (i, w) in corners.windows(3).enumerate() {
+                    let [a, b, c] = if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] };
+                    if a == b || b == c || c == a {
+                        joints += 1;
+                    } else {
+                        add([a, b, c])?;
+                    }
+                }
+                faces.warnings.add(WarningKind::StripJoints, joints, || None);
+            }
+            FAN => {
+                for w in corners.get(1..).unwrap_or_default().windows(2) {
+                    add([corners[0], w[0], w[1]])?;
+                }
+            }
+            _ => return Err(LoadError::syntax("a primitive mode from 0 to 6", mode.to_string().as_bytes())),
+        }
+        Ok(())
+    }
+}

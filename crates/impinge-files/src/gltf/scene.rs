@@ -1,0 +1,103 @@
+//! The nodes of a scene, flattened: each mesh with the map that places it.
+
+use crate::{
+    error::{LoadError, Place},
+    instance::Affine,
+};
+
+use super::{
+    accessor::missing,
+    document::{Document, Node},
+};
+
+/// A mesh in the scene.
+pub(super) struct Instance {
+    /// The node; none where a file has meshes alone.
+    pub(super) node: Option<usize>,
+    /// The mesh, which exists.
+    pub(super) mesh: usize,
+    pub(super) world: Affine,
+}
+
+/// All instances, parents before children, in the order of the file.
+///
+/// The walk keeps its own stack and enters no node twice, so that neither depth nor cycles matter.
+pub(super) fn instances(document: &Document) -> Result<Vec<Instance>, LoadError> {
+    if document.nodes.is_empty() {
+        let instance = |mesh| Instance { node: None, mesh, world: Affine::IDENTITY };
+        return Ok((0..document.meshes.len()).map(instance).collect());
+    }
+    let mut instances = Vec::new();
+    let mut entered = vec![false; document.nodes.len()];
+    // The maps of nodes that have children; the stack names nodes and the maps of their parents.
+    let mut worlds = vec![Affine::IDENTITY];
+    let mut stack: Vec<(u32, usize)> = roots(document)?.into_iter().rev().map(|root| (root, 0)).collect();
+    while let Some((index, parent)) = stack.pop() {
+        let node = document.nodes.get(index as usize).ok_or_else(|| missing("node", index))?;
+        let place = || Place::Entry(format!("node {index}"));
+        if std::mem::replace(&mut entered[index as usize], true) {
+            return Err(LoadError::syntax("nodes with one parent each", b"one that is reached twice").at(place()));
+        }
+        let world = worlds[parent].after(&local(node).map_err(|e| e.at(place()))?);
+        if let Some(mesh) = node.mesh {
+            if mesh as usize >= document.meshes.len() {
+                return Err(missing("mesh", mesh).at(place()));
+            }
+            instances.push(Instance { node: Some(index as usize), mesh: mesh as usize, world });
+        }
+        if !node.children.is_empty() {
+            worlds.push(world);
+            stack.extend(node.children.iter().rev().map(|&child| (child, worlds.len() - 1)));
+        }
+    }
+    Ok(instances)
+}
+
+fn roots(document: &Document) -> Result<Vec<u32>, LoadError> {
+    match (document.scene, document.scenes.first()) {
+        (None, Some(scene)) => Ok(scene.nodes.clone()),
+        (Some(scene), _) => {
+            let scene = document.scenes.get(scene as usize).ok_or_else(|| missing("scene", scene))?;
+            Ok(scene.nodes.clone())
+        }
+        (None, None) => {
+            let mut is_root = vec![true; document.nodes.len()];
+            for &child in document.nodes.iter().flat_map(|node| &node.children) {
+                *is_root.get_mut(child as usize).ok_or_else(|| missing("node", child))? = false;
+            }
+            let roots: Vec<_> = (0..).zip(is_root).filter(|&(_, root)| root).map(|(i, _)| i).collect();
+            if roots.is_empty() {
+                return Err(LoadError::syntax("a node without parent", b"a cycle of nodes"));
+            }
+            Ok(roots)
+        }
+    }
+}
+
+/// The map of a node: its matrix, or else scale, rotation and translation in this order.
+fn local(node: &Node) -> Result<Affine, LoadError> {
+    if let Some(m) = node.matrix.as_deref() {
+        let last_row = [m[3], m[7], m[11], m[15]];
+        if last_row != [0.0, 0.0, 0.0, 1.0] {
+            let found = format!("{last_row:?}");
+            return Err(LoadError::syntax("a matrix with last row 0, 0, 0, 1", found.as_bytes()));
+        }
+        return Ok(Affine { rows: [0, 1, 2].map(|i| [m[i], m[4 + i], m[8 + i], m[12 + i]]) });
+    }
+    let t = node.translation.as_deref().copied().unwrap_or([0.0; 3]);
+    let s = node.scale.as_deref().copied().unwrap_or([1.0; 3]);
+    let [x, y, z, w] = node.rotation.as_deref().copied().unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    let square = x * x + y * y + z * z + w * w;
+    // Also the shortest that 32-bit floats can hold is far from this: such a quaternion names no direction.
+    if !(square.is_finite() && square > f64::MIN_POSITIVE) {
+        return Err(LoadError::syntax("a quaternion of length 1", format!("{:?}", [x, y, z, w]).as_bytes()));
+    }
+    // Divided by its square, a quaternion of any length gives a rotation, and those of quarter turns give it exactly.
+    let k = 2.0 / square;
+    let rotation = [
+        [1.0 - k * (y * y + z * z), k * (x * y - z * w), k * (x * z + y * w)],
+        [k * (x * y + z * w), 1.0 - k * (x * x + z * z), k * (y * z - x * w)],
+        [k * (x * z - y * w), k * (y * z + x * w), 1.0 - k * (x * x + y * y)],
+    ];
+    Ok(Affine { rows: [0, 1, 2].map(|i| [rotation[i][0] * s[0], rotation[i][1] * s[1], rotation[i][2] * s[2], t[i]]) })
+}

@@ -1,0 +1,72 @@
+//! Affine maps in f64, and how many triangles a file may make of its own by naming a mesh again and again.
+
+use crate::error::{LoadError, LoadErrorKind};
+
+/// An affine map; `rows[i]` holds the linear part and last the translation of coordinate i.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Affine {
+    pub(crate) rows: [[f64; 4]; 3],
+}
+
+impl Affine {
+    pub(crate) const IDENTITY: Self = Self { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
+
+    /// The map that applies `first` and then this one.
+    pub(crate) fn after(&self, first: &Self) -> Self {
+        let rows = self.rows.map(|[x, y, z, t]| {
+            let [a, b, c] = first.rows;
+            let mut row = [0, 1, 2, 3].map(|k| x * a[k] + y * b[k] + z * c[k]);
+            row[3] += t;
+            row
+        });
+        Self { rows }
+    }
+
+    /// The image of a point.
+    pub(crate) fn apply(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        self.rows.map(|[a, b, c, t]| a * x + b * y + c * z + t)
+    }
+
+    /// Whether it turns left hands into right hands.
+    pub(crate) fn mirrors(&self) -> bool {
+        let [[a, b, c, _], [d, e, f, _], [g, h, i, _]] = self.rows;
+        a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) < 0.0
+    }
+}
+
+/// How many vertices and triangles the instances of a file may add up to: 2^24, or four per byte of the file if that is
+/// more. Files of a few hundred bytes can otherwise ask for any amount of memory; real assemblies stay far below.
+#[derive(Clone, Copy)]
+pub(crate) struct Budget(u64);
+
+impl Budget {
+    pub(crate) fn for_bytes(bytes: u64) -> Self {
+        Self(bytes.saturating_mul(4).clamp(1 << 24, u64::from(u32::MAX)))
+    }
+
+    pub(crate) fn check(self, what: &'static str, count: u64) -> Result<(), LoadError> {
+        if count <= self.0 {
+            return Ok(());
+        }
+        let error = LoadError::new(LoadErrorKind::TooMany { what, count, limit: self.0 });
+        Err(error.hint("counted over all instances; load fewer of them"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maps_compose_right_to_left() {
+        let turn = Affine { rows: [[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
+        let move_x = Affine { rows: [[1.0, 0.0, 0.0, 5.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
+        let p = [1.0, 2.0, 3.0];
+        assert_eq!(turn.after(&move_x).apply(p), turn.apply(move_x.apply(p)));
+        assert_eq!(turn.after(&move_x).apply(p), [-2.0, 6.0, 3.0]);
+        assert_eq!(turn.after(&Affine::IDENTITY), turn);
+        assert!(!turn.mirrors());
+        let mirror = Affine { rows: [[0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
+        assert!(mirror.mirrors() && !mirror.after(&mirror).mirrors());
+    }
+}

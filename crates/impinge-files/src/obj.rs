@@ -1,0 +1,303 @@
+//! Wavefront OBJ (*Advanced Visualizer* manual, appendix B1): `v`, `f`, `o` and `g`.
+//!
+//! - A vertex is the first three numbers of `v`; a weight or colours after them are not looked at.
+//! - A face corner is the first number of `a/b/c`. It counts from 1, or from the last vertex so far backwards where it is
+//!   negative, and may name a vertex that comes later. Faces are triangulated as [`polygon`](crate::polygon) says.
+//! - A part is an object (`o`) and group (`g`) in which faces stand, named `object/group`; a new object ends the group.
+//! - A `\` at the end of a line, save in a comment, joins it to the next.
+//! - `p`, `l`, curves and surfaces are skipped and counted; so is any line that is no OBJ statement.
+
+use std::{borrow::Cow, collections::HashMap};
+
+use foldhash::fast::RandomState;
+
+use crate::{
+    error::{LoadError, LoadErrorKind, Place},
+    format::Format,
+    model::{Faces, Model, WarningKind, stored},
+    text::{Lines, binary_data, integer, name, number, split_token, tokens, trim_start, without_bom},
+};
+
+pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
+    if let Some(error) = binary_data(bytes, Format::Obj) {
+        return Err(error);
+    }
+    let text = without_bom(bytes);
+    let positions = read_vertices(text)?;
+    let mut faces = FaceReader { positions: &positions, ..FaceReader::default() };
+    let mut statements = Statements::new(text);
+    while let Some((line, statement)) = statements.next() {
+        let (keyword, rest) = split_token(&statement);
+        let place = Place::Line(line);
+        faces.statement(keyword, rest, &place).map_err(|e| e.at(place))?;
+    }
+    let FaceReader { faces, parts, .. } = faces;
+    faces.into_model(stored(positions), parts, None, Format::Obj)
+}
+
+/// All vertices, in a pass of their own: a face may name one that comes later.
+fn read_vertices(text: &[u8]) -> Result<Vec<[f64; 3]>, LoadError> {
+    let mut positions = Vec::new();
+    let mut statements = Statements::new(text);
+    while let Some((line, statement)) = statements.next() {
+        let (b"v", rest) = split_token(&statement) else { continue };
+        let mut numbers = tokens(rest);
+        let mut position = [0.0; 3];
+        for x in &mut position {
+            let token = numbers.next().unwrap_or_default();
+            *x = number(token).ok_or_else(|| LoadError::syntax("a coordinate", token).at(Place::Line(line)))?;
+        }
+        if !position.iter().all(|x| x.is_finite()) {
+            let vertex = positions.len() as u64;
+            return Err(LoadError::new(LoadErrorKind::NonFinite { vertex }).at(Place::Line(line)));
+        }
+        positions.push(position);
+    }
+    Ok(positions)
+}
+
+/// The lines of a file with continuations joined.
+struct Statements<'a> {
+    lines: Lines<'a>,
+}
+
+impl<'a> Statements<'a> {
+    fn new(text: &'a [u8]) -> Self {
+        Self { lines: Lines::new(text) }
+    }
+
+    /// The next statement and the number of its first line.
+    fn next(&mut self) -> Option<(u64, Cow<'a, [u8]>)> {
+        let line = self.lines.next()?;
+        let number = self.lines.number();
+        let Some(mut start) = continued(line) else { return Some((number, Cow::Borrowed(line))) };
+        if trim_start(line).starts_with(b"#") {
+            return Some((number, Cow::Borrowed(line)));
+        }
+        let mut joined = Vec::new();
+        loop {
+            joined.extend_from_slice(start);
+            joined.push(b' ');
+            let line = self.lines.next().unwrap_or_default();
+            match continued(line) {
+                Some(more) => start = more,
+                None => {
+                    joined.extend_from_slice(line);
+                    return Some((number, Cow::Owned(joined)));
+                }
+            }
+        }
+    }
+}
+
+/// What stands before a `\` that ends the line.
+fn continued(line: &[u8]) -> Option<&[u8]> {
+    line.strip_suffix(b"\r").unwrap_or(line).strip_suffix(b"\\")
+}
+
+#[derive(Default)]
+struct FaceReader<'a> {
+    /// All vertices, and how many of them come before this line.
+    positions: &'a [[f64; 3]],
+    seen: u64,
+    object: String,
+    group: String,
+    /// The part of this object and group, if it has a face already.
+    part: Option<u32>,
+    part_by_name: HashMap<String, u32, RandomState>,
+    parts: Vec<String>,
+    corners: Vec<u32>,
+    faces: Faces,
+}
+
+impl FaceReader<'_> {
+    fn statement(&mut self, keyword: &[u8], rest: &[u8], place: &Place) -> Result<(), LoadError> {
+        let unread = match keyword {
+            b"v" => {
+                self.seen += 1;
+                return Ok(());
+            }
+            // The manual reads the obsolete `fo` as `f`.
+            b"f" | b"fo" => return self.face(rest, place),
+            b"o" => {
+                self.object = name(rest);
+                self.group.clear();
+                self.part = None;
+                return Ok(());
+            }
+            b"g" => {
+                self.group = name(rest);
+                self.part = None;
+                return Ok(());
+            }
+            b"p" | b"l" | b"curv" | b"curv2" | b"surf" => WarningKind::NotTriangles,
+            _ if keyword.starts_with(b"#") || SILENT.contains(&keyword) => return Ok(()),
+            _ => WarningKind::UnknownLines,
+        };
+        self.faces.warnings.add(unread, 1, || Some(place.clone()));
+        Ok(())
+    }
+
+    fn face(&mut self, rest: &[u8], place: &Place) -> Result<(), LoadError> {
+        self.corners.clear();
+        for token in tokens(rest) {
+            let corner = self.corner(token)?;
+            self.corners.push(corner);
+        }
+        let part = if self.corners.len() < 3 { 0 } else { self.part() };
+        self.faces.polygon(&self.corners, |i| self.positions[i as usize], part, || place.clone())
+    }
+
+    fn corner(&self, token: &[u8]) -> Result<u32, LoadError> {
+        let index = integer(token.split(|&b| b == b'/').next().unwrap_or_default())
+            .ok_or_else(|| LoadError::syntax("a face corner such as 1, 1/2 or 1/2/3", token))?;
+        let vertex = match index {
+            0 => None,
+            1.. => Some(index.unsigned_abs() - 1),
+            ..0 => self.seen.checked_sub(index.unsigned_abs()),
+        };
+        let (face, len) = (self.faces.polygons().into(), self.positions.len() as u64);
+        vertex.filter(|&v| v < len).and_then(|v| u32::try_from(v).ok()).ok_or_else(|| {
+            let error = LoadError::new(LoadErrorKind::IndexOutOfBounds { face, index, len });
+            if index == 0 { error.hint("OBJ counts vertices from 1") } else { error }
+        })
+    }
+
+    /// The part of this object and group.
+    fn part(&mut self) -> u32 {
+        if let Some(part) = self.part {
+            return part;
+        }
+        let name = match (self.object.as_str(), self.group.as_str()) {
+            ("", group) => group.to_owned(),
+            (object, "") => object.to_owned(),
+            (object, group) => name(format!("{object}/{group}").as_bytes()),
+        };
+        let parts = &mut self.parts;
+        let part = *self.part_by_name.entry(name).or_insert_with_key(|name| {
+            parts.push(name.clone());
+            parts.len() as u32 - 1
+        });
+        self.part = Some(part);
+        part
+    }
+}
+
+/// Statements without triangles that need no warning: attributes, materials and display settings.
+const SILENT: &[&[u8]] = &[
+    b"",
+    b"vt",
+    b"vn",
+    b"vp",
+    b"s",
+    b"mg",
+    b"usemtl",
+    b"mtllib",
+    b"usemap",
+    b"maplib",
+    b"bevel",
+    b"c_interp",
+    b"d_interp",
+    b"lod",
+    b"shadow_obj",
+    b"trace_obj",
+    b"cstype",
+    b"deg",
+    b"bmat",
+    b"step",
+    b"parm",
+    b"trim",
+    b"hole",
+    b"scrv",
+    b"sp",
+    b"end",
+    b"con",
+    b"ctech",
+    b"stech",
+];
+
+#[cfg(test)]
+mod tests {
+    use impinge::Positions;
+
+    use super::*;
+
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+    fn parse(text: impl AsRef<[u8]>) -> Model {
+        read(text.as_ref()).unwrap()
+    }
+
+    fn error(text: impl AsRef<[u8]>) -> String {
+        read(text.as_ref()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn corners_in_every_notation() {
+        let model = parse(format!("{SQUARE}f 1 2 3\nf 1/1 3/2 4/3\nf -4//1 -3//1 -2//1\nf 1/1/1 +3/1/1 -1/2/3\n"));
+        assert_eq!(model.faces, [[0, 1, 2], [0, 2, 3], [0, 1, 2], [0, 2, 3]]);
+        assert_eq!(model.sources, [0, 1, 2, 3]);
+        assert_eq!((model.part_of, model.parts), (vec![0; 4], vec![String::new()]));
+        assert_eq!(model.positions.len(), 4);
+        assert_eq!(model.unit, None);
+        assert!(model.warnings.is_empty());
+    }
+
+    #[test]
+    fn polygons_and_parts_are_remembered() {
+        let text = format!("{SQUARE}o a\nf 1 2 3 4\ng b\nf 1 2\nf 1 2 4\no c\ng never\no a\nf 1 2 3\n");
+        let model = parse(text);
+        assert_eq!(model.faces, [[0, 1, 2], [0, 2, 3], [0, 1, 3], [0, 1, 2]]);
+        assert_eq!(model.sources, [0, 0, 2, 3]);
+        assert_eq!(model.part_of, [0, 0, 1, 0]);
+        assert_eq!(model.parts, ["a", "a/b"]);
+        assert_eq!(model.warnings[0].kind, WarningKind::ShortFaces);
+        assert_eq!(model.warnings[0].to_string(), "1 faces skipped that have fewer than three corners (at line 8)");
+    }
+
+    #[test]
+    fn dialects() {
+        let text = b"\xEF\xBB\xBF  v 0 0 0 1 0.5 nan\r\n\tv 1e0 0. .0\r\nv 0 \\\r\n1 0\r\n# caf\xE9 C:\\\r\ng \xFF\xFE\r\nf 1 \\\r\n2 3\r\n";
+        let model = parse(text);
+        assert_eq!(model.positions, Positions::F32(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]));
+        assert_eq!(model.faces, [[0, 1, 2]]);
+        assert_eq!(model.parts, ["\u{FFFD}\u{FFFD}"]);
+        // A face may come before its vertices, lines may end in \r alone, and the last line in nothing.
+        assert_eq!(parse("f 1 2 3\rv 0 0 0\rv 0 0 1\rv 0 1 0").faces, [[0, 1, 2]]);
+    }
+
+    #[test]
+    fn unknown_lines_are_counted() {
+        let model = parse("3 1\nv 0 0 0\nl 1 1\nfoo\nmtllib x.mtl\n\np 1\n");
+        let text: Vec<_> = model.warnings.iter().map(ToString::to_string).collect();
+        assert_eq!(
+            text,
+            [
+                "2 lines skipped that are no statement of this format (the first at line 1)",
+                "2 points, lines or curves skipped (the first at line 3)"
+            ]
+        );
+        assert!(model.faces.is_empty() && model.parts.is_empty());
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        let face = |f: &str| error(format!("{SQUARE}\n{f}\n"));
+        assert_eq!(face("f 1 2 900"), "line 6: face 0 names vertex 900, but there are 4 vertices");
+        assert_eq!(
+            face("f 0 1 2"),
+            "line 6: face 0 names vertex 0, but there are 4 vertices (OBJ counts vertices from 1)"
+        );
+        assert_eq!(face("f 1 2 -5"), "line 6: face 0 names vertex -5, but there are 4 vertices");
+        let huge = face("f 1 2 99999999999999999999");
+        assert_eq!(huge, "line 6: face 0 names vertex 9223372036854775807, but there are 4 vertices");
+        assert_eq!(face("f 1 2 x"), "line 6: expected a face corner such as 1, 1/2 or 1/2/3, found \"x\"");
+        assert_eq!(face("v 1 2"), "line 6: expected a coordinate, found nothing");
+        assert_eq!(face("v 1 2 1,5"), "line 6: expected a coordinate, found \"1,5\"");
+        let not_finite = "line 6: vertex 4 has a coordinate that is NaN, infinite or too large";
+        for number in ["nan", "-inf", "1e999"] {
+            assert_eq!(face(&format!("v 1 2 {number}")), not_finite);
+        }
+        assert_eq!(error(b"v 0 0 0\n\0"), "byte 8: not OBJ, but binary data or UTF-16");
+    }
+}

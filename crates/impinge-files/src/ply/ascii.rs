@@ -1,0 +1,97 @@
+//! The values of an ASCII PLY file.
+
+use crate::{
+    error::{LoadError, Place},
+    format::Format,
+    text::{binary_data, line_at, number, split_token, trim_start},
+};
+
+use super::{Values, header::Scalar};
+
+pub(super) struct Ascii<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    /// How many rows had values that the header does not know, and where the first of them ends.
+    surplus: u64,
+    first_surplus: usize,
+}
+
+impl<'a> Ascii<'a> {
+    /// The values from this offset on.
+    pub(super) fn new(bytes: &'a [u8], at: usize) -> Result<Self, LoadError> {
+        match binary_data(bytes, Format::Ply) {
+            Some(error) => Err(error.hint("the header says ascii")),
+            None => Ok(Self { bytes, at, surplus: 0, first_surplus: 0 }),
+        }
+    }
+
+    fn token(&mut self) -> Result<&'a [u8], LoadError> {
+        let (token, rest) = split_token(&self.bytes[self.at..]);
+        if token.is_empty() {
+            let error = LoadError::syntax("a value", b"").hint("the file is cut off or its counts are wrong");
+            return Err(error.at(self.place(self.at)));
+        }
+        self.at = self.bytes.len() - rest.len();
+        Ok(token)
+    }
+}
+
+impl Values for Ascii<'_> {
+    fn next(&mut self, scalar: Scalar) -> Result<f64, LoadError> {
+        let at = self.at;
+        let token = self.token()?;
+        let value = match scalar {
+            // Straight to the nearest f32: by way of f64 it would be rounded twice.
+            Scalar::Float => fast_float2::parse::<f32, _>(token).ok().map(f64::from),
+            _ => number(token),
+        };
+        value.ok_or_else(|| LoadError::syntax("a number", token).at(self.place(at)))
+    }
+
+    fn skip(&mut self, _: Scalar, count: u64) -> Result<(), LoadError> {
+        for _ in 0..count {
+            self.token()?;
+        }
+        Ok(())
+    }
+
+    /// A digit and the white space after it.
+    fn least_size(&self, _: Scalar) -> u64 {
+        2
+    }
+
+    fn offset(&self) -> usize {
+        self.at
+    }
+
+    fn seek(&mut self, offset: usize) {
+        self.at = offset;
+    }
+
+    fn place(&self, offset: usize) -> Place {
+        // The token after the offset is meant; at the end, the last line that has any.
+        let rest = trim_start(&self.bytes[offset..]);
+        let token = if rest.is_empty() { offset } else { self.bytes.len() - rest.len() };
+        Place::Line(line_at(self.bytes, token))
+    }
+
+    fn remaining(&self) -> u64 {
+        trim_start(&self.bytes[self.at..]).len() as u64
+    }
+
+    fn end_row(&mut self) {
+        let rest = &self.bytes[self.at..];
+        let len = memchr::memchr2(b'\n', b'\r', rest).unwrap_or(rest.len());
+        if !trim_start(&rest[..len]).is_empty() {
+            if self.surplus == 0 {
+                self.first_surplus = self.at;
+            }
+            self.surplus += 1;
+        }
+        self.at += len;
+    }
+
+    fn surplus(&self) -> Option<(u64, Place)> {
+        (self.surplus > 0).then(|| (self.surplus, self.place(self.first_surplus)))
+    }
+}

@@ -1,0 +1,181 @@
+//! The header of a PLY file: which elements follow, with which properties, in which encoding.
+
+use crate::{
+    error::{LoadError, Place},
+    text::{integer, name, tokens, trim},
+};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Ascii,
+    LittleEndian,
+    BigEndian,
+}
+
+/// The type of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scalar {
+    Char,
+    UChar,
+    Short,
+    UShort,
+    Int,
+    UInt,
+    Float,
+    Double,
+}
+
+impl Scalar {
+    fn from_name(name: &[u8]) -> Option<Self> {
+        Some(match name {
+            b"char" | b"int8" => Self::Char,
+            b"uchar" | b"uint8" => Self::UChar,
+            b"short" | b"int16" => Self::Short,
+            b"ushort" | b"uint16" => Self::UShort,
+            b"int" | b"int32" => Self::Int,
+            b"uint" | b"uint32" => Self::UInt,
+            b"float" | b"float32" => Self::Float,
+            b"double" | b"float64" => Self::Double,
+            _ => return None,
+        })
+    }
+
+    /// How many bytes a binary value takes.
+    pub(super) fn size(self) -> usize {
+        match self {
+            Self::Char | Self::UChar => 1,
+            Self::Short | Self::UShort => 2,
+            Self::Int | Self::UInt | Self::Float => 4,
+            Self::Double => 8,
+        }
+    }
+
+    /// Whether every value is an f32.
+    pub(super) fn fits_f32(self) -> bool {
+        !matches!(self, Self::Int | Self::UInt | Self::Double)
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct Property {
+    pub(super) name: String,
+    pub(super) scalar: Scalar,
+    /// The type of the length, where this is a list.
+    pub(super) list: Option<Scalar>,
+}
+
+#[derive(Debug)]
+pub(super) struct Element {
+    pub(super) name: String,
+    pub(super) count: u64,
+    pub(super) properties: Vec<Property>,
+}
+
+pub(super) struct Header {
+    pub(super) encoding: Encoding,
+    pub(super) elements: Vec<Element>,
+    /// How many bytes the header takes.
+    pub(super) len: usize,
+}
+
+impl Header {
+    pub(super) fn read(bytes: &[u8]) -> Result<Self, LoadError> {
+        let mut lines = HeaderLines::new(bytes);
+        let first = lines.next().unwrap_or_default();
+        if first != b"ply" {
+            return Err(LoadError::syntax("ply", first).at(Place::Line(1)));
+        }
+        let mut encoding = None;
+        let mut elements: Vec<Element> = Vec::new();
+        loop {
+            let Some(line) = lines.next() else {
+                return Err(LoadError::syntax("end_header", b"").at(lines.place()).hint("the file is cut off"));
+            };
+            let mut words = tokens(line);
+            let result = match words.next().unwrap_or_default() {
+                b"format" => read_encoding(words).map(|e| encoding = Some(e)),
+                b"comment" | b"obj_info" | b"" => Ok(()),
+                b"element" => read_element(words, &elements).map(|e| elements.push(e)),
+                b"property" => match elements.last_mut() {
+                    None => Err(LoadError::syntax("an element before its properties", line)),
+                    Some(element) => read_property(words).map(|p| element.properties.push(p)),
+                },
+                b"end_header" => break,
+                _ => Err(LoadError::syntax("format, element, property, comment or end_header", line)),
+            };
+            result.map_err(|e| e.at(lines.place()))?;
+        }
+        match encoding {
+            Some(encoding) => Ok(Self { encoding, elements, len: lines.at }),
+            None => Err(LoadError::syntax("a line with the format", b"").at(lines.place())),
+        }
+    }
+}
+
+/// The header's lines, trimmed, ended as its first line is: the body may begin with any byte.
+struct HeaderLines<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    number: u64,
+    end: u8,
+}
+
+impl<'a> HeaderLines<'a> {
+    fn new(bytes: &'a [u8]) -> Self {
+        // A file of the old Macintosh ends its lines with \r alone.
+        let end = if bytes.get(3) == Some(&b'\r') && bytes.get(4) != Some(&b'\n') { b'\r' } else { b'\n' };
+        Self { bytes, at: 0, number: 0, end }
+    }
+
+    fn place(&self) -> Place {
+        Place::Line(self.number)
+    }
+
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let rest = &self.bytes[self.at..];
+        let len = memchr::memchr(self.end, rest)?;
+        self.at += len + 1;
+        self.number += 1;
+        Some(trim(&rest[..len]))
+    }
+}
+
+fn read_encoding<'a>(mut words: impl Iterator<Item = &'a [u8]>) -> Result<Encoding, LoadError> {
+    let word = words.next().unwrap_or_default();
+    let encoding = match word {
+        b"ascii" => Encoding::Ascii,
+        b"binary_little_endian" => Encoding::LittleEndian,
+        b"binary_big_endian" => Encoding::BigEndian,
+        _ => return Err(LoadError::syntax("ascii, binary_little_endian or binary_big_endian", word)),
+    };
+    match words.next().unwrap_or_default() {
+        b"1.0" => Ok(encoding),
+        version => Err(LoadError::syntax("version 1.0", version)),
+    }
+}
+
+fn read_element<'a>(mut words: impl Iterator<Item = &'a [u8]>, elements: &[Element]) -> Result<Element, LoadError> {
+    let word = words.next().unwrap_or_default();
+    let name = name(word);
+    let count = words.next().unwrap_or_default();
+    let count = integer(count)
+        .and_then(|n| u64::try_from(n).ok())
+        .ok_or_else(|| LoadError::syntax("the number of rows of an element", count))?;
+    let once = ["vertex", "face", "tristrips"].contains(&name.as_str());
+    if once && elements.iter().any(|e| e.name == name) {
+        return Err(LoadError::syntax(format!("one element {name}"), word).hint("it is there twice"));
+    }
+    Ok(Element { name, count, properties: Vec::new() })
+}
+
+fn read_property<'a>(mut words: impl Iterator<Item = &'a [u8]>) -> Result<Property, LoadError> {
+    let mut word = || words.next().unwrap_or_default();
+    let scalar = |name: &[u8]| Scalar::from_name(name).ok_or_else(|| LoadError::syntax("the type of a property", name));
+    let first = word();
+    let (list, scalar) =
+        if first == b"list" { (Some(scalar(word())?), scalar(word())?) } else { (None, scalar(first)?) };
+    if matches!(list, Some(Scalar::Float | Scalar::Double)) {
+        return Err(LoadError::syntax("an integer type for the length of a list", b"a floating-point type"));
+    }
+    Ok(Property { name: name(word()), scalar, list })
+}

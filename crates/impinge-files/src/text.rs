@@ -1,0 +1,166 @@
+//! Lines, tokens and numbers of text formats, as bytes: names and comments need not be UTF-8.
+
+use memchr::memchr;
+
+use crate::{
+    error::{LoadError, LoadErrorKind, Place},
+    format::Format,
+};
+
+/// The error that these bytes are no text, if they hold a NUL.
+pub(crate) fn binary_data(bytes: &[u8], expected: Format) -> Option<LoadError> {
+    let at = memchr(0, bytes)?;
+    let kind = LoadErrorKind::WrongContent { expected, found: "binary data or UTF-16" };
+    Some(LoadError::new(kind).at(Place::Byte(at as u64)))
+}
+
+/// The bytes after a UTF-8 byte order mark, if there is one.
+pub(crate) fn without_bom(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
+}
+
+/// White space within a line or at its end.
+pub(crate) fn is_space(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t' | b'\r' | b'\n' | 0x0B | 0x0C)
+}
+
+pub(crate) fn trim_start(text: &[u8]) -> &[u8] {
+    let start = text.iter().position(|&b| !is_space(b)).unwrap_or(text.len());
+    &text[start..]
+}
+
+pub(crate) fn trim(text: &[u8]) -> &[u8] {
+    let text = trim_start(text);
+    let end = text.iter().rposition(|&b| !is_space(b)).map_or(0, |last| last + 1);
+    &text[..end]
+}
+
+/// The first token and the rest.
+pub(crate) fn split_token(text: &[u8]) -> (&[u8], &[u8]) {
+    let text = trim_start(text);
+    let end = text.iter().position(|&b| is_space(b)).unwrap_or(text.len());
+    text.split_at(end)
+}
+
+/// The tokens between white space.
+pub(crate) fn tokens(text: &[u8]) -> impl Iterator<Item = &[u8]> {
+    text.split(|&b| is_space(b)).filter(|token| !token.is_empty())
+}
+
+/// The f64 nearest to a decimal number that is the whole token.
+pub(crate) fn number(token: &[u8]) -> Option<f64> {
+    fast_float2::parse(token).ok()
+}
+
+/// A decimal integer that is the whole token; beyond the range of i64 the nearest end of it.
+pub(crate) fn integer(token: &[u8]) -> Option<i64> {
+    let (negative, digits) = match token {
+        [b'-', digits @ ..] => (true, digits),
+        [b'+', digits @ ..] => (false, digits),
+        digits => (false, digits),
+    };
+    let mut value = 0_i64;
+    for &digit in digits {
+        if !digit.is_ascii_digit() {
+            return None;
+        }
+        value = value.saturating_mul(10).saturating_add(i64::from(digit - b'0'));
+    }
+    (!digits.is_empty()).then_some(if negative { -value } else { value })
+}
+
+/// A name for a part: trimmed, as UTF-8 with replacement characters, and cut at [`MAX_NAME`] bytes.
+pub(crate) fn name(text: &[u8]) -> String {
+    let text = trim(text);
+    let mut name = String::from_utf8_lossy(&text[..text.len().min(MAX_NAME)]).into_owned();
+    name.truncate(name.floor_char_boundary(MAX_NAME));
+    name
+}
+
+/// The longest name of a part in bytes. Many parts can share one name of the file, so that without a bound they could
+/// take memory like the square of the file's size.
+pub(crate) const MAX_NAME: usize = 255;
+
+/// The line, counted from one, in which the byte at `offset` stands.
+pub(crate) fn line_at(bytes: &[u8], offset: usize) -> u64 {
+    let before = &bytes[..offset.min(bytes.len())];
+    1 + memchr::memchr_iter(line_end(bytes), before).count() as u64
+}
+
+/// The byte that ends a line: `\n`, or `\r` where the file has no `\n` at all.
+fn line_end(bytes: &[u8]) -> u8 {
+    if memchr(b'\n', bytes).is_none() && memchr(b'\r', bytes).is_some() { b'\r' } else { b'\n' }
+}
+
+/// The lines of a text with their numbers, counted from one.
+pub(crate) struct Lines<'a> {
+    rest: &'a [u8],
+    end: u8,
+    number: u64,
+}
+
+impl<'a> Lines<'a> {
+    pub(crate) fn new(bytes: &'a [u8]) -> Self {
+        Self { rest: bytes, end: line_end(bytes), number: 0 }
+    }
+
+    /// The number of the line that was returned last.
+    pub(crate) fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// The lines that are still to come.
+    pub(crate) fn rest(&self) -> &'a [u8] {
+        self.rest
+    }
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = &'a [u8];
+
+    /// The next line; its end may still hold a `\r`, which is white space to every reader.
+    fn next(&mut self) -> Option<&'a [u8]> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        let (line, rest) = match memchr(self.end, self.rest) {
+            Some(at) => (&self.rest[..at], &self.rest[at + 1..]),
+            None => (self.rest, &[][..]),
+        };
+        self.rest = rest;
+        self.number += 1;
+        Some(line)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_end_in_any_way() {
+        for text in [&b"a\nb\n\nc"[..], b"a\r\nb\r\n\r\nc\r\n", b"a\rb\r\rc"] {
+            let lines: Vec<_> = Lines::new(text).map(trim).collect();
+            assert_eq!(lines, [&b"a"[..], b"b", b"", b"c"]);
+            let at = text.iter().position(|&b| b == b'c').unwrap();
+            assert_eq!(line_at(text, at), 4);
+        }
+    }
+
+    #[test]
+    fn integers_saturate() {
+        assert_eq!(integer(b"-12"), Some(-12));
+        assert_eq!(integer(b"+7"), Some(7));
+        assert_eq!(integer(b"99999999999999999999999"), Some(i64::MAX));
+        for bad in [&b""[..], b"-", b"1.0", b"1e3", b"x"] {
+            assert_eq!(integer(bad), None);
+        }
+    }
+
+    #[test]
+    fn names_are_bounded_and_always_text() {
+        assert_eq!(name(b"  caf\xE9 \r"), "caf\u{FFFD}");
+        assert_eq!(name(&[0xFF; 1000]).len(), MAX_NAME);
+        assert!(name("é".repeat(1000).as_bytes()).len() <= MAX_NAME);
+    }
+}

@@ -1,0 +1,122 @@
+//! Units of length that a file may state.
+
+use std::{fmt, str::FromStr};
+
+/// A unit of length: those that 3MF can state, which include the metre of glTF.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Unit {
+    /// 10⁻⁶ m, `um`.
+    Micron,
+    /// 10⁻³ m, `mm`.
+    Millimetre,
+    /// 10⁻² m, `cm`.
+    Centimetre,
+    /// 0.0254 m exactly, `in`.
+    Inch,
+    /// 0.3048 m exactly, `ft`.
+    Foot,
+    /// `m`.
+    Metre,
+}
+
+impl Unit {
+    /// Every unit, from the shortest to the longest.
+    pub const ALL: [Self; 6] = [Self::Micron, Self::Millimetre, Self::Centimetre, Self::Inch, Self::Foot, Self::Metre];
+
+    /// Its length in metres, to the nearest f64.
+    #[must_use]
+    pub fn metres(self) -> f64 {
+        match self {
+            Self::Micron => 1e-6,
+            Self::Millimetre => 1e-3,
+            Self::Centimetre => 1e-2,
+            Self::Inch => 0.0254,
+            Self::Foot => 0.3048,
+            Self::Metre => 1.0,
+        }
+    }
+
+    /// Its symbol: `um`, `mm`, `cm`, `in`, `ft` or `m`.
+    #[must_use]
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Micron => "um",
+            Self::Millimetre => "mm",
+            Self::Centimetre => "cm",
+            Self::Inch => "in",
+            Self::Foot => "ft",
+            Self::Metre => "m",
+        }
+    }
+
+    /// The name in 3MF's `unit` attribute: `micron`, `millimeter`, `centimeter`, `inch`, `foot` or `meter`.
+    pub(crate) fn from_3mf(name: &str) -> Option<Self> {
+        Some(match name {
+            "micron" => Self::Micron,
+            "millimeter" => Self::Millimetre,
+            "centimeter" => Self::Centimetre,
+            "inch" => Self::Inch,
+            "foot" => Self::Foot,
+            "meter" => Self::Metre,
+            _ => return None,
+        })
+    }
+}
+
+impl fmt::Display for Unit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.symbol())
+    }
+}
+
+/// A word that is no unit.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownUnit(String);
+
+impl fmt::Display for UnknownUnit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "unknown unit {:?}; the units are", self.0)?;
+        for (i, unit) in Unit::ALL.iter().enumerate() {
+            write!(f, "{} {unit}", if i == 0 { "" } else { "," })?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for UnknownUnit {}
+
+/// Reads the symbol that [`Display`](fmt::Display) writes, in any case, or `µm`.
+impl FromStr for Unit {
+    type Err = UnknownUnit;
+
+    fn from_str(text: &str) -> Result<Self, UnknownUnit> {
+        let matches = |unit: &&Self| unit.symbol().eq_ignore_ascii_case(text);
+        match text {
+            "µm" | "μm" => Ok(Self::Micron),
+            _ => Self::ALL.iter().find(matches).copied().ok_or_else(|| UnknownUnit(text.to_owned())),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn symbols_read_back() {
+        for unit in Unit::ALL {
+            assert_eq!(unit.to_string().parse(), Ok(unit));
+            assert_eq!(unit.to_string().to_uppercase().parse(), Ok(unit));
+        }
+        assert_eq!("µm".parse(), Ok(Unit::Micron));
+        let error = "furlong".parse::<Unit>().unwrap_err();
+        assert_eq!(error.to_string(), "unknown unit \"furlong\"; the units are um, mm, cm, in, ft, m");
+    }
+
+    #[test]
+    fn lengths_increase() {
+        assert!(Unit::ALL.windows(2).all(|w| w[0].metres() < w[1].metres() && w[0] < w[1]));
+        assert_eq!(Unit::Inch.metres() * 5000.0, 127.0);
+        assert_eq!(Unit::Foot.metres() * 10000.0, 3048.0);
+    }
+}
