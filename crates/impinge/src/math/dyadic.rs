@@ -14,8 +14,8 @@ use super::Sign;
 const INLINE: usize = 16;
 
 #[derive(Clone, Debug)]
-enum Limbs {
-    Inline { len: usize, limbs: [u64; INLINE] },
+enum Digits {
+    Inline([u64; INLINE]),
     Heap(Vec<u64>),
 }
 
@@ -23,34 +23,26 @@ enum Limbs {
 #[derive(Clone, Debug)]
 pub(crate) struct Dyadic {
     sign: Sign,
-    /// The magnitude is the sum of `limbs[i] · 2^(64 (i + exponent))`; neither end of `limbs` is zero.
+    /// The magnitude is the sum of `limbs[i] · 2^(64 (i + exponent))`, the limbs being `digits[low..high]`; neither the
+    /// lowest nor the highest of them is zero.
     exponent: i32,
-    limbs: Limbs,
+    low: usize,
+    high: usize,
+    digits: Digits,
 }
 
-impl Limbs {
-    fn zeros(len: usize) -> Self {
-        if len <= INLINE { Self::Inline { len, limbs: [0; INLINE] } } else { Self::Heap(vec![0; len]) }
-    }
-
+impl Digits {
     fn as_slice(&self) -> &[u64] {
         match self {
-            Self::Inline { len, limbs } => &limbs[..*len],
-            Self::Heap(limbs) => limbs,
+            Self::Inline(digits) => digits,
+            Self::Heap(digits) => digits,
         }
     }
 
     fn as_mut_slice(&mut self) -> &mut [u64] {
         match self {
-            Self::Inline { len, limbs } => &mut limbs[..*len],
-            Self::Heap(limbs) => limbs,
-        }
-    }
-
-    fn truncate(&mut self, new_len: usize) {
-        match self {
-            Self::Inline { len, .. } => *len = new_len,
-            Self::Heap(limbs) => limbs.truncate(new_len),
+            Self::Inline(digits) => digits,
+            Self::Heap(digits) => digits,
         }
     }
 }
@@ -58,7 +50,7 @@ impl Limbs {
 impl Dyadic {
     /// Zero.
     pub(crate) const ZERO: Self =
-        Self { sign: Sign::Zero, exponent: 0, limbs: Limbs::Inline { len: 0, limbs: [0; INLINE] } };
+        Self { sign: Sign::Zero, exponent: 0, low: 0, high: 0, digits: Digits::Inline([0; INLINE]) };
 
     /// The number that this finite float is.
     pub(crate) fn from_f64(x: f64) -> Self {
@@ -126,37 +118,57 @@ impl Dyadic {
         let shift = exponent.rem_euclid(64);
         let low = mantissa << shift;
         let high = if shift == 0 { 0 } else { (mantissa >> (128 - shift)) as u64 };
-        let mut limbs = [0; INLINE];
-        limbs[..3].copy_from_slice(&[low as u64, (low >> 64) as u64, high]);
         let sign = if negative { Sign::Negative } else { Sign::Positive };
-        Self::trimmed(sign, exponent.div_euclid(64), Limbs::Inline { len: 3, limbs })
+        let mut number = Self::zeros(sign, exponent.div_euclid(64), 3);
+        let digits = number.digits.as_mut_slice();
+        (digits[0], digits[1], digits[2]) = (low as u64, (low >> 64) as u64, high);
+        number.trim();
+        number
     }
 
-    /// The number of this sign with these limbs, without the zeros at both their ends.
-    fn trimmed(sign: Sign, exponent: i32, mut limbs: Limbs) -> Self {
-        let digits = limbs.as_mut_slice();
-        let Some(low) = digits.iter().position(|&digit| digit != 0) else {
-            return Self::ZERO;
-        };
-        let mut top = digits.len();
-        while digits[top - 1] == 0 {
-            top -= 1;
+    /// A number whose limbs are still to be filled in; it is built where it stays, as moving it would cost more than
+    /// most of the arithmetic.
+    #[inline]
+    fn zeros(sign: Sign, exponent: i32, len: usize) -> Self {
+        let digits = if len <= INLINE { Digits::Inline([0; INLINE]) } else { Digits::Heap(vec![0; len]) };
+        Self { sign, exponent, low: 0, high: len, digits }
+    }
+
+    /// Drops the zeros at both ends of the limbs.
+    #[inline]
+    fn trim(&mut self) {
+        let digits = self.digits.as_slice();
+        while self.low < self.high && digits[self.high - 1] == 0 {
+            self.high -= 1;
         }
-        if low > 0 {
-            digits.copy_within(low..top, 0);
+        while self.low < self.high && digits[self.low] == 0 {
+            self.low += 1;
+            self.exponent += 1;
         }
-        limbs.truncate(top - low);
-        Self { sign, exponent: exponent + low as i32, limbs }
+        if self.low == self.high {
+            (self.sign, self.exponent) = (Sign::Zero, 0);
+        }
+    }
+
+    fn limbs(&self) -> &[u64] {
+        &self.digits.as_slice()[self.low..self.high]
+    }
+
+    /// The limb at `position`, counted from the exponent `from`; zero where the number has none.
+    fn limb(&self, from: i32, position: usize) -> u64 {
+        let index = from + position as i32 - self.exponent;
+        // A negative index becomes one beyond the end.
+        self.limbs().get(index as usize).copied().unwrap_or(0)
     }
 
     /// One past the position of the highest limb.
     fn top(&self) -> i32 {
-        self.exponent + self.limbs.as_slice().len() as i32
+        self.exponent + (self.high - self.low) as i32
     }
 
     /// The magnitude of a number other than zero as `x · 2^e`, within 2^-52 of it.
     fn leading(&self) -> (f64, i32) {
-        match self.limbs.as_slice() {
+        match self.limbs() {
             [.., second, first] => ((u128::from(*first) << 64 | u128::from(*second)) as f64, 64 * (self.top() - 2)),
             [only] => (*only as f64, 64 * self.exponent),
             [] => (0.0, 0),
@@ -171,24 +183,40 @@ impl Dyadic {
         if self.sign == Sign::Zero {
             return Self { sign: other_sign, ..other.clone() };
         }
+        if self.sign == other_sign {
+            self.sum_of_magnitudes(other)
+        } else if compare_magnitudes(self, other) == Ordering::Less {
+            other.difference_of_magnitudes(self, other_sign)
+        } else {
+            self.difference_of_magnitudes(other, self.sign)
+        }
+    }
+
+    fn sum_of_magnitudes(&self, other: &Self) -> Self {
         let exponent = self.exponent.min(other.exponent);
         let len = (self.top().max(other.top()) - exponent) as usize;
-        let offset = |x: &Self| (x.exponent - exponent) as usize;
-        if self.sign == other_sign {
-            let mut limbs = Limbs::zeros(len + 1);
-            copy(limbs.as_mut_slice(), self.limbs.as_slice(), offset(self));
-            add(limbs.as_mut_slice(), other.limbs.as_slice(), offset(other));
-            return Self::trimmed(self.sign, exponent, limbs);
+        let mut result = Self::zeros(self.sign, exponent, len + 1);
+        let mut carry = false;
+        let limbs = result.digits.as_mut_slice();
+        for (position, limb) in limbs[..len].iter_mut().enumerate() {
+            (*limb, carry) = self.limb(exponent, position).carrying_add(other.limb(exponent, position), carry);
         }
-        let (large, small, sign) = match compare_magnitudes(self, other) {
-            Ordering::Equal => return Self::ZERO,
-            Ordering::Greater => (self, other, self.sign),
-            Ordering::Less => (other, self, other_sign),
-        };
-        let mut limbs = Limbs::zeros(len);
-        copy(limbs.as_mut_slice(), large.limbs.as_slice(), offset(large));
-        subtract(limbs.as_mut_slice(), small.limbs.as_slice(), offset(small));
-        Self::trimmed(sign, exponent, limbs)
+        limbs[len] = u64::from(carry);
+        result.trim();
+        result
+    }
+
+    /// The difference of magnitudes, of which that of `self` is not the smaller one, with this sign.
+    fn difference_of_magnitudes(&self, other: &Self, sign: Sign) -> Self {
+        let exponent = self.exponent.min(other.exponent);
+        let len = (self.top() - exponent) as usize;
+        let mut result = Self::zeros(sign, exponent, len);
+        let mut borrow = false;
+        for (position, limb) in result.digits.as_mut_slice()[..len].iter_mut().enumerate() {
+            (*limb, borrow) = self.limb(exponent, position).borrowing_sub(other.limb(exponent, position), borrow);
+        }
+        result.trim();
+        result
     }
 }
 
@@ -212,25 +240,23 @@ impl Mul for &Dyadic {
     type Output = Dyadic;
 
     fn mul(self, other: Self) -> Dyadic {
-        if self.sign == Sign::Zero || other.sign == Sign::Zero {
-            return Dyadic::ZERO;
-        }
-        let (x, y) = (self.limbs.as_slice(), other.limbs.as_slice());
-        let mut limbs = Limbs::zeros(x.len() + y.len());
-        let digits = limbs.as_mut_slice();
+        let (x, y) = (self.limbs(), other.limbs());
+        let sign = if self.sign == other.sign { Sign::Positive } else { Sign::Negative };
+        let mut result = Dyadic::zeros(sign, self.exponent + other.exponent, x.len() + y.len());
+        let digits = result.digits.as_mut_slice();
         for (i, &a) in x.iter().enumerate() {
-            let row = &mut digits[i..=i + y.len()];
             let mut carry = 0;
-            for (digit, &b) in row.iter_mut().zip(y) {
+            for (digit, &b) in digits[i..].iter_mut().zip(y) {
                 // (2^64 - 1)^2 + 2 (2^64 - 1) = 2^128 - 1: the sum cannot overflow.
                 let wide = u128::from(a) * u128::from(b) + u128::from(*digit) + u128::from(carry);
                 *digit = wide as u64;
                 carry = (wide >> 64) as u64;
             }
-            row[y.len()] = carry;
+            digits[i + y.len()] = carry;
         }
-        let sign = if self.sign == other.sign { Sign::Positive } else { Sign::Negative };
-        Dyadic::trimmed(sign, self.exponent + other.exponent, limbs)
+        // A factor of zero has no limbs, which leaves none or zeros.
+        result.trim();
+        result
     }
 }
 
@@ -257,41 +283,8 @@ pub(crate) fn decompose(x: f64) -> (bool, u64, i32) {
 }
 
 fn compare_magnitudes(x: &Dyadic, y: &Dyadic) -> Ordering {
-    let (x_limbs, y_limbs) = (x.limbs.as_slice(), y.limbs.as_slice());
     // Highest limbs first; where one runs out, the other has more that is not zero.
-    x.top().cmp(&y.top()).then_with(|| x_limbs.iter().rev().cmp(y_limbs.iter().rev()))
-}
-
-fn copy(digits: &mut [u64], from: &[u64], offset: usize) {
-    digits[offset..offset + from.len()].copy_from_slice(from);
-}
-
-fn add(digits: &mut [u64], other: &[u64], offset: usize) {
-    let mut carry = false;
-    let (aligned, above) = digits[offset..].split_at_mut(other.len());
-    for (digit, &b) in aligned.iter_mut().zip(other) {
-        (*digit, carry) = digit.carrying_add(b, carry);
-    }
-    for digit in above {
-        if !carry {
-            return;
-        }
-        (*digit, carry) = digit.overflowing_add(1);
-    }
-}
-
-fn subtract(digits: &mut [u64], other: &[u64], offset: usize) {
-    let mut borrow = false;
-    let (aligned, above) = digits[offset..].split_at_mut(other.len());
-    for (digit, &b) in aligned.iter_mut().zip(other) {
-        (*digit, borrow) = digit.borrowing_sub(b, borrow);
-    }
-    for digit in above {
-        if !borrow {
-            return;
-        }
-        (*digit, borrow) = digit.overflowing_sub(1);
-    }
+    x.top().cmp(&y.top()).then_with(|| x.limbs().iter().rev().cmp(y.limbs().iter().rev()))
 }
 
 fn even_of(x: f64, y: f64) -> f64 {
