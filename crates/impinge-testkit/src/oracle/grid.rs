@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 /// Every meeting pair (face of a, face of b), sorted: the same answer as [`brute_force`](super::brute_force).
 ///
 /// # Panics
-/// Where a world coordinate overflows f64.
+/// Where a world coordinate is not below 2^1000.
 ///
 /// # Complexity
 /// About linear in faces and in pairs of overlapping boxes; 100 bytes a face.
@@ -116,7 +116,7 @@ fn level_of(bounds: &WorldBox, finest: i32) -> i32 {
 /// The finest level whose cell numbers still fit an integer with room to spare: 2^-50 of the farthest coordinate.
 fn finest_level<'a>(boxes: impl Iterator<Item = &'a WorldBox>) -> i32 {
     let farthest = boxes.flat_map(|b| b.low.into_iter().chain(b.high)).map(f64::abs).fold(0.0, f64::max);
-    assert!(farthest.is_finite(), "the grid wants world coordinates that f64 can hold");
+    assert!(farthest < power_of_two(1000), "the grid wants world coordinates below 2^1000, not {farthest}");
     // At -1000 the reciprocal of a cell size is still a number, and the sizes of subnormals are all alike.
     (exponent_above(farthest) - 50).max(-1000)
 }

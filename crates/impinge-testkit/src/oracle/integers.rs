@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn coordinates_are_exact_where_floats_are_not() {
-        // 0.1 * 3 + 1e300 - in floats the first term would vanish.
+        // 0.1 * 3 + 1e300: in floats the first term would vanish.
         let pose = Affine::new([[3.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [1e300, 0.0, 0.0]);
         let a = [[0.1, 0.0, 0.0], [0.1f64.next_up(), 0.0, 0.0], [0.1, 5e-324, 0.0]];
         let (image, _) = corners(&a, &pose, &a, &pose);
@@ -116,5 +116,13 @@ mod tests {
         // One step of 0.1 is 2^-56, three times that in the world; the common scale is the smallest subnormal's, 2^-1074.
         assert_eq!(image[1], [IBig::from(3) << (1074 - 56), IBig::ZERO, IBig::ZERO]);
         assert_eq!(image[2], [IBig::ZERO, IBig::ONE, IBig::ZERO]);
+    }
+
+    #[test]
+    fn the_whole_range_of_exponents_has_room() {
+        let at = |x: f64| [[x, 5e-324, 0.0]; 3];
+        let (a, b) = corners(&at(2f64.powi(1000)), &Affine::IDENTITY, &at(2f64.powi(999)), &Affine::IDENTITY);
+        assert_eq!(a[0], [IBig::ZERO, IBig::ZERO, IBig::ZERO]);
+        assert_eq!(b[0], [-(IBig::ONE << (1074 + 999)), IBig::ZERO, IBig::ZERO]);
     }
 }

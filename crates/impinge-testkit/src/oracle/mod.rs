@@ -38,6 +38,27 @@ pub fn brute_force(a: Posed, b: Posed) -> Vec<(u32, u32)> {
     pairs
 }
 
+/// [`triangles_meet`] for two faces.
 fn faces_meet(a: Posed, i: usize, b: Posed, j: usize) -> bool {
     triangles_meet(&a.triangle(i), &a.world_from_local, &b.triangle(j), &b.world_from_local)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::{Rng, poses, solids};
+
+    #[test]
+    fn boxes_reject_no_pair_that_meets() {
+        let mut rng = Rng::new(8);
+        for _ in 0..4 {
+            let (a, b) = (solids::grid_soup(&mut rng, 60, 5, 2), solids::grid_soup(&mut rng, 60, 5, 2));
+            let pose = poses::rotation(&mut rng);
+            let (a, b) = (a.at(pose), b.at(pose));
+            let every = (0..60u32).flat_map(|i| (0..60u32).map(move |j| (i, j)));
+            let meeting: Vec<(u32, u32)> = every.filter(|&(i, j)| faces_meet(a, i as usize, b, j as usize)).collect();
+            assert_eq!(brute_force(a, b), meeting);
+            assert!((100..1_000).contains(&meeting.len()), "{}", meeting.len());
+        }
+    }
 }

@@ -140,8 +140,7 @@ mod tests {
 
     #[test]
     fn the_pose_is_not_rounded() {
-        // The corner comes to z = 3 * 0.1 - 0.3, which is 2^-54 in the reals and which f64 rounds to 2^-54 or to 0
-        // depending on the order; the sign decides.
+        // 3 * 0.1 lies half-way, to 2^-55, between 0.3 and the float after it, which is what the product rounds to.
         let lifted = Affine::new([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 3.0]], [0.0, 0.0, -0.3]);
         let b = [[1.0, 1.0, 0.1], [1.0, 1.0, 3.0], [2.0, 1.0, 3.0]];
         assert!(!triangles_meet(&FLOOR, &Affine::IDENTITY, &b, &lifted));
