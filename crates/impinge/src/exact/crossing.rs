@@ -57,16 +57,16 @@ pub enum Feature {
 #[must_use]
 pub fn crossing(placement: &Placement, a: &Corners, b: &Corners) -> Crossing {
     let mut corners = PairCorners::new(placement, a, b);
-    let world = World { placement, a, b };
+    let world = || World::new(placement, a, b);
     match Position::of(&mut corners) {
         Position::Apart => Crossing::Apart,
-        Position::Crossing(line) => crossing_on(&line, &mut corners, &world),
+        Position::Crossing(line) => crossing_on(&line, &mut corners, world),
         Position::SegmentOfA(segment) => match passed(segment.pass_edges_of_b(&mut corners)) {
-            Some(on_b) => Crossing::Point(world.endpoint_on_edge_of_a(segment_feature(&segment), on_b, segment.edge)),
+            Some(on_b) => Crossing::Point(world().endpoint_on_edge_of_a(segment_feature(&segment), on_b, segment.edge)),
             None => Crossing::Apart,
         },
         Position::SegmentOfB(segment) => match passed(segment.pass_edges_of_a(&mut corners)) {
-            Some(on_a) => Crossing::Point(world.endpoint_on_edge_of_b(on_a, segment_feature(&segment), segment.edge)),
+            Some(on_a) => Crossing::Point(world().endpoint_on_edge_of_b(on_a, segment_feature(&segment), segment.edge)),
             None => Crossing::Apart,
         },
         Position::Flat if flat_meet(&mut corners) => Crossing::Coplanar,
@@ -75,12 +75,13 @@ pub fn crossing(placement: &Placement, a: &Corners, b: &Corners) -> Crossing {
 }
 
 /// The common part of the intervals `[a2, a1]` and `[b1, b2]` that both triangles have on their common line.
-fn crossing_on(line: &CommonLine, corners: &mut PairCorners, world: &World) -> Crossing {
+fn crossing_on(line: &CommonLine, corners: &mut PairCorners, world: impl Fn() -> World) -> Crossing {
     let b1_to_a1 = line.compare(corners, 1, 1);
     let b2_to_a2 = line.compare(corners, 2, 2);
     if b1_to_a1 == Positive || b2_to_a2 == Negative {
         return Crossing::Apart;
     }
+    let world = world();
     let end_a = |end: usize| Transversal { edge: [line.a[0], line.a[end]], sides: line.side_a };
     let end_b = |end: usize| Transversal { edge: [line.b[0], line.b[end]], sides: line.side_b };
     let on_a = |end: usize| end_feature(&end_a(end));
@@ -111,7 +112,7 @@ fn crossing_on(line: &CommonLine, corners: &mut PairCorners, world: &World) -> C
         Zero => world.endpoint_on_edge_of_a(on_a(1), on_b(2), end_a(1).edge),
         Negative => world.endpoint_on_edge_of_b(between_a, on_b(2), end_b(2).edge),
     };
-    if line.against_normals != world.placement.world_from_a().mirrors() {
+    if line.against_normals != world.mirrors_a {
         Crossing::Segment(finish, start)
     } else {
         Crossing::Segment(start, finish)
@@ -161,54 +162,50 @@ fn edge_feature(p: usize, q: usize) -> Feature {
 }
 
 /// The two triangles as they are in the world.
-struct World<'p> {
-    placement: &'p Placement,
-    a: &'p Corners,
-    b: &'p Corners,
+struct World {
+    a: [[Dyadic; 3]; 3],
+    b: [[Dyadic; 3]; 3],
+    mirrors_a: bool,
 }
 
-impl World<'_> {
+impl World {
+    fn new(placement: &Placement, a: &Corners, b: &Corners) -> Self {
+        Self {
+            a: a.each_ref().map(|corner| world_point(placement.world_from_a(), corner)),
+            b: b.each_ref().map(|corner| world_point(placement.world_from_b(), corner)),
+            mirrors_a: placement.world_from_a().mirrors(),
+        }
+    }
+
     /// The end where this edge of A meets B's plane.
     fn endpoint_on_edge_of_a(&self, on_a: Feature, on_b: Feature, [from, to]: [usize; 2]) -> Endpoint {
-        let point = self.vertex_point(on_a, on_b).unwrap_or_else(|| {
-            let plane = [0, 1, 2].map(|j| self.corner_b(j));
-            nearest_on_plane(&self.corner_a(from), &self.corner_a(to), &plane)
-        });
+        let vertex = self.vertex_point(on_a, on_b);
+        let point = vertex.unwrap_or_else(|| nearest_on_plane(&self.a[from], &self.a[to], &self.b));
         Endpoint { on_a, on_b, point }
     }
 
     /// The end where this edge of B meets A's plane.
     fn endpoint_on_edge_of_b(&self, on_a: Feature, on_b: Feature, [from, to]: [usize; 2]) -> Endpoint {
-        let point = self.vertex_point(on_a, on_b).unwrap_or_else(|| {
-            let plane = [0, 1, 2].map(|i| self.corner_a(i));
-            nearest_on_plane(&self.corner_b(from), &self.corner_b(to), &plane)
-        });
+        let vertex = self.vertex_point(on_a, on_b);
+        let point = vertex.unwrap_or_else(|| nearest_on_plane(&self.b[from], &self.b[to], &self.a));
         Endpoint { on_a, on_b, point }
     }
 
     fn vertex_point(&self, on_a: Feature, on_b: Feature) -> Option<[f64; 3]> {
         let corner = match (on_a, on_b) {
-            (Feature::Vertex(i), _) => self.corner_a(usize::from(i)),
-            (_, Feature::Vertex(j)) => self.corner_b(usize::from(j)),
+            (Feature::Vertex(i), _) => &self.a[usize::from(i)],
+            (_, Feature::Vertex(j)) => &self.b[usize::from(j)],
             _ => return None,
         };
         let one = Dyadic::from_f64(1.0);
-        Some(corner.map(|x| Dyadic::nearest_quotient(&x, &one)))
-    }
-
-    fn corner_a(&self, i: usize) -> [Dyadic; 3] {
-        world_point(self.placement.world_from_a(), &self.a[i])
-    }
-
-    fn corner_b(&self, j: usize) -> [Dyadic; 3] {
-        world_point(self.placement.world_from_b(), &self.b[j])
+        Some(corner.each_ref().map(|x| Dyadic::nearest_quotient(x, &one)))
     }
 }
 
 /// The point where the segment from `p` to `q`, which are on different sides, meets the plane of three corners, rounded.
 /// With the heights `h` of its ends it is `(h_p q - h_q p) / (h_p - h_q)`.
 fn nearest_on_plane(p: &[Dyadic; 3], q: &[Dyadic; 3], plane: &[[Dyadic; 3]; 3]) -> [f64; 3] {
-    let from_first = |x: &[Dyadic; 3]| -> [Dyadic; 3] { std::array::from_fn(|k| &x[k] - &plane[0][k]) };
+    let from_first = |x: &[Dyadic; 3]| [&x[0] - &plane[0][0], &x[1] - &plane[0][1], &x[2] - &plane[0][2]];
     let normal = dyadic::cross(&from_first(&plane[1]), &from_first(&plane[2]));
     let (h_p, h_q) = (dyadic::dot(&normal, &from_first(p)), dyadic::dot(&normal, &from_first(q)));
     let denominator = &h_p - &h_q;
