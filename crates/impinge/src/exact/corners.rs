@@ -144,3 +144,113 @@ impl<'p> PairCorners<'p> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Pose;
+
+    struct Random(u64);
+
+    impl Random {
+        fn integer(&mut self, low: i64, high: i64) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (low + ((self.0 >> 33) % (high - low + 1) as u64) as i64) as f64
+        }
+
+        fn point(&mut self, extent: i64) -> [f64; 3] {
+            std::array::from_fn(|_| self.integer(-extent, extent))
+        }
+    }
+
+    /// Every sign that corners can have, by every arithmetic that holds them.
+    fn assert_tiers_agree(placement: &Placement, a: &Corners, b: &Corners) -> [bool; 2] {
+        let unbounded = UnboundedPoints::new(placement, a, b);
+        let fixed = FixedPoints::new(placement.frame(), a, b);
+        let wide = WidePoints::new(placement, a, b);
+        let others: [Option<&dyn ExactPoints>; 2] = [fixed.as_ref().map(|x| x as _), wide.as_ref().map(|x| x as _)];
+        for points in others.into_iter().flatten() {
+            for p in 0..6 {
+                for q in 0..6 {
+                    for axis in 0..3 {
+                        assert_eq!(points.compare(axis, [p, q]), unbounded.compare(axis, [p, q]));
+                        let r = (q + 1) % 6;
+                        assert_eq!(points.orient2d(axis, [p, q, r]), unbounded.orient2d(axis, [p, q, r]));
+                    }
+                    let corners = [p, q, (q + 1) % 6, (p + q + 2) % 6];
+                    assert_eq!(points.orient3d(corners), unbounded.orient3d(corners));
+                }
+            }
+        }
+        [fixed.is_some(), wide.is_some()]
+    }
+
+    #[test]
+    fn every_arithmetic_has_the_same_signs() {
+        let mut random = Random(1);
+        let mut held = [0; 2];
+        for case in 0..2000 {
+            let extent = [2, 1 << 20, 1 << 40, 1 << 52][case % 4];
+            let (mut a, b): (Corners, Corners) =
+                (std::array::from_fn(|_| random.point(extent)), std::array::from_fn(|_| random.point(extent)));
+            if case % 3 == 0 {
+                a[0] = b[1].map(|x| x * f64::from_bits((1023 + (case as u64 % 200) - 100) << 52));
+            }
+            let entries = [0, 1, 3, 1 << 52][case / 4 % 4];
+            let linear = |random: &mut Random| loop {
+                let scale = random.integer(1, 9);
+                let rows = [[scale, 0.0, 0.0], [0.0, scale, 0.0], [0.0, 0.0, scale]];
+                let rows = if entries == 0 { *Pose::IDENTITY.linear() } else { rows };
+                let rows = rows.map(|row| row.map(|x| x + random.integer(-entries, entries)));
+                if let Ok(pose) = Pose::new(rows, random.point(extent)) {
+                    return pose;
+                }
+            };
+            let (world_from_a, world_from_b) = (linear(&mut random), linear(&mut random));
+            for other in [&world_from_a, &world_from_b] {
+                let holds = assert_tiers_agree(&Placement::new(&world_from_a, other), &a, &b);
+                held = [0, 1].map(|i| held[i] + usize::from(holds[i]));
+            }
+        }
+        assert!((800..3000).contains(&held[0]) && (2000..4000).contains(&held[1]), "{held:?}");
+    }
+
+    /// The largest numbers that each fixed size admits, where an overflow would show.
+    #[test]
+    fn full_words_do_not_overflow() {
+        let mut random = Random(2);
+        let mut held = [0; 2];
+        for case in 0..3000 {
+            let bits: i64 = [57, 58, 59][case % 3];
+            // Corners of a cube that fills the span, and units in the last place next to it.
+            let mut corner = || -> [f64; 3] {
+                std::array::from_fn(|_| {
+                    let limit = (2.0_f64).powi(bits as i32);
+                    let sign = random.integer(0, 1) * 2.0 - 1.0;
+                    match random.integer(0, 3) as u8 {
+                        0 => sign,
+                        1 => 0.0,
+                        2 => sign * (limit * (1.0 - f64::EPSILON)),
+                        _ => sign * limit * 0.5,
+                    }
+                })
+            };
+            let (a, b) = (std::array::from_fn(|_| corner()), std::array::from_fn(|_| corner()));
+            let all = [[1.0, 1.0, -1.0], [1.0, -1.0, 1.0], [-1.0, 1.0, 1.0]];
+            let world_from_a = Pose::new(all, corner()).expect("legal");
+            let world_from_b = Pose::new(all.map(|row| row.map(|x| -x)), corner()).expect("legal");
+            // The same for three words: span 130 bits more.
+            let wide = 2.0_f64.powi(64);
+            let stretched =
+                Pose::new(all.map(|row| row.map(|x| x * wide)), *world_from_a.translation()).expect("legal");
+            for (first, second) in [(&world_from_a, &world_from_b), (&world_from_a, &stretched)] {
+                let far = |corners: &Corners| corners.map(|corner| corner.map(|x| x * 2.0_f64.powi(62)));
+                for (a, b) in [(a, b), (a, far(&b))] {
+                    let holds = assert_tiers_agree(&Placement::new(first, second), &a, &b);
+                    held = [0, 1].map(|i| held[i] + usize::from(holds[i]));
+                }
+            }
+        }
+        assert!(held[0] > 300 && held[1] > 5000, "{held:?}");
+    }
+}

@@ -292,3 +292,108 @@ fn scaled(x: f64, exponent: i32) -> f64 {
 fn power_of_two(exponent: i32) -> f64 {
     f64::from_bits(((exponent + 1023) as u64) << 52)
 }
+
+#[cfg(test)]
+mod tests {
+    use dashu_int::{IBig, UBig};
+    use dashu_ratio::RBig;
+
+    use super::*;
+
+    /// Floats of all kinds: zeros, subnormals, powers of two, few bits, many bits, the largest.
+    fn float(state: &mut u64) -> f64 {
+        let mut next = || {
+            *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            *state >> 20
+        };
+        let kind = next() % 8;
+        let exponent = match kind {
+            0 => 0,
+            1 => next() % 2046,
+            _ => 1023 - 40 + next() % 80,
+        };
+        let fraction = match next() % 3 {
+            0 => 0,
+            1 => (next() & 7) << 49,
+            _ => next() << 8 & ((1 << 52) - 1),
+        };
+        f64::from_bits((next() & 1) << 63 | exponent << 52 | fraction)
+    }
+
+    fn rational(x: &Dyadic) -> RBig {
+        let magnitude = x.limbs().iter().rev().fold(UBig::ZERO, |sum, &limb| (sum << 64) + UBig::from(limb));
+        let magnitude = IBig::from(magnitude);
+        let signed = if x.sign() == Sign::Negative { -magnitude } else { magnitude };
+        let shift = UBig::ONE << (64 * x.exponent.unsigned_abs() as usize);
+        if x.exponent < 0 { RBig::from_parts(signed, shift) } else { RBig::from(signed * IBig::from(shift)) }
+    }
+
+    fn float_rational(x: f64) -> RBig {
+        RBig::try_from(x).expect("finite")
+    }
+
+    #[test]
+    fn arithmetic_is_that_of_rationals() {
+        let mut state = 1;
+        let (mut heap, mut zero) = (0, 0);
+        for _ in 0..20_000 {
+            let floats: [f64; 6] = std::array::from_fn(|_| float(&mut state));
+            let [a, b, c, d, e, f] = floats.map(float_rational);
+            // A sum of two products, and one number times another sum.
+            let x = &Dyadic::product(floats[0], floats[1]) + &Dyadic::product(floats[2], floats[3]);
+            let y = &Dyadic::from_f64(floats[4]) - &Dyadic::from_f64(floats[5]);
+            let (true_x, true_y) = (a * b + c * d, e - f);
+            assert_eq!(rational(&x), true_x);
+            assert_eq!(rational(&y), true_y);
+            let product = &x * &y;
+            assert_eq!(rational(&product), true_x.clone() * true_y.clone());
+            let difference = &(&product - &x) * &y;
+            let true_difference = (true_x.clone() * true_y.clone() - true_x) * true_y;
+            assert_eq!(rational(&difference), true_difference);
+            assert_eq!(difference.sign(), true_difference.cmp(&RBig::ZERO).into());
+            assert_eq!((&product - &product).sign(), Sign::Zero);
+            heap += usize::from(!difference.heap.is_empty());
+            zero += usize::from(difference.sign() == Sign::Zero);
+        }
+        assert!(heap > 1000 && zero > 100, "{heap} {zero}");
+    }
+
+    #[test]
+    fn quotients_are_nearest() {
+        let mut state = 2;
+        let (mut ties, mut infinite, mut subnormal) = (0, 0, 0);
+        for case in 0..20_000 {
+            let [mut x, mut y, z] = std::array::from_fn(|_| float(&mut state));
+            if case % 4 == 0 {
+                // Halfway between two floats.
+                (x, y) = (x.clamp(-1e300, 1e300), y.clamp(-1e-3, 1e-3));
+                y = if case % 8 == 0 { x * f64::EPSILON * 0.5 } else { y };
+            }
+            let numerator = &Dyadic::product(x, z) + &Dyadic::product(y, z);
+            let denominator = if case % 3 == 0 { Dyadic::from_f64(z) } else { Dyadic::from_f64(y) };
+            if denominator.sign() == Sign::Zero {
+                continue;
+            }
+            let quotient = Dyadic::nearest_quotient(&numerator, &denominator);
+            let truth = rational(&numerator) / rational(&denominator);
+            if quotient.is_infinite() {
+                let bound = float_rational(power_of_two(1022)) * if quotient > 0.0 { RBig::ONE } else { -RBig::ONE };
+                let quarter = RBig::from_parts(1.into(), 4_u8.into());
+                assert!(truth * quarter.clone() / (bound * quarter) > RBig::from_parts(99.into(), 100_u8.into()));
+                infinite += 1;
+                continue;
+            }
+            let distance = |q: f64| {
+                let difference = float_rational(q) - truth.clone();
+                if difference < RBig::ZERO { -difference } else { difference }
+            };
+            for neighbour in [quotient.next_up(), quotient.next_down()] {
+                let (own, other) = (distance(quotient), distance(neighbour));
+                assert!(own < other || own == other && quotient.to_bits() & 1 == 0, "{x:e} {y:e} {z:e}");
+                ties += usize::from(own == other);
+            }
+            subnormal += usize::from(quotient.is_subnormal());
+        }
+        assert!(ties > 100 && infinite > 100 && subnormal > 20, "{ties} {infinite} {subnormal}");
+    }
+}
