@@ -1,10 +1,11 @@
 //! The six corners of a pair of triangles, and the signs of their determinants by the cheapest tier that is certain.
 
 use super::filter::{self, Errors};
-use super::fixed;
-use super::placement::{Frame, Placement, world_point};
+use super::fixed::FixedPoints;
+use super::placement::Placement;
+use super::unbounded::UnboundedPoints;
+use super::wide::WidePoints;
 use crate::math::Sign;
-use crate::math::dyadic::{self, Dyadic};
 
 /// The corners of a triangle in the frame of its mesh; single precision is widened, which loses nothing.
 pub type Corners = [[f64; 3]; 3];
@@ -14,10 +15,24 @@ pub type Corners = [[f64; 3]; 3];
 pub enum Tier {
     /// Floats with an error bound, or comparisons of given coordinates.
     Filter,
-    /// Integers of a machine word.
+    /// Integers of one machine word.
     Fixed,
+    /// Integers of three machine words.
+    Wide,
     /// Integers of any size.
-    Dyadic,
+    Unbounded,
+}
+
+/// Six corners with exact coordinates in some frame.
+pub(super) trait ExactPoints {
+    /// The sign of `det(q - p, r - p, s - p)` of corners `[p, q, r, s]`.
+    fn orient3d(&self, corners: [usize; 4]) -> Sign;
+
+    /// The sign of `det(q - p, r - p)` of corners `[p, q, r]`, projected along an axis.
+    fn orient2d(&self, axis: usize, corners: [usize; 3]) -> Sign;
+
+    /// How corner `p` compares to `q` along an axis, of `[p, q]`.
+    fn compare(&self, axis: usize, corners: [usize; 2]) -> Sign;
 }
 
 /// Corners by number, those of A being 0, 1, 2 and those of B 3, 4, 5, with whatever is known of their coordinates.
@@ -28,13 +43,15 @@ pub(super) struct PairCorners<'p> {
     /// B's corners in A's frame, each coordinate off by at most `image_error`.
     image_b: Corners,
     image_error: [f64; 3],
-    exact: Option<ExactPoints>,
+    exact: Option<Exact>,
 }
 
-/// Exact coordinates in the frame of the placement.
-enum ExactPoints {
-    Fixed([fixed::Point; 6]),
-    Dyadic(Box<[[Dyadic; 3]; 6]>),
+/// Exact coordinates in the frame of the placement, in the smallest integers that hold them.
+#[expect(clippy::large_enum_variant, reason = "one a pair, on the stack of its decision")]
+enum Exact {
+    Fixed(FixedPoints),
+    Wide(WidePoints),
+    Unbounded(Box<UnboundedPoints>),
 }
 
 const NO_ERROR: [f64; 3] = [0.0; 3];
@@ -55,8 +72,9 @@ impl<'p> PairCorners<'p> {
     pub(super) fn tier(&self) -> Tier {
         match self.exact {
             None => Tier::Filter,
-            Some(ExactPoints::Fixed(_)) => Tier::Fixed,
-            Some(ExactPoints::Dyadic(_)) => Tier::Dyadic,
+            Some(Exact::Fixed(_)) => Tier::Fixed,
+            Some(Exact::Wide(_)) => Tier::Wide,
+            Some(Exact::Unbounded(_)) => Tier::Unbounded,
         }
     }
 
@@ -93,52 +111,146 @@ impl<'p> PairCorners<'p> {
 
     /// The orientation of three corners in the projection along an axis of the exact frame.
     pub(super) fn orient2d(&mut self, axis: usize, p: usize, q: usize, r: usize) -> Sign {
-        match self.exact() {
-            ExactPoints::Fixed(points) => fixed::orient2d(axis, &points[p], &points[q], &points[r]),
-            ExactPoints::Dyadic(points) => {
-                let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-                let from_p = |x: usize, k: usize| &points[x][k] - &points[p][k];
-                (&(&from_p(q, i) * &from_p(r, j)) - &(&from_p(q, j) * &from_p(r, i))).sign()
-            }
-        }
+        self.exact().orient2d(axis, [p, q, r])
     }
 
     /// How corner `p` compares to corner `q` along an axis of the exact frame.
     pub(super) fn compare(&mut self, axis: usize, p: usize, q: usize) -> Sign {
-        match self.exact() {
-            ExactPoints::Fixed(points) => points[p][axis].cmp(&points[q][axis]).into(),
-            ExactPoints::Dyadic(points) => (&points[p][axis] - &points[q][axis]).sign(),
-        }
+        self.exact().compare(axis, [p, q])
     }
 
     /// The sign of `det(q - p, r - p, s - p)` in A's frame.
     fn exact_orient3d(&mut self, p: usize, q: usize, r: usize, s: usize) -> Sign {
         // The exact frame is A's own, or the world, which A's pose may have mirrored.
         let mirrored = !self.placement.is_shared() && self.placement.world_from_a().mirrors();
-        let sign = match self.exact() {
-            ExactPoints::Fixed(points) => fixed::orient3d(&points[p], &points[q], &points[r], &points[s]),
-            ExactPoints::Dyadic(points) => {
-                let from_p = |x: usize| std::array::from_fn(|k| &points[x][k] - &points[p][k]);
-                dyadic::dot(&dyadic::cross(&from_p(q), &from_p(r)), &from_p(s)).sign()
-            }
-        };
-        sign.negated_if(mirrored)
+        self.exact().orient3d([p, q, r, s]).negated_if(mirrored)
     }
 
-    fn exact(&mut self) -> &ExactPoints {
+    fn exact(&mut self) -> &dyn ExactPoints {
         let (placement, a, b) = (self.placement, self.a, self.b);
-        self.exact.get_or_insert_with(|| {
-            if let Some(points) = fixed::grid_points(placement.frame(), a, b) {
-                return ExactPoints::Fixed(points);
+        let exact = self.exact.get_or_insert_with(|| {
+            if let Some(points) = FixedPoints::new(placement.frame(), a, b) {
+                return Exact::Fixed(points);
             }
-            let exact = |pose, point: &[f64; 3]| match placement.frame() {
-                Frame::Local => point.map(Dyadic::from_f64),
-                Frame::Grid { .. } | Frame::World => world_point(pose, point),
+            match WidePoints::new(placement, a, b) {
+                Some(points) => Exact::Wide(points),
+                None => Exact::Unbounded(Box::new(UnboundedPoints::new(placement, a, b))),
+            }
+        });
+        match exact {
+            Exact::Fixed(points) => points,
+            Exact::Wide(points) => points,
+            Exact::Unbounded(points) => &**points,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Pose;
+
+    struct Random(u64);
+
+    impl Random {
+        fn integer(&mut self, low: i64, high: i64) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (low + ((self.0 >> 33) % (high - low + 1) as u64) as i64) as f64
+        }
+
+        fn point(&mut self, extent: i64) -> [f64; 3] {
+            std::array::from_fn(|_| self.integer(-extent, extent))
+        }
+    }
+
+    /// Every sign that corners can have, by every arithmetic that holds them.
+    fn assert_tiers_agree(placement: &Placement, a: &Corners, b: &Corners) -> [bool; 2] {
+        let unbounded = UnboundedPoints::new(placement, a, b);
+        let fixed = FixedPoints::new(placement.frame(), a, b);
+        let wide = WidePoints::new(placement, a, b);
+        let others: [Option<&dyn ExactPoints>; 2] = [fixed.as_ref().map(|x| x as _), wide.as_ref().map(|x| x as _)];
+        for points in others.into_iter().flatten() {
+            for p in 0..6 {
+                for q in 0..6 {
+                    for axis in 0..3 {
+                        assert_eq!(points.compare(axis, [p, q]), unbounded.compare(axis, [p, q]));
+                        let r = (q + 1) % 6;
+                        assert_eq!(points.orient2d(axis, [p, q, r]), unbounded.orient2d(axis, [p, q, r]));
+                    }
+                    let corners = [p, q, (q + 1) % 6, (p + q + 2) % 6];
+                    assert_eq!(points.orient3d(corners), unbounded.orient3d(corners));
+                }
+            }
+        }
+        [fixed.is_some(), wide.is_some()]
+    }
+
+    #[test]
+    fn every_arithmetic_has_the_same_signs() {
+        let mut random = Random(1);
+        let mut held = [0; 2];
+        for case in 0..2000 {
+            let extent = [2, 1 << 20, 1 << 40, 1 << 52][case % 4];
+            let (mut a, b): (Corners, Corners) =
+                (std::array::from_fn(|_| random.point(extent)), std::array::from_fn(|_| random.point(extent)));
+            if case % 3 == 0 {
+                a[0] = b[1].map(|x| x * f64::from_bits((1023 + (case as u64 % 200) - 100) << 52));
+            }
+            let entries = [0, 1, 3, 1 << 52][case / 4 % 4];
+            let linear = |random: &mut Random| loop {
+                let scale = random.integer(1, 9);
+                let rows = [[scale, 0.0, 0.0], [0.0, scale, 0.0], [0.0, 0.0, scale]];
+                let rows = if entries == 0 { *Pose::IDENTITY.linear() } else { rows };
+                let rows = rows.map(|row| row.map(|x| x + random.integer(-entries, entries)));
+                if let Ok(pose) = Pose::new(rows, random.point(extent)) {
+                    return pose;
+                }
             };
-            let (world_from_a, world_from_b) = (placement.world_from_a(), placement.world_from_b());
-            ExactPoints::Dyadic(Box::new(std::array::from_fn(|i| {
-                if i < 3 { exact(world_from_a, &a[i]) } else { exact(world_from_b, &b[i - 3]) }
-            })))
-        })
+            let (world_from_a, world_from_b) = (linear(&mut random), linear(&mut random));
+            for other in [&world_from_a, &world_from_b] {
+                let holds = assert_tiers_agree(&Placement::new(&world_from_a, other), &a, &b);
+                held = [0, 1].map(|i| held[i] + usize::from(holds[i]));
+            }
+        }
+        assert!((800..3000).contains(&held[0]) && (2000..4000).contains(&held[1]), "{held:?}");
+    }
+
+    /// The largest numbers that each fixed size admits, where an overflow would show.
+    #[test]
+    fn full_words_do_not_overflow() {
+        let mut random = Random(2);
+        let mut held = [0; 2];
+        for case in 0..3000 {
+            let bits: i64 = [57, 58, 59][case % 3];
+            // Corners of a cube that fills the span, and units in the last place next to it.
+            let mut corner = || -> [f64; 3] {
+                std::array::from_fn(|_| {
+                    let limit = (2.0_f64).powi(bits as i32);
+                    let sign = random.integer(0, 1) * 2.0 - 1.0;
+                    match random.integer(0, 3) as u8 {
+                        0 => sign,
+                        1 => 0.0,
+                        2 => sign * (limit * (1.0 - f64::EPSILON)),
+                        _ => sign * limit * 0.5,
+                    }
+                })
+            };
+            let (a, b) = (std::array::from_fn(|_| corner()), std::array::from_fn(|_| corner()));
+            let all = [[1.0, 1.0, -1.0], [1.0, -1.0, 1.0], [-1.0, 1.0, 1.0]];
+            let world_from_a = Pose::new(all, corner()).expect("legal");
+            let world_from_b = Pose::new(all.map(|row| row.map(|x| -x)), corner()).expect("legal");
+            // The same for three words: span 130 bits more.
+            let wide = 2.0_f64.powi(64);
+            let stretched =
+                Pose::new(all.map(|row| row.map(|x| x * wide)), *world_from_a.translation()).expect("legal");
+            for (first, second) in [(&world_from_a, &world_from_b), (&world_from_a, &stretched)] {
+                let far = |corners: &Corners| corners.map(|corner| corner.map(|x| x * 2.0_f64.powi(62)));
+                for (a, b) in [(a, b), (a, far(&b))] {
+                    let holds = assert_tiers_agree(&Placement::new(first, second), &a, &b);
+                    held = [0, 1].map(|i| held[i] + usize::from(holds[i]));
+                }
+            }
+        }
+        assert!(held[0] > 300 && held[1] > 5000, "{held:?}");
     }
 }

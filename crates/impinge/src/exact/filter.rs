@@ -70,3 +70,153 @@ pub(super) fn signs<const N: usize>(
         }
     })
 }
+
+#[cfg(test)]
+mod tests {
+    //! Each constant was weakened by hand to see a test fail: `ROUNDING` to an eighth, `INFLATE` left out of account as
+    //! it is beyond measure, `UNDERFLOW` to zero, each of the terms of `size_error` and `input` to nothing.
+
+    use super::*;
+    use crate::math::dyadic::{self, Dyadic};
+
+    struct Random(u64);
+
+    impl Random {
+        /// Uniform in [-1, 1).
+        fn unit(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+
+        fn vector(&mut self) -> [f64; 3] {
+            std::array::from_fn(|_| self.unit())
+        }
+    }
+
+    fn exact_sign(points: &[[f64; 3]; 4]) -> Sign {
+        let [p, q, r, s] = points.each_ref().map(|point| point.map(Dyadic::from_f64));
+        let from_p = |x: &[Dyadic; 3]| [&x[0] - &p[0], &x[1] - &p[1], &x[2] - &p[2]];
+        dyadic::dot(&dyadic::cross(&from_p(&q), &from_p(&r)), &from_p(&s)).sign()
+    }
+
+    fn filtered(points: &[[f64; 3]; 4], errors: &Errors) -> Option<Sign> {
+        let [p, q, r, s] = points;
+        signs(&difference(q, p), &difference(r, p), &[difference(s, p)], errors)[0]
+    }
+
+    fn combination(p: &[f64; 3], q: &[f64; 3], r: &[f64; 3], s: f64, t: f64) -> [f64; 3] {
+        std::array::from_fn(|k| p[k] + s * (q[k] - p[k]) + t * (r[k] - p[k]))
+    }
+
+    const NONE: [f64; 3] = [0.0; 3];
+
+    #[test]
+    fn rounding_is_bounded() {
+        let mut random = Random(1);
+        let (mut certain, mut nonzero) = (0, 0);
+        for case in 0..200_000 {
+            let [p, mut q, r] = std::array::from_fn(|_| random.vector());
+            if case % 2 == 0 {
+                // Far from the origin, so that differences round and cancel.
+                q = q.map(|x| 1e3 * x);
+            }
+            // Coplanar but for the rounding of its coordinates.
+            let mut s = combination(&p, &q, &r, random.unit(), random.unit());
+            s[0] += random.unit() * [0.0, 2e-15, 2e-14][case % 3];
+            let points = [p, q, r, s];
+            let truth = exact_sign(&points);
+            if let Some(sign) = filtered(&points, &Errors { u: &NONE, v: &NONE, w: &NONE }) {
+                assert_eq!(sign, truth, "{points:?}");
+                certain += 1;
+            }
+            nonzero += usize::from(truth != Sign::Zero);
+        }
+        assert!(nonzero > 150_000 && certain > 10_000, "{nonzero} {certain}");
+    }
+
+    /// Points that are off by exactly their error, each coordinate in the direction that moves the determinant most.
+    #[test]
+    fn input_errors_are_bounded() {
+        let mut random = Random(2);
+        let mut certain = 0;
+        let mut flipped = 0;
+        for case in 0..200_000 {
+            let size = if case % 2 == 0 { 1e-3 } else { 0.3 };
+            let error: [f64; 3] = std::array::from_fn(|_| size * random.unit().abs());
+            // Which of the four points are off, and by what their differences are then.
+            let off = [[false, false, false, true], [false, true, true, true], [true; 4]][case % 3];
+            let [p, q, r] = std::array::from_fn(|_| random.vector());
+            let mut s = combination(&p, &q, &r, random.unit(), random.unit());
+            s[2] += 3.0 * size * random.unit();
+            let points = [p, q, r, s];
+            let (u, v, w) = (difference(&q, &p), difference(&r, &p), difference(&s, &p));
+            let cross = |x: &[f64; 3], y: &[f64; 3]| -> [f64; 3] {
+                std::array::from_fn(|k| x[(k + 1) % 3] * y[(k + 2) % 3] - x[(k + 2) % 3] * y[(k + 1) % 3])
+            };
+            let (to_q, to_r, to_s) = (cross(&v, &w), cross(&w, &u), cross(&u, &v));
+            let to_p: [f64; 3] = std::array::from_fn(|k| -to_q[k] - to_r[k] - to_s[k]);
+            let towards = if random.unit() < 0.0 { -1.0 } else { 1.0 };
+            let gradients = [to_p, to_q, to_r, to_s];
+            let moved: [[f64; 3]; 4] = std::array::from_fn(|i| {
+                std::array::from_fn(|k| {
+                    let step = if off[i] { error[k] * towards * gradients[i][k].signum() } else { 0.0 };
+                    points[i][k] + step
+                })
+            });
+            // The error of a moved point, which the sum above rounds.
+            let error_of =
+                |i: usize| -> [f64; 3] { std::array::from_fn(|k| if off[i] { error[k] + 1e-15 } else { 0.0 }) };
+            let of_difference = |i: usize| -> [f64; 3] { std::array::from_fn(|k| error_of(i)[k] + error_of(0)[k]) };
+            let errors = Errors { u: &of_difference(1), v: &of_difference(2), w: &of_difference(3) };
+            let truth = exact_sign(&points);
+            if let Some(sign) = filtered(&moved, &errors) {
+                assert_eq!(sign, truth, "{points:?} {moved:?}");
+                certain += 1;
+            }
+            flipped += usize::from(exact_sign(&moved) != truth);
+        }
+        assert!(flipped > 20_000 && certain > 10_000, "{flipped} {certain}");
+    }
+
+    #[test]
+    fn underflow_is_bounded() {
+        let mut random = Random(3);
+        let (mut certain, mut nonzero) = (0, 0);
+        for case in 0..100_000 {
+            let scale = f64::from_bits((1023 - 340 - case % 25) << 52);
+            let [p, q, r] = std::array::from_fn(|_| random.vector());
+            let mut s = combination(&p, &q, &r, random.unit(), random.unit());
+            s[1] += random.unit() * [1.0, 1e-3, 1e-6][case as usize % 3];
+            let points = [p, q, r, s].map(|point| point.map(|x| x * scale));
+            let truth = exact_sign(&points);
+            if let Some(sign) = filtered(&points, &Errors { u: &NONE, v: &NONE, w: &NONE }) {
+                assert_eq!(sign, truth, "{points:?}");
+                certain += 1;
+            }
+            nonzero += usize::from(truth != Sign::Zero);
+        }
+        assert!(nonzero > 90_000 && certain > 10_000, "{nonzero} {certain}");
+    }
+
+    #[test]
+    fn what_is_not_finite_is_not_certain() {
+        let huge = 1e200;
+        let points = [[0.0; 3], [huge, 0.0, 0.0], [0.0, huge, 0.0], [0.0, 0.0, huge]];
+        assert_eq!(filtered(&points, &Errors { u: &NONE, v: &NONE, w: &NONE }), None);
+        let unit = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let exact = Errors { u: &NONE, v: &NONE, w: &NONE };
+        assert_eq!(filtered(&unit, &exact), Some(Sign::Positive));
+        for unknown in [f64::NAN, f64::INFINITY] {
+            for k in 0..3 {
+                let mut error = NONE;
+                error[k] = unknown;
+                assert_eq!(filtered(&unit, &Errors { u: &error, ..exact }), None);
+                assert_eq!(filtered(&unit, &Errors { v: &error, ..exact }), None);
+                assert_eq!(filtered(&unit, &Errors { w: &error, ..exact }), None);
+                let mut point = unit;
+                point[3][k] = unknown;
+                assert_eq!(filtered(&point, &exact), None);
+            }
+        }
+    }
+}

@@ -4,65 +4,75 @@
 //! precision between 1e-4 and 1e6 do) to be integers below 2^60, and a determinant below 2^187 is exact in a handful of
 //! multiplications.
 
-use super::corners::Corners;
+use super::corners::{Corners, ExactPoints};
 use super::placement::Frame;
 use crate::math::Sign;
 use crate::math::dyadic::decompose;
 
 /// A corner on the common grid, each coordinate below 2^60 in magnitude.
-pub(super) type Point = [i64; 3];
+type Point = [i64; 3];
 
 /// Bits that the given coordinates may span. The image of a corner under entries -1, 0, 1 and an offset is a sum of up
 /// to four of them, so 2^60 bounds it; differences are then below 2^61, two-by-two minors below 2^123, and the two
 /// halves of `orientation` below 2^127.
 const SPAN: i32 = 58;
 
-/// The corners of A, then of B, on the finest grid that holds all of them, or nothing where they span too many bits.
-pub(super) fn grid_points(frame: &Frame, a: &Corners, b: &Corners) -> Option<[Point; 6]> {
-    match frame {
-        Frame::World => None,
-        Frame::Local => {
-            let grid = Grid::spanning(a.iter().chain(b))?;
-            Some(std::array::from_fn(|i| grid.point(if i < 3 { &a[i] } else { &b[i - 3] })))
-        }
-        Frame::Grid { linear_a, linear_b, offset } => {
-            let grid = Grid::spanning(a.iter().chain(b).chain([offset]))?;
-            let offset = grid.point(offset);
-            Some(std::array::from_fn(|i| {
-                if i < 3 {
-                    image(linear_a, grid.point(&a[i]), [0; 3])
-                } else {
-                    image(linear_b, grid.point(&b[i - 3]), offset)
-                }
-            }))
+/// The corners of A, then of B, on the finest grid that holds all of them.
+pub(super) struct FixedPoints([Point; 6]);
+
+impl FixedPoints {
+    /// Nothing where the frame has no grid, or the corners span too many bits of it.
+    pub(super) fn new(frame: &Frame, a: &Corners, b: &Corners) -> Option<Self> {
+        match frame {
+            Frame::World => None,
+            Frame::Local => {
+                let grid = Grid::spanning(a.iter().chain(b))?;
+                Some(Self(std::array::from_fn(|i| grid.point(if i < 3 { &a[i] } else { &b[i - 3] }))))
+            }
+            Frame::Grid { linear_a, linear_b, offset } => {
+                let grid = Grid::spanning(a.iter().chain(b).chain([offset]))?;
+                let offset = grid.point(offset);
+                Some(Self(std::array::from_fn(|i| {
+                    if i < 3 {
+                        image(linear_a, grid.point(&a[i]), [0; 3])
+                    } else {
+                        image(linear_b, grid.point(&b[i - 3]), offset)
+                    }
+                })))
+            }
         }
     }
 }
 
-/// The sign of `det(q - p, r - p, s - p)`.
-pub(super) fn orient3d(p: &Point, q: &Point, r: &Point, s: &Point) -> Sign {
-    let from_p = |x: &Point| -> Point { std::array::from_fn(|k| x[k] - p[k]) };
-    let (u, v, w) = (from_p(q), from_p(r), from_p(s));
-    // The determinant is high · 2^64 + low.
-    let (mut high, mut low) = (0_i128, 0_i128);
-    for k in 0..3 {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        let minor = i128::from(u[i]) * i128::from(v[j]) - i128::from(u[j]) * i128::from(v[i]);
-        high += (minor >> 64) * i128::from(w[k]);
-        low += i128::from(minor as u64) * i128::from(w[k]);
+impl ExactPoints for FixedPoints {
+    fn orient3d(&self, [p, q, r, s]: [usize; 4]) -> Sign {
+        let from_p = |x: usize| -> Point { std::array::from_fn(|k| self.0[x][k] - self.0[p][k]) };
+        let (u, v, w) = (from_p(q), from_p(r), from_p(s));
+        // The determinant is high · 2^64 + low.
+        let (mut high, mut low) = (0_i128, 0_i128);
+        for k in 0..3 {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let minor = i128::from(u[i]) * i128::from(v[j]) - i128::from(u[j]) * i128::from(v[i]);
+            high += (minor >> 64) * i128::from(w[k]);
+            low += i128::from(minor as u64) * i128::from(w[k]);
+        }
+        high += low >> 64;
+        match high.cmp(&0).into() {
+            Sign::Zero if low as u64 != 0 => Sign::Positive,
+            sign => sign,
+        }
     }
-    high += low >> 64;
-    match high.cmp(&0).into() {
-        Sign::Zero if low as u64 != 0 => Sign::Positive,
-        sign => sign,
-    }
-}
 
-/// The sign of `det(q - p, r - p)` without coordinate `axis`.
-pub(super) fn orient2d(axis: usize, p: &Point, q: &Point, r: &Point) -> Sign {
-    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-    let product = |x: i64, y: i64| i128::from(x) * i128::from(y);
-    product(q[i] - p[i], r[j] - p[j]).cmp(&product(q[j] - p[j], r[i] - p[i])).into()
+    fn orient2d(&self, axis: usize, [p, q, r]: [usize; 3]) -> Sign {
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        let product =
+            |x: usize, y: usize| i128::from(self.0[x][i] - self.0[p][i]) * i128::from(self.0[y][j] - self.0[p][j]);
+        product(q, r).cmp(&product(r, q)).into()
+    }
+
+    fn compare(&self, axis: usize, [p, q]: [usize; 2]) -> Sign {
+        self.0[p][axis].cmp(&self.0[q][axis]).into()
+    }
 }
 
 /// Multiples of `2^exponent`.

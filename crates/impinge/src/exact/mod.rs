@@ -3,7 +3,7 @@
 //! A corner is the real number triple that its floats are, and its image under a pose is taken over the reals; a
 //! triangle is the convex hull of its three images, be that a triangle, a segment or a point. What is decided is the
 //! truth about these sets. Every decision is a tree over signs of determinants (no constructed point, no division, no
-//! tolerance), so it cannot depend on the order of corners or triangles. A sign comes from the first of three tiers
+//! tolerance), so it cannot depend on the order of corners or triangles. A sign comes from the first of four tiers
 //! that is certain of it:
 //!
 //! - [`filter`]: floats in A's frame, with a bound of the error that holds whatever the poses are;
@@ -17,6 +17,8 @@ mod filter;
 mod fixed;
 mod placement;
 mod triangles;
+mod unbounded;
+mod wide;
 
 pub use corners::{Corners, Tier};
 // pub use crossing::{Crossing, Endpoint, Feature, crossing};

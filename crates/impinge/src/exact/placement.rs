@@ -78,13 +78,12 @@ impl Frame {
 
 /// The exact image of a point of the local frame.
 pub(super) fn world_point(world_from_local: &Pose, point: &[f64; 3]) -> [Dyadic; 3] {
-    std::array::from_fn(|i| {
-        let mut coordinate = Dyadic::from_f64(world_from_local.translation()[i]);
-        for k in 0..3 {
-            coordinate = &coordinate + &Dyadic::product(world_from_local.linear()[i][k], point[k]);
-        }
-        coordinate
-    })
+    let coordinate = |i: usize| {
+        let row = &world_from_local.linear()[i];
+        let product = |k: usize| Dyadic::product(row[k], point[k]);
+        &(&(&product(0) + &product(1)) + &product(2)) + &Dyadic::from_f64(world_from_local.translation()[i])
+    };
+    [coordinate(0), coordinate(1), coordinate(2)]
 }
 
 fn unit_entries(pose: &Pose) -> Option<[[i64; 3]; 3]> {

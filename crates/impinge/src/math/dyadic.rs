@@ -13,44 +13,24 @@ use super::Sign;
 /// coordinate is a sum of products of 53 by 24 bits and takes 3 or 4, and three of them are multiplied.
 const INLINE: usize = 16;
 
-#[derive(Clone, Debug)]
-enum Digits {
-    Inline([u64; INLINE]),
-    Heap(Vec<u64>),
-}
-
 /// A real number of the form `m · 2^e` with integers `m` and `e`; every finite float is one.
 #[derive(Clone, Debug)]
 pub(crate) struct Dyadic {
     sign: Sign,
-    /// The magnitude is the sum of `limbs[i] · 2^(64 (i + exponent))`, the limbs being `digits[low..high]`; neither the
+    /// The magnitude is the sum of `limbs[i] · 2^(64 (i + exponent))`, the limbs being `low..high` of the digits; neither the
     /// lowest nor the highest of them is zero.
     exponent: i32,
     low: usize,
     high: usize,
-    digits: Digits,
-}
-
-impl Digits {
-    fn as_slice(&self) -> &[u64] {
-        match self {
-            Self::Inline(digits) => digits,
-            Self::Heap(digits) => digits,
-        }
-    }
-
-    fn as_mut_slice(&mut self) -> &mut [u64] {
-        match self {
-            Self::Inline(digits) => digits,
-            Self::Heap(digits) => digits,
-        }
-    }
+    /// The digits, where they fit; else those on the heap, which are none otherwise.
+    inline: [u64; INLINE],
+    heap: Vec<u64>,
 }
 
 impl Dyadic {
     /// Zero.
     pub(crate) const ZERO: Self =
-        Self { sign: Sign::Zero, exponent: 0, low: 0, high: 0, digits: Digits::Inline([0; INLINE]) };
+        Self { sign: Sign::Zero, exponent: 0, low: 0, high: 0, inline: [0; INLINE], heap: Vec::new() };
 
     /// The number that this finite float is.
     pub(crate) fn from_f64(x: f64) -> Self {
@@ -120,7 +100,7 @@ impl Dyadic {
         let high = if shift == 0 { 0 } else { (mantissa >> (128 - shift)) as u64 };
         let sign = if negative { Sign::Negative } else { Sign::Positive };
         let mut number = Self::zeros(sign, exponent.div_euclid(64), 3);
-        let digits = number.digits.as_mut_slice();
+        let digits = number.digits_mut();
         (digits[0], digits[1], digits[2]) = (low as u64, (low >> 64) as u64, high);
         number.trim();
         number
@@ -130,28 +110,40 @@ impl Dyadic {
     /// most of the arithmetic.
     #[inline]
     fn zeros(sign: Sign, exponent: i32, len: usize) -> Self {
-        let digits = if len <= INLINE { Digits::Inline([0; INLINE]) } else { Digits::Heap(vec![0; len]) };
-        Self { sign, exponent, low: 0, high: len, digits }
+        let heap = if len <= INLINE { Vec::new() } else { vec![0; len] };
+        Self { sign, exponent, low: 0, high: len, inline: [0; INLINE], heap }
+    }
+
+    #[inline]
+    fn digits(&self) -> &[u64] {
+        if self.heap.is_empty() { &self.inline } else { &self.heap }
+    }
+
+    #[inline]
+    fn digits_mut(&mut self) -> &mut [u64] {
+        if self.heap.is_empty() { &mut self.inline } else { &mut self.heap }
     }
 
     /// Drops the zeros at both ends of the limbs.
     #[inline]
     fn trim(&mut self) {
-        let digits = self.digits.as_slice();
-        while self.low < self.high && digits[self.high - 1] == 0 {
-            self.high -= 1;
+        let (mut low, mut high) = (self.low, self.high);
+        let digits = self.digits();
+        while low < high && digits[high - 1] == 0 {
+            high -= 1;
         }
-        while self.low < self.high && digits[self.low] == 0 {
-            self.low += 1;
-            self.exponent += 1;
+        while low < high && digits[low] == 0 {
+            low += 1;
         }
+        self.exponent += (low - self.low) as i32;
+        (self.low, self.high) = (low, high);
         if self.low == self.high {
             (self.sign, self.exponent) = (Sign::Zero, 0);
         }
     }
 
     fn limbs(&self) -> &[u64] {
-        &self.digits.as_slice()[self.low..self.high]
+        &self.digits()[self.low..self.high]
     }
 
     /// The limb at `position`, counted from the exponent `from`; zero where the number has none.
@@ -197,7 +189,7 @@ impl Dyadic {
         let len = (self.top().max(other.top()) - exponent) as usize;
         let mut result = Self::zeros(self.sign, exponent, len + 1);
         let mut carry = false;
-        let limbs = result.digits.as_mut_slice();
+        let limbs = result.digits_mut();
         for (position, limb) in limbs[..len].iter_mut().enumerate() {
             (*limb, carry) = self.limb(exponent, position).carrying_add(other.limb(exponent, position), carry);
         }
@@ -212,7 +204,7 @@ impl Dyadic {
         let len = (self.top() - exponent) as usize;
         let mut result = Self::zeros(sign, exponent, len);
         let mut borrow = false;
-        for (position, limb) in result.digits.as_mut_slice()[..len].iter_mut().enumerate() {
+        for (position, limb) in result.digits_mut()[..len].iter_mut().enumerate() {
             (*limb, borrow) = self.limb(exponent, position).borrowing_sub(other.limb(exponent, position), borrow);
         }
         result.trim();
@@ -243,7 +235,7 @@ impl Mul for &Dyadic {
         let (x, y) = (self.limbs(), other.limbs());
         let sign = if self.sign == other.sign { Sign::Positive } else { Sign::Negative };
         let mut result = Dyadic::zeros(sign, self.exponent + other.exponent, x.len() + y.len());
-        let digits = result.digits.as_mut_slice();
+        let digits = result.digits_mut();
         for (i, &a) in x.iter().enumerate() {
             let mut carry = 0;
             for (digit, &b) in digits[i..].iter_mut().zip(y) {
@@ -262,10 +254,8 @@ impl Mul for &Dyadic {
 
 /// The cross product of two vectors.
 pub(crate) fn cross(u: &[Dyadic; 3], v: &[Dyadic; 3]) -> [Dyadic; 3] {
-    std::array::from_fn(|k| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        &(&u[i] * &v[j]) - &(&u[j] * &v[i])
-    })
+    let minor = |i: usize, j: usize| &(&u[i] * &v[j]) - &(&u[j] * &v[i]);
+    [minor(1, 2), minor(2, 0), minor(0, 1)]
 }
 
 /// The inner product of two vectors.
@@ -301,4 +291,109 @@ fn scaled(x: f64, exponent: i32) -> f64 {
 /// `2^exponent`, for an exponent within ±1022.
 fn power_of_two(exponent: i32) -> f64 {
     f64::from_bits(((exponent + 1023) as u64) << 52)
+}
+
+#[cfg(test)]
+mod tests {
+    use dashu_int::{IBig, UBig};
+    use dashu_ratio::RBig;
+
+    use super::*;
+
+    /// Floats of all kinds: zeros, subnormals, powers of two, few bits, many bits, the largest.
+    fn float(state: &mut u64) -> f64 {
+        let mut next = || {
+            *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            *state >> 20
+        };
+        let kind = next() % 8;
+        let exponent = match kind {
+            0 => 0,
+            1 => next() % 2046,
+            _ => 1023 - 40 + next() % 80,
+        };
+        let fraction = match next() % 3 {
+            0 => 0,
+            1 => (next() & 7) << 49,
+            _ => next() << 8 & ((1 << 52) - 1),
+        };
+        f64::from_bits((next() & 1) << 63 | exponent << 52 | fraction)
+    }
+
+    fn rational(x: &Dyadic) -> RBig {
+        let magnitude = x.limbs().iter().rev().fold(UBig::ZERO, |sum, &limb| (sum << 64) + UBig::from(limb));
+        let magnitude = IBig::from(magnitude);
+        let signed = if x.sign() == Sign::Negative { -magnitude } else { magnitude };
+        let shift = UBig::ONE << (64 * x.exponent.unsigned_abs() as usize);
+        if x.exponent < 0 { RBig::from_parts(signed, shift) } else { RBig::from(signed * IBig::from(shift)) }
+    }
+
+    fn float_rational(x: f64) -> RBig {
+        RBig::try_from(x).expect("finite")
+    }
+
+    #[test]
+    fn arithmetic_is_that_of_rationals() {
+        let mut state = 1;
+        let (mut heap, mut zero) = (0, 0);
+        for _ in 0..20_000 {
+            let floats: [f64; 6] = std::array::from_fn(|_| float(&mut state));
+            let [a, b, c, d, e, f] = floats.map(float_rational);
+            // A sum of two products, and one number times another sum.
+            let x = &Dyadic::product(floats[0], floats[1]) + &Dyadic::product(floats[2], floats[3]);
+            let y = &Dyadic::from_f64(floats[4]) - &Dyadic::from_f64(floats[5]);
+            let (true_x, true_y) = (a * b + c * d, e - f);
+            assert_eq!(rational(&x), true_x);
+            assert_eq!(rational(&y), true_y);
+            let product = &x * &y;
+            assert_eq!(rational(&product), true_x.clone() * true_y.clone());
+            let difference = &(&product - &x) * &y;
+            let true_difference = (true_x.clone() * true_y.clone() - true_x) * true_y;
+            assert_eq!(rational(&difference), true_difference);
+            assert_eq!(difference.sign(), true_difference.cmp(&RBig::ZERO).into());
+            assert_eq!((&product - &product).sign(), Sign::Zero);
+            heap += usize::from(!difference.heap.is_empty());
+            zero += usize::from(difference.sign() == Sign::Zero);
+        }
+        assert!(heap > 1000 && zero > 100, "{heap} {zero}");
+    }
+
+    #[test]
+    fn quotients_are_nearest() {
+        let mut state = 2;
+        let (mut ties, mut infinite, mut subnormal) = (0, 0, 0);
+        for case in 0..20_000 {
+            let [mut x, mut y, z] = std::array::from_fn(|_| float(&mut state));
+            if case % 4 == 0 {
+                // Halfway between two floats.
+                (x, y) = (x.clamp(-1e300, 1e300), y.clamp(-1e-3, 1e-3));
+                y = if case % 8 == 0 { x * f64::EPSILON * 0.5 } else { y };
+            }
+            let numerator = &Dyadic::product(x, z) + &Dyadic::product(y, z);
+            let denominator = if case % 3 == 0 { Dyadic::from_f64(z) } else { Dyadic::from_f64(y) };
+            if denominator.sign() == Sign::Zero {
+                continue;
+            }
+            let quotient = Dyadic::nearest_quotient(&numerator, &denominator);
+            let truth = rational(&numerator) / rational(&denominator);
+            if quotient.is_infinite() {
+                let bound = float_rational(power_of_two(1022)) * if quotient > 0.0 { RBig::ONE } else { -RBig::ONE };
+                let quarter = RBig::from_parts(1.into(), 4_u8.into());
+                assert!(truth * quarter.clone() / (bound * quarter) > RBig::from_parts(99.into(), 100_u8.into()));
+                infinite += 1;
+                continue;
+            }
+            let distance = |q: f64| {
+                let difference = float_rational(q) - truth.clone();
+                if difference < RBig::ZERO { -difference } else { difference }
+            };
+            for neighbour in [quotient.next_up(), quotient.next_down()] {
+                let (own, other) = (distance(quotient), distance(neighbour));
+                assert!(own < other || own == other && quotient.to_bits() & 1 == 0, "{x:e} {y:e} {z:e}");
+                ties += usize::from(own == other);
+            }
+            subnormal += usize::from(quotient.is_subnormal());
+        }
+        assert!(ties > 100 && infinite > 100 && subnormal > 20, "{ties} {infinite} {subnormal}");
+    }
 }
