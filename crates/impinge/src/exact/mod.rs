@@ -12,7 +12,7 @@
 //! - dyadic integers of any size in the world frame.
 
 mod corners;
-// mod crossing;
+mod crossing;
 mod filter;
 mod fixed;
 mod placement;
@@ -21,6 +21,6 @@ mod unbounded;
 mod wide;
 
 pub use corners::{Corners, Tier};
-// pub use crossing::{Crossing, Endpoint, Feature, crossing};
+pub use crossing::{Crossing, Endpoint, Feature, crossing};
 pub use placement::Placement;
 pub use triangles::{Decision, decide_triangles, triangles_intersect};

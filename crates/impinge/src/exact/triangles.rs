@@ -90,6 +90,8 @@ pub(super) struct CommonLine {
     pub(super) b: [usize; 3],
     pub(super) side_a: [Sign; 3],
     pub(super) side_b: [Sign; 3],
+    /// Whether that direction is opposite to `normal_a × normal_b` in A's frame.
+    pub(super) against_normals: bool,
 }
 
 /// An edge with its ends on different sides of a plane, or one of them on it.
@@ -143,7 +145,8 @@ impl CommonLine {
     /// Let the planes of A and B be y = 0 and z = 0, with the sides of positive sign towards +y and +z, and A's apex
     /// up. From `side_b > 0` where y > 0 it follows that A's corners, seen in its plane, turn such that the edge to
     /// `a[1]` crosses the line y = z = 0 at the larger x; with B's apex up, the edge to `b[2]` does. An apex that is
-    /// down is up once the other triangle's corners turn the other way round.
+    /// down is up once the other triangle's corners turn the other way round. The x axis is along the product of
+    /// both normals, as they are after such turns.
     fn new(apex_a: Apex, apex_b: Apex, side_a: [Sign; 3], side_b: [Sign; 3]) -> Self {
         let (mut a, mut b) = (apex_a.cycle(), apex_b.cycle());
         if !apex_a.up {
@@ -152,7 +155,7 @@ impl CommonLine {
         if !apex_b.up {
             a.swap(1, 2);
         }
-        Self { a, b, side_a, side_b }
+        Self { a, b, side_a, side_b, against_normals: apex_a.up != apex_b.up }
     }
 
     /// How the crossing of edge `b[0] b[end_b]` with the line compares to that of edge `a[0] a[end_a]`: with the planes

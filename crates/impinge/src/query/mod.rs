@@ -1,5 +1,9 @@
 //! The questions one asks of two meshes. They take judged meshes and poses, and so cannot fail.
 
+mod curves;
+
+pub use curves::{Curves, curves_of_pairs, intersection_curves};
+
 use crate::mesh::{Options, Placed, Stop, visit_intersecting};
 
 /// Whether the surfaces of two meshes have a point in common; touching counts.
