@@ -40,6 +40,7 @@ mod ply;
 mod polygon;
 mod stl;
 mod text;
+mod three_mf;
 mod unit;
 mod weld;
 
@@ -93,7 +94,7 @@ fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Model, Lo
         Format::Ply => ply::read(bytes),
         Format::Off => off::read(bytes),
         Format::Gltf | Format::Glb => gltf::read(bytes, actual, folder),
-        Format::ThreeMf => Err(LoadError::unsupported(actual.to_string())),
+        Format::ThreeMf => three_mf::read(bytes),
     }?;
     if actual != format {
         let mut warnings = Warnings::default();
