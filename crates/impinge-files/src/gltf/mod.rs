@@ -14,6 +14,8 @@ mod buffer;
 mod container;
 mod document;
 mod scene;
+#[cfg(test)]
+mod tests;
 
 use std::{
     collections::{HashMap, HashSet},

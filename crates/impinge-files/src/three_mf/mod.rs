@@ -8,6 +8,8 @@
 mod build;
 mod package;
 mod part;
+#[cfg(test)]
+mod tests;
 
 use crate::{
     error::{LoadError, LoadErrorKind, Place},
