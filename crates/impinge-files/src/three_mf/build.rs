@@ -107,7 +107,7 @@ impl<'a> Build<'a> {
             let p = world.apply(p);
             if !p.iter().all(|x| x.is_finite()) {
                 let error = LoadError::new(LoadErrorKind::NonFinite { vertex: vertex as u64 });
-                return Err(error.at(self.models.place(key)).hint("as its transforms place it"));
+                return Err(error.at(self.models.place(key)).with_hint("as its transforms place it"));
             }
             self.positions.push(p);
         }

@@ -37,5 +37,5 @@ fn in_part(path: &str, offset: u64) -> Place {
 /// The error that this archive is no 3MF.
 fn no_model() -> LoadError {
     let kind = LoadErrorKind::WrongContent { expected: Format::ThreeMf, found: "a ZIP archive without a 3D model" };
-    LoadError::new(kind).hint("unpack it and load what is inside")
+    LoadError::new(kind).with_hint("unpack it and load what is inside")
 }

@@ -51,7 +51,7 @@ impl<'a> Package<'a> {
         if len > self.allowance {
             let (count, limit) = (len, self.allowance);
             let error = LoadError::new(LoadErrorKind::TooMany { what: "unpacked bytes", count, limit });
-            return Err(error.at(place()).hint("no real model packs so well"));
+            return Err(error.at(place()).with_hint("no real model packs so well"));
         }
         self.allowance -= len;
         Ok(text)

@@ -113,7 +113,8 @@ impl Part {
                 }
                 Event::Eof if open.is_empty() => break,
                 Event::Eof => {
-                    let error = LoadError::syntax("the end of the XML element model", b"").hint("the file is cut off");
+                    let error =
+                        LoadError::syntax("the end of the XML element model", b"").with_hint("the file is cut off");
                     return Err(error.at(in_part(path, at)));
                 }
                 _ => {}
