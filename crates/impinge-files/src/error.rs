@@ -70,12 +70,12 @@ pub enum LoadErrorKind {
     },
     /// A vertex has a coordinate that is NaN, infinite or too large for its type.
     NonFinite {
-        /// The vertex, counted from zero.
+        /// The vertex, counted from zero in the file, or in the entry that the place names; in STL the corner.
         vertex: u64,
     },
     /// A face names a vertex that does not exist.
     IndexOutOfBounds {
-        /// The face, counted from zero through the whole file.
+        /// The face, counted from zero in the file, or in the entry that the place names.
         face: u64,
         /// The index as the file has it.
         index: i64,
