@@ -53,6 +53,7 @@ pub use ply::write_ply;
 pub use unit::{Unit, UnknownUnit};
 
 use model::Warnings;
+
 /// Loads the triangles of a file.
 ///
 /// # Errors
