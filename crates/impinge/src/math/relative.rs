@@ -160,8 +160,9 @@ impl RelativeMap {
         let mut map = Self::IDENTITY;
         for i in 0..3 {
             let y = inverse[i];
-            // The error of an entry of the inverse, with three roundings of a sum of products with it.
-            let weight: [f64; 3] = std::array::from_fn(|k| inverse_error[i][k] + 4.0 * UNIT_ROUNDOFF * y[k].abs());
+            // The error of an entry of the inverse, with three roundings of a sum of products with it and one of the
+            // offset.
+            let weight: [f64; 3] = std::array::from_fn(|k| inverse_error[i][k] + 5.0 * UNIT_ROUNDOFF * y[k].abs());
             for j in 0..3 {
                 map.linear[i][j] = y[0] * r_b[0][j] + y[1] * r_b[1][j] + y[2] * r_b[2][j];
                 let error = (0..3).map(|k| weight[k] * r_b[k][j].abs()).sum::<f64>();
@@ -169,9 +170,7 @@ impl RelativeMap {
             }
             let d = offset.rounded;
             map.translation[i] = y[0] * d[0] + y[1] * d[1] + y[2] * d[2];
-            let error = (0..3)
-                .map(|k| weight[k] * d[k].abs() + (y[k].abs() + inverse_error[i][k]) * offset.rest[k].abs())
-                .sum::<f64>();
+            let error = (0..3).map(|k| weight[k] * d[k].abs()).sum::<f64>();
             map.translation_error[i] = error * INFLATE + UNDERFLOW;
         }
         Some(map)
