@@ -74,8 +74,9 @@ pub(super) fn signs<const N: usize>(
 
 #[cfg(test)]
 mod tests {
-    //! Each constant and each term of the bound was weakened by hand to see one of these fail: `ROUNDING` to 1 unit, the
-    //! input part to a half, each of its terms and `UNDERFLOW` to nothing.
+    //! The constants and the terms of the bound were weakened by hand to see one of these fail: `ROUNDING` to 1 unit, the
+    //! input part to a half, `UNDERFLOW` and each term of first order in the errors to nothing. Without the terms of higher
+    //! order no wrong sign was found; they stay since the proof needs them.
 
     use super::*;
     use crate::math::dyadic::{self, Dyadic};
