@@ -152,17 +152,20 @@ impl Descent<'_> {
         let parent = &self.host[task.host as usize];
         // What each guest child meets: children of up to eight inner host children, and leaves among these.
         let mut met = [[0_u8; LANES]; LANES];
+        let mut met_nodes = [0_u8; LANES];
         let mut met_leaves = [0_u8; LANES];
+        let in_use = lanes_in_use(guest);
         let mut any = 0;
         for lane in bits(u32::from(task.host_lanes)) {
             match parent.child(lane) {
                 Child::Inner(host) => {
                     let node = &self.host[host as usize];
-                    let in_use = lanes_in_use(node);
+                    let host_in_use = lanes_in_use(node);
                     let (min, max) = (load3(simd, &node.min), load3(simd, &node.max));
-                    for guest_lane in 0..guest.count() {
-                        let lanes = overlapping(simd, (&min, &max), &guests.lane(guest_lane)) & in_use;
+                    for guest_lane in 0..LANES {
+                        let lanes = overlapping(simd, (&min, &max), &guests.lane(guest_lane)) & host_in_use;
                         met[guest_lane][lane] = lanes as u8;
+                        met_nodes[guest_lane] |= u8::from(lanes != 0) << lane;
                         any |= u32::from(lanes != 0) << guest_lane;
                     }
                 }
@@ -171,7 +174,7 @@ impl Descent<'_> {
                         min: by_axis!(axis => parent.min[axis][lane]),
                         max: by_axis!(axis => parent.max[axis][lane]),
                     };
-                    let lanes = overlapping(simd, (&load3(simd, &guests.min), &load3(simd, &guests.max)), &bounds) & lanes_in_use(guest);
+                    let lanes = overlapping(simd, (&load3(simd, &guests.min), &load3(simd, &guests.max)), &bounds);
                     for guest_lane in bits(lanes) {
                         met_leaves[guest_lane] |= 1 << lane;
                     }
@@ -179,17 +182,14 @@ impl Descent<'_> {
                 }
             }
         }
-        for guest_lane in bits(any) {
+        for guest_lane in bits(any & in_use) {
             let child = guest.child(guest_lane);
             if met_leaves[guest_lane] != 0 {
                 below.push(Task { guest: child, host: task.host, host_lanes: met_leaves[guest_lane] });
             }
-            for lane in bits(u32::from(task.host_lanes)) {
-                let host_lanes = met[guest_lane][lane];
-                if host_lanes != 0
-                    && let Child::Inner(host) = parent.child(lane)
-                {
-                    below.push(Task { guest: child, host, host_lanes });
+            for lane in bits(u32::from(met_nodes[guest_lane])) {
+                if let Child::Inner(host) = parent.child(lane) {
+                    below.push(Task { guest: child, host, host_lanes: met[guest_lane][lane] });
                 }
             }
         }

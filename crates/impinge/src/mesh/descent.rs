@@ -49,6 +49,9 @@ const TASKS_PER_THREAD: usize = 64;
 /// Below this many tasks no threads are woken: less work than this is done sooner than shared.
 const LEAST_SHARED_TASKS: usize = 256;
 
+/// Fewer lookups than this are not worth another thread.
+const LEAST_LOOKUPS: usize = 1 << 14;
+
 /// Pairs of faces (of a, of b) that intersect, each once, in no particular order: all of them, or any `limit` of them
 /// where there are more.
 pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, options: &Options) -> Vec<[u32; 2]> {
@@ -78,7 +81,7 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, o
         work(options.level, &descent, Order::BreadthFirstUntil(enough), &mut tasks, &mut first);
         if tasks.len() >= enough {
             let chunk = tasks.len().div_ceil(TASKS_PER_THREAD * threads);
-            let shared: Vec<Vec<[u32; 2]>> = tasks
+            let shared: Vec<Vec<[Slot; 2]>> = tasks
                 .par_chunks(chunk)
                 .map(|tasks| {
                     let mut worker = worker();
@@ -92,7 +95,11 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, o
     }
     work(options.level, &descent, Order::DepthFirst, &mut tasks, &mut first);
     first.found.truncate(limit);
-    first.found
+    let faces = |&[host, guest]: &[Slot; 2]| {
+        let (host, guest) = (first.host.face(host), first.guest.face(guest));
+        if swapped { [guest, host] } else { [host, guest] }
+    };
+    first.found.par_iter().with_min_len(LEAST_LOOKUPS).map(faces).collect()
 }
 
 /// The descent, compiled once for each vector unit.
@@ -123,12 +130,30 @@ fn relate(a: Placed<'_>, b: Placed<'_>, a_from_b: &RelativeMap, choice: HostChoi
     }
 }
 
+/// A lane of a leaf.
+#[derive(Clone, Copy, Debug)]
+struct Slot(u32);
+
+impl Slot {
+    #[inline(always)]
+    fn new(leaf: u32, lane: usize) -> Self {
+        Self(leaf * LANES as u32 + lane as u32)
+    }
+}
+
 /// What a mesh keeps for its leaves, as plain slices.
 #[derive(Clone, Copy)]
 struct Leaves<'a> {
     mesh: &'a Mesh,
     packets: &'a [Packet],
     packet_faces: &'a [[u32; LEAF_CAPACITY]],
+}
+
+impl Leaves<'_> {
+    #[inline(always)]
+    fn face(&self, Slot(slot): Slot) -> u32 {
+        self.packet_faces[slot as usize / LANES][slot as usize % LANES]
+    }
 }
 
 impl Mesh {
@@ -148,22 +173,20 @@ struct Pairs<'a> {
     /// Whether the host is the second mesh.
     swapped: bool,
     limit: usize,
-    found: Vec<[u32; 2]>,
+    /// Of the host and of the guest. Which faces these are is looked up at the end, when the lookups can overlap.
+    found: Vec<[Slot; 2]>,
 }
 
 impl Pairs<'_> {
     /// Decides what the filter left open and keeps what meets.
     #[inline(never)]
     fn report(&mut self, host_leaf: u32, met: u32, verdicts: &[Verdict; LANES]) -> ControlFlow<()> {
-        let host_faces = self.host.packet_faces[host_leaf as usize];
-        let guest_faces = self.guest.packet_faces[self.guest_leaf as usize];
         for guest_lane in bits(met) {
             let verdict = verdicts[guest_lane];
-            for lane in bits(verdict.meets | verdict.open) {
-                let (host, guest) = (host_faces[lane], guest_faces[guest_lane]);
-                let [a, b] = if self.swapped { [guest, host] } else { [host, guest] };
-                if verdict.open >> lane & 1 == 0 || self.decide(a, b) {
-                    self.found.push([a, b]);
+            for host_lane in bits(verdict.meets | verdict.open) {
+                let pair = [Slot::new(host_leaf, host_lane), Slot::new(self.guest_leaf, guest_lane)];
+                if verdict.open >> host_lane & 1 == 0 || self.decide(pair) {
+                    self.found.push(pair);
                 }
             }
         }
@@ -171,10 +194,11 @@ impl Pairs<'_> {
     }
 
     #[cold]
-    #[inline(never)]
-    fn decide(&self, a: u32, b: u32) -> bool {
-        let (mesh_a, mesh_b) = if self.swapped { (self.guest.mesh, self.host.mesh) } else { (self.host.mesh, self.guest.mesh) };
-        triangles_intersect(self.placement, &mesh_a.corners(a), &mesh_b.corners(b))
+    fn decide(&self, [host, guest]: [Slot; 2]) -> bool {
+        let host = self.host.mesh.corners(self.host.face(host));
+        let guest = self.guest.mesh.corners(self.guest.face(guest));
+        let (a, b) = if self.swapped { (&guest, &host) } else { (&host, &guest) };
+        triangles_intersect(self.placement, a, b)
     }
 }
 

@@ -47,11 +47,12 @@ pub(crate) struct Guest {
     max: [[f32; LANES]; 3],
     /// The greatest extent of each triangle's box.
     width: [f32; LANES],
-    count: usize,
+    lanes_in_use: u32,
     /// The anchor's image in the host's packed frame.
     anchor: [f64; 3],
-    /// What the turned corners may be off by, before they are moved to a host anchor.
-    error: f64,
+    /// What the corners may be off by once they are moved to a host anchor, but for the part that grows with the
+    /// host's radius.
+    error: f32,
     /// Bounds of the packet in the host's packed frame.
     pub(crate) bounds: Aabb,
 }
@@ -67,9 +68,9 @@ impl Guest {
         min: [[0.0; LANES]; 3],
         max: [[0.0; LANES]; 3],
         width: [0.0; LANES],
-        count: 0,
+        lanes_in_use: 0,
         anchor: [0.0; 3],
-        error: 0.0,
+        error: f32::INFINITY,
         bounds: Aabb::EMPTY,
     };
 
@@ -90,16 +91,18 @@ impl Guest {
         store3(&max, &mut self.max);
         store3(&cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0])), &mut self.normal);
         width(&min, &max).store_slice(&mut self.width);
-        self.count = packet.count();
+        self.lanes_in_use = packet.lanes_in_use();
         self.anchor = relation.apply(packet.anchor);
-        // Rounding of the packed corner, of the matrix, and three of the sum: 5, with one to spare for their products;
-        // then packing in double precision, and the anchor's image with its five roundings.
-        self.error = relation.stretch * (6.0 * HALF_ULP * f64::from(packet.radius) + PACKING_ERROR)
-            + relation.error
-            + PACKING_ERROR * (relation.stretch + self.anchor[0].abs().max(self.anchor[1].abs()).max(self.anchor[2].abs()));
+        // Of single precision: the packed corner's rounding, the matrix's, three of the sum, and two of the sum with an
+        // offset; a host packet is only met where the bounds overlap, which keeps the offset below both radii. Of
+        // double precision: packing, and the anchor's image with its five roundings.
+        let reach = self.anchor[0].abs().max(self.anchor[1].abs()).max(self.anchor[2].abs());
+        let single = relation.stretch * (9.0 * HALF_ULP * f64::from(packet.radius));
+        let double = relation.error + PACKING_ERROR * (1.0 + 2.0 * relation.stretch + reach);
+        self.error = ((single + double + LEAST_ERROR) as f32).next_up();
         let least: [f32; 3] = by_axis!(axis => min[axis].reduce_min());
         let greatest: [f32; 3] = by_axis!(axis => max[axis].reduce_max());
-        let (anchor, error) = (&self.anchor, self.error);
+        let (anchor, error) = (&self.anchor, f64::from(self.error));
         self.bounds = Aabb {
             min: by_axis!(axis => ((anchor[axis] + f64::from(least[axis]) - error) as f32).next_down()),
             max: by_axis!(axis => ((anchor[axis] + f64::from(greatest[axis]) + error) as f32).next_up()),
@@ -110,13 +113,10 @@ impl Guest {
     /// returned are set, nothing for the others.
     #[inline(always)]
     pub(crate) fn meet<S: Simd>(&self, simd: S, host: &Packet, verdicts: &mut [Verdict; LANES]) -> u32 {
-        let offset: [f64; 3] = by_axis!(axis => self.anchor[axis] - f64::from(host.anchor[axis]));
-        let reach = offset[0].abs().max(offset[1].abs()).max(offset[2].abs());
-        // The offset's rounding and that of the sum with a turned corner; the sum's other part is within `error` by
-        // its spare. The host's corners are off by their own rounding and packing.
-        let error = self.error + 2.0 * HALF_ULP * reach + HALF_ULP * f64::from(host.radius) + PACKING_ERROR;
-        let error = (error.max(LEAST_ERROR) as f32).next_up();
-        let offset: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, offset[axis] as f32));
+        let offset: Lanes3<S> =
+            by_axis!(axis => f32x8::splat(simd, (self.anchor[axis] - f64::from(host.anchor[axis])) as f32));
+        // Of the host's corners: their own rounding, and two of sums with an offset of up to the host's radius.
+        let error = self.error + 4.0 * HALF_ULP as f32 * host.radius;
 
         let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.corners[corner]));
         let (host_min, host_max) = bounds(&host_corners);
@@ -129,10 +129,11 @@ impl Guest {
         let in_use = host.lanes_in_use();
         let mut near = [0_u32; LANES];
         let mut any = 0;
-        for lane in 0..self.count {
+        for lane in 0..LANES {
             near[lane] = overlapping(simd, (&host_min, &host_max), &moved.lane(lane)) & in_use;
             any |= u32::from(near[lane] != 0) << lane;
         }
+        any &= self.lanes_in_use;
         if any == 0 {
             return 0;
         }

@@ -8,8 +8,8 @@ use crate::input::{InputError, InputErrorKind};
 /// Coordinates stay below this magnitude, which every finite single precision number does: the range of the proofs.
 const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 
-/// Leaves and nodes are numbered with 31 bits, and there are at most as many as faces.
-const MOST_FACES: usize = 1 << 31;
+/// Lanes of leaves are numbered with 32 bits; there are at most as many leaves as faces, each of eight lanes.
+const MOST_FACES: usize = 1 << 29;
 
 pub(super) fn judge(positions: &Positions, faces: &[[u32; 3]]) -> Result<(), InputError> {
     let too_many = |what, count| Err(InputError::new(InputErrorKind::TooMany { what, count }));

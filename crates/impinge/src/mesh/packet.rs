@@ -24,16 +24,10 @@ pub(crate) struct Packet {
 }
 
 impl Packet {
-    /// How many lanes hold a triangle.
-    #[inline(always)]
-    pub(crate) fn count(&self) -> usize {
-        (self.count as usize).min(LANES)
-    }
-
     /// The bits of the lanes that hold a triangle.
     #[inline(always)]
     pub(crate) fn lanes_in_use(&self) -> u32 {
-        (1 << self.count()) - 1
+        (1 << (self.count as usize).min(LANES)) - 1
     }
 
     /// The packet of these faces, at least one and at most eight, whose packed boxes `bounds` holds.

@@ -4,6 +4,9 @@ use super::frame::{PackedFrame, REACH};
 use crate::hierarchy::BoxMap;
 use crate::math::RelativeMap;
 
+/// Maps that stretch or move by more than this leave every decision to the exact stage.
+const LARGEST: f64 = (1_u128 << 100) as f64;
+
 /// The map from the guest's packed frame into the host's, in double precision, and how far it may be off.
 #[derive(Clone, Debug)]
 pub(crate) struct Relation {
@@ -44,6 +47,11 @@ impl Relation {
             error[axis] = ((ROUNDING * terms + carried) * host.scale + per_unit * ratio * REACH) * OUTWARD;
         }
         let stretch = linear.iter().map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max) * OUTWARD;
+        // Nothing in single precision may overflow unnoticed: beyond this size it decides nothing.
+        let largest = translation.iter().fold(stretch, |largest, x| largest.max(x.abs()));
+        if !(largest < LARGEST) {
+            error = [f64::INFINITY; 3];
+        }
         let boxes = BoxMap::new(&linear, &translation, &error, REACH);
         Self { linear, translation, error: error.into_iter().fold(0.0, f64::max), stretch, boxes }
     }
