@@ -70,12 +70,12 @@ pub enum LoadErrorKind {
     },
     /// A vertex has a coordinate that is NaN, infinite or too large for its type.
     NonFinite {
-        /// The vertex, counted from zero.
+        /// The vertex, counted from zero in the file, or in the entry that the place names; in STL the corner.
         vertex: u64,
     },
     /// A face names a vertex that does not exist.
     IndexOutOfBounds {
-        /// The face, counted from zero through the whole file.
+        /// The face, counted from zero in the file, or in the entry that the place names.
         face: u64,
         /// The index as the file has it.
         index: i64,
@@ -117,7 +117,7 @@ impl LoadError {
 
     pub(crate) fn truncated(what: impl Into<String>, expected: u64, found: u64) -> Self {
         Self::new(LoadErrorKind::Truncated { what: what.into(), expected, found })
-            .hint("the file is cut off or its counts are wrong")
+            .with_hint("the file is cut off or its counts are wrong")
     }
 
     pub(crate) fn unsupported(name: impl Into<String>) -> Self {
@@ -144,7 +144,7 @@ impl LoadError {
         self
     }
 
-    pub(crate) fn hint(mut self, hint: &'static str) -> Self {
+    pub(crate) fn with_hint(mut self, hint: &'static str) -> Self {
         self.0.hint = Some(hint);
         self
     }
@@ -174,7 +174,7 @@ impl LoadError {
 
     /// What to do about it, where that is known.
     #[must_use]
-    pub fn advice(&self) -> Option<&'static str> {
+    pub fn hint(&self) -> Option<&'static str> {
         self.0.hint
     }
 }

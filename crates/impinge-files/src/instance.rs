@@ -49,7 +49,7 @@ impl Budget {
             return Ok(());
         }
         let error = LoadError::new(LoadErrorKind::TooMany { what, count, limit: self.0 });
-        Err(error.hint("counted over all instances; load fewer of them"))
+        Err(error.with_hint("counted over all instances; load fewer of them"))
     }
 }
 

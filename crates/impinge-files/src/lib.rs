@@ -40,6 +40,7 @@ mod ply;
 mod polygon;
 mod stl;
 mod text;
+mod three_mf;
 mod unit;
 mod weld;
 
@@ -52,6 +53,7 @@ pub use ply::write_ply;
 pub use unit::{Unit, UnknownUnit};
 
 use model::Warnings;
+
 /// Loads the triangles of a file.
 ///
 /// # Errors
@@ -93,7 +95,7 @@ fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Model, Lo
         Format::Ply => ply::read(bytes),
         Format::Off => off::read(bytes),
         Format::Gltf | Format::Glb => gltf::read(bytes, actual, folder),
-        Format::ThreeMf => Err(LoadError::unsupported(actual.to_string())),
+        Format::ThreeMf => three_mf::read(bytes),
     }?;
     if actual != format {
         let mut warnings = Warnings::default();

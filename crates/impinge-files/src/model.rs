@@ -46,7 +46,7 @@ pub struct Warning {
     pub first: Option<Place>,
 }
 
-/// The kinds of [`Warning`]; its [`Display`](fmt::Display) text is a plural.
+/// The kinds of [`Warning`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum WarningKind {
@@ -77,27 +77,31 @@ pub enum WarningKind {
 impl fmt::Display for WarningKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::OtherExtension => "extension contradicted by the content, which was read as what it is",
-            Self::UnknownLines => "lines skipped that are no statement of this format",
-            Self::NotTriangles => "points, lines or curves skipped",
-            Self::ShortFaces => "faces skipped that have fewer than three corners",
+            Self::OtherExtension => "the content is not what the extension says, and was read as what it is",
+            Self::UnknownLines => "lines that are no statement of this format, skipped",
+            Self::NotTriangles => "points, lines or curves, skipped",
+            Self::ShortFaces => "faces of fewer than three corners, skipped",
             Self::FannedPolygons => "polygons without a simple outline or too large, triangulated as a fan",
             Self::SurplusValues => "rows with more values than the header tells, which were skipped",
-            Self::TrailingBytes => "bytes ignored after the end of the content",
-            Self::LeftoverCorners => "corners ignored after the last whole triangle",
-            Self::StripJoints => "triangles of strips left out that repeat a corner",
-            Self::Unposed => "skinned meshes taken as modelled, without the pose of their skeleton",
+            Self::TrailingBytes => "bytes after the end of the content, ignored",
+            Self::LeftoverCorners => "corners after the last whole triangle, ignored",
+            Self::StripJoints => "triangles of strips that repeat a corner, left out",
+            Self::Unposed => "skinned meshes, taken as modelled without the pose of their skeleton",
             Self::SingleInstances => "nodes with instancing that is not supported, taken once",
         })
     }
 }
 
+/// `faces of fewer than three corners, skipped: 3, the first at line 12`.
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", self.count, self.kind)?;
+        write!(f, "{}", self.kind)?;
+        if self.kind != WarningKind::OtherExtension {
+            write!(f, ": {}", self.count)?;
+        }
         match &self.first {
-            Some(place) if self.count > 1 => write!(f, " (the first at {place})"),
-            Some(place) => write!(f, " (at {place})"),
+            Some(place) if self.count > 1 => write!(f, ", the first at {place}"),
+            Some(place) => write!(f, ", at {place}"),
             None => Ok(()),
         }
     }

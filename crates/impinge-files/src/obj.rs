@@ -159,7 +159,7 @@ impl FaceReader<'_> {
         let (face, len) = (self.faces.polygons().into(), self.positions.len() as u64);
         vertex.filter(|&v| v < len).and_then(|v| u32::try_from(v).ok()).ok_or_else(|| {
             let error = LoadError::new(LoadErrorKind::IndexOutOfBounds { face, index, len });
-            if index == 0 { error.hint("OBJ counts vertices from 1") } else { error }
+            if index == 0 { error.with_hint("OBJ counts vertices from 1") } else { error }
         })
     }
 
@@ -252,7 +252,7 @@ mod tests {
         assert_eq!(model.part_of, [0, 0, 1, 0]);
         assert_eq!(model.parts, ["a", "a/b"]);
         assert_eq!(model.warnings[0].kind, WarningKind::ShortFaces);
-        assert_eq!(model.warnings[0].to_string(), "1 faces skipped that have fewer than three corners (at line 8)");
+        assert_eq!(model.warnings[0].to_string(), "faces of fewer than three corners, skipped: 1, at line 8");
     }
 
     #[test]
@@ -273,8 +273,8 @@ mod tests {
         assert_eq!(
             text,
             [
-                "2 lines skipped that are no statement of this format (the first at line 1)",
-                "2 points, lines or curves skipped (the first at line 3)"
+                "lines that are no statement of this format, skipped: 2, the first at line 1",
+                "points, lines or curves, skipped: 2, the first at line 3"
             ]
         );
         assert!(model.faces.is_empty() && model.parts.is_empty());

@@ -12,8 +12,8 @@
 
 use robust::{Coord, orient2d};
 
-/// The most point-in-triangle tests for one polygon: an outline of 8,192 corners that are all reflex, or of a million
-/// with a few dozen. Ear clipping takes the product of both numbers, and a hostile file must not buy hours with it.
+/// The largest product of the corners of one polygon and those that are not convex: 8,192 corners that are all reflex, or
+/// a million with a few dozen. Ear clipping takes some three tests for each, and a hostile file must not buy hours.
 const MAX_WORK: usize = 1 << 26;
 
 /// Whether the triangles are a triangulation of the polygon.
@@ -228,22 +228,25 @@ mod tests {
         ]);
     }
 
+    /// An outline of `2 teeth + 3` corners, of which all between two teeth are reflex.
+    fn comb(teeth: i32) -> Vec<[f64; 2]> {
+        let tooth = |i: i32| [[f64::from(2 * i + 2), 0.0], [f64::from(2 * i + 1), 5.0]];
+        let base = [[0.0, -1.0], [f64::from(2 * teeth), -1.0]];
+        base.into_iter().chain((0..teeth).rev().flat_map(tooth)).chain([[0.0, 0.0]]).collect()
+    }
+
     #[test]
     fn combs_and_spirals_of_any_size() {
         let mut tried = 0;
         for teeth in [1, 2, 7, 100, 1000] {
-            let mut comb = vec![[0., -1.], [2. * f64::from(teeth), -1.]];
-            for i in (0..teeth).rev().map(f64::from) {
-                comb.extend([[2. * i + 2., 0.], [2. * i + 1., 5.]]);
-            }
-            comb.push([0., 0.]);
+            let mut comb = comb(teeth);
             for turn in 0..comb.len().min(20) {
                 comb.rotate_left(turn);
                 assert_covers(&comb);
                 tried += 1;
             }
         }
-        let at = |r: f64, k: i32| [r * f64::from(k).mul_add(0.1, 0.0).cos(), r * (f64::from(k) * 0.1).sin()];
+        let at = |r: f64, k: i32| [r * (f64::from(k) * 0.1).cos(), r * (f64::from(k) * 0.1).sin()];
         let out: Vec<_> = (0..1000).map(|k| at(1.0 + f64::from(k) * 0.01, k)).collect();
         let back: Vec<_> = (0..1000).rev().map(|k| at(1.3 + f64::from(k) * 0.01, k)).collect();
         assert_covers(&back.iter().chain(&out).rev().copied().collect::<Vec<_>>());
@@ -262,9 +265,13 @@ mod tests {
 
     #[test]
     fn work_is_bounded() {
-        // Zigzag without area: every corner blocks, none is an ear.
+        // Half of the corners block: within the bound for 8,192 corners, beyond it for 32,768.
+        for (teeth, outcome) in [(4_096, Outcome::Covered), (16_384, Outcome::Fanned)] {
+            let comb: Vec<_> = comb(teeth).into_iter().map(|[x, y]| [x, y, 0.0]).collect();
+            assert_eq!(triangulate(&comb).1, outcome);
+        }
+        // A zigzag without area: every corner blocks, none is an ear.
         let zigzag: Vec<_> = (0..300_000).map(|i| [f64::from(i % 2), 0.0, 0.0]).collect();
-        let (triangles, _) = triangulate(&zigzag);
-        assert_eq!(triangles.len(), 299_998);
+        assert_eq!(triangulate(&zigzag).1, Outcome::Fanned);
     }
 }

@@ -202,7 +202,7 @@ impl<'a> TextReader<'a> {
 
     fn unexpected(&self, expected: &'static str, token: &[u8]) -> LoadError {
         let error = LoadError::syntax(expected, token);
-        if token.is_empty() { error.hint("the file is cut off") } else { error }
+        if token.is_empty() { error.with_hint("the file is cut off") } else { error }
     }
 }
 
@@ -289,7 +289,7 @@ mod tests {
         assert_eq!(model.faces.len(), 2);
         assert_eq!(
             model.warnings[0].to_string(),
-            "4 bytes ignored after the end of the content (the first at byte 184)"
+            "bytes after the end of the content, ignored: 4, the first at byte 184"
         );
     }
 }

@@ -2,6 +2,8 @@
 
 mod exact_oracle;
 
+use std::collections::HashMap;
+
 use dashu_ratio::RBig;
 use exact_oracle::*;
 use impinge::Pose;
@@ -228,4 +230,81 @@ fn pieces_of_neighbours_link_up() {
         }
     }
     assert!(links > 200, "{links}");
+}
+
+/// A part of a mesh: its sorted vertices.
+fn part(face: &[usize; 3], feature: Feature) -> Vec<usize> {
+    let mut vertices = match feature {
+        Feature::Vertex(k) => vec![face[usize::from(k)]],
+        Feature::Edge(k) => vec![face[usize::from(k)], face[(usize::from(k) + 1) % 3]],
+        Feature::Face => face.to_vec(),
+    };
+    vertices.sort_unstable();
+    vertices
+}
+
+/// Over all pairs of faces of two closed meshes, touching in all ways: a point has one name and one set of bits.
+#[test]
+fn a_point_has_one_name() {
+    const TETRAHEDRON: &[[usize; 3]] = &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    const OCTAHEDRON: &[[usize; 3]] =
+        &[[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    const UNIT: [[f64; 3]; 6] =
+        [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+    let mut random = Random(24);
+    let (mut shared, mut vertices) = (0, 0);
+    for case in 0..3000 {
+        let mut mesh = || -> (Vec<[f64; 3]>, &[[usize; 3]]) {
+            if random.one_in(2) {
+                let centre = integer_offset(&mut random, 1);
+                let size = random.integer(1, 2) as f64;
+                let moved = |v: [f64; 3]| std::array::from_fn(|k| size * v[k] + centre[k]);
+                (UNIT.map(moved).to_vec(), OCTAHEDRON)
+            } else {
+                // With a volume, as else a point may be on two of its faces.
+                let from = integer_offset(&mut random, 1);
+                let edges = integer_linear(&mut random, 3);
+                let ends = edges.map(|edge| std::array::from_fn(|k| from[k] + edge[k]));
+                (vec![from, ends[0], ends[1], ends[2]], TETRAHEDRON)
+            }
+        };
+        let ((vertices_a, faces_a), (vertices_b, faces_b)) = (mesh(), mesh());
+        let corners = |vertices: &[[f64; 3]], face: &[usize; 3]| face.map(|vertex| vertices[vertex]);
+        let has_area = |corners: &Corners| !is_zero(&normal(&corners.map(|corner| corner.map(rational))));
+        let world_from_a = rotation(&mut random);
+        let factor = [1.0, 2.0][case % 2];
+        let linear = world_from_a.linear().map(|row| row.map(|x| x * factor));
+        let world_from_b = Pose::new(linear, *world_from_a.translation()).expect("legal");
+        let placement = Placement::new(&world_from_a, &world_from_b);
+
+        let mut names: HashMap<[u64; 3], (Vec<usize>, Vec<usize>)> = HashMap::new();
+        let mut points: HashMap<(Vec<usize>, Vec<usize>), [u64; 3]> = HashMap::new();
+        for face_a in faces_a {
+            for face_b in faces_b {
+                let a = corners(&vertices_a, face_a);
+                let b = scaled_corners(&corners(&vertices_b, face_b), 1.0 / factor);
+                if !has_area(&a) || !has_area(&b) {
+                    continue;
+                }
+                let ends = match crossing(&placement, &a, &b) {
+                    Crossing::Point(end) => vec![end],
+                    Crossing::Segment(start, finish) => vec![start, finish],
+                    Crossing::Apart | Crossing::Coplanar => vec![],
+                };
+                for end in ends {
+                    let name = (part(face_a, end.on_a), part(face_b, end.on_b));
+                    let bits = end.point.map(f64::to_bits);
+                    vertices += usize::from(name.0.len() == 1);
+                    if let Some(other) = names.insert(bits, name.clone()) {
+                        assert_eq!(other, name, "{vertices_a:?} {vertices_b:?}");
+                        shared += 1;
+                    }
+                    if let Some(other) = points.insert(name, bits) {
+                        assert_eq!(other, bits);
+                    }
+                }
+            }
+        }
+    }
+    assert!(shared > 10_000 && vertices > 3000, "{shared} {vertices}");
 }

@@ -305,3 +305,58 @@ fn negative_zero_is_zero() {
         assert!(placement.is_shared());
     }
 }
+
+/// N11, N13, N14: each kind of contact by its closed form, at a general rotation that keeps the ties.
+#[test]
+fn contacts_by_kind() {
+    const FLOOR: Corners = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+    let point = |p: [f64; 3]| [p, p, p];
+    let segment = |p: [f64; 3], q: [f64; 3]| [p, q, [0, 1, 2].map(|k| 0.5 * (p[k] + q[k]))];
+    let cases: &[(&str, Corners, Corners, bool)] = &[
+        ("corner on face", FLOOR, [[1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [2.0, 1.0, 1.0]], true),
+        ("corner above face", FLOOR, [[1.0, 1.0, 1.0], [1.0, 1.0, 2.0], [2.0, 1.0, 2.0]], false),
+        ("shared corner only", FLOOR, [[0.0, 0.0, 0.0], [-1.0, 0.0, 1.0], [0.0, -1.0, 1.0]], true),
+        ("shared edge only", FLOOR, [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, -1.0, 1.0]], true),
+        ("corner on edge", FLOOR, [[2.0, 0.0, 0.0], [2.0, -1.0, 1.0], [2.0, -1.0, -1.0]], true),
+        ("edges cross", FLOOR, [[2.0, 0.0, 1.0], [2.0, 0.0, -1.0], [2.0, -1.0, 0.0]], true),
+        ("plane cut, triangle missed", FLOOR, [[5.0, 5.0, 1.0], [5.0, 5.0, -1.0], [6.0, 5.0, 0.0]], false),
+        ("coplanar, contained", FLOOR, [[1.0, 1.0, 0.0], [1.5, 1.0, 0.0], [1.0, 1.5, 0.0]], true),
+        ("coplanar, overlapping", FLOOR, [[1.0, 1.0, 0.0], [5.0, 1.0, 0.0], [5.0, 2.0, 0.0]], true),
+        ("coplanar, corner on edge", FLOOR, [[2.0, 2.0, 0.0], [4.0, 2.0, 0.0], [2.0, 4.0, 0.0]], true),
+        ("coplanar, collinear edges apart", FLOOR, [[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [5.0, -1.0, 0.0]], false),
+        ("coplanar, apart though boxes overlap", FLOOR, [[3.0, 3.0, 0.0], [4.0, 3.0, 0.0], [3.0, 4.0, 0.0]], false),
+        ("parallel planes", FLOOR, FLOOR.map(|[x, y, _]| [x, y, 1.0]), false),
+        ("the same", FLOOR, FLOOR, true),
+        ("point on face", FLOOR, point([1.0, 1.0, 0.0]), true),
+        ("point on edge", FLOOR, point([2.0, 2.0, 0.0]), true),
+        ("point beside", FLOOR, point([3.0, 2.0, 0.0]), false),
+        ("point above", FLOOR, point([1.0, 1.0, 1.0]), false),
+        ("segment through face", FLOOR, segment([1.0, 1.0, 1.0], [1.0, 1.0, -1.0]), true),
+        ("segment ends on face", FLOOR, segment([1.0, 1.0, 1.0], [1.0, 1.0, 0.0]), true),
+        ("segment ends above face", FLOOR, segment([1.0, 1.0, 2.0], [1.0, 1.0, 1.0]), false),
+        ("segment in plane, across", FLOOR, segment([-1.0, 1.0, 0.0], [5.0, 1.0, 0.0]), true),
+        ("segment in plane, touching a corner", FLOOR, segment([-1.0, 1.0, 0.0], [1.0, -1.0, 0.0]), true),
+        ("segment in plane, beside", FLOOR, segment([-2.0, 1.0, 0.0], [1.0, -2.0, 0.0]), false),
+        ("segments cross", segment([0.0; 3], [2.0, 2.0, 2.0]), segment([2.0, 0.0, 0.0], [0.0, 2.0, 2.0]), true),
+        ("segments skew", segment([0.0; 3], [2.0, 2.0, 2.0]), segment([2.0, 0.0, 1.0], [0.0, 2.0, 2.0]), false),
+        ("segments in a line, apart", segment([0.0; 3], [1.0; 3]), segment([2.0; 3], [3.0; 3]), false),
+        ("segments in a line, touching", segment([0.0; 3], [1.0; 3]), segment([1.0; 3], [3.0; 3]), true),
+        ("segments parallel", segment([0.0; 3], [1.0; 3]), segment([0.0, 0.0, 1.0], [1.0, 1.0, 2.0]), false),
+        ("point on segment", segment([0.0; 3], [2.0; 3]), point([1.0; 3]), true),
+        ("point beyond segment", segment([0.0; 3], [2.0; 3]), point([3.0; 3]), false),
+        ("point beside segment", segment([0.0; 3], [2.0; 3]), point([1.0, 1.0, 0.0]), false),
+        ("points equal", point([1.0; 3]), point([1.0; 3]), true),
+        ("points different", point([1.0; 3]), point([1.0, 1.0, 2.0]), false),
+    ];
+    let turned = rotation(&mut Random(13));
+    let doubled = Pose::new(turned.linear().map(|row| row.map(|x| x * 2.0)), *turned.translation()).expect("legal");
+    for (name, a, b, expected) in cases {
+        let halved = scaled_corners(b, 0.5);
+        for (world_from_a, world_from_b, b) in
+            [(&Pose::IDENTITY, &Pose::IDENTITY, b), (&turned, &turned, b), (&turned, &doubled, &halved)]
+        {
+            assert_eq!(triangles_intersect(&Placement::new(world_from_a, world_from_b), a, b), *expected, "{name}");
+            assert_eq!(triangles_intersect(&Placement::new(world_from_b, world_from_a), b, a), *expected, "{name}");
+        }
+    }
+}

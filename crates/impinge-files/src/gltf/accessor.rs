@@ -68,8 +68,7 @@ impl Source<'_> {
         }
         let mut elements = match accessor.buffer_view {
             Some(view) => self.dense(view, accessor.byte_offset, accessor.count, accessor.component_type)?,
-            // Zeros; the caller has checked the count against its budget.
-            None => vec![[0.0; N]; accessor.count as usize],
+            None => self.zeros(accessor.count)?,
         };
         if let Some(sparse) = &accessor.sparse {
             self.replace(&mut elements, sparse, accessor.component_type)?;
@@ -85,6 +84,15 @@ impl Source<'_> {
             elements.as_flattened_mut().iter_mut().for_each(|x| *x = (*x / scale).max(low));
         }
         Ok(elements)
+    }
+
+    /// What sparse elements replace where there is no view. Real files have a fair share of data for them.
+    fn zeros<const N: usize>(&self, count: u64) -> Result<Vec<[f64; N]>, LoadError> {
+        let limit = self.buffers.total_len();
+        if count <= limit {
+            return Ok(vec![[0.0; N]; count as usize]);
+        }
+        Err(LoadError::new(LoadErrorKind::TooMany { what: "elements without data", count, limit }))
     }
 
     /// Puts the elements of a sparse accessor in the place of those that they replace.

@@ -14,6 +14,8 @@ mod buffer;
 mod container;
 mod document;
 mod scene;
+#[cfg(test)]
+mod tests;
 
 use std::{
     collections::{HashMap, HashSet},
@@ -91,7 +93,7 @@ fn leaves_positions_alone(extension: &str) -> bool {
 /// The error that an extension is needed.
 fn lacking(extension: &str) -> LoadError {
     let error = LoadError::unsupported(format!("glTF extension {extension}"));
-    if extension.contains("compression") { error.hint("export it without compression") } else { error }
+    if extension.contains("compression") { error.with_hint("export it without compression") } else { error }
 }
 
 /// Counts what the instances add up to before anything is stored.
@@ -184,7 +186,7 @@ impl Reader<'_> {
             let p = world.apply(p).map(|x| x as f32);
             if !p.iter().all(|x| x.is_finite()) {
                 let error = LoadError::new(LoadErrorKind::NonFinite { vertex: vertex as u64 });
-                return Err(error.at(Place::Entry(format!("accessor {accessor}"))).hint("as its node places it"));
+                return Err(error.at(Place::Entry(format!("accessor {accessor}"))).with_hint("as its node places it"));
             }
             self.positions.push(p);
         }

@@ -20,7 +20,7 @@ impl<'a> Ascii<'a> {
     /// The values from this offset on.
     pub(super) fn new(bytes: &'a [u8], at: usize) -> Result<Self, LoadError> {
         match binary_data(bytes, Format::Ply) {
-            Some(error) => Err(error.hint("the header says ascii")),
+            Some(error) => Err(error.with_hint("the header says ascii")),
             None => Ok(Self { bytes, at, surplus: 0, first_surplus: 0 }),
         }
     }
@@ -28,7 +28,7 @@ impl<'a> Ascii<'a> {
     fn token(&mut self) -> Result<&'a [u8], LoadError> {
         let (token, rest) = split_token(&self.bytes[self.at..]);
         if token.is_empty() {
-            let error = LoadError::syntax("a value", b"").hint("the file is cut off or its counts are wrong");
+            let error = LoadError::syntax("a value", b"").with_hint("the file is cut off or its counts are wrong");
             return Err(error.at(self.place(self.at)));
         }
         self.at = self.bytes.len() - rest.len();

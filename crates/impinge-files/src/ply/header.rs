@@ -89,7 +89,7 @@ impl Header {
         let mut elements: Vec<Element> = Vec::new();
         loop {
             let Some(line) = lines.next() else {
-                return Err(LoadError::syntax("end_header", b"").at(lines.place()).hint("the file is cut off"));
+                return Err(LoadError::syntax("end_header", b"").at(lines.place()).with_hint("the file is cut off"));
             };
             let mut words = tokens(line);
             let result = match words.next().unwrap_or_default() {
@@ -163,7 +163,7 @@ fn read_element<'a>(mut words: impl Iterator<Item = &'a [u8]>, elements: &[Eleme
         .ok_or_else(|| LoadError::syntax("the number of rows of an element", count))?;
     let once = ["vertex", "face", "tristrips"].contains(&name.as_str());
     if once && elements.iter().any(|e| e.name == name) {
-        return Err(LoadError::syntax(format!("one element {name}"), word).hint("it is there twice"));
+        return Err(LoadError::syntax(format!("one element {name}"), word).with_hint("it is there twice"));
     }
     Ok(Element { name, count, properties: Vec::new() })
 }

@@ -115,14 +115,16 @@ fn read_body(header: &Header, mut values: impl Values) -> Result<Model, LoadErro
 fn check_room(element: &Element, values: &impl Values) -> Result<(), LoadError> {
     let least = |p: &Property| values.least_size(p.list.unwrap_or(p.scalar));
     let row = element.properties.iter().map(least).sum::<u64>();
-    // The last value of a text needs no separator after it.
-    match (values.remaining() + 1).checked_div(row) {
-        Some(room) if element.count > room => {
-            let what = format!("rows of element {}", element.name);
-            Err(LoadError::truncated(what, element.count, room).at(values.place(values.offset())))
-        }
-        _ => Ok(()),
+    if element.count == 0 || row == 0 {
+        return Ok(());
     }
+    // The last value of a text needs no separator after it.
+    let room = (values.remaining() + 1) / row;
+    if element.count <= room {
+        return Ok(());
+    }
+    let what = format!("rows of element {}", element.name);
+    Err(LoadError::truncated(what, element.count, room).at(values.place(values.offset())))
 }
 
 fn skip_rows(element: &Element, values: &mut impl Values) -> Result<(), LoadError> {

@@ -221,7 +221,7 @@ mod tests {
         let mut random = Random(2);
         let mut held = [0; 2];
         for case in 0..3000 {
-            let bits: i64 = [57, 58, 59][case % 3];
+            let bits: i64 = [57, 58, 59, 60, 61][case % 5];
             // Corners of a cube that fills the span, and units in the last place next to it.
             let mut corner = || -> [f64; 3] {
                 std::array::from_fn(|_| {

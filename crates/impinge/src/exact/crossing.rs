@@ -1,6 +1,6 @@
 //! In what two triangles meet: the piece of an intersection curve that one pair contributes.
 //!
-//! The decision is that of [`triangles`](super::triangles), asked for all four comparisons on the common line instead of
+//! The decision is that of `triangles`, asked for all four comparisons on the common line instead of
 //! two. Where the piece ends is said combinatorially, by the corner, edge or face of each triangle that it ends on, so
 //! the pieces of neighbouring pairs link up without comparing coordinates, in touching and degenerate positions too.
 

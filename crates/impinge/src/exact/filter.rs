@@ -12,7 +12,7 @@
 //!   and Seel, *Exact Geometric Computation Using Cascading*, 2001, propagate input errors in this manner).
 //!
 //! Differences of floats do not underflow. Each product may lose 2^-1075, and a dozen of them are multiplied by `w`.
-//! Whatever overflows ends as NaN or infinity, and neither is taken for certain.
+//! Whatever overflows makes the error infinite or NaN, and nothing is certain then.
 
 use crate::math::Sign;
 use crate::math::relative::{INFLATE, UNDERFLOW, UNIT_ROUNDOFF};
@@ -60,10 +60,11 @@ pub(super) fn signs<const N: usize>(
     let error = input * INFLATE + rounding * ROUNDING + extent_sum * UNDERFLOW;
     ws.map(|w| {
         let determinant = normal[0] * w[0] + normal[1] * w[1] + normal[2] * w[2];
-        // Written so that NaN on either side is not certain.
-        if determinant.is_finite() && determinant > error {
+        // Not certain where either side is NaN. Nor where the determinant overflows: each of its steps is at most the same
+        // step of `rounding`, which overflows with it.
+        if determinant > error {
             Some(Sign::Positive)
-        } else if determinant.is_finite() && determinant < -error {
+        } else if determinant < -error {
             Some(Sign::Negative)
         } else {
             None
@@ -73,8 +74,9 @@ pub(super) fn signs<const N: usize>(
 
 #[cfg(test)]
 mod tests {
-    //! Each constant was weakened by hand to see a test fail: `ROUNDING` to an eighth, `INFLATE` left out of account as
-    //! it is beyond measure, `UNDERFLOW` to zero, each of the terms of `size_error` and `input` to nothing.
+    //! The constants and the terms of the bound were weakened by hand to see one of these fail: `ROUNDING` to 1 unit, the
+    //! input part to a half, `UNDERFLOW` and each term of first order in the errors to nothing. Without the terms of higher
+    //! order no wrong sign was found; they stay since the proof needs them.
 
     use super::*;
     use crate::math::dyadic::{self, Dyadic};
@@ -141,7 +143,7 @@ mod tests {
         let mut certain = 0;
         let mut flipped = 0;
         for case in 0..200_000 {
-            let size = if case % 2 == 0 { 1e-3 } else { 0.3 };
+            let size = [1e-3, 0.3, 3.0][case / 3 % 3];
             let error: [f64; 3] = std::array::from_fn(|_| size * random.unit().abs());
             // Which of the four points are off, and by what their differences are then.
             let off = [[false, false, false, true], [false, true, true, true], [true; 4]][case % 3];
@@ -175,7 +177,7 @@ mod tests {
             }
             flipped += usize::from(exact_sign(&moved) != truth);
         }
-        assert!(flipped > 20_000 && certain > 10_000, "{flipped} {certain}");
+        assert!(flipped > 20_000 && certain > 2000, "{flipped} {certain}");
     }
 
     #[test]

@@ -6,10 +6,11 @@
 //! tolerance), so it cannot depend on the order of corners or triangles. A sign comes from the first of four tiers
 //! that is certain of it:
 //!
-//! - [`filter`]: floats in A's frame, with a bound of the error that holds whatever the poses are;
-//! - [`fixed`]: integers of one machine word, where both poses keep a common grid: equal poses, translations, quarter
+//! - `filter`: floats in A's frame, with a bound of the error that holds whatever the poses are;
+//! - `fixed`: integers of one machine word, where both poses keep a common grid: equal poses, translations, quarter
 //!   turns, mirrors;
-//! - dyadic integers of any size in the world frame.
+//! - `wide`: integers of three machine words, which hold most posed corners in single precision;
+//! - `unbounded`: integers of any size.
 
 mod corners;
 mod crossing;

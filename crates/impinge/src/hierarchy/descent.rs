@@ -41,15 +41,18 @@ pub(crate) struct Task {
 const QUEUE: usize = 8;
 
 /// The guest node carried over last, and its boxes in the host's frame.
-pub(crate) struct Carried {
+struct Carried {
     node: u32,
     boxes: BoxLanes,
 }
 
-impl Default for Carried {
-    fn default() -> Self {
-        Self { node: u32::MAX, boxes: BoxLanes::default() }
-    }
+/// In which order tasks are opened, and how long.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Order {
+    /// The last one first, to the end.
+    DepthFirst,
+    /// The first one first, until there are this many to share out, or none.
+    BreadthFirstUntil(usize),
 }
 
 /// The nodes of two trees and the map between them.
@@ -67,41 +70,59 @@ impl Descent<'_> {
         Some(Task { guest: Child::Inner(0), host: 0, host_lanes: lanes_in_use(host) as u8 })
     }
 
-    /// Works off the stack and all that comes from it, until the visitor breaks off.
+    /// Works off tasks and all that comes from them until the visitor breaks off, or until the order says so; what is
+    /// left over stays in `tasks`.
     ///
-    /// The stack holds at most 64 tasks for each level of the two trees, whose depth is bounded: opening a task takes
-    /// one away and adds at most 64, all deeper than it.
+    /// Depth first, there are at most 64 tasks for each level of the two trees, whose depth is bounded, and those in
+    /// the queue: opening a task takes one away and adds at most 64, all deeper than it.
     #[inline(always)]
     pub(crate) fn run<S: Simd, V: LeafVisitor>(
         &self,
         simd: S,
-        stack: &mut Vec<Task>,
+        order: Order,
+        tasks: &mut Vec<Task>,
         visitor: &mut V,
     ) -> ControlFlow<()> {
         let mut queue = [Task { guest: Child::Inner(0), host: 0, host_lanes: 0 }; QUEUE];
         let (mut next, mut waiting) = (0, 0);
-        let mut carried = Carried::default();
+        let mut carried = Carried { node: u32::MAX, boxes: BoxLanes::default() };
+        // Breadth first, the tasks before this one are done.
+        let mut done = 0;
         loop {
-            while waiting < QUEUE
-                && let Some(task) = stack.pop()
-            {
-                self.prefetch(&task, visitor);
-                queue[(next + waiting) % QUEUE] = task;
-                waiting += 1;
-            }
-            if waiting == 0 {
-                return ControlFlow::Continue(());
-            }
-            let task = queue[next];
-            next = (next + 1) % QUEUE;
-            waiting -= 1;
-            self.open(simd, task, visitor, &mut carried, stack)?;
+            let task = match order {
+                Order::BreadthFirstUntil(enough) => {
+                    let left = tasks.len() - done;
+                    if left == 0 || left >= enough {
+                        tasks.drain(..done);
+                        return ControlFlow::Continue(());
+                    }
+                    done += 1;
+                    tasks[done - 1]
+                }
+                Order::DepthFirst => {
+                    while waiting < QUEUE
+                        && let Some(task) = tasks.pop()
+                    {
+                        self.prefetch(&task, visitor);
+                        queue[(next + waiting) % QUEUE] = task;
+                        waiting += 1;
+                    }
+                    if waiting == 0 {
+                        return ControlFlow::Continue(());
+                    }
+                    let task = queue[next];
+                    next = (next + 1) % QUEUE;
+                    waiting -= 1;
+                    task
+                }
+            };
+            self.open(simd, task, visitor, &mut carried, tasks)?;
         }
     }
 
     /// Opens one task: appends the tasks below it and shows the visitor the pairs of leaves.
     #[inline(always)]
-    pub(crate) fn open<S: Simd, V: LeafVisitor>(
+    fn open<S: Simd, V: LeafVisitor>(
         &self,
         simd: S,
         task: Task,

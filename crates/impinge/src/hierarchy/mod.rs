@@ -10,7 +10,7 @@ mod morton;
 mod wide;
 
 pub use binary::{Below, BinaryNode, BinaryTree, LEAF_CAPACITY, MAX_DEPTH};
-pub(crate) use descent::{Carried, Descent, LeafVisitor, Task, bits};
+pub(crate) use descent::{Descent, LeafVisitor, Order, Task, bits};
 pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, load, load3, overlapping};
 pub use morton::build_morton;
 pub use wide::{Child, Node, WideTree};

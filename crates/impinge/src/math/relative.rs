@@ -6,7 +6,7 @@
 //! 1. Equal poses, or `R_A` the identity: the linear part is exact.
 //! 2. An approximate inverse with a bound of its residual (Rump, *Verification methods*, Acta Numerica 19, 2010,
 //!    section 10; here by components, so that the bounds keep to the scale of each entry).
-//! 3. For maps so sheared or scaled that the residual says little: quotients of exact determinants, rounded once.
+//! 3. For maps so sheared or scaled that this bound is loose: quotients of exact determinants, rounded once.
 //!
 //! Bounds are sums of products of magnitudes, evaluated in floats. A sum of up to 30 such roundings is below the true
 //! value by a factor of 1 - 2^-48 at most, and each product that underflows loses 2^-1075 at most, so a bound that is
@@ -25,9 +25,10 @@ pub(crate) const INFLATE: f64 = 1.0 + 64.0 * f64::EPSILON;
 /// More than what 32 products lose to underflow: 2^-1070.
 pub(crate) const UNDERFLOW: f64 = f64::from_bits(1 << 4);
 
-/// The largest residual, 2^-44, with which the approximate inverse is taken. Rigid maps have 2^-50. Larger ones would
-/// only loosen the bounds, while the exact quotients cost some microseconds, once a query.
-const RESIDUAL_LIMIT: f64 = 256.0 * f64::EPSILON;
+/// The largest error of the linear part, relative to the largest entry of the row, with which an approximate inverse is
+/// taken: 2^-40. Rigid maps have 2^-48. Looser bounds would only send more triangles to exact arithmetic, while exact
+/// quotients cost some microseconds, once a query.
+const ACCURACY: f64 = 4096.0 * f64::EPSILON;
 
 /// The largest magnitude, 2^64, of an entry of the approximate inverse, so that no bound comes near overflow.
 const INVERSE_LIMIT: f64 = (1_u128 << 64) as f64;
@@ -64,8 +65,9 @@ impl RelativeMap {
     ///
     /// # Accuracy
     /// Exact where the poses are equal. The linear part is exact where A's is the identity or both are the same, the
-    /// translation where A's linear part is the identity and `t_B - t_A` is a float. Rigid maps: within 1e-15 of the
-    /// size of the entries. Others: within 2^-40 of it at worst.
+    /// translation where A's linear part is the identity and `t_B - t_A` is a float. Otherwise the errors of the linear
+    /// part are below 2^-40 of the largest entry of their row, underflow aside, and below 1e-14 where the poses are
+    /// rigid; that of the translation is as small next to the magnitudes that sum up to it.
     #[must_use]
     pub fn a_from_b(world_from_a: &Pose, world_from_b: &Pose) -> Self {
         if world_from_a == world_from_b {
@@ -120,10 +122,11 @@ impl RelativeMap {
     }
 
     /// By an approximate inverse `Y` of `R = R_A`. With `E = I - Y R` it is `R⁻¹ = (I - E)⁻¹ Y`, so
-    /// `|R⁻¹ - Y| <= |E| |Y| + |E|² |Y| + ...`. With `r` the row sums of `|E|`, `ε` the largest of them and `c` the
-    /// column maxima of `|Y|`, the terms from the second on sum to at most `r cᵀ ε / (1 - ε)`.
+    /// `|R⁻¹ - Y| <= |E| |Y| + |E|² |Y| + ...`. Let `g` be the row sums of `|Y|`, and `|E| g <= κ g` with `κ < 1`. Then
+    /// row i of the terms from the second on sums to at most `κ² / (1 - κ) g_i`: relative to that row, however the axes
+    /// are scaled.
     ///
-    /// Nothing where the bound of `ε` is not small; NaN falls there too.
+    /// Nothing where the series is not bounded so, or the bound of the error is not small.
     fn by_residual(world_from_a: &Pose, world_from_b: &Pose, offset: &Offset) -> Option<Self> {
         let r_a = world_from_a.linear();
         let r_b = world_from_b.linear();
@@ -142,36 +145,42 @@ impl RelativeMap {
                 residual[i][j] = (value.abs() + rounding) * INFLATE + UNDERFLOW;
             }
         }
-        let row_sums = residual.map(|row| (row[0] + row[1] + row[2]) * INFLATE);
-        let largest = row_sums[0].max(row_sums[1]).max(row_sums[2]);
-        if largest > RESIDUAL_LIMIT {
+        let sizes = inverse.map(|row| (row[0].abs() + row[1].abs() + row[2].abs()) * INFLATE);
+        let contraction = (0..3).fold(0.0_f64, |largest, i| {
+            let image = residual[i][0] * sizes[0] + residual[i][1] * sizes[1] + residual[i][2] * sizes[2];
+            largest.max((image * INFLATE + UNDERFLOW) / sizes[i] * INFLATE)
+        });
+        // Infinite where a row of the inverse underflowed to nothing; never NaN, as all entries are within 2^64.
+        if contraction > 0.5 {
             return None;
         }
         let mut inverse_error = [[0.0; 3]; 3];
-        for j in 0..3 {
-            let column_maximum = inverse[0][j].abs().max(inverse[1][j].abs()).max(inverse[2][j].abs());
-            for i in 0..3 {
+        for i in 0..3 {
+            // κ² / (1 - κ) <= 2 κ².
+            let rest = 2.0 * contraction * contraction * sizes[i];
+            for j in 0..3 {
                 let first = (0..3).map(|k| residual[i][k] * inverse[k][j].abs()).sum::<f64>();
-                // ε / (1 - ε) <= 2 ε.
-                let rest = 2.0 * largest * row_sums[i] * column_maximum;
                 inverse_error[i][j] = (first + rest) * INFLATE + UNDERFLOW;
             }
         }
         let mut map = Self::IDENTITY;
         for i in 0..3 {
             let y = inverse[i];
-            // The error of an entry of the inverse, with three roundings of a sum of products with it.
-            let weight: [f64; 3] = std::array::from_fn(|k| inverse_error[i][k] + 4.0 * UNIT_ROUNDOFF * y[k].abs());
+            // The error of an entry of the inverse, with three roundings of a sum of products with it and one of the
+            // offset.
+            let weight: [f64; 3] = std::array::from_fn(|k| inverse_error[i][k] + 5.0 * UNIT_ROUNDOFF * y[k].abs());
             for j in 0..3 {
                 map.linear[i][j] = y[0] * r_b[0][j] + y[1] * r_b[1][j] + y[2] * r_b[2][j];
                 let error = (0..3).map(|k| weight[k] * r_b[k][j].abs()).sum::<f64>();
                 map.linear_error[i][j] = error * INFLATE + UNDERFLOW;
             }
+            let largest = |row: &[f64; 3]| row[0].abs().max(row[1].abs()).max(row[2].abs());
+            if largest(&map.linear_error[i]) > ACCURACY * largest(&map.linear[i]) {
+                return None;
+            }
             let d = offset.rounded;
             map.translation[i] = y[0] * d[0] + y[1] * d[1] + y[2] * d[2];
-            let error = (0..3)
-                .map(|k| weight[k] * d[k].abs() + (y[k].abs() + inverse_error[i][k]) * offset.rest[k].abs())
-                .sum::<f64>();
+            let error = (0..3).map(|k| weight[k] * d[k].abs()).sum::<f64>();
             map.translation_error[i] = error * INFLATE + UNDERFLOW;
         }
         Some(map)

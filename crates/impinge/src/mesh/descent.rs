@@ -2,7 +2,7 @@
 //! the filter leaves it open, decided exactly.
 
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use super::packet::Packet;
 use super::relation::Relation;
 use super::{Mesh, Placed};
 use crate::exact::{Placement, triangles_intersect};
-use crate::hierarchy::{Carried, Descent, LEAF_CAPACITY, LeafVisitor, Task, bits};
+use crate::hierarchy::{Descent, LEAF_CAPACITY, LeafVisitor, Order, Task, bits};
 use crate::math::RelativeMap;
 use crate::simd::{self, LANES, Level, prefetch};
 use crate::volume::Aabb;
@@ -43,33 +43,24 @@ pub enum HostChoice {
     Second,
 }
 
-/// Whether a visit goes on.
-pub(crate) type Stop = ControlFlow<()>;
-
 /// Tasks for each thread that the upper levels are opened into before threads share them out; more even out their
 /// sizes, fewer start sooner.
 const TASKS_PER_THREAD: usize = 64;
 
-/// Tasks opened one after another before threads are woken at all: less work than this is done sooner than shared.
-const SEQUENTIAL_TASKS: usize = 256;
+/// Below this many tasks no threads are woken: less work than this is done sooner than shared.
+const LEAST_SHARED_TASKS: usize = 256;
 
-/// Shows `found` every pair of faces (of a, of b) that intersect, each once, in no particular order, until it breaks
-/// off. It is called from several threads, each with a collector of its own, which are returned in an order that
-/// depends on the meshes alone.
-pub(crate) fn visit_intersecting<C: Default + Send>(
-    a: Placed<'_>,
-    b: Placed<'_>,
-    options: &Options,
-    found: impl Fn(&mut C, u32, u32) -> Stop + Sync,
-) -> Vec<C> {
+/// Pairs of faces (of a, of b) that intersect, each once, in no particular order: all of them, or any `limit` of them
+/// where there are more.
+pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, options: &Options) -> Vec<[u32; 2]> {
     let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
     let (relation, swapped) = relate(a, b, placement.relative(), options.host);
     let (host, guest) = if swapped { (b.mesh, a.mesh) } else { (a.mesh, b.mesh) };
     let descent = Descent { host: host.0.tree.nodes(), guest: guest.0.tree.nodes(), map: &relation.boxes };
-    let Some(root) = descent.root() else { return Vec::new() };
+    let (Some(root), true) = (descent.root(), limit > 0) else { return Vec::new() };
 
-    let stopped = AtomicBool::new(false);
-    let pairs = |collector: C| Pairs {
+    let count = AtomicUsize::new(0);
+    let worker = || Pairs {
         host: host.leaves(),
         guest: guest.leaves(),
         relation: &relation,
@@ -77,54 +68,41 @@ pub(crate) fn visit_intersecting<C: Default + Send>(
         guest_leaf: u32::MAX,
         placement: &placement,
         swapped,
-        stopped: &stopped,
-        found: &found,
-        collector,
+        limit,
+        count: &count,
+        found: Vec::new(),
     };
-    let level = options.level;
-
-    // The upper levels, breadth first, until there is enough to share out.
-    let threads = rayon::current_num_threads();
-    let enough = if threads > 1 { SEQUENTIAL_TASKS.max(TASKS_PER_THREAD * threads) } else { usize::MAX };
-    let mut first = pairs(C::default());
+    let mut first = worker();
     let mut tasks = vec![root];
+    let threads = rayon::current_num_threads();
     if threads > 1 {
-        dispatch!(level, simd => expand(simd, &descent, &mut tasks, enough, &mut first));
+        let enough = LEAST_SHARED_TASKS.max(TASKS_PER_THREAD * threads);
+        work(options.level, &descent, Order::BreadthFirstUntil(enough), &mut tasks, &mut first);
+        if tasks.len() >= enough {
+            let chunk = tasks.len().div_ceil(TASKS_PER_THREAD * threads);
+            let shared: Vec<Vec<[u32; 2]>> = tasks
+                .par_chunks(chunk)
+                .map(|tasks| {
+                    let mut worker = worker();
+                    work(options.level, &descent, Order::DepthFirst, &mut tasks.to_vec(), &mut worker);
+                    worker.found
+                })
+                .collect();
+            tasks.clear();
+            first.found.extend(shared.iter().flatten());
+        }
     }
-    if tasks.len() < enough {
-        let _ = dispatch!(level, simd => descent.run(simd, &mut tasks, &mut first));
-        return vec![first.collector];
-    }
-    let chunk = tasks.len().div_ceil(TASKS_PER_THREAD * threads);
-    let mut collectors = vec![first.collector];
-    collectors.par_extend(tasks.par_chunks(chunk).map(|tasks| {
-        let mut worker = pairs(C::default());
-        let mut stack = tasks.to_vec();
-        let _ = dispatch!(level, simd => descent.run(simd, &mut stack, &mut worker));
-        worker.collector
-    }));
-    collectors
+    work(options.level, &descent, Order::DepthFirst, &mut tasks, &mut first);
+    first.found.truncate(limit);
+    first.found
 }
 
-/// Opens tasks breadth first until there are enough of them or none is left.
-#[inline(always)]
-fn expand<S: Simd, V: LeafVisitor>(
-    simd: S,
-    descent: &Descent<'_>,
-    tasks: &mut Vec<Task>,
-    enough: usize,
-    visitor: &mut V,
-) {
-    while !tasks.is_empty() && tasks.len() < enough {
-        let mut below = Vec::with_capacity(4 * tasks.len());
-        let mut carried = Carried::default();
-        for task in tasks.drain(..) {
-            if descent.open(simd, task, visitor, &mut carried, &mut below).is_break() {
-                below.clear();
-                break;
-            }
-        }
-        *tasks = below;
+/// The descent, compiled once for each vector unit.
+#[inline(never)]
+fn work(level: Level, descent: &Descent<'_>, order: Order, tasks: &mut Vec<Task>, pairs: &mut Pairs<'_>) {
+    let stopped = dispatch!(level, simd => descent.run(simd, order, tasks, pairs)).is_break();
+    if stopped {
+        tasks.clear();
     }
 }
 
@@ -162,7 +140,7 @@ impl Mesh {
 }
 
 /// Leaf pairs of two meshes, filtered and decided.
-struct Pairs<'a, C, F> {
+struct Pairs<'a> {
     host: Leaves<'a>,
     guest: Leaves<'a>,
     relation: &'a Relation,
@@ -171,25 +149,37 @@ struct Pairs<'a, C, F> {
     placement: &'a Placement,
     /// Whether the host is the second mesh.
     swapped: bool,
-    /// Set by the thread that breaks off, for the others.
-    stopped: &'a AtomicBool,
-    found: &'a F,
-    collector: C,
+    limit: usize,
+    /// How many pairs all threads have found.
+    count: &'a AtomicUsize,
+    found: Vec<[u32; 2]>,
 }
 
-impl<C, F: Fn(&mut C, u32, u32) -> Stop> Pairs<'_, C, F> {
-    /// Decides what the filter left open and reports what meets.
-    #[inline(always)]
-    fn report(&mut self, host_face: u32, guest_face: u32, open: bool) -> Stop {
-        let (a, b) = if self.swapped { (guest_face, host_face) } else { (host_face, guest_face) };
-        if open && !self.decide(a, b) {
-            return Stop::Continue(());
+impl Pairs<'_> {
+    /// Decides what the filter left open and keeps what meets.
+    #[inline(never)]
+    fn report(&mut self, host_leaf: u32, met: u32, verdicts: &[Verdict; LANES]) -> ControlFlow<()> {
+        let host_faces = self.host.packet_faces[host_leaf as usize];
+        let guest_faces = self.guest.packet_faces[self.guest_leaf as usize];
+        let before = self.found.len();
+        for guest_lane in bits(met) {
+            let verdict = verdicts[guest_lane];
+            for lane in bits(verdict.meets | verdict.open) {
+                let (host, guest) = (host_faces[lane], guest_faces[guest_lane]);
+                let [a, b] = if self.swapped { [guest, host] } else { [host, guest] };
+                if verdict.open >> lane & 1 == 0 || self.decide(a, b) {
+                    self.found.push([a, b]);
+                }
+            }
         }
-        let stop = (self.found)(&mut self.collector, a, b);
-        if stop.is_break() {
-            self.stopped.store(true, Ordering::Relaxed);
+        if self.limit == usize::MAX {
+            return ControlFlow::Continue(());
         }
-        stop
+        let new = self.found.len() - before;
+        if self.count.fetch_add(new, Ordering::Relaxed) + new >= self.limit {
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
     }
 
     #[cold]
@@ -200,7 +190,7 @@ impl<C, F: Fn(&mut C, u32, u32) -> Stop> Pairs<'_, C, F> {
     }
 }
 
-impl<C, F: Fn(&mut C, u32, u32) -> Stop> LeafVisitor for Pairs<'_, C, F> {
+impl LeafVisitor for Pairs<'_> {
     #[inline(always)]
     fn take_up<S: Simd>(&mut self, simd: S, guest_leaf: u32) -> Aabb {
         if self.guest_leaf != guest_leaf {
@@ -211,24 +201,13 @@ impl<C, F: Fn(&mut C, u32, u32) -> Stop> LeafVisitor for Pairs<'_, C, F> {
     }
 
     #[inline(always)]
-    fn pair<S: Simd>(&mut self, simd: S, host_leaf: u32) -> Stop {
+    fn pair<S: Simd>(&mut self, simd: S, host_leaf: u32) -> ControlFlow<()> {
         let mut verdicts = [Verdict::default(); LANES];
         let met = self.taken_up.meet(simd, &self.host.packets[host_leaf as usize], &mut verdicts);
         if met == 0 {
-            return Stop::Continue(());
+            return ControlFlow::Continue(());
         }
-        if self.stopped.load(Ordering::Relaxed) {
-            return Stop::Break(());
-        }
-        let host_faces = self.host.packet_faces[host_leaf as usize];
-        let guest_faces = self.guest.packet_faces[self.guest_leaf as usize];
-        for guest_lane in bits(met) {
-            let verdict = verdicts[guest_lane];
-            for lane in bits(verdict.meets | verdict.open) {
-                self.report(host_faces[lane], guest_faces[guest_lane], verdict.open >> lane & 1 == 1)?;
-            }
-        }
-        Stop::Continue(())
+        self.report(host_leaf, met, &verdicts)
     }
 
     #[inline(always)]

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 pub use descent::{HostChoice, Options};
-pub(crate) use descent::{Stop, visit_intersecting};
+pub(crate) use descent::collect_intersecting;
 pub use positions::Positions;
 
 use crate::exact::Corners;

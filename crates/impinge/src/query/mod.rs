@@ -4,7 +4,9 @@ mod curves;
 
 pub use curves::{Curves, curves_of_pairs, intersection_curves};
 
-use crate::mesh::{Options, Placed, Stop, visit_intersecting};
+use rayon::prelude::*;
+
+use crate::mesh::{Options, Placed, collect_intersecting};
 
 /// Whether the surfaces of two meshes have a point in common; touching counts.
 ///
@@ -20,11 +22,7 @@ pub fn intersects<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) ->
 /// [`intersects`], run in a stated way.
 #[must_use]
 pub fn intersects_with<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, options: &Options) -> bool {
-    let met = visit_intersecting(a.into(), b.into(), options, |met: &mut bool, _, _| {
-        *met = true;
-        Stop::Break(())
-    });
-    met.into_iter().any(|met| met)
+    !collect_intersecting(a.into(), b.into(), 1, options).is_empty()
 }
 
 /// Every pair of faces (of `a`, of `b`) that have a point in common, sorted, without duplicates.
@@ -53,11 +51,7 @@ pub fn intersecting_pairs_with<'a, 'b>(
     b: impl Into<Placed<'b>>,
     options: &Options,
 ) -> Vec<[u32; 2]> {
-    let found = visit_intersecting(a.into(), b.into(), options, |pairs: &mut Vec<u64>, face_a, face_b| {
-        pairs.push(u64::from(face_a) << 32 | u64::from(face_b));
-        Stop::Continue(())
-    });
-    let mut pairs = found.concat();
-    pairs.sort_unstable();
-    pairs.into_iter().map(|pair| [(pair >> 32) as u32, pair as u32]).collect()
+    let mut pairs = collect_intersecting(a.into(), b.into(), usize::MAX, options);
+    pairs.par_sort_unstable();
+    pairs
 }

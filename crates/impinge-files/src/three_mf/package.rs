@@ -1,0 +1,91 @@
+//! The package around a 3MF model (Open Packaging Conventions): a ZIP archive with relationships.
+
+use std::io::{Cursor, Read};
+
+use quick_xml::{Reader, XmlVersion, events::Event};
+use zip::{ZipArchive, result::ZipError};
+
+use crate::error::{LoadError, LoadErrorKind, Place};
+
+use super::no_model;
+
+/// The relationship that names the model to start from.
+const MODEL_TYPE: &str = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
+const RELATIONSHIPS: &str = "_rels/.rels";
+const USUAL_MODEL: &str = "3D/3dmodel.model";
+
+pub(super) struct Package<'a> {
+    archive: ZipArchive<Cursor<&'a [u8]>>,
+    /// How many bytes may still be unpacked. Deflate packs a thousand to one, and entries may overlap; the XML of real
+    /// models packs at most some thirty to one.
+    allowance: u64,
+}
+
+impl<'a> Package<'a> {
+    pub(super) fn open(bytes: &'a [u8]) -> Result<Self, LoadError> {
+        let archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| corrupt(&e))?;
+        Ok(Self { archive, allowance: (64 << 20) + 64 * bytes.len() as u64 })
+    }
+
+    /// The path of the part in which the build is.
+    pub(super) fn start_part(&mut self) -> Result<String, LoadError> {
+        if self.find(RELATIONSHIPS).is_some() {
+            let text = self.read(RELATIONSHIPS)?;
+            if let Some(target) = model_target(&text) {
+                return Ok(target);
+            }
+        }
+        if self.find(USUAL_MODEL).is_some() { Ok(USUAL_MODEL.to_owned()) } else { Err(no_model()) }
+    }
+
+    /// The text of a part.
+    pub(super) fn read(&mut self, path: &str) -> Result<String, LoadError> {
+        let place = || Place::Entry(path.to_owned());
+        let index = self.find(path).ok_or_else(|| LoadError::syntax("this part of the package", b"").at(place()))?;
+        let file = self.archive.by_index(index).map_err(|e| corrupt(&e).at(place()))?;
+        let mut text = String::new();
+        file.take(self.allowance + 1)
+            .read_to_string(&mut text)
+            .map_err(|e| LoadError::syntax("packed UTF-8 text", e.to_string().as_bytes()).at(place()))?;
+        let len = text.len() as u64;
+        if len > self.allowance {
+            let (count, limit) = (len, self.allowance);
+            let error = LoadError::new(LoadErrorKind::TooMany { what: "unpacked bytes", count, limit });
+            return Err(error.at(place()).with_hint("no real model packs so well"));
+        }
+        self.allowance -= len;
+        Ok(text)
+    }
+
+    /// The entry of a part; names of parts are equal in any case.
+    fn find(&self, path: &str) -> Option<usize> {
+        let path = path.trim_start_matches('/');
+        self.archive.index_for_name(path).or_else(|| {
+            let mut names = self.archive.file_names();
+            names.position(|name| name.is_ok_and(|n| n.trim_start_matches('/').eq_ignore_ascii_case(path)))
+        })
+    }
+}
+
+fn corrupt(error: &ZipError) -> LoadError {
+    LoadError::syntax("a ZIP archive that is whole", error.to_string().as_bytes())
+}
+
+/// The target of the first relationship to a model.
+fn model_target(text: &str) -> Option<String> {
+    let mut reader = Reader::from_str(text);
+    loop {
+        let element = match reader.read_event().ok()? {
+            Event::Start(element) | Event::Empty(element) => element,
+            Event::Eof => return None,
+            _ => continue,
+        };
+        let value = |name: &str| {
+            let attribute = element.try_get_attribute(name).ok()??;
+            Some(attribute.normalized_value(XmlVersion::Implicit1_0).ok()?.into_owned())
+        };
+        if value("Type").is_some_and(|kind| kind == MODEL_TYPE) {
+            return value("Target");
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! The whole engine against known answers, independent oracles and laws: every vector unit that this processor has,
+//! either mesh as the host, one thread and two.
+
+mod cases;
+mod curves;
+mod judged;
+mod laws;
+mod real;
+mod triangle_pairs;
+mod ways;

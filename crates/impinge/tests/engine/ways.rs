@@ -1,0 +1,64 @@
+//! Every way in which the engine can run; none of them may change an answer.
+
+use impinge::mesh::{HostChoice, Options};
+use impinge::{Mesh, Pose, Positions, query, simd};
+use impinge_testkit::{Affine, Posed, cases::Precision};
+
+/// The mesh as the engine takes it.
+pub(crate) fn engine_mesh(mesh: &impinge_testkit::Mesh, precision: Precision) -> Mesh {
+    let positions = match precision {
+        Precision::F32 => Positions::F32(mesh.vertices.iter().map(|v| v.map(|x| x as f32)).collect()),
+        Precision::F64 => Positions::F64(mesh.vertices.clone()),
+    };
+    Mesh::new(positions, mesh.faces.clone()).expect("a legal mesh")
+}
+
+pub(crate) fn engine_pose(pose: &Affine) -> Pose {
+    Pose::new(pose.linear, pose.translation).expect("a legal pose")
+}
+
+/// The pairs that the engine finds in one way.
+pub(crate) fn pairs(a: (&Mesh, &Affine), b: (&Mesh, &Affine), options: &Options) -> Vec<(u32, u32)> {
+    let (placed_a, placed_b) = (a.0.at(engine_pose(a.1)), b.0.at(engine_pose(b.1)));
+    let pairs = query::intersecting_pairs_with(placed_a, placed_b, options);
+    let met = query::intersects_with(placed_a, placed_b, options);
+    assert_eq!(met, !pairs.is_empty(), "the first hit and all pairs disagree");
+    pairs.into_iter().map(|[a, b]| (a, b)).collect()
+}
+
+/// All levels and hosts.
+pub(crate) fn all_options() -> impl Iterator<Item = (String, Options)> {
+    simd::levels().into_iter().flat_map(|(name, level)| {
+        [HostChoice::SmallerError, HostChoice::First, HostChoice::Second]
+            .map(|host| (format!("{name}, {host:?}"), Options { level, host }))
+    })
+}
+
+/// Runs on a pool of this many threads.
+pub(crate) fn on_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool").install(run)
+}
+
+/// Asks in every way, on one thread and on two, and returns the one answer.
+pub(crate) fn pairs_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine)) -> Vec<(u32, u32)> {
+    let expected = on_threads(1, || pairs(a, b, &Options::default()));
+    for threads in [1, 2] {
+        on_threads(threads, || {
+            for (name, options) in all_options() {
+                let found = pairs(a, b, &options);
+                assert!(found == expected, "{name}, {threads} threads: {} pairs, not {}", found.len(), expected.len());
+            }
+        });
+    }
+    expected
+}
+
+/// As [`pairs_in_every_way`], from the testkit's meshes.
+pub(crate) fn posed_pairs_in_every_way(a: Posed<'_>, b: Posed<'_>, precision: Precision) -> Vec<(u32, u32)> {
+    let owned = |posed: &Posed<'_>| impinge_testkit::Mesh {
+        vertices: posed.vertices.to_vec(),
+        faces: posed.faces.to_vec(),
+    };
+    let (mesh_a, mesh_b) = (engine_mesh(&owned(&a), precision), engine_mesh(&owned(&b), precision));
+    pairs_in_every_way((&mesh_a, &a.world_from_local), (&mesh_b, &b.world_from_local))
+}
