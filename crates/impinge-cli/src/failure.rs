@@ -75,14 +75,14 @@ impl Failure {
         let message = paragraphs.next().unwrap_or_default();
         let tip = paragraphs.find_map(|paragraph| paragraph.strip_prefix("tip: ").map(str::to_owned));
         Self::new("usage", message.strip_prefix("error: ").unwrap_or(&message))
-            .hint(tip.unwrap_or_else(|| "`impinge check --help` says what it takes".to_owned()))
+            .hint(tip.unwrap_or_else(|| "--help says what there is".to_owned()))
     }
 }
 
 impl From<LoadError> for Failure {
     fn from(error: LoadError) -> Self {
         let failure = Self::new(error.kind().name(), error.kind().to_string()).in_file(error.path());
-        Self { place: error.place().map(ToString::to_string), hint: error.advice().map(str::to_owned), ..failure }
+        Self { place: error.place().map(ToString::to_string), hint: error.hint().map(str::to_owned), ..failure }
     }
 }
 

@@ -19,6 +19,7 @@ mod units;
 use std::env;
 use std::process::ExitCode;
 
+use clap::error::ErrorKind::{DisplayHelp, DisplayHelpOnMissingArgumentOrSubcommand, DisplayVersion};
 use clap::{Parser, Subcommand};
 
 use failure::Failure;
@@ -54,12 +55,14 @@ fn main() -> ExitCode {
         Ok(cli) => match cli.command {
             Command::Check(arguments) => check::run(&arguments),
         },
-        Err(error) if error.use_stderr() => Err(Failure::from_usage(&error)),
-        Err(help) => {
-            // The text that was asked for with --help or --version; where nobody reads it, nothing is lost.
-            let _ = help.print();
-            return ExitCode::SUCCESS;
+        Err(error)
+            if matches!(error.kind(), DisplayHelp | DisplayVersion | DisplayHelpOnMissingArgumentOrSubcommand) =>
+        {
+            // Where nobody reads it, nothing is lost.
+            let _ = error.print();
+            return if error.use_stderr() { ExitCode::from(NO_ANSWER) } else { ExitCode::SUCCESS };
         }
+        Err(error) => Err(Failure::from_usage(&error)),
     };
     match answer {
         Ok(verdict) => ExitCode::from(verdict as u8),
