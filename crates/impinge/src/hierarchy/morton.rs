@@ -17,9 +17,8 @@ const BITS: u32 = 21;
 /// leaf is deeper than 32 + 29, below [`MAX_DEPTH`](super::MAX_DEPTH).
 const HALVE_FROM_DEPTH: usize = 32;
 
-/// Ranges up to this long are split by the surface area heuristic. Longer costs build time, shorter leaves half-filled
-/// packets where the curve jumps.
-const SWEEP_UP_TO: usize = 8 * LEAF_CAPACITY;
+/// Ranges up to this long are split at the median, in whole packets.
+const MEDIAN_UP_TO: usize = 8 * LEAF_CAPACITY;
 
 /// Ranges longer than this are built as two tasks.
 const SPLIT_TASKS_ABOVE: usize = 1 << 15;
@@ -33,9 +32,9 @@ pub fn build_morton(boxes: &[Aabb]) -> BinaryTree {
     if boxes.is_empty() {
         return BinaryTree::default();
     }
-    let keys = sorted_keys(boxes);
-    let order: Vec<u32> = keys.par_iter().map(|key| key.index).collect();
-    let nodes = Builder { boxes, keys: &keys }.subtree(0, keys.len(), 0);
+    let mut keys = sorted_keys(boxes);
+    let nodes = Builder { boxes }.subtree(&mut keys, 0, 0);
+    let order = keys.par_iter().map(|key| key.index).collect();
     BinaryTree { nodes, order }
 }
 
@@ -81,20 +80,22 @@ fn spread(x: u32) -> u64 {
 
 struct Builder<'a> {
     boxes: &'a [Aabb],
-    keys: &'a [Key],
 }
 
 impl Builder<'_> {
-    /// The nodes of the range in preorder, counted from zero.
-    fn subtree(&self, first: usize, end: usize, depth: usize) -> Vec<BinaryNode> {
-        if end - first <= SPLIT_TASKS_ABOVE {
-            let mut nodes = Vec::with_capacity((end - first) / 2);
-            self.emit(first, end, depth, &mut nodes);
+    /// The nodes of these keys, which stand at `first` in the order, in preorder and counted from zero.
+    fn subtree(&self, keys: &mut [Key], first: usize, depth: usize) -> Vec<BinaryNode> {
+        if keys.len() <= SPLIT_TASKS_ABOVE {
+            let mut nodes = Vec::with_capacity(keys.len() / 2);
+            self.emit(keys, first, depth, &mut nodes);
             return nodes;
         }
-        let middle = self.split(first, end, depth);
-        let (left, right) =
-            rayon::join(|| self.subtree(first, middle, depth + 1), || self.subtree(middle, end, depth + 1));
+        let middle = split(keys, depth);
+        let (low, high) = keys.split_at_mut(middle);
+        let (left, right) = rayon::join(
+            || self.subtree(low, first, depth + 1),
+            || self.subtree(high, first + middle, depth + 1),
+        );
         let right_at = 1 + left.len() as u32;
         let bounds = left[0].bounds.union(right[0].bounds);
         let mut nodes = Vec::with_capacity(1 + left.len() + right.len());
@@ -104,68 +105,64 @@ impl Builder<'_> {
         nodes
     }
 
-    /// Appends the nodes of the range, the root first, and returns its bounds.
-    fn emit(&self, first: usize, end: usize, depth: usize, nodes: &mut Vec<BinaryNode>) -> Aabb {
+    /// Appends the nodes of these keys, the root first, and returns its bounds.
+    fn emit(&self, keys: &mut [Key], first: usize, depth: usize, nodes: &mut Vec<BinaryNode>) -> Aabb {
         let at = nodes.len();
-        if end - first <= LEAF_CAPACITY {
-            let bounds = self.bounds(first, end);
+        if keys.len() <= LEAF_CAPACITY {
+            let bounds = keys.iter().fold(Aabb::EMPTY, |bounds, key| bounds.union(self.boxes[key.index as usize]));
             nodes.push(BinaryNode {
                 bounds,
-                below: Below::Leaf { first: first as u32, count: (end - first) as u32 },
+                below: Below::Leaf { first: first as u32, count: keys.len() as u32 },
             });
             return bounds;
         }
         nodes.push(BinaryNode { bounds: Aabb::EMPTY, below: Below::Inner { right: 0 } });
-        let middle = self.split(first, end, depth);
-        let left = self.emit(first, middle, depth + 1, nodes);
+        let middle = if keys.len() <= MEDIAN_UP_TO { self.median(keys) } else { split(keys, depth) };
+        let (low, high) = keys.split_at_mut(middle);
+        let left = self.emit(low, first, depth + 1, nodes);
         let right_at = nodes.len() as u32;
-        let right = self.emit(middle, end, depth + 1, nodes);
+        let right = self.emit(high, first + middle, depth + 1, nodes);
         nodes[at] = BinaryNode { bounds: left.union(right), below: Below::Inner { right: right_at } };
         nodes[at].bounds
     }
 
-    fn bounds(&self, first: usize, end: usize) -> Aabb {
-        self.keys[first..end].iter().fold(Aabb::EMPTY, |bounds, key| bounds.union(self.boxes[key.index as usize]))
+    /// Moves the half with the smaller centres on the axis along which they spread most to the front, in whole packets.
+    fn median(&self, keys: &mut [Key]) -> usize {
+        let mut centres = [(0.0, Key { code: 0, index: 0 }); MEDIAN_UP_TO];
+        let mut spread = Aabb::EMPTY;
+        for key in keys.iter() {
+            spread = spread.union(Aabb::of_points([self.centre(key)]));
+        }
+        let extent: [f32; 3] = std::array::from_fn(|axis| spread.max[axis] - spread.min[axis]);
+        let axis = if extent[0] >= extent[1] && extent[0] >= extent[2] { 0 } else if extent[1] >= extent[2] { 1 } else { 2 };
+        let centres = &mut centres[..keys.len()];
+        for (centre, key) in centres.iter_mut().zip(keys.iter()) {
+            *centre = (self.centre(key)[axis], *key);
+        }
+        let packets = keys.len().div_ceil(LEAF_CAPACITY);
+        let middle = packets.div_ceil(2) * LEAF_CAPACITY;
+        centres.select_nth_unstable_by(middle, |a, b| a.0.total_cmp(&b.0).then(a.1.index.cmp(&b.1.index)));
+        for (key, centre) in keys.iter_mut().zip(centres) {
+            *key = centre.1;
+        }
+        middle
     }
 
-    /// Where to split a range of more than one leaf; strictly inside it.
-    fn split(&self, first: usize, end: usize, depth: usize) -> usize {
-        if end - first <= SWEEP_UP_TO {
-            return self.sweep(first, end);
-        }
-        let (low, high) = (self.keys[first].code, self.keys[end - 1].code);
-        if low == high || depth >= HALVE_FROM_DEPTH {
-            return first + (end - first) / 2;
-        }
-        let top_bit = 1 << (low ^ high).ilog2();
-        first + self.keys[first..end].partition_point(|key| key.code & top_bit == 0)
+    /// Twice the centre of a box.
+    fn centre(&self, key: &Key) -> [f32; 3] {
+        let bounds = &self.boxes[key.index as usize];
+        std::array::from_fn(|axis| bounds.min[axis] + bounds.max[axis])
     }
+}
 
-    /// The split of least surface area cost among those that leave whole packets on the left.
-    fn sweep(&self, first: usize, end: usize) -> usize {
-        let packets = (end - first).div_ceil(LEAF_CAPACITY);
-        let mut bounds = [Aabb::EMPTY; SWEEP_UP_TO / LEAF_CAPACITY];
-        for (packet, bounds) in bounds[..packets].iter_mut().enumerate() {
-            let at = first + packet * LEAF_CAPACITY;
-            *bounds = self.bounds(at, (at + LEAF_CAPACITY).min(end));
-        }
-        let mut cost = [0.0; SWEEP_UP_TO / LEAF_CAPACITY];
-        let mut right = Aabb::EMPTY;
-        for split in (1..packets).rev() {
-            right = right.union(bounds[split]);
-            cost[split] = right.half_area() * (packets - split) as f32;
-        }
-        let mut left = Aabb::EMPTY;
-        let mut best = (f32::INFINITY, 1);
-        for split in 1..packets {
-            left = left.union(bounds[split - 1]);
-            let total = cost[split] + left.half_area() * split as f32;
-            if total < best.0 {
-                best = (total, split);
-            }
-        }
-        first + best.1 * LEAF_CAPACITY
+/// Where to split a sorted range of more than one key: where the curve's cells split; strictly inside it.
+fn split(keys: &[Key], depth: usize) -> usize {
+    let (low, high) = (keys[0].code, keys[keys.len() - 1].code);
+    if low == high || depth >= HALVE_FROM_DEPTH {
+        return keys.len() / 2;
     }
+    let top_bit = 1 << (low ^ high).ilog2();
+    keys.partition_point(|key| key.code & top_bit == 0)
 }
 
 impl BinaryNode {

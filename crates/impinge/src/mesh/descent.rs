@@ -2,7 +2,6 @@
 //! the filter leaves it open, decided exactly.
 
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
@@ -59,7 +58,6 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, o
     let descent = Descent { host: host.0.tree.nodes(), guest: guest.0.tree.nodes(), map: &relation.boxes };
     let (Some(root), true) = (descent.root(), limit > 0) else { return Vec::new() };
 
-    let count = AtomicUsize::new(0);
     let worker = || Pairs {
         host: host.leaves(),
         guest: guest.leaves(),
@@ -69,13 +67,13 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, o
         placement: &placement,
         swapped,
         limit,
-        count: &count,
         found: Vec::new(),
     };
     let mut first = worker();
     let mut tasks = vec![root];
     let threads = rayon::current_num_threads();
-    if threads > 1 {
+    // The first few pairs are found sooner than threads could be woken.
+    if threads > 1 && limit == usize::MAX {
         let enough = LEAST_SHARED_TASKS.max(TASKS_PER_THREAD * threads);
         work(options.level, &descent, Order::BreadthFirstUntil(enough), &mut tasks, &mut first);
         if tasks.len() >= enough {
@@ -150,8 +148,6 @@ struct Pairs<'a> {
     /// Whether the host is the second mesh.
     swapped: bool,
     limit: usize,
-    /// How many pairs all threads have found.
-    count: &'a AtomicUsize,
     found: Vec<[u32; 2]>,
 }
 
@@ -161,7 +157,6 @@ impl Pairs<'_> {
     fn report(&mut self, host_leaf: u32, met: u32, verdicts: &[Verdict; LANES]) -> ControlFlow<()> {
         let host_faces = self.host.packet_faces[host_leaf as usize];
         let guest_faces = self.guest.packet_faces[self.guest_leaf as usize];
-        let before = self.found.len();
         for guest_lane in bits(met) {
             let verdict = verdicts[guest_lane];
             for lane in bits(verdict.meets | verdict.open) {
@@ -172,14 +167,7 @@ impl Pairs<'_> {
                 }
             }
         }
-        if self.limit == usize::MAX {
-            return ControlFlow::Continue(());
-        }
-        let new = self.found.len() - before;
-        if self.count.fetch_add(new, Ordering::Relaxed) + new >= self.limit {
-            return ControlFlow::Break(());
-        }
-        ControlFlow::Continue(())
+        if self.found.len() < self.limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
     #[cold]
