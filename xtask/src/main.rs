@@ -1,6 +1,8 @@
-//! The chores of the workspace: `cargo xtask layers`, `cargo xtask file-length`, `cargo xtask test`.
+//! The chores of the workspace: `cargo xtask layers`, `cargo xtask file-length`, `cargo xtask test`,
+//! `cargo xtask demo`.
 #![allow(clippy::print_stdout, reason = "a chore reports to the terminal")]
 
+mod demo;
 mod file_length;
 mod layers;
 mod sources;
@@ -29,6 +31,8 @@ enum Chore {
     FileLength,
     /// Run every test of the workspace and print their counts last.
     Test,
+    /// Check a human of 26,756 triangles against a torus knot of 2,000,000.
+    Demo,
 }
 
 fn main() -> Result<ExitCode> {
@@ -52,6 +56,7 @@ fn main() -> Result<ExitCode> {
             found.iter().all(|(verdict, _)| *verdict != file_length::Verdict::TooLong)
         }
         Chore::Test => test_run::run(root)?,
+        Chore::Demo => demo::run(root)?,
     };
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -1,0 +1,92 @@
+//! The answer for a person.
+
+use std::fmt::Write;
+
+use anstyle::{AnsiColor, Style};
+
+use super::Outcome;
+use crate::body::Body;
+use crate::bounds::Bounds;
+use crate::numerals::{count, counted, length, time};
+use crate::units;
+
+const STRONG: Style = Style::new().bold();
+const FAINT: Style = Style::new().dimmed();
+const CLEAR: Style = Style::new().bold().fg_color(Some(anstyle::Color::Ansi(AnsiColor::Green)));
+const COLLISION: Style = Style::new().bold().fg_color(Some(anstyle::Color::Ansi(AnsiColor::Red)));
+
+/// The report, with styles that the stream keeps or strips.
+pub(super) fn text(outcome: &Outcome) -> String {
+    let mut text = meshes(outcome);
+    let pairs = outcome.pairs.len();
+    text += "\n";
+    text += &if pairs == 0 {
+        format!("{CLEAR}No intersection{CLEAR:#}\n")
+    } else {
+        format!("{COLLISION}The meshes intersect{COLLISION:#}: {} of faces\n", counted(pairs, "pair"))
+    };
+    text += "\n";
+    for (label, value) in findings(outcome) {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{FAINT}{label:<10}{FAINT:#}{value}");
+    }
+    text
+}
+
+/// Two lines for each mesh; the second is aligned with that of the other.
+fn meshes(outcome: &Outcome) -> String {
+    let cells = [0, 1].map(|side| describe(&outcome.bodies[side], outcome.bounds[side].as_ref()));
+    let widths: Vec<usize> = cells[0].iter().zip(&cells[1]).map(|(a, b)| a.len().max(b.len())).collect();
+    let mut text = String::new();
+    for (side, name) in ["A", "B"].into_iter().enumerate() {
+        let [format, triangles, vertices, parts, extents] = &cells[side];
+        let _ = writeln!(text, "{STRONG}{name}  {}{STRONG:#}", outcome.bodies[side].about.path.display());
+        let _ = writeln!(
+            text,
+            "   {format:<0$}  {triangles:>1$}  {vertices:>2$}  {parts:>3$}  {extents}",
+            widths[0], widths[1], widths[2], widths[3]
+        );
+    }
+    text
+}
+
+fn describe(body: &Body, bounds: Option<&Bounds>) -> [String; 5] {
+    let about = &body.about;
+    let extents = match bounds {
+        Some(bounds) => bounds.extents().map(length).join(" x "),
+        None => "empty".to_owned(),
+    };
+    let unit = about.unit.map_or("(no unit)", |unit| unit.symbol());
+    [
+        about.format.to_string(),
+        counted(body.mesh.faces().len(), "triangle"),
+        match body.mesh.positions().len() {
+            1 => "1 vertex".to_owned(),
+            n => format!("{} vertices", count(n)),
+        },
+        counted(about.parts.len(), "part"),
+        format!("{extents} {unit}"),
+    ]
+}
+
+/// What there is to say beyond the verdict, each with its label.
+fn findings(outcome: &Outcome) -> Vec<(&'static str, String)> {
+    let mut findings = Vec::new();
+    if let (Some(curves), false) = (&outcome.curves, outcome.pairs.is_empty()) {
+        let closed = curves.closed();
+        let open = curves.polylines.len() - closed;
+        let unit = units::common(outcome.units()).map_or(String::new(), |unit| format!(" {unit}"));
+        findings.push((
+            "curves",
+            format!("{} closed, {} open; {}{unit} long in all", count(closed), count(open), length(curves.length())),
+        ));
+        if !curves.points.is_empty() {
+            findings.push(("touching", format!("at {}", counted(curves.points.len(), "single point"))));
+        }
+        findings.push(("coplanar", format!("{} of faces", counted(curves.coplanar_pairs, "pair"))));
+    }
+    let seconds = outcome.seconds;
+    let times = [("load", seconds.load), ("build", seconds.build), ("query", seconds.query)];
+    findings.push(("time", times.map(|(phase, seconds)| format!("{phase} {}", time(seconds))).join(", ")));
+    findings
+}

@@ -1,0 +1,94 @@
+//! The unit in which two meshes are compared.
+
+use impinge::Pose;
+use impinge_files::Unit;
+
+use crate::console;
+
+/// Two sizes whose quotient comes near one of these suggest a unit mistaken for another: inches or metres for
+/// millimetres. Between a metre and a millimetre unlike things differ too, hence the wider window.
+const SUSPICIOUS: [(f64, f64); 2] = [(25.4, 1.1), (1000.0, 2.0)];
+
+/// What A and B are each multiplied by, so that both are in the finer of their units. A file without a unit is taken to
+/// be in the other's.
+pub(crate) fn scales(units: [Option<Unit>; 2]) -> [f64; 2] {
+    let [Some(a), Some(b)] = units else { return [1.0; 2] };
+    let finer = a.min(b);
+    // Whole numbers of micrometres have a quotient that is rounded but once.
+    [a, b].map(|unit| (unit.metres() * 1e6).round() / (finer.metres() * 1e6).round())
+}
+
+/// The unit of the common frame, where any is known.
+pub(crate) fn common([a, b]: [Option<Unit>; 2]) -> Option<Unit> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        _ => a.or(b),
+    }
+}
+
+/// Says what was made of the units, where that was a choice.
+pub(crate) fn explain(units: [Option<Unit>; 2]) {
+    let scales = scales(units);
+    for (side, name) in ["A", "B"].into_iter().enumerate() {
+        let other = ["B", "A"][side];
+        match (units[side], units[1 - side]) {
+            (Some(own), Some(finer)) if scales[side] != 1.0 => console::note(&format!(
+                "{name} is in {own} and {other} in {finer}: {name} is scaled by {} to {finer}",
+                scales[side]
+            )),
+            (None, Some(stated)) => console::note(&format!(
+                "{other} is in {stated} and {name} states no unit: it is taken to be in {stated} too (else: --unit-{})",
+                name.to_lowercase()
+            )),
+            _ => {}
+        }
+    }
+}
+
+/// Warns where a unit is not stated and the sizes look like a mistaken one. Sizes are diagonals in each mesh's own unit.
+pub(crate) fn doubt(units: [Option<Unit>; 2], sizes: [f64; 2], poses: [&Pose; 2]) {
+    if units.iter().all(Option::is_some) {
+        return;
+    }
+    let [a, b] = std::array::from_fn(|side| sizes[side] * magnification(poses[side]));
+    let (larger, ratio) = if a > b { ("A", a / b) } else { ("B", b / a) };
+    let near = |&(factor, window): &(f64, f64)| ratio > factor / window && ratio < factor * window;
+    if let Some((factor, _)) = SUSPICIOUS.iter().find(|suspicious| near(suspicious)) {
+        console::warn(&format!(
+            "{larger} is {ratio:.4} times as large as the other, and {factor} is the quotient of two units: are both in the \
+             same one? (--unit-a and --unit-b state them)"
+        ));
+    }
+}
+
+/// The factor by which a pose enlarges, on average over the directions.
+fn magnification(pose: &Pose) -> f64 {
+    let [u, v, w] = *pose.linear();
+    let volume = (0..3).map(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        u[k] * (v[i] * w[j] - v[j] * w[i])
+    });
+    volume.sum::<f64>().abs().cbrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_are_scaled_to_the_finer_unit() {
+        let of = |a, b| scales([Some(a), Some(b)]);
+        assert_eq!(of(Unit::Metre, Unit::Millimetre), [1000.0, 1.0]);
+        assert_eq!(of(Unit::Millimetre, Unit::Inch), [1.0, 25.4]);
+        assert_eq!(of(Unit::Foot, Unit::Inch), [12.0, 1.0]);
+        assert_eq!(of(Unit::Foot, Unit::Micron), [304_800.0, 1.0]);
+        assert_eq!(of(Unit::Centimetre, Unit::Centimetre), [1.0, 1.0]);
+        assert_eq!(scales([Some(Unit::Inch), None]), [1.0, 1.0]);
+    }
+
+    #[test]
+    fn a_pose_enlarges_by_the_cube_root_of_its_determinant() {
+        let pose = Pose::new([[0.0, -2.0, 0.0], [4.0, 0.0, 0.0], [0.0, 0.0, -1.0]], [7.0; 3]).unwrap();
+        assert!((magnification(&pose) - 2.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,73 @@
+//! The files that are written.
+
+use std::fs;
+
+use crate::Folder;
+
+#[test]
+fn pairs_as_csv_name_sources_and_parts() {
+    let folder = Folder::new();
+    let two_parts = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\no first, \"quoted\"\nf 1 2 3\no second\nf 1 2 4 3\n";
+    folder.write("parts.obj", two_parts);
+    folder.write("blade.obj", "v 0.25 0.25 -1\nv 0.25 0.25 2\nv 0.3 0.3 2\nf 1 2 3\n");
+    let run = folder.run("check parts.obj blade.obj --pairs pairs.csv --json");
+    assert_eq!((run.code, run.stderr.as_str()), (1, ""));
+    let text = folder.read("pairs.csv");
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("face_a,face_b,source_a,source_b,part_a,part_b"));
+    assert_eq!(lines.next(), Some("0,0,0,0,\"first, \"\"quoted\"\"\","));
+    // The quadrilateral is two triangles of source 1; the blade crosses at least one.
+    let rest: Vec<&str> = lines.collect();
+    assert!(!rest.is_empty() && rest.iter().all(|row| row.ends_with(",0,1,0,second,")), "{rest:?}");
+}
+
+#[test]
+fn pairs_as_npy_are_those_of_the_csv() {
+    let folder = Folder::new();
+    let csv = folder.run("check cube.obj big.obj --pose-a 2.5,1,0 --pairs pairs.csv --json");
+    let npy = folder.run("check cube.obj big.obj --pose-a 2.5,1,0 --pairs PAIRS.NPY --json");
+    assert_eq!((csv.code, npy.code), (1, 1));
+    let text = folder.read("pairs.csv");
+    let rows: Vec<Vec<u32>> =
+        text.lines().skip(1).map(|row| row.split(',').take(2).map(|n| n.parse().unwrap()).collect()).collect();
+    let bytes = fs::read(folder.path("PAIRS.NPY")).unwrap();
+    assert!(bytes.starts_with(b"\x93NUMPY\x01\x00\x76\x00{'descr': '<u4', 'fortran_order': False, 'shape': ("));
+    let (header, data) = bytes.split_at(128);
+    assert!(str::from_utf8(&header[10..]).unwrap().contains(&format!("'shape': ({}, 2), }}", rows.len())));
+    let numbers: Vec<u32> = data.chunks(4).map(|word| u32::from_le_bytes(word.try_into().unwrap())).collect();
+    assert_eq!(numbers, rows.concat());
+    assert!(!rows.is_empty());
+}
+
+#[test]
+fn no_pairs_are_a_file_too() {
+    let folder = Folder::new();
+    assert_eq!(folder.run("check cube.obj cube.obj --pose-a 9,0,0 --pairs p.csv --curves c.obj").code, 0);
+    assert_eq!(folder.read("p.csv"), "face_a,face_b,source_a,source_b,part_a,part_b\n");
+    assert_eq!(folder.read("c.obj"), "");
+    assert_eq!(folder.run("check cube.obj cube.obj --pose-a 9,0,0 --pairs p.npy").code, 0);
+    assert_eq!(fs::metadata(folder.path("p.npy")).unwrap().len(), 128);
+}
+
+#[test]
+fn curves_are_polylines_that_close() {
+    let folder = Folder::new();
+    assert_eq!(folder.run("check cube.obj cube.obj --pose-b 0.5,0.5,0.5 --curves curve.obj").code, 1);
+    let text = folder.read("curve.obj");
+    let points: Vec<Vec<f64>> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("v "))
+        .map(|line| line.split(' ').map(|x| x.parse().unwrap()).collect())
+        .collect();
+    let lines: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("l ")).collect();
+    assert_eq!(lines.len(), 1, "{text}");
+    let indices: Vec<usize> = lines[0].split(' ').map(|i| i.parse().unwrap()).collect();
+    assert_eq!(indices.first(), indices.last());
+    assert_eq!(indices.len(), points.len() + 1);
+    let step = |ends: &[usize]| {
+        let [from, to] = [&points[ends[0] - 1], &points[ends[1] - 1]];
+        from.iter().zip(to).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt()
+    };
+    assert_eq!(indices.windows(2).map(step).sum::<f64>(), 3.0);
+    assert!(points.iter().flatten().all(|x| (0.5..=1.0).contains(x)));
+}
