@@ -29,13 +29,14 @@ impl BoxMap {
     /// # Accuracy
     /// With u = 2^-24 and S = Σ|linear|·reach + |translation| on an axis, rounding contributes at most: 3 u S for the
     /// rounded matrix, translation and centre; 4 u S for the products and sums that make the new centre; 7 u S for the
-    /// half-extents likewise; 2 u S for the last difference and sum. The slack is 20 u S, and covers its own
-    /// evaluation and, by `UNDERFLOW`, products too small for a float. This is lemma L2 with one bound for all boxes.
+    /// half-extents likewise; 2 u S for the last difference and sum, and these sums
+    /// 5 u of the error itself. The slack is 20 u S and (1 + 8 u) times the error, which covers its own evaluation and,
+    /// by `UNDERFLOW`, products too small for a float. This is lemma L2 with one bound for all boxes.
     pub(crate) fn new(linear: &[[f64; 3]; 3], translation: &[f64; 3], error: &[f64; 3], reach: f64) -> Self {
         const UNDERFLOW: f64 = 1.0 / (1_u128 << 120) as f64;
         let slack = std::array::from_fn(|axis| {
             let size = linear[axis].iter().map(|x| x.abs()).sum::<f64>() * reach + translation[axis].abs();
-            ((20.0 * HALF_ULP * size + error[axis] + UNDERFLOW) as f32).next_up()
+            ((20.0 * HALF_ULP * size + (1.0 + 8.0 * HALF_ULP) * error[axis] + UNDERFLOW) as f32).next_up()
         });
         let linear = linear.map(|row| row.map(|x| x as f32));
         Self {

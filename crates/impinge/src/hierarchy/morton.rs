@@ -20,7 +20,7 @@ const BITS: u32 = 21;
 const HALVE_FROM_DEPTH: usize = 32;
 
 /// Ranges up to this long are split at the median, in whole packets.
-const MEDIAN_UP_TO: usize = 8 * LEAF_CAPACITY;
+const MEDIAN_UP_TO: usize = 64 * LEAF_CAPACITY;
 
 /// Ranges longer than this are built as two tasks.
 const SPLIT_TASKS_ABOVE: usize = 1 << 15;
@@ -145,8 +145,8 @@ impl Builder<'_> {
         for (centre, key) in centres.iter_mut().zip(keys.iter()) {
             *centre = (self.centre(key)[axis], *key);
         }
-        let packets = keys.len().div_ceil(LEAF_CAPACITY);
-        let middle = packets.div_ceil(2) * LEAF_CAPACITY;
+        let whole = if keys.len() > 8 * LEAF_CAPACITY { 8 * LEAF_CAPACITY } else { LEAF_CAPACITY };
+        let middle = keys.len().div_ceil(whole).div_ceil(2) * whole;
         centres.select_nth_unstable_by(middle, |a, b| a.0.total_cmp(&b.0).then(a.1.index.cmp(&b.1.index)));
         for (key, centre) in keys.iter_mut().zip(centres) {
             *key = centre.1;

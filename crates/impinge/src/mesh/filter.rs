@@ -21,7 +21,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 
 use super::packet::Packet;
-use super::relation::{CornerError, Relation};
+use super::relation::{CornerError, GROWN, Relation};
 use crate::hierarchy::{BoxLanes, HALF_ULP, load, load3, overlapping_each};
 use crate::simd::{LANES, by_axis};
 use crate::volume::Aabb;
@@ -92,7 +92,7 @@ impl Guest {
         self.anchor = relation.apply(packet.anchor);
         let CornerError { per_radius, constant, of_bounds } = relation.corner_error;
         self.error = per_radius * packet.radius + constant;
-        let slack = self.error + of_bounds;
+        let slack = self.error * GROWN + of_bounds;
         self.bounds = Aabb {
             min: by_axis!(axis => self.anchor[axis] as f32 + (min[axis].reduce_min() - slack)),
             max: by_axis!(axis => self.anchor[axis] as f32 + (max[axis].reduce_max() + slack)),
@@ -110,7 +110,7 @@ impl Guest {
 
         let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.corners[corner]));
         let (host_min, host_max) = bounds(&host_corners);
-        let slack = f32x8::splat(simd, error);
+        let slack = f32x8::splat(simd, error * GROWN);
         let mut moved = BoxLanes::default();
         for axis in 0..3 {
             (load(simd, &self.min[axis]) + offset[axis] - slack).store_slice(&mut moved.min[axis]);

@@ -7,8 +7,12 @@ use crate::math::RelativeMap;
 /// Least error that the filter assumes; the head of its file says why.
 const LEAST_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Maps that stretch or move by more than this leave every decision to the exact stage.
-const LARGEST: f64 = (1_u128 << 100) as f64;
+/// Boxes carried by maps that stretch or move by more than this are not compared: nothing may overflow unnoticed.
+const LARGEST_FOR_BOXES: f64 = (1_u128 << 100) as f64;
+
+/// Triangles carried by maps that stretch or move by more than this are left to the exact stage: determinants are cubic
+/// in their size, and the cube of four times this is a single precision number with room for their sums.
+const LARGEST_FOR_TRIANGLES: f64 = (1_u64 << 36) as f64;
 
 /// The map from the guest's packed frame into the host's, in double precision, and how far it may be off.
 #[derive(Clone, Debug)]
@@ -50,13 +54,14 @@ impl Relation {
             error[axis] = ((ROUNDING * terms + carried) * host.scale + per_unit * ratio * REACH) * OUTWARD;
         }
         let stretch = linear.iter().map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max) * OUTWARD;
-        // Nothing in single precision may overflow unnoticed: beyond this size it decides nothing.
         let largest = translation.iter().fold(stretch, |largest, x| largest.max(x.abs()));
-        if !(largest < LARGEST) {
+        if !(largest < LARGEST_FOR_BOXES) {
             error = [f64::INFINITY; 3];
         }
         let boxes = BoxMap::new(&linear, &translation, &error, REACH);
-        let corner_error = CornerError::new(&translation, error.into_iter().fold(0.0, f64::max), stretch);
+        let map_error = error.into_iter().fold(0.0, f64::max);
+        let map_error = if largest < LARGEST_FOR_TRIANGLES { map_error } else { f64::INFINITY };
+        let corner_error = CornerError::new(&translation, map_error, stretch);
         Self { linear, translation, stretch, corner_error, boxes }
     }
 
@@ -71,6 +76,9 @@ impl Relation {
     }
 }
 
+/// Pays for the rounding of sums with an error that is larger than what it is added to.
+pub(crate) const GROWN: f32 = 1.0 + 1e-5;
+
 /// How far off the corners of a packet may be once they are turned into the host's frame and moved to a host's anchor,
 /// in the host's unit.
 #[derive(Clone, Copy, Debug)]
@@ -81,7 +89,7 @@ pub(crate) struct CornerError {
     pub(crate) per_radius: f32,
     /// Of double precision: the map's, packing's, and those of the anchor's image with its five roundings.
     pub(crate) constant: f32,
-    /// What bounds of the packet need beyond this: the anchor and two sums in single precision.
+    /// What bounds of the packet need beyond [`GROWN`] times this: the anchor and two sums in single precision.
     pub(crate) of_bounds: f32,
 }
 
