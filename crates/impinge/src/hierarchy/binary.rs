@@ -1,5 +1,7 @@
 //! The neutral binary tree: what every builder emits and the collapse to the wide layout reads.
 
+use std::num::NonZeroU32;
+
 use crate::simd::LANES;
 use crate::volume::Aabb;
 
@@ -14,25 +16,12 @@ pub const MAX_DEPTH: usize = 64;
 pub struct BinaryNode {
     /// Bounds every box below.
     pub bounds: Aabb,
-    /// What is below.
-    pub below: Below,
-}
-
-/// What a [`BinaryNode`] holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Below {
-    /// The left child is the next node; the right one stands at this index.
-    Inner {
-        /// Index of the right child.
-        right: u32,
-    },
-    /// A range of [`BinaryTree::order`].
-    Leaf {
-        /// Where the range starts.
-        first: u32,
-        /// How many boxes, at least one and at most [`LEAF_CAPACITY`].
-        count: u32,
-    },
+    /// Where the range of [`BinaryTree::order`] that is below starts.
+    pub first: u32,
+    /// How many boxes are below; at most [`LEAF_CAPACITY`] in a leaf.
+    pub count: u32,
+    /// Index of the right child of an inner node; the left one is the next node.
+    pub right: Option<NonZeroU32>,
 }
 
 /// A binary tree in preorder over boxes `order[..]`; empty where there are no boxes.

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 
 use fearless_simd::Simd;
 
-use super::lanes::{BoxLanes, BoxMap, load3, overlapping};
+use super::lanes::{BoxLanes, BoxMap, load3, overlapping, overlapping_each};
 use super::wide::{Child, Node};
 use crate::simd::{LANES, by_axis, prefetch};
 use crate::volume::Aabb;
@@ -18,14 +18,14 @@ pub(crate) trait LeafVisitor {
     /// this one. Returns bounds of all that it holds, in the host's frame.
     fn take_up<S: Simd>(&mut self, simd: S, guest_leaf: u32) -> Aabb;
 
-    /// Meets the guest leaf taken up last with a host leaf.
+    /// Meets the guest leaf taken up last with a host leaf, now or later.
     fn pair<S: Simd>(&mut self, simd: S, host_leaf: u32) -> ControlFlow<()>;
+
+    /// Meets what was put off.
+    fn finish<S: Simd>(&mut self, simd: S) -> ControlFlow<()>;
 
     /// Asks for the memory of a guest leaf that will be taken up soon.
     fn prefetch_guest(&self, leaf: u32);
-
-    /// Asks for the memory of a host leaf that will be met soon.
-    fn prefetch_host(&self, leaf: u32);
 }
 
 /// What is left to open: a guest child against some children of a host node.
@@ -94,7 +94,7 @@ impl Descent<'_> {
                     let left = tasks.len() - done;
                     if left == 0 || left >= enough {
                         tasks.drain(..done);
-                        return ControlFlow::Continue(());
+                        return visitor.finish(simd);
                     }
                     done += 1;
                     tasks[done - 1]
@@ -108,7 +108,7 @@ impl Descent<'_> {
                         waiting += 1;
                     }
                     if waiting == 0 {
-                        return ControlFlow::Continue(());
+                        return visitor.finish(simd);
                     }
                     let task = queue[next];
                     next = (next + 1) % QUEUE;
@@ -150,24 +150,20 @@ impl Descent<'_> {
         }
         let guests = &carried.boxes;
         let parent = &self.host[task.host as usize];
-        // What each guest child meets: children of up to eight inner host children, and leaves among these.
-        let mut met = [[0_u8; LANES]; LANES];
-        let mut met_nodes = [0_u8; LANES];
+        // For each inner host child, the guest lanes that meet its children, a byte of these each; over all of them, the
+        // guest lanes that meet any, a byte of host lanes each, in which the tasks of one guest child stand together.
+        let mut met = [0_u64; LANES];
+        let mut met_nodes = 0_u64;
         let mut met_leaves = [0_u8; LANES];
-        let in_use = lanes_in_use(guest);
-        let mut any = 0;
+        let mut leaves = 0;
         for lane in bits(u32::from(task.host_lanes)) {
             match parent.child(lane) {
                 Child::Inner(host) => {
                     let node = &self.host[host as usize];
-                    let host_in_use = lanes_in_use(node);
-                    let (min, max) = (load3(simd, &node.min), load3(simd, &node.max));
-                    for guest_lane in 0..LANES {
-                        let lanes = overlapping(simd, (&min, &max), &guests.lane(guest_lane)) & host_in_use;
-                        met[guest_lane][lane] = lanes as u8;
-                        met_nodes[guest_lane] |= u8::from(lanes != 0) << lane;
-                        any |= u32::from(lanes != 0) << guest_lane;
-                    }
+                    let boxes = (&load3(simd, &node.min), &load3(simd, &node.max));
+                    let lanes = overlapping_each(simd, boxes, guests) & u64::from(lanes_in_use(node)) * EACH_BYTE;
+                    met[lane] = lanes;
+                    met_nodes |= nonzero_bytes(lanes) << lane;
                 }
                 Child::Leaf(_) => {
                     let bounds = Aabb {
@@ -178,19 +174,22 @@ impl Descent<'_> {
                     for guest_lane in bits(lanes) {
                         met_leaves[guest_lane] |= 1 << lane;
                     }
-                    any |= lanes;
+                    leaves |= lanes;
                 }
             }
         }
-        for guest_lane in bits(any & in_use) {
-            let child = guest.child(guest_lane);
-            if met_leaves[guest_lane] != 0 {
-                below.push(Task { guest: child, host: task.host, host_lanes: met_leaves[guest_lane] });
-            }
-            for lane in bits(u32::from(met_nodes[guest_lane])) {
-                if let Child::Inner(host) = parent.child(lane) {
-                    below.push(Task { guest: child, host, host_lanes: met[guest_lane][lane] });
-                }
+        for guest_lane in bits(leaves & lanes_in_use(guest)) {
+            let guest = guest.child(guest_lane);
+            below.push(Task { guest, host: task.host, host_lanes: met_leaves[guest_lane] });
+        }
+        met_nodes &= u64::MAX >> (u64::BITS - (LANES * guest.count()) as u32).min(u64::BITS - 1);
+        while met_nodes != 0 {
+            let bit = met_nodes.trailing_zeros() as usize;
+            met_nodes &= met_nodes - 1;
+            let (guest_lane, lane) = (bit / LANES, bit % LANES);
+            if let Child::Inner(host) = parent.child(lane) {
+                let host_lanes = (met[lane] >> (LANES * guest_lane)) as u8;
+                below.push(Task { guest: guest.child(guest_lane), host, host_lanes });
             }
         }
     }
@@ -231,13 +230,21 @@ impl Descent<'_> {
         }
         let parent = &self.host[task.host as usize];
         for lane in bits(u32::from(task.host_lanes)) {
-            match (parent.child(lane), task.guest) {
-                (Child::Inner(host), _) => prefetch(&self.host[host as usize]),
-                (Child::Leaf(host), Child::Leaf(_)) => visitor.prefetch_host(host),
-                (Child::Leaf(_), Child::Inner(_)) => {}
+            if let Child::Inner(host) = parent.child(lane) {
+                prefetch(&self.host[host as usize]);
             }
         }
     }
+}
+
+/// A one in each byte.
+const EACH_BYTE: u64 = 0x0101_0101_0101_0101;
+
+/// A one in each byte that has any bit set.
+#[inline(always)]
+fn nonzero_bytes(bytes: u64) -> u64 {
+    const LOW_BITS: u64 = 0x7f * EACH_BYTE;
+    ((((bytes & LOW_BITS) + LOW_BITS) | bytes) >> 7) & EACH_BYTE
 }
 
 #[inline(always)]

@@ -101,11 +101,31 @@ impl BoxLanes {
 /// that overflowed costs time and never a pair.
 #[inline(always)]
 pub(crate) fn overlapping<S: Simd>(simd: S, boxes: (&[f32x8<S>; 3], &[f32x8<S>; 3]), one: &Aabb) -> u32 {
+    !apart(simd, boxes, one) & 0xff
+}
+
+/// The lanes of `boxes` that are not proved apart from each of `many`: for lane `i` of these the byte `i`.
+#[inline(always)]
+pub(crate) fn overlapping_each<S: Simd>(
+    simd: S,
+    boxes: (&[f32x8<S>; 3], &[f32x8<S>; 3]),
+    many: &BoxLanes,
+) -> u64 {
+    let mut apart_from = 0;
+    for lane in 0..LANES {
+        apart_from |= u64::from(apart(simd, boxes, &many.lane(lane))) << (LANES * lane);
+    }
+    !apart_from
+}
+
+/// The lanes whose boxes are proved apart from `one`, as bits.
+#[inline(always)]
+fn apart<S: Simd>(simd: S, boxes: (&[f32x8<S>; 3], &[f32x8<S>; 3]), one: &Aabb) -> u32 {
     let (min, max) = boxes;
     let apart: [mask32x8<S>; 3] = by_axis!(axis => {
         min[axis].simd_gt(f32x8::splat(simd, one.max[axis])) | max[axis].simd_lt(f32x8::splat(simd, one.min[axis]))
     });
-    !((apart[0] | apart[1] | apart[2]).to_bitmask() as u32) & 0xff
+    (apart[0] | apart[1] | apart[2]).to_bitmask() as u32
 }
 
 /// One coordinate triple in each lane.

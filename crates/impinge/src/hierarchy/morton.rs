@@ -5,9 +5,11 @@
 //! keeps its order; a bounded depth, by halving ranges once the curve has split often enough; and short ranges split
 //! where the surface area heuristic likes it best, in whole packets, which keeps the leaves full.
 
+use std::num::NonZeroU32;
+
 use rayon::prelude::*;
 
-use super::binary::{Below, BinaryNode, BinaryTree, LEAF_CAPACITY};
+use super::binary::{BinaryNode, BinaryTree, LEAF_CAPACITY};
 use crate::volume::Aabb;
 
 /// Bits of a code for each axis; three axes fill 63 bits.
@@ -99,7 +101,12 @@ impl Builder<'_> {
         let right_at = 1 + left.len() as u32;
         let bounds = left[0].bounds.union(right[0].bounds);
         let mut nodes = Vec::with_capacity(1 + left.len() + right.len());
-        nodes.push(BinaryNode { bounds, below: Below::Inner { right: right_at } });
+        nodes.push(BinaryNode {
+            bounds,
+            first: first as u32,
+            count: keys.len() as u32,
+            right: NonZeroU32::new(right_at),
+        });
         nodes.extend(left.into_iter().map(|node| node.moved_by(1)));
         nodes.extend(right.into_iter().map(|node| node.moved_by(right_at)));
         nodes
@@ -110,19 +117,18 @@ impl Builder<'_> {
         let at = nodes.len();
         if keys.len() <= LEAF_CAPACITY {
             let bounds = keys.iter().fold(Aabb::EMPTY, |bounds, key| bounds.union(self.boxes[key.index as usize]));
-            nodes.push(BinaryNode {
-                bounds,
-                below: Below::Leaf { first: first as u32, count: keys.len() as u32 },
-            });
+            nodes.push(BinaryNode { bounds, first: first as u32, count: keys.len() as u32, right: None });
             return bounds;
         }
-        nodes.push(BinaryNode { bounds: Aabb::EMPTY, below: Below::Inner { right: 0 } });
+        let (first_box, count) = (first as u32, keys.len() as u32);
+        nodes.push(BinaryNode { bounds: Aabb::EMPTY, first: first_box, count, right: None });
         let middle = if keys.len() <= MEDIAN_UP_TO { self.median(keys) } else { split(keys, depth) };
         let (low, high) = keys.split_at_mut(middle);
         let left = self.emit(low, first, depth + 1, nodes);
         let right_at = nodes.len() as u32;
         let right = self.emit(high, first + middle, depth + 1, nodes);
-        nodes[at] = BinaryNode { bounds: left.union(right), below: Below::Inner { right: right_at } };
+        nodes[at].bounds = left.union(right);
+        nodes[at].right = NonZeroU32::new(right_at);
         nodes[at].bounds
     }
 
@@ -168,9 +174,7 @@ fn split(keys: &[Key], depth: usize) -> usize {
 impl BinaryNode {
     /// The same node in an array that starts `offset` nodes earlier.
     fn moved_by(mut self, offset: u32) -> Self {
-        if let Below::Inner { right } = &mut self.below {
-            *right += offset;
-        }
+        self.right = self.right.and_then(|right| right.checked_add(offset));
         self
     }
 }

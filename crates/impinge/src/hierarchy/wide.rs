@@ -4,7 +4,7 @@
 //! surface area deciding which child to open. Nodes are plain bytes of four cache lines in preorder, so that children
 //! come after parents and a reverse sweep refits.
 
-use super::binary::{Below, BinaryNode, BinaryTree};
+use super::binary::{BinaryTree, LEAF_CAPACITY};
 use crate::simd::LANES;
 use crate::storage::Buffer;
 use crate::volume::Aabb;
@@ -17,6 +17,10 @@ pub enum Child {
     /// A leaf, counted in the order of the tree's leaves.
     Leaf(u32),
 }
+
+/// What a node whose children are all leaves holds at most. Children that hold no more stay whole, so that leaves stand
+/// side by side at one depth: a descent of two trees then meets leaves with leaves.
+const NODE_OF_LEAVES: u32 = (LANES * LEAF_CAPACITY) as u32;
 
 /// Marks the reference to a leaf.
 const LEAF_BIT: u32 = 1 << 31;
@@ -120,46 +124,43 @@ impl Collapse<'_> {
         let (lanes, count) = self.children(root);
         let mut node = Node { count: count as u32, ..Node::EMPTY };
         for (lane, &child) in lanes[..count].iter().enumerate() {
-            let BinaryNode { bounds, below } = &self.binary.nodes[child as usize];
-            let wide = match below {
-                Below::Leaf { first, count } => {
-                    self.leaves.push(*first..first + count);
+            let binary = &self.binary.nodes[child as usize];
+            let wide = match binary.right {
+                None => {
+                    self.leaves.push(binary.first..binary.first + binary.count);
                     Child::Leaf(self.leaves.len() as u32 - 1)
                 }
-                Below::Inner { .. } => self.node(child),
+                Some(_) => self.node(child),
             };
-            node.set(lane, bounds, wide);
+            node.set(lane, &binary.bounds, wide);
         }
         self.nodes[at] = node;
         Child::Inner(at as u32)
     }
 
-    /// The binary nodes that become the children: the largest inner one is opened until the lanes are full. Their order
-    /// in space is kept.
+    /// The binary nodes that become the children: the one that holds most is opened until the lanes are full, or until
+    /// all of them fit a node of leaves. Their order in space is kept.
     fn children(&self, root: u32) -> ([u32; LANES], usize) {
+        let held = |child: u32| self.binary.nodes[child as usize].count;
         let mut lanes = [root; LANES];
-        let mut areas = [f32::INFINITY; LANES];
         let mut count = 1;
         while count < LANES {
-            let mut largest = (0.0, None);
-            for lane in 0..count {
-                let is_inner = matches!(self.binary.nodes[lanes[lane] as usize].below, Below::Inner { .. });
-                if is_inner && (largest.1.is_none() || areas[lane] > largest.0) {
-                    largest = (areas[lane], Some(lane));
+            let mut fullest = 0;
+            for lane in 1..count {
+                if held(lanes[lane]) > held(lanes[fullest]) {
+                    fullest = lane;
                 }
             }
-            let Some(lane) = largest.1 else { break };
-            let Below::Inner { right } = self.binary.nodes[lanes[lane] as usize].below else { break };
-            let left = lanes[lane] + 1;
-            lanes.copy_within(lane + 1..count, lane + 2);
-            areas.copy_within(lane + 1..count, lane + 2);
-            for (lane, child) in [(lane, left), (lane + 1, right)] {
-                lanes[lane] = child;
-                areas[lane] = self.binary.nodes[child as usize].bounds.half_area();
+            let opened = lanes[fullest];
+            let Some(right) = self.binary.nodes[opened as usize].right else { break };
+            if count > 1 && held(root) > NODE_OF_LEAVES && held(opened) <= NODE_OF_LEAVES {
+                break;
             }
+            lanes.copy_within(fullest + 1..count, fullest + 2);
+            lanes[fullest] = opened + 1;
+            lanes[fullest + 1] = right.get();
             count += 1;
         }
         (lanes, count)
     }
 }
-

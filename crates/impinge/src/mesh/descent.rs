@@ -65,8 +65,14 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, o
         host: host.leaves(),
         guest: guest.leaves(),
         relation: &relation,
-        taken_up: Guest::EMPTY,
-        guest_leaf: u32::MAX,
+        guests: [const { (u32::MAX, Guest::EMPTY) }; WAITING],
+        last: 0,
+        is_awaited: false,
+        // Whoever wants the first pair only does not want it later.
+        patience: if limit == usize::MAX { WAITING } else { 1 },
+        waiting: [Meeting { guest: 0, host_leaf: 0 }; WAITING],
+        next: 0,
+        count: 0,
         placement: &placement,
         swapped,
         limit,
@@ -130,6 +136,17 @@ fn relate(a: Placed<'_>, b: Placed<'_>, a_from_b: &RelativeMap, choice: HostChoi
     }
 }
 
+/// Pairs of leaves wait this long for the host leaf's memory. Fewer hide less of its latency; more crowd the first
+/// cache with guests taken up.
+const WAITING: usize = 8;
+
+/// A guest leaf taken up, by its place among them, and a host leaf that it will meet.
+#[derive(Clone, Copy, Debug)]
+struct Meeting {
+    guest: usize,
+    host_leaf: u32,
+}
+
 /// A lane of a leaf.
 #[derive(Clone, Copy, Debug)]
 struct Slot(u32);
@@ -167,8 +184,16 @@ struct Pairs<'a> {
     host: Leaves<'a>,
     guest: Leaves<'a>,
     relation: &'a Relation,
-    taken_up: Guest,
-    guest_leaf: u32,
+    /// The guest leaves taken up last, in turn, and which of them is the last.
+    guests: [(u32, Guest); WAITING],
+    last: usize,
+    /// Whether the last one is part of a pair that was put off.
+    is_awaited: bool,
+    /// Pairs put off until their host leaf is at hand, the oldest at `next`.
+    waiting: [Meeting; WAITING],
+    next: usize,
+    count: usize,
+    patience: usize,
     placement: &'a Placement,
     /// Whether the host is the second mesh.
     swapped: bool,
@@ -178,13 +203,25 @@ struct Pairs<'a> {
 }
 
 impl Pairs<'_> {
+    /// Meets the pair that has waited longest.
+    #[inline(always)]
+    fn meet_next<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
+        let Meeting { guest, host_leaf } = self.waiting[self.next];
+        self.next = (self.next + 1) % WAITING;
+        self.count -= 1;
+        let (guest_leaf, guest) = &self.guests[guest];
+        let mut verdicts = [Verdict::default(); LANES];
+        let met = guest.meet(simd, &self.host.packets[host_leaf as usize], &mut verdicts);
+        if met == 0 { ControlFlow::Continue(()) } else { self.report(host_leaf, *guest_leaf, met, &verdicts) }
+    }
+
     /// Decides what the filter left open and keeps what meets.
     #[inline(never)]
-    fn report(&mut self, host_leaf: u32, met: u32, verdicts: &[Verdict; LANES]) -> ControlFlow<()> {
+    fn report(&mut self, host_leaf: u32, guest_leaf: u32, met: u32, verdicts: &[Verdict; LANES]) -> ControlFlow<()> {
         for guest_lane in bits(met) {
             let verdict = verdicts[guest_lane];
             for host_lane in bits(verdict.meets | verdict.open) {
-                let pair = [Slot::new(host_leaf, host_lane), Slot::new(self.guest_leaf, guest_lane)];
+                let pair = [Slot::new(host_leaf, host_lane), Slot::new(guest_leaf, guest_lane)];
                 if verdict.open >> host_lane & 1 == 0 || self.decide(pair) {
                     self.found.push(pair);
                 }
@@ -205,30 +242,37 @@ impl Pairs<'_> {
 impl LeafVisitor for Pairs<'_> {
     #[inline(always)]
     fn take_up<S: Simd>(&mut self, simd: S, guest_leaf: u32) -> Aabb {
-        if self.guest_leaf != guest_leaf {
-            self.guest_leaf = guest_leaf;
-            self.taken_up.take_up(simd, &self.guest.packets[guest_leaf as usize], self.relation);
+        if self.guests[self.last].0 != guest_leaf {
+            // A guest that nobody waits for makes room for the next. The others take turns: fewer than all places are
+            // waited for when a guest is taken up, so that the oldest place is free.
+            self.last = (self.last + usize::from(self.is_awaited)) % WAITING;
+            self.is_awaited = false;
+            let (leaf, guest) = &mut self.guests[self.last];
+            *leaf = guest_leaf;
+            guest.take_up(simd, &self.guest.packets[guest_leaf as usize], self.relation);
         }
-        self.taken_up.bounds
+        self.guests[self.last].1.bounds
     }
 
     #[inline(always)]
     fn pair<S: Simd>(&mut self, simd: S, host_leaf: u32) -> ControlFlow<()> {
-        let mut verdicts = [Verdict::default(); LANES];
-        let met = self.taken_up.meet(simd, &self.host.packets[host_leaf as usize], &mut verdicts);
-        if met == 0 {
-            return ControlFlow::Continue(());
+        prefetch(&self.host.packets[host_leaf as usize]);
+        self.waiting[(self.next + self.count) % WAITING] = Meeting { guest: self.last, host_leaf };
+        self.count += 1;
+        self.is_awaited = true;
+        if self.count < self.patience { ControlFlow::Continue(()) } else { self.meet_next(simd) }
+    }
+
+    #[inline(always)]
+    fn finish<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
+        while self.count > 0 {
+            self.meet_next(simd)?;
         }
-        self.report(host_leaf, met, &verdicts)
+        ControlFlow::Continue(())
     }
 
     #[inline(always)]
     fn prefetch_guest(&self, leaf: u32) {
         prefetch(&self.guest.packets[leaf as usize]);
-    }
-
-    #[inline(always)]
-    fn prefetch_host(&self, leaf: u32) {
-        prefetch(&self.host.packets[leaf as usize]);
     }
 }

@@ -20,10 +20,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 
-use super::frame::PACKING_ERROR;
 use super::packet::Packet;
-use super::relation::Relation;
-use crate::hierarchy::{BoxLanes, HALF_ULP, bits, load, load3, overlapping};
+use super::relation::{CornerError, Relation};
+use crate::hierarchy::{BoxLanes, HALF_ULP, load, load3, overlapping_each};
 use crate::simd::{LANES, by_axis};
 use crate::volume::Aabb;
 
@@ -33,9 +32,6 @@ pub(crate) struct Verdict {
     pub(crate) meets: u32,
     pub(crate) open: u32,
 }
-
-/// Least error that the bounds assume; see the head of this file.
-const LEAST_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// A guest packet, turned into the host's orientation but not moved: each host packet has its own anchor.
 #[derive(Clone, Debug)]
@@ -47,7 +43,8 @@ pub(crate) struct Guest {
     max: [[f32; LANES]; 3],
     /// The greatest extent of each triangle's box.
     width: [f32; LANES],
-    lanes_in_use: u32,
+    /// All bits of the byte of each lane that holds a triangle.
+    lanes_in_use: u64,
     /// The anchor's image in the host's packed frame.
     anchor: [f64; 3],
     /// What the corners may be off by once they are moved to a host anchor, but for the part that grows with the
@@ -91,21 +88,14 @@ impl Guest {
         store3(&max, &mut self.max);
         store3(&cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0])), &mut self.normal);
         width(&min, &max).store_slice(&mut self.width);
-        self.lanes_in_use = packet.lanes_in_use();
+        self.lanes_in_use = u64::MAX >> (u64::BITS - LANES as u32 * packet.lanes_in_use().count_ones()).min(63);
         self.anchor = relation.apply(packet.anchor);
-        // Of single precision: the packed corner's rounding, the matrix's, three of the sum, and two of the sum with an
-        // offset; a host packet is only met where the bounds overlap, which keeps the offset below both radii. Of
-        // double precision: packing, and the anchor's image with its five roundings.
-        let reach = self.anchor[0].abs().max(self.anchor[1].abs()).max(self.anchor[2].abs());
-        let single = relation.stretch * (9.0 * HALF_ULP * f64::from(packet.radius));
-        let double = relation.error + PACKING_ERROR * (1.0 + 2.0 * relation.stretch + reach);
-        self.error = ((single + double + LEAST_ERROR) as f32).next_up();
-        let least: [f32; 3] = by_axis!(axis => min[axis].reduce_min());
-        let greatest: [f32; 3] = by_axis!(axis => max[axis].reduce_max());
-        let (anchor, error) = (&self.anchor, f64::from(self.error));
+        let CornerError { per_radius, constant, of_bounds } = relation.corner_error;
+        self.error = per_radius * packet.radius + constant;
+        let slack = self.error + of_bounds;
         self.bounds = Aabb {
-            min: by_axis!(axis => ((anchor[axis] + f64::from(least[axis]) - error) as f32).next_down()),
-            max: by_axis!(axis => ((anchor[axis] + f64::from(greatest[axis]) + error) as f32).next_up()),
+            min: by_axis!(axis => self.anchor[axis] as f32 + (min[axis].reduce_min() - slack)),
+            max: by_axis!(axis => self.anchor[axis] as f32 + (max[axis].reduce_max() + slack)),
         };
     }
 
@@ -126,22 +116,18 @@ impl Guest {
             (load(simd, &self.min[axis]) + offset[axis] - slack).store_slice(&mut moved.min[axis]);
             (load(simd, &self.max[axis]) + offset[axis] + slack).store_slice(&mut moved.max[axis]);
         }
-        let in_use = host.lanes_in_use();
-        let mut near = [0_u32; LANES];
-        let mut any = 0;
-        for lane in 0..LANES {
-            near[lane] = overlapping(simd, (&host_min, &host_max), &moved.lane(lane)) & in_use;
-            any |= u32::from(near[lane] != 0) << lane;
-        }
-        any &= self.lanes_in_use;
-        if any == 0 {
+        let in_use = u64::from(host.lanes_in_use()) * 0x0101_0101_0101_0101;
+        let mut near = overlapping_each(simd, (&host_min, &host_max), &moved) & in_use & self.lanes_in_use;
+        if near == 0 {
             return 0;
         }
         let side = Side::new(simd, host_corners, width(&host_min, &host_max), error);
         let mut met = 0;
-        for lane in bits(any) {
+        while near != 0 {
+            let lane = near.trailing_zeros() as usize / LANES;
             let guest = self.triangle(simd, lane, &offset);
-            verdicts[lane] = side.judge(&guest, near[lane]);
+            verdicts[lane] = side.judge(&guest, (near >> (LANES * lane)) as u32 & 0xff);
+            near &= !(0xff << (LANES * lane));
             met |= u32::from(verdicts[lane] != Verdict::default()) << lane;
         }
         met

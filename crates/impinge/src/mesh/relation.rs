@@ -1,8 +1,11 @@
 //! How one mesh's packed frame lies in the other's: the map that the descent and the filter carry boxes and corners by.
 
-use super::frame::{PackedFrame, REACH};
-use crate::hierarchy::BoxMap;
+use super::frame::{PACKING_ERROR, PackedFrame, REACH};
+use crate::hierarchy::{BoxMap, HALF_ULP};
 use crate::math::RelativeMap;
+
+/// Least error that the filter assumes; the head of its file says why.
+const LEAST_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// Maps that stretch or move by more than this leave every decision to the exact stage.
 const LARGEST: f64 = (1_u128 << 100) as f64;
@@ -12,10 +15,10 @@ const LARGEST: f64 = (1_u128 << 100) as f64;
 pub(crate) struct Relation {
     pub(crate) linear: [[f64; 3]; 3],
     pub(crate) translation: [f64; 3],
-    /// No image of a packed point is off by more on any axis.
-    pub(crate) error: f64,
     /// The greatest sum of magnitudes in a row: no image of a vector is larger than this times the vector.
     pub(crate) stretch: f64,
+    /// What the corners of a guest packet of radius r may be off by: `per_radius · r + constant`.
+    pub(crate) corner_error: CornerError,
     pub(crate) boxes: BoxMap,
 }
 
@@ -53,7 +56,8 @@ impl Relation {
             error = [f64::INFINITY; 3];
         }
         let boxes = BoxMap::new(&linear, &translation, &error, REACH);
-        Self { linear, translation, error: error.into_iter().fold(0.0, f64::max), stretch, boxes }
+        let corner_error = CornerError::new(&translation, error.into_iter().fold(0.0, f64::max), stretch);
+        Self { linear, translation, stretch, corner_error, boxes }
     }
 
     /// The image of a packed point, to nearest.
@@ -64,5 +68,32 @@ impl Relation {
             let [x, y, z] = point.map(f64::from);
             row[0] * x + row[1] * y + row[2] * z + self.translation[axis]
         })
+    }
+}
+
+/// How far off the corners of a packet may be once they are turned into the host's frame and moved to a host's anchor,
+/// in the host's unit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CornerError {
+    /// The part that grows with the guest packet's radius. Of single precision: the packed corner's rounding, the
+    /// matrix's, three of the sum, and two of the sum with an offset; a host packet is only met where the bounds
+    /// overlap, which keeps the offset below both radii.
+    pub(crate) per_radius: f32,
+    /// Of double precision: the map's, packing's, and those of the anchor's image with its five roundings.
+    pub(crate) constant: f32,
+    /// What bounds of the packet need beyond this: the anchor and two sums in single precision.
+    pub(crate) of_bounds: f32,
+}
+
+impl CornerError {
+    fn new(translation: &[f64; 3], map_error: f64, stretch: f64) -> Self {
+        let reach = stretch * REACH + translation.iter().fold(0.0, |most, x| x.abs().max(most));
+        let constant = map_error + PACKING_ERROR * (1.0 + 2.0 * stretch + 2.0 * reach) + LEAST_ERROR;
+        let up = |x: f64| (x as f32).next_up();
+        Self {
+            per_radius: up(9.0 * HALF_ULP * stretch),
+            constant: up(constant),
+            of_bounds: up(4.0 * HALF_ULP * (reach + stretch)),
+        }
     }
 }
