@@ -34,7 +34,8 @@ impl Default for Options {
 /// In whose frame two meshes are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HostChoice {
-    /// The one in which rounding costs less, relative to the mesh carried into it (notes, 2.2).
+    /// The one in which rounding costs less, relative to the mesh carried into it (*Notes on Real Time Collision
+    /// Detection*, 2.2).
     SmallerError,
     /// Always the first mesh's.
     First,
