@@ -8,6 +8,10 @@ use crate::volume::Aabb;
 /// The most boxes that a leaf holds: one for each lane of a packet.
 pub const LEAF_CAPACITY: usize = LANES;
 
+/// What a wide node whose children are all leaves holds at most. Builders fill it and the collapse keeps it whole, so
+/// that leaves stand side by side at one depth and a descent of two trees meets leaves with leaves.
+pub const NODE_OF_LEAVES: usize = LANES * LEAF_CAPACITY;
+
 /// No leaf lies deeper than this, whatever the boxes; a descent's stack is sized by it.
 pub const MAX_DEPTH: usize = 64;
 
@@ -20,7 +24,7 @@ pub struct BinaryNode {
     pub first: u32,
     /// How many boxes are below; at most [`LEAF_CAPACITY`] in a leaf.
     pub count: u32,
-    /// Index of the right child of an inner node; the left one is the next node.
+    /// How many nodes further on the right child of an inner node stands; the left one is the next node.
     pub right: Option<NonZeroU32>,
 }
 
@@ -31,4 +35,16 @@ pub struct BinaryTree {
     pub nodes: Vec<BinaryNode>,
     /// The boxes' indices, grouped so that each leaf is a range.
     pub order: Vec<u32>,
+}
+
+impl BinaryTree {
+    /// The boxes below a node.
+    ///
+    /// # Panics
+    /// Where there is no such node.
+    #[must_use]
+    pub fn held(&self, node: u32) -> &[u32] {
+        let BinaryNode { first, count, .. } = self.nodes[node as usize];
+        &self.order[first as usize..][..count as usize]
+    }
 }

@@ -36,9 +36,9 @@ pub(crate) struct Task {
     host_lanes: u8,
 }
 
-/// Tasks wait here between the stack and their turn, while the memory that they need is on its way. Fewer hide less of
-/// its latency; more push each other's lines out of the first cache.
-const QUEUE: usize = 8;
+/// The most tasks between the stack and their turn. Fewer hide less of the memory's latency; more push each other's lines
+/// out of the first cache.
+pub(crate) const QUEUE: usize = 8;
 
 /// The guest node carried over last, and its boxes in the host's frame.
 struct Carried {
@@ -49,8 +49,12 @@ struct Carried {
 /// In which order tasks are opened, and how long.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Order {
-    /// The last one first, to the end.
-    DepthFirst,
+    /// The last one first, to the end; tasks are known this many ahead of their turn (at most [`QUEUE`]), while the
+    /// memory that they need is on its way.
+    DepthFirst {
+        /// One to find the first pair soonest, [`QUEUE`] to find all of them.
+        ahead: usize,
+    },
     /// The first one first, until there are this many to share out, or none.
     BreadthFirstUntil(usize),
 }
@@ -99,8 +103,8 @@ impl Descent<'_> {
                     done += 1;
                     tasks[done - 1]
                 }
-                Order::DepthFirst => {
-                    while waiting < QUEUE
+                Order::DepthFirst { ahead } => {
+                    while waiting < ahead.min(QUEUE)
                         && let Some(task) = tasks.pop()
                     {
                         self.prefetch(&task, visitor);
@@ -225,14 +229,17 @@ impl Descent<'_> {
     #[inline(always)]
     fn prefetch<V: LeafVisitor>(&self, task: &Task, visitor: &V) {
         match task.guest {
-            Child::Inner(guest) => prefetch(&self.guest[guest as usize]),
-            Child::Leaf(leaf) => visitor.prefetch_guest(leaf),
-        }
-        let parent = &self.host[task.host as usize];
-        for lane in bits(u32::from(task.host_lanes)) {
-            if let Child::Inner(host) = parent.child(lane) {
-                prefetch(&self.host[host as usize]);
+            Child::Inner(guest) => {
+                prefetch(&self.guest[guest as usize]);
+                let parent = &self.host[task.host as usize];
+                for lane in bits(u32::from(task.host_lanes)) {
+                    if let Child::Inner(host) = parent.child(lane) {
+                        prefetch(&self.host[host as usize]);
+                    }
+                }
             }
+            // Leaves mostly meet leaves, which the visitor asks for once it knows which of them are near.
+            Child::Leaf(leaf) => visitor.prefetch_guest(leaf),
         }
     }
 }

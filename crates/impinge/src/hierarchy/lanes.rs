@@ -31,7 +31,7 @@ impl BoxMap {
     /// rounded matrix, translation and centre; 4 u S for the products and sums that make the new centre; 7 u S for the
     /// half-extents likewise; 2 u S for the last difference and sum, and these sums
     /// 5 u of the error itself. The slack is 20 u S and (1 + 8 u) times the error, which covers its own evaluation and,
-    /// by `UNDERFLOW`, products too small for a float. This is lemma L2 with one bound for all boxes.
+    /// by `UNDERFLOW`, products too small for a float. This is lemma L2 of docs/proof.md with one bound for all boxes.
     pub(crate) fn new(linear: &[[f64; 3]; 3], translation: &[f64; 3], error: &[f64; 3], reach: f64) -> Self {
         const UNDERFLOW: f64 = 1.0 / (1_u128 << 120) as f64;
         let slack = std::array::from_fn(|axis| {

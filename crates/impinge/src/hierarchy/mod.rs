@@ -9,8 +9,8 @@ mod lanes;
 mod morton;
 mod wide;
 
-pub use binary::{BinaryNode, BinaryTree, LEAF_CAPACITY, MAX_DEPTH};
-pub(crate) use descent::{Descent, LeafVisitor, Order, Task, bits};
+pub use binary::{BinaryNode, BinaryTree, LEAF_CAPACITY, MAX_DEPTH, NODE_OF_LEAVES};
+pub(crate) use descent::{Descent, LeafVisitor, Order, QUEUE, Task, bits};
 pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, load, load3, overlapping_each};
 pub use morton::build_morton;
 pub use wide::{Child, Node, WideTree};

@@ -1,26 +1,28 @@
-//! The linear builder: boxes sorted along a space-filling curve, split where the curve's cells split.
+//! The default builder: boxes sorted along a space-filling curve and split where its cells split, down to clusters that
+//! are split at the median.
 //!
 //! Source: Lauterbach et al., *Fast BVH construction on GPUs*, Eurographics 2009; Karras, *Maximizing parallelism in the
 //! construction of BVHs*, HPG 2012. Ours departs in three ways: 63-bit codes, so that small detail in a large scene
-//! keeps its order; a bounded depth, by halving ranges once the curve has split often enough; and short ranges split
-//! where the surface area heuristic likes it best, in whole packets, which keeps the leaves full.
+//! keeps its order; a bounded depth, by halving ranges once the curve has split often enough; and medians at the bottom
+//! (Ericson, 6.2.2), which make leaves and nodes full and compact where a curve would jump.
 
 use std::num::NonZeroU32;
 
 use rayon::prelude::*;
 
-use super::binary::{BinaryNode, BinaryTree, LEAF_CAPACITY};
+use super::binary::{BinaryNode, BinaryTree, LEAF_CAPACITY, NODE_OF_LEAVES};
 use crate::volume::Aabb;
 
 /// Bits of a code for each axis; three axes fill 63 bits.
 const BITS: u32 = 21;
 
-/// Depth from which ranges are halved whatever the codes say. 2^32 boxes halved 29 times leave one packet, so that no
-/// leaf is deeper than 32 + 29, below [`MAX_DEPTH`](super::MAX_DEPTH).
+/// Depth from which ranges are halved whatever the codes say: 2^32 boxes halved 23 times leave one cluster, which is at
+/// most 6 deep, so that no leaf is deeper than 32 + 23 + 6, below [`MAX_DEPTH`](super::MAX_DEPTH).
 const HALVE_FROM_DEPTH: usize = 32;
 
-/// Ranges up to this long are split at the median, in whole packets.
-const MEDIAN_UP_TO: usize = 64 * LEAF_CAPACITY;
+/// Ranges up to this long are split at medians, which costs a pass over the range for each level: twice the length
+/// costs a seventh more build time and gains nothing that can be measured.
+const CLUSTER: usize = 8 * NODE_OF_LEAVES;
 
 /// Ranges longer than this are built as two tasks.
 const SPLIT_TASKS_ABOVE: usize = 1 << 15;
@@ -34,40 +36,41 @@ pub fn build_morton(boxes: &[Aabb]) -> BinaryTree {
     if boxes.is_empty() {
         return BinaryTree::default();
     }
-    let mut keys = sorted_keys(boxes);
-    let nodes = Builder { boxes }.subtree(&mut keys, 0, 0);
-    let order = keys.par_iter().map(|key| key.index).collect();
-    BinaryTree { nodes, order }
+    let builder = Builder { boxes, curve: Curve::over(boxes) };
+    let mut order = builder.sorted();
+    let mut blocks = Vec::new();
+    builder.subtree(&mut order, 0, 0, &mut blocks);
+    BinaryTree { nodes: blocks.concat(), order }
 }
 
-/// A box's place on the curve; ties are broken by its index, so that the order is one only.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Key {
-    code: u64,
-    index: u32,
+/// The space-filling curve over the range of the boxes' centres.
+struct Curve {
+    origin: [f32; 3],
+    scale: [f32; 3],
 }
 
-fn sorted_keys(boxes: &[Aabb]) -> Vec<Key> {
-    let bounds = boxes.par_iter().copied().reduce(|| Aabb::EMPTY, Aabb::union);
-    // Twice the centre runs from twice the least bound over a range of twice the extent.
-    let origin: [f32; 3] = std::array::from_fn(|axis| 2.0 * bounds.min[axis]);
-    let cells = (1_u32 << BITS) as f32;
-    let scale: [f32; 3] = std::array::from_fn(|axis| {
-        let extent = 2.0 * (bounds.max[axis] - bounds.min[axis]);
-        if extent > 0.0 { cells / extent } else { 0.0 }
-    });
-    let code = |bounds: &Aabb| {
+impl Curve {
+    fn over(boxes: &[Aabb]) -> Self {
+        let bounds = boxes.par_iter().copied().reduce(|| Aabb::EMPTY, Aabb::union);
+        let cells = (1_u32 << BITS) as f32;
+        // Twice the centre runs from twice the least bound over a range of twice the extent.
+        let origin = std::array::from_fn(|axis| 2.0 * bounds.min[axis]);
+        let scale = std::array::from_fn(|axis| {
+            let extent = 2.0 * (bounds.max[axis] - bounds.min[axis]);
+            if extent > 0.0 { cells / extent } else { 0.0 }
+        });
+        Self { origin, scale }
+    }
+
+    /// How far along the curve a box's centre lies, in 63 bits.
+    fn code(&self, bounds: &Aabb) -> u64 {
         (0..3).fold(0, |code, axis| {
-            let cell = (bounds.min[axis] + bounds.max[axis] - origin[axis]) * scale[axis];
+            let cell = (bounds.min[axis] + bounds.max[axis] - self.origin[axis]) * self.scale[axis];
             // A float cast saturates, and takes NaN to zero: any cell is a legal one.
             let cell = (cell as u32).min((1 << BITS) - 1);
             code | spread(cell) << axis
         })
-    };
-    let mut keys: Vec<Key> =
-        boxes.par_iter().enumerate().map(|(index, bounds)| Key { code: code(bounds), index: index as u32 }).collect();
-    keys.par_sort_unstable();
-    keys
+    }
 }
 
 /// The low 21 bits of `x`, each followed by two zeros.
@@ -82,99 +85,201 @@ fn spread(x: u32) -> u64 {
 
 struct Builder<'a> {
     boxes: &'a [Aabb],
+    curve: Curve,
 }
 
 impl Builder<'_> {
-    /// The nodes of these keys, which stand at `first` in the order, in preorder and counted from zero.
-    fn subtree(&self, keys: &mut [Key], first: usize, depth: usize) -> Vec<BinaryNode> {
-        if keys.len() <= SPLIT_TASKS_ABOVE {
-            let mut nodes = Vec::with_capacity(keys.len() / 2);
-            self.emit(keys, first, depth, &mut nodes);
-            return nodes;
-        }
-        let middle = split(keys, depth);
-        let (low, high) = keys.split_at_mut(middle);
-        let (left, right) = rayon::join(
-            || self.subtree(low, first, depth + 1),
-            || self.subtree(high, first + middle, depth + 1),
-        );
-        let right_at = 1 + left.len() as u32;
-        let bounds = left[0].bounds.union(right[0].bounds);
-        let mut nodes = Vec::with_capacity(1 + left.len() + right.len());
-        nodes.push(BinaryNode {
-            bounds,
-            first: first as u32,
-            count: keys.len() as u32,
-            right: NonZeroU32::new(right_at),
-        });
-        nodes.extend(left.into_iter().map(|node| node.moved_by(1)));
-        nodes.extend(right.into_iter().map(|node| node.moved_by(right_at)));
-        nodes
+    fn code(&self, index: u32) -> u64 {
+        self.curve.code(&self.boxes[index as usize])
     }
 
-    /// Appends the nodes of these keys, the root first, and returns its bounds.
-    fn emit(&self, keys: &mut [Key], first: usize, depth: usize, nodes: &mut Vec<BinaryNode>) -> Aabb {
-        let at = nodes.len();
-        if keys.len() <= LEAF_CAPACITY {
-            let bounds = keys.iter().fold(Aabb::EMPTY, |bounds, key| bounds.union(self.boxes[key.index as usize]));
-            nodes.push(BinaryNode { bounds, first: first as u32, count: keys.len() as u32, right: None });
+    /// The boxes along the curve, ties by their index: dealt out by the leading bits of their codes, and sorted within
+    /// each deal that is too long to be a cluster, in which order does not matter.
+    fn sorted(&self) -> Vec<u32> {
+        const DEAL_BITS: u32 = 15;
+        let deals: Vec<u16> =
+            self.boxes.par_iter().map(|bounds| (self.curve.code(bounds) >> (3 * BITS - DEAL_BITS)) as u16).collect();
+        let mut starts = vec![0_u32; (1 << DEAL_BITS) + 1];
+        for &deal in &deals {
+            starts[usize::from(deal) + 1] += 1;
+        }
+        for at in 1..starts.len() {
+            starts[at] += starts[at - 1];
+        }
+        let mut order = vec![0; deals.len()];
+        let mut next = starts.clone();
+        for (index, &deal) in deals.iter().enumerate() {
+            let place = &mut next[usize::from(deal)];
+            order[*place as usize] = index as u32;
+            *place += 1;
+        }
+        let mut rest = &mut order[..];
+        let mut long = Vec::new();
+        for ends in starts.windows(2) {
+            let (deal, after) = rest.split_at_mut((ends[1] - ends[0]) as usize);
+            rest = after;
+            if deal.len() > CLUSTER {
+                long.push(deal);
+            }
+        }
+        long.into_par_iter().for_each(|deal| {
+            let mut keys: Vec<(u64, u32)> = deal.par_iter().map(|&index| (self.code(index), index)).collect();
+            keys.par_sort_unstable();
+            for (index, key) in deal.iter_mut().zip(keys) {
+                *index = key.1;
+            }
+        });
+        order
+    }
+
+    /// Appends the nodes of a range in preorder, in blocks, and returns its bounds and how many nodes there are.
+    /// `order` is its part of the order, which starts at `first`, and is rearranged within clusters.
+    fn subtree(
+        &self,
+        order: &mut [u32],
+        first: usize,
+        depth: usize,
+        blocks: &mut Vec<Vec<BinaryNode>>,
+    ) -> (Aabb, usize) {
+        let count = order.len();
+        if count <= SPLIT_TASKS_ABOVE {
+            let mut nodes = Vec::with_capacity(count / (LEAF_CAPACITY / 2) + 1);
+            let bounds = self.emit(order, first, depth, &mut nodes);
+            let len = nodes.len();
+            blocks.push(nodes);
+            return (bounds, len);
+        }
+        let middle = self.split(order, depth);
+        let (low, high) = order.split_at_mut(middle);
+        let (mut left_blocks, mut right_blocks) = (Vec::new(), Vec::new());
+        let ((left, left_len), (right, right_len)) = rayon::join(
+            || self.subtree(low, first, depth + 1, &mut left_blocks),
+            || self.subtree(high, first + middle, depth + 1, &mut right_blocks),
+        );
+        let bounds = left.union(right);
+        let right = NonZeroU32::new(1 + left_len as u32);
+        blocks.push(vec![BinaryNode { bounds, first: first as u32, count: count as u32, right }]);
+        blocks.append(&mut left_blocks);
+        blocks.append(&mut right_blocks);
+        (bounds, 1 + left_len + right_len)
+    }
+
+    /// Appends the nodes of a range, the root first, and returns its bounds.
+    fn emit(&self, order: &mut [u32], first: usize, depth: usize, nodes: &mut Vec<BinaryNode>) -> Aabb {
+        if order.len() <= CLUSTER {
+            let mut centres = [Centre::default(); CLUSTER];
+            let centres = &mut centres[..order.len()];
+            for (centre, &index) in centres.iter_mut().zip(order.iter()) {
+                *centre = Centre::of(&self.boxes[index as usize], index);
+            }
+            let bounds = self.emit_cluster(centres, first, nodes);
+            for (index, centre) in order.iter_mut().zip(centres) {
+                *index = centre.index;
+            }
             return bounds;
         }
-        let (first_box, count) = (first as u32, keys.len() as u32);
-        nodes.push(BinaryNode { bounds: Aabb::EMPTY, first: first_box, count, right: None });
-        let middle = if keys.len() <= MEDIAN_UP_TO { self.median(keys) } else { split(keys, depth) };
-        let (low, high) = keys.split_at_mut(middle);
-        let left = self.emit(low, first, depth + 1, nodes);
-        let right_at = nodes.len() as u32;
-        let right = self.emit(high, first + middle, depth + 1, nodes);
-        nodes[at].bounds = left.union(right);
-        nodes[at].right = NonZeroU32::new(right_at);
-        nodes[at].bounds
+        let middle = self.split(order, depth);
+        let (low, high) = order.split_at_mut(middle);
+        emit_inner(
+            first,
+            low.len() + high.len(),
+            nodes,
+            |nodes| self.emit(low, first, depth + 1, nodes),
+            |nodes| self.emit(high, first + middle, depth + 1, nodes),
+        )
     }
 
-    /// Moves the half with the smaller centres on the axis along which they spread most to the front, in whole packets.
-    fn median(&self, keys: &mut [Key]) -> usize {
-        let mut centres = [(0.0, Key { code: 0, index: 0 }); MEDIAN_UP_TO];
-        let mut spread = Aabb::EMPTY;
-        for key in keys.iter() {
-            spread = spread.union(Aabb::of_points([self.centre(key)]));
+    /// Appends the nodes of a cluster, split at medians in whole leaves, or whole nodes of leaves, and returns its
+    /// bounds.
+    fn emit_cluster(&self, centres: &mut [Centre], first: usize, nodes: &mut Vec<BinaryNode>) -> Aabb {
+        let count = centres.len();
+        if count <= LEAF_CAPACITY {
+            let bounds =
+                centres.iter().fold(Aabb::EMPTY, |bounds, centre| bounds.union(self.boxes[centre.index as usize]));
+            nodes.push(BinaryNode { bounds, first: first as u32, count: count as u32, right: None });
+            return bounds;
         }
-        let extent: [f32; 3] = std::array::from_fn(|axis| spread.max[axis] - spread.min[axis]);
-        let axis = if extent[0] >= extent[1] && extent[0] >= extent[2] { 0 } else if extent[1] >= extent[2] { 1 } else { 2 };
-        let centres = &mut centres[..keys.len()];
-        for (centre, key) in centres.iter_mut().zip(keys.iter()) {
-            *centre = (self.centre(key)[axis], *key);
-        }
-        let whole = if keys.len() > 8 * LEAF_CAPACITY { 8 * LEAF_CAPACITY } else { LEAF_CAPACITY };
-        let middle = keys.len().div_ceil(whole).div_ceil(2) * whole;
-        centres.select_nth_unstable_by(middle, |a, b| a.0.total_cmp(&b.0).then(a.1.index.cmp(&b.1.index)));
-        for (key, centre) in keys.iter_mut().zip(centres) {
-            *key = centre.1;
-        }
-        middle
+        let whole = if count > NODE_OF_LEAVES { NODE_OF_LEAVES } else { LEAF_CAPACITY };
+        let middle = count.div_ceil(whole).div_ceil(2) * whole;
+        let axis = widest_axis(centres);
+        centres.select_nth_unstable_by_key(middle, |centre| centre.key(axis));
+        let (low, high) = centres.split_at_mut(middle);
+        emit_inner(
+            first,
+            count,
+            nodes,
+            |nodes| self.emit_cluster(low, first, nodes),
+            |nodes| self.emit_cluster(high, first + middle, nodes),
+        )
     }
 
-    /// Twice the centre of a box.
-    fn centre(&self, key: &Key) -> [f32; 3] {
-        let bounds = &self.boxes[key.index as usize];
-        std::array::from_fn(|axis| bounds.min[axis] + bounds.max[axis])
+    /// Where to split a sorted range longer than a cluster: where the curve's cells split; strictly inside it.
+    fn split(&self, order: &[u32], depth: usize) -> usize {
+        let (low, high) = (self.code(order[0]), self.code(order[order.len() - 1]));
+        if low == high || depth >= HALVE_FROM_DEPTH {
+            return order.len() / 2;
+        }
+        let top_bit = 1 << (low ^ high).ilog2();
+        order.partition_point(|&index| self.code(index) & top_bit == 0)
     }
 }
 
-/// Where to split a sorted range of more than one key: where the curve's cells split; strictly inside it.
-fn split(keys: &[Key], depth: usize) -> usize {
-    let (low, high) = (keys[0].code, keys[keys.len() - 1].code);
-    if low == high || depth >= HALVE_FROM_DEPTH {
-        return keys.len() / 2;
-    }
-    let top_bit = 1 << (low ^ high).ilog2();
-    keys.partition_point(|key| key.code & top_bit == 0)
+/// Appends an inner node and what its two sides append, and returns its bounds.
+fn emit_inner(
+    first: usize,
+    count: usize,
+    nodes: &mut Vec<BinaryNode>,
+    left: impl FnOnce(&mut Vec<BinaryNode>) -> Aabb,
+    right: impl FnOnce(&mut Vec<BinaryNode>) -> Aabb,
+) -> Aabb {
+    let at = nodes.len();
+    nodes.push(BinaryNode { bounds: Aabb::EMPTY, first: first as u32, count: count as u32, right: None });
+    let left_bounds = left(nodes);
+    let right_at = NonZeroU32::new((nodes.len() - at) as u32);
+    let bounds = left_bounds.union(right(nodes));
+    nodes[at].bounds = bounds;
+    nodes[at].right = right_at;
+    bounds
 }
 
-impl BinaryNode {
-    /// The same node in an array that starts `offset` nodes earlier.
-    fn moved_by(mut self, offset: u32) -> Self {
-        self.right = self.right.and_then(|right| right.checked_add(offset));
-        self
+/// Twice the centre of a box.
+#[derive(Clone, Copy, Default)]
+struct Centre {
+    twice: [f32; 3],
+    index: u32,
+}
+
+impl Centre {
+    fn of(bounds: &Aabb, index: u32) -> Self {
+        Self { twice: std::array::from_fn(|axis| bounds.min[axis] + bounds.max[axis]), index }
+    }
+
+    /// Sorts by one coordinate as floats do, then by the index.
+    #[inline(always)]
+    fn key(&self, axis: usize) -> u64 {
+        let bits = self.twice[axis].to_bits();
+        // A negative float's bits grow the wrong way; a positive one's need their top bit to come after it.
+        let ordered = if bits >> 31 == 1 { !bits } else { bits | 1 << 31 };
+        u64::from(ordered) << 32 | u64::from(self.index)
+    }
+}
+
+/// The axis along which the centres spread most.
+fn widest_axis(centres: &[Centre]) -> usize {
+    let (mut min, mut max) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    for centre in centres {
+        for axis in 0..3 {
+            let x = centre.twice[axis];
+            min[axis] = if x < min[axis] { x } else { min[axis] };
+            max[axis] = if x > max[axis] { x } else { max[axis] };
+        }
+    }
+    let extent: [f32; 3] = std::array::from_fn(|axis| max[axis] - min[axis]);
+    if extent[0] >= extent[1] && extent[0] >= extent[2] {
+        0
+    } else if extent[1] >= extent[2] {
+        1
+    } else {
+        2
     }
 }

@@ -1,10 +1,10 @@
 //! The production tree: nodes of eight children whose boxes lie side by side for the vector unit.
 //!
-//! Source: Wald, Benthin, Boulos, *Getting rid of packets*, RT 2008; the collapse is Ericson 6.7.2's idea with the
-//! surface area deciding which child to open. Nodes are plain bytes of four cache lines in preorder, so that children
+//! Source: Wald, Benthin, Boulos, *Getting rid of packets*, RT 2008; the collapse is the idea of Ericson, 6.7.2, and opens
+//! the child that holds most. Nodes are plain bytes of four cache lines in preorder, so that children
 //! come after parents and a reverse sweep refits.
 
-use super::binary::{BinaryTree, LEAF_CAPACITY};
+use super::binary::{BinaryTree, NODE_OF_LEAVES};
 use crate::simd::LANES;
 use crate::storage::Buffer;
 use crate::volume::Aabb;
@@ -17,10 +17,6 @@ pub enum Child {
     /// A leaf, counted in the order of the tree's leaves.
     Leaf(u32),
 }
-
-/// What a node whose children are all leaves holds at most. Children that hold no more stay whole, so that leaves stand
-/// side by side at one depth: a descent of two trees then meets leaves with leaves.
-const NODE_OF_LEAVES: u32 = (LANES * LEAF_CAPACITY) as u32;
 
 /// Marks the reference to a leaf.
 const LEAF_BIT: u32 = 1 << 31;
@@ -91,9 +87,9 @@ pub struct WideTree {
 }
 
 impl WideTree {
-    /// Collapses a binary tree; also returns the range of [`BinaryTree::order`] that each leaf holds.
+    /// Collapses a binary tree; also returns which of its nodes each leaf is.
     #[must_use]
-    pub fn collapse(binary: &BinaryTree) -> (Self, Vec<std::ops::Range<u32>>) {
+    pub fn collapse(binary: &BinaryTree) -> (Self, Vec<u32>) {
         let mut collapse = Collapse { binary, nodes: Vec::new(), leaves: Vec::new() };
         if !binary.nodes.is_empty() {
             collapse.node(0);
@@ -112,7 +108,7 @@ impl WideTree {
 struct Collapse<'a> {
     binary: &'a BinaryTree,
     nodes: Vec<Node>,
-    leaves: Vec<std::ops::Range<u32>>,
+    leaves: Vec<u32>,
 }
 
 impl Collapse<'_> {
@@ -127,7 +123,7 @@ impl Collapse<'_> {
             let binary = &self.binary.nodes[child as usize];
             let wide = match binary.right {
                 None => {
-                    self.leaves.push(binary.first..binary.first + binary.count);
+                    self.leaves.push(child);
                     Child::Leaf(self.leaves.len() as u32 - 1)
                 }
                 Some(_) => self.node(child),
@@ -141,7 +137,7 @@ impl Collapse<'_> {
     /// The binary nodes that become the children: the one that holds most is opened until the lanes are full, or until
     /// all of them fit a node of leaves. Their order in space is kept.
     fn children(&self, root: u32) -> ([u32; LANES], usize) {
-        let held = |child: u32| self.binary.nodes[child as usize].count;
+        let held = |child: u32| self.binary.nodes[child as usize].count as usize;
         let mut lanes = [root; LANES];
         let mut count = 1;
         while count < LANES {
@@ -158,7 +154,7 @@ impl Collapse<'_> {
             }
             lanes.copy_within(fullest + 1..count, fullest + 2);
             lanes[fullest] = opened + 1;
-            lanes[fullest + 1] = right.get();
+            lanes[fullest + 1] = opened + right.get();
             count += 1;
         }
         (lanes, count)

@@ -11,7 +11,7 @@ use super::packet::Packet;
 use super::relation::Relation;
 use super::{Mesh, Placed};
 use crate::exact::{Placement, triangles_intersect};
-use crate::hierarchy::{Descent, LEAF_CAPACITY, LeafVisitor, Order, Task, bits};
+use crate::hierarchy::{Descent, LEAF_CAPACITY, LeafVisitor, Order, QUEUE, Task, bits};
 use crate::math::RelativeMap;
 use crate::simd::{self, LANES, Level, prefetch};
 use crate::volume::Aabb;
@@ -34,7 +34,8 @@ impl Default for Options {
 /// In whose frame two meshes are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HostChoice {
-    /// The one in which rounding costs less, relative to the mesh carried into it (notes, 2.2).
+    /// The one in which rounding costs less, relative to the mesh carried into it (*Notes on Real Time Collision
+    /// Detection*, 2.2).
     SmallerError,
     /// Always the first mesh's.
     First,
@@ -61,6 +62,8 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, o
     let descent = Descent { host: host.0.tree.nodes(), guest: guest.0.tree.nodes(), map: &relation.boxes };
     let (Some(root), true) = (descent.root(), limit > 0) else { return Vec::new() };
 
+    // Whoever wants the first pairs only wants them before others are looked at.
+    let ahead = if limit == usize::MAX { QUEUE } else { 1 };
     let worker = || Pairs {
         host: host.leaves(),
         guest: guest.leaves(),
@@ -68,8 +71,7 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, o
         guests: [const { (u32::MAX, Guest::EMPTY) }; WAITING],
         last: 0,
         is_awaited: false,
-        // Whoever wants the first pair only does not want it later.
-        patience: if limit == usize::MAX { WAITING } else { 1 },
+        patience: ahead.min(WAITING),
         waiting: [Meeting { guest: 0, host_leaf: 0 }; WAITING],
         next: 0,
         count: 0,
@@ -91,7 +93,7 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, o
                 .par_chunks(chunk)
                 .map(|tasks| {
                     let mut worker = worker();
-                    work(options.level, &descent, Order::DepthFirst, &mut tasks.to_vec(), &mut worker);
+                    work(options.level, &descent, Order::DepthFirst { ahead }, &mut tasks.to_vec(), &mut worker);
                     worker.found
                 })
                 .collect();
@@ -99,7 +101,7 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, o
             first.found.extend(shared.iter().flatten());
         }
     }
-    work(options.level, &descent, Order::DepthFirst, &mut tasks, &mut first);
+    work(options.level, &descent, Order::DepthFirst { ahead }, &mut tasks, &mut first);
     first.found.truncate(limit);
     let faces = |&[host, guest]: &[Slot; 2]| {
         let (host, guest) = (first.host.face(host), first.guest.face(guest));

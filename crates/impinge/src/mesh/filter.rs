@@ -1,7 +1,7 @@
 //! Triangles against packets of triangles in single precision: proved apart, proved to meet, or open.
 //!
 //! Source: Devillers, Guigue, *Faster triangle-triangle intersection tests*, INRIA RR-4488, 2002, on eight lanes; ours
-//! departs in that every sign comes with a bound of its error (lemma L4), and a lane whose signs are not all certain
+//! departs in that every sign comes with a bound of its error (docs/proof.md, L4), and a lane whose signs are not all certain
 //! stays open.
 //!
 //! # The bound of a determinant

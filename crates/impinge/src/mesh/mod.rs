@@ -17,7 +17,7 @@ pub(crate) use descent::collect_intersecting;
 pub use positions::Positions;
 
 use crate::exact::Corners;
-use crate::hierarchy::{LEAF_CAPACITY, WideTree, build_morton};
+use crate::hierarchy::{BinaryTree, LEAF_CAPACITY, WideTree, build_morton};
 use crate::input::InputError;
 use crate::math::Pose;
 use crate::storage::Buffer;
@@ -71,19 +71,20 @@ impl Mesh {
         let boxes = face_boxes(&positions, &faces, &frame);
         let binary = build_morton(&boxes);
         let (tree, leaves) = WideTree::collapse(&binary);
-        let chosen = |range: &std::ops::Range<u32>| &binary.order[range.start as usize..range.end as usize];
-        let packets: Vec<Packet> = leaves
-            .par_iter()
-            .map(|range| {
-                let bounds = chosen(range).iter().fold(Aabb::EMPTY, |b, &face| b.union(boxes[face as usize]));
-                Packet::new(&faces, chosen(range), &positions, &frame, &bounds)
-            })
-            .collect();
+        drop(boxes);
+        let packets = match &positions {
+            Positions::F32(vertices) => pack(&binary, &leaves, |face: u32| {
+                faces[face as usize].map(|vertex| frame.pack(vertices[vertex as usize].map(f64::from)))
+            }),
+            Positions::F64(vertices) => pack(&binary, &leaves, |face: u32| {
+                faces[face as usize].map(|vertex| frame.pack(vertices[vertex as usize]))
+            }),
+        };
         let packet_faces: Vec<[u32; LEAF_CAPACITY]> = leaves
             .par_iter()
-            .map(|range| {
-                let chosen = chosen(range);
-                std::array::from_fn(|lane| chosen[if lane < chosen.len() { lane } else { 0 }])
+            .map(|&leaf| {
+                let held = binary.held(leaf);
+                std::array::from_fn(|lane| held[if lane < held.len() { lane } else { 0 }])
             })
             .collect();
         let (packets, packet_faces) = (packets.into(), packet_faces.into());
@@ -150,7 +151,15 @@ impl<'a> From<&'a Mesh> for Placed<'a> {
     }
 }
 
-/// Boxes of the faces in the packed frame, rounded outward (lemma L1).
+/// The packets of the leaves.
+fn pack(binary: &BinaryTree, leaves: &[u32], packed: impl Fn(u32) -> [[f64; 3]; 3] + Sync) -> Vec<Packet> {
+    leaves
+        .par_iter()
+        .map(|&leaf| Packet::new(binary.held(leaf), &binary.nodes[leaf as usize].bounds, &packed))
+        .collect()
+}
+
+/// Boxes of the faces in the packed frame, rounded outward (docs/proof.md, L1).
 fn face_boxes(positions: &Positions, faces: &[[u32; 3]], frame: &PackedFrame) -> Vec<Aabb> {
     let round = |vertex: [f64; 3]| frame.pack(vertex).map(|x| x as f32);
     let packed: Vec<[f32; 3]> = match positions {

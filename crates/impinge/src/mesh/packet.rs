@@ -1,8 +1,6 @@
 //! Packets: the triangles of one leaf side by side for the vector unit, in single precision about an anchor of their
 //! own, for rejecting and confirming in bulk. What they leave open is decided on the stored vertices.
 
-use super::frame::PackedFrame;
-use super::positions::Positions;
 use crate::simd::LANES;
 use crate::volume::Aabb;
 
@@ -30,27 +28,25 @@ impl Packet {
         (1 << (self.count as usize).min(LANES)) - 1
     }
 
-    /// The packet of these faces, at least one and at most eight, whose packed boxes `bounds` holds.
-    pub(crate) fn new(faces: &[[u32; 3]], chosen: &[u32], positions: &Positions, frame: &PackedFrame, bounds: &Aabb) -> Self {
+    /// The packet of these triangles, at least one and at most eight, whose packed boxes `bounds` holds; `packed` gives
+    /// the packed corners of a triangle.
+    pub(crate) fn new(triangles: &[u32], bounds: &Aabb, packed: impl Fn(u32) -> [[f64; 3]; 3]) -> Self {
         let anchor: [f32; 3] = std::array::from_fn(|axis| 0.5 * (bounds.min[axis] + bounds.max[axis]));
-        let mut packet = Self {
-            corners: [[[0.0; LANES]; 3]; 3],
-            anchor,
-            radius: 0.0,
-            count: chosen.len() as u32,
-            reserved: [0; 3],
-        };
-        for lane in 0..LANES {
-            let face = faces[chosen[if lane < chosen.len() { lane } else { 0 }] as usize];
-            for (corner, &vertex) in face.iter().enumerate() {
-                let packed = frame.pack(positions.get(vertex as usize));
+        let mut corners = [[[0.0; LANES]; 3]; 3];
+        let mut radius = 0.0_f32;
+        for (lane, &triangle) in triangles.iter().enumerate() {
+            for (corner, packed) in packed(triangle).iter().enumerate() {
                 for axis in 0..3 {
                     let relative = (packed[axis] - f64::from(anchor[axis])) as f32;
-                    packet.corners[corner][axis][lane] = relative;
-                    packet.radius = packet.radius.max(relative.abs());
+                    corners[corner][axis][lane] = relative;
+                    radius = radius.max(relative.abs());
                 }
             }
         }
-        packet
+        for lanes in corners.as_flattened_mut() {
+            let first = lanes[0];
+            lanes[triangles.len()..].fill(first);
+        }
+        Self { corners, anchor, radius, count: triangles.len() as u32, reserved: [0; 3] }
     }
 }

@@ -1,4 +1,4 @@
-//! The axis-aligned bounding box in its min-max form (notes, 2.1; Ericson, 4.2).
+//! The axis-aligned bounding box in its min-max form (*Notes on Real Time Collision Detection*, 2.1; Ericson, 4.2).
 
 /// A closed axis-aligned box; the empty box has its corners the wrong way round and is the unit of [`union`](Self::union).
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Zeroable, bytemuck::Pod)]
@@ -38,14 +38,6 @@ impl Aabb {
             bounds.max[axis] = bounds.max[axis].max(other.max[axis]);
         }
         bounds
-    }
-
-    /// Half the surface area, rounded: the measure of the surface area heuristic. Zero for the empty box.
-    #[inline]
-    #[must_use]
-    pub fn half_area(&self) -> f32 {
-        let [x, y, z] = std::array::from_fn(|axis| (self.max[axis] - self.min[axis]).max(0.0));
-        x * y + y * z + z * x
     }
 
     /// The box with every bound moved outward to the next float, which makes up for coordinates rounded to nearest.
