@@ -1,0 +1,123 @@
+//! The headline benchmark: build, all intersecting pairs and first hit of two knots of two million triangles.
+//!
+//! `cargo run --release -p impinge-bench --bin headline`
+
+#![forbid(unsafe_code)]
+#![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::Parser;
+use impinge::mesh::Options;
+use impinge::simd::{Level, levels};
+use impinge::{Mesh, Pose};
+use impinge_bench::questions::{Asked, ask_impinge};
+use impinge_bench::samples::Samples;
+use impinge_bench::scene::{Choice, Standing, Surface, parse_pose};
+use impinge_bench::table::{Table, spread};
+
+/// Builds are slow and vary little: no more of them than this.
+const MOST_BUILDS: usize = 3;
+
+/// Times impinge on two meshes, and checks every answer.
+#[derive(Parser)]
+struct Arguments {
+    #[command(flatten)]
+    mesh: Choice,
+    /// File of the second mesh, in place of the first once more
+    #[arg(long, value_name = "FILE")]
+    other: Option<PathBuf>,
+    /// Where the second mesh stands, in place of three poses: a translation, then a unit quaternion
+    #[arg(long, value_name = "TX,TY,TZ,QW,QX,QY,QZ", value_parser = parse_pose, allow_hyphen_values = true)]
+    pose_b: Option<Pose>,
+    /// Threads to build and to ask with
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    threads: usize,
+    /// Runs of each question
+    #[arg(long, value_name = "N", default_value_t = 9)]
+    repeats: usize,
+    /// Fail where the number of pairs is another
+    #[arg(long, value_name = "K", requires = "pose_b")]
+    expect: Option<usize>,
+    /// Vector unit: scalar, sse2, sse4.2, avx2, avx512 or neon, where the processor has it [default: the widest]
+    #[arg(long, value_name = "NAME", value_parser = parse_level)]
+    level: Option<Level>,
+    /// Print one JSON object per pose, in seconds, in place of a table
+    #[arg(long)]
+    json: bool,
+}
+
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global()?;
+    let (mesh, build) = arguments.mesh.surface()?.build(arguments.repeats.clamp(1, MOST_BUILDS))?;
+    let other = match &arguments.other {
+        Some(path) => Surface::load(path)?.build(1)?.0,
+        None => mesh.clone(),
+    };
+    let mut options = Options::default();
+    if let Some(level) = arguments.level {
+        options.level = level;
+    }
+    let mut answers = Vec::new();
+    for standing in arguments.standings()? {
+        let asked = ask_impinge(arguments.repeats, (&mesh).into(), other.at(standing.world_from_b), &options)
+            .with_context(|| format!("pose {}", standing.name))?;
+        standing.check(asked.pairs)?;
+        answers.push((standing, asked));
+    }
+    if arguments.json {
+        for (_, asked) in &answers {
+            println!("{}", json(&build, asked));
+        }
+    } else {
+        print_table(&mesh, &build, &answers);
+    }
+    Ok(())
+}
+
+impl Arguments {
+    fn standings(&self) -> Result<Vec<Standing>> {
+        if let Some(pose) = self.pose_b {
+            return Ok(vec![Standing::given(pose, self.expect)]);
+        }
+        let is_known = self.mesh.is_headline() && self.other.is_none();
+        let expected = |s: Standing| Standing { expected: s.expected.filter(|_| is_known), ..s };
+        Ok(Standing::named()?.map(expected).into())
+    }
+}
+
+fn parse_level(name: &str) -> Result<Level, String> {
+    let levels = levels();
+    let found = levels.iter().find(|(known, _)| *known == name);
+    found.map(|&(_, level)| level).ok_or_else(|| {
+        let names: Vec<&str> = levels.iter().map(|&(name, _)| name).collect();
+        format!("this processor has {}", names.join(", "))
+    })
+}
+
+/// What `bench/rivals.py` reads.
+fn json(build: &Samples, asked: &Asked) -> serde_json::Value {
+    serde_json::json!({
+        "pairs": asked.pairs,
+        "build_seconds": build.seconds(),
+        "all_pairs_seconds": asked.all_pairs.seconds(),
+        "first_hit_seconds": asked.first_hit.seconds(),
+    })
+}
+
+fn print_table(mesh: &Mesh, build: &Samples, answers: &[(Standing, Asked)]) {
+    let faces = mesh.faces().len();
+    println!("{faces} triangles, {:.1} bytes each", mesh.memory() as f64 / faces.max(1) as f64);
+    let mut table = Table::new(["", "pairs", "min", "median"]);
+    let [min, median] = spread(build);
+    table.row(["build".to_owned(), String::new(), min, median]);
+    for (standing, asked) in answers {
+        for (question, samples) in [("all pairs", &asked.all_pairs), ("first hit", &asked.first_hit)] {
+            let [min, median] = spread(samples);
+            table.row([format!("{}, {question}", standing.name), asked.pairs.to_string(), min, median]);
+        }
+    }
+    print!("{table}");
+}
