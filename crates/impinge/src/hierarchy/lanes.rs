@@ -132,3 +132,6 @@ pub(crate) fn load3<S: Simd>(simd: S, lanes: &[[f32; LANES]; 3]) -> [f32x8<S>; 3
 pub(crate) fn load<S: Simd>(simd: S, lanes: &[f32; LANES]) -> f32x8<S> {
     f32x8::from_slice(simd, lanes)
 }
+
+#[cfg(test)]
+mod tests;

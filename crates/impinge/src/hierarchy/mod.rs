@@ -7,6 +7,8 @@ mod binary;
 mod descent;
 mod lanes;
 mod morton;
+#[cfg(test)]
+mod tests;
 mod wide;
 
 pub use binary::{BinaryNode, BinaryTree, LEAF_CAPACITY, MAX_DEPTH, NODE_OF_LEAVES};

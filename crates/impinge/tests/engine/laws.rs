@@ -178,6 +178,29 @@ fn extreme_maps_change_no_pair() {
     }
 }
 
+#[test]
+fn triangles_of_any_relative_size_meet() {
+    // The large triangle's plane, x - y + z = 0, separates two corners of the tetrahedron from the other two.
+    let small = Mesh {
+        vertices: vec![[-1.0, -1.0, -1.0], [2.0, -1.0, -1.0], [-1.0, 2.0, -1.0], [-1.0, -1.0, 2.0]],
+        faces: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+    };
+    let large = Mesh {
+        vertices: vec![[3.0, 1.0, -2.0], [-1.0, 2.0, 3.0], [-2.0, -3.0, -1.0]],
+        faces: vec![[0, 1, 2]],
+    };
+    let every_face = [(0, 0), (1, 0), (2, 0), (3, 0)];
+    for exponent in 2..=64 {
+        let scale = 2.0_f64.powi(exponent);
+        let grown = Affine { linear: [[scale, 0.0, 0.0], [0.0, scale, 0.0], [0.0, 0.0, scale]], translation: [0.0; 3] };
+        let found = posed_pairs_in_every_way(small.at(Affine::IDENTITY), large.at(grown), Precision::F32);
+        assert_eq!(found, every_face, "scale 2^{exponent}");
+        let shrunk = Affine { linear: grown.linear.map(|row| row.map(|x| x / scale / scale)), ..grown };
+        let found = posed_pairs_in_every_way(small.at(shrunk), large.at(Affine::IDENTITY), Precision::F32);
+        assert_eq!(found, every_face, "scale 2^-{exponent}");
+    }
+}
+
 /// A rotation about an axis by the testkit's own sine and cosine, then a translation.
 fn rotated(axis: [f64; 3], angle: f64, translation: [f64; 3]) -> Affine {
     use impinge_testkit::generate::{cos, sin};
