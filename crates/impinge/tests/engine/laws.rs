@@ -185,10 +185,7 @@ fn triangles_of_any_relative_size_meet() {
         vertices: vec![[-1.0, -1.0, -1.0], [2.0, -1.0, -1.0], [-1.0, 2.0, -1.0], [-1.0, -1.0, 2.0]],
         faces: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
     };
-    let large = Mesh {
-        vertices: vec![[3.0, 1.0, -2.0], [-1.0, 2.0, 3.0], [-2.0, -3.0, -1.0]],
-        faces: vec![[0, 1, 2]],
-    };
+    let large = Mesh { vertices: vec![[3.0, 1.0, -2.0], [-1.0, 2.0, 3.0], [-2.0, -3.0, -1.0]], faces: vec![[0, 1, 2]] };
     let every_face = [(0, 0), (1, 0), (2, 0), (3, 0)];
     for exponent in 2..=64 {
         let scale = 2.0_f64.powi(exponent);
