@@ -210,12 +210,14 @@ impl Descent<'_> {
     ) -> ControlFlow<()> {
         let bounds = visitor.take_up(simd, leaf);
         let parent = &self.host[task.host as usize];
-        let still = overlapping(simd, (&load3(simd, &parent.min), &load3(simd, &parent.max)), &bounds) & u32::from(task.host_lanes);
+        let still = overlapping(simd, (&load3(simd, &parent.min), &load3(simd, &parent.max)), &bounds)
+            & u32::from(task.host_lanes);
         for lane in bits(still) {
             match parent.child(lane) {
                 Child::Inner(host) => {
                     let node = &self.host[host as usize];
-                    let lanes = overlapping(simd, (&load3(simd, &node.min), &load3(simd, &node.max)), &bounds) & lanes_in_use(node);
+                    let lanes = overlapping(simd, (&load3(simd, &node.min), &load3(simd, &node.max)), &bounds)
+                        & lanes_in_use(node);
                     if lanes != 0 {
                         below.push(Task { guest: task.guest, host, host_lanes: lanes as u8 });
                     }

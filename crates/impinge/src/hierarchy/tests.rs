@@ -7,10 +7,7 @@ use impinge_testkit::generate::Rng;
 /// What bad luck or malice may ask a tree for.
 fn scenes() -> Vec<(&'static str, Vec<Aabb>)> {
     let mut rng = Rng::new(71);
-    let cube = |centre: [f32; 3], half: f32| Aabb {
-        min: centre.map(|x| x - half),
-        max: centre.map(|x| x + half),
-    };
+    let cube = |centre: [f32; 3], half: f32| Aabb { min: centre.map(|x| x - half), max: centre.map(|x| x + half) };
     let at = |x: f64| (x as f32).clamp(f32::MIN, f32::MAX);
     let mut random = |count: usize, spread: f64, half: f64| -> Vec<Aabb> {
         (0..count).map(|_| cube([0; 3].map(|_| at(rng.uniform(-spread, spread))), at(half))).collect()
