@@ -296,3 +296,6 @@ fn store3<S: Simd>(values: &Lanes3<S>, lanes: &mut [[f32; LANES]; 3]) {
         values[axis].store_slice(&mut lanes[axis]);
     }
 }
+
+#[cfg(test)]
+mod tests;
