@@ -37,7 +37,7 @@ pub fn ask(
     let reference = all_pairs();
     let meets = intersects();
     ensure!(
-        meets == !reference.is_empty(),
+        meets != reference.is_empty(),
         "the first hit says {meets} where all pairs are {} in number",
         reference.len()
     );
