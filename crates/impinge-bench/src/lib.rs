@@ -1,1 +1,14 @@
-//! Benchmarks.
+//! What the benchmarks share: meshes and poses, timed answers that are compared, and how they are printed.
+//!
+//! - `headline`: impinge on two knots of two million triangles, or on any file.
+//! - `peers`: impinge beside parry3d, in one run.
+//! - `real`: large CAD parts, and a mesh against itself, where every face meets its neighbours.
+//!
+//! A benchmark checks its answer: one that disagrees with itself or with a known count fails and prints no times.
+
+#![forbid(unsafe_code)]
+
+pub mod questions;
+pub mod samples;
+pub mod scene;
+pub mod table;

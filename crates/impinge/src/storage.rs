@@ -67,10 +67,8 @@ mod tests {
         let start = (*bytes).as_ref().as_ptr().align_offset(4);
         let end = start + 8;
         let borrowed = Buffer::<u32>::borrow(bytes.clone(), start..end).expect("aligned and in range");
-        let copied: Vec<u32> = (*bytes).as_ref()[start..end]
-            .chunks(4)
-            .map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]]))
-            .collect();
+        let copied: Vec<u32> =
+            (*bytes).as_ref()[start..end].chunks(4).map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect();
         assert_eq!(&*borrowed, &*Buffer::from(copied));
     }
 

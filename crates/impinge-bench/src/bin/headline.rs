@@ -1,48 +1,123 @@
-//! tmp
-#![allow(clippy::print_stdout)]
-use impinge::{Mesh, Pose, Positions, mesh::Options, query};
-use std::time::Instant;
-fn main() {
-    let args: Vec<String> = std::env::args().collect();
-    let name = &args[1];
-    let f32s = args[2] == "f32";
-    let ang: f64 = args[3].parse().unwrap();
-    let off: Vec<f64> = args[4].split(',').map(|x| x.parse().unwrap()).collect();
-    let threads: usize = args[5].parse().unwrap();
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().unwrap();
-    let v = std::fs::read(format!("/tmp/{name}.v")).unwrap();
-    let f = std::fs::read(format!("/tmp/{name}.f")).unwrap();
-    let v: Vec<f64> = v.chunks_exact(8).map(|c| f64::from_le_bytes(c.try_into().unwrap())).collect();
-    let f: Vec<u32> = f.chunks_exact(4).map(|c| u32::from_le_bytes(c.try_into().unwrap())).collect();
-    let v: Vec<[f64; 3]> = v.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
-    let f: Vec<[u32; 3]> = f.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
-    let p = if f32s { Positions::F32(v.iter().map(|x| x.map(|y| y as f32)).collect()) } else { Positions::F64(v) };
-    let (p2, f2) = (p.clone(), f.clone());
-    let t = Instant::now();
-    let mesh = Mesh::new(p, f).unwrap();
-    println!("build {:?} memory {:.1} B/tri", t.elapsed(), mesh.memory() as f64 / mesh.faces().len() as f64);
-    let t = Instant::now();
-    let other = Mesh::new(p2, f2).unwrap();
-    println!("build again {:?}", t.elapsed());
-    let pose = Pose::from_axis_angle([1.0, 2.0, 3.0], ang, [off[0], off[1], off[2]]).unwrap();
-    let levels = impinge::simd::levels();
-    let only = args.get(6).cloned().unwrap_or_default(); let iters: usize = args.get(7).and_then(|x| x.parse().ok()).unwrap_or(9);
-    for (name, level) in levels.into_iter().filter(|l| only.is_empty() || l.0 == only) {
-        let o = Options { level, ..Options::default() };
-        let mut best = f64::MAX;
-        let mut n = 0;
-        for _ in 0..iters {
-            let t = Instant::now();
-            n = query::intersecting_pairs_with(&mesh, other.at(pose), &o).len();
-            best = best.min(t.elapsed().as_secs_f64());
+//! The headline benchmark: build, all intersecting pairs and first hit of two knots of two million triangles.
+//!
+//! `cargo run --release -p impinge-bench --bin headline`
+
+#![forbid(unsafe_code)]
+#![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::Parser;
+use impinge::mesh::Options;
+use impinge::simd::{Level, levels};
+use impinge::{Mesh, Pose};
+use impinge_bench::questions::{Asked, ask_impinge};
+use impinge_bench::samples::Samples;
+use impinge_bench::scene::{Choice, Standing, Surface, parse_pose};
+use impinge_bench::table::{Table, spread};
+
+/// Builds are slow and vary little: no more of them than this.
+const MOST_BUILDS: usize = 3;
+
+/// Times impinge on two meshes, and checks every answer.
+#[derive(Parser)]
+struct Arguments {
+    #[command(flatten)]
+    mesh: Choice,
+    /// File of the second mesh, in place of the first once more
+    #[arg(long, value_name = "FILE")]
+    other: Option<PathBuf>,
+    /// Where the second mesh stands, in place of three poses: a translation, then a unit quaternion
+    #[arg(long, value_name = "TX,TY,TZ,QW,QX,QY,QZ", value_parser = parse_pose, allow_hyphen_values = true)]
+    pose_b: Option<Pose>,
+    /// Threads to build and to ask with
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    threads: usize,
+    /// Runs of each question
+    #[arg(long, value_name = "N", default_value_t = 9)]
+    repeats: usize,
+    /// Fail where the number of pairs is another
+    #[arg(long, value_name = "K", requires = "pose_b")]
+    expect: Option<usize>,
+    /// Vector unit: scalar, sse2, sse4.2, avx2, avx512 or neon, where the processor has it [default: the widest]
+    #[arg(long, value_name = "NAME", value_parser = parse_level)]
+    level: Option<Level>,
+    /// Print one JSON object per pose, in seconds, in place of a table
+    #[arg(long)]
+    json: bool,
+}
+
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global()?;
+    let (mesh, build) = arguments.mesh.surface()?.build(arguments.repeats.clamp(1, MOST_BUILDS))?;
+    let other = match &arguments.other {
+        Some(path) => Surface::load(path)?.build(1)?.0,
+        None => mesh.clone(),
+    };
+    let mut options = Options::default();
+    if let Some(level) = arguments.level {
+        options.level = level;
+    }
+    let mut answers = Vec::new();
+    for standing in arguments.standings()? {
+        let asked = ask_impinge(arguments.repeats, (&mesh).into(), other.at(standing.world_from_b), &options)
+            .with_context(|| format!("pose {}", standing.name))?;
+        standing.check(asked.pairs)?;
+        answers.push((standing, asked));
+    }
+    if arguments.json {
+        for (_, asked) in &answers {
+            println!("{}", json(&build, asked));
         }
-        let mut first = f64::MAX;
-        for _ in 0..iters {
-            let t = Instant::now();
-            std::hint::black_box(query::intersects_with(&mesh, other.at(pose), &o));
-            first = first.min(t.elapsed().as_secs_f64());
+    } else {
+        print_table(&mesh, &build, &answers);
+    }
+    Ok(())
+}
+
+impl Arguments {
+    fn standings(&self) -> Result<Vec<Standing>> {
+        if let Some(pose) = self.pose_b {
+            return Ok(vec![Standing::given(pose, self.expect)]);
         }
-        println!("{name}: K {n} all {:.2} ms first {:.1} us", best * 1e3, first * 1e6);
+        let is_known = self.mesh.is_headline() && self.other.is_none();
+        let expected = |s: Standing| Standing { expected: s.expected.filter(|_| is_known), ..s };
+        Ok(Standing::named()?.map(expected).into())
     }
 }
 
+fn parse_level(name: &str) -> Result<Level, String> {
+    let levels = levels();
+    let found = levels.iter().find(|(known, _)| *known == name);
+    found.map(|&(_, level)| level).ok_or_else(|| {
+        let names: Vec<&str> = levels.iter().map(|&(name, _)| name).collect();
+        format!("this processor has {}", names.join(", "))
+    })
+}
+
+/// What `bench/rivals.py` reads.
+fn json(build: &Samples, asked: &Asked) -> serde_json::Value {
+    serde_json::json!({
+        "pairs": asked.pairs,
+        "build_seconds": build.seconds(),
+        "all_pairs_seconds": asked.all_pairs.seconds(),
+        "first_hit_seconds": asked.first_hit.seconds(),
+    })
+}
+
+fn print_table(mesh: &Mesh, build: &Samples, answers: &[(Standing, Asked)]) {
+    let faces = mesh.faces().len();
+    println!("{faces} triangles, {:.1} bytes each", mesh.memory() as f64 / faces.max(1) as f64);
+    let mut table = Table::new(["", "pairs", "min", "median"]);
+    let [min, median] = spread(build);
+    table.row(["build".to_owned(), String::new(), min, median]);
+    for (standing, asked) in answers {
+        for (question, samples) in [("all pairs", &asked.all_pairs), ("first hit", &asked.first_hit)] {
+            let [min, median] = spread(samples);
+            table.row([format!("{}, {question}", standing.name), asked.pairs.to_string(), min, median]);
+        }
+    }
+    print!("{table}");
+}

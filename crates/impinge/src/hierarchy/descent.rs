@@ -165,7 +165,8 @@ impl Descent<'_> {
                 Child::Inner(host) => {
                     let node = &self.host[host as usize];
                     let boxes = (&load3(simd, &node.min), &load3(simd, &node.max));
-                    let lanes = overlapping_each(simd, boxes, guests) & u64::from(lanes_in_use(node)) * EACH_BYTE;
+                    let in_use = EACH_BYTE * u64::from(lanes_in_use(node));
+                    let lanes = overlapping_each(simd, boxes, guests) & in_use;
                     met[lane] = lanes;
                     met_nodes |= nonzero_bytes(lanes) << lane;
                 }
@@ -210,12 +211,14 @@ impl Descent<'_> {
     ) -> ControlFlow<()> {
         let bounds = visitor.take_up(simd, leaf);
         let parent = &self.host[task.host as usize];
-        let still = overlapping(simd, (&load3(simd, &parent.min), &load3(simd, &parent.max)), &bounds) & u32::from(task.host_lanes);
+        let still = overlapping(simd, (&load3(simd, &parent.min), &load3(simd, &parent.max)), &bounds)
+            & u32::from(task.host_lanes);
         for lane in bits(still) {
             match parent.child(lane) {
                 Child::Inner(host) => {
                     let node = &self.host[host as usize];
-                    let lanes = overlapping(simd, (&load3(simd, &node.min), &load3(simd, &node.max)), &bounds) & lanes_in_use(node);
+                    let lanes = overlapping(simd, (&load3(simd, &node.min), &load3(simd, &node.max)), &bounds)
+                        & lanes_in_use(node);
                     if lanes != 0 {
                         below.push(Task { guest: task.guest, host, host_lanes: lanes as u8 });
                     }

@@ -91,10 +91,7 @@ impl BoxLanes {
     /// The box in one lane.
     #[inline(always)]
     pub(crate) fn lane(&self, lane: usize) -> Aabb {
-        Aabb {
-            min: by_axis!(axis => self.min[axis][lane]),
-            max: by_axis!(axis => self.max[axis][lane]),
-        }
+        Aabb { min: by_axis!(axis => self.min[axis][lane]), max: by_axis!(axis => self.max[axis][lane]) }
     }
 }
 
@@ -107,11 +104,7 @@ pub(crate) fn overlapping<S: Simd>(simd: S, boxes: (&[f32x8<S>; 3], &[f32x8<S>; 
 
 /// The lanes of `boxes` that are not proved apart from each of `many`: for lane `i` of these the byte `i`.
 #[inline(always)]
-pub(crate) fn overlapping_each<S: Simd>(
-    simd: S,
-    boxes: (&[f32x8<S>; 3], &[f32x8<S>; 3]),
-    many: &BoxLanes,
-) -> u64 {
+pub(crate) fn overlapping_each<S: Simd>(simd: S, boxes: (&[f32x8<S>; 3], &[f32x8<S>; 3]), many: &BoxLanes) -> u64 {
     let mut apart_from = 0;
     for lane in 0..LANES {
         apart_from |= u64::from(apart(simd, boxes, &many.lane(lane))) << (LANES * lane);

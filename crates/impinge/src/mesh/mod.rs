@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-pub use descent::{HostChoice, Options};
 pub(crate) use descent::collect_intersecting;
+pub use descent::{HostChoice, Options};
 pub use positions::Positions;
 
 use crate::exact::Corners;

@@ -55,7 +55,7 @@ impl Relation {
         }
         let stretch = linear.iter().map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max) * OUTWARD;
         let largest = translation.iter().fold(stretch, |largest, x| largest.max(x.abs()));
-        if !(largest < LARGEST_FOR_BOXES) {
+        if largest >= LARGEST_FOR_BOXES {
             error = [f64::INFINITY; 3];
         }
         let boxes = BoxMap::new(&linear, &translation, &error, REACH);

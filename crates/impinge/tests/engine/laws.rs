@@ -1,10 +1,10 @@
 //! Laws: what may be done to a question without changing its answer, and oracles that share nothing with the engine.
 
 use impinge_testkit::cases::Precision;
+use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::knots::{TREFOIL, bumpy_sphere, stadium, torus_knot};
 use impinge_testkit::generate::poses::{large_integer_map, rotation};
 use impinge_testkit::generate::solids::{grid_soup, icosphere, plane_grid};
-use impinge_testkit::generate::Rng;
 use impinge_testkit::{Affine, Mesh, oracle};
 
 use crate::ways::{engine_mesh, pairs_in_every_way, posed_pairs_in_every_way};
@@ -170,7 +170,8 @@ fn extreme_maps_change_no_pair() {
     };
     let (huge, tiny) = (2.0_f64.powi(60), 2.0_f64.powi(-60));
     let shear = Affine { linear: [[1.0, huge, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
-    for map in [stretch(huge, huge, huge), stretch(tiny, tiny, tiny), stretch(1.0, 1.0, tiny), stretch(-1.0, 1.0, 1.0), shear]
+    for map in
+        [stretch(huge, huge, huge), stretch(tiny, tiny, tiny), stretch(1.0, 1.0, tiny), stretch(-1.0, 1.0, 1.0), shear]
     {
         let (mesh_a, mesh_b) = (engine_mesh(&a, Precision::F32), engine_mesh(&b, Precision::F32));
         assert_eq!(pairs_in_every_way((&mesh_a, &map), (&mesh_b, &map)), expected, "{map:?}");
@@ -184,10 +185,7 @@ fn triangles_of_any_relative_size_meet() {
         vertices: vec![[-1.0, -1.0, -1.0], [2.0, -1.0, -1.0], [-1.0, 2.0, -1.0], [-1.0, -1.0, 2.0]],
         faces: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
     };
-    let large = Mesh {
-        vertices: vec![[3.0, 1.0, -2.0], [-1.0, 2.0, 3.0], [-2.0, -3.0, -1.0]],
-        faces: vec![[0, 1, 2]],
-    };
+    let large = Mesh { vertices: vec![[3.0, 1.0, -2.0], [-1.0, 2.0, 3.0], [-2.0, -3.0, -1.0]], faces: vec![[0, 1, 2]] };
     let every_face = [(0, 0), (1, 0), (2, 0), (3, 0)];
     for exponent in 2..=64 {
         let scale = 2.0_f64.powi(exponent);

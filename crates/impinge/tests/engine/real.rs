@@ -1,8 +1,8 @@
 //! Real meshes with recorded exact answers, where the data folder is at hand.
 
+use impinge_testkit::Affine;
 use impinge_testkit::cases::Precision;
 use impinge_testkit::env_rob::{EnvRob, data_folder, pairs_digest};
-use impinge_testkit::Affine;
 
 use crate::ways::{engine_mesh, pairs_in_every_way};
 

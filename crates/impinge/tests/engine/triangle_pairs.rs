@@ -40,10 +40,7 @@ fn tie_heavy_pairs_through_the_whole_engine() {
         let mesh = |corners: [[f64; 3]; 3]| Mesh { vertices: corners.to_vec(), faces: vec![[0, 1, 2]] };
         let (a, b) = (engine_mesh(&mesh(pair.a), Precision::F64), engine_mesh(&mesh(pair.b), Precision::F64));
         let expected = triangles_meet(&plain.a, &plain.world_from_a, &plain.b, &plain.world_from_b);
-        let found = query::intersects(
-            a.at(engine_pose(&pair.world_from_a)),
-            b.at(engine_pose(&pair.world_from_b)),
-        );
+        let found = query::intersects(a.at(engine_pose(&pair.world_from_a)), b.at(engine_pose(&pair.world_from_b)));
         assert_eq!(found, expected, "{pair:?}");
         hits += usize::from(expected);
     }

@@ -55,10 +55,8 @@ pub(crate) fn pairs_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine)) -> Ve
 
 /// As [`pairs_in_every_way`], from the testkit's meshes.
 pub(crate) fn posed_pairs_in_every_way(a: Posed<'_>, b: Posed<'_>, precision: Precision) -> Vec<(u32, u32)> {
-    let owned = |posed: &Posed<'_>| impinge_testkit::Mesh {
-        vertices: posed.vertices.to_vec(),
-        faces: posed.faces.to_vec(),
-    };
+    let owned =
+        |posed: &Posed<'_>| impinge_testkit::Mesh { vertices: posed.vertices.to_vec(), faces: posed.faces.to_vec() };
     let (mesh_a, mesh_b) = (engine_mesh(&owned(&a), precision), engine_mesh(&owned(&b), precision));
     pairs_in_every_way((&mesh_a, &a.world_from_local), (&mesh_b, &b.world_from_local))
 }

@@ -1,0 +1,138 @@
+//! impinge beside parry3d, in one run on one thread: build, all intersecting pairs and first hit.
+//!
+//! `cargo run --release -p impinge-bench --bin peers`
+//!
+//! parry3d computes in single precision, so both get vertices and a pose that are rounded to it beforehand: the same
+//! floats. Its first hit is its own `intersection_test`. All pairs it offers to nobody but itself; they are asked for as
+//! its `intersect_meshes` does, with a descent of both trees by `Bvh::leaf_pairs` whose boxes are carried by the pose,
+//! and decided by the test of two triangles that its `intersection_test` ends in, which is GJK.
+
+#![forbid(unsafe_code)]
+#![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
+
+use std::hint::black_box;
+
+use anyhow::{Context, Result, ensure};
+use clap::Parser;
+use impinge::mesh::Options;
+use impinge::{Pose, Positions};
+use impinge_bench::questions::{Asked, ask, ask_impinge};
+use impinge_bench::samples::{Samples, timed};
+use impinge_bench::scene::{Choice, Standing, Surface};
+use impinge_bench::table::{Table, time};
+use parry3d::bounding_volume::BoundingVolume;
+use parry3d::math::{Matrix, Pose as ParryPose, Rotation, Vector};
+use parry3d::partitioning::BvhNode;
+use parry3d::query::details::intersection_test_support_map_support_map;
+use parry3d::query::intersection_test;
+use parry3d::shape::TriMesh;
+
+/// Share of the pairs by which parry3d may be off: it decides triangles by iteration, to a tolerance.
+const TOLERANCE: f64 = 0.01;
+
+/// Times impinge and parry3d on the same floats, and compares their answers.
+#[derive(Parser)]
+struct Arguments {
+    #[command(flatten)]
+    mesh: Choice,
+    /// Runs of each question, and of the build
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    repeats: usize,
+}
+
+fn main() -> Result<()> {
+    let Arguments { mesh: choice, repeats } = Arguments::parse();
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
+    let surface = rounded(choice.surface()?);
+    let (mesh, build) = surface.build(repeats)?;
+    let (parry_mesh, parry_build) = build_parry(&surface, repeats)?;
+
+    println!("{} triangles", mesh.faces().len());
+    let headings = ["", "pairs", "min", "median", "parry3d pairs", "min", "median", "median ratio"];
+    let mut table = Table::new(headings);
+    table.row(cells("build".to_owned(), [&build, &parry_build], ["", ""].map(str::to_owned)));
+    for standing in Standing::named()? {
+        let name = standing.name;
+        let (ours, theirs) = same_pose(&standing.world_from_b)?;
+        let asked = ask_impinge(repeats, (&mesh).into(), mesh.at(ours), &Options::default())
+            .with_context(|| format!("impinge, pose {name}"))?;
+        let parry = ask_parry(repeats, &parry_mesh, &theirs).with_context(|| format!("parry3d, pose {name}"))?;
+        let pairs = [asked.pairs, parry.pairs];
+        ensure!(
+            pairs[0].abs_diff(pairs[1]) as f64 <= TOLERANCE * pairs[0] as f64,
+            "pose {name}: impinge finds {} pairs and parry3d {}",
+            pairs[0],
+            pairs[1]
+        );
+        let pairs = pairs.map(|count| count.to_string());
+        table.row(cells(format!("{name}, all pairs"), [&asked.all_pairs, &parry.all_pairs], pairs.clone()));
+        table.row(cells(format!("{name}, first hit"), [&asked.first_hit, &parry.first_hit], pairs));
+    }
+    print!("{table}");
+    Ok(())
+}
+
+/// One row: ours, theirs, and how many times as long they take.
+fn cells(what: String, [ours, theirs]: [&Samples; 2], [pairs, parry_pairs]: [String; 2]) -> [String; 8] {
+    let ratio = format!("{:.2}", theirs.median() / ours.median());
+    let [min, median, parry_min, parry_median] = [ours.min(), ours.median(), theirs.min(), theirs.median()].map(time);
+    [what, pairs, min, median, parry_pairs, parry_min, parry_median, ratio]
+}
+
+/// The surface with every coordinate rounded to single precision.
+fn rounded(surface: Surface) -> Surface {
+    let positions = match surface.positions {
+        Positions::F64(vertices) => Positions::F32(vertices.into_iter().map(|v| v.map(|x| x as f32)).collect()),
+        kept => kept,
+    };
+    Surface { positions, ..surface }
+}
+
+/// The pose of the single precision quaternion and translation that are next to a pose, for either engine.
+fn same_pose(pose: &Pose) -> Result<(Pose, ParryPose)> {
+    let columns = std::array::from_fn(|column| pose.linear().map(|row| row[column] as f32));
+    let rotation = Rotation::from_mat3(&Matrix::from_cols_array_2d(&columns));
+    let translation = pose.translation().map(|x| x as f32);
+    let [x, y, z, w] = rotation.to_array().map(f64::from);
+    let ours = Pose::from_quaternion_wxyz(translation.map(f64::from), [w, x, y, z])?;
+    Ok((ours, ParryPose::from_parts(Vector::from_array(translation), rotation)))
+}
+
+/// As [`Surface::build`], of the mesh of parry3d.
+fn build_parry(surface: &Surface, repeats: usize) -> Result<(TriMesh, Samples)> {
+    let vertices: Vec<Vector> = (0..surface.positions.len())
+        .map(|vertex| Vector::from_array(surface.positions.get(vertex).map(|x| x as f32)))
+        .collect();
+    let mut mesh = None;
+    let samples = Samples::take(repeats, || {
+        drop(mesh.take());
+        let (vertices, faces) = (vertices.clone(), surface.faces.clone());
+        let (seconds, built) = timed(|| TriMesh::new(vertices, faces));
+        mesh = Some(built?);
+        anyhow::Ok(seconds)
+    })?;
+    Ok((mesh.context("no build was asked for")?, samples))
+}
+
+fn ask_parry(repeats: usize, mesh: &TriMesh, world_from_b: &ParryPose) -> Result<Asked> {
+    let meets = || intersection_test(&ParryPose::IDENTITY, mesh, black_box(world_from_b), mesh);
+    meets()?; // parry3d refuses pairs of shapes by their kinds alone, and so never again
+    ask(
+        repeats,
+        || parry_pairs(black_box(mesh), black_box(world_from_b)),
+        || meets().is_ok_and(|answer| answer.intersecting),
+    )
+}
+
+/// Every pair of faces of a mesh and its moved self that parry3d takes to intersect, sorted like ours.
+fn parry_pairs(mesh: &TriMesh, a_from_b: &ParryPose) -> Vec<[u32; 2]> {
+    let overlap = |a: &BvhNode, b: &BvhNode| a.aabb().intersects(&b.aabb().transform_by(a_from_b));
+    let mut pairs: Vec<[u32; 2]> = mesh
+        .bvh()
+        .leaf_pairs(mesh.bvh(), overlap)
+        .filter(|&(a, b)| intersection_test_support_map_support_map(a_from_b, &mesh.triangle(a), &mesh.triangle(b)))
+        .map(|(a, b)| [a, b])
+        .collect();
+    pairs.sort_unstable();
+    pairs
+}

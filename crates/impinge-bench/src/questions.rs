@@ -1,0 +1,101 @@
+//! The two questions that are timed, asked of any engine, and the comparison of all answers to them.
+
+use std::hint::black_box;
+
+use anyhow::{Result, ensure};
+use impinge::mesh::{Options, Placed};
+use impinge::query;
+
+use crate::samples::{Samples, timed};
+
+/// Seconds that one sample of the first hit should take: far above the clock's resolution and below a time slice.
+const BATCH_SECONDS: f64 = 2e-3;
+
+/// Calls in one sample of the first hit at most, as in `bench/rivals.py`.
+const MOST_CALLS: f64 = 100.0;
+
+/// How long an engine took for its answers, which all agreed.
+#[derive(Clone, Debug)]
+pub struct Asked {
+    /// How many pairs of faces intersect.
+    pub pairs: usize,
+    /// All pairs, once each sample.
+    pub all_pairs: Samples,
+    /// Whether there is a pair; the mean of a batch of calls each sample.
+    pub first_hit: Samples,
+}
+
+/// Asks both questions `repeats` times, after once untimed, so that the data is warm.
+///
+/// # Errors
+/// Where two answers disagree: all pairs with those of the first run, or the first hit with there being pairs.
+pub fn ask(
+    repeats: usize,
+    mut all_pairs: impl FnMut() -> Vec<[u32; 2]>,
+    mut intersects: impl FnMut() -> bool,
+) -> Result<Asked> {
+    let reference = all_pairs();
+    let meets = intersects();
+    ensure!(
+        meets != reference.is_empty(),
+        "the first hit says {meets} where all pairs are {} in number",
+        reference.len()
+    );
+    let all_pairs = Samples::take(repeats, || {
+        let (seconds, found) = timed(&mut all_pairs);
+        let (again, before) = (found.len(), reference.len());
+        ensure!(found == reference, "asked again, {again} pairs are found that are not the {before} from before");
+        Ok(seconds)
+    })?;
+
+    let (once, _) = timed(&mut intersects);
+    let calls = (BATCH_SECONDS / once).clamp(1.0, MOST_CALLS) as usize;
+    let first_hit = Samples::take(repeats, || {
+        let (seconds, hits) = timed(|| (0..calls).filter(|_| black_box(intersects())).count());
+        ensure!(hits == if meets { calls } else { 0 }, "the first hit says {meets} and then the opposite");
+        Ok(seconds / calls as f64)
+    })?;
+    Ok(Asked { pairs: reference.len(), all_pairs, first_hit })
+}
+
+/// [`ask`]s impinge.
+///
+/// # Errors
+/// As [`ask`].
+pub fn ask_impinge(repeats: usize, a: Placed<'_>, b: Placed<'_>, options: &Options) -> Result<Asked> {
+    ask(
+        repeats,
+        || query::intersecting_pairs_with(black_box(a), black_box(b), options),
+        || query::intersects_with(black_box(a), black_box(b), options),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn agreeing_answers_are_counted() {
+        let asked = ask(4, || vec![[0, 1], [2, 3]], || true).unwrap();
+        assert_eq!((asked.pairs, asked.all_pairs.seconds().len(), asked.first_hit.seconds().len()), (2, 4, 4));
+        assert_eq!(ask(1, Vec::new, || false).unwrap().pairs, 0);
+    }
+
+    #[test]
+    fn disagreeing_answers_are_refused() {
+        assert!(ask(1, Vec::new, || true).is_err());
+        assert!(ask(1, || vec![[0, 0]], || false).is_err());
+        let mut run = 0;
+        let differing = || {
+            run += 1;
+            vec![[0, run / 3]]
+        };
+        assert!(ask(3, differing, || true).is_err());
+        let mut call = 0;
+        let fickle = || {
+            call += 1;
+            call < 3
+        };
+        assert!(ask(3, || vec![[0, 0]], fickle).is_err());
+    }
+}
