@@ -64,7 +64,7 @@ pub(super) fn may_be_on_hull<T: Copy + Into<f64> + Sync>(points: &[[T; 3]], boun
 
 /// The point in double precision, zeros without a sign.
 #[inline(always)]
-pub(super) fn stored<T: Copy + Into<f64>>(point: [T; 3]) -> [f64; 3] {
+pub(crate) fn stored<T: Copy + Into<f64>>(point: [T; 3]) -> [f64; 3] {
     point.map(|x| x.into() + 0.0)
 }
 

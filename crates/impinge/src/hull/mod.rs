@@ -18,6 +18,7 @@ use crate::input::{InputError, InputErrorKind};
 use crate::math::Sign::{Positive, Zero};
 use build::Surface;
 pub(crate) use climb::climb;
+pub(crate) use cull::stored;
 pub(crate) use extremes::Extremes;
 use facets::Facets;
 use flat::Flat;
@@ -223,6 +224,17 @@ impl Hull {
         climb::least_of_ties(self, &direction, climb(self, &direction, start))
     }
 
+    /// Bytes that the hull holds.
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        size_of_val(&self.vertices[..])
+            + size_of_val(&self.positions[..])
+            + size_of_val(&self.faces[..])
+            + size_of_val(&self.first[..])
+            + size_of_val(&self.neighbours[..])
+            + self.extremes.memory()
+    }
+
     /// What finds the extremes of the vertices without climbing.
     pub(crate) fn extremes(&self) -> &Extremes {
         &self.extremes
@@ -260,7 +272,8 @@ impl Hull {
             if kind == HullKind::Polygon && number == 1 {
                 // Fans around neighbours have no inner edge in common, so that the two sides have no edge but the outline.
                 let last = polygon.len() - 1;
-                polygon.rotate_left(if polygon[1] < polygon[last] { 1 } else { last });
+                let lesser = if polygon[1] < polygon[last] { 1 } else { last };
+                polygon.rotate_left(lesser);
             }
             faces.extend(polygon.windows(2).skip(1).map(|edge| [polygon[0], edge[0], edge[1]]));
             edges.extend((0..polygon.len()).map(|at| [polygon[at], polygon[(at + 1) % polygon.len()]]));

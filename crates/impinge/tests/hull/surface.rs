@@ -65,7 +65,8 @@ pub(crate) fn check(hull: &Hull, points: impl Iterator<Item = [f64; 3]>, side: i
 fn number_of_side(hull: &Hull, face: usize) -> bool {
     let normal = |face: usize| {
         let [p, q, r] = hull.faces()[face].map(|corner| hull.positions()[corner as usize]);
-        let [u, v]: [[f64; 3]; 2] = [q, r].map(|x| std::array::from_fn(|k| x[k] - p[k]));
+        let size = hull.positions().as_flattened().iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+        let [u, v]: [[f64; 3]; 2] = [q, r].map(|x| std::array::from_fn(|k| (x[k] - p[k]) / size));
         [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
     };
     let (first, own) = (normal(0), normal(face));
