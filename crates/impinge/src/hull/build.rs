@@ -256,7 +256,8 @@ impl<'p> Surface<'p> {
             let Edge { corners: [from, to], beyond } = self.horizon[index];
             let face = self.push([from, to, point], [beyond, NONE, NONE]);
             let outer = &mut self.faces[beyond as usize];
-            if let Some(edge) = (0..3).find(|&edge| outer.corners[edge] == to && outer.corners[(edge + 1) % 3] == from) {
+            if let Some(edge) = (0..3).find(|&edge| outer.corners[edge] == to && outer.corners[(edge + 1) % 3] == from)
+            {
                 outer.across[edge] = face;
             }
             self.cone.push(face);
@@ -337,8 +338,7 @@ pub(super) fn line(points: &[[f64; 3]]) -> Option<[usize; 2]> {
 pub(super) fn off_line(points: &[[f64; 3]], a: usize, b: usize) -> Option<usize> {
     let (p, q) = (&points[a], &points[b]);
     let area = |s: &[f64; 3]| {
-        let (u, v): ([f64; 3], [f64; 3]) =
-            (std::array::from_fn(|k| q[k] - p[k]), std::array::from_fn(|k| s[k] - p[k]));
+        let (u, v): ([f64; 3], [f64; 3]) = (std::array::from_fn(|k| q[k] - p[k]), std::array::from_fn(|k| s[k] - p[k]));
         (0..3).map(|k| (u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]).powi(2)).sum()
     };
     farthest(points, area, |s| !collinear(p, q, s))

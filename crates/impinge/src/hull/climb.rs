@@ -67,9 +67,8 @@ pub(crate) fn climb(hull: &Hull, direction: &[f64; 3], start: u32) -> u32 {
 /// face of the hull, whose edges connect them.
 pub(super) fn least_of_ties(hull: &Hull, direction: &[f64; 3], farthest: u32) -> u32 {
     let positions = hull.positions();
-    let is_tied = |vertex: u32| {
-        compare_along(direction, &positions[vertex as usize], &positions[farthest as usize]) == Zero
-    };
+    let is_tied =
+        |vertex: u32| compare_along(direction, &positions[vertex as usize], &positions[farthest as usize]) == Zero;
     let mut ties = vec![farthest];
     let mut next = 0;
     let mut is_known = std::collections::HashSet::from([farthest]);

@@ -38,7 +38,10 @@ const LEAST_DISTANCE: f64 = 1e-3;
 const MOST_CANCELLATION: f64 = 1e4;
 
 /// The points that may be on the hull, with their numbers in ascending order.
-pub(super) fn may_be_on_hull<T: Copy + Into<f64> + Sync>(points: &[[T; 3]], bounds: [[f64; 3]; 2]) -> Vec<([f64; 3], u32)> {
+pub(super) fn may_be_on_hull<T: Copy + Into<f64> + Sync>(
+    points: &[[T; 3]],
+    bounds: [[f64; 3]; 2],
+) -> Vec<([f64; 3], u32)> {
     let keep = |is_inside: &(dyn Fn(&[f64; 3]) -> bool + Sync)| {
         points
             .par_chunks(CHUNK)
@@ -138,10 +141,11 @@ fn outermost<T: Copy + Into<f64> + Sync>(points: &[[T; 3]], frame: &Frame, cells
         best
     };
     let further = |x: (f64, u32), y: (f64, u32)| if y.0 > x.0 || (y.0 == x.0 && y.1 < x.1) { y } else { x };
-    let best = points.par_chunks(CHUNK).enumerate().map(of_chunk).reduce(
-        || vec![NOBODY; 6 * cells * cells],
-        |x, y| x.into_iter().zip(y).map(|(x, y)| further(x, y)).collect(),
-    );
+    let best = points
+        .par_chunks(CHUNK)
+        .enumerate()
+        .map(of_chunk)
+        .reduce(|| vec![NOBODY; 6 * cells * cells], |x, y| x.into_iter().zip(y).map(|(x, y)| further(x, y)).collect());
     best.into_iter().filter(|best| best.1 != NOBODY.1).map(|best| stored(points[best.1 as usize])).collect()
 }
 
@@ -196,8 +200,7 @@ impl Frame {
     /// # Accuracy
     /// Within 1e-8 of its length: 1e-11 of the normal, over the least distance.
     fn plane(&self, [p, q, r]: &[[f64; 3]; 3]) -> Option<[f64; 3]> {
-        let (u, v): ([f64; 3], [f64; 3]) =
-            (std::array::from_fn(|k| q[k] - p[k]), std::array::from_fn(|k| r[k] - p[k]));
+        let (u, v): ([f64; 3], [f64; 3]) = (std::array::from_fn(|k| q[k] - p[k]), std::array::from_fn(|k| r[k] - p[k]));
         let products: [[f64; 2]; 3] =
             std::array::from_fn(|k| [u[(k + 1) % 3] * v[(k + 2) % 3], u[(k + 2) % 3] * v[(k + 1) % 3]]);
         let mut normal = products.map(|[forward, backward]| forward - backward);

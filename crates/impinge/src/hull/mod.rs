@@ -101,7 +101,9 @@ impl Hull {
         let (kind, facets) = match Surface::of(&positions) {
             Some(surface) => (HullKind::Solid, Facets::of(&surface, positions.len())),
             None => match Flat::of(&positions) {
-                Flat::Point(only) => return Ok(Self::of_few(HullKind::Point, &[(numbers[only as usize], positions[only as usize])])),
+                Flat::Point(only) => {
+                    return Ok(Self::of_few(HullKind::Point, &[(numbers[only as usize], positions[only as usize])]));
+                }
                 Flat::Segment(ends) => {
                     let mut ends = ends.map(|end| (numbers[end as usize], positions[end as usize]));
                     ends.sort_unstable_by_key(|end| end.0);
@@ -350,10 +352,10 @@ pub(crate) fn judge<T: Copy + Into<f64> + Sync>(points: &[[T; 3]]) -> Result<[[f
             ([least(low, p), most(high, p)], is_good & is_in_range)
         })
     };
-    let (bounds, is_good) = points.par_chunks(CHUNK).map(of_chunk).reduce(
-        || (empty, true),
-        |(x, x_good), (y, y_good)| ([least(x[0], y[0]), most(x[1], y[1])], x_good & y_good),
-    );
+    let (bounds, is_good) = points
+        .par_chunks(CHUNK)
+        .map(of_chunk)
+        .reduce(|| (empty, true), |(x, x_good), (y, y_good)| ([least(x[0], y[0]), most(x[1], y[1])], x_good & y_good));
     if is_good {
         return Ok(bounds);
     }

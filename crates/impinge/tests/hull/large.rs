@@ -96,8 +96,9 @@ fn hostile_sets_take_no_quadratic_time() {
             if i % 2 == 0 { [x, x * x, 0.0] } else { [0.0, -x * x, x] }
         })
         .collect();
-    let spiral: Vec<[f64; 3]> =
-        (0..count).map(|i| [cos(99.0 * turn(i)), sin(99.0 * turn(i)), share(i)].map(|x| x * (1.0 + share(i)))).collect();
+    let spiral: Vec<[f64; 3]> = (0..count)
+        .map(|i| [cos(99.0 * turn(i)), sin(99.0 * turn(i)), share(i)].map(|x| x * (1.0 + share(i))))
+        .collect();
     let sphere: Vec<[f64; 3]> = (0..count)
         .map(|i| {
             let (z, angle) = (2.0 * share(i) - 1.0, 1e4 * turn(i));

@@ -109,7 +109,10 @@ pub(crate) fn small_set(rng: &mut Rng, family: usize) -> Vec<Point> {
         // In a plane and in a line, both askew.
         3 => {
             let (u, v, base) = (grid(9), grid(9), grid(99));
-            (0..count).map(|_| grid(3)).map(|[s, t, _]| std::array::from_fn(|k| base[k] + s * u[k] + t * v[k])).collect()
+            (0..count)
+                .map(|_| grid(3))
+                .map(|[s, t, _]| std::array::from_fn(|k| base[k] + s * u[k] + t * v[k]))
+                .collect()
         }
         4 => {
             let (u, base) = (grid(9), grid(99));

@@ -35,7 +35,8 @@ fn small_hulls_from_every_vertex() {
     let mut rng = Rng::new(31);
     let mut ties = 0;
     for case in 0..3000 {
-        let hull = Hull::new(&floats(&small_set(&mut rng, case % FAMILIES), [0, 0, 60, -500][case % 4])).expect("legal");
+        let hull =
+            Hull::new(&floats(&small_set(&mut rng, case % FAMILIES), [0, 0, 60, -500][case % 4])).expect("legal");
         for turn in 0..3 {
             let direction = direction(&mut rng, case + turn);
             let expected = farthest(&hull, direction);

@@ -18,7 +18,10 @@ pub(crate) fn check(hull: &Hull, points: impl Iterator<Item = [f64; 3]>, side: i
             assert!(before.is_none(), "an edge has two faces on one side");
         }
     }
-    assert!(faces_at.keys().all(|&(from, to)| faces_at.contains_key(&(to, from))), "an edge has a face on one side only");
+    assert!(
+        faces_at.keys().all(|&(from, to)| faces_at.contains_key(&(to, from))),
+        "an edge has a face on one side only"
+    );
     match hull.kind() {
         HullKind::Point => assert!(positions.len() == 1 && corners.is_empty() && hull.neighbours(0).is_empty()),
         HullKind::Segment => {
