@@ -208,7 +208,7 @@ impl Frame {
         let scaled = |k: usize, x: f64| (x / self.scale[k]).abs();
         let length: f64 = (0..3).map(|k| scaled(k, normal[k])).sum();
         let size: f64 = (0..3).map(|k| scaled(k, products[k][0]) + scaled(k, products[k][1])).sum();
-        if !(size <= MOST_CANCELLATION * length) {
+        if size > MOST_CANCELLATION * length {
             normal = normal_rounded_once(p, q, r);
         }
         let normal: [f64; 3] = std::array::from_fn(|k| normal[k] / self.scale[k]);
