@@ -81,7 +81,9 @@ fn ways(name: &str, points: &[[f32; 3]], turns: usize, exact_points: usize) -> R
         let mut cells = [const { String::new() }; 2];
         let (mut volume, mut tight_volume) = (0.0, 0.0);
         for kind in 0..2 {
-            for (pose, tight) in poses[kind].iter().zip(&tight[kind]).take(if is_tight { exact.max(100) } else { turns }) {
+            for (pose, tight) in
+                poses[kind].iter().zip(&tight[kind]).take(if is_tight { exact.max(100) } else { turns })
+            {
                 let found = way.realign(pose);
                 ensure!(if is_tight { found == *tight } else { found.encloses(tight) }, "{label} is wrong at {pose:?}");
                 volume += found.volume();

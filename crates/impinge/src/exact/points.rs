@@ -206,3 +206,153 @@ fn product_error(x: f64, y: f64, product: f64) -> f64 {
     let ((x_high, x_low), (y_high, y_low)) = (split(x), split(y));
     ((x_high * y_high - product) + x_high * y_low + x_low * y_high) + x_low * y_low
 }
+
+#[cfg(test)]
+mod tests {
+    use std::cmp::Ordering;
+
+    use dashu_ratio::RBig;
+
+    use super::*;
+
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> u64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            self.0 >> 24
+        }
+
+        /// A small integer, any float of a few sizes, or a tiny one, so that sums tie, cancel and underflow.
+        fn number(&mut self, kind: u64) -> f64 {
+            let sign = if self.next() % 2 == 0 { 1.0 } else { -1.0 };
+            let fraction = f64::from_bits(1023 << 52 | (self.next() << 12 & ((1 << 52) - 1)));
+            let power = |exponent: i64| f64::from_bits(((1023 + exponent) as u64) << 52);
+            sign * match kind % 4 {
+                0 => (self.next() % 4) as f64,
+                1 => fraction * power((self.next() % 8) as i64 - 4),
+                2 => fraction * power((self.next() % 120) as i64 - 60),
+                _ => fraction * power(-((self.next() % 1000) as i64)),
+            }
+        }
+
+        fn point(&mut self, kind: u64) -> [f64; 3] {
+            std::array::from_fn(|_| self.number(kind))
+        }
+    }
+
+    fn exact(x: f64) -> RBig {
+        RBig::try_from(x).expect("finite")
+    }
+
+    fn along(direction: &[f64; 3], p: &[f64; 3]) -> RBig {
+        (0..3).fold(RBig::ZERO, |sum, k| sum + exact(direction[k]) * exact(p[k]))
+    }
+
+    #[test]
+    fn images_are_rounded_to_the_next_float() {
+        let mut random = Random(1);
+        let (mut inexact, mut exactly) = (0, 0);
+        for case in 0..20_000 {
+            let kind = case / 3;
+            let linear = std::array::from_fn(|_| random.point(kind));
+            let (point, mut translation) = (random.point(kind / 4), random.point(kind));
+            if case % 5 == 0 {
+                // Cancels all but the last bits.
+                let row: &[f64; 3] = &linear[0];
+                translation[0] = -(row[0] * point[0] + row[1] * point[1] + row[2] * point[2]);
+            }
+            let Ok(pose) = Pose::new(linear, translation) else { continue };
+            for axis in 0..3 {
+                let truth = along(&linear[axis], &point) + exact(translation[axis]);
+                let (down, up) = (image_down(&pose, axis, &point), image_up(&pose, axis, &point));
+                assert!(exact(down) <= truth && truth <= exact(up), "{pose:?} {point:?}");
+                if exact(down) == truth {
+                    assert_eq!(down, up);
+                    exactly += 1;
+                } else {
+                    assert_eq!(down.next_up(), up, "{pose:?} {point:?}");
+                    inexact += 1;
+                }
+            }
+        }
+        assert!(inexact > 10_000 && exactly > 1000, "{inexact} {exactly}");
+    }
+
+    /// Values one unit apart, and ties of different points.
+    #[test]
+    fn comparisons_along_a_direction_are_exact() {
+        let mut random = Random(2);
+        let mut signs = [0; 3];
+        for case in 0..30_000 {
+            let (direction, p) = (random.point(case / 7), random.point(case));
+            let mut q = if case % 3 == 0 { random.point(case) } else { p };
+            if case % 2 == 0 {
+                // Moves across the direction as floats have it, and a little along it.
+                let [i, j] = [case as usize % 3, (case as usize + 1) % 3];
+                q[i] += direction[j];
+                q[j] -= direction[i];
+                let k = random.next() as usize % 3;
+                q[k] = [q[k].next_down(), q[k], q[k].next_up()][random.next() as usize % 3];
+            }
+            let truth = along(&direction, &p).cmp(&along(&direction, &q));
+            assert_eq!(compare_along(&direction, &p, &q), truth.into(), "{direction:?} {p:?} {q:?}");
+            signs[(truth as i8 + 1) as usize] += 1;
+        }
+        assert!(signs.iter().all(|&count| count > 3000), "{signs:?}");
+        assert_eq!(compare_along(&[1e308, 1e-310, 0.0], &[1e30, 1.0, 0.0], &[1e30, 2.0, 0.0]), Negative);
+    }
+
+    #[test]
+    fn orientations_are_exact() {
+        let mut random = Random(3);
+        let mut zeros = [0; 2];
+        for case in 0..20_000 {
+            let [p, q, r] = std::array::from_fn(|_| random.point(case));
+            let weights: [f64; 2] = std::array::from_fn(|_| random.number(0) * 0.25);
+            let near = |v: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|k| p[k] + weights[0] * (v[k] - p[k])) };
+            let on_line = near(&q);
+            let on_plane: [f64; 3] = std::array::from_fn(|k| on_line[k] + weights[1] * (r[k] - p[k]));
+            let from_p = |x: &[f64; 3]| [0, 1, 2].map(|k| exact(x[k]) - exact(p[k]));
+            let minor = |u: &[RBig; 3], v: &[RBig; 3], i: usize, j: usize| &u[i] * &v[j] - &u[j] * &v[i];
+            let (u, v, w) = (from_p(&q), from_p(&r), from_p(&on_plane));
+            let volume = minor(&u, &v, 1, 2) * &w[0] + minor(&u, &v, 2, 0) * &w[1] + minor(&u, &v, 0, 1) * &w[2];
+            let truth: Sign = volume.cmp(&RBig::ZERO).into();
+            assert_eq!(orient3d(&p, &q, &r, &on_plane), truth);
+            let extent = std::array::from_fn(|k| (on_plane[k] - p[k]).abs());
+            let side = Plane::new(&p, &q, &r, &extent).side(&on_plane);
+            assert!(side.is_none_or(|side| side == truth));
+            zeros[0] += usize::from(truth == Zero);
+            let w = from_p(&on_line);
+            let mut is_collinear = true;
+            for axis in 0..3 {
+                let area: Sign = minor(&u, &w, (axis + 1) % 3, (axis + 2) % 3).cmp(&RBig::ZERO).into();
+                assert_eq!(orient2d(axis, &p, &q, &on_line), area);
+                is_collinear &= area == Zero;
+            }
+            assert_eq!(collinear(&p, &q, &on_line), is_collinear);
+            zeros[1] += usize::from(is_collinear);
+        }
+        assert!(zeros.iter().all(|&count| (4000..16_000).contains(&count)), "{zeros:?}");
+    }
+
+    #[test]
+    fn normals_are_right_to_the_last_bit() {
+        let mut random = Random(4);
+        for case in 0..3000 {
+            let [p, q, r] = std::array::from_fn(|_| random.point(case));
+            let normal = normal_rounded_once(&p, &q, &r);
+            let from_p = |x: &[f64; 3]| [0, 1, 2].map(|k| exact(x[k]) - exact(p[k]));
+            let (u, v) = (from_p(&q), from_p(&r));
+            for k in 0..3 {
+                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+                let truth = &u[i] * &v[j] - &u[j] * &v[i];
+                let off = |x: f64| {
+                    let off = exact(x) - &truth;
+                    if off.cmp(&RBig::ZERO) == Ordering::Less { -off } else { off }
+                };
+                assert!(off(normal[k]) <= off(normal[k].next_up()) && off(normal[k]) <= off(normal[k].next_down()));
+            }
+        }
+    }
+}

@@ -235,3 +235,66 @@ fn corners(cells: usize) -> impl Iterator<Item = [f64; 3]> {
         })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Random(u64);
+
+    impl Random {
+        fn unit(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+    }
+
+    fn kept(points: &[[f64; 3]]) -> Vec<u32> {
+        let bounds = crate::hull::judge(points).expect("legal");
+        may_be_on_hull(points, bounds).into_iter().map(|(_, number)| number).collect()
+    }
+
+    /// Most of a ball is thrown out, all that is kept is near its surface, and what is on it is kept.
+    #[test]
+    fn the_inside_of_a_ball_goes() {
+        let mut random = Random(1);
+        for (count, least_radius) in [(5000, 0.8), (100_000, 0.93)] {
+            let ball: Vec<[f64; 3]> = std::iter::from_fn(|| Some([(); 3].map(|()| random.unit())))
+                .filter(|p| p.iter().map(|x| x * x).sum::<f64>() < 1.0)
+                .take(count)
+                .collect();
+            let kept = kept(&ball);
+            assert!(kept.len() < count / 4, "{} of {count}", kept.len());
+            let radius = |&number: &u32| ball[number as usize].iter().map(|x| x * x).sum::<f64>().sqrt();
+            assert!(kept.iter().map(radius).fold(1.0, f64::min) > least_radius);
+            let sphere: Vec<[f64; 3]> =
+                ball.iter().map(|p| p.map(|x| x / p.iter().map(|x| x * x).sum::<f64>().sqrt())).collect();
+            assert_eq!(may_be_on_hull(&sphere, crate::hull::judge(&sphere).expect("legal")).len(), count);
+        }
+    }
+
+    /// Squeezed, stretched and far away, no vertex of the hull of all is thrown out.
+    #[test]
+    fn no_vertex_goes() {
+        let mut random = Random(2);
+        let mut thrown = 0;
+        for case in 0..60 {
+            let scale = [[1.0, 1.0, 1.0], [1.0, 1e-9, 1e6], [1e-150, 1e20, 1.0]][case % 3];
+            let power = [1, 3, 9][case / 3 % 3];
+            let offset = [0.0, 1e3][case / 9 % 2];
+            let points: Vec<[f64; 3]> = (0..3000)
+                .map(|_| [0, 1, 2].map(|k| scale[k] * (offset + random.unit().powi(power) + 0.2 * random.unit())))
+                .collect();
+            let numbered: Vec<_> = points.iter().copied().zip(0..).collect();
+            let order = insertion_order(&numbered);
+            let ordered: Vec<_> = order.iter().map(|&at| points[at as usize]).collect();
+            let surface = Surface::of(&ordered).expect("a solid");
+            let kept = kept(&points);
+            for face in surface.faces().flatten() {
+                assert!(face.corners.iter().all(|&corner| kept.binary_search(&order[corner as usize]).is_ok()));
+            }
+            thrown += points.len() - kept.len();
+        }
+        assert!(thrown > 30_000, "{thrown}");
+    }
+}

@@ -181,3 +181,58 @@ fn inverse_power(x: f64) -> f64 {
     let exponent = (x.to_bits() >> 52 & 0x7ff) as i64 - 1022;
     f64::from_bits(((1023 - exponent).clamp(1, 2046) as u64) << 52)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::levels;
+
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> i64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 33) as i64
+        }
+    }
+
+    /// Points with many ties and near ties, so that single precision alone would be wrong, at every vector level.
+    #[test]
+    fn every_level_finds_the_first_of_the_exact_extremes() {
+        let mut random = Random(1);
+        let mut close = 0;
+        for case in 0..400 {
+            let count = 1 + random.next() as usize % 500;
+            let (scale, offset) = [(1.0, 0.0), (1e-3, 1.0), (1e30, 0.0), (1e-300, 0.0), (1.0, 1e9)][case % 5];
+            let points: Vec<[f64; 3]> = (0..count)
+                .map(|_| {
+                    std::array::from_fn(|_| {
+                        let nudge = [0.0, 1e-9, 1e-12][random.next() as usize % 3];
+                        offset + scale * ((random.next() % 3) as f64 + nudge)
+                    })
+                })
+                .collect();
+            let rows: [[f64; 3]; 3] = std::array::from_fn(|row| {
+                let size = [1.0, 1e300, 1e-300][(case + row) % 3];
+                std::array::from_fn(|_| size * (random.next() % 5 - 2) as f64 * [1.0, 1.0 / 3.0][case % 2])
+            });
+            let mut packed = Extremes::new(&points);
+            for (name, level) in levels() {
+                packed.level = level;
+                for (row, [low, high]) in rows.iter().zip(packed.of(&points, &rows)) {
+                    for (found, wanted) in [(low, Positive), (high, Negative)] {
+                        // Nothing is beyond it, and nothing before it is level with it.
+                        for (index, point) in points.iter().enumerate() {
+                            let compared = compare_along(row, &points[found as usize], point);
+                            assert_ne!(compared, wanted, "{name}");
+                            assert!(compared != Sign::Zero || index >= found as usize, "{name}");
+                            close += usize::from(compared == Sign::Zero && index != found as usize);
+                        }
+                    }
+                    assert_eq!(packed.along(&points, row), high, "{name}");
+                }
+            }
+        }
+        assert!(close > 50_000, "{close}");
+    }
+}
