@@ -23,7 +23,7 @@ use crate::exact::Corners;
 use crate::hierarchy::{BinaryTree, Slab, WideTree, build};
 use crate::input::InputError;
 use crate::math::Pose;
-use crate::simd::best_level;
+use crate::simd::{best_level, prefetch};
 use crate::storage::{Buffer, Pages};
 use face_boxes::FaceBoxes;
 use frame::PackedFrame;
@@ -156,7 +156,13 @@ fn pack<V: Vertex>(
     let mut packets = Pages::zeroed(leaves.len());
     packets.to_mut().par_chunks_mut(CHUNK).zip(leaves.par_chunks(CHUNK)).for_each(|(packets, leaves)| {
         dispatch!(best_level(), simd => {
-            for (packet, &leaf) in packets.iter_mut().zip(leaves) {
+            for (at, (packet, &leaf)) in packets.iter_mut().zip(leaves).enumerate() {
+                // The vertices of a leaf lie anywhere: they are asked for one leaf ahead.
+                for &face in leaves.get(at + 1).map_or(&[][..], |&next| binary.held(next)) {
+                    for vertex in faces[face as usize] {
+                        prefetch(&vertices[vertex as usize]);
+                    }
+                }
                 let bounds = &binary.nodes[leaf as usize].bounds;
                 *packet = Packet::new(simd, binary.held(leaf), bounds, frame, vertices, faces);
             }
