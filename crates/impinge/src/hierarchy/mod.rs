@@ -22,6 +22,7 @@ pub(crate) use descent::{Descent, LeafVisitor, Order, QUEUE, Task, bits, each_by
 pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, overlapping_each};
 pub(crate) use morton::build;
 pub use morton::build_morton;
+pub(crate) use radix::scatter;
 pub use slab::Slab;
 pub(crate) use slab::SlabMap;
 pub use wide::{Child, Node, WideTree};

@@ -22,7 +22,7 @@ fn digit(key: Key, place: u32) -> usize {
 /// Sorts keys by their codes as far as it matters to a builder: keys with the same leading digit stay in the order in
 /// which they came where they are too few to be more than a cluster, and so do equal codes.
 pub(crate) fn sort(mut keys: Buffer<Key>) -> Buffer<Key> {
-    let mut starts = starts(&keys, 2).to_vec();
+    let mut starts = starts::<DIGITS, Key>(&keys, |key| digit(key, 2)).to_vec();
     starts.push(keys.len() as u32);
     let mut dealt = Pages::zeroed(keys.len());
     let threads = rayon::current_num_threads();
@@ -61,17 +61,18 @@ pub(crate) fn sort(mut keys: Buffer<Key>) -> Buffer<Key> {
         }
     }
     long.into_par_iter().for_each(|(deal, room)| {
-        scatter(deal, room, 0);
-        scatter(room, deal, 1);
+        scatter::<DIGITS, Key>(deal, room, |key| digit(key, 0));
+        scatter::<DIGITS, Key>(room, deal, |key| digit(key, 1));
     });
     dealt
 }
 
-/// Where the keys with each digit start when they are sorted by it.
-fn starts(keys: &[Key], place: u32) -> [u32; DIGITS] {
+/// Where the elements with each digit start when they are sorted by it; digits are below `DIGITS`.
+#[inline(always)]
+fn starts<const DIGITS: usize, T: Copy>(elements: &[T], digit: impl Fn(T) -> usize) -> [u32; DIGITS] {
     let mut starts = [0; DIGITS];
-    for &key in keys {
-        starts[digit(key, place)] += 1;
+    for &element in elements {
+        starts[digit(element) % DIGITS] += 1;
     }
     let mut before = 0;
     for start in &mut starts {
@@ -80,12 +81,13 @@ fn starts(keys: &[Key], place: u32) -> [u32; DIGITS] {
     starts
 }
 
-/// Sorts keys by one digit, those with the same one in the order in which they came.
-fn scatter(from: &[Key], to: &mut [Key], place: u32) {
-    let mut next = starts(from, place);
-    for &key in from {
-        let place = &mut next[digit(key, place)];
-        to[*place as usize] = key;
+/// Sorts elements, fewer than 2^32, by one digit below `DIGITS`, those with the same one in the order in which they came.
+#[inline(always)]
+pub(crate) fn scatter<const DIGITS: usize, T: Copy>(from: &[T], to: &mut [T], digit: impl Fn(T) -> usize) {
+    let mut next = starts::<DIGITS, T>(from, &digit);
+    for &element in from {
+        let place = &mut next[digit(element) % DIGITS];
+        to[*place as usize] = element;
         *place += 1;
     }
 }
