@@ -5,8 +5,8 @@
 >>> impinge.intersects(triangle, triangle, pose_b=impinge.pose([0, 0, 1]))
 False
 
-A pose is a (4, 4) matrix, world from local, for column vectors. Arrays of poses, (n, 4, 4), are answered in one call, on
-all cores. `impinge.trimesh` and `impinge.fcl` stand in for the collision parts of the libraries of those names.
+A pose is a (4, 4) matrix, world from local, for column vectors. Arrays of poses, (n, 4, 4), are answered in one call,
+on all cores. `impinge.trimesh` and `impinge.fcl` stand in for the collision parts of the libraries of those names.
 """
 
 from impinge._errors import InputError, LoadWarning, Status

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from impinge._errors import InputError
 
-_PLAIN = ["C_CONTIGUOUS", "ALIGNED"]
+_PLAIN: list[Literal["C_CONTIGUOUS", "ALIGNED"]] = ["C_CONTIGUOUS", "ALIGNED"]
 
 
 def plain_vertices(vertices: ArrayLike) -> NDArray[Any]:

@@ -15,7 +15,7 @@ class InputError(ValueError):
     kind : str
         A short stable name: ``"type"``, ``"dtype"``, ``"shape"``, ``"option"``, ``"name"``, ``"unit"``,
         ``"non-finite"``, ``"out-of-range"``, ``"index-out-of-bounds"``, ``"too-many"``, ``"not-affine"``,
-        ``"singular"`` or ``"not-unit-quaternion"``; for files those of the command's JSON as well, such as ``"syntax"``.
+        ``"singular"`` or ``"not-unit-quaternion"``; for files those of the command's JSON too, such as ``"syntax"``.
     what : str
         The argument that is wrong, such as ``"vertices"`` or ``"pose_b"``, or the file.
     where : tuple of int, str or None
@@ -64,9 +64,7 @@ class InputError(ValueError):
         return _restored, (self._message, self.kind, self.what, self.where, self.hint)
 
 
-def _restored(
-    message: str, kind: str, what: str, where: tuple[int, ...] | str | None, hint: str | None
-) -> InputError:
+def _restored(message: str, kind: str, what: str, where: tuple[int, ...] | str | None, hint: str | None) -> InputError:
     return InputError(message, kind=kind, what=what, where=where, hint=hint)
 
 

@@ -18,11 +18,11 @@ class HasTriangles(Protocol):
     """A mesh of another library, such as ``trimesh.Trimesh``."""
 
     @property
-    def vertices(self) -> Any:  # noqa: ANN401
+    def vertices(self) -> Any:
         """(n, 3) coordinates."""
 
     @property
-    def faces(self) -> Any:  # noqa: ANN401
+    def faces(self) -> Any:
         """(m, 3) indices."""
 
 
@@ -103,12 +103,13 @@ class Mesh(_impinge.MeshBase):
 
     def __new__(cls, vertices: ArrayLike | HasTriangles, faces: ArrayLike | None = None) -> Mesh:
         """Judge the arrays and build the hierarchy."""
+        positions: Any = vertices
         if faces is None:
-            if not (hasattr(vertices, "vertices") and hasattr(vertices, "faces")):
+            if not (hasattr(positions, "vertices") and hasattr(positions, "faces")):
                 message = f"faces are missing, and {type(vertices).__name__} has no vertices and faces of its own"
                 raise InputError(message, kind="type", what="faces")
-            vertices, faces = vertices.vertices, vertices.faces
-        self = super().__new__(cls, _arrays.plain_vertices(vertices), _arrays.plain_faces(faces))
+            positions, faces = positions.vertices, positions.faces
+        self = super().__new__(cls, _arrays.plain_vertices(positions), _arrays.plain_faces(faces))
         self._origin = None
         return self
 
@@ -148,7 +149,7 @@ def _rebuilt(vertices: ArrayLike, faces: ArrayLike, origin: Origin | None) -> Me
 
 
 def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
-    """Load all triangles of an OBJ, STL, PLY, OFF, glTF, GLB or 3MF file as one mesh.
+    r"""Load all triangles of an OBJ, STL, PLY, OFF, glTF, GLB or 3MF file as one mesh.
 
     Numbers keep the precision of the file: f32 stays float32, text is read as the nearest float64. Polygons become
     triangles; `Mesh.origin` says which face is of which polygon and part.
@@ -183,7 +184,7 @@ def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
     >>> import impinge, pathlib, tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = pathlib.Path(folder) / "square.obj"
-    ...     _ = path.write_text("v 0 0 0\\nv 1 0 0\\nv 1 1 0\\nv 0 1 0\\nf 1 2 3 4\\n")
+    ...     _ = path.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
     ...     square = impinge.load(path)
     >>> square
     Mesh(4 vertices, 2 faces)

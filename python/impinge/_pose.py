@@ -88,7 +88,8 @@ def _numbers(value: ArrayLike, name: str, core: tuple[int, ...]) -> NDArray[np.f
     except (ValueError, TypeError) as error:
         raise InputError(f"not an array of numbers: {error}", kind="type", what=name) from None
     if array.shape[-len(core) :] != core:
-        raise InputError(f"shape {array.shape}, where (..., {', '.join(map(str, core))}) is expected", kind="shape", what=name)
+        message = f"shape {array.shape}, where (..., {', '.join(map(str, core))}) is expected"
+        raise InputError(message, kind="shape", what=name)
     broken = np.argwhere(~np.isfinite(array))
     if len(broken):
         raise InputError("not finite", kind="non-finite", what=name, where=tuple(map(int, broken[0])))
@@ -109,8 +110,9 @@ def _of_quaternion(wxyz: NDArray[np.float64], name: str) -> NDArray[np.float64]:
         [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
         [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
     ]
-    # One more zero turns a negative zero into the positive one.
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1)) / squared[..., None, None] + 0.0
+    rotation: NDArray[np.float64] = np.moveaxis(np.array(rows), (0, 1), (-2, -1)) / squared[..., None, None]
+    rotation += 0.0  # turns a negative zero into the positive one
+    return rotation
 
 
 def _of_angles(rpy: NDArray[np.float64]) -> NDArray[np.float64]:

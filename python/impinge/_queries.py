@@ -55,8 +55,9 @@ def intersects(
     a, b : Mesh
         The meshes.
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
-        World from mesh, for column vectors; any invertible affine map. Leading axes broadcast as in NumPy: ``(n, 4, 4)``
-        against ``(4, 4)`` or ``(n, 4, 4)`` gives n answers, ``(n, 1, 4, 4)`` against ``(m, 4, 4)`` gives n x m.
+        World from mesh, for column vectors; any invertible affine map. Leading axes broadcast as in NumPy:
+        ``(n, 4, 4)`` against ``(4, 4)`` or ``(n, 4, 4)`` gives n answers, ``(n, 1, 4, 4)`` against ``(m, 4, 4)`` gives
+        n x m.
     on_error : {"raise", "status"}
         What becomes of a pose that is none. ``"status"`` answers its rows True, the safe answer, and returns the
         `Status` of each row beside the answers.
@@ -152,7 +153,8 @@ def intersecting_pairs(
     >>> square = impinge.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
     >>> impinge.intersecting_pairs(square, square, pose_b=impinge.pose([1, 0, 0]))
     array([[0, 0],
-           [0, 1]], dtype=uint32)
+           [0, 1],
+           [1, 1]], dtype=uint32)
     """
     if limit is not None and (isinstance(limit, bool) or not isinstance(limit, int | np.integer) or limit < 0):
         raise InputError(f"must be a whole number or None, not {limit!r}", kind="option", what="limit")

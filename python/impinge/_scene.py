@@ -184,7 +184,8 @@ class Scene:
             first = answer
         else:
             meets = answer
-            first = np.where(answer.any(axis=-1), answer.argmax(axis=-1), -1) if places else np.full(answer.shape[:-1], -1)
+            none = np.full(answer.shape[:-1], -1)
+            first = np.where(answer.any(axis=-1), answer.argmax(axis=-1), none) if places else none
         hit = first >= 0
         if first.ndim == 0:
             return SceneReport(self.pairs, bool(hit), int(first), meets, status)

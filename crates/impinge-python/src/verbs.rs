@@ -1,10 +1,14 @@
 //! The verbs, each the library's own in a question's rows.
 
-use impinge::query;
-use numpy::{PyArray1, PyArrayMethods};
+use impinge::exact::{Crossing, Placement, crossing};
+use impinge::{Pose, query};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyList};
 
+use crate::errors::Fault;
+use crate::mesh::mesh_of;
+use crate::poses::{OnError, Poses};
 use crate::question::{Question, array, with_status};
 
 /// `bool`, or an array of them.
@@ -100,4 +104,42 @@ pub(crate) fn intersection_curves<'py>(
     }
     let value = rows.into_iter().next().map_or_else(|| Ok(PyList::empty(py).into_any()), PyResult::Ok)?;
     with_status(value, answers.status, &answers.shape)
+}
+
+/// For each pair of faces that meet, (k, 2), a point of the world that both have in common, (k, 3), and whether they lie
+/// in one plane, (k,), where the point is the origin instead.
+#[pyfunction]
+pub(crate) fn contact_points<'py>(
+    a: &Bound<'py, PyAny>,
+    b: &Bound<'py, PyAny>,
+    pose_a: &Bound<'py, PyAny>,
+    pose_b: &Bound<'py, PyAny>,
+    pairs: PyReadonlyArray2<'py, u32>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = a.py();
+    let (a, b) = (mesh_of(a, "a")?, mesh_of(b, "b")?);
+    let single = |value, name| -> PyResult<Pose> {
+        let read = Poses::read(value, name, OnError::Raise)?;
+        let message = "a single pose is expected here";
+        if read.shape.is_empty() { Ok(read.poses[0]) } else { Err(Fault::new("shape", name, message).raised(py)) }
+    };
+    let placement = Placement::new(&single(pose_a, "pose_a")?, &single(pose_b, "pose_b")?);
+    let mut points = Vec::new();
+    let mut coplanar = Vec::new();
+    for pair in pairs.as_slice()?.as_chunks::<2>().0 {
+        let faces = [a.faces().len(), b.faces().len()];
+        if (0..2).any(|side| pair[side] as usize >= faces[side]) {
+            return Err(Fault::new("index-out-of-bounds", "pairs", format!("there is no pair {pair:?}")).raised(py));
+        }
+        let common = crossing(&placement, &a.corners(pair[0]), &b.corners(pair[1]));
+        points.push(match &common {
+            Crossing::Apart | Crossing::Coplanar => [0.0; 3],
+            Crossing::Point(end) => end.point,
+            Crossing::Segment(from, to) => std::array::from_fn(|k| from.point[k] / 2.0 + to.point[k] / 2.0),
+        });
+        coplanar.push(matches!(common, Crossing::Coplanar));
+    }
+    let count = points.len();
+    let points = array(py, points.into_flattened(), &[count, 3])?;
+    Ok((points, array(py, coplanar, &[count])?).into_pyobject(py)?.into_any())
 }
