@@ -16,6 +16,7 @@ from impinge._pairs import Pairs
 from impinge._pose import pose
 from impinge._queries import intersecting_pairs, intersection_curves, intersects
 from impinge._scene import Scene, SceneReport
+from impinge._show import show
 from impinge._threads import threads
 
 __all__ = [
@@ -33,5 +34,6 @@ __all__ = [
     "intersects",
     "load",
     "pose",
+    "show",
     "threads",
 ]
