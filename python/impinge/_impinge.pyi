@@ -1,10 +1,22 @@
 """The extension module; private to the package, which documents what it offers."""
 
 import os
-from typing import Any, Self
+from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import NDArray
+
+__all__ = [
+    "MeshBase",
+    "Model",
+    "__version__",
+    "check_scene",
+    "contact_points",
+    "default_threads",
+    "intersecting_pairs",
+    "intersection_curves",
+    "intersects",
+]
 
 __version__: str
 
@@ -21,6 +33,7 @@ class MeshBase:
     @property
     def memory(self) -> int: ...
 
+@final
 class Model:
     def __new__(cls, path: str | os.PathLike[str], unit: str | None) -> Self: ...
     @property

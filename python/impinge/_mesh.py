@@ -159,8 +159,9 @@ def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
     path : str or os.PathLike
         The file.
     unit : {"um", "mm", "cm", "in", "ft", "m"}, optional
-        The unit that the vertices are wanted in. A file that states another is converted, each coordinate rounded at
-        most once; one that states none is taken to be in it. Without, vertices are as in the file.
+        The unit that the vertices are wanted in. A file that states another is converted, each coordinate rounded
+        once, or twice where neither unit is a whole number of the other; one that states none is taken to be in it.
+        Without, vertices are as in the file.
 
     Returns
     -------

@@ -47,7 +47,7 @@ def test_units_are_converted_where_a_file_states_one(tmp_path):
     stated.write_text(GLTF)
     silent.write_text(OBJ)
     assert impinge.load(stated).origin.unit == "m"
-    for unit, size in (("m", 1), ("mm", 1000), ("in", 1 / 0.0254), ("um", 1e6), ("ft", 1 / 0.3048)):
+    for unit, size in (("m", 1), ("mm", 1000), ("in", 1e6 / 25400), ("um", 1e6), ("ft", 1e6 / 304800)):
         mesh = impinge.load(stated, unit)
         assert mesh.origin.unit == unit
         assert mesh.vertices.max() == size

@@ -82,7 +82,7 @@ def test_a_bad_pose_counts_as_meeting_all():
     poses["b"][1, 0, 0] = np.nan
     with pytest.raises(impinge.InputError) as caught:
         scene.check(poses)
-    assert (caught.value.what, caught.value.where) == ("poses['b']", (1, 0, 0))
+    assert (caught.value.what, caught.value.where) == ('poses["b"]', (1, 0, 0))
     report = scene.check(poses, stop="all", on_error="status")
     assert report.status.tolist() == [0, impinge.Status.NON_FINITE, 0]
     assert [report.names(i) for i in range(3)] == [[], [("a", "b"), ("b", "c")], []]
@@ -98,7 +98,7 @@ def test_a_bad_pose_counts_as_meeting_all():
         ("ignored", lambda: impinge.Scene({"a": CUBE}, ignored=[("a", "b")])),
         ("poses", lambda: impinge.Scene({"a": CUBE}).check({"b": np.eye(4)})),
         ("stop", lambda: impinge.Scene({"a": CUBE}).check(stop="last")),
-        ("poses['b']", lambda: impinge.Scene({"a": CUBE, "b": CUBE}).check({"a": TWO, "b": THREE})),
+        ('poses["b"]', lambda: impinge.Scene({"a": CUBE, "b": CUBE}).check({"a": TWO, "b": THREE})),
     ],
 )
 def test_what_is_wrong_is_named(what, make):

@@ -108,7 +108,7 @@ def test_convex_meshes_are_solids_and_others_are_surfaces():
 def test_inside_is_decided_part_by_part():
     """Two cubes in one mesh, of which one lies inside the solid and the other far away."""
     (v, f), inner = cube(-0.1, 0.1), impinge.pose([0.3, 0.2, -0.1], rpy=[1.0, 2.0, 0.4])
-    pair = impinge.Mesh(np.concatenate([v + [7, 0, 0], v]), np.concatenate([f, f + 8]))
+    pair = impinge.Mesh(np.concatenate([v + np.array([7, 0, 0]), v]), np.concatenate([f, f + 8]))
     manager = CollisionManager()
     manager.add_object("cube", CUBE, inner)
     assert manager.in_collision_single(pair, inner) is True

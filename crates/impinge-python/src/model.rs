@@ -71,13 +71,18 @@ impl Model {
     }
 }
 
-/// The same lengths in another unit, each coordinate rounded at most once.
+/// The same lengths in another unit, each coordinate rounded once where one of the units is a whole number of the other,
+/// else twice.
 fn converted(positions: Positions, from: Unit, to: Unit) -> Positions {
-    // Whole numbers of micrometres, so that one of the two quotients is exact or both are rounded but once.
+    // Whole numbers of micrometres.
     let [from, to] = [from, to].map(|unit| (unit.metres() * 1e6).round());
     if from == to {
         return positions;
     }
-    let convert = |x: f64| if from >= to { x * (from / to) } else { x / (to / from) };
+    let convert = |x: f64| match () {
+        () if from % to == 0.0 => x * (from / to),
+        () if to % from == 0.0 => x / (to / from),
+        () => x * from / to,
+    };
     Positions::F64((0..positions.len()).map(|i| positions.get(i).map(convert)).collect())
 }
