@@ -3,10 +3,10 @@
     python3 -m venv .venv && .venv/bin/pip install -r bench/requirements.txt .
     IMPINGE_DATA=... .venv/bin/python bench/poses.py
 
-The meshes are those of FCL's own tests, 2,180 and 216 triangles, read from the folder that IMPINGE_DATA names. Poses are
-random, rigid, and such that about half of them collide. FCL gets its objects built beforehand and a new transform for
-each pose, the least that a loop can do. Answers are compared: every pair that only one of the two reports is listed,
-with what rational arithmetic says of it.
+The meshes are those of FCL's own tests, 2,180 and 216 triangles, read from the folder that IMPINGE_DATA names. Poses
+are random and rigid; a fair share of them collides. FCL gets its objects built beforehand and a new transform for each
+pose, the least that a loop can do. Answers are compared: every pair that only one of the two reports is listed, with
+what rational arithmetic says of it.
 """
 
 import argparse

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
+from impinge import _impinge
 from impinge._errors import InputError
 
 _MOST = 1024
@@ -46,3 +48,7 @@ def threads(n: int) -> Iterator[None]:
         yield
     finally:
         asked.reset(token)
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_impinge.after_fork)

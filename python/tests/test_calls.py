@@ -94,7 +94,10 @@ def test_threads_may_ask_at_once():
 def _in_child(queue, poses):
     made = impinge.Mesh(*torus())
     single = impinge.intersecting_pairs(made, TORUS, poses[0])
-    queue.put((impinge.intersects(TORUS, made, poses), single, impinge.intersects(made, TORUS, poses[0])))
+    first = impinge.intersects(made, TORUS, poses[0])
+    # So many pairs that the library would share out the look-ups, on the caller's own thread.
+    square = impinge.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.tile([[0, 1, 2]], (300, 1)))
+    queue.put((impinge.intersects(TORUS, made, poses), single, first, len(impinge.intersecting_pairs(square, square))))
 
 
 @pytest.mark.filterwarnings("ignore:This process .* is multi-threaded:DeprecationWarning")
@@ -107,13 +110,14 @@ def test_a_fork_after_a_parallel_call_does_not_hang():
     child = context.Process(target=_in_child, args=(queue, poses))
     child.start()
     try:
-        in_child, single, first = queue.get(timeout=60)
+        in_child, single, first, many = queue.get(timeout=60)
     finally:
         child.join(10)
         child.kill()
     assert np.array_equal(in_child, hits)
     assert np.array_equal(single, impinge.intersecting_pairs(TORUS, TORUS, poses[0]))
     assert first == hits[0]
+    assert many == 300 * 300
     assert child.exitcode == 0
 
 

@@ -1,9 +1,11 @@
 //! Where the work is done: on the caller's thread where it is short, else on a pool of threads while the caller listens
 //! for Ctrl-C.
 //!
-//! Threads do not survive a fork, so a pool belongs to the process that made it. Pools are looked up and made while the
-//! interpreter is held, as it is when Python forks: the lock is never inherited in a locked state.
+//! Threads do not survive a fork, so the child forgets the pools of its parent (`impinge._threads` calls `after_fork`).
+//! Pools are looked up and made while the interpreter is held, as it is when Python forks: the lock is never inherited
+//! in a locked state.
 
+use std::cell::OnceCell;
 use std::num::NonZero;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -33,11 +35,39 @@ impl Abandoned {
     }
 }
 
-/// Gives what is asked on a caller's own thread no other thread: rayon's default pool, which it would look to, is made
-/// of one. It holds no thread of the processors' worth of pools below.
+/// Whether this process is the child of one that imported the module.
+static FORKED: AtomicBool = AtomicBool::new(false);
+
+/// Pools by number of threads, the last used last.
+static POOLS: Mutex<Vec<(usize, Arc<ThreadPool>)>> = Mutex::new(Vec::new());
+
+/// Gives what is asked on a caller's own thread no others: rayon's default pool, which it would look to, is made of one.
 pub(crate) fn keep_callers_alone() {
     // Only a pool that exists already is refused, and that has one thread too.
     ThreadPoolBuilder::new().num_threads(1).build_global().ok();
+}
+
+/// To be called in the child, after each fork.
+#[pyfunction]
+pub(crate) fn after_fork() {
+    FORKED.store(true, Ordering::Relaxed);
+    // To drop the pools would mean to signal to threads that are not here.
+    std::mem::forget(std::mem::take(&mut *POOLS.lock().unwrap_or_else(PoisonError::into_inner)));
+}
+
+/// Makes the caller's thread do its parallel work alone, in a forked process too, where the default pool has no thread.
+fn work_alone() {
+    thread_local! {
+        static ALONE: OnceCell<()> = const { OnceCell::new() };
+    }
+    if FORKED.load(Ordering::Relaxed) {
+        ALONE.with(|alone| {
+            alone.get_or_init(|| {
+                let own = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+                std::mem::forget(own); // this thread is its only one, as long as it lives
+            });
+        });
+    }
 }
 
 /// The threads that serve a call where `impinge.threads` does not say otherwise.
@@ -92,6 +122,7 @@ pub(crate) fn rows<T: Clone + Send + Sync + 'static>(
     answers.try_reserve_exact(rows).map_err(refused)?;
     if brief {
         return Ok(py.detach(move || {
+            work_alone();
             answers.extend((0..rows).map(ask));
             answers
         }));
@@ -114,33 +145,18 @@ fn asked_threads(py: Python<'_>) -> PyResult<usize> {
     Ok(asked.unwrap_or_else(default_threads))
 }
 
-#[derive(Default)]
-struct Pools {
-    process: u32,
-    /// By number of threads, the last used last.
-    pools: Vec<(usize, Arc<ThreadPool>)>,
-}
-
 /// The pool with so many threads, made where there is none. Called while the interpreter is held, and never letting go
 /// of it.
 fn pool(threads: usize) -> PyResult<Arc<ThreadPool>> {
-    static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-    let pools = pools.get_or_insert_default();
-    let process = std::process::id();
-    if pools.process != process {
-        // Those of the process that forked have no threads here; to drop them would mean to signal to these.
-        std::mem::forget(std::mem::take(&mut pools.pools));
-        pools.process = process;
-    }
-    let found = match pools.pools.iter().position(|(size, _)| *size == threads) {
-        Some(at) => pools.pools.remove(at),
+    let found = match pools.iter().position(|(size, _)| *size == threads) {
+        Some(at) => pools.remove(at),
         None => (threads, Arc::new(started(threads)?)),
     };
-    if pools.pools.len() == MOST_POOLS {
-        pools.pools.remove(0);
+    if pools.len() == MOST_POOLS {
+        pools.remove(0);
     }
-    pools.pools.push(found.clone());
+    pools.push(found.clone());
     Ok(found.1)
 }
 
