@@ -110,9 +110,8 @@ impl Environment {
             "--force-reinstall",
             ".",
         ]);
-        // The profile of the Rust tests, so that both share what they are built from.
-        install.env("MATURIN_PEP517_ARGS", "--profile dev").env("CARGO_PROFILE_DEV_OPT_LEVEL", "2");
-        pip(&mut install)
+        // A release would take minutes; much of this profile's work was done for these chores already.
+        pip(install.env("MATURIN_PEP517_ARGS", "--profile dev"))
     }
 
     /// The interpreter, with the environment's own programs first on the path.
