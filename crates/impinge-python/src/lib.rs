@@ -23,7 +23,7 @@ mod _impinge {
     #[pymodule_export]
     use super::verbs::{contact_points, intersecting_pairs, intersection_curves, intersects};
     #[pymodule_export]
-    use super::workers::{after_fork, default_threads};
+    use super::workers::after_fork;
 
     /// Keeps what is asked on the caller's own thread on that thread.
     #[pymodule_init]

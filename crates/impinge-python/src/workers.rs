@@ -70,12 +70,6 @@ fn work_alone() {
     }
 }
 
-/// The threads that serve a call where `impinge.threads` does not say otherwise.
-#[pyfunction]
-pub(crate) fn default_threads() -> usize {
-    thread::available_parallelism().map_or(1, NonZero::get)
-}
-
 /// Runs a job on the pool. A signal handler that raises, as that of Ctrl-C does, ends the wait at once: the job is
 /// abandoned, and whatever of it has not begun is not done.
 pub(crate) fn run<T: Send + 'static>(
@@ -142,7 +136,7 @@ pub(crate) fn rows<T: Clone + Send + Sync + 'static>(
 fn asked_threads(py: Python<'_>) -> PyResult<usize> {
     static ASKED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let asked: Option<usize> = ASKED.import(py, "impinge._threads", "asked")?.call_method0("get")?.extract()?;
-    Ok(asked.unwrap_or_else(default_threads))
+    Ok(asked.unwrap_or_else(|| thread::available_parallelism().map_or(1, NonZero::get)))
 }
 
 /// The pool with so many threads, made where there is none. Called while the interpreter is held, and never letting go
