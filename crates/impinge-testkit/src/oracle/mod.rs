@@ -7,6 +7,8 @@
 //! - [`triangles_meet_by_clipping`]: edges clipped against triangles, an independent second opinion.
 //! - [`tight_box`]: the box of the exact images of points.
 //! - [`brute_force`] and [`grid`]: all meeting pairs of two meshes, by trying each, and for millions of triangles.
+//!
+//! Beside them, and in the same manner, [`minimal_sphere`].
 
 mod boxes;
 mod certificate;
@@ -14,12 +16,14 @@ mod clipping;
 mod extremes;
 mod grid;
 mod integers;
+mod minimal_sphere;
 mod simplex;
 
 pub use boxes::WorldBox;
 pub use clipping::triangles_meet_by_clipping;
 pub use extremes::tight_box;
 pub use grid::grid;
+pub use minimal_sphere::{LeastSphere, minimal_sphere};
 pub use simplex::triangles_meet;
 
 use crate::Posed;
