@@ -25,7 +25,5 @@ mod wide;
 pub use corners::{Corners, Tier};
 pub use crossing::{Crossing, Endpoint, Feature, crossing};
 pub use placement::Placement;
-pub(crate) use points::{
-    Plane, collinear, compare_along, image_down, image_up, normal_rounded_once, orient2d, orient3d,
-};
+pub(crate) use points::{Plane, collinear, compare_along, image_down, image_up, orient2d, orient3d};
 pub use triangles::{Decision, decide_triangles, triangles_intersect};

@@ -115,13 +115,6 @@ fn compare_along_exactly(direction: &[f64; 3], p: &[f64; 3], q: &[f64; 3]) -> Si
     dyadic::dot(&direction, &difference).sign()
 }
 
-/// The cross product of `q - p` and `r - p`, each entry rounded once from its exact value.
-pub(crate) fn normal_rounded_once(p: &[f64; 3], q: &[f64; 3], r: &[f64; 3]) -> [f64; 3] {
-    let from_p = |x: &[f64; 3]| [0, 1, 2].map(|k| &Dyadic::from_f64(x[k]) - &Dyadic::from_f64(p[k]));
-    let one = Dyadic::from_f64(1.0);
-    dyadic::cross(&from_p(q), &from_p(r)).map(|entry| Dyadic::nearest_quotient(&entry, &one))
-}
-
 /// Products at least this large have an error that is a float: 2^-900.
 const LEAST_SPLIT: f64 = f64::from_bits((1023 - 900) << 52);
 
@@ -209,8 +202,6 @@ fn product_error(x: f64, y: f64, product: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::cmp::Ordering;
-
     use dashu_ratio::RBig;
 
     use super::*;
@@ -334,25 +325,5 @@ mod tests {
             zeros[1] += usize::from(is_collinear);
         }
         assert!(zeros.iter().all(|&count| (4000..16_000).contains(&count)), "{zeros:?}");
-    }
-
-    #[test]
-    fn normals_are_right_to_the_last_bit() {
-        let mut random = Random(4);
-        for case in 0..3000 {
-            let [p, q, r] = std::array::from_fn(|_| random.point(case));
-            let normal = normal_rounded_once(&p, &q, &r);
-            let from_p = |x: &[f64; 3]| [0, 1, 2].map(|k| exact(x[k]) - exact(p[k]));
-            let (u, v) = (from_p(&q), from_p(&r));
-            for k in 0..3 {
-                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-                let truth = &u[i] * &v[j] - &u[j] * &v[i];
-                let off = |x: f64| {
-                    let off = exact(x) - &truth;
-                    if off.cmp(&RBig::ZERO) == Ordering::Less { -off } else { off }
-                };
-                assert!(off(normal[k]) <= off(normal[k].next_up()) && off(normal[k]) <= off(normal[k].next_down()));
-            }
-        }
     }
 }

@@ -7,7 +7,7 @@
 //! over the reals, however the turn was, so none leads back.
 //!
 //! A way may be long, on needles, or wide, at the tip of a cone. So once it has looked at as many vertices as there are, the
-//! climb gives way to a look at all of them: no question costs more than two such looks.
+//! climb gives way to a scan of all of them: no question costs more than both.
 
 use super::Hull;
 use crate::exact::compare_along;

@@ -2,22 +2,27 @@
 //! 2.2).
 //!
 //! Space is parted into the cells of a cube map: the pyramids from a centre through the squares of a grid on each side of a
-//! cube. The outermost point of each cell is kept; the hull of these, the *inner hull*, holds most of the rest. Let its
-//! gauge be `g(p) = max_f n_f · p / d_f` over its faces `n_f · p <= d_f`, the centre being the origin: p is inside
-//! where `g(p) < 1`. A gauge is convex and grows with p, so on each half of a square it is at most the linear function that
-//! has its values at the corners, and a point is judged by three numbers of its cell, however many faces the inner hull has.
+//! cube. The outermost point of each cell is kept; the hull of these, the *inner hull*, holds most of the rest. Its gauge
+//! `g(p)`, the centre being the origin, is the factor by which it must grow to reach p: what has `g(p) < 1` is inside. A
+//! gauge is convex and grows with p, so on each half of a square it is at most the linear function that has its values at
+//! the corners, and a point is judged by three numbers of its cell, however many faces the inner hull has.
+//!
+//! The gauge at a corner w is found by walking over the faces to the one that the ray to w goes through: where
+//! `w = λ a + μ b + ν c` with no negative factor, a, b, c being points of the inner hull, `g(w) <= λ + μ + ν`. That holds
+//! for any three points, so neither the walk nor the faces need be right for it, and what the rounded sum misses of w is
+//! measured and added: nothing is believed of the arithmetic that is not checked.
 //!
 //! Source: Akl and Toussaint, *A fast convex hull algorithm*, 1978, keep the extremes of a few directions in this manner; the
 //! cells and the gauge are ours. Nothing depends on what is thrown out but time.
 //!
 //! # Accuracy
-//! All is done in coordinates whose box is [-1, 1]³, in doubles. A point goes only where its gauge is below 1 - [`MARGIN`].
+//! All is done in doubles, in coordinates whose box is [-1, 1]³, where points are off by 2^-52. A point goes only where its gauge
+//! is below 1 - [`MARGIN`], and only where no unit along an axis has a gauge above [`MOST_GAUGE`].
 
 use rayon::prelude::*;
 
 use super::build::Surface;
 use super::order::insertion_order;
-use crate::exact::normal_rounded_once;
 
 /// Fewer points than this are put on the hull sooner than judged.
 const LEAST_POINTS: usize = 1000;
@@ -25,17 +30,16 @@ const LEAST_POINTS: usize = 1000;
 /// Points that threads take at a time.
 const CHUNK: usize = 1 << 14;
 
-/// How far inside a point must be, in units of its distance from the centre. Ten times what the roundings below add up
-/// to; a larger margin keeps more points.
+/// How far inside a point must be, in units of its distance from the centre. Rounded points and sums count for 1e-12 of it,
+/// [`MOST_GAUGE`] times their rounding; a larger margin keeps more points.
 const MARGIN: f64 = 1e-6;
 
-/// The least distance of a face of the inner hull from the centre, half the box being 1. Nearer, the relative error of
-/// the distance would count; nothing is thrown out then.
-const LEAST_DISTANCE: f64 = 1e-3;
+/// The greatest gauge of a unit along an axis. Beyond, the centre is too near the surface for rounding not to count, and nothing
+/// is thrown out.
+const MOST_GAUGE: f64 = 1e3;
 
-/// How much larger than a normal the products may be that it is made of. Beyond, it is rounded from its exact value,
-/// so that every normal is right to 1e-11 of its length.
-const MOST_CANCELLATION: f64 = 1e4;
+/// Steps of a walk over faces before it is given up, and with it the corner: twenty times what walks take.
+const MOST_STEPS: usize = 200;
 
 /// The points that may be on the hull, with their numbers in ascending order.
 pub(super) fn may_be_on_hull<T: Copy + Into<f64> + Sync>(
@@ -52,14 +56,16 @@ pub(super) fn may_be_on_hull<T: Copy + Into<f64> + Sync>(
             })
             .collect()
     };
-    // A grid twice as fine would make the inner hull four times as large and save few points more.
-    let [seeds, cells] = if points.len() < 20 * LEAST_POINTS { [4, 8] } else { [8, 16] };
-    if points.len() < LEAST_POINTS {
-        return keep(&|_| false);
-    }
+    // A grid twice as fine keeps a shell of points a quarter as thick, for an inner hull of four times as many.
+    let seeds = match points.len() {
+        ..LEAST_POINTS => return keep(&|_| false),
+        ..20_000 => 8,
+        ..500_000 => 16,
+        _ => 32,
+    };
     let Some(box_frame) = Frame::of_box(bounds) else { return keep(&|_| false) };
     let outermost = outermost(points, &box_frame, seeds);
-    match Inner::hull(&outermost, box_frame.scale, cells) {
+    match Inner::hull(&outermost, box_frame.scale, 2 * seeds) {
         Some(inner) => keep(&|point| inner.holds(point)),
         None => keep(&|_| false),
     }
@@ -163,17 +169,32 @@ impl Inner {
         let numbered: Vec<_> = points.iter().copied().zip(0..).collect();
         let ordered: Vec<_> = insertion_order(&numbered).into_iter().map(|at| points[at as usize]).collect();
         let surface = Surface::of(&ordered)?;
-        let faces: Vec<[[f64; 3]; 3]> =
-            surface.faces().flatten().map(|face| face.corners.map(|corner| ordered[corner as usize])).collect();
-        // The mean of the corners of all faces is inside, whatever the rounding, or some face is not at its distance.
-        let share = 1.0 / (3 * faces.len()) as f64;
-        let centre = std::array::from_fn(|k| faces.as_flattened().iter().map(|corner| corner[k] * share).sum());
+        let corners: Vec<u32> = surface.faces().flatten().flat_map(|face| face.corners).collect();
+        let share = 1.0 / corners.len() as f64;
+        let centre = std::array::from_fn(|k| corners.iter().map(|&corner| ordered[corner as usize][k] * share).sum());
         let frame = Frame { centre, scale };
-        let planes: Vec<[f64; 3]> = faces.iter().map(|face| frame.plane(face)).collect::<Option<_>>()?;
-        let gauge = corners(cells)
-            .map(|w| planes.iter().fold(0.0, |most: f64, n| most.max(n[0] * w[0] + n[1] * w[1] + n[2] * w[2])))
-            .collect();
-        Some(Self { frame, cells, gauge })
+        let placed: Vec<[f64; 3]> = ordered.iter().map(|point| frame.apply(point)).collect();
+        let start = surface.faces().position(|face| face.is_some())? as u32;
+        let mut walk = Walk { surface: &surface, points: &placed, at: start };
+        // With `g(r) <= G Σ|r_k|` for any r, the greatest gauge along the axes, G, is at most the greatest sum there, and G times
+        // what that misses.
+        let mut most = 0.0_f64;
+        for axis in 0..3 {
+            for unit in [-1.0, 1.0] {
+                let mut w = [0.0; 3];
+                w[axis] = unit;
+                let Combination { sum, missed } = walk.combine(&w)?;
+                most = most.max(sum / (1.0 - missed));
+            }
+        }
+        if !(0.0..MOST_GAUGE).contains(&most) {
+            return None;
+        }
+        let at_corner = |w: [f64; 3]| match walk.combine(&w) {
+            Some(Combination { sum, missed }) => sum + missed * most,
+            None => f64::INFINITY,
+        };
+        Some(Self { frame, cells, gauge: corners_of_squares(cells).map(at_corner).collect() })
     }
 
     /// Whether a point is certainly inside.
@@ -194,33 +215,59 @@ impl Inner {
     }
 }
 
-impl Frame {
-    /// The plane of a face as `n / d`, where `n · p <= d` is its inner side; nothing where the centre is too near.
+/// A point as a sum of three of the inner hull with factors that are not negative.
+struct Combination {
+    /// The sum of the factors.
+    sum: f64,
+    /// The magnitudes of what the sum of points misses, added up over the axes.
+    missed: f64,
+}
+
+/// A place on a surface around the origin, from which the next is not far.
+struct Walk<'s> {
+    surface: &'s Surface<'s>,
+    points: &'s [[f64; 3]],
+    at: u32,
+}
+
+impl Walk<'_> {
+    /// Walks to the face that the ray to `w` goes through; nothing where it does not arrive.
     ///
-    /// # Accuracy
-    /// Within 1e-8 of its length: 1e-11 of the normal, over the least distance.
-    fn plane(&self, [p, q, r]: &[[f64; 3]; 3]) -> Option<[f64; 3]> {
-        let (u, v): ([f64; 3], [f64; 3]) = (std::array::from_fn(|k| q[k] - p[k]), std::array::from_fn(|k| r[k] - p[k]));
-        let products: [[f64; 2]; 3] =
-            std::array::from_fn(|k| [u[(k + 1) % 3] * v[(k + 2) % 3], u[(k + 2) % 3] * v[(k + 1) % 3]]);
-        let mut normal = products.map(|[forward, backward]| forward - backward);
-        // In the frame's units, in which the axes count alike.
-        let scaled = |k: usize, x: f64| (x / self.scale[k]).abs();
-        let length: f64 = (0..3).map(|k| scaled(k, normal[k])).sum();
-        let size: f64 = (0..3).map(|k| scaled(k, products[k][0]) + scaled(k, products[k][1])).sum();
-        if size > MOST_CANCELLATION * length {
-            normal = normal_rounded_once(p, q, r);
+    /// Source: Devillers, Pion and Teillaud, *Walking in a triangulation*, 2002, the visibility walk; here each triangle is the
+    /// cone over it.
+    fn combine(&mut self, w: &[f64; 3]) -> Option<Combination> {
+        for step in 0..MOST_STEPS {
+            let face = self.surface.face(self.at);
+            let corners = face.corners.map(|corner| &self.points[corner as usize]);
+            // Where w is beyond the plane through an edge and the centre; the first edge differs from step to step, lest
+            // the walk go round in circles.
+            let factor = |edge: usize| determinant(corners[edge], corners[(edge + 1) % 3], w);
+            let beyond = (0..3).map(|turn| (step + turn) % 3).find(|&edge| factor(edge) < 0.0);
+            match beyond {
+                Some(edge) => self.at = face.across[edge],
+                None => {
+                    let whole = determinant(corners[0], corners[1], corners[2]);
+                    let factors = [1, 2, 0].map(|edge| factor(edge) / whole);
+                    let miss = |k: usize| {
+                        w[k] - (factors[0] * corners[0][k] + factors[1] * corners[1][k] + factors[2] * corners[2][k])
+                    };
+                    let missed = miss(0).abs() + miss(1).abs() + miss(2).abs();
+                    // Not where the face is so thin, or so near the centre, that the factors mean nothing.
+                    let is_sound = missed < MARGIN / MOST_GAUGE && factors.iter().all(|&factor| factor >= 0.0);
+                    return is_sound.then(|| Combination { sum: factors.iter().sum(), missed });
+                }
+            }
         }
-        let normal: [f64; 3] = std::array::from_fn(|k| normal[k] / self.scale[k]);
-        let from_centre = self.apply(p);
-        let distance: f64 = (0..3).map(|k| normal[k] * from_centre[k]).sum();
-        let length: f64 = normal.iter().map(|x| x.abs()).sum();
-        (distance >= LEAST_DISTANCE * length).then(|| normal.map(|x| x / distance))
+        None
     }
 }
 
+fn determinant(u: &[f64; 3], v: &[f64; 3], w: &[f64; 3]) -> f64 {
+    (0..3).map(|k| (u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]) * w[k]).sum()
+}
+
 /// The corners of the squares of a cube map, at distance 1 along the axis of their side.
-fn corners(cells: usize) -> impl Iterator<Item = [f64; 3]> {
+fn corners_of_squares(cells: usize) -> impl Iterator<Item = [f64; 3]> {
     let step = 2.0 / cells as f64;
     (0..6).flat_map(move |side| {
         (0..=cells).flat_map(move |s| {

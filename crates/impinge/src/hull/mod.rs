@@ -219,7 +219,8 @@ impl Hull {
     /// Where there is no vertex `start`.
     ///
     /// # Complexity
-    /// See [`climb`](self); never more than twice [`support`](Self::support) and the vertices that tie.
+    /// As many steps as vertices lie between the start and the farthest, each looking at all neighbours of one. Once as many
+    /// vertices were looked at as there are, [`support`](Self::support) takes over. Ties are walked through on top.
     #[must_use]
     pub fn support_from(&self, direction: [f64; 3], start: u32) -> u32 {
         let direction = usable(direction);

@@ -71,7 +71,8 @@ impl Realign for TightHull<'_> {
 /// the smaller it is, the sooner.
 ///
 /// # Complexity
-/// As many steps as vertices lie between the last extremes and the new ones, and at most two looks at all vertices.
+/// As many steps as vertices lie between the last extremes and the new ones. For an extreme that is not reached after looking
+/// at as many vertices as there are, all are scanned.
 #[derive(Clone, Copy, Debug)]
 pub struct ClimbingHull<'h> {
     hull: &'h Hull,
