@@ -3,6 +3,7 @@
 //! - `headline`: impinge on two knots of two million triangles, or on any file.
 //! - `peers`: impinge beside parry3d, in one run.
 //! - `real`: large CAD parts, and a mesh against itself, where every face meets its neighbours.
+//! - `volumes`: bounding volumes of real meshes, and the minimal sphere beside the speed of memory.
 //!
 //! A benchmark checks its answer: one that disagrees with itself or with a known count fails and prints no times.
 
