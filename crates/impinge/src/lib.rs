@@ -2,6 +2,7 @@
 
 pub mod exact;
 pub mod hierarchy;
+pub mod hull;
 pub mod input;
 pub mod math;
 pub mod mesh;

@@ -17,6 +17,7 @@ mod crossing;
 mod filter;
 mod fixed;
 mod placement;
+mod points;
 mod triangles;
 mod unbounded;
 mod wide;
@@ -24,4 +25,7 @@ mod wide;
 pub use corners::{Corners, Tier};
 pub use crossing::{Crossing, Endpoint, Feature, crossing};
 pub use placement::Placement;
+pub(crate) use points::{
+    Plane, collinear, compare_along, image_down, image_up, normal_rounded_once, orient2d, orient3d,
+};
 pub use triangles::{Decision, decide_triangles, triangles_intersect};
