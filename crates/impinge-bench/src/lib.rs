@@ -5,6 +5,7 @@
 //! - `realign`: the ways in which a box follows a turn; `hulls`: the time of a convex hull, for `bench/hulls.py`.
 //! - `box_forms`: what n rotations and m translations cost the three forms of a box.
 //! - `real`: large CAD parts, and a mesh against itself, where every face meets its neighbours.
+//! - `volumes`: bounding volumes of real meshes, and the minimal sphere beside the speed of memory.
 //!
 //! A benchmark checks its answer: one that disagrees with itself or with a known count fails and prints no times.
 
