@@ -5,6 +5,7 @@ pub mod hierarchy;
 pub mod input;
 pub mod math;
 pub mod mesh;
+pub mod primitive;
 pub mod query;
 pub mod simd;
 pub mod storage;

@@ -16,6 +16,7 @@ mod corners;
 mod crossing;
 mod filter;
 mod fixed;
+mod nearness;
 mod placement;
 mod triangles;
 mod unbounded;
@@ -23,5 +24,6 @@ mod wide;
 
 pub use corners::{Corners, Tier};
 pub use crossing::{Crossing, Endpoint, Feature, crossing};
+pub use nearness::triangles_within;
 pub use placement::Placement;
 pub use triangles::{Decision, decide_triangles, triangles_intersect};

@@ -1,9 +1,11 @@
 //! Triangle meshes: judged once, packed, with their hierarchy, and the one descent of two meshes.
 
 mod descent;
+mod distance;
 mod filter;
 mod frame;
 mod judge;
+mod metric;
 mod packet;
 mod positions;
 mod relation;
@@ -13,6 +15,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 pub(crate) use descent::collect_intersecting;
+pub(crate) use distance::{nearest, within};
 pub use descent::{HostChoice, Options};
 pub use positions::Positions;
 

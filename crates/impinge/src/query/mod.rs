@@ -1,8 +1,10 @@
 //! The questions one asks of two meshes. They take judged meshes and poses, and so cannot fail.
 
 mod curves;
+mod distance;
 
 pub use curves::{Curves, curves_of_pairs, intersection_curves};
+pub use distance::{Distance, Witness, WitnessCache, distance, distance_with, within, within_with};
 
 use rayon::prelude::*;
 
