@@ -59,6 +59,11 @@ pub enum InputErrorKind {
     },
     /// A rotation axis of length zero.
     ZeroAxis,
+    /// A ray without a direction.
+    ZeroDirection {
+        /// Which ray, counted from zero.
+        index: usize,
+    },
 }
 
 impl InputError {
@@ -86,6 +91,21 @@ impl InputError {
     pub fn hint(&self) -> Option<&'static str> {
         self.hint
     }
+
+    /// Judges three numbers that are not part of a mesh, such as a point that is asked about: row `index` of `what`.
+    ///
+    /// # Errors
+    /// Where one is not finite, or beyond 2^300.
+    pub(crate) fn judge_row(row: &[f64; 3], what: &'static str, index: usize) -> Result<(), Self> {
+        const LIMIT: f64 = f64::from_bits((1023 + 300) << 52);
+        if !row.iter().all(|x| x.is_finite()) {
+            return Err(Self::new(InputErrorKind::NonFinite { what, index }));
+        }
+        if !row.iter().all(|x| x.abs() <= LIMIT) {
+            return Err(Self::new(InputErrorKind::OutOfRange { what, index, limit: "2^300" }));
+        }
+        Ok(())
+    }
 }
 
 impl fmt::Display for InputError {
@@ -109,6 +129,7 @@ impl fmt::Display for InputError {
                 write!(f, "the quaternion has length {length}, not 1")?;
             }
             InputErrorKind::ZeroAxis => write!(f, "the rotation axis has length zero")?,
+            InputErrorKind::ZeroDirection { index } => write!(f, "the direction of ray {index} is zero")?,
         }
         match self.hint {
             Some(hint) => write!(f, " ({hint})"),

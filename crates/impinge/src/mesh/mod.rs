@@ -6,8 +6,10 @@ mod filter;
 mod frame;
 mod judge;
 mod metric;
+mod nearest;
 mod packet;
 mod positions;
+mod rays;
 mod relation;
 
 use std::sync::Arc;
@@ -17,7 +19,9 @@ use rayon::prelude::*;
 pub(crate) use descent::collect_intersecting;
 pub(crate) use distance::{nearest, within};
 pub use descent::{HostChoice, Options};
+pub use nearest::ClosestPoint;
 pub use positions::Positions;
+pub use rays::{Ray, RayHit};
 
 use crate::exact::Corners;
 use crate::hierarchy::{BinaryTree, LEAF_CAPACITY, WideTree, build_morton};

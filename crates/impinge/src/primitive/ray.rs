@@ -18,8 +18,8 @@ use crate::math::dyadic::{self, Dyadic};
 /// Where a ray meets a triangle first: at `origin + t direction`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayCrossing {
-    /// Not negative; in units of the direction's length. Within 2^-40 of itself of the true one, zero exactly where
-    /// that is zero.
+    /// Not negative; in units of the direction's length. Within 2^-40 of itself of the true one, zero where that is zero;
+    /// the largest float where it is beyond 2^1022.
     pub t: f64,
     /// More than what `t` may be off by.
     pub error: f64,
@@ -68,8 +68,8 @@ pub fn ray_triangle(origin: &Vector, direction: &Vector, triangle: &[Vector; 3])
     let under_error = ROUNDING * permanent(&edges[0], &edges[1], direction) + UNDERFLOW;
     let relative = over_error / over.abs() + under_error / under.abs();
     // NaN and infinity, of parts that are zero, are not below.
-    if relative < LARGEST_T_ERROR {
-        let t = over / under;
+    let t = over / under;
+    if relative < LARGEST_T_ERROR && t.is_finite() {
         return (t > 0.0).then_some(RayCrossing { t, error: t * 2.0 * relative });
     }
     exact.unwrap_or_else(|| ExactRay::new(origin, direction, triangle)).crossing().map(RayCrossing::nearest)
@@ -78,7 +78,7 @@ pub fn ray_triangle(origin: &Vector, direction: &Vector, triangle: &[Vector; 3])
 impl RayCrossing {
     /// A parameter rounded to the nearest float.
     fn nearest(t: f64) -> Self {
-        Self { t, error: t * f64::EPSILON + f64::from_bits(1) }
+        Self { t: t.min(f64::MAX), error: t * f64::EPSILON + f64::from_bits(1) }
     }
 
     /// How two crossings of one ray compare by their true parameters.
