@@ -10,6 +10,7 @@
 
 mod bounds;
 mod leaf;
+mod profile;
 
 use std::ops::ControlFlow::{self, Break, Continue};
 
@@ -24,6 +25,7 @@ use crate::simd::{LANES, by_axis};
 use crate::volume::Aabb;
 use bounds::Bounds;
 use leaf::{Facing, Leaf};
+use profile::Profiles;
 
 /// The nearest points of two meshes, in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,7 +103,8 @@ struct Answer {
     best: Option<Valued>,
     /// Faces that are within the clearance.
     kept: Option<[u32; 2]>,
-    /// What is farther than this, in metric units, does not matter; the second is for nodes.
+    /// What is farther than this, in metric units, does not matter; the same in single precision; and for nodes.
+    cut: f64,
     limit: f32,
     node_limit: f32,
     values_left: usize,
@@ -131,6 +134,7 @@ struct Search<'a> {
     leaves: [AtHand<Leaf>; 2],
     carried_host: AtHand<Carried>,
     carried_guest: AtHand<Carried>,
+    profiles: Profiles,
 }
 
 #[derive(Clone, Debug)]
@@ -150,8 +154,14 @@ impl<'a> Search<'a> {
         let (host, guest) = if bounds.swapped { (b.mesh, a.mesh) } else { (a.mesh, b.mesh) };
         let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
         let scene = Scene { meshes: [a.mesh, b.mesh], metric, placement, bounds, clearance };
-        let mut answer =
-            Answer { best: None, kept: None, limit: f32::INFINITY, node_limit: f32::INFINITY, values_left: MOST_VALUES };
+        let mut answer = Answer {
+            best: None,
+            kept: None,
+            cut: f64::INFINITY,
+            limit: f32::INFINITY,
+            node_limit: f32::INFINITY,
+            values_left: MOST_VALUES,
+        };
         let metric = &scene.metric;
         let farthest = if clearance == f64::INFINITY { metric.diagonal } else { clearance * metric.scale };
         answer.cut(&scene, farthest + 2.0 * metric.error);
@@ -164,6 +174,7 @@ impl<'a> Search<'a> {
             leaves: [AtHand::new(LEAVES_AT_HAND), AtHand::new(LEAVES_AT_HAND)],
             carried_host: AtHand::new(CARRIED_AT_HAND),
             carried_guest: AtHand::new(CARRIED_AT_HAND),
+            profiles: Profiles::new(),
         })
     }
 
@@ -174,6 +185,10 @@ impl<'a> Search<'a> {
             && self.answer.meet(scene, faces, &scene.corners(faces)).is_break()
         {
             return;
+        }
+        if let Some(best) = &self.answer.best {
+            let ([on_host, on_guest], on) = (self.scene.sides(), [&best.witness.on_a, &best.witness.on_b]);
+            self.profiles.take(on[on_host], on[on_guest], best.value);
         }
         let level = options.level;
         let _ = dispatch!(level, simd => self.descend(simd));
@@ -210,15 +225,25 @@ impl<'a> Search<'a> {
 
     #[inline(always)]
     fn open_both<S: Simd>(&mut self, simd: S, host: u32, guest: u32) {
-        let Self { scene, answer, tasks, carried_host, carried_guest, .. } = self;
+        let Self { scene, answer, tasks, carried_host, carried_guest, profiles, .. } = self;
         let (host_node, guest_node) = (&self.host[host as usize], &self.guest[guest as usize]);
+        let [on_host, on_guest] = scene.sides();
+        let side = |side: usize, node: u32| (scene.meshes[side], &scene.metric.maps[side], node);
+        let error = scene.metric.error;
+        let reached = match profiles.reached(side(on_host, host), side(on_guest, guest), answer.cut, error) {
+            profile::Facing::Apart => return,
+            profile::Facing::Leaves(reached) => Some(reached),
+            profile::Facing::Unknown => None,
+        };
         let host_boxes = carried(carried_host, host, || scene.bounds.carry_host(simd, host_node));
         let guest_boxes = carried(carried_guest, guest, || scene.bounds.carry_guest(simd, guest_node));
         let mut found = Sorted::new();
         for guest_lane in 0..guest_node.count() {
             let bounds = scene.bounds.of(simd, host_boxes, &guest_boxes.lane(guest_lane), false);
             for (host_lane, &bound) in bounds[..host_node.count()].iter().enumerate() {
-                found.add_below(answer.node_limit, bound, host_lane, guest_lane);
+                if !reached.as_ref().is_some_and(|reached| reached.is_apart(host_lane, guest_lane)) {
+                    found.add_below(answer.node_limit, bound, host_lane, guest_lane);
+                }
             }
         }
         found.push(tasks, |host_lane, guest_lane| {
@@ -272,11 +297,11 @@ impl<'a> Search<'a> {
 
     #[inline(always)]
     fn meet_leaves<S: Simd>(&mut self, simd: S, host: u32, guest: u32) -> ControlFlow<()> {
-        let Self { scene, answer, leaves: [at_host, at_guest], .. } = self;
-        let swapped = scene.bounds.swapped;
+        let Self { scene, answer, leaves: [at_host, at_guest], profiles, .. } = self;
+        let [on_host, on_guest] = scene.sides();
         let take_up = |leaf: u32, side: usize| Leaf::new(scene.meshes[side], leaf, &scene.metric.maps[side]);
-        let host = at_host.get(host, |kept| kept.leaf, |leaf| take_up(leaf, usize::from(swapped)));
-        let guest = at_guest.get(guest, |kept| kept.leaf, |leaf| take_up(leaf, usize::from(!swapped)));
+        let host = at_host.get(host, |kept| kept.leaf, |leaf| take_up(leaf, on_host));
+        let guest = at_guest.get(guest, |kept| kept.leaf, |leaf| take_up(leaf, on_guest));
         let facing = Facing::new(simd, host, guest, scene.metric.error);
         for guest_lane in bits(guest.lanes_in_use) {
             let mut near = facing.near_boxes(guest_lane, answer.limit);
@@ -292,14 +317,18 @@ impl<'a> Search<'a> {
                 if lower[nearest] > answer.limit {
                     continue;
                 }
-                let (on_host, on_guest) = (host.faces[nearest], guest.faces[guest_lane]);
+                let (face_host, face_guest) = (host.faces[nearest], guest.faces[guest_lane]);
                 let (of_host, of_guest) = (host.corners[nearest], guest.corners[guest_lane]);
-                if swapped {
-                    answer.meet(scene, [on_guest, on_host], &[of_guest, of_host])?;
+                if scene.bounds.swapped {
+                    answer.meet(scene, [face_guest, face_host], &[of_guest, of_host])?;
                 } else {
-                    answer.meet(scene, [on_host, on_guest], &[of_host, of_guest])?;
+                    answer.meet(scene, [face_host, face_guest], &[of_host, of_guest])?;
                 }
             }
+        }
+        if let Some(best) = &answer.best {
+            let on = [&best.witness.on_a, &best.witness.on_b];
+            profiles.take(on[on_host], on[on_guest], best.value);
         }
         Continue(())
     }
@@ -307,6 +336,7 @@ impl<'a> Search<'a> {
 
 impl Answer {
     fn cut(&mut self, scene: &Scene<'_>, metric: f64) {
+        self.cut = metric;
         self.limit = (metric as f32).next_up();
         self.node_limit = scene.bounds.limit(metric);
     }
@@ -345,6 +375,12 @@ impl Answer {
 }
 
 impl Scene<'_> {
+    /// Which mesh is the host, and which the guest.
+    #[inline(always)]
+    fn sides(&self) -> [usize; 2] {
+        if self.bounds.swapped { [1, 0] } else { [0, 1] }
+    }
+
     fn corners(&self, faces: [u32; 2]) -> [[Vector; 3]; 2] {
         [0, 1].map(|m| self.meshes[m].corners(faces[m]).map(|corner| self.metric.maps[m].apply(corner)))
     }
@@ -410,6 +446,12 @@ impl<T> AtHand<T> {
     /// The thing of this number, made where it is not at hand.
     #[inline(always)]
     fn get(&mut self, number: u32, number_of: impl Fn(&T) -> u32, make: impl FnOnce(u32) -> T) -> &T {
+        self.get_current(number, |kept| number_of(kept) == number, make)
+    }
+
+    /// The thing of this number, made where what is at hand in its place is another or no longer right.
+    #[inline(always)]
+    fn get_current(&mut self, number: u32, is_current: impl Fn(&T) -> bool, make: impl FnOnce(u32) -> T) -> &T {
         let index = number as usize % self.places.len();
         let place = match self.places[index] {
             0 => {
@@ -419,7 +461,7 @@ impl<T> AtHand<T> {
             }
             place => {
                 let place = usize::from(place) - 1;
-                if number_of(&self.kept[place]) != number {
+                if !is_current(&self.kept[place]) {
                     self.kept[place] = make(number);
                 }
                 place
