@@ -6,6 +6,7 @@ pub mod hull;
 pub mod input;
 pub mod math;
 pub mod mesh;
+pub mod primitive;
 pub mod query;
 pub mod simd;
 pub mod storage;

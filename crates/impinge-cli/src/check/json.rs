@@ -1,6 +1,6 @@
 //! The answer for a program: one object of schema `impinge.check/1`. What was not asked is absent.
 
-use impinge::query::Curves;
+use impinge::query::{Curves, Distance, Witness};
 use serde::Serialize;
 
 use super::{Outcome, Seconds};
@@ -17,6 +17,11 @@ struct Object {
     pairs: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     curves: Option<CurveSummary>,
+    /// Absent where it is infinite: a mesh has no faces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    distance: Option<Apart>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clearance: Option<ClearanceSummary>,
     seconds: Seconds,
 }
 
@@ -35,6 +40,24 @@ struct CurveSummary {
     count: usize,
     closed: usize,
     length: f64,
+}
+
+#[derive(Serialize)]
+struct Apart {
+    distance: f64,
+    lower: f64,
+    upper: f64,
+    /// In the common frame and unit.
+    point_a: [f64; 3],
+    point_b: [f64; 3],
+    face_a: u32,
+    face_b: u32,
+}
+
+#[derive(Serialize)]
+struct ClearanceSummary {
+    required: f64,
+    within: bool,
 }
 
 /// The object, as one line.
@@ -56,8 +79,18 @@ pub(super) fn object(outcome: &Outcome) -> String {
         intersects: !outcome.pairs.is_empty(),
         pairs: outcome.pairs.len(),
         curves: outcome.curves.as_ref().map(summary),
+        distance: outcome.distance.as_ref().and_then(apart),
+        clearance: outcome
+            .clearance
+            .map(|clearance| ClearanceSummary { required: clearance.required, within: clearance.is_violated }),
         seconds: outcome.seconds,
     })
+}
+
+fn apart(distance: &Distance) -> Option<Apart> {
+    let Distance { lower, upper, witness } = *distance;
+    let Witness { point_a, point_b, face_a, face_b } = witness?;
+    Some(Apart { distance: upper, lower, upper, point_a, point_b, face_a, face_b })
 }
 
 fn summary(curves: &Curves) -> CurveSummary {

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use impinge::query::{self, Curves};
+use impinge::query::{self, Curves, Distance};
 use impinge::{InputError, Pose};
 use impinge_files::Unit;
 
@@ -29,7 +29,8 @@ const MOST_THREADS: i64 = 1024;
 /// The answer is exact: it is the truth about the closed triangles whose corners are the numbers in the files, mapped by
 /// the poses. Touching counts. A mesh is its surface, not what that encloses.
 ///
-/// Exit code: 0 where they are clear of each other, 1 where they meet, 2 where there is no answer.
+/// Exit code: 0 where they are clear of each other, 1 where they meet or come within the clearance, 2 where there is no
+/// answer.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// The first mesh: OBJ, STL, PLY, OFF, glTF, GLB or 3MF
@@ -57,6 +58,14 @@ pub(crate) struct Arguments {
     /// Write the curves in which the meshes meet, to an .obj file
     #[arg(long, value_name = "OUT")]
     curves: Option<PathBuf>,
+    /// Tell how far apart they are, with nearest points and faces; 0 where they meet
+    #[arg(long)]
+    distance: bool,
+    /// Whether they come within this distance of each other, decided exactly; at it is within it
+    ///
+    /// In the finer unit of A and B. Where they do, the exit code is 1.
+    #[arg(long, value_name = "D", value_parser = parse_clearance, allow_hyphen_values = true)]
+    clearance: Option<f64>,
     /// Print one JSON object in place of the report
     #[arg(long)]
     json: bool,
@@ -74,7 +83,16 @@ struct Outcome {
     bounds: [Option<Bounds>; 2],
     pairs: Vec<[u32; 2]>,
     curves: Option<Curves>,
+    distance: Option<Distance>,
+    clearance: Option<Clearance>,
     seconds: Seconds,
+}
+
+/// A clearance that was asked for, and whether the meshes come within it.
+#[derive(Clone, Copy)]
+struct Clearance {
+    required: f64,
+    is_violated: bool,
 }
 
 /// How long each phase took.
@@ -119,7 +137,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let text = if arguments.json { json::object(&outcome) } else { report::text(&outcome) };
     outcome.hint_at_containment();
     console::conclude(&text)?;
-    Ok(if outcome.pairs.is_empty() { Verdict::Clear } else { Verdict::Collision })
+    Ok(outcome.verdict())
+}
+
+fn parse_clearance(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(distance) if distance >= 0.0 && distance.is_finite() => Ok(distance),
+        _ => Err("a clearance is a number that is not negative".to_owned()),
+    }
 }
 
 impl Arguments {
@@ -162,13 +187,17 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
         units::doubt(stated, [a.diagonal(), b.diagonal()], [&poses[0], &poses[1]]);
     }
 
-    let ((pairs, curves), query) = timed("intersecting", || {
+    let (mut outcome, query) = timed("intersecting", || {
         let (a, b) = (bodies[0].mesh.at(poses[0]), bodies[1].mesh.at(poses[1]));
         let pairs = query::intersecting_pairs(a, b);
         let curves = arguments.wants_curves().then(|| query::curves_of_pairs(a, b, &pairs));
-        (pairs, curves)
+        let distance = arguments.distance.then(|| query::distance(a, b));
+        let clearance =
+            arguments.clearance.map(|required| Clearance { required, is_violated: query::within(a, b, required) });
+        Outcome { bodies, poses, bounds, pairs, curves, distance, clearance, seconds: Seconds::default() }
     });
-    Ok(Outcome { bodies, poses, bounds, pairs, curves, seconds: Seconds { load, build, query } })
+    outcome.seconds = Seconds { load, build, query };
+    Ok(outcome)
 }
 
 /// The poses of the meshes in their own units; vertices stay the numbers that they are.
@@ -195,6 +224,11 @@ fn timed<T>(doing: &'static str, work: impl FnOnce() -> T) -> (T, f64) {
 impl Outcome {
     fn units(&self) -> [Option<Unit>; 2] {
         [self.bodies[0].about.unit, self.bodies[1].about.unit]
+    }
+
+    fn verdict(&self) -> Verdict {
+        let is_clear = self.pairs.is_empty() && !self.clearance.is_some_and(|clearance| clearance.is_violated);
+        if is_clear { Verdict::Clear } else { Verdict::Collision }
     }
 
     /// Surfaces that do not meet may still be one inside the other, which is a collision in most minds.

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use anstyle::{AnsiColor, Style};
+use impinge::query::Distance;
 
 use super::Outcome;
 use crate::body::Body;
@@ -69,6 +70,19 @@ fn describe(body: &Body, bounds: Option<&Bounds>) -> [String; 5] {
     ]
 }
 
+/// How far apart, and where.
+fn apart(outcome: &Outcome, distance: &Distance, unit: &str) -> String {
+    let Some(witness) = distance.witness else { return "infinite: a mesh is empty".to_owned() };
+    let mut text = format!("{}{unit}", length(distance.upper));
+    let ends = [(0, "A", witness.face_a, witness.point_a), (1, "B", witness.face_b, witness.point_b)];
+    for (side, name, face, point) in ends {
+        let about = &outcome.bodies[side].about;
+        let part = if about.parts.len() > 1 { format!(" of {}", about.part(face)) } else { String::new() };
+        let _ = write!(text, "; {name} face {}{part} at {}", count(face as usize), point.map(length).join(", "));
+    }
+    text
+}
+
 /// What there is to say beyond the verdict, each with its label.
 fn findings(outcome: &Outcome) -> Vec<(&'static str, String)> {
     let mut findings = Vec::new();
@@ -84,6 +98,14 @@ fn findings(outcome: &Outcome) -> Vec<(&'static str, String)> {
             findings.push(("touching", format!("at {}", counted(curves.points.len(), "single point"))));
         }
         findings.push(("coplanar", format!("{} of faces", counted(curves.coplanar_pairs, "pair"))));
+    }
+    let unit = units::common(outcome.units()).map_or(String::new(), |unit| format!(" {unit}"));
+    if let Some(distance) = &outcome.distance {
+        findings.push(("distance", apart(outcome, distance, &unit)));
+    }
+    if let Some(clearance) = outcome.clearance {
+        let kept = if clearance.is_violated { "not kept" } else { "kept" };
+        findings.push(("clearance", format!("{}{unit} is {kept}", length(clearance.required))));
     }
     let seconds = outcome.seconds;
     let times = [("load", seconds.load), ("build", seconds.build), ("query", seconds.query)];

@@ -16,6 +16,7 @@ mod corners;
 mod crossing;
 mod filter;
 mod fixed;
+mod nearness;
 mod placement;
 mod points;
 mod triangles;
@@ -24,6 +25,7 @@ mod wide;
 
 pub use corners::{Corners, Tier};
 pub use crossing::{Crossing, Endpoint, Feature, crossing};
+pub use nearness::triangles_within;
 pub use placement::Placement;
 pub(crate) use points::{Plane, collinear, compare_along, image_down, image_up, orient2d, orient3d};
 pub use triangles::{Decision, decide_triangles, triangles_intersect};

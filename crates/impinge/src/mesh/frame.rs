@@ -49,7 +49,7 @@ impl PackedFrame {
 
 /// The power of two that takes `extent` into (1/2, 1], as far as powers of two go in double precision with room for
 /// products; one for zero.
-fn reciprocal_power_of_two(extent: f64) -> f64 {
+pub(super) fn reciprocal_power_of_two(extent: f64) -> f64 {
     const EXPONENT_LIMIT: i32 = 900;
     if extent == 0.0 {
         return 1.0;

@@ -1,12 +1,16 @@
 //! Triangle meshes: judged once, packed, with their hierarchy, and the one descent of two meshes.
 
 mod descent;
+mod distance;
 mod face_boxes;
 mod filter;
 mod frame;
 mod judge;
+mod metric;
+mod nearest;
 mod packet;
 mod positions;
+mod rays;
 mod relation;
 
 use std::sync::Arc;
@@ -16,8 +20,11 @@ use rayon::prelude::*;
 
 pub(crate) use descent::collect_intersecting;
 pub use descent::{HostChoice, Options};
+pub(crate) use distance::{nearest, within};
+pub use nearest::ClosestPoint;
 pub use positions::Positions;
 use positions::Vertex;
+pub use rays::{Ray, RayHit};
 
 use crate::exact::Corners;
 use crate::hierarchy::{BinaryTree, Slab, WideTree, build};

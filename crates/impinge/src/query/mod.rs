@@ -1,9 +1,11 @@
 //! The questions one asks of two meshes. They take judged meshes and poses, and so cannot fail.
 
 mod curves;
+mod distance;
 mod pair_order;
 
 pub use curves::{Curves, curves_of_pairs, intersection_curves};
+pub use distance::{Distance, Witness, WitnessCache, distance, distance_with, within, within_with};
 
 use crate::mesh::{Options, Placed, collect_intersecting};
 
