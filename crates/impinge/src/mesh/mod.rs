@@ -1,5 +1,6 @@
 //! Triangle meshes: judged once, packed, with their hierarchy, and the one descent of two meshes.
 
+mod crossings;
 mod descent;
 mod filter;
 mod frame;
@@ -7,14 +8,18 @@ mod judge;
 mod packet;
 mod positions;
 mod relation;
+mod topology;
+mod winding;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
 pub(crate) use descent::collect_intersecting;
 pub use descent::{HostChoice, Options};
 pub use positions::Positions;
+pub(crate) use winding::Judge;
+pub use winding::{Containment, WindingNumber};
 
 use crate::exact::Corners;
 use crate::hierarchy::{BinaryTree, LEAF_CAPACITY, WideTree, build_morton};
@@ -24,6 +29,7 @@ use crate::storage::Buffer;
 use crate::volume::Aabb;
 use frame::PackedFrame;
 use packet::Packet;
+use topology::Topology;
 
 /// A triangle mesh, judged and packed, with its hierarchy; cheap to clone, and never changing under a query.
 ///
@@ -50,6 +56,8 @@ struct Data {
     packets: Buffer<Packet>,
     /// The faces that fill the lanes of each packet.
     packet_faces: Buffer<[u32; LEAF_CAPACITY]>,
+    /// Made when a question about solids first needs it.
+    topology: OnceLock<Topology>,
 }
 
 impl Mesh {
@@ -88,7 +96,8 @@ impl Mesh {
             })
             .collect();
         let (packets, packet_faces) = (packets.into(), packet_faces.into());
-        Ok(Self(Arc::new(Data { positions, faces, frame, tree, packets, packet_faces })))
+        let topology = OnceLock::new();
+        Ok(Self(Arc::new(Data { positions, faces, frame, tree, packets, packet_faces, topology })))
     }
 
     /// The positions, in the mesh's own frame.
@@ -117,6 +126,16 @@ impl Mesh {
     #[must_use]
     pub fn at(&self, world_from_mesh: Pose) -> Placed<'_> {
         Placed { mesh: self, world_from_mesh }
+    }
+
+    /// How the faces hang together.
+    pub(crate) fn topology(&self) -> &Topology {
+        let slot = &self.0.topology;
+        // Not while the slot is locked: a thread that waits for its sorting may take up a task that needs the slot too.
+        if slot.get().is_none() {
+            let _ = slot.set(Topology::of(&self.0.positions, &self.0.faces));
+        }
+        slot.get_or_init(|| Topology::of(&self.0.positions, &self.0.faces))
     }
 
     /// Bytes that the mesh and its hierarchy hold.
