@@ -1,6 +1,6 @@
 //! The answer for a program: one object of schema `impinge.check/1`. What was not asked is absent.
 
-use impinge::query::Curves;
+use impinge::query::{Contained, Curves, Penetration};
 use serde::Serialize;
 
 use super::{Outcome, Seconds};
@@ -15,6 +15,18 @@ struct Object {
     b: Side,
     intersects: bool,
     pairs: usize,
+    /// "a", "b" or "both".
+    #[serde(skip_serializing_if = "Option::is_none")]
+    contained: Option<&'static str>,
+    /// True where it is undecided too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    penetrates: Option<bool>,
+    /// Which answers count as true without proof.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    undecided: Vec<&'static str>,
+    /// Which meshes are open, though their inside was asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    open: Vec<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     curves: Option<CurveSummary>,
     seconds: Seconds,
@@ -48,16 +60,33 @@ pub(super) fn object(outcome: &Outcome) -> String {
             pose: rows(&outcome.poses[side]),
         }
     };
+    let undecided = named(
+        &["contained", "penetrates"],
+        &[outcome.solid.is_some_and(|solid| solid.undecided), outcome.penetration == Some(Penetration::Undecided)],
+    );
     console::to_line(&Object {
         schema: "impinge.check/1",
         version: env!("CARGO_PKG_VERSION"),
         a: side(0),
         b: side(1),
-        intersects: !outcome.pairs.is_empty(),
+        intersects: outcome.intersects(),
         pairs: outcome.pairs.len(),
+        contained: outcome.solid.and_then(|solid| solid.contained).map(|contained| match contained {
+            Contained::A => "a",
+            Contained::B => "b",
+            Contained::Both => "both",
+        }),
+        penetrates: outcome.penetration.map(|answer| answer != Penetration::No),
+        undecided,
+        open: named(&["a", "b"], &outcome.open()),
         curves: outcome.curves.as_ref().map(summary),
         seconds: outcome.seconds,
     })
+}
+
+/// The names of what holds.
+fn named(names: &[&'static str], hold: &[bool]) -> Vec<&'static str> {
+    names.iter().zip(hold).filter_map(|(&name, &holds)| holds.then_some(name)).collect()
 }
 
 fn summary(curves: &Curves) -> CurveSummary {

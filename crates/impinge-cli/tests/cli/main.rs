@@ -4,6 +4,7 @@ mod answers;
 mod errors;
 mod files;
 mod interrupt;
+mod solids;
 mod streams;
 mod units;
 

@@ -12,18 +12,22 @@
 //! - `wide`: integers of three machine words, which hold most posed corners in single precision;
 //! - `unbounded`: integers of any size.
 
+mod contact;
 mod corners;
 mod crossing;
 mod filter;
 mod fixed;
 mod placement;
 mod point;
+mod shared;
 mod triangles;
 mod unbounded;
 mod wide;
 
+pub(crate) use contact::{Contact, EdgeLine, Fan, contact};
 pub use corners::{Corners, Tier};
 pub use crossing::{Crossing, Endpoint, Feature, crossing};
 pub use placement::Placement;
 pub(crate) use point::{AxisRay, PosedPoint, Spot};
+pub(crate) use shared::meet_beyond_shared;
 pub use triangles::{Decision, decide_triangles, triangles_intersect};

@@ -55,7 +55,8 @@ mod tests {
     /// `arctan(1 / n)` by its series in rationals, within 2^-100.
     fn arctan_of_reciprocal(n: u32) -> RBig {
         let term = |k: u32| {
-            let denominator = (0..2 * k + 1).fold(RBig::ONE, |product, _| product * RBig::from(n)) * RBig::from(2 * k + 1);
+            let denominator =
+                (0..2 * k + 1).fold(RBig::ONE, |product, _| product * RBig::from(n)) * RBig::from(2 * k + 1);
             let value = RBig::ONE / denominator;
             if k.is_multiple_of(2) { value } else { -value }
         };

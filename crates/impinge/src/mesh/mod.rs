@@ -8,7 +8,9 @@ mod judge;
 mod packet;
 mod positions;
 mod relation;
+mod self_descent;
 mod topology;
+mod walls;
 mod winding;
 
 use std::sync::{Arc, OnceLock};
@@ -18,6 +20,8 @@ use rayon::prelude::*;
 pub(crate) use descent::collect_intersecting;
 pub use descent::{HostChoice, Options};
 pub use positions::Positions;
+pub(crate) use self_descent::{Wanted, collect_self_intersecting};
+pub(crate) use walls::{Wall, Walls};
 pub(crate) use winding::Judge;
 pub use winding::{Containment, WindingNumber};
 

@@ -57,8 +57,7 @@ impl Topology {
 
     /// The border of some faces, named by the vertices of [`first_at`](Self::first_at).
     pub(crate) fn border_of(&self, faces: impl Iterator<Item = [u32; 3]>) -> Vec<BorderEdge> {
-        let named: Vec<[u32; 3]> =
-            faces.map(|face| face.map(|vertex| self.first_at[vertex as usize])).collect();
+        let named: Vec<[u32; 3]> = faces.map(|face| face.map(|vertex| self.first_at[vertex as usize])).collect();
         border_of(named.into_par_iter())
     }
 }
@@ -142,8 +141,7 @@ mod tests {
         let welded = topology(&CORNERS, &FACES);
         assert!(welded.border.is_empty());
         // Each face with vertices of its own, one of them with a negative zero.
-        let mut vertices: Vec<[f32; 3]> =
-            FACES.iter().flatten().map(|&vertex| CORNERS[vertex as usize]).collect();
+        let mut vertices: Vec<[f32; 3]> = FACES.iter().flatten().map(|&vertex| CORNERS[vertex as usize]).collect();
         vertices[0][1] = -0.0;
         let soup: Vec<[u32; 3]> = (0..4).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
         let soup = topology(&vertices, &soup);
@@ -164,8 +162,7 @@ mod tests {
 
     #[test]
     fn components_are_numbered_by_their_first_faces() {
-        let vertices: Vec<[f32; 3]> =
-            CORNERS.iter().flat_map(|&[x, y, z]| [[x, y, z], [x + 5.0, y, z]]).collect();
+        let vertices: Vec<[f32; 3]> = CORNERS.iter().flat_map(|&[x, y, z]| [[x, y, z], [x + 5.0, y, z]]).collect();
         let faces: Vec<[u32; 3]> =
             FACES.iter().flat_map(|face| [face.map(|v| 2 * v + 1), face.map(|v| 2 * v)]).collect();
         let two = topology(&vertices, &faces);

@@ -247,10 +247,8 @@ impl<'m> Judge<'m> {
             let re = 1.0 + (a.x * b.x + a.y * b.y);
             let im = a.x * b.y - a.y * b.x;
             let (size_a, size_b) = (a.size(), b.size());
-            let error = size_a * b.error
-                + size_b * a.error
-                + a.error * b.error
-                + 8.0 * UNIT_ROUNDOFF * (1.0 + size_a * size_b);
+            let error =
+                size_a * b.error + size_b * a.error + a.error * b.error + 8.0 * UNIT_ROUNDOFF * (1.0 + size_a * size_b);
             let side = if im > error {
                 Sign::Positive
             } else if im < -error {
@@ -278,7 +276,8 @@ impl<'m> Judge<'m> {
                 continue;
             }
             let [a, b, c] = corners.each_ref().map(|corner| Direction::to(corner, point));
-            let dot = |x: &Direction, y: &Direction| x.unit[0] * y.unit[0] + x.unit[1] * y.unit[1] + x.unit[2] * y.unit[2];
+            let dot =
+                |x: &Direction, y: &Direction| x.unit[0] * y.unit[0] + x.unit[1] * y.unit[1] + x.unit[2] * y.unit[2];
             let re = 1.0 + dot(&a, &b) + dot(&b, &c) + dot(&c, &a);
             let im: f64 = (0..3)
                 .map(|k| {
@@ -351,8 +350,7 @@ impl Direction {
         // Relative to the distance from the axis, which stands once above and twice below the line, and for `1 + along`.
         let relative = self.error / across;
         let size = (1.0 + along) / across;
-        let error =
-            if relative <= 1.0 / 16.0 { size * (6.0 * relative + 16.0 * UNIT_ROUNDOFF) } else { f64::INFINITY };
+        let error = if relative <= 1.0 / 16.0 { size * (6.0 * relative + 16.0 * UNIT_ROUNDOFF) } else { f64::INFINITY };
         Projected { x: x * scale, y: y * scale, error }
     }
 }

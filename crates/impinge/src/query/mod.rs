@@ -1,8 +1,16 @@
 //! The questions one asks of two meshes. They take judged meshes and poses, and so cannot fail.
 
 mod curves;
+mod penetrates;
+mod self_intersection;
+mod solid;
 
 pub use curves::{Curves, curves_of_pairs, intersection_curves};
+pub use penetrates::{Penetration, penetrates, penetration, penetration_of_pairs};
+pub use self_intersection::self_intersecting_pairs;
+pub use solid::{
+    Contained, Solid, SolidIntersection, intersects_solid, solid_intersection, solid_intersection_of_pairs,
+};
 
 use rayon::prelude::*;
 

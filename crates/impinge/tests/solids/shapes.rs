@@ -68,6 +68,8 @@ pub(crate) fn solid_angles(mesh: &impinge_testkit::Mesh, p: [f64; 3]) -> f64 {
 /// Whether the point is on some face, by the testkit's linear programming.
 pub(crate) fn is_on_surface(mesh: &impinge_testkit::Mesh, p: [f64; 3]) -> bool {
     let identity = Affine::IDENTITY;
-    (0..mesh.faces.len())
-        .any(|face| triangles_meet(&mesh.at(identity).triangle(face), &identity, &[p; 3], &identity))
+    (0..mesh.faces.len()).map(|face| mesh.at(identity).triangle(face)).any(|corners| {
+        let beyond = |k: usize| corners.iter().all(|c| c[k] < p[k]) || corners.iter().all(|c| c[k] > p[k]);
+        !(0..3).any(beyond) && triangles_meet(&corners, &identity, &[p; 3], &identity)
+    })
 }

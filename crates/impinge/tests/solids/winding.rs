@@ -57,7 +57,7 @@ fn n14_grid_points_of_closed_meshes_are_decided_exactly() {
                 }
                 counts[[Outside, Surface, Inside].iter().position(|&kind| kind == found).expect("decided")] += 1;
             }
-            assert!(counts.iter().all(|&count| 20 * count > points.len()), "{counts:?}");
+            assert!(counts.iter().all(|&count| 50 * count > points.len()), "{counts:?}");
         }
     }
 }
@@ -73,8 +73,7 @@ fn n18_open_meshes_have_intervals_that_hold_the_solid_angles() {
     for (name, mesh) in [("box", open_box), ("soup", messy), ("cap", cap), ("doubled", doubled)] {
         let solid = engine(&mesh);
         assert!(!solid.is_closed());
-        let random: Vec<[f64; 3]> =
-            (0..300).map(|_| std::array::from_fn(|_| rng.uniform(-3.0, 5.0))).collect();
+        let random: Vec<[f64; 3]> = (0..300).map(|_| std::array::from_fn(|_| rng.uniform(-3.0, 5.0))).collect();
         for points in [random, grid_points(-1, 4)] {
             let found = solid.winding_number(&points).expect("finite points");
             for (&point, winding) in points.iter().zip(&found) {
