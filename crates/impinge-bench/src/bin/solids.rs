@@ -10,7 +10,7 @@ use std::path::Path;
 
 use anyhow::{Result, ensure};
 use clap::Parser;
-use impinge::query::{self, Penetration, Solid};
+use impinge::query::{self, Penetrates, Solid};
 use impinge::{Mesh, Pose, Positions};
 use impinge_bench::samples::timed;
 use impinge_bench::scene::Surface;
@@ -119,16 +119,12 @@ fn meshes(along: u32, repeats: usize) -> Result<()> {
     ask("knots nested, surfaces alone", &surfaces, "false")?;
     let copy = Pose::from_translation([0.5, 0.0, -0.125])?;
     let penetration =
-        |a: &Mesh, b: &Mesh, at: Pose| -> Result<String> { Ok(format!("{:?}", query::penetration(a, b.at(at)))) };
-    ask(
-        "knots nested, penetration",
-        &|| penetration(&knot, &thin, Pose::IDENTITY),
-        &format!("{:?}", Penetration::Yes),
-    )?;
-    ask("knot through knot, penetration", &|| penetration(&knot, &knot, copy), &format!("{:?}", Penetration::Yes))?;
+        |a: &Mesh, b: &Mesh, at: Pose| -> Result<String> { Ok(format!("{:?}", query::penetrates(a, b.at(at)))) };
+    ask("knots nested, penetration", &|| penetration(&knot, &thin, Pose::IDENTITY), &format!("{:?}", Penetrates::Yes))?;
+    ask("knot through knot, penetration", &|| penetration(&knot, &knot, copy), &format!("{:?}", Penetrates::Yes))?;
     let slab = build(block(300))?;
     let upon = Pose::from_translation([0.0, 0.0, 1.0])?;
-    ask("block on block, penetration", &|| penetration(&slab, &slab, upon), &format!("{:?}", Penetration::No))?;
+    ask("block on block, penetration", &|| penetration(&slab, &slab, upon), &format!("{:?}", Penetrates::No))?;
     let human = Surface::load(&Path::new(ROOT).join("data/human_makehuman_cc0.ply"))?;
     let human = Mesh::new(human.positions, human.faces)?;
     let pairs = query::self_intersecting_pairs(&human).len().to_string();

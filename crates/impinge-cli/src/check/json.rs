@@ -1,6 +1,6 @@
 //! The answer for a program: one object of schema `impinge.check/1`. What was not asked is absent.
 
-use impinge::query::{Contained, Curves, Penetration};
+use impinge::query::{Contained, Curves, Penetrates};
 use serde::Serialize;
 
 use super::{Outcome, Seconds};
@@ -62,7 +62,7 @@ pub(super) fn object(outcome: &Outcome) -> String {
     };
     let undecided = named(
         &["contained", "penetrates"],
-        &[outcome.solid.is_some_and(|solid| solid.undecided), outcome.penetration == Some(Penetration::Undecided)],
+        &[outcome.solid.is_some_and(|solid| solid.undecided), outcome.penetrates == Some(Penetrates::Undecided)],
     );
     console::to_line(&Object {
         schema: "impinge.check/1",
@@ -76,7 +76,7 @@ pub(super) fn object(outcome: &Outcome) -> String {
             Contained::B => "b",
             Contained::Both => "both",
         }),
-        penetrates: outcome.penetration.map(|answer| answer != Penetration::No),
+        penetrates: outcome.penetrates.map(Penetrates::possibly),
         undecided,
         open: named(&["a", "b"], &outcome.open()),
         curves: outcome.curves.as_ref().map(summary),

@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use impinge::mesh::Placed;
-use impinge::query::{self, Curves, Penetration, Solid, SolidIntersection};
+use impinge::query::{self, Curves, Penetrates, Solid, SolidIntersection};
 use impinge::{InputError, Pose};
 use impinge_files::Unit;
 
@@ -96,7 +96,7 @@ struct Outcome {
     /// Where it was asked for.
     solid: Option<SolidIntersection>,
     /// Where it was asked for.
-    penetration: Option<Penetration>,
+    penetrates: Option<Penetrates>,
     seconds: Seconds,
 }
 
@@ -193,7 +193,7 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
         pairs: Vec::new(),
         curves: None,
         solid: None,
-        penetration: None,
+        penetrates: None,
         seconds: Seconds::default(),
     };
     let (found, query) = timed("intersecting", || {
@@ -201,11 +201,11 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
         let pairs = query::intersecting_pairs(a, b);
         let curves = arguments.wants_curves().then(|| query::curves_of_pairs(a, b, &pairs));
         let solid = arguments.solid.map(|side| query::solid_intersection_of_pairs(a, b, side.into(), &pairs));
-        let penetration = arguments.penetrates.then(|| query::penetration_of_pairs(a, b, &pairs));
-        (pairs, curves, solid, penetration)
+        let penetrates = arguments.penetrates.then(|| query::penetrates_of_pairs(a, b, &pairs));
+        (pairs, curves, solid, penetrates)
     });
-    let (pairs, curves, solid, penetration) = found;
-    Ok(Outcome { pairs, curves, solid, penetration, seconds: Seconds { load, build, query }, ..start })
+    let (pairs, curves, solid, penetrates) = found;
+    Ok(Outcome { pairs, curves, solid, penetrates, seconds: Seconds { load, build, query }, ..start })
 }
 
 /// The poses of the meshes in their own units; vertices stay the numbers that they are.
@@ -245,13 +245,13 @@ impl Outcome {
 
     /// The answer to the question that was asked; of penetration, what is undecided is a collision.
     fn verdict(&self) -> Verdict {
-        let collides = self.penetration.map_or_else(|| self.intersects(), |answer| answer != Penetration::No);
+        let collides = self.penetrates.map_or_else(|| self.intersects(), Penetrates::possibly);
         if collides { Verdict::Collision } else { Verdict::Clear }
     }
 
     /// Surfaces that do not meet may still be one inside the other, which is a collision in most minds.
     fn hint_at_containment(&self) {
-        if !self.pairs.is_empty() || self.solid.is_some() || self.penetration.is_some() {
+        if !self.pairs.is_empty() || self.solid.is_some() || self.penetrates.is_some() {
             return;
         }
         let [a, b] = [0, 1].map(|side| Bounds::of(&self.bodies[side].mesh, &self.poses[side]));
@@ -271,9 +271,7 @@ impl Outcome {
     /// Which of the two have no proper inside though one was asked for.
     fn open(&self) -> [bool; 2] {
         let by_solid = self.solid.map_or([false; 2], |solid| solid.open);
-        std::array::from_fn(|side| {
-            by_solid[side] || (self.penetration.is_some() && !self.bodies[side].mesh.is_closed())
-        })
+        std::array::from_fn(|side| by_solid[side] || (self.penetrates.is_some() && !self.bodies[side].mesh.is_closed()))
     }
 
     fn warn_of_open_solids(&self) {

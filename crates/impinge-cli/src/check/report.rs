@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use anstyle::{AnsiColor, Style};
-use impinge::query::{Contained, Penetration};
+use impinge::query::{Contained, Penetrates};
 
 use super::Outcome;
 use crate::Verdict;
@@ -39,12 +39,12 @@ fn verdict(outcome: &Outcome) -> String {
         (_, _) => "The meshes intersect".to_owned(),
     };
     let style = if outcome.verdict() == Verdict::Clear { CLEAR } else { COLLISION };
-    let met = match outcome.penetration {
+    let met = match outcome.penetrates {
         None => met,
-        Some(Penetration::No) if pairs > 0 => "The meshes touch, but do not penetrate".to_owned(),
-        Some(Penetration::No) => "No intersection".to_owned(),
-        Some(Penetration::Yes) => "The meshes penetrate each other".to_owned(),
-        Some(Penetration::Undecided) => "The meshes may penetrate each other: undecided".to_owned(),
+        Some(Penetrates::No) if pairs > 0 => "The meshes touch, but do not penetrate".to_owned(),
+        Some(Penetrates::No) => "No intersection".to_owned(),
+        Some(Penetrates::Yes) => "The meshes penetrate each other".to_owned(),
+        Some(Penetrates::Undecided) => "The meshes may penetrate each other: undecided".to_owned(),
     };
     let counted = if pairs == 0 { String::new() } else { format!(": {} of faces", counted(pairs, "pair")) };
     format!("{style}{met}{style:#}{counted}\n")

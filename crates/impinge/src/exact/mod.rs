@@ -15,6 +15,7 @@
 mod contact;
 mod corners;
 mod crossing;
+mod fan;
 mod filter;
 mod fixed;
 mod placement;
@@ -24,9 +25,10 @@ mod triangles;
 mod unbounded;
 mod wide;
 
-pub(crate) use contact::{Contact, EdgeLine, Fan, contact};
+pub(crate) use contact::{Contact, contact};
 pub use corners::{Corners, Tier};
 pub use crossing::{Crossing, Endpoint, Feature, crossing};
+pub(crate) use fan::{EdgeLine, Fan};
 pub use placement::Placement;
 pub(crate) use point::{AxisRay, PosedPoint, Spot};
 pub(crate) use shared::meet_beyond_shared;

@@ -84,8 +84,9 @@ fn meet(point: &PosedPoint<'_>, ray: AxisRay, corners: &Corners, face: u32, foun
         let (low, high) = (x - error, x + error);
         let before = corners.iter().all(|corner| corner[axis] > high.next_up());
         let after = corners.iter().all(|corner| corner[axis] < low.next_down());
-        let ahead = axis == ray.axis;
-        if (before && !(ahead && ray.ascending)) || (after && !(ahead && !ray.ascending)) {
+        let along = axis == ray.axis;
+        let [rises, falls] = [along && ray.ascending, along && !ray.ascending];
+        if (before && !rises) || (after && !falls) {
             return;
         }
     }

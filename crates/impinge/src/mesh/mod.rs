@@ -2,6 +2,7 @@
 
 mod crossings;
 mod descent;
+mod far_field;
 mod filter;
 mod frame;
 mod judge;
@@ -9,6 +10,7 @@ mod packet;
 mod positions;
 mod relation;
 mod self_descent;
+mod solid_angle;
 mod topology;
 mod walls;
 mod winding;
@@ -31,6 +33,7 @@ use crate::input::InputError;
 use crate::math::Pose;
 use crate::storage::Buffer;
 use crate::volume::Aabb;
+use far_field::FarField;
 use frame::PackedFrame;
 use packet::Packet;
 use topology::Topology;
@@ -62,6 +65,8 @@ struct Data {
     packet_faces: Buffer<[u32; LEAF_CAPACITY]>,
     /// Made when a question about solids first needs it.
     topology: OnceLock<Topology>,
+    /// Made when a winding number first needs it.
+    far_field: OnceLock<FarField>,
 }
 
 impl Mesh {
@@ -100,8 +105,8 @@ impl Mesh {
             })
             .collect();
         let (packets, packet_faces) = (packets.into(), packet_faces.into());
-        let topology = OnceLock::new();
-        Ok(Self(Arc::new(Data { positions, faces, frame, tree, packets, packet_faces, topology })))
+        let (topology, far_field) = (OnceLock::new(), OnceLock::new());
+        Ok(Self(Arc::new(Data { positions, faces, frame, tree, packets, packet_faces, topology, far_field })))
     }
 
     /// The positions, in the mesh's own frame.
@@ -140,6 +145,11 @@ impl Mesh {
             let _ = slot.set(Topology::of(&self.0.positions, &self.0.faces));
         }
         slot.get_or_init(|| Topology::of(&self.0.positions, &self.0.faces))
+    }
+
+    /// The moments of the faces below each node.
+    pub(crate) fn far_field(&self) -> &FarField {
+        self.0.far_field.get_or_init(|| FarField::of(self))
     }
 
     /// Bytes that the mesh and its hierarchy hold.

@@ -9,16 +9,17 @@
 //! ray, as the ray meets no strip, and the mesh's is that less the strips'. A strip is a spherical triangle of its edge
 //! and the direction against the ray (Martens and Bessmeltsev, *One-shot Method for Computing Generalized Winding
 //! Numbers*, Computer Graphics Forum 44(5), 2025, who integrate curves; ours are polygons, with a bound of the error, and
-//! the rays along the axes, with their ties, are exact). So the cost is that of the border, not of the mesh.
+//! the rays along the axes, with their ties, are exact). So the cost is that of the border, not of the mesh; where the
+//! border is long, as that of a soup of triangles is, the faces are summed up with expansions for those that are far.
 
 use rayon::prelude::*;
 
+use super::solid_angle::{AngleSum, Bounded, Direction};
 use super::topology::BorderEdge;
 use super::{Mesh, crossings};
 use crate::exact::{AxisRay, PosedPoint, Spot};
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Sign;
-use crate::math::arctangent::{ANGLE_ERROR, angle};
 use crate::math::relative::UNIT_ROUNDOFF;
 
 /// How often a mesh winds round a point, with what is proved of it.
@@ -54,9 +55,22 @@ impl Containment {
 }
 
 impl WindingNumber {
+    /// Edges of a border that are summed up for each point; longer ones give way to expansions of the faces. Some 25 ns
+    /// each, where the expansions take some 50 µs for a point.
+    pub const LONG_BORDER: usize = 2048;
+
     fn exactly(count: i64) -> Self {
         let value = count as f64;
         Self { value, lower: value, upper: value }
+    }
+
+    /// A whole number and a fraction.
+    fn about(count: i64, turns: &Bounded) -> Self {
+        let whole = count as f64;
+        let value = whole + turns.value;
+        // The sum, and the steps to the bounds, round by less than two units of the larger.
+        let error = turns.error + 2.0 * f64::EPSILON * (whole.abs() + turns.value.abs() + turns.error);
+        Self { value, lower: value - error, upper: value + error }
     }
 
     /// By which side of one half it is surely on, for a point that is not on the surface.
@@ -89,11 +103,13 @@ impl Mesh {
     ///
     /// # Accuracy
     /// Exact off the surface of a closed mesh. Otherwise the interval is proved, and about 1e-13 wide for a border of a
-    /// thousand edges.
+    /// thousand edges; at most 1e-5 wide where the border is longer than [`LONG_BORDER`](WindingNumber::LONG_BORDER), as far
+    /// as rounding allows.
     ///
     /// # Complexity
-    /// For each point logarithmic in the faces for each layer that a ray crosses, and linear in the border; linear in the
-    /// faces where the point is in line with border vertices along all three axes. On all cores of the current rayon pool.
+    /// For each point logarithmic in the faces for each layer that a ray crosses, and linear in the border. Where that is
+    /// long, or the point in line with border vertices along all three axes, as many faces and groups of faces as the width of
+    /// the interval needs. On all cores of the current rayon pool.
     ///
     /// # Errors
     /// A coordinate that is not finite, or not below 2^128 in magnitude.
@@ -161,24 +177,17 @@ impl Mesh {
     }
 }
 
-/// A proved interval of a sum of angles over 2π narrower than this is not tried to be bettered along another axis.
+/// A sum of angles over 2π that is off by less is not tried to be bettered along another axis.
 const NARROW: f64 = 1e-9;
 
-/// Along no axis better than this: the faces are summed up one by one. Wider intervals leave more points undecided;
-/// narrower ones are sought at a cost linear in the faces.
-const WIDE: f64 = 1e-3;
+/// Along no axis better than this, the expansions take over, and are opened until their sum is off by less. The faces that
+/// they need grow with the cube root of its reciprocal.
+const WIDE: f64 = 5e-6;
 
 /// Answers where points are to one mesh, with the working memory for it.
 pub(crate) struct Judge<'m> {
     mesh: &'m Mesh,
     stack: Vec<u32>,
-}
-
-/// A real number in floats, and how far off it may be; infinite where nothing is known.
-#[derive(Clone, Copy)]
-struct Bounded {
-    value: f64,
-    error: f64,
 }
 
 impl<'m> Judge<'m> {
@@ -194,13 +203,23 @@ impl<'m> Judge<'m> {
             Containment::Surface
         } else if self.mesh.is_closed() {
             WindingNumber::exactly(crossings.count).containment()
+        } else if self.has_long_border() {
+            let winding = |sum: &Bounded| WindingNumber::about(0, sum).containment();
+            winding(&self.mesh.solid_angles(point, |sum| winding(sum) != Containment::Undecided))
         } else {
             self.winding_number(point).containment()
         }
     }
 
+    fn has_long_border(&self) -> bool {
+        self.mesh.topology().border.len() > WindingNumber::LONG_BORDER
+    }
+
     /// How often the mesh winds round a point.
     pub(crate) fn winding_number(&mut self, point: &PosedPoint<'_>) -> WindingNumber {
+        if self.has_long_border() {
+            return WindingNumber::about(0, &self.mesh.solid_angles(point, |sum| sum.error < WIDE));
+        }
         let topology = self.mesh.topology();
         let mut best: Option<(i64, Bounded)> = None;
         for ray in crossings::rays_by_length(self.mesh, point) {
@@ -224,15 +243,10 @@ impl<'m> Judge<'m> {
                 break;
             }
         }
-        let (count, turns) = match best {
-            Some((count, turns)) if turns.error < WIDE => (count, turns),
-            _ => (0, self.face_by_face(point)),
-        };
-        let whole = count as f64;
-        let value = whole + turns.value;
-        // The sum, and the steps to the bounds, round by less than two units of the larger.
-        let error = turns.error + 2.0 * f64::EPSILON * (whole.abs() + turns.value.abs() + turns.error);
-        WindingNumber { value, lower: value - error, upper: value + error }
+        match best {
+            Some((count, strips)) if strips.error < WIDE => WindingNumber::about(count, &strips),
+            _ => WindingNumber::about(0, &self.mesh.solid_angles(point, |sum| sum.error < WIDE)),
+        }
     }
 
     /// What the strips from the border against the ray make the winding number too large by.
@@ -261,37 +275,6 @@ impl<'m> Judge<'m> {
         let Bounded { value, error } = sum.turns();
         Bounded { value: if ray.ascending { -value } else { value }, error }
     }
-
-    /// The sum of the solid angles of all faces over 4π.
-    ///
-    /// # Source
-    /// Van Oosterom and Strackee, *The Solid Angle of a Plane Triangle*, IEEE Transactions on Biomedical Engineering 30(2),
-    /// 1983.
-    fn face_by_face(&self, point: &PosedPoint<'_>) -> Bounded {
-        let mut sum = AngleSum::default();
-        for face in 0..self.mesh.faces().len() as u32 {
-            let corners = self.mesh.corners(face);
-            let side = point.above(&corners);
-            if side == Sign::Zero {
-                continue;
-            }
-            let [a, b, c] = corners.each_ref().map(|corner| Direction::to(corner, point));
-            let dot =
-                |x: &Direction, y: &Direction| x.unit[0] * y.unit[0] + x.unit[1] * y.unit[1] + x.unit[2] * y.unit[2];
-            let re = 1.0 + dot(&a, &b) + dot(&b, &c) + dot(&c, &a);
-            let im: f64 = (0..3)
-                .map(|k| {
-                    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-                    a.unit[k] * (b.unit[i] * c.unit[j] - b.unit[j] * c.unit[i])
-                })
-                .sum();
-            // Each of the unit vectors stands in three terms of size one, four with products of errors.
-            let error = 4.0 * (a.error + b.error + c.error) + 32.0 * UNIT_ROUNDOFF;
-            // The normal points away from a point that the face winds round the right way.
-            sum.add(re, im, error, -side, 1);
-        }
-        sum.turns()
-    }
 }
 
 /// The border without that of some faces, edges run through as often either way left out.
@@ -303,101 +286,4 @@ fn without(border: &[BorderEdge], taken: Vec<BorderEdge>) -> Vec<BorderEdge> {
         .map(|run| BorderEdge { times: run.iter().map(|edge| edge.times).sum(), ..run[0] })
         .filter(|edge| edge.times != 0)
         .collect()
-}
-
-/// The unit vector from a point to a corner, off by at most `error` in length.
-struct Direction {
-    unit: [f64; 3],
-    error: f64,
-}
-
-/// A direction, projected stereographically from that of a ray onto the plane across it.
-struct Projected {
-    x: f64,
-    y: f64,
-    error: f64,
-}
-
-impl Direction {
-    fn to(corner: &[f64; 3], point: &PosedPoint<'_>) -> Self {
-        let difference: [f64; 3] = std::array::from_fn(|k| corner[k] - point.approximate[k]);
-        // Divided by the largest first, so that no square vanishes or overflows.
-        let largest = difference.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let scaled = difference.map(|x| x / largest);
-        let length = (scaled[0] * scaled[0] + scaled[1] * scaled[1] + scaled[2] * scaled[2]).sqrt();
-        let unit = scaled.map(|x| x / length);
-        // The error of the point turns the vector by at most twice that over its length, up to a quarter of it. Each
-        // component is rounded by the difference, two quotients and the length: 6 units in all, of which the square sum of
-        // three is below 11.
-        let relative = (point.error[0] + point.error[1] + point.error[2]) / largest;
-        let error = if relative <= 0.25 { 2.0 * relative + 16.0 * UNIT_ROUNDOFF } else { f64::INFINITY };
-        Self { unit, error }
-    }
-
-    /// From the direction of the ray, which goes to infinity; that against it goes to zero.
-    fn project(&self, ray: AxisRay) -> Projected {
-        let [i, j] = ray.across();
-        let (x, y) = (self.unit[i], self.unit[j]);
-        let along = if ray.ascending { self.unit[ray.axis] } else { -self.unit[ray.axis] };
-        if along <= 0.0 {
-            // The quotient has a denominator of at least one and is at most one.
-            let scale = 1.0 / (1.0 - along);
-            return Projected { x: x * scale, y: y * scale, error: 3.0 * self.error + 8.0 * UNIT_ROUNDOFF };
-        }
-        let across_squared = x * x + y * y;
-        let across = across_squared.sqrt();
-        let scale = (1.0 + along) / across_squared;
-        // Relative to the distance from the axis, which stands once above and twice below the line, and for `1 + along`.
-        let relative = self.error / across;
-        let size = (1.0 + along) / across;
-        let error = if relative <= 1.0 / 16.0 { size * (6.0 * relative + 16.0 * UNIT_ROUNDOFF) } else { f64::INFINITY };
-        Projected { x: x * scale, y: y * scale, error }
-    }
-}
-
-impl Projected {
-    /// An upper bound of the distance from zero.
-    fn size(&self) -> f64 {
-        (self.x * self.x + self.y * self.y).sqrt() * (1.0 + 8.0 * UNIT_ROUNDOFF)
-    }
-}
-
-/// A sum of angles of complex numbers, each times an integer.
-#[derive(Default)]
-struct AngleSum {
-    sum: f64,
-    error: f64,
-    size: f64,
-    terms: f64,
-}
-
-impl AngleSum {
-    /// Adds `times` the angle of `re + i im`, which is off by at most `error`; the true angle has the sign of `side`.
-    fn add(&mut self, re: f64, im: f64, error: f64, side: Sign, times: i32) {
-        let length = (re * re + im * im).sqrt();
-        // The sine of the angle between both numbers is at most their distance over the length of either, and the angle
-        // at most π/2 times its sine.
-        let off = 1.6 * (error / length) + ANGLE_ERROR;
-        let (magnitude, off) = match off {
-            off if off < 1.0 => (angle(re, im.abs()), off),
-            _ => (std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2 + ANGLE_ERROR),
-        };
-        let weight = f64::from(times);
-        match side {
-            Sign::Positive => self.sum += weight * magnitude,
-            Sign::Negative => self.sum -= weight * magnitude,
-            Sign::Zero => {}
-        }
-        self.error += weight.abs() * off;
-        self.size += weight.abs() * magnitude;
-        self.terms += 1.0;
-    }
-
-    /// The sum over 2π.
-    fn turns(&self) -> Bounded {
-        use std::f64::consts::TAU;
-        // Each partial sum is at most the sum of magnitudes, and rounded once, as is that of the errors.
-        let rounding = 2.0 * UNIT_ROUNDOFF * (self.terms + 4.0) * (self.size + self.error);
-        Bounded { value: self.sum / TAU, error: (self.error + rounding) / TAU * (1.0 + 8.0 * f64::EPSILON) }
-    }
 }

@@ -6,7 +6,7 @@ mod self_intersection;
 mod solid;
 
 pub use curves::{Curves, curves_of_pairs, intersection_curves};
-pub use penetrates::{Penetration, penetrates, penetration, penetration_of_pairs};
+pub use penetrates::{Penetrates, penetrates, penetrates_of_pairs};
 pub use self_intersection::self_intersecting_pairs;
 pub use solid::{
     Contained, Solid, SolidIntersection, intersects_solid, solid_intersection, solid_intersection_of_pairs,

@@ -22,25 +22,13 @@ use crate::mesh::{Containment, Judge, Mesh, Placed, Wall, Walls};
 
 /// Whether the interiors of two solids meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Penetration {
+pub enum Penetrates {
     /// They do not, though the solids may touch.
     No,
     /// Not known: a mesh is open, or meets itself where it meets the other.
     Undecided,
     /// They do.
     Yes,
-}
-
-/// Whether the interiors of two meshes, taken as solids, meet; what is undecided counts as if they do.
-///
-/// # Accuracy
-/// As [`penetration`].
-///
-/// # Complexity
-/// As [`penetration`].
-#[must_use]
-pub fn penetrates<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> bool {
-    penetration(a, b) != Penetration::No
 }
 
 /// Whether the interiors of two meshes, taken as solids, meet.
@@ -54,7 +42,7 @@ pub fn penetrates<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) ->
 /// that is in none that of [`Mesh::contains`] for one point.
 ///
 /// ```
-/// use impinge::query::{self, Penetration};
+/// use impinge::query::{self, Penetrates};
 /// use impinge::{Mesh, Pose, Positions};
 ///
 /// let corners = vec![[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [0.0, 0.0, 8.0]];
@@ -62,41 +50,41 @@ pub fn penetrates<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) ->
 /// // The same part on its other side, turned by half about the x axis: two edges in common.
 /// let turned = part.at(Pose::new([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]], [0.0; 3])?);
 /// assert!(query::intersects(&part, turned));
-/// assert_eq!(query::penetration(&part, turned), Penetration::No);
-/// assert_eq!(query::penetration(&part, part.at(Pose::from_translation([1.0, 0.0, 0.0])?)), Penetration::Yes);
+/// assert_eq!(query::penetrates(&part, turned), Penetrates::No);
+/// assert_eq!(query::penetrates(&part, part.at(Pose::from_translation([1.0, 0.0, 0.0])?)), Penetrates::Yes);
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 #[must_use]
-pub fn penetration<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Penetration {
+pub fn penetrates<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Penetrates {
     let (a, b) = (a.into(), b.into());
-    penetration_of_pairs(a, b, &intersecting_pairs(a, b))
+    penetrates_of_pairs(a, b, &intersecting_pairs(a, b))
 }
 
-/// [`penetration`], for pairs that are at hand already: all that [`intersecting_pairs`] returned.
+/// [`penetrates`], for pairs that are at hand already: all that [`intersecting_pairs`] returned.
 ///
 /// # Panics
 /// Where a pair names a face that a mesh does not have.
 #[must_use]
-pub fn penetration_of_pairs<'a, 'b>(
+pub fn penetrates_of_pairs<'a, 'b>(
     a: impl Into<Placed<'a>>,
     b: impl Into<Placed<'b>>,
     pairs: &[[u32; 2]],
-) -> Penetration {
+) -> Penetrates {
     /// Contacts looked at before all of them are: bodies deep in each other show it in any.
     const FIRST_CONTACTS: usize = 64;
     let solids = Solids::new(a.into(), b.into());
     let contacts = solids.contacts(pairs);
     let first = solids.judge_contacts(&contacts[..contacts.len().min(FIRST_CONTACTS)]);
-    if first == Penetration::Yes {
+    if first == Penetrates::Yes {
         return first;
     }
     let apart = solids.judge_components(0, &contacts).max(solids.judge_components(1, &contacts));
-    if apart == Penetration::Yes {
+    if apart == Penetrates::Yes {
         return apart;
     }
     let rest = if contacts.len() > FIRST_CONTACTS { solids.judge_contacts(&contacts) } else { first };
     match rest.max(apart) {
-        Penetration::No if !solids.stay_within_reach() => Penetration::Undecided,
+        Penetrates::No if !solids.stay_within_reach() => Penetrates::Undecided,
         answer => answer,
     }
 }
@@ -128,30 +116,30 @@ impl<'m> Solids<'m> {
     }
 
     /// What these contacts show.
-    fn judge_contacts(&self, contacts: &[Touching]) -> Penetration {
+    fn judge_contacts(&self, contacts: &[Touching]) -> Penetrates {
         let sides =
             [0, 1].map(|side| Side::new(self.mesh(side), contacts.iter().map(|(pair, _)| pair[side]).collect()));
         // Stops at the first that is sure.
         let answers = contacts.par_iter().map(|(pair, contact)| match self.judge(&sides, *pair, *contact) {
-            Penetration::Yes => Err(()),
+            Penetrates::Yes => Err(()),
             answer => Ok(answer),
         });
-        answers.try_reduce(|| Penetration::No, |x, y| Ok(x.max(y))).unwrap_or(Penetration::Yes)
+        answers.try_reduce(|| Penetrates::No, |x, y| Ok(x.max(y))).unwrap_or(Penetrates::Yes)
     }
 
-    fn judge(&self, sides: &[Side<'_>; 2], [a, b]: [u32; 2], contact: Contact) -> Penetration {
+    fn judge(&self, sides: &[Side<'_>; 2], [a, b]: [u32; 2], contact: Contact) -> Penetrates {
         let faces = |side: usize, face: u32, edge: [usize; 2]| sides[side].about(face, edge);
         let line = |side: usize, face: u32, edge: [usize; 2]| {
             let corners = self.mesh(side).corners(face);
             EdgeLine { of_b: side == 1, ends: edge.map(|corner| corners[corner]) }
         };
         match contact {
-            Contact::Slight => Penetration::No,
+            Contact::Slight => Penetrates::No,
             Contact::Across => match (sides[0].walls.get(a), sides[1].walls.get(b)) {
                 (Wall::Sides { front, back }, Wall::Sides { front: other_front, back: other_back }) => {
-                    Penetration::surely((front || back) && (other_front || other_back))
+                    Penetrates::surely((front || back) && (other_front || other_back))
                 }
-                _ => Penetration::Undecided,
+                _ => Penetrates::Undecided,
             },
             Contact::Area { same_turn } => match (sides[0].walls.get(a), sides[1].walls.get(b)) {
                 (Wall::Sides { front, back }, Wall::Sides { front: other_front, back: other_back }) => {
@@ -162,9 +150,9 @@ impl<'m> Solids<'m> {
                     } else {
                         [other_back, other_front]
                     };
-                    Penetration::surely((front && facing) || (back && opposite))
+                    Penetrates::surely((front && facing) || (back && opposite))
                 }
-                _ => Penetration::Undecided,
+                _ => Penetrates::Undecided,
             },
             Contact::EdgeOfA(edge) => self.judge_fan(sides, line(0, a, edge), [faces(0, a, edge), Some(vec![b])]),
             Contact::EdgeOfB(edge) => self.judge_fan(sides, line(1, b, edge), [Some(vec![a]), faces(1, b, edge)]),
@@ -175,20 +163,20 @@ impl<'m> Solids<'m> {
     }
 
     /// What the faces of both that meet in a line show; undecided where those of one are not known.
-    fn judge_fan(&self, sides: &[Side<'_>; 2], line: EdgeLine, faces: [Option<Vec<u32>>; 2]) -> Penetration {
+    fn judge_fan(&self, sides: &[Side<'_>; 2], line: EdgeLine, faces: [Option<Vec<u32>>; 2]) -> Penetrates {
         let mut fan = Fan::about(&self.placement, line);
         for (side, faces) in faces.into_iter().enumerate() {
-            let Some(faces) = faces else { return Penetration::Undecided };
+            let Some(faces) = faces else { return Penetrates::Undecided };
             for face in faces {
-                let Wall::Sides { front, back } = sides[side].walls.get(face) else { return Penetration::Undecided };
+                let Wall::Sides { front, back } = sides[side].walls.get(face) else { return Penetrates::Undecided };
                 fan.add(side == 1, &self.mesh(side).corners(face), front, back);
             }
         }
-        Penetration::surely(fan.interiors_meet())
+        Penetrates::surely(fan.interiors_meet())
     }
 
     /// Whether a component of one mesh that the other meets in single points at most lies inside that.
-    fn judge_components(&self, inner: usize, contacts: &[Touching]) -> Penetration {
+    fn judge_components(&self, inner: usize, contacts: &[Touching]) -> Penetrates {
         let (mesh, outer) = (self.mesh(inner), self.mesh(1 - inner));
         outer.topology();
         let topology = mesh.topology();
@@ -201,16 +189,16 @@ impl<'m> Solids<'m> {
         let at = |judge: &mut Judge<'_>, face: u32| {
             let spot = Spot::Within(mesh.corners(face));
             match judge.containment(&PosedPoint::new(&placement, spot)) {
-                Containment::Outside => Some(Penetration::No),
-                Containment::Undecided => Some(Penetration::Undecided),
-                Containment::Inside => mesh.is_solid_beside(face, &mut Vec::new()).then_some(Penetration::Yes),
+                Containment::Outside => Some(Penetrates::No),
+                Containment::Undecided => Some(Penetrates::Undecided),
+                Containment::Inside => mesh.is_solid_beside(face, &mut Vec::new()).then_some(Penetrates::Yes),
                 Containment::Surface => None,
             }
         };
         let firsts = topology.first_faces.par_iter().zip(&is_open_question).filter(|&(_, open)| *open);
-        let mut answer = Penetration::No;
+        let mut answer = Penetrates::No;
         let mut left = vec![false; topology.first_faces.len()];
-        let answers: Vec<(u32, Option<Penetration>)> =
+        let answers: Vec<(u32, Option<Penetrates>)> =
             firsts.map_init(|| Judge::new(outer), |judge, (&face, _)| (face, at(judge, face))).collect();
         for (face, of_component) in answers {
             match of_component {
@@ -301,7 +289,13 @@ impl<'m> Side<'m> {
     }
 }
 
-impl Penetration {
+impl Penetrates {
+    /// Whether they do, or it is not known that they do not: the safe answer.
+    #[must_use]
+    pub fn possibly(self) -> bool {
+        self != Self::No
+    }
+
     fn surely(meet: bool) -> Self {
         if meet { Self::Yes } else { Self::No }
     }

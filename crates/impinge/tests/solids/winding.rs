@@ -93,6 +93,53 @@ fn n18_open_meshes_have_intervals_that_hold_the_solid_angles() {
 }
 
 #[test]
+fn n18_long_borders_are_seen_from_afar_within_their_bounds() {
+    let mut rng = Rng::new(6);
+    let soup_of = |rng: &mut Rng, count: usize, size: f64| {
+        let mut mesh = Mesh::default();
+        for face in 0..count as u32 {
+            let centre: [f64; 3] = std::array::from_fn(|_| rng.uniform(-1.0, 1.0));
+            mesh.vertices.extend((0..3).map(|_| centre.map(|x| x + rng.uniform(-size, size))));
+            mesh.faces.push([3 * face, 3 * face + 1, 3 * face + 2]);
+        }
+        mesh
+    };
+    // Every other face of a sphere, slightly bent so that no edge cancels; loose triangles small and large.
+    let half = without_faces(soup(&solids::icosphere(4)), &(0..5120).step_by(3).collect::<Vec<_>>());
+    let small = soup_of(&mut rng, 3000, 0.02);
+    let large = soup_of(&mut rng, 1000, 0.7);
+    let (mut inside, mut outside) = (0, 0);
+    for (name, mesh) in
+        [("sphere", half), ("small", small.clone()), ("large", large), ("far", moved(small, [1e6, 0.0, 3.0]))]
+    {
+        let solid = engine(&mesh);
+        let offset = mesh.vertices[0].map(|x| if x > 1e5 { 1e6 } else { 0.0 });
+        let points: Vec<[f64; 3]> = (0..250)
+            .map(|i| {
+                let reach = [1.0, 1.5, 20.0][i % 3];
+                std::array::from_fn(|k| offset[k] + rng.uniform(-reach, reach))
+            })
+            .collect();
+        let found = solid.winding_number(&points).expect("finite points");
+        let contained = solid.contains(&points).expect("finite points");
+        for ((&point, winding), &at) in points.iter().zip(&found).zip(&contained) {
+            let truth = solid_angles(&mesh, point);
+            assert!(winding.upper - winding.lower < 1.1e-5, "{name} at {point:?}: {winding:?}");
+            assert!(
+                winding.lower - 1e-11 <= truth && truth <= winding.upper + 1e-11,
+                "{name} at {point:?}: {winding:?}, {truth}"
+            );
+            let expected = if truth.abs() > 0.5 { Inside } else { Outside };
+            if (truth.abs() - 0.5).abs() > 1e-11 {
+                assert_eq!(at, expected, "{name} at {point:?}: {truth}");
+            }
+            *if at == Inside { &mut inside } else { &mut outside } += 1;
+        }
+    }
+    assert!(inside > 100 && outside > 100, "{inside} {outside}");
+}
+
+#[test]
 fn n18_half_open_space_is_said_to_be_undecided_only_where_it_is() {
     // A box without its lid: seen from the lid, the rest covers half of all directions.
     let open = engine(&without_faces(solids::cuboid([0.0; 3], [2.0; 3]), &[2, 3]));
