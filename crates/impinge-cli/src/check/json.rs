@@ -1,6 +1,6 @@
 //! The answer for a program: one object of schema `impinge.check/1`. What was not asked is absent.
 
-use impinge::query::{Curves, Distance, Witness};
+use impinge::query::{Contained, Curves, Distance, Penetrates, Witness};
 use serde::Serialize;
 
 use super::{Outcome, Seconds};
@@ -15,6 +15,18 @@ struct Object {
     b: Side,
     intersects: bool,
     pairs: usize,
+    /// "a", "b" or "both".
+    #[serde(skip_serializing_if = "Option::is_none")]
+    contained: Option<&'static str>,
+    /// True where it is undecided too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    penetrates: Option<bool>,
+    /// Which answers count as true without proof.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    undecided: Vec<&'static str>,
+    /// Which meshes are open, though their inside was asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    open: Vec<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     curves: Option<CurveSummary>,
     /// Absent where it is infinite: a mesh has no faces.
@@ -71,13 +83,25 @@ pub(super) fn object(outcome: &Outcome) -> String {
             pose: rows(&outcome.poses[side]),
         }
     };
+    let undecided = named(
+        &["contained", "penetrates"],
+        &[outcome.solid.is_some_and(|solid| solid.undecided), outcome.penetrates == Some(Penetrates::Undecided)],
+    );
     console::to_line(&Object {
         schema: "impinge.check/1",
         version: env!("CARGO_PKG_VERSION"),
         a: side(0),
         b: side(1),
-        intersects: !outcome.pairs.is_empty(),
+        intersects: outcome.intersects(),
         pairs: outcome.pairs.len(),
+        contained: outcome.solid.and_then(|solid| solid.contained).map(|contained| match contained {
+            Contained::A => "a",
+            Contained::B => "b",
+            Contained::Both => "both",
+        }),
+        penetrates: outcome.penetrates.map(Penetrates::possibly),
+        undecided,
+        open: named(&["a", "b"], &outcome.open()),
         curves: outcome.curves.as_ref().map(summary),
         distance: outcome.distance.as_ref().and_then(apart),
         clearance: outcome
@@ -91,6 +115,11 @@ fn apart(distance: &Distance) -> Option<Apart> {
     let Distance { lower, upper, witness } = *distance;
     let Witness { point_a, point_b, face_a, face_b } = witness?;
     Some(Apart { distance: upper, lower, upper, point_a, point_b, face_a, face_b })
+}
+
+/// The names of what holds.
+fn named(names: &[&'static str], hold: &[bool]) -> Vec<&'static str> {
+    names.iter().zip(hold).filter_map(|(&name, &holds)| holds.then_some(name)).collect()
 }
 
 fn summary(curves: &Curves) -> CurveSummary {

@@ -6,6 +6,7 @@ mod errors;
 mod files;
 mod fit;
 mod interrupt;
+mod solids;
 mod streams;
 mod units;
 

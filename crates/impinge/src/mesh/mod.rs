@@ -1,8 +1,10 @@
 //! Triangle meshes: judged once, packed, with their hierarchy, and the one descent of two meshes.
 
+mod crossings;
 mod descent;
 mod distance;
 mod face_boxes;
+mod far_field;
 mod filter;
 mod frame;
 mod judge;
@@ -12,8 +14,13 @@ mod packet;
 mod positions;
 mod rays;
 mod relation;
+mod self_descent;
+mod solid_angle;
+mod topology;
+mod walls;
+mod winding;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use fearless_simd::dispatch;
 use rayon::prelude::*;
@@ -25,6 +32,10 @@ pub use nearest::ClosestPoint;
 pub use positions::Positions;
 use positions::Vertex;
 pub use rays::{Ray, RayHit};
+pub(crate) use self_descent::{Wanted, collect_self_intersecting};
+pub(crate) use walls::{Wall, Walls};
+pub(crate) use winding::Judge;
+pub use winding::{Containment, WindingNumber};
 
 use crate::exact::Corners;
 use crate::hierarchy::{BinaryTree, Slab, WideTree, build};
@@ -33,8 +44,10 @@ use crate::math::Pose;
 use crate::simd::{best_level, prefetch};
 use crate::storage::{Buffer, Pages};
 use face_boxes::FaceBoxes;
+use far_field::FarField;
 use frame::PackedFrame;
 use packet::Packet;
+use topology::Topology;
 
 /// A triangle mesh, judged and packed, with its hierarchy; cheap to clone, and never changing under a query.
 ///
@@ -59,6 +72,10 @@ struct Data {
     frame: PackedFrame,
     tree: WideTree,
     packets: Buffer<Packet>,
+    /// Made when a question about solids first needs it.
+    topology: OnceLock<Topology>,
+    /// Made when a winding number first needs it.
+    far_field: OnceLock<FarField>,
 }
 
 impl Mesh {
@@ -81,7 +98,8 @@ impl Mesh {
             Positions::F32(vertices) => hierarchy(vertices, &faces, &frame),
             Positions::F64(vertices) => hierarchy(vertices, &faces, &frame),
         };
-        Ok(Self(Arc::new(Data { positions, faces, frame, tree, packets })))
+        let (topology, far_field) = (OnceLock::new(), OnceLock::new());
+        Ok(Self(Arc::new(Data { positions, faces, frame, tree, packets, topology, far_field })))
     }
 
     /// The positions, in the mesh's own frame.
@@ -110,6 +128,21 @@ impl Mesh {
     #[must_use]
     pub fn at(&self, world_from_mesh: Pose) -> Placed<'_> {
         Placed { mesh: self, world_from_mesh }
+    }
+
+    /// How the faces hang together.
+    pub(crate) fn topology(&self) -> &Topology {
+        let slot = &self.0.topology;
+        // Not while the slot is locked: a thread that waits for its sorting may take up a task that needs the slot too.
+        if slot.get().is_none() {
+            let _ = slot.set(Topology::of(&self.0.positions, &self.0.faces));
+        }
+        slot.get_or_init(|| Topology::of(&self.0.positions, &self.0.faces))
+    }
+
+    /// The moments of the faces below each node.
+    pub(crate) fn far_field(&self) -> &FarField {
+        self.0.far_field.get_or_init(|| FarField::of(self))
     }
 
     /// Bytes that the mesh and its hierarchy hold.

@@ -3,9 +3,17 @@
 mod curves;
 mod distance;
 mod pair_order;
+mod penetrates;
+mod self_intersection;
+mod solid;
 
 pub use curves::{Curves, curves_of_pairs, intersection_curves};
 pub use distance::{Distance, Witness, WitnessCache, distance, distance_with, within, within_with};
+pub use penetrates::{Penetrates, penetrates, penetrates_of_pairs};
+pub use self_intersection::self_intersecting_pairs;
+pub use solid::{
+    Contained, Solid, SolidIntersection, intersects_solid, solid_intersection, solid_intersection_of_pairs,
+};
 
 use crate::mesh::{Options, Placed, collect_intersecting};
 
