@@ -3,7 +3,10 @@
 //! A builder orders the boxes and emits one neutral [`BinaryTree`]; one collapse turns it into the [`WideTree`] that
 //! every query descends.
 
+mod area;
 mod binary;
+mod build;
+mod cost;
 mod descent;
 mod lanes;
 mod morton;
@@ -12,6 +15,8 @@ mod tests;
 mod wide;
 
 pub use binary::{BinaryNode, BinaryTree, LEAF_CAPACITY, MAX_DEPTH, NODE_OF_LEAVES};
+pub use build::{Builder, DynamicTree, optimise};
+pub use cost::{Costs, Counters, TreeStatistics};
 pub(crate) use descent::{Descent, LeafVisitor, Order, QUEUE, Task, bits};
 pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, load, load3, overlapping_each};
 pub use morton::build_morton;
