@@ -8,6 +8,7 @@ mod binary;
 mod build;
 mod cost;
 mod descent;
+mod generic;
 mod lanes;
 mod morton;
 #[cfg(test)]
@@ -18,6 +19,7 @@ pub use binary::{BinaryNode, BinaryTree, LEAF_CAPACITY, MAX_DEPTH, NODE_OF_LEAVE
 pub use build::{Builder, DynamicTree, optimise};
 pub use cost::{Costs, Counters, TreeStatistics};
 pub(crate) use descent::{Descent, LeafVisitor, Order, QUEUE, Task, bits};
+pub use generic::{Enclosure, GenericTree, NodeVolume};
 pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, load, load3, overlapping_each};
 pub use morton::build_morton;
 pub use wide::{Child, Node, WideTree};
