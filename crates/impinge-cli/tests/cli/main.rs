@@ -3,6 +3,7 @@
 mod answers;
 mod errors;
 mod files;
+mod inspect;
 mod interrupt;
 mod streams;
 mod units;

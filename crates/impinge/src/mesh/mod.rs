@@ -3,6 +3,8 @@
 mod descent;
 mod filter;
 mod frame;
+mod health;
+mod inspection;
 mod judge;
 mod packet;
 mod positions;
@@ -14,6 +16,7 @@ use rayon::prelude::*;
 
 pub(crate) use descent::collect_intersecting;
 pub use descent::{HostChoice, Options};
+pub use health::Health;
 pub use positions::Positions;
 
 use crate::exact::Corners;
