@@ -59,6 +59,23 @@ pub enum InputErrorKind {
     },
     /// A rotation axis of length zero.
     ZeroAxis,
+    /// There is nothing to bound.
+    Empty {
+        /// What there is none of: `"points"`.
+        what: &'static str,
+    },
+    /// A length that is below zero.
+    Negative {
+        /// What the number is: `"radius"`, `"half-extent"`.
+        what: &'static str,
+        /// Which one, counted from zero.
+        index: usize,
+    },
+    /// A map that changes shapes, where only a rigid motion will do.
+    NotRigid {
+        /// The Frobenius norm of RᵀR - I for the linear part R, rounded up.
+        deviation: f64,
+    },
 }
 
 impl InputError {
@@ -109,6 +126,11 @@ impl fmt::Display for InputError {
                 write!(f, "the quaternion has length {length}, not 1")?;
             }
             InputErrorKind::ZeroAxis => write!(f, "the rotation axis has length zero")?,
+            InputErrorKind::Empty { what } => write!(f, "there are no {what}")?,
+            InputErrorKind::Negative { what, index } => write!(f, "{what} {index} is negative")?,
+            InputErrorKind::NotRigid { deviation } => {
+                write!(f, "the map is not rigid: it deviates from a rotation by {deviation:e}")?;
+            }
         }
         match self.hint {
             Some(hint) => write!(f, " ({hint})"),
