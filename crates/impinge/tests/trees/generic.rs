@@ -2,7 +2,7 @@
 
 use impinge::exact::{Placement, triangles_intersect};
 use impinge::hierarchy::{Builder, Counters, Enclosure, GenericTree, NodeVolume};
-use impinge::volume::Aabb;
+use impinge::volume::{Aabb, BoundingSphere, Capsule, Kdop14, Kdop18, Kdop26, Lozenge, Obb};
 use impinge::{Pose, math::RelativeMap};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::poses::rotation;
@@ -120,6 +120,24 @@ fn boxes_of_every_degree() {
 }
 
 #[test]
+fn round_volumes() {
+    every_tree_finds_the_pairs::<BoundingSphere, 2>("spheres");
+    every_tree_finds_the_pairs::<BoundingSphere, 8>("spheres");
+    every_tree_finds_the_pairs::<Capsule, 2>("capsules");
+    every_tree_finds_the_pairs::<Lozenge, 2>("lozenges");
+}
+
+#[test]
+fn polytopes() {
+    every_tree_finds_the_pairs::<Obb, 2>("oriented boxes");
+    every_tree_finds_the_pairs::<Obb, 4>("oriented boxes");
+    every_tree_finds_the_pairs::<Kdop14, 2>("14-DOPs");
+    every_tree_finds_the_pairs::<Kdop18, 2>("18-DOPs");
+    every_tree_finds_the_pairs::<Kdop26, 2>("26-DOPs");
+    every_tree_finds_the_pairs::<Kdop26, 16>("26-DOPs");
+}
+
+#[test]
 fn a_mesh_with_itself_shows_each_pair_once() {
     fn check<V: NodeVolume, const DEGREE: usize>(mesh: &Mesh, capacity: usize) -> usize {
         let placement = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
@@ -142,7 +160,10 @@ fn a_mesh_with_itself_shows_each_pair_once() {
     let soup = grid_soup(&mut Rng::new(7), 120, 6, 2);
     let mut total = 0;
     for mesh in [&soup, &icosphere(2), &Mesh::default()] {
-        total += check::<Aabb, 2>(mesh, 1) + check::<Aabb, 8>(mesh, 4) + check::<Aabb, 16>(mesh, 8);
+        total += check::<Aabb, 2>(mesh, 1)
+            + check::<Aabb, 8>(mesh, 4)
+            + check::<Aabb, 16>(mesh, 8)
+            + check::<Obb, 2>(mesh, 1);
     }
     assert!(total > 3_000, "{total}");
 }
