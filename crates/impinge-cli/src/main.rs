@@ -10,6 +10,7 @@ mod bounds;
 mod check;
 mod console;
 mod failure;
+mod fit;
 mod inspect;
 mod numerals;
 mod output;
@@ -36,6 +37,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Check(check::Arguments),
+    Fit(fit::Arguments),
     Inspect(inspect::Arguments),
 }
 
@@ -56,6 +58,7 @@ fn main() -> ExitCode {
     let answer = match Cli::try_parse() {
         Ok(cli) => match cli.command {
             Command::Check(arguments) => check::run(&arguments),
+            Command::Fit(arguments) => fit::run(&arguments),
             Command::Inspect(arguments) => inspect::run(&arguments),
         },
         Err(error)

@@ -3,6 +3,7 @@
 mod answers;
 mod errors;
 mod files;
+mod fit;
 mod inspect;
 mod interrupt;
 mod streams;

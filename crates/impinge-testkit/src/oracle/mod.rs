@@ -6,17 +6,21 @@
 //! - [`triangles_meet`]: linear programming, the reference.
 //! - [`triangles_meet_by_clipping`]: edges clipped against triangles, an independent second opinion.
 //! - [`brute_force`] and [`grid`]: all meeting pairs of two meshes, by trying each, and for millions of triangles.
+//!
+//! Beside them, and in the same manner, [`minimal_sphere`].
 
 mod boxes;
 mod certificate;
 mod clipping;
 mod grid;
 mod integers;
+mod minimal_sphere;
 mod simplex;
 
 pub use boxes::WorldBox;
 pub use clipping::triangles_meet_by_clipping;
 pub use grid::grid;
+pub use minimal_sphere::{LeastSphere, minimal_sphere};
 pub use simplex::triangles_meet;
 
 use crate::Posed;

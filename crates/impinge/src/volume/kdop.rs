@@ -231,7 +231,7 @@ impl<const D: usize> BoundingVolume for Kdop<D> {
 
     fn volume(&self) -> f64 {
         let middle = std::array::from_fn(|axis| 0.5 * self.low[axis] + 0.5 * self.high[axis]);
-        self.faces(middle).iter().map(|(height, area)| height * area / 3.0).sum()
+        self.faces(middle).iter().map(|(height, area)| height * area / 3.0).sum::<f64>().max(0.0)
     }
 
     fn surface_area(&self) -> f64 {

@@ -2,9 +2,7 @@
 
 use dashu_ratio::RBig;
 use impinge::Pose;
-use impinge::volume::{
-    BoundingSphere, BoundingVolume, Capsule, CentreRadius, Kdop, Lozenge, MinMax, MinWidths, Obb,
-};
+use impinge::volume::{BoundingSphere, BoundingVolume, Capsule, CentreRadius, Kdop, Lozenge, MinMax, MinWidths, Obb};
 
 pub(crate) type Point = [RBig; 3];
 
@@ -52,6 +50,12 @@ pub(crate) trait Exact: BoundingVolume {
 
     /// Points that the volume certainly has, on its boundary where that is easy: its own corners, poles and ends.
     fn witnesses(&self) -> Vec<Point>;
+
+    /// Bounds on z, of which those of the witnesses fall short by less than their difference.
+    fn heights(&self) -> Option<[RBig; 2]> {
+        let heights = || self.witnesses().into_iter().map(|p| p[2].clone());
+        Some([heights().min()?, heights().max()?])
+    }
 }
 
 impl Exact for MinMax {
@@ -194,11 +198,38 @@ impl<const D: usize> Exact for Kdop<D> {
         })
     }
 
-    /// Corners of slabs by axes, where the others leave them.
+    /// From the middle of the box, where that is inside, towards its corners and sides as far as the slabs let.
     fn witnesses(&self) -> Vec<Point> {
-        let low = std::array::from_fn(|k| rational(self.low()[k]));
-        let high = std::array::from_fn(|k| rational(self.high()[k]));
-        corners(&low, &high).into_iter().filter(|corner| self.holds(corner)).collect()
+        let low: Point = std::array::from_fn(|k| rational(self.low()[k]));
+        let high: Point = std::array::from_fn(|k| rational(self.high()[k]));
+        let half = RBig::ONE / RBig::from(2);
+        let middle: Point = std::array::from_fn(|k| (low[k].clone() + high[k].clone()) * half.clone());
+        if !self.holds(&middle) {
+            return corners(&low, &high).into_iter().filter(|corner| self.holds(corner)).collect();
+        }
+        let sides = (0..6).map(|i| -> Point {
+            std::array::from_fn(|k| if k != i / 2 { middle[k].clone() } else { [&low, &high][i % 2][k].clone() })
+        });
+        let targets = corners(&low, &high).into_iter().chain(sides);
+        targets
+            .map(|target| {
+                let way = subtract(&target, &middle);
+                let mut share = RBig::ONE;
+                for k in 0..D {
+                    let n = point(Self::DIRECTIONS[k]);
+                    let (at, rise) = (dot(&n, &middle), dot(&n, &way));
+                    let end = if rise > RBig::ZERO { self.high()[k] } else { self.low()[k] };
+                    if rise != RBig::ZERO {
+                        share = share.min((rational(end) - at) / rise);
+                    }
+                }
+                std::array::from_fn(|k| middle[k].clone() + share.clone() * way[k].clone())
+            })
+            .collect()
+    }
+
+    fn heights(&self) -> Option<[RBig; 2]> {
+        Some([rational(self.low()[2]), rational(self.high()[2])])
     }
 }
 

@@ -118,13 +118,12 @@ fn what_is_far_apart_is_said_to_be<V: Exact>() {
         let kind = KINDS[round % KINDS.len()];
         let (a, b) = (cloud(&mut rng, kind, 6), cloud(&mut rng, kind, 6));
         let (a, b) = (V::of_points(&a).expect("finite"), V::of_points(&b).expect("finite"));
-        let highest = |v: &V| v.witnesses().into_iter().map(|p| p[2].clone()).max();
-        let lowest = |v: &V| v.witnesses().into_iter().map(|p| p[2].clone()).min();
-        let (Some(top), Some(bottom), Some(high)) = (highest(&a), lowest(&b), highest(&b)) else { continue };
-        let size = (high - bottom.clone()).to_f64().value() + 1e-6;
+        let (Some([_, top]), Some([bottom, high])) = (a.heights(), b.heights()) else { continue };
+        let size = (high - bottom.clone()).to_f64().value()
+            + (top.clone() - a.heights().expect("as above")[0].clone()).to_f64().value();
         let rise = (top - bottom).to_f64().value();
         // For tilted volumes corners stick out further than the highest witness; twice the size clears them.
-        let by = [0.0, 0.0, rise + 2.01 * size + 1e-6 * rise.abs()];
+        let by = [0.0, 0.0, rise + 2.01 * size + 1e-6 * (1.0 + rise.abs())];
         let b = b.moved(&Pose::from_translation(by).expect("in range")).expect("rigid");
         assert!(!a.overlaps(&b), "{a:?}\n{b:?}");
         told += 1;

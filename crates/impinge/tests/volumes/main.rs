@@ -8,7 +8,6 @@ mod fitted;
 mod laws;
 mod minimal;
 mod points;
-mod real;
 mod refusals;
 mod round;
 mod spheres;

@@ -44,7 +44,7 @@ impl<V: BoundingVolume> NodeVolume for V {
         BoundingVolume::merged(self, other)
     }
 
-    #[inline(always)]
+    #[inline]
     fn moved(&self, world_from_local: &Pose) -> Option<Self> {
         BoundingVolume::moved(self, world_from_local).ok()
     }
@@ -53,12 +53,12 @@ impl<V: BoundingVolume> NodeVolume for V {
         volumes
     }
 
-    #[inline(always)]
+    #[inline]
     fn lane<const N: usize>(lanes: &[Option<V>; N], lane: usize) -> Option<Self> {
         lanes[lane]
     }
 
-    #[inline(always)]
+    #[inline]
     fn overlapping<const N: usize>(lanes: &[Option<V>; N], other: &Self) -> u32 {
         let overlaps = |lane: usize| lanes[lane].is_none_or(|volume| volume.overlaps(other));
         (0..N).fold(0, |bits, lane| bits | u32::from(overlaps(lane)) << lane)

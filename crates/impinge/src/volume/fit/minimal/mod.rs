@@ -36,10 +36,10 @@ struct Frame {
     scale: f64,
 }
 
-/// Points beyond a distance from a centre; the distance is in the scale of the frame.
+/// Points that are not nearer to a centre than the root of a square, which is in the scale of the frame.
 struct Beyond {
     centre: [f64; 3],
-    distance: f64,
+    square: f64,
     points: Vec<[f64; 3]>,
 }
 
@@ -94,22 +94,22 @@ fn solve<T: Coordinate>(points: &[[T; 3]], frame: Frame) -> (ExactBall, Vec<[f64
     /// One for each point that the sphere rests on, and one to begin with.
     const ROUNDS: usize = 5;
     if points.len() > SMALL {
-        let (mut centre, mut distance) = first_guess(points, frame);
+        let (mut centre, mut square) = first_guess(points, frame);
         for _ in 0..ROUNDS {
-            let beyond = gather(points, frame, centre, distance);
+            let beyond = gather(points, frame, centre, square);
             let ball = sphere_of(&beyond.points, frame);
             if passed_over_are_inside(&beyond, &ball, frame) {
                 return (ball, beyond.points);
             }
             centre = ball.centre();
-            distance = next_distance(&beyond.points, &ball, frame);
+            square = next_square(&beyond.points, &ball, frame);
         }
     }
     let all: Vec<[f64; 3]> = points.iter().map(|&point| widen(point)).collect();
     (sphere_of(&all, frame), all)
 }
 
-/// A centre, and a distance from it that all but about one in 256 points keep, from a sample.
+/// A centre, and the square of a distance from it that all but about one in 256 points keep, from a sample.
 fn first_guess<T: Coordinate>(points: &[[T; 3]], frame: Frame) -> ([f64; 3], f64) {
     const SAMPLE: usize = 1 << 12;
     const KEPT: usize = SAMPLE / 256;
@@ -119,15 +119,14 @@ fn first_guess<T: Coordinate>(points: &[[T; 3]], frame: Frame) -> ([f64; 3], f64
     let mut squares: Vec<f64> =
         (0..SAMPLE).map(|i| frame.squared_distance(widen(points[i * (points.len() / SAMPLE)]), centre)).collect();
     let (_, &mut square, _) = squares.select_nth_unstable_by(SAMPLE - KEPT, f64::total_cmp);
-    (centre, square.sqrt())
+    (centre, square)
 }
 
-/// The points at least this far from the centre.
-fn gather<T: Coordinate>(points: &[[T; 3]], frame: Frame, centre: [f64; 3], distance: f64) -> Beyond {
+/// The points at least this far, squared, from the centre.
+fn gather<T: Coordinate>(points: &[[T; 3]], frame: Frame, centre: [f64; 3], least: f64) -> Beyond {
     const GROUP: usize = 8;
     /// Large enough to share out cheaply, and small enough for a share each.
     const CHUNK: usize = 1 << 15;
-    let least = distance * distance;
     let of_chunk = |chunk: &[[T; 3]]| {
         let mut kept = Vec::new();
         let (groups, rest) = chunk.as_chunks::<GROUP>();
@@ -142,7 +141,7 @@ fn gather<T: Coordinate>(points: &[[T; 3]], frame: Frame, centre: [f64; 3], dist
         kept
     };
     let kept: Vec<Vec<[f64; 3]>> = points.par_chunks(CHUNK).map(of_chunk).collect();
-    Beyond { centre, distance, points: kept.concat() }
+    Beyond { centre, square: least, points: kept.concat() }
 }
 
 /// The minimal sphere of these points, exactly.
@@ -152,26 +151,27 @@ fn sphere_of(points: &[[f64; 3]], frame: Frame) -> ExactBall {
     exact::minimal(points, &support, frame)
 }
 
-/// Whether every point within the distance of the centre is proved to be strictly inside, by more than what decides the
+/// Whether every point nearer to the centre is proved to be strictly inside, by more than what decides the
 /// radius.
 fn passed_over_are_inside(beyond: &Beyond, ball: &ExactBall, frame: Frame) -> bool {
     const STRICTLY: f64 = 1.0 - 1.0 / (1_u64 << 40) as f64;
     // Differences and the scale are as exact as those of points: a few half units, as are the steps from here on, within
     // the share that is given away.
     let moved = length_up(scaled_offset(ball.centre(), beyond.centre, frame.scale));
-    let far = add_up(add_up(moved, ball.centre_error()), beyond.distance * (1.0 + 2.0 * SQUARE_ERROR));
+    let far = add_up(add_up(moved, ball.centre_error()), beyond.square.sqrt() * (1.0 + 2.0 * SQUARE_ERROR));
     far <= ball.radius_down() * frame.scale * STRICTLY
 }
 
 /// From the new centre: near enough for half of the candidates to be passed over next time, and below the sphere by a
 /// margin that the next one may use up.
-fn next_distance(candidates: &[[f64; 3]], ball: &ExactBall, frame: Frame) -> f64 {
+fn next_square(candidates: &[[f64; 3]], ball: &ExactBall, frame: Frame) -> f64 {
     const MARGIN: f64 = 1.0 - 1.0 / (1 << 20) as f64;
     let centre = ball.centre();
     let mut squares: Vec<f64> = candidates.iter().map(|&point| frame.squared_distance(point, centre)).collect();
     let middle = squares.len() / 2;
     let (_, &mut median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
-    median.sqrt().min(ball.radius_down() * frame.scale * MARGIN)
+    let inside = ball.radius_down() * frame.scale * MARGIN;
+    median.min(inside * inside)
 }
 
 impl Frame {

@@ -1,0 +1,56 @@
+//! The table for a person.
+
+use std::fmt::Write;
+
+use anstyle::Style;
+
+use super::Outcome;
+use super::advice::advice;
+use super::measure::Row;
+use crate::numerals::{counted, length, short_time};
+
+const STRONG: Style = Style::new().bold();
+const FAINT: Style = Style::new().dimmed();
+
+/// The report, with styles that the stream keeps or strips.
+pub(super) fn text(outcome: &Outcome) -> String {
+    let about = &outcome.body.about;
+    let unit = about.unit.map_or("(no unit)", |unit| unit.symbol());
+    let mut text = format!("{STRONG}{}{STRONG:#}\n", about.path.display());
+    // Writing to a String cannot fail.
+    let triangles = counted(outcome.body.mesh.faces().len(), "triangle");
+    let _ = writeln!(text, "{}  {triangles}  {}  {unit}\n", about.format, counted(outcome.points, "corner"));
+    let header = ["volume", "size", "area", "bytes", "build", "test", "turn"].map(str::to_owned);
+    let cells: Vec<[String; 7]> = outcome.rows.iter().map(|row| cells(row, &outcome.rows)).collect();
+    let widths: [usize; 7] = std::array::from_fn(|column| {
+        cells.iter().chain([&header]).map(|row| row[column].chars().count()).max().unwrap_or(0)
+    });
+    let line = |row: &[String; 7]| {
+        let first = format!("{:<1$}", row[0], widths[0]);
+        let rest = (1..7).map(|column| format!("{:>1$}", row[column], widths[column]));
+        std::iter::once(first).chain(rest).collect::<Vec<_>>().join("  ")
+    };
+    let _ = writeln!(text, "{FAINT}{}{FAINT:#}", line(&header));
+    for row in &cells {
+        let _ = writeln!(text, "{}", line(row));
+    }
+    let _ = writeln!(text, "\n{FAINT}size and area are in those of the smallest{FAINT:#}\n");
+    for advice in advice(&outcome.rows) {
+        let _ = writeln!(text, "{FAINT}{:<13}{FAINT:#}{}", advice.label, advice.sentence);
+    }
+    text
+}
+
+fn cells(row: &Row, rows: &[Row]) -> [String; 7] {
+    let relative = |own: f64, least: f64| if least > 0.0 { length(own / least) } else { "-".to_owned() };
+    let least_area = rows.iter().map(|row| row.surface_area).fold(f64::INFINITY, f64::min);
+    [
+        row.name.to_owned(),
+        relative(row.volume, super::reference(rows)),
+        relative(row.surface_area, least_area),
+        row.bytes.to_string(),
+        short_time(row.build),
+        short_time(row.overlap),
+        short_time(row.follow),
+    ]
+}
