@@ -2,6 +2,7 @@
 //!
 //! - `headline`: impinge on two knots of two million triangles, or on any file.
 //! - `peers`: impinge beside parry3d, in one run.
+//! - `hierarchies`: builders, degrees and volumes of trees; wrapped and layered.
 //! - `real`: large CAD parts, and a mesh against itself, where every face meets its neighbours.
 //!
 //! A benchmark checks its answer: one that disagrees with itself or with a known count fails and prints no times.

@@ -214,3 +214,44 @@ impl Sums {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hierarchy::Builder;
+
+    fn unit_box_at(x: f32) -> Aabb {
+        Aabb { min: [x, 0.0, 0.0], max: [x + 1.0, 1.0, 1.0] }
+    }
+
+    #[test]
+    fn two_heaps_of_boxes_have_the_statistics_of_two_leaves() {
+        for (second, overlap) in [(3.0, 0.0), (0.5, 2.0 / 4.0)] {
+            let boxes: Vec<Aabb> = [0.0, second].iter().flat_map(|&x| [unit_box_at(x); LEAF_CAPACITY]).collect();
+            let binary = Builder::Median.build(&boxes);
+            let (wide, leaves) = WideTree::collapse(&binary);
+            let held = |leaf: u32| binary.nodes[leaves[leaf as usize] as usize].count as usize;
+            // Half the areas: of the root, which is second + 1 long, of each leaf, and of what they share.
+            let root = f64::from(2.0 * (second + 1.0) + 1.0);
+            for (statistics, node_fill) in [(binary.statistics(), 1.0), (wide.statistics(held), 0.25)] {
+                assert_eq!((statistics.inner, statistics.leaves, statistics.depth), (1, 2, 1));
+                assert!((statistics.sah - (root + 6.0) / root).abs() < 1e-12, "{statistics:?}");
+                assert!((statistics.overlap - overlap).abs() < 1e-12, "{statistics:?}");
+                assert_eq!((statistics.node_fill, statistics.leaf_fill), (node_fill, 1.0));
+            }
+            assert_eq!(wide.level(0), [unit_box_at(0.0).union(unit_box_at(second))]);
+            assert_eq!(wide.level(1), [unit_box_at(0.0), unit_box_at(second)]);
+            assert_eq!(wide.level(9), wide.level(1));
+        }
+    }
+
+    #[test]
+    fn no_boxes_and_no_area_are_no_numbers_to_fear() {
+        let (wide, _) = WideTree::collapse(&BinaryTree::default());
+        assert_eq!(BinaryTree::default().statistics(), TreeStatistics::default());
+        assert_eq!((wide.statistics(|_| 0), wide.level(3)), (TreeStatistics::default(), Vec::new()));
+        let points = Builder::Ploc.build(&[Aabb { min: [1.0; 3], max: [1.0; 3] }; 20]);
+        let statistics = points.statistics();
+        assert!(statistics.sah == 0.0 && statistics.overlap == 0.0 && statistics.leaf_fill > 0.5, "{statistics:?}");
+    }
+}

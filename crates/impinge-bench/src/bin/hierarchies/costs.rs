@@ -4,7 +4,7 @@
 use std::hint::black_box;
 
 use impinge::hierarchy::{Builder, Costs, NodeVolume};
-use impinge_bench::samples::{Samples, timed};
+use impinge_bench::samples::{Samples, processor_timed};
 
 use crate::question::Question;
 
@@ -67,5 +67,5 @@ pub(crate) fn measure<V: NodeVolume>(question: &Question, repeats: usize) -> Opt
 
 /// The shortest time of some runs, in seconds.
 fn least(repeats: usize, mut run: impl FnMut()) -> f64 {
-    Samples::take(repeats.max(5), || Ok::<f64, ()>(timed(&mut run).0)).map_or(f64::NAN, |samples| samples.min())
+    Samples::take(repeats.max(5), || Ok::<f64, ()>(processor_timed(&mut run).0)).map_or(f64::NAN, |samples| samples.min())
 }

@@ -4,7 +4,8 @@
 //! `IMPINGE_DATA=... cargo run --release -p impinge-bench --bin hierarchies`
 //!
 //! Every tree answers the same question, which pairs of triangles meet, and each answer is compared with that of the
-//! library. Times are minima of single runs on one thread; what a tree does is counted, and the same on every machine.
+//! library. Times are minima of the processor time of single runs on one thread; what a tree does is counted, and the same
+//! on every machine.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use impinge::hierarchy::{Builder, Counters, Enclosure, GenericTree, NodeVolume};
 use impinge::volume::Aabb;
-use impinge_bench::samples::{Samples, timed};
+use impinge_bench::samples::{Samples, processor_timed};
 use impinge_bench::table::time;
 
 use crate::costs;
@@ -23,7 +23,7 @@ pub(crate) const BUILDER_HEADINGS: [&str; 9] =
 /// A builder, by the tree of boxes that queries would descend.
 pub(crate) fn builder(question: &Question, builder: Builder, runs: &Runs) -> Result<[String; 9]> {
     let build =
-        Samples::take(runs.repeats.min(MOST_BUILDS), || anyhow::Ok(timed(|| builder.build(&question.boxes)).0))?;
+        Samples::take(runs.repeats.min(MOST_BUILDS), || anyhow::Ok(processor_timed(|| builder.build(&question.boxes)).0))?;
     let binary = builder.build(&question.boxes);
     let statistics = binary.statistics();
     let tree = question.tree::<Aabb, 8>(&binary, Enclosure::Wrapped)?;
@@ -69,7 +69,7 @@ pub(crate) fn volume<V: NodeVolume>(
     runs: &Runs,
 ) -> Result<[String; 11]> {
     let binary = Builder::BinnedSah.build_with_leaves_of(1, &question.boxes);
-    let (fit, tree) = timed(|| question.tree::<V, 2>(&binary, enclosure));
+    let (fit, tree) = processor_timed(|| question.tree::<V, 2>(&binary, enclosure));
     let tree = tree?;
     let (work, query) = ask(question, &tree, name, runs)?;
     let costs = costs::measure::<V>(question, runs.repeats).context("no volume could be measured")?;
@@ -101,7 +101,7 @@ fn ask<V: NodeVolume, const DEGREE: usize>(
 ) -> Result<(Counters, f64)> {
     let mut work = Counters::default();
     let samples = Samples::take(runs.repeats, || {
-        let (seconds, (found, counted)) = timed(|| question.ask(tree));
+        let (seconds, (found, counted)) = processor_timed(|| question.ask(tree));
         question.check(found, who)?;
         work = counted;
         anyhow::Ok(seconds)
