@@ -46,6 +46,28 @@ pub fn timed<T>(run: impl FnOnce() -> T) -> (f64, T) {
     (start.elapsed().as_secs_f64(), result)
 }
 
+/// How many seconds of processor time `run` takes, on all threads of the process together, and what it returns. On one
+/// thread that is the time it would take on a machine with nothing else to do, or nearly so.
+pub fn processor_timed<T>(run: impl FnOnce() -> T) -> (f64, T) {
+    let start = processor_seconds();
+    let result = run();
+    (processor_seconds() - start, result)
+}
+
+/// Of the process, since some time.
+#[cfg(unix)]
+fn processor_seconds() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}
+
+/// Where it cannot be had, the time of the clock on the wall, since the first call.
+#[cfg(not(unix))]
+fn processor_seconds() -> f64 {
+    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
+    START.get_or_init(Instant::now).elapsed().as_secs_f64()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -61,6 +83,14 @@ mod tests {
         assert_eq!(samples(&[4.0, 1.0, 2.0, 10.0]).median(), 3.0);
         assert_eq!(samples(&[4.0, 1.0, 2.0, 10.0]).min(), 1.0);
         assert_eq!(samples(&[4.0, 1.0]).seconds(), [4.0, 1.0]);
+    }
+
+    #[test]
+    fn waiting_takes_no_processor_time() {
+        let (waited, ()) = processor_timed(|| std::thread::sleep(std::time::Duration::from_millis(50)));
+        let (worked, sum) = processor_timed(|| (0..20_000_000_u64).fold(0, |sum, x| std::hint::black_box(sum ^ x)));
+        assert!(waited < 0.04 || cfg!(not(unix)), "{waited}");
+        assert!(worked > 1e-4 && sum < 1 << 32, "{worked}");
     }
 
     #[test]

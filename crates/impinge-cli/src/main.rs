@@ -11,6 +11,7 @@ mod check;
 mod console;
 mod failure;
 mod fit;
+mod inspect;
 mod numerals;
 mod output;
 mod pose;
@@ -37,6 +38,7 @@ struct Cli {
 enum Command {
     Check(check::Arguments),
     Fit(fit::Arguments),
+    Inspect(inspect::Arguments),
 }
 
 /// What a question was answered with; its value is the exit code.
@@ -57,6 +59,7 @@ fn main() -> ExitCode {
         Ok(cli) => match cli.command {
             Command::Check(arguments) => check::run(&arguments),
             Command::Fit(arguments) => fit::run(&arguments),
+            Command::Inspect(arguments) => inspect::run(&arguments),
         },
         Err(error)
             if matches!(error.kind(), DisplayHelp | DisplayVersion | DisplayHelpOnMissingArgumentOrSubcommand) =>

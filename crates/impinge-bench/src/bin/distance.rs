@@ -112,7 +112,7 @@ fn measure(a: &Mesh, b: &Mesh, pose: Pose, following: &mut WitnessCache, repeats
     let (once, cold) = timed(|| ask(&mut WitnessCache::default()));
     ensure!(first == cold, "{first:?} from the last witness and {cold:?} without");
     let calls = (BATCH_SECONDS / once).clamp(1.0, 100.0) as usize;
-    let mut batch = |mut cache: WitnessCache, keep: bool| {
+    let batch = |mut cache: WitnessCache, keep: bool| {
         let (seconds, ()) = timed(|| {
             for _ in 0..calls {
                 let mut own = if keep { cache } else { WitnessCache::default() };

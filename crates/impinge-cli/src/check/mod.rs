@@ -251,7 +251,7 @@ fn scaled(poses: [Pose; 2], scales: [f64; 2]) -> Result<[Pose; 2], Failure> {
 }
 
 /// What `work` gives, and the seconds that it takes.
-fn timed<T>(doing: &'static str, work: impl FnOnce() -> T) -> (T, f64) {
+pub(crate) fn timed<T>(doing: &'static str, work: impl FnOnce() -> T) -> (T, f64) {
     let phase = Phase::begin(doing);
     let start = Instant::now();
     let result = work();

@@ -5,6 +5,7 @@ mod distances;
 mod errors;
 mod files;
 mod fit;
+mod inspect;
 mod interrupt;
 mod solids;
 mod streams;

@@ -3,11 +3,15 @@
 //! A builder orders the boxes and emits one neutral [`BinaryTree`]; one collapse turns it into the [`WideTree`] that
 //! every query descends.
 
+mod area;
 mod binary;
 mod boxes;
+mod build;
 mod cluster;
+mod cost;
 mod curve;
 mod descent;
+mod generic;
 mod lanes;
 mod morton;
 mod radix;
@@ -18,10 +22,13 @@ mod wide;
 
 pub use binary::{BinaryNode, BinaryTree, LEAF_CAPACITY, MAX_DEPTH, NODE_OF_LEAVES};
 pub(crate) use boxes::Boxes;
+pub use build::{Builder, DynamicTree, optimise};
+pub use cost::{Costs, Counters, TreeStatistics};
 pub(crate) use descent::{Descent, LeafVisitor, Order, QUEUE, Task, bits, each_byte, spread_to_bytes};
+pub use generic::{Enclosure, GenericTree, NodeVolume};
 pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, overlapping_each};
-pub(crate) use morton::build;
 pub use morton::build_morton;
+pub(crate) use morton::build_over;
 pub(crate) use radix::scatter;
 pub use slab::Slab;
 pub(crate) use slab::SlabMap;

@@ -37,11 +37,11 @@ const CHUNK: usize = 1 << 14;
 /// O(n log n), depth at most [`MAX_DEPTH`](super::MAX_DEPTH) for any input: equal, nested or sorted boxes included.
 #[must_use]
 pub fn build_morton(boxes: &[Aabb]) -> BinaryTree {
-    build(boxes)
+    build_over(boxes)
 }
 
 /// As [`build_morton`], for whatever has boxes.
-pub(crate) fn build<B: Boxes + ?Sized>(boxes: &B) -> BinaryTree {
+pub(crate) fn build_over<B: Boxes + ?Sized>(boxes: &B) -> BinaryTree {
     let len = boxes.len();
     if len == 0 {
         return BinaryTree::default();

@@ -7,6 +7,8 @@ mod face_boxes;
 mod far_field;
 mod filter;
 mod frame;
+mod health;
+mod inspection;
 mod judge;
 mod metric;
 mod nearest;
@@ -28,6 +30,7 @@ use rayon::prelude::*;
 pub(crate) use descent::collect_intersecting;
 pub use descent::{HostChoice, Options};
 pub(crate) use distance::{nearest, within};
+pub use health::Health;
 pub use nearest::ClosestPoint;
 pub use positions::Positions;
 use positions::Vertex;
@@ -38,7 +41,7 @@ pub(crate) use winding::Judge;
 pub use winding::{Containment, WindingNumber};
 
 use crate::exact::Corners;
-use crate::hierarchy::{BinaryTree, Slab, WideTree, build};
+use crate::hierarchy::{BinaryTree, Slab, WideTree, build_over};
 use crate::input::InputError;
 use crate::math::Pose;
 use crate::simd::{best_level, prefetch};
@@ -178,7 +181,7 @@ const CHUNK: usize = 512;
 
 /// The tree of the faces and the packets of its leaves.
 fn hierarchy<V: Vertex>(vertices: &[V], faces: &[[u32; 3]], frame: &PackedFrame) -> (WideTree, Buffer<Packet>) {
-    let binary = build(&FaceBoxes::new(&face_boxes::pack(vertices, frame), faces));
+    let binary = build_over(&FaceBoxes::new(&face_boxes::pack(vertices, frame), faces));
     let (mut tree, leaves) = WideTree::collapse(&binary);
     let packets = pack(&binary, &leaves, frame, vertices, faces);
     tree.set_slabs(|leaves| slab(&packets[leaves]));

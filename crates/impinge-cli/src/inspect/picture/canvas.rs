@@ -1,0 +1,167 @@
+//! Pixels with depth: triangles are filled where nothing is nearer, lines are laid over them.
+
+use std::io;
+
+use super::camera::Seen;
+use super::strokes::Stroke;
+
+/// Samples of a pixel on each axis, whose mean it shows.
+const SAMPLES: usize = 2;
+
+/// The colour of the mesh at its darkest and its brightest.
+const MESH: [[f64; 3]; 2] = [[96.0, 102.0, 112.0], [226.0, 229.0, 233.0]];
+
+/// A picture in the making.
+pub(super) struct Canvas {
+    size: [u32; 2],
+    /// Samples to a row.
+    width: usize,
+    height: usize,
+    colours: Vec<[u8; 3]>,
+    /// How far away what is seen lies, in pixels.
+    depths: Vec<f32>,
+}
+
+impl Canvas {
+    pub(super) fn new(size: [u32; 2]) -> Self {
+        let [width, height] = size.map(|side| side as usize * SAMPLES);
+        let colours = vec![[255; 3]; width * height];
+        Self { size, width, height, colours, depths: vec![f32::INFINITY; width * height] }
+    }
+
+    /// Width and height in pixels.
+    pub(super) fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Fills a triangle, given by where its corners are seen.
+    pub(super) fn fill(&mut self, corners: [Seen; 3], brightness: f64) {
+        let [a, b, c] = corners.map(|[x, y, z]| [x * SAMPLES as f64, y * SAMPLES as f64, z]);
+        let area = turn(a, b, c);
+        if area == 0.0 || !area.is_finite() {
+            return;
+        }
+        let colour = [0, 1, 2].map(|k| (MESH[0][k] + brightness * (MESH[1][k] - MESH[0][k])) as u8);
+        let range = |k: usize, limit: usize| {
+            let (low, high) = (a[k].min(b[k]).min(c[k]), a[k].max(b[k]).max(c[k]));
+            // Casts saturate.
+            ((low - 0.5).ceil().max(0.0) as usize, ((high - 0.5).floor() + 1.0).max(0.0) as usize).min((limit, limit))
+        };
+        let ((left, right), (top, bottom)) = (range(0, self.width), range(1, self.height));
+        for row in top..bottom.min(self.height) {
+            for column in left..right.min(self.width) {
+                let p = [column as f64 + 0.5, row as f64 + 0.5, 0.0];
+                let weights = [turn(b, c, p) / area, turn(c, a, p) / area, turn(a, b, p) / area];
+                if weights.iter().all(|&w| w >= 0.0) {
+                    let depth = (weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2]) as f32;
+                    let at = row * self.width + column;
+                    if depth < self.depths[at] {
+                        self.depths[at] = depth;
+                        self.colours[at] = colour;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether a point is seen, and not behind the mesh; `tolerance` pixels of depth count as nothing.
+    pub(super) fn sees(&self, [x, y, z]: Seen, tolerance: f64) -> bool {
+        let [column, row] = [x, y].map(|at| (at * SAMPLES as f64) as usize);
+        column >= self.width || row >= self.height || z - tolerance <= f64::from(self.depths[row * self.width + column])
+    }
+
+    /// Lays a line over what is there.
+    pub(super) fn line(&mut self, stroke: &Stroke) {
+        let [from, to] = stroke.ends.map(|end| end.map(|x| x * SAMPLES as f64));
+        let along = usize::from((to[1] - from[1]).abs() > (to[0] - from[0]).abs());
+        let length = to[along] - from[along];
+        let width = (stroke.width * SAMPLES as f64).round().max(1.0) as i64;
+        let (first, last) = (from[along].min(to[along]).round() as i64, from[along].max(to[along]).round() as i64);
+        for step in first..=last {
+            let share = if length == 0.0 { 0.0 } else { ((step as f64 - from[along]) / length).clamp(0.0, 1.0) };
+            let middle = from[1 - along] + share * (to[1 - along] - from[1 - along]);
+            let start = (middle - 0.5 * width as f64).round() as i64;
+            for across in start..start + width {
+                let (column, row) = if along == 0 { (step, across) } else { (across, step) };
+                self.blend(column, row, stroke);
+            }
+        }
+    }
+
+    fn blend(&mut self, column: i64, row: i64, stroke: &Stroke) {
+        let (Ok(column), Ok(row)) = (usize::try_from(column), usize::try_from(row)) else { return };
+        if column < self.width && row < self.height {
+            let sample = &mut self.colours[row * self.width + column];
+            for k in 0..3 {
+                let mixed =
+                    f64::from(sample[k]) * (1.0 - stroke.opacity) + f64::from(stroke.colour[k]) * stroke.opacity;
+                sample[k] = mixed.round() as u8;
+            }
+        }
+    }
+
+    /// The picture as a PNG file.
+    ///
+    /// # Errors
+    /// Where a side is zero pixels long.
+    pub(super) fn png(&self) -> io::Result<Vec<u8>> {
+        let mut file = Vec::new();
+        let mut encoder = png::Encoder::new(&mut file, self.size[0], self.size[1]);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        let mut writer = encoder.write_header().map_err(io::Error::other)?;
+        writer.write_image_data(self.pixels().as_flattened()).map_err(io::Error::other)?;
+        writer.finish().map_err(io::Error::other)?;
+        Ok(file)
+    }
+
+    /// The mean of the samples of each pixel.
+    fn pixels(&self) -> Vec<[u8; 3]> {
+        let [width, height] = self.size.map(|side| side as usize);
+        let mean = |pixel: usize| {
+            let (column, row) = (pixel % width * SAMPLES, pixel / width * SAMPLES);
+            let sample = |i: usize| self.colours[(row + i / SAMPLES) * self.width + column + i % SAMPLES];
+            let count = SAMPLES * SAMPLES;
+            [0, 1, 2].map(|k| ((0..count).map(|i| usize::from(sample(i)[k])).sum::<usize>() / count) as u8)
+        };
+        (0..width * height).map(mean).collect()
+    }
+}
+
+/// Twice the signed area of a triangle as it is seen.
+fn turn(a: Seen, b: Seen, c: Seen) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CORNERS: [Seen; 3] = [[1.0, 1.0, 5.0], [9.0, 1.0, 5.0], [1.0, 9.0, 5.0]];
+
+    #[test]
+    fn the_nearer_triangle_is_seen() {
+        let mut canvas = Canvas::new([10, 10]);
+        canvas.fill(CORNERS, 1.0);
+        canvas.fill(CORNERS.map(|[x, y, _]| [x, y, 7.0]), 0.0);
+        let pixels = canvas.pixels();
+        assert_eq!(pixels[0], [255; 3], "outside");
+        assert_eq!(pixels[2 * 10 + 2], [226, 229, 233]);
+        canvas.fill(CORNERS.map(|[x, y, _]| [x, y, 3.0]), 0.0);
+        assert_eq!(canvas.pixels()[2 * 10 + 2], [96, 102, 112]);
+        assert!(canvas.sees([2.5, 2.5, 2.0], 0.0) && !canvas.sees([2.5, 2.5, 4.0], 0.0));
+        assert!(canvas.sees([2.5, 2.5, 3.5], 1.0) && canvas.sees([8.5, 8.5, 99.0], 0.0));
+    }
+
+    #[test]
+    fn lines_are_laid_over() {
+        let mut canvas = Canvas::new([10, 10]);
+        canvas.line(&Stroke { ends: [[0.0, 5.0], [10.0, 5.0]], colour: [0; 3], opacity: 1.0, width: 1.0 });
+        let dark = canvas.pixels().iter().filter(|pixel| pixel[0] < 200).count();
+        assert!((10..=20).contains(&dark), "{dark}");
+        // Far outside, nothing happens.
+        canvas.line(&Stroke { ends: [[-50.0, -5.0], [-10.0, -5.0]], colour: [0; 3], opacity: 1.0, width: 1.0 });
+        canvas.fill([[f64::NAN; 3]; 3], 1.0);
+        assert_eq!(canvas.pixels().iter().filter(|pixel| pixel[0] < 200).count(), dark);
+    }
+}

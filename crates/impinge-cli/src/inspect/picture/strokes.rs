@@ -1,0 +1,93 @@
+//! The edges of boxes as lines, strong where they are seen and faint behind the mesh.
+
+use super::camera::{Camera, Seen, corners};
+use super::canvas::Canvas;
+
+/// A line on the picture, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stroke {
+    pub(super) ends: [[f64; 2]; 2],
+    pub(super) colour: [u8; 3],
+    pub(super) opacity: f64,
+    pub(super) width: f64,
+}
+
+/// Pixels between two looks at whether an edge is hidden.
+const STEP: f64 = 1.5;
+
+/// Pixels of depth within which an edge that lies on the mesh counts as in front of it.
+const TOLERANCE: f64 = 1.5;
+
+/// Colours that neighbours are told apart by (Okabe, Ito, *Color universal design*, 2008, without yellow and black).
+const COLOURS: [[u8; 3]; 6] =
+    [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [230, 159, 0]];
+
+/// The edges of all boxes: those that are hidden first, so that the others lie over them.
+pub(super) fn of_boxes(boxes: &[[[f64; 3]; 2]], camera: &Camera, canvas: &Canvas) -> Vec<Stroke> {
+    let width = if boxes.len() > 40 { 1.5 } else { 2.0 };
+    let mut strokes = Vec::new();
+    for (number, bounds) in boxes.iter().enumerate() {
+        let seen = corners(bounds).map(|corner| camera.project(corner));
+        let colour = COLOURS[number % COLOURS.len()];
+        for from in 0..8_usize {
+            for axis in 0..3 {
+                let to = from | 1 << axis;
+                if to != from {
+                    runs(seen[from], seen[to], canvas, |ends, is_seen| {
+                        let opacity = if is_seen { 0.95 } else { 0.22 };
+                        strokes.push(Stroke { ends, colour, opacity, width });
+                    });
+                }
+            }
+        }
+    }
+    strokes.sort_by(|a, b| a.opacity.total_cmp(&b.opacity));
+    strokes
+}
+
+/// Cuts an edge where it goes behind the mesh or comes out.
+fn runs(from: Seen, to: Seen, canvas: &Canvas, mut run: impl FnMut([[f64; 2]; 2], bool)) {
+    let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+    let steps = (length / STEP).ceil().max(1.0) as usize;
+    let at = |step: usize| -> Seen {
+        let share = step as f64 / steps as f64;
+        [0, 1, 2].map(|axis| from[axis] + share * (to[axis] - from[axis]))
+    };
+    let on_picture = |step: usize| [at(step)[0], at(step)[1]];
+    let mut start = 0;
+    let mut is_seen = canvas.sees(at(0), TOLERANCE);
+    for step in 1..=steps {
+        let now = canvas.sees(at(step), TOLERANCE);
+        if now != is_seen || step == steps {
+            run([on_picture(start), on_picture(step)], is_seen);
+            (start, is_seen) = (step, now);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_is_cut_where_it_is_hidden() {
+        let mut canvas = Canvas::new([100, 100]);
+        // A wall over the right half, at depth 10.
+        canvas.fill([[50.0, -100.0, 10.0], [50.0, 300.0, 10.0], [300.0, 50.0, 10.0]], 1.0);
+        let mut found = Vec::new();
+        runs([10.0, 50.0, 20.0], [90.0, 50.0, 20.0], &canvas, |ends, is_seen| found.push((ends, is_seen)));
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(found[0].1 && !found[1].1 && (found[0].0[1][0] - 50.0).abs() < 3.0, "{found:?}");
+        assert_eq!(found[1].0[1], [90.0, 50.0]);
+        found.clear();
+        runs([10.0, 50.0, 5.0], [90.0, 50.0, 5.0], &canvas, |ends, is_seen| found.push((ends, is_seen)));
+        assert_eq!(found, [([[10.0, 50.0], [90.0, 50.0]], true)]);
+    }
+
+    #[test]
+    fn a_box_has_twelve_edges() {
+        let boxes = [[[0.0; 3], [1.0; 3]]];
+        let camera = Camera::around(&boxes, 1, 300);
+        assert_eq!(of_boxes(&boxes, &camera, &Canvas::new(camera.size())).len(), 12);
+    }
+}

@@ -1,0 +1,37 @@
+//! The picture as SVG: the mesh as pixels inside, the boxes as vectors over it.
+
+use std::io::{self, Write};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use super::canvas::Canvas;
+use super::strokes::Stroke;
+
+/// Writes the file.
+///
+/// # Errors
+/// Where it cannot be written.
+pub(super) fn write(out: &mut dyn Write, canvas: &Canvas, strokes: &[Stroke]) -> io::Result<()> {
+    let [width, height] = canvas.size();
+    writeln!(
+        out,
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}">"#
+    )?;
+    let image = STANDARD.encode(canvas.png()?);
+    writeln!(out, r#"<image width="{width}" height="{height}" href="data:image/png;base64,{image}"/>"#)?;
+    writeln!(out, r#"<g fill="none" stroke-linecap="round">"#)?;
+    // Neighbours that look alike are one path.
+    for alike in strokes.chunk_by(|a, b| (a.colour, a.opacity, a.width) == (b.colour, b.opacity, b.width)) {
+        let [Stroke { colour: [r, g, b], opacity, width, .. }, ..] = alike else { continue };
+        write!(
+            out,
+            r##"<path stroke="#{r:02x}{g:02x}{b:02x}" stroke-opacity="{opacity}" stroke-width="{width}" d=""##
+        )?;
+        for Stroke { ends: [from, to], .. } in alike {
+            write!(out, "M{:.1} {:.1}L{:.1} {:.1}", from[0], from[1], to[0], to[1])?;
+        }
+        writeln!(out, r#""/>"#)?;
+    }
+    writeln!(out, "</g>\n</svg>")
+}

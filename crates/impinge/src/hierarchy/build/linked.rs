@@ -1,0 +1,140 @@
+//! A binary tree whose subtrees can be moved: what builders other than top-down ones work on, and how it becomes the
+//! neutral tree, with full leaves and no deeper than allowed.
+
+use std::num::NonZeroU32;
+
+use super::super::binary::{BinaryNode, BinaryTree, MAX_DEPTH};
+use super::median::{self, Item};
+use super::top_down::HALVE_FROM_DEPTH;
+use crate::volume::Aabb;
+
+/// No node: the parent of the root.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// A node that knows its parent.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LinkedNode {
+    pub(super) bounds: Aabb,
+    pub(super) parent: u32,
+    pub(super) below: Below,
+}
+
+/// What is below a node.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Below {
+    /// Two nodes.
+    Pair([u32; 2]),
+    /// A range of boxes, in the order that the tree came with.
+    Boxes { first: u32, count: u32 },
+}
+
+/// A tree in no particular order; its root is `root`.
+#[derive(Clone, Debug)]
+pub(super) struct Linked {
+    pub(super) nodes: Vec<LinkedNode>,
+    pub(super) root: u32,
+}
+
+impl Linked {
+    /// The other child of the node's parent.
+    pub(super) fn sibling(&self, node: u32) -> Option<u32> {
+        match self.nodes.get(self.nodes[node as usize].parent as usize)?.below {
+            Below::Pair([left, right]) => Some(if left == node { right } else { left }),
+            Below::Boxes { .. } => None,
+        }
+    }
+
+    /// Puts `new` where its parent has `old`.
+    pub(super) fn replace_child(&mut self, parent: u32, old: u32, new: u32) {
+        if let Below::Pair(children) = &mut self.nodes[parent as usize].below {
+            for child in children {
+                if *child == old {
+                    *child = new;
+                }
+            }
+        }
+        self.nodes[new as usize].parent = parent;
+    }
+
+    /// All nodes below the root and itself, parents before children, left before right.
+    pub(super) fn preorder(&self) -> Vec<u32> {
+        let mut found = Vec::with_capacity(self.nodes.len());
+        let mut pending = vec![self.root];
+        while let Some(node) = pending.pop() {
+            found.push(node);
+            if let Below::Pair([left, right]) = self.nodes[node as usize].below {
+                pending.extend([right, left]);
+            }
+        }
+        found
+    }
+
+    /// The neutral tree. Subtrees of at most `capacity` boxes become leaves; those that would reach below
+    /// [`MAX_DEPTH`] are built anew at medians. `order` is what the ranges of boxes refer to, and `bounds_of` gives the
+    /// box of each of its entries.
+    pub(super) fn to_binary(&self, order: &[u32], capacity: usize, bounds_of: impl Fn(u32) -> Aabb) -> BinaryTree {
+        let sizes = self.sizes(capacity);
+        let mut tree = BinaryTree { nodes: Vec::new(), order: Vec::with_capacity(order.len()) };
+        // The nodes to come, each with its depth and, where it is a right child, where its parent now stands.
+        let mut pending: Vec<(u32, usize, Option<usize>)> = vec![(self.root, 0, None)];
+        while let Some((at, depth, parent)) = pending.pop() {
+            let here = tree.nodes.len();
+            if let Some(parent) = parent {
+                tree.nodes[parent].right = NonZeroU32::new((here - parent) as u32);
+            }
+            let (node, size) = (&self.nodes[at as usize], sizes[at as usize]);
+            let is_too_deep = depth >= HALVE_FROM_DEPTH && depth + size.height as usize > MAX_DEPTH;
+            match node.below {
+                Below::Pair([left, right]) if size.count as usize > capacity && !is_too_deep => {
+                    let first = tree.order.len() as u32;
+                    tree.nodes.push(BinaryNode { bounds: node.bounds, first, count: size.count, right: None });
+                    pending.extend([(right, depth + 1, Some(here)), (left, depth + 1, None)]);
+                }
+                _ => {
+                    let mut items = self.held(at, order, &bounds_of);
+                    median::append(&mut tree, &mut items, capacity, depth);
+                }
+            }
+        }
+        tree
+    }
+
+    /// The boxes below a node.
+    fn held(&self, root: u32, order: &[u32], bounds_of: impl Fn(u32) -> Aabb) -> Vec<Item> {
+        let mut items = Vec::new();
+        let mut pending = vec![root];
+        while let Some(node) = pending.pop() {
+            match self.nodes[node as usize].below {
+                Below::Pair([left, right]) => pending.extend([right, left]),
+                Below::Boxes { first, count } => {
+                    let held = &order[first as usize..][..count as usize];
+                    items.extend(held.iter().map(|&index| Item { bounds: bounds_of(index), index }));
+                }
+            }
+        }
+        items
+    }
+
+    /// How much is below each node, once what fits a leaf is one.
+    fn sizes(&self, capacity: usize) -> Vec<Size> {
+        let mut sizes = vec![Size { count: 0, height: 0 }; self.nodes.len()];
+        for &at in self.preorder().iter().rev() {
+            sizes[at as usize] = match self.nodes[at as usize].below {
+                Below::Boxes { count, .. } => Size { count, height: 0 },
+                Below::Pair([left, right]) => {
+                    let (left, right) = (sizes[left as usize], sizes[right as usize]);
+                    let count = left.count + right.count;
+                    let is_leaf = count as usize <= capacity;
+                    Size { count, height: if is_leaf { 0 } else { 1 + left.height.max(right.height) } }
+                }
+            };
+        }
+        sizes
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Size {
+    count: u32,
+    height: u32,
+}

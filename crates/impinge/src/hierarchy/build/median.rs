@@ -1,0 +1,142 @@
+//! Top-down at the median: half of the boxes on either side of a plane across the axis along which their centres spread
+//! most. Source: Ericson, 6.2.2; halves are rounded to whole leaves, so that all leaves but one are full.
+
+use std::num::NonZeroU32;
+
+use super::super::binary::{BinaryNode, BinaryTree};
+use super::top_down::{self, Choice, Range};
+use crate::volume::Aabb;
+
+/// The tree of these boxes, of which there is at least one.
+pub(super) fn build(boxes: &[Aabb], capacity: usize) -> BinaryTree {
+    let mut items = items(boxes);
+    let nodes = top_down::nodes(Halved { items: &mut items, capacity }, capacity);
+    BinaryTree { nodes, order: order(&items) }
+}
+
+/// The tree with leaves of more than `capacity` boxes cut at medians.
+pub(super) fn cut_leaves(tree: &BinaryTree, boxes: &[Aabb], capacity: usize) -> BinaryTree {
+    let mut cut = BinaryTree { nodes: Vec::new(), order: Vec::with_capacity(tree.order.len()) };
+    // The nodes to come, each with its depth and, where it is a right child, where its parent now stands.
+    let mut pending: Vec<(u32, usize, Option<usize>)> = vec![(0, 0, None)];
+    while let Some((at, depth, parent)) = pending.pop() {
+        let node = tree.nodes[at as usize];
+        let here = cut.nodes.len();
+        if let Some(parent) = parent {
+            cut.nodes[parent].right = NonZeroU32::new((here - parent) as u32);
+        }
+        match node.right {
+            Some(right) => {
+                cut.nodes.push(node);
+                pending.extend([(at + right.get(), depth + 1, Some(here)), (at + 1, depth + 1, None)]);
+            }
+            None => {
+                let held = tree.held(at).iter().map(|&index| Item { bounds: boxes[index as usize], index });
+                append(&mut cut, &mut held.collect::<Vec<_>>(), capacity, depth);
+            }
+        }
+    }
+    cut
+}
+
+/// Appends the median tree of some boxes, as a subtree at a depth.
+pub(super) fn append(tree: &mut BinaryTree, items: &mut [Item], capacity: usize, depth: usize) {
+    let nodes: Vec<BinaryNode> =
+        top_down::nodes_from(Halved { items: &mut *items, capacity }, capacity, tree.order.len(), depth);
+    tree.nodes.extend(nodes);
+    tree.order.extend(items.iter().map(|item| item.index));
+}
+
+/// A box and its number, moved together, so that passes run over memory in order.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Item {
+    pub(super) bounds: Aabb,
+    pub(super) index: u32,
+}
+
+impl Item {
+    /// The middle of the box on an axis.
+    #[inline(always)]
+    pub(super) fn centre(&self, axis: usize) -> f32 {
+        centre(&self.bounds, axis)
+    }
+}
+
+/// The middle of a box on an axis, without overflow.
+#[inline(always)]
+pub(super) fn centre(bounds: &Aabb, axis: usize) -> f32 {
+    0.5 * bounds.min[axis] + 0.5 * bounds.max[axis]
+}
+
+/// Sorts by a coordinate as floats do, then by the index: no two boxes are alike, so that there is one order.
+#[inline(always)]
+pub(super) fn key(centre: f32, index: u32) -> u64 {
+    let bits = centre.to_bits();
+    // A negative float's bits grow the wrong way; a positive one's need their top bit to come after it.
+    let ordered = if bits >> 31 == 1 { !bits } else { bits | 1 << 31 };
+    u64::from(ordered) << 32 | u64::from(index)
+}
+
+pub(super) fn items(boxes: &[Aabb]) -> Vec<Item> {
+    boxes.iter().enumerate().map(|(index, &bounds)| Item { bounds, index: index as u32 }).collect()
+}
+
+pub(super) fn order(items: &[Item]) -> Vec<u32> {
+    items.iter().map(|item| item.index).collect()
+}
+
+/// The box of some boxes.
+pub(super) fn bounds(items: &[Item]) -> Aabb {
+    items.iter().fold(Aabb::EMPTY, |bounds, item| bounds.union(item.bounds))
+}
+
+/// The box of the centres of some boxes.
+pub(super) fn centre_bounds(items: &[Item]) -> Aabb {
+    items.iter().fold(Aabb::EMPTY, |bounds, item| {
+        let centre = [0, 1, 2].map(|axis| item.centre(axis));
+        bounds.union(Aabb { min: centre, max: centre })
+    })
+}
+
+/// Halves of equal number across the widest axis of the centres.
+pub(super) fn halves(items: &mut [Item], centres: &Aabb, capacity: usize) -> usize {
+    let middle = top_down::middle(items.len(), capacity);
+    let axis = widest(centres);
+    items.select_nth_unstable_by_key(middle, |item| key(item.centre(axis), item.index));
+    middle
+}
+
+/// The axis along which a box is longest.
+pub(super) fn widest(bounds: &Aabb) -> usize {
+    // In halves, which do not overflow.
+    let extent: [f32; 3] = std::array::from_fn(|axis| 0.5 * bounds.max[axis] - 0.5 * bounds.min[axis]);
+    if extent[0] >= extent[1] && extent[0] >= extent[2] {
+        0
+    } else if extent[1] >= extent[2] {
+        1
+    } else {
+        2
+    }
+}
+
+struct Halved<'a> {
+    items: &'a mut [Item],
+    capacity: usize,
+}
+
+impl Range for Halved<'_> {
+    fn len(&self) -> usize {
+        self.items.len()
+    }
+
+    fn bounds(&self) -> Aabb {
+        bounds(self.items)
+    }
+
+    fn split(self, _: Choice) -> (Self, Self) {
+        let centres = centre_bounds(self.items);
+        let middle = halves(self.items, &centres, self.capacity);
+        let (low, high) = self.items.split_at_mut(middle);
+        (Self { items: low, ..self }, Self { items: high, capacity: self.capacity })
+    }
+}

@@ -1,0 +1,115 @@
+//! Builders: from boxes to the neutral binary tree, each by another strategy, all behind one enum.
+//!
+//! | strategy | file | complexity |
+//! |---|---|---|
+//! | linear: along a space-filling curve | `../morton.rs` | O(n log n) |
+//! | top-down: halves of equal number | `median.rs` | O(n log n) |
+//! | top-down: the cheapest of some planes | `binned_sah.rs` | O(n log n) |
+//! | top-down: the cheapest of all planes | `sweep_sah.rs` | O(n log n) |
+//! | bottom-up: nearest neighbours joined | `ploc.rs` | O(n log n) |
+//! | insertion: one box after the other | `dynamic.rs` | O(n log n) |
+//! | any of these, then improved by moving subtrees | `reinsertion.rs` | O(n log n) and a bounded search for each node |
+//!
+//! Which of them to take is measured in `docs/hierarchies.md`.
+
+mod binned_sah;
+mod dynamic;
+mod linked;
+mod median;
+mod ploc;
+mod reinsertion;
+mod sweep_sah;
+mod top_down;
+
+pub use dynamic::DynamicTree;
+pub use reinsertion::optimise;
+
+use super::binary::{BinaryTree, LEAF_CAPACITY};
+use super::morton::build_morton;
+use crate::volume::Aabb;
+
+/// How a tree is built. No answer depends on it: only how long it takes to build, and to ask.
+///
+/// ```
+/// use impinge::hierarchy::{Builder, MAX_DEPTH};
+/// use impinge::volume::Aabb;
+///
+/// let boxes: Vec<Aabb> = (0..100).map(|i| Aabb { min: [i as f32, 0.0, 0.0], max: [i as f32 + 1.0, 1.0, 1.0] }).collect();
+/// for builder in Builder::ALL {
+///     let tree = builder.build(&boxes);
+///     assert!(tree.nodes[0].count == 100 && tree.depth() <= MAX_DEPTH);
+/// }
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Builder {
+    /// Along a space-filling curve: the fastest build.
+    #[default]
+    Morton,
+    /// Top-down, halved at the median of the widest axis: the fullest leaves and the least depth.
+    Median,
+    /// Top-down, at the cheapest of a few planes by surface area.
+    BinnedSah,
+    /// Top-down, at the cheapest of all planes by surface area.
+    SweepSah,
+    /// Bottom-up, nearest neighbours joined.
+    Ploc,
+    /// One box after the other, as a [`DynamicTree`] takes them.
+    Insertion,
+    /// [`Ploc`](Self::Ploc), then improved by [`optimise`]: the slowest build.
+    Reinsertion,
+}
+
+impl Builder {
+    /// Every builder.
+    pub const ALL: [Self; 7] =
+        [Self::Morton, Self::Median, Self::BinnedSah, Self::SweepSah, Self::Ploc, Self::Insertion, Self::Reinsertion];
+
+    /// What reports and options call it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Morton => "morton",
+            Self::Median => "median",
+            Self::BinnedSah => "binned-sah",
+            Self::SweepSah => "sweep-sah",
+            Self::Ploc => "ploc",
+            Self::Insertion => "insertion",
+            Self::Reinsertion => "reinsertion",
+        }
+    }
+
+    /// The tree of these boxes, none of which may be empty; the same for any number of threads.
+    ///
+    /// # Complexity
+    /// O(n log n), depth at most [`MAX_DEPTH`](super::MAX_DEPTH), for any input: equal, nested or sorted boxes included.
+    #[must_use]
+    pub fn build(self, boxes: &[Aabb]) -> BinaryTree {
+        self.build_with_leaves_of(LEAF_CAPACITY, boxes)
+    }
+
+    /// As [`build`](Self::build), with at most `capacity` boxes in a leaf, which is brought between one and
+    /// [`LEAF_CAPACITY`].
+    #[must_use]
+    pub fn build_with_leaves_of(self, capacity: usize, boxes: &[Aabb]) -> BinaryTree {
+        let capacity = capacity.clamp(1, LEAF_CAPACITY);
+        if boxes.is_empty() {
+            return BinaryTree::default();
+        }
+        match self {
+            Self::Morton if capacity == LEAF_CAPACITY => build_morton(boxes),
+            Self::Morton => median::cut_leaves(&build_morton(boxes), boxes, capacity),
+            Self::Median => median::build(boxes, capacity),
+            Self::BinnedSah => binned_sah::build(boxes, capacity),
+            Self::SweepSah => sweep_sah::build(boxes, capacity),
+            Self::Ploc => ploc::build(boxes, capacity),
+            Self::Insertion => {
+                let mut tree = DynamicTree::new();
+                for bounds in boxes {
+                    tree.insert(*bounds);
+                }
+                tree.to_binary(capacity)
+            }
+            Self::Reinsertion => optimise(&ploc::build(boxes, capacity), boxes, capacity),
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! What a tree costs, before it is asked and after: `T = N_V C_V + N_P C_P + N_U C_U` (Gottschalk, Lin, Manocha, *OBBTree*,
+//! SIGGRAPH 1996; Klosowski et al., TVCG 1998, added the updates), and what can be read off the tree itself.
+
+use std::ops::AddAssign;
+
+use super::area::{half_area, half_area_in_common};
+use super::binary::{BinaryTree, LEAF_CAPACITY};
+use super::wide::{Child, Node, WideTree};
+use crate::simd::LANES;
+use crate::volume::Aabb;
+
+/// What a traversal did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// N_V: tests of a pair of bounding volumes.
+    pub volume_tests: u64,
+    /// N_P: tests of a pair of primitives.
+    pub primitive_tests: u64,
+    /// N_U: bounding volumes carried from one frame into the other.
+    pub updates: u64,
+}
+
+impl AddAssign for Counters {
+    fn add_assign(&mut self, other: Self) {
+        self.volume_tests += other.volume_tests;
+        self.primitive_tests += other.primitive_tests;
+        self.updates += other.updates;
+    }
+}
+
+/// What one of each takes on some machine, in seconds. The benchmark `hierarchies` measures them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Costs {
+    /// C_V: of a test of two volumes.
+    pub volume_secs: f64,
+    /// C_P: of a test of two primitives.
+    pub primitive_secs: f64,
+    /// C_U: of carrying a volume from one frame into the other.
+    pub update_secs: f64,
+}
+
+impl Costs {
+    /// `N_V C_V + N_P C_P + N_U C_U`, in seconds.
+    ///
+    /// ```
+    /// use impinge::hierarchy::{Costs, Counters};
+    ///
+    /// let costs = Costs { volume_secs: 2e-9, primitive_secs: 50e-9, update_secs: 5e-9 };
+    /// let work = Counters { volume_tests: 1_000_000, primitive_tests: 10_000, updates: 100_000 };
+    /// assert!((costs.seconds(&work) - 3e-3).abs() < 1e-9);
+    /// ```
+    #[must_use]
+    pub fn seconds(&self, work: &Counters) -> f64 {
+        work.volume_tests as f64 * self.volume_secs
+            + work.primitive_tests as f64 * self.primitive_secs
+            + work.updates as f64 * self.update_secs
+    }
+}
+
+/// What can be read off a tree. Areas are ratios, and so do not depend on the unit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TreeStatistics {
+    /// Inner nodes.
+    pub inner: usize,
+    /// Leaves.
+    pub leaves: usize,
+    /// Steps from the root to the deepest leaf.
+    pub depth: usize,
+    /// The expected number of nodes that something small inside the root's box meets, leaves included: the sum of all
+    /// areas over that of the root.
+    pub sah: f64,
+    /// How much of an inner node's area two of its children have in common, taken over each pair and weighted with the
+    /// area; 0 where no children overlap.
+    pub overlap: f64,
+    /// The share of the places for children and boxes that are taken, in inner nodes.
+    pub node_fill: f64,
+    /// Likewise, in leaves.
+    pub leaf_fill: f64,
+    /// Bytes that the nodes take.
+    pub bytes: usize,
+}
+
+impl BinaryTree {
+    /// Steps from the root to the deepest leaf; zero where there are no boxes.
+    #[must_use]
+    pub fn depth(&self) -> usize {
+        let mut deepest = 0;
+        let mut pending = vec![(0_u32, 0)];
+        while let Some((at, depth)) = pending.pop() {
+            deepest = deepest.max(depth);
+            if let Some(right) = self.nodes.get(at as usize).and_then(|node| node.right) {
+                pending.extend([(at + 1, depth + 1), (at + right.get(), depth + 1)]);
+            }
+        }
+        deepest
+    }
+
+    /// What can be read off the tree.
+    #[must_use]
+    pub fn statistics(&self) -> TreeStatistics {
+        let mut sums = Sums::default();
+        for (at, node) in self.nodes.iter().enumerate() {
+            match node.right {
+                None => sums.leaf(&node.bounds, node.count as usize),
+                Some(right) => {
+                    let children = [at + 1, at + right.get() as usize].map(|child| self.nodes[child].bounds);
+                    sums.inner(&node.bounds, &children);
+                }
+            }
+        }
+        sums.over(self.nodes.first().map(|root| &root.bounds), 2, self.depth(), size_of_val(&self.nodes[..]))
+    }
+}
+
+impl WideTree {
+    /// What can be read off the tree; `held` gives how many boxes a leaf holds.
+    #[must_use]
+    pub fn statistics(&self, held: impl Fn(u32) -> usize) -> TreeStatistics {
+        let mut sums = Sums::default();
+        let mut deepest = 0;
+        let root = self.nodes().first().map(Node::bounds);
+        // The nodes to come, each with its own box and depth.
+        let mut pending: Vec<(u32, Aabb, usize)> = root.iter().map(|&bounds| (0, bounds, 0)).collect();
+        while let Some((at, bounds, depth)) = pending.pop() {
+            let node = &self.nodes()[at as usize];
+            let boxes: [Aabb; LANES] = std::array::from_fn(|lane| node.lane_bounds(lane));
+            sums.inner(&bounds, &boxes[..node.count()]);
+            deepest = deepest.max(depth + 1);
+            for lane in 0..node.count() {
+                match node.child(lane) {
+                    Child::Inner(child) => pending.push((child, boxes[lane], depth + 1)),
+                    Child::Leaf(leaf) => sums.leaf(&boxes[lane], held(leaf)),
+                }
+            }
+        }
+        sums.over(root.as_ref(), LANES, deepest, size_of_val(self.nodes()))
+    }
+
+    /// The boxes at a level: the root's own at level 0, then those of its children, and so on; a leaf above the level
+    /// stands for what would be below it. Empty where there are no boxes.
+    #[must_use]
+    pub fn level(&self, level: usize) -> Vec<Aabb> {
+        let mut found = Vec::new();
+        let root = self.nodes().first().map(Node::bounds);
+        let mut pending: Vec<(Child, Aabb, usize)> = root.iter().map(|&bounds| (Child::Inner(0), bounds, 0)).collect();
+        while let Some((at, bounds, depth)) = pending.pop() {
+            match at {
+                Child::Inner(node) if depth < level => {
+                    let node = &self.nodes()[node as usize];
+                    let lanes = (0..node.count()).rev();
+                    pending.extend(lanes.map(|lane| (node.child(lane), node.lane_bounds(lane), depth + 1)));
+                }
+                _ => found.push(bounds),
+            }
+        }
+        found
+    }
+}
+
+impl Node {
+    /// The box of one lane.
+    fn lane_bounds(&self, lane: usize) -> Aabb {
+        Aabb {
+            min: std::array::from_fn(|axis| self.min[axis][lane]),
+            max: std::array::from_fn(|axis| self.max[axis][lane]),
+        }
+    }
+
+    /// The box of all lanes.
+    fn bounds(&self) -> Aabb {
+        (0..self.count()).fold(Aabb::EMPTY, |bounds, lane| bounds.union(self.lane_bounds(lane)))
+    }
+}
+
+/// What statistics are made of.
+#[derive(Default)]
+struct Sums {
+    inner: usize,
+    leaves: usize,
+    children: usize,
+    boxes: usize,
+    inner_area: f64,
+    leaf_area: f64,
+    common_area: f64,
+}
+
+impl Sums {
+    fn inner(&mut self, bounds: &Aabb, children: &[Aabb]) {
+        self.inner += 1;
+        self.children += children.len();
+        self.inner_area += half_area(bounds);
+        for (at, a) in children.iter().enumerate() {
+            self.common_area += children[..at].iter().map(|b| half_area_in_common(a, b)).sum::<f64>();
+        }
+    }
+
+    fn leaf(&mut self, bounds: &Aabb, held: usize) {
+        self.leaves += 1;
+        self.boxes += held;
+        self.leaf_area += half_area(bounds);
+    }
+
+    fn over(self, root: Option<&Aabb>, degree: usize, depth: usize, bytes: usize) -> TreeStatistics {
+        let ratio = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+        TreeStatistics {
+            inner: self.inner,
+            leaves: self.leaves,
+            depth,
+            sah: root.map_or(0.0, |root| ratio(self.inner_area + self.leaf_area, half_area(root))),
+            overlap: ratio(self.common_area, self.inner_area),
+            node_fill: ratio(self.children as f64, (degree * self.inner) as f64),
+            leaf_fill: ratio(self.boxes as f64, (LEAF_CAPACITY * self.leaves) as f64),
+            bytes,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hierarchy::Builder;
+
+    fn unit_box_at(x: f32) -> Aabb {
+        Aabb { min: [x, 0.0, 0.0], max: [x + 1.0, 1.0, 1.0] }
+    }
+
+    #[test]
+    fn two_heaps_of_boxes_have_the_statistics_of_two_leaves() {
+        for (second, overlap) in [(3.0, 0.0), (0.5, 2.0 / 4.0)] {
+            let boxes: Vec<Aabb> = [0.0, second].iter().flat_map(|&x| [unit_box_at(x); LEAF_CAPACITY]).collect();
+            let binary = Builder::Median.build(&boxes);
+            let (wide, leaves) = WideTree::collapse(&binary);
+            let held = |leaf: u32| binary.nodes[leaves[leaf as usize] as usize].count as usize;
+            // Half the areas: of the root, which is second + 1 long, of each leaf, and of what they share.
+            let root = f64::from(2.0 * (second + 1.0) + 1.0);
+            for (statistics, node_fill) in [(binary.statistics(), 1.0), (wide.statistics(held), 0.25)] {
+                assert_eq!((statistics.inner, statistics.leaves, statistics.depth), (1, 2, 1));
+                assert!((statistics.sah - (root + 6.0) / root).abs() < 1e-12, "{statistics:?}");
+                assert!((statistics.overlap - overlap).abs() < 1e-12, "{statistics:?}");
+                assert_eq!((statistics.node_fill, statistics.leaf_fill), (node_fill, 1.0));
+            }
+            assert_eq!(wide.level(0), [unit_box_at(0.0).union(unit_box_at(second))]);
+            assert_eq!(wide.level(1), [unit_box_at(0.0), unit_box_at(second)]);
+            assert_eq!(wide.level(9), wide.level(1));
+        }
+    }
+
+    #[test]
+    fn no_boxes_and_no_area_are_no_numbers_to_fear() {
+        let (wide, _) = WideTree::collapse(&BinaryTree::default());
+        assert_eq!(BinaryTree::default().statistics(), TreeStatistics::default());
+        assert_eq!((wide.statistics(|_| 0), wide.level(3)), (TreeStatistics::default(), Vec::new()));
+        let points = Builder::Ploc.build(&[Aabb { min: [1.0; 3], max: [1.0; 3] }; 20]);
+        let statistics = points.statistics();
+        assert!(statistics.sah == 0.0 && statistics.overlap == 0.0 && statistics.leaf_fill > 0.5, "{statistics:?}");
+    }
+}

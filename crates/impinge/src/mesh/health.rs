@@ -1,0 +1,254 @@
+//! What a mesh may suffer from. None of it changes an answer about its surface; all of it is worth knowing.
+
+use rayon::prelude::*;
+
+use super::{Mesh, Positions};
+use crate::exact::Corners;
+use crate::math::Sign;
+use crate::math::dyadic::{self, Dyadic};
+
+/// Counts of what is odd about a mesh. Vertices with equal coordinates are one point here, whatever their indices: it is
+/// the surface that is judged. All counts are exact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Health {
+    /// Faces without area: segments and points.
+    pub degenerate_faces: usize,
+    /// Faces with the same three points as an earlier one, in any order.
+    pub duplicate_faces: usize,
+    /// Vertices at the same point as an earlier one.
+    pub duplicate_vertices: usize,
+    /// Vertices that no face has.
+    pub unused_vertices: usize,
+    /// Edges between two points that one face has.
+    pub open_edges: usize,
+    /// Edges that more than two faces have.
+    pub non_manifold_edges: usize,
+    /// Edges that two faces have, both in the same direction: one of the faces is inside out.
+    pub misoriented_edges: usize,
+    /// Pieces, each of all faces that are linked by points in common.
+    pub components: usize,
+    /// Coordinates that single precision cannot hold.
+    pub double_coordinates: usize,
+}
+
+impl Health {
+    /// Whether each edge has two faces that agree on what is inside.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.open_edges + self.non_manifold_edges + self.misoriented_edges == 0
+    }
+}
+
+impl Mesh {
+    /// Looks for everything in [`Health`].
+    ///
+    /// ```
+    /// use impinge::{Mesh, Positions};
+    ///
+    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0]];
+    /// let health = Mesh::new(Positions::F32(corners), vec![[0, 1, 2], [0, 1, 3]])?.health();
+    /// assert_eq!((health.degenerate_faces, health.open_edges, health.components), (1, 4, 1));
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    ///
+    /// # Complexity
+    /// O(n log n), on all cores of the current rayon pool.
+    #[must_use]
+    pub fn health(&self) -> Health {
+        let points = points(self.positions());
+        let faces: Vec<[u32; 3]> = self.faces().par_iter().map(|face| face.map(|v| points[v as usize])).collect();
+        let mut health = Health {
+            degenerate_faces: (0..faces.len() as u32)
+                .into_par_iter()
+                .filter(|&face| is_degenerate(&self.corners(face)))
+                .count(),
+            duplicate_faces: duplicate_faces(&faces),
+            duplicate_vertices: points.iter().zip(0..).filter(|&(&point, vertex)| point != vertex).count(),
+            unused_vertices: unused(self.faces(), points.len()),
+            components: components(&faces, points.len()),
+            double_coordinates: match self.positions() {
+                Positions::F32(_) => 0,
+                Positions::F64(vertices) => {
+                    vertices.as_flattened().par_iter().filter(|&&x| f64::from(x as f32) != x).count()
+                }
+            },
+            ..Health::default()
+        };
+        count_edges(&faces, &mut health);
+        health
+    }
+}
+
+/// For each vertex the first one at the same point.
+fn points(positions: &Positions) -> Vec<u32> {
+    // Both zeros are one coordinate; of finite numbers, bits tell all others apart.
+    let bits = |vertex: u32| positions.get(vertex as usize).map(|x| (x + 0.0).to_bits());
+    let mut sorted: Vec<([u64; 3], u32)> =
+        (0..positions.len() as u32).into_par_iter().map(|vertex| (bits(vertex), vertex)).collect();
+    sorted.par_sort_unstable();
+    let mut points = vec![0; sorted.len()];
+    for equal in sorted.chunk_by(|a, b| a.0 == b.0) {
+        for &(_, vertex) in equal {
+            points[vertex as usize] = equal[0].1;
+        }
+    }
+    points
+}
+
+/// Whether the corners lie on one line, exactly.
+fn is_degenerate([a, b, c]: &Corners) -> bool {
+    /// Differences, products and their difference together lose at most (3 + 16 u) u of the sum of the products' sizes
+    /// (Shewchuk 1997, 4.2); this is twice as much.
+    const ROUNDING: f64 = 4.0 * f64::EPSILON;
+    /// Far more than underflows lose.
+    const UNDERFLOW: f64 = 1e-300;
+    let apart = (0..3).any(|axis| {
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        let (left, right) = ((b[i] - a[i]) * (c[j] - a[j]), (b[j] - a[j]) * (c[i] - a[i]));
+        (left - right).abs() > ROUNDING * (left.abs() + right.abs()) + UNDERFLOW
+    });
+    if apart {
+        return false;
+    }
+    let from_a = |p: &[f64; 3]| [0, 1, 2].map(|k| &Dyadic::from_f64(p[k]) - &Dyadic::from_f64(a[k]));
+    dyadic::cross(&from_a(b), &from_a(c)).iter().all(|x| x.sign() == Sign::Zero)
+}
+
+fn duplicate_faces(faces: &[[u32; 3]]) -> usize {
+    let mut sorted: Vec<[u32; 3]> = faces
+        .par_iter()
+        .map(|&(mut face)| {
+            face.sort_unstable();
+            face
+        })
+        .collect();
+    sorted.par_sort_unstable();
+    sorted.windows(2).filter(|pair| pair[0] == pair[1]).count()
+}
+
+fn unused(faces: &[[u32; 3]], vertices: usize) -> usize {
+    let mut used = vec![false; vertices];
+    faces.as_flattened().iter().for_each(|&vertex| used[vertex as usize] = true);
+    used.iter().filter(|&&used| !used).count()
+}
+
+fn components(faces: &[[u32; 3]], points: usize) -> usize {
+    let mut sets = Sets { parent: (0..points as u32).collect() };
+    for &[a, b, c] in faces {
+        sets.join(a, b);
+        sets.join(b, c);
+    }
+    let mut roots: Vec<u32> = faces.iter().map(|face| sets.root(face[0])).collect();
+    roots.par_sort_unstable();
+    roots.dedup();
+    roots.len()
+}
+
+/// Sets of points, each a tree of parents whose root is its least point (Tarjan's union and find, paths halved).
+struct Sets {
+    parent: Vec<u32>,
+}
+
+impl Sets {
+    fn root(&mut self, mut at: u32) -> u32 {
+        while self.parent[at as usize] != at {
+            let above = self.parent[at as usize];
+            self.parent[at as usize] = self.parent[above as usize];
+            at = above;
+        }
+        at
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+}
+
+fn count_edges(faces: &[[u32; 3]], health: &mut Health) {
+    // Each edge from its lesser point to its greater, and whether the face runs through it the other way.
+    let mut edges: Vec<([u32; 2], bool)> = faces
+        .par_iter()
+        .flat_map_iter(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+        .filter(|[from, to]| from != to)
+        .map(|[from, to]| ([from.min(to), from.max(to)], from > to))
+        .collect();
+    edges.par_sort_unstable();
+    for faces in edges.chunk_by(|a, b| a.0 == b.0) {
+        match faces {
+            [_] => health.open_edges += 1,
+            [one, other] => health.misoriented_edges += usize::from(one.1 == other.1),
+            _ => health.non_manifold_edges += 1,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn health(vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Health {
+        Mesh::new(Positions::F64(vertices), faces).expect("a legal mesh").health()
+    }
+
+    #[test]
+    fn a_sound_solid_is_closed() {
+        let cube = impinge_testkit::generate::solids::cuboid([0.0; 3], [1.0, 2.0, 3.0]);
+        let found = health(cube.vertices, cube.faces);
+        assert_eq!(found, Health { components: 1, ..Health::default() });
+        assert!(found.is_closed());
+    }
+
+    #[test]
+    fn every_fault_is_counted() {
+        let third = 1.0 / 3.0;
+        let vertices = vec![
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [-0.0, 0.0, 0.0], // vertex 0 again
+            [2.0, 0.0, 0.0],
+            [third, 5.0, 5.0], // of no face
+            [7.0, 7.0, 7.0],
+            [8.0, 7.0, 7.0],
+            [7.0, 8.0, 7.0],
+        ];
+        let faces = vec![
+            [0, 1, 2],
+            [2, 3, 1], // the same points
+            [0, 1, 4], // a segment through 1
+            [6, 7, 8],
+            [6, 6, 6],
+        ];
+        let found = health(vertices, faces);
+        let expected = Health {
+            degenerate_faces: 2,
+            duplicate_faces: 1,
+            duplicate_vertices: 1,
+            unused_vertices: 1,
+            open_edges: 5,         // 1-4, 4-0 and the three of 6, 7, 8
+            non_manifold_edges: 1, // 0-1
+            misoriented_edges: 2,  // 1-2 and 2-0, which both duplicates run through alike
+            components: 2,
+            double_coordinates: 1,
+        };
+        assert_eq!(found, expected);
+        assert!(!found.is_closed());
+    }
+
+    #[test]
+    fn no_area_is_told_from_hardly_any() {
+        let (tiny, one) = (5e-324, 1.0_f64);
+        let cases: [(Corners, bool); 6] = [
+            ([[0.0; 3], [1.0, 1.0, 1.0], [3.0, 3.0, 3.0]], true),
+            ([[0.0; 3], [1.0, 1.0, 1.0], [3.0, 3.0, 3.0_f64.next_up()]], false),
+            ([[0.0; 3], [tiny, 0.0, 0.0], [0.0, tiny, 0.0]], false),
+            ([[0.0; 3], [tiny, 0.0, 0.0], [2.0 * tiny, 0.0, 0.0]], true),
+            ([[one, one, one], [one.next_up(), one, one], [one.next_up(), one.next_up(), one]], false),
+            ([[1e38, 0.0, 0.0], [-1e38, 0.0, tiny], [0.0, 0.0, 0.0]], false),
+        ];
+        for (corners, expected) in cases {
+            assert_eq!(is_degenerate(&corners), expected, "{corners:?}");
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Candidates of generic trees, decided exactly, against brute force, on meshes full of ties.
+
+use impinge::exact::{Placement, triangles_intersect};
+use impinge::hierarchy::{Builder, Counters, Enclosure, GenericTree, NodeVolume};
+use impinge::volume::{Aabb, BoundingSphere, Capsule, Kdop14, Kdop18, Kdop26, Lozenge, Obb};
+use impinge::{Pose, math::RelativeMap};
+use impinge_testkit::generate::Rng;
+use impinge_testkit::generate::poses::rotation;
+use impinge_testkit::generate::solids::{grid_soup, icosphere};
+use impinge_testkit::{Affine, Mesh, oracle};
+
+/// Two small meshes and where the second stands in the frame of the first.
+struct Scene {
+    a: Mesh,
+    b: Mesh,
+    a_from_b: Affine,
+    expected: Vec<(u32, u32)>,
+}
+
+/// Integer corners, shared vertices, zero areas and duplicates, moved by integers or turned; most of them meet.
+fn scenes() -> Vec<Scene> {
+    let mut rng = Rng::new(2026);
+    let mut scenes: Vec<Scene> = (0..6)
+        .map(|i| {
+            let (side, reach) = (rng.integer(3, 8), rng.integer(1, 3));
+            let count = rng.integer(60, 150) as usize;
+            let a = grid_soup(&mut rng, count, side, reach);
+            let b = if i % 2 == 0 { a.clone() } else { grid_soup(&mut rng, 40, side, reach) };
+            let shift = [0; 3].map(|_| rng.integer(-1, 1) as f64);
+            let a_from_b = match i % 3 {
+                0 => Affine::translation(shift),
+                1 => Affine::new([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], shift),
+                _ => rotation(&mut rng),
+            };
+            scene(a, b, a_from_b)
+        })
+        .collect();
+    let sphere = icosphere(2);
+    scenes.push(scene(sphere.clone(), sphere.clone(), Affine::translation([2.0, 0.0, 0.0])));
+    scenes.push(scene(sphere.clone(), sphere, Affine::translation([0.0, 0.5, 3.0])));
+    scenes.push(scene(Mesh::default(), icosphere(0), Affine::IDENTITY));
+    scenes
+}
+
+fn scene(a: Mesh, b: Mesh, a_from_b: Affine) -> Scene {
+    let expected = oracle::brute_force(a.at(Affine::IDENTITY), b.at(a_from_b));
+    Scene { a, b, a_from_b, expected }
+}
+
+fn pose(map: &Affine) -> Pose {
+    Pose::new(map.linear, map.translation).expect("a legal pose")
+}
+
+fn corners(mesh: &Mesh, face: u32) -> [[f64; 3]; 3] {
+    mesh.faces[face as usize].map(|vertex| mesh.vertices[vertex as usize])
+}
+
+fn tree<V: NodeVolume, const DEGREE: usize>(
+    mesh: &Mesh,
+    builder: Builder,
+    capacity: usize,
+    enclosure: Enclosure,
+) -> GenericTree<V, DEGREE> {
+    let boxes: Vec<Aabb> = (0..mesh.faces.len() as u32)
+        .map(|face| Aabb::of_points(corners(mesh, face).map(|p| p.map(|x| x as f32))).next_outward())
+        .collect();
+    let binary = builder.build_with_leaves_of(capacity, &boxes);
+    GenericTree::new(&binary, |face, points| points.extend(corners(mesh, face)), enclosure).expect("finite points")
+}
+
+/// The pairs that meet among those that the trees show, sorted; no pair may be shown twice.
+fn pairs<V: NodeVolume, const DEGREE: usize>(
+    scene: &Scene,
+    builder: Builder,
+    capacity: usize,
+    enclosure: Enclosure,
+) -> (Vec<(u32, u32)>, Counters) {
+    let [a, b] = [&scene.a, &scene.b].map(|mesh| tree::<V, DEGREE>(mesh, builder, capacity, enclosure));
+    let mut shown = Vec::new();
+    let work = a.pairs(&b, &pose(&scene.a_from_b), |a, b| shown.push((a, b)));
+    assert_eq!(work.primitive_tests, shown.len() as u64);
+    shown.sort_unstable();
+    assert!(shown.is_sorted_by(|x, y| x < y), "a pair is shown twice");
+    let placement = Placement::new(&Pose::IDENTITY, &pose(&scene.a_from_b));
+    shown.retain(|&(i, j)| triangles_intersect(&placement, &corners(&scene.a, i), &corners(&scene.b, j)));
+    (shown, work)
+}
+
+/// Every builder, enclosure and capacity of a leaf with one degree and one volume.
+fn every_tree_finds_the_pairs<V: NodeVolume, const DEGREE: usize>(kind: &str) {
+    let (mut met, mut tests, mut all) = (0, 0, 0);
+    for (at, scene) in scenes().iter().enumerate() {
+        for builder in Builder::ALL {
+            for enclosure in [Enclosure::Wrapped, Enclosure::Layered] {
+                for capacity in [1, 4] {
+                    let (found, work) = pairs::<V, DEGREE>(scene, builder, capacity, enclosure);
+                    assert_eq!(
+                        found,
+                        scene.expected,
+                        "{kind} of degree {DEGREE}, {}, {enclosure:?}, leaves of {capacity}, scene {at}",
+                        builder.name()
+                    );
+                    tests += work.primitive_tests;
+                    all += (scene.a.faces.len() * scene.b.faces.len()) as u64;
+                }
+            }
+        }
+        met += usize::from(!scene.expected.is_empty());
+    }
+    assert!((5..=8).contains(&met), "{met} of 9 scenes meet");
+    assert!(2 * tests < all, "{kind} of degree {DEGREE}: {tests} of {all} pairs are tested, so that it prunes nothing");
+}
+
+#[test]
+fn boxes_of_every_degree() {
+    every_tree_finds_the_pairs::<Aabb, 2>("boxes");
+    every_tree_finds_the_pairs::<Aabb, 4>("boxes");
+    every_tree_finds_the_pairs::<Aabb, 8>("boxes");
+    every_tree_finds_the_pairs::<Aabb, 16>("boxes");
+}
+
+#[test]
+fn round_volumes() {
+    every_tree_finds_the_pairs::<BoundingSphere, 2>("spheres");
+    every_tree_finds_the_pairs::<BoundingSphere, 8>("spheres");
+    every_tree_finds_the_pairs::<Capsule, 2>("capsules");
+    every_tree_finds_the_pairs::<Lozenge, 2>("lozenges");
+}
+
+#[test]
+fn polytopes() {
+    every_tree_finds_the_pairs::<Obb, 2>("oriented boxes");
+    every_tree_finds_the_pairs::<Obb, 4>("oriented boxes");
+    every_tree_finds_the_pairs::<Kdop14, 2>("14-DOPs");
+    every_tree_finds_the_pairs::<Kdop18, 2>("18-DOPs");
+    every_tree_finds_the_pairs::<Kdop26, 2>("26-DOPs");
+    every_tree_finds_the_pairs::<Kdop26, 16>("26-DOPs");
+}
+
+#[test]
+fn a_mesh_with_itself_shows_each_pair_once() {
+    fn check<V: NodeVolume, const DEGREE: usize>(mesh: &Mesh, capacity: usize) -> usize {
+        let placement = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
+        let meets = |i, j| triangles_intersect(&placement, &corners(mesh, i), &corners(mesh, j));
+        let count = mesh.faces.len() as u32;
+        let expected: Vec<(u32, u32)> =
+            (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j))).filter(|&(i, j)| meets(i, j)).collect();
+        for builder in Builder::ALL {
+            let tree = tree::<V, DEGREE>(mesh, builder, capacity, Enclosure::Wrapped);
+            let mut found = Vec::new();
+            let work = tree.self_pairs(|i, j| found.push((i.min(j), i.max(j))));
+            assert_eq!(work.primitive_tests, found.len() as u64);
+            found.sort_unstable();
+            assert!(found.is_sorted_by(|x, y| x < y) && found.iter().all(|(i, j)| i != j), "a pair is shown twice");
+            found.retain(|&(i, j)| meets(i, j));
+            assert_eq!(found, expected, "{} of degree {DEGREE}", builder.name());
+        }
+        expected.len()
+    }
+    let soup = grid_soup(&mut Rng::new(7), 120, 6, 2);
+    let mut total = 0;
+    for mesh in [&soup, &icosphere(2), &Mesh::default()] {
+        total += check::<Aabb, 2>(mesh, 1)
+            + check::<Aabb, 8>(mesh, 4)
+            + check::<Aabb, 16>(mesh, 8)
+            + check::<Obb, 2>(mesh, 1);
+    }
+    assert!(total > 3_000, "{total}");
+}
+
+#[test]
+fn carried_boxes_hold_the_exact_images() {
+    let mut rng = Rng::new(11);
+    for round in 0..2_000 {
+        let scale: f64 = [1.0, 1e6, 1e-20][round % 3];
+        let points: [[f64; 3]; 4] = [[0; 3]; 4].map(|p| p.map(|_| scale * rng.uniform(-1.0, 1.0)));
+        let linear = [[0; 3]; 3].map(|row| row.map(|_: i32| rng.uniform(-2.0, 2.0)));
+        let translation = [0; 3].map(|_| scale * rng.uniform(-1.0, 1.0));
+        let pose = Pose::new(linear, translation).expect("hardly ever singular");
+        let carried =
+            <Aabb as NodeVolume>::of_points(&points).and_then(|b| NodeVolume::moved(&b, &pose)).expect("finite");
+        // The map's own bound on the error of a rounded image takes the place of exact arithmetic.
+        let map = RelativeMap::a_from_b(&Pose::IDENTITY, &pose);
+        for point in points {
+            let (image, error) = (map.apply(point), map.image_error(point.map(f64::abs)));
+            for axis in 0..3 {
+                assert!(f64::from(carried.min[axis]) <= image[axis] + error[axis], "round {round}");
+                assert!(f64::from(carried.max[axis]) >= image[axis] - error[axis], "round {round}");
+            }
+        }
+    }
+}
