@@ -57,10 +57,12 @@ pub(super) fn may_be_on_hull<T: Copy + Into<f64> + Sync>(
             .collect()
     };
     // A grid twice as fine keeps a shell of points a quarter as thick, for an inner hull of four times as many.
-    let seeds = match points.len() {
-        ..LEAST_POINTS => return keep(&|_| false),
-        ..20_000 => 8,
-        ..500_000 => 16,
+    if points.len() < LEAST_POINTS {
+        return keep(&|_| false);
+    }
+    let seeds = match points.len() / LEAST_POINTS {
+        ..20 => 8,
+        20..500 => 16,
         _ => 32,
     };
     let Some(box_frame) = Frame::of_box(bounds) else { return keep(&|_| false) };

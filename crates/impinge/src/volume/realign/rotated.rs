@@ -1,11 +1,12 @@
 //! The box of the turned box, one at a time or many.
 
-use fearless_simd::dispatch;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, dispatch, f64x4};
 
 use super::Realign;
 use crate::math::Pose;
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
-use crate::simd::best_level;
+use crate::simd::{best_level, by_axis};
 use crate::volume::MinMax;
 
 /// Units of relative rounding that the half-extents are enlarged by: 6 are needed, see [`RotatedBox::new`].
@@ -50,18 +51,24 @@ impl RotatedBox {
     ///
     /// The boxes of `images`, which are as [`realign`](Realign::realign) makes them one by one, replace what it held.
     pub fn realign_all(boxes: &[Self], world_from_local: &Pose, images: &mut Vec<MinMax>) {
-        images.clear();
-        images.resize(boxes.len(), MinMax::from_ordered([0.0; 3], [0.0; 3]));
-        dispatch!(best_level(), _simd => fill(boxes, std::iter::repeat(world_from_local), images));
+        images.resize(boxes.len(), ORIGIN);
+        dispatch!(best_level(), simd => {
+            let columns = Columns::new(simd, world_from_local);
+            for (image, one) in images.iter_mut().zip(boxes) {
+                *image = columns.image(simd, one);
+            }
+        });
     }
 
     /// Many boxes, each with its own pose; as many images as there are of both.
     ///
     /// The boxes of `images`, which are as [`realign`](Realign::realign) makes them one by one, replace what it held.
     pub fn realign_each(boxes: &[Self], world_from_locals: &[Pose], images: &mut Vec<MinMax>) {
-        images.clear();
-        images.resize(boxes.len().min(world_from_locals.len()), MinMax::from_ordered([0.0; 3], [0.0; 3]));
-        dispatch!(best_level(), _simd => fill(boxes, world_from_locals.iter(), images));
+        images.resize(boxes.len().min(world_from_locals.len()), ORIGIN);
+        // No vector unit: bringing one pose into lanes takes longer than its sums do.
+        for ((image, one), world_from_local) in images.iter_mut().zip(boxes).zip(world_from_locals) {
+            *image = one.image(world_from_local);
+        }
     }
 
     #[inline(always)]
@@ -80,11 +87,38 @@ impl RotatedBox {
     }
 }
 
-/// The images of boxes, each under its pose. A loop, as a closure handed to an iterator may be compiled without the vector unit.
-#[inline(always)]
-fn fill<'p>(boxes: &[RotatedBox], poses: impl Iterator<Item = &'p Pose>, images: &mut [MinMax]) {
-    for ((image, one), world_from_local) in images.iter_mut().zip(boxes).zip(poses) {
-        *image = one.image(world_from_local);
+/// What images are before they are computed.
+const ORIGIN: MinMax = MinMax::from_ordered([0.0; 3], [0.0; 3]);
+
+/// A pose with a lane for each axis of the world; the fourth is idle.
+struct Columns<S: Simd> {
+    columns: [f64x4<S>; 3],
+    magnitudes: [f64x4<S>; 3],
+    translation: f64x4<S>,
+    slack: f64x4<S>,
+}
+
+impl<S: Simd> Columns<S> {
+    #[inline(always)]
+    fn new(simd: S, world_from_local: &Pose) -> Self {
+        let (rows, t) = (world_from_local.linear(), world_from_local.translation());
+        let columns: [f64x4<S>; 3] = by_axis!(k => f64x4::from_slice(simd, &[rows[0][k], rows[1][k], rows[2][k], 0.0]));
+        let translation = f64x4::from_slice(simd, &[t[0], t[1], t[2], 0.0]);
+        let slack = translation.abs() * f64x4::splat(simd, ROUNDING) + f64x4::splat(simd, UNDERFLOW);
+        Self { columns, magnitudes: by_axis!(k => columns[k].abs()), translation, slack }
+    }
+
+    /// The sums of [`RotatedBox::image`] in its order, so that the bits are the same.
+    #[inline(always)]
+    fn image(&self, simd: S, one: &RotatedBox) -> MinMax {
+        let [c0, c1, c2]: [f64x4<S>; 3] = by_axis!(k => self.columns[k] * f64x4::splat(simd, one.centre[k]));
+        let [e0, e1, e2]: [f64x4<S>; 3] = by_axis!(k => self.magnitudes[k] * f64x4::splat(simd, one.half_extents[k]));
+        let centre = c0 + c1 + c2 + self.translation;
+        let half = e0 + e1 + e2 + self.slack;
+        let (mut min, mut max) = ([0.0; 4], [0.0; 4]);
+        (centre - half).store_slice(&mut min);
+        (centre + half).store_slice(&mut max);
+        MinMax::from_ordered([min[0], min[1], min[2]], [max[0], max[1], max[2]])
     }
 }
 
