@@ -12,28 +12,56 @@ pub(super) struct Advice {
     pub(super) sentence: String,
 }
 
-/// One for each use. A volume is judged by what it costs there times its size: twice the size means about twice as many
-/// false alarms, each of which costs more than any test.
-pub(super) fn advice(hull: &HullRow, rows: &[Row]) -> Vec<Advice> {
-    let reference = hull.volume;
-    // A flat mesh has volumes of nothing; then only the costs count.
-    let size = |row: &Row| if reference > 0.0 { row.volume / reference } else { 1.0 };
-    let uses: [(&'static str, &'static str, &dyn Fn(&Row) -> f64, &dyn Fn(&Row) -> String); 4] = [
-        ("static", "static", &|row| size(row) * (1.0 + row.overlap / 1e-7), &|row| {
-            format!("tested in {}", short_time(row.overlap))
-        }),
-        ("spinning", "spinning", &|row| size(row) * (row.follow + row.overlap), &|row| {
+/// A use: what a volume costs there, and what to say of one that costs little.
+struct Use {
+    key: &'static str,
+    label: &'static str,
+    cost: fn(&Row) -> f64,
+    merit: fn(&Row) -> String,
+}
+
+/// Seconds that a false alarm takes at least, by which a test is dear or cheap: two triangles, say.
+const FALSE_ALARM: f64 = 1e-7;
+
+const USES: [Use; 4] = [
+    Use {
+        key: "static",
+        label: "static",
+        cost: |row| FALSE_ALARM + row.overlap,
+        merit: |row| format!("tested in {}", short_time(row.overlap)),
+    },
+    Use {
+        key: "spinning",
+        label: "spinning",
+        cost: |row| row.follow + row.overlap,
+        merit: |row| {
             format!("follows a turn in {} and is tested in {}", short_time(row.follow), short_time(row.overlap))
-        }),
-        ("deforming", "deforming", &|row| size(row) * row.build, &|row| {
-            format!("built anew in {}", short_time(row.build))
-        }),
-        ("many_copies", "many copies", &|row| size(row) * row.bytes as f64, &|row| format!("{} bytes each", row.bytes)),
-    ];
-    let best = |cost: &dyn Fn(&Row) -> f64| rows.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
-    let told = uses.into_iter().filter_map(|(key, label, cost, merit)| {
-        let row = best(cost)?;
-        let relative = if reference > 0.0 { format!("{} times the hull, ", length(size(row))) } else { String::new() };
+        },
+    },
+    Use {
+        key: "deforming",
+        label: "deforming",
+        cost: |row| row.build,
+        merit: |row| format!("built anew in {}", short_time(row.build)),
+    },
+    Use {
+        key: "many_copies",
+        label: "many copies",
+        cost: |row| row.bytes as f64,
+        merit: |row| format!("{} bytes each", row.bytes),
+    },
+];
+
+/// One for each use. A volume is judged by what it costs there times its size: twice the size means about twice as many
+/// false alarms.
+pub(super) fn advice(hull: &HullRow, rows: &[Row]) -> Vec<Advice> {
+    // A flat mesh has volumes of nothing; then only the costs count.
+    let size = |row: &Row| if hull.volume > 0.0 { row.volume / hull.volume } else { 1.0 };
+    let told = USES.into_iter().filter_map(|Use { key, label, cost, merit }| {
+        let of = |row: &Row| size(row) * cost(row);
+        let row = rows.iter().min_by(|a, b| of(a).total_cmp(&of(b)))?;
+        let relative =
+            if hull.volume > 0.0 { format!("{} times the hull, ", length(size(row))) } else { String::new() };
         Some(Advice { key, label, name: row.name, sentence: format!("{}: {relative}{}", row.name, merit(row)) })
     });
     told.collect()

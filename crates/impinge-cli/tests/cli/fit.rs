@@ -32,7 +32,6 @@ fn the_volumes_of_a_cube_are_as_large_as_they_should_be() {
         ("box, min-widths u16", 20, 1.0),
         ("box, centre-radius u8", 16, 1.0),
         ("sphere, mean", 32, sphere),
-        ("sphere, Ritter", 32, sphere),
         ("sphere, minimal", 32, sphere),
         ("oriented box", 120, 1.0),
         ("14-DOP", 112, 1.0),

@@ -222,7 +222,7 @@ impl<const D: usize> BoundingVolume for Kdop<D> {
             moved.high[k] = add_up(self.support_up(d, off), shift[1]);
             moved.low[k] = add_down(-self.support_up(d.map(|x| -x), off), shift[0]);
         }
-        if let Some(index) = moved.low.iter().chain(&moved.high).position(|x| !(x.abs() <= 3.0 * LIMIT)) {
+        if let Some(index) = moved.low.iter().chain(&moved.high).position(|x| x.is_nan() || x.abs() > 3.0 * LIMIT) {
             let error = InputErrorKind::OutOfRange { what: "slab", index: index % D, limit: "2^320" };
             return Err(InputError::new(error));
         }

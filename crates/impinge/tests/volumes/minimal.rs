@@ -91,7 +91,7 @@ fn n24_a_million_points() {
     let mut rng = Rng::new(54);
     let on_sphere: Vec<[f64; 3]> = (0..COUNT)
         .map(|_| {
-            let (z, angle) = (rng.uniform(-1.0, 1.0), rng.uniform(0.0, 6.283));
+            let (z, angle) = (rng.uniform(-1.0, 1.0), rng.uniform(0.0, std::f64::consts::TAU));
             let r = (1.0 - z * z).sqrt();
             [r * cos(angle), r * sin(angle), z]
         })

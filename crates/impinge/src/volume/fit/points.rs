@@ -80,8 +80,8 @@ pub(in super::super) fn judge<T: Coordinate>(points: &[[T; 3]]) -> Result<MinMax
         std::array::from_fn(|axis| on_axis(axis).map(|lane| min[lane].into()).fold(f64::INFINITY, f64::min) + 0.0);
     let high: [f64; 3] =
         std::array::from_fn(|axis| on_axis(axis).map(|lane| max[lane].into()).fold(f64::NEG_INFINITY, f64::max) + 0.0);
-    let outside = low.iter().chain(&high).any(|x| !(x.abs() < LIMIT));
-    if outside || unequal.iter().any(|&bits| bits != 0) {
+    let in_range = low.iter().chain(&high).all(|x| x.abs() < LIMIT);
+    if !in_range || unequal.iter().any(|&bits| bits != 0) {
         return Err(first_bad(points, LIMIT));
     }
     Ok(MinMax::from_ordered(low, high))

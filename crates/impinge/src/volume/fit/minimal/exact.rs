@@ -200,8 +200,10 @@ impl ExactBall {
             if furthest.as_ref().is_some_and(|&(worst, _)| excess <= worst) {
                 continue;
             }
-            let outside = excess > self.rounded.error[1]
-                || !(excess < -self.rounded.error[1]) && self.exact_excess(point) == Sign::Positive;
+            // As [`excess`](Self::excess), from what is at hand.
+            let error = self.rounded.error[1];
+            let certain = excess > error || excess < -error;
+            let outside = if certain { excess > error } else { self.exact_excess(point) == Sign::Positive };
             if outside {
                 furthest = Some((excess, point));
             }
