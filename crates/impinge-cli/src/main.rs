@@ -10,6 +10,7 @@ mod bounds;
 mod check;
 mod console;
 mod failure;
+mod fit;
 mod numerals;
 mod output;
 mod pose;
@@ -35,6 +36,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Check(check::Arguments),
+    Fit(fit::Arguments),
 }
 
 /// What a question was answered with; its value is the exit code.
@@ -54,6 +56,7 @@ fn main() -> ExitCode {
     let answer = match Cli::try_parse() {
         Ok(cli) => match cli.command {
             Command::Check(arguments) => check::run(&arguments),
+            Command::Fit(arguments) => fit::run(&arguments),
         },
         Err(error)
             if matches!(error.kind(), DisplayHelp | DisplayVersion | DisplayHelpOnMissingArgumentOrSubcommand) =>

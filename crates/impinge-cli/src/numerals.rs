@@ -30,6 +30,15 @@ pub(crate) fn length(x: f64) -> String {
     format!("{x:.*}", usize::try_from(decimals).unwrap_or_default())
 }
 
+/// A time that may be too short to tell in milliseconds: `3.1 ns`, `4.2 µs`, else as [`time`].
+pub(crate) fn short_time(seconds: f64) -> String {
+    match seconds {
+        _ if seconds < 0.9995e-6 => format!("{:.1} ns", seconds * 1e9),
+        _ if seconds < 0.9995e-3 => format!("{:.1} µs", seconds * 1e6),
+        _ => time(seconds),
+    }
+}
+
 /// A time: `4.2 ms`, `1.34 s`, `75 s`.
 pub(crate) fn time(seconds: f64) -> String {
     match seconds {
@@ -76,5 +85,6 @@ mod tests {
     #[test]
     fn times_have_a_unit_that_fits() {
         assert_eq!([0.0042, 0.9996, 1.336, 75.2].map(time), ["4.2 ms", "1.00 s", "1.34 s", "75 s"]);
+        assert_eq!([3.14e-9, 4.2e-6, 0.99951e-3].map(short_time), ["3.1 ns", "4.2 µs", "1.0 ms"]);
     }
 }

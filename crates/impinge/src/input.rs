@@ -59,6 +59,28 @@ pub enum InputErrorKind {
     },
     /// A rotation axis of length zero.
     ZeroAxis,
+    /// There is nothing to bound.
+    Empty {
+        /// What there is none of: `"points"`.
+        what: &'static str,
+    },
+    /// A length that is below zero.
+    Negative {
+        /// What the number is: `"radius"`, `"half-extent"`.
+        what: &'static str,
+        /// Which one, counted from zero.
+        index: usize,
+    },
+    /// A map that changes shapes, where only a rigid motion will do.
+    NotRigid {
+        /// The Frobenius norm of RᵀR - I for the linear part R, rounded up.
+        deviation: f64,
+    },
+    /// A ray without a direction.
+    ZeroDirection {
+        /// Which ray, counted from zero.
+        index: usize,
+    },
 }
 
 impl InputError {
@@ -86,6 +108,21 @@ impl InputError {
     pub fn hint(&self) -> Option<&'static str> {
         self.hint
     }
+
+    /// Judges three numbers that are not part of a mesh, such as a point that is asked about: row `index` of `what`.
+    ///
+    /// # Errors
+    /// Where one is not finite, or beyond 2^300.
+    pub(crate) fn judge_row(row: &[f64; 3], what: &'static str, index: usize) -> Result<(), Self> {
+        const LIMIT: f64 = f64::from_bits((1023 + 300) << 52);
+        if !row.iter().all(|x| x.is_finite()) {
+            return Err(Self::new(InputErrorKind::NonFinite { what, index }));
+        }
+        if !row.iter().all(|x| x.abs() <= LIMIT) {
+            return Err(Self::new(InputErrorKind::OutOfRange { what, index, limit: "2^300" }));
+        }
+        Ok(())
+    }
 }
 
 impl fmt::Display for InputError {
@@ -109,6 +146,12 @@ impl fmt::Display for InputError {
                 write!(f, "the quaternion has length {length}, not 1")?;
             }
             InputErrorKind::ZeroAxis => write!(f, "the rotation axis has length zero")?,
+            InputErrorKind::Empty { what } => write!(f, "there are no {what}")?,
+            InputErrorKind::Negative { what, index } => write!(f, "{what} {index} is negative")?,
+            InputErrorKind::NotRigid { deviation } => {
+                write!(f, "the map is not rigid: it deviates from a rotation by {deviation:e}")?;
+            }
+            InputErrorKind::ZeroDirection { index } => write!(f, "the direction of ray {index} is zero")?,
         }
         match self.hint {
             Some(hint) => write!(f, " ({hint})"),

@@ -1,9 +1,12 @@
 //! The command as its users meet it: exit codes, the two streams and the files that it writes.
 
 mod answers;
+mod distances;
 mod errors;
 mod files;
+mod fit;
 mod interrupt;
+mod solids;
 mod streams;
 mod units;
 

@@ -4,15 +4,25 @@
 //! every query descends.
 
 mod binary;
+mod boxes;
+mod cluster;
+mod curve;
 mod descent;
 mod lanes;
 mod morton;
+mod radix;
+mod slab;
 #[cfg(test)]
 mod tests;
 mod wide;
 
 pub use binary::{BinaryNode, BinaryTree, LEAF_CAPACITY, MAX_DEPTH, NODE_OF_LEAVES};
-pub(crate) use descent::{Descent, LeafVisitor, Order, QUEUE, Task, bits};
-pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, load, load3, overlapping_each};
+pub(crate) use boxes::Boxes;
+pub(crate) use descent::{Descent, LeafVisitor, Order, QUEUE, Task, bits, each_byte, spread_to_bytes};
+pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, overlapping_each};
+pub(crate) use morton::build;
 pub use morton::build_morton;
+pub(crate) use radix::scatter;
+pub use slab::Slab;
+pub(crate) use slab::SlabMap;
 pub use wide::{Child, Node, WideTree};

@@ -1,5 +1,50 @@
-//! Bounding volumes.
+//! Bounding volumes: what may be in the way, for less than asking the thing itself (*Notes on Real Time Collision
+//! Detection*, chapter 2; Ericson, chapter 4).
+//!
+//! | volume | bytes | what it is |
+//! |---|---|---|
+//! | [`Aabb`] | 24 | axis-aligned box in single precision, for trees |
+//! | [`MinMax`], [`MinWidths`], [`CentreRadius`] | 48 | the three forms of an axis-aligned box |
+//! | [`PackedMinWidths`], [`PackedCentreRadius`] | 20, 16 | the last two, extents as integers of 16 or 8 bits |
+//! | [`BoundingSphere`] | 32 | centre and radius |
+//! | [`Capsule`] | 56 | a segment swept by a sphere |
+//! | [`Lozenge`] | 80 | a rectangle swept by a sphere |
+//! | [`Obb`] | 120 | oriented box |
+//! | [`Kdop14`], [`Kdop18`], [`Kdop26`] | 112 to 208 | polytope with 7, 9 or 13 pairs of parallel faces |
+//!
+//! Each is the set of *real* points that its numbers define, and is wrong in one direction only: whatever is computed from
+//! it, a conversion, a union or a moved copy, holds the exact result; a test says *apart* only where that is proved.
+//! [`fit`] makes them from points.
 
 mod aabb;
+mod batch;
+mod bounding;
+mod capsule;
+mod centre_radius;
+mod core;
+pub mod fit;
+mod kdop;
+mod lozenge;
+mod min_max;
+mod min_widths;
+mod obb;
+mod packed;
+pub mod realign;
+mod rigid;
+mod round;
+mod rounding;
+mod sphere;
 
 pub use aabb::Aabb;
+pub use batch::AabbBatch;
+pub use bounding::BoundingVolume;
+pub use capsule::Capsule;
+pub use centre_radius::CentreRadius;
+pub use kdop::{Kdop, Kdop14, Kdop18, Kdop26};
+pub use lozenge::Lozenge;
+pub use min_max::MinMax;
+pub use min_widths::MinWidths;
+pub use obb::Obb;
+pub use packed::{PackedCentreRadius, PackedMinWidths, Steps};
+pub use round::{DistanceBounds, Proximity, Round};
+pub use sphere::BoundingSphere;

@@ -1,0 +1,255 @@
+//! The volumes, fitted and timed.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use impinge::hull::{Hull, HullKind};
+use impinge::volume::fit::{self, FittedSphere};
+use impinge::volume::{
+    BoundingSphere, BoundingVolume, Capsule, CentreRadius, Kdop14, Kdop18, Kdop26, Lozenge, MinMax, MinWidths, Obb,
+    PackedCentreRadius, PackedMinWidths, Steps,
+};
+use impinge::{InputError, Pose};
+
+/// What was measured of one volume.
+#[derive(Clone, Debug)]
+pub(super) struct Row {
+    /// What the volume is, and how it was made: `sphere, minimal`.
+    pub(super) name: &'static str,
+    pub(super) bytes: usize,
+    /// In cubic units of the mesh.
+    pub(super) volume: f64,
+    /// In square units of the mesh.
+    pub(super) surface_area: f64,
+    /// Of spheres.
+    pub(super) radius: Option<f64>,
+    /// Seconds to fit it to the points.
+    pub(super) build: f64,
+    /// Seconds of one overlap test, over pairs of which some overlap.
+    pub(super) overlap: f64,
+    /// Seconds to make the volume of the turned mesh from that of the mesh.
+    pub(super) follow: f64,
+}
+
+/// The convex hull, which every size is compared with.
+#[derive(Clone, Debug)]
+pub(super) struct HullRow {
+    pub(super) vertices: usize,
+    pub(super) bytes: usize,
+    /// In cubic units of the mesh; zero where it is flat.
+    pub(super) volume: f64,
+    /// In square units of the mesh.
+    pub(super) surface_area: f64,
+    /// Seconds to build it.
+    pub(super) build: f64,
+}
+
+/// Poses that a volume is turned and moved by; the same for all.
+const POSES: usize = 64;
+
+/// How often each batch is timed; the least time is kept, as it is the least disturbed.
+const REPEATS: usize = 7;
+
+/// What is done to a kind of volume.
+struct Kind<'a, V> {
+    name: &'static str,
+    build: &'a dyn Fn() -> Result<V, InputError>,
+    overlap: fn(&V, &V) -> bool,
+    follow: fn(&V, &Pose) -> Result<V, InputError>,
+    measures: fn(&V) -> [f64; 2],
+}
+
+/// Every volume about these points.
+///
+/// # Errors
+/// Where the points are out of range.
+pub(super) fn rows(points: &[[f64; 3]]) -> Result<Vec<Row>, InputError> {
+    let bounds = MinMax::of(points)?;
+    let poses = poses(&bounds);
+    let mut rows = vec![
+        plain::<MinMax>("box, min-max", &poses, &|| MinMax::of(points))?,
+        plain::<MinWidths>("box, min-widths", &poses, &|| MinWidths::of_points(points))?,
+        plain::<CentreRadius>("box, centre-radius", &poses, &|| CentreRadius::of_points(points))?,
+    ];
+    rows.extend(packed(points, &poses));
+    type Construct = fn(&[[f64; 3]]) -> Result<FittedSphere, InputError>;
+    let spheres: [(&'static str, Construct); 6] = [
+        ("sphere, mean", fit::mean_sphere),
+        ("sphere, box centre", fit::box_sphere),
+        ("sphere, Ritter", fit::ritter_sphere),
+        ("sphere, PCA", fit::principal_sphere),
+        ("sphere, refined", fit::refined_sphere),
+        ("sphere, minimal", fit::minimal_sphere),
+    ];
+    for (name, construct) in spheres {
+        let build = || construct(points).map(|fitted| fitted.sphere);
+        let row = plain::<BoundingSphere>(name, &poses, &build)?;
+        rows.push(Row { radius: Some(build()?.radius()), ..row });
+    }
+    rows.push(plain::<Capsule>("capsule", &poses, &|| fit::capsule(points))?);
+    rows.push(plain::<Lozenge>("lozenge", &poses, &|| fit::lozenge(points))?);
+    rows.push(plain::<Obb>("oriented box, PCA", &poses, &|| fit::principal_obb(points))?);
+    rows.push(plain::<Obb>("oriented box", &poses, &|| fit::obb(points).map(|fitted| fitted.obb))?);
+    rows.push(plain::<Kdop14>("14-DOP", &poses, &|| Kdop14::of(points))?);
+    rows.push(plain::<Kdop18>("18-DOP", &poses, &|| Kdop18::of(points))?);
+    rows.push(plain::<Kdop26>("26-DOP", &poses, &|| Kdop26::of(points))?);
+    Ok(rows)
+}
+
+/// The hull of these points.
+///
+/// # Errors
+/// Where the points are out of range.
+pub(super) fn hull(points: &[[f64; 3]]) -> Result<HullRow, InputError> {
+    let (hull, build) = timed_build(&|| Hull::new(points))?;
+    let (mut six_volumes, mut two_areas) = (0.0, 0.0);
+    // About a point of the hull, as far from the origin it would cancel.
+    let origin = points[hull.vertices()[0] as usize];
+    for face in hull.faces() {
+        let [a, b, c] = face.map(|vertex| {
+            let corner = hull.positions()[vertex as usize];
+            std::array::from_fn::<f64, 3, _>(|axis| corner[axis] - origin[axis])
+        });
+        let edge = |to: [f64; 3]| std::array::from_fn::<f64, 3, _>(|axis| to[axis] - a[axis]);
+        let normal = cross(edge(b), edge(c));
+        six_volumes += (0..3).map(|axis| a[axis] * normal[axis]).sum::<f64>();
+        two_areas += normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+    }
+    // What is flat has no volume, whatever rounding says.
+    let volume = if hull.kind() == HullKind::Solid { (six_volumes / 6.0).max(0.0) } else { 0.0 };
+    let vertices = hull.vertices().len();
+    Ok(HullRow { vertices, bytes: hull.memory(), volume, surface_area: 0.5 * two_areas, build })
+}
+
+fn cross(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+}
+
+/// A kind that has all it needs.
+fn plain<V: BoundingVolume>(
+    name: &'static str,
+    poses: &Poses,
+    build: &dyn Fn() -> Result<V, InputError>,
+) -> Result<Row, InputError> {
+    let measures = |volume: &V| [volume.volume(), volume.surface_area()];
+    measure(&Kind { name, build, overlap: V::overlaps, follow: V::moved, measures }, poses)
+}
+
+/// The packed boxes; none where the mesh is beyond single precision.
+fn packed(points: &[[f64; 3]], poses: &Poses) -> Vec<Row> {
+    fn widths<T: Steps>(name: &'static str, points: &[[f64; 3]], poses: &Poses) -> Result<Row, InputError> {
+        measure::<PackedMinWidths<T>>(
+            &Kind {
+                name,
+                build: &|| MinWidths::of_points(points)?.try_into(),
+                overlap: PackedMinWidths::overlaps,
+                follow: |packed, pose| MinWidths::from(*packed).moved(pose)?.try_into(),
+                measures: |packed| [packed.volume(), MinWidths::from(*packed).surface_area()],
+            },
+            poses,
+        )
+    }
+    fn radii<T: Steps>(name: &'static str, points: &[[f64; 3]], poses: &Poses) -> Result<Row, InputError> {
+        measure::<PackedCentreRadius<T>>(
+            &Kind {
+                name,
+                build: &|| CentreRadius::of_points(points)?.try_into(),
+                overlap: PackedCentreRadius::overlaps,
+                follow: |packed, pose| CentreRadius::from(*packed).moved(pose)?.try_into(),
+                measures: |packed| [packed.volume(), CentreRadius::from(*packed).surface_area()],
+            },
+            poses,
+        )
+    }
+    let rows = [
+        widths::<u16>("box, min-widths u16", points, poses),
+        widths::<u8>("box, min-widths u8", points, poses),
+        radii::<u16>("box, centre-radius u16", points, poses),
+        radii::<u8>("box, centre-radius u8", points, poses),
+    ];
+    rows.into_iter().flatten().collect()
+}
+
+fn measure<V: Clone>(kind: &Kind<V>, poses: &Poses) -> Result<Row, InputError> {
+    let (volume, build) = timed_build(kind.build)?;
+    let moved: Vec<V> = poses.spread.iter().map(|pose| (kind.follow)(&volume, pose)).collect::<Result<_, _>>()?;
+    let overlap = least_time(moved.len() * moved.len(), || {
+        let mut met = 0_usize;
+        for a in &moved {
+            for b in &moved {
+                met += usize::from((kind.overlap)(black_box(a), b));
+            }
+        }
+        black_box(met);
+    });
+    let follow = least_time(poses.turning.len(), || {
+        for pose in &poses.turning {
+            // Judged above for the same maps; a failure costs no less.
+            let _ = black_box((kind.follow)(black_box(&volume), pose));
+        }
+    });
+    let [cubic, square] = (kind.measures)(&volume);
+    let bytes = size_of::<V>();
+    Ok(Row { name: kind.name, bytes, volume: cubic, surface_area: square, radius: None, build, overlap, follow })
+}
+
+/// Builds a few times, or once where that takes long; the least time.
+fn timed_build<V>(build: &dyn Fn() -> Result<V, InputError>) -> Result<(V, f64), InputError> {
+    const PATIENCE: f64 = 0.1;
+    let mut least = f64::INFINITY;
+    let mut spent = 0.0;
+    loop {
+        let start = Instant::now();
+        let volume = build()?;
+        let seconds = start.elapsed().as_secs_f64();
+        least = least.min(seconds);
+        spent += seconds;
+        if spent > PATIENCE || spent / least > 20.0 {
+            return Ok((volume, least));
+        }
+    }
+}
+
+/// Seconds that each of `count` things takes which `work` does.
+fn least_time(count: usize, work: impl Fn()) -> f64 {
+    let time = |_| {
+        let start = Instant::now();
+        work();
+        start.elapsed().as_secs_f64()
+    };
+    (0..REPEATS).map(time).fold(f64::INFINITY, f64::min) / count as f64
+}
+
+/// Rotations about the origin, and the same spread out so that some of the moved volumes overlap.
+struct Poses {
+    turning: Vec<Pose>,
+    spread: Vec<Pose>,
+}
+
+fn poses(bounds: &MinMax) -> Poses {
+    let (min, max) = (bounds.min(), bounds.max());
+    let middle: [f64; 3] = std::array::from_fn(|axis| 0.5 * min[axis] + 0.5 * max[axis]);
+    let extent = (0..3).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
+    // Knuth's linear congruence (MMIX): any spread of directions will do, the same each time.
+    let mut state = 1_u64;
+    let mut number = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    let (mut turning, mut spread) = (Vec::new(), Vec::new());
+    while turning.len() < POSES {
+        let quaternion: [f64; 4] = std::array::from_fn(|_| number());
+        let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let turn = Pose::from_quaternion_wxyz([0.0; 3], quaternion.map(|x| x / length));
+        let shift: [f64; 3] = std::array::from_fn(|_| 1.5 * extent * number());
+        // About the mesh's own middle, so that far from the origin too they come to lie beside each other.
+        let Ok(turn) = turn else { continue };
+        let there = turn.apply(middle);
+        let translation = std::array::from_fn(|axis| middle[axis] - there[axis] + shift[axis]);
+        if let Ok(pose) = Pose::new(*turn.linear(), translation) {
+            turning.push(turn);
+            spread.push(pose);
+        }
+    }
+    Poses { turning, spread }
+}

@@ -1,0 +1,111 @@
+//! The minimal sphere by trying every one, two, three and four points (*Notes on Real Time Collision Detection*, 2.3: the
+//! O(n⁵) one), in rational numbers.
+
+use dashu_ratio::RBig;
+
+/// The smallest sphere that holds some points, exactly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeastSphere {
+    /// Its centre.
+    pub centre: [RBig; 3],
+    /// The square of its radius.
+    pub squared_radius: RBig,
+    /// How many of the points are on it, duplicates counted.
+    pub on_it: usize,
+}
+
+/// The smallest of the spheres through up to four of the points that hold all of them; none without points.
+///
+/// # Complexity
+/// The fifth power of the number of points.
+///
+/// # Panics
+/// Where a number is not finite.
+pub fn minimal_sphere(points: &[[f64; 3]]) -> Option<LeastSphere> {
+    let exact: Vec<[RBig; 3]> = points.iter().map(|p| p.map(|x| RBig::try_from(x).expect("finite"))).collect();
+    let mut least: Option<LeastSphere> = None;
+    let n = exact.len();
+    for i in 0..n {
+        for j in i..n {
+            for k in j..n {
+                for l in k..n {
+                    let mut chosen = vec![i, j, k, l];
+                    chosen.dedup();
+                    let Some((centre, squared_radius)) = through(&exact, &chosen) else { continue };
+                    if least.as_ref().is_some_and(|least| least.squared_radius <= squared_radius) {
+                        continue;
+                    }
+                    let squares: Vec<RBig> = exact.iter().map(|p| square(&minus(p, &centre))).collect();
+                    if squares.iter().all(|square| *square <= squared_radius) {
+                        let on_it = squares.iter().filter(|&square| *square == squared_radius).count();
+                        least = Some(LeastSphere { centre, squared_radius, on_it });
+                    }
+                }
+            }
+        }
+    }
+    least
+}
+
+/// The centre, in the affine hull of the chosen points, that is equally far from all of them, and its squared distance; none
+/// where they are affinely dependent. The centre is p₀ + Σ λᵢ uᵢ with uᵢ · uⱼ λⱼ = uᵢ · uᵢ / 2, solved by elimination.
+fn through(points: &[[RBig; 3]], chosen: &[usize]) -> Option<([RBig; 3], RBig)> {
+    let first = &points[chosen[0]];
+    let edges: Vec<[RBig; 3]> = chosen[1..].iter().map(|&i| minus(&points[i], first)).collect();
+    let n = edges.len();
+    let half = RBig::ONE / RBig::from(2);
+    let mut rows: Vec<Vec<RBig>> =
+        edges.iter().map(|u| edges.iter().map(|v| dot(u, v)).chain([square(u) * half.clone()]).collect()).collect();
+    for k in 0..n {
+        let pivot = (k..n).find(|&row| rows[row][k] != RBig::ZERO)?;
+        rows.swap(k, pivot);
+        for row in (0..n).filter(|&row| row != k) {
+            let factor = rows[row][k].clone() / rows[k][k].clone();
+            for column in k..=n {
+                let part = factor.clone() * rows[k][column].clone();
+                rows[row][column] = rows[row][column].clone() - part;
+            }
+        }
+    }
+    let mut offset = [RBig::ZERO; 3];
+    for (k, edge) in edges.iter().enumerate() {
+        let weight = rows[k][n].clone() / rows[k][k].clone();
+        offset = std::array::from_fn(|axis| offset[axis].clone() + weight.clone() * edge[axis].clone());
+    }
+    let centre = std::array::from_fn(|axis| first[axis].clone() + offset[axis].clone());
+    Some((centre, square(&offset)))
+}
+
+fn minus(p: &[RBig; 3], q: &[RBig; 3]) -> [RBig; 3] {
+    std::array::from_fn(|k| p[k].clone() - q[k].clone())
+}
+
+fn dot(p: &[RBig; 3], q: &[RBig; 3]) -> RBig {
+    (0..3).fold(RBig::ZERO, |sum, k| sum + p[k].clone() * q[k].clone())
+}
+
+fn square(p: &[RBig; 3]) -> RBig {
+    dot(p, p)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_spheres() {
+        let rational = |numerator: i32, denominator: i32| RBig::from(numerator) / RBig::from(denominator);
+        let cube: Vec<[f64; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+        let sphere = minimal_sphere(&cube).unwrap();
+        assert_eq!((sphere.centre, sphere.on_it), ([rational(1, 2), rational(1, 2), rational(1, 2)], 8));
+        assert_eq!(sphere.squared_radius, rational(3, 4));
+        // An equilateral triangle needs all three, an obtuse one two, and a point inside none.
+        let triangle = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert_eq!(minimal_sphere(&triangle).unwrap().squared_radius, rational(2, 3));
+        let obtuse = [[0.0; 3], [4.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+        let sphere = minimal_sphere(&obtuse).unwrap();
+        assert_eq!((sphere.squared_radius, sphere.on_it), (rational(4, 1), 2));
+        assert_eq!(minimal_sphere(&[[5.0; 3]; 3]).unwrap().squared_radius, RBig::ZERO);
+        assert_eq!(minimal_sphere(&[]), None);
+    }
+}

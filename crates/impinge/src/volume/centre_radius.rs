@@ -1,0 +1,160 @@
+//! The axis-aligned box by its centre and its half-extents, or radii (*Notes*, 2.1, listing 2.3).
+
+use super::min_max::{in_range, lengths_in_range};
+use super::rounding::{add_down, add_up, mul_down, mul_up};
+use super::{BoundingVolume, MinMax};
+use crate::input::InputError;
+use crate::math::Pose;
+
+/// The closed box of the points `centre + e` with `|e| ≤ half_extents`, the sum being that of real numbers.
+///
+/// The form that turns for the fewest products: nine for the centre and nine for the half-extents, and nine in all where
+/// the centre is the pivot.
+///
+/// ```
+/// use impinge::volume::{CentreRadius, MinMax};
+/// let bounds = CentreRadius::from(MinMax::new([1.0; 3], [4.0; 3])?);
+/// assert_eq!((bounds.centre(), bounds.half_extents()), ([2.5; 3], [1.5; 3]));
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CentreRadius {
+    centre: [f64; 3],
+    half_extents: [f64; 3],
+}
+
+const _: () = assert!(size_of::<CentreRadius>() == 48);
+
+impl CentreRadius {
+    /// The box about a centre.
+    ///
+    /// # Errors
+    /// [`NonFinite`](crate::input::InputErrorKind::NonFinite), [`OutOfRange`](crate::input::InputErrorKind::OutOfRange)
+    /// (beyond 2^320) and, for half-extents, [`Negative`](crate::input::InputErrorKind::Negative) name the axis.
+    pub fn new(centre: [f64; 3], half_extents: [f64; 3]) -> Result<Self, InputError> {
+        in_range("box coordinate", centre)?;
+        lengths_in_range("half-extent", half_extents)?;
+        Ok(Self { centre, half_extents })
+    }
+
+    /// From numbers that are known to be in range.
+    pub(super) fn from_valid(centre: [f64; 3], half_extents: [f64; 3]) -> Self {
+        Self { centre, half_extents }
+    }
+
+    /// The centre.
+    #[must_use]
+    pub fn centre(&self) -> [f64; 3] {
+        self.centre
+    }
+
+    /// Half the lengths along the axes.
+    #[must_use]
+    pub fn half_extents(&self) -> [f64; 3] {
+        self.half_extents
+    }
+
+    /// Whether every point of the other box is in this one; true only where it is proved.
+    #[must_use]
+    pub fn encloses(&self, other: &Self) -> bool {
+        (0..3).all(|axis| {
+            let apart = distance_on_axis(self.centre[axis], other.centre[axis]);
+            add_up(apart, other.half_extents[axis]) <= self.half_extents[axis]
+        })
+    }
+}
+
+/// Never smaller: the centre is rounded to nearest and the half-extents reach both corners from there, rounded up.
+impl From<MinMax> for CentreRadius {
+    fn from(bounds: MinMax) -> Self {
+        about_middle(bounds.min(), bounds.max())
+    }
+}
+
+/// Never smaller: both corners are rounded outward.
+impl From<CentreRadius> for MinMax {
+    fn from(bounds: CentreRadius) -> Self {
+        let CentreRadius { centre, half_extents } = bounds;
+        Self::from_ordered(
+            std::array::from_fn(|axis| add_down(centre[axis], -half_extents[axis])),
+            std::array::from_fn(|axis| add_up(centre[axis], half_extents[axis])),
+        )
+    }
+}
+
+impl BoundingVolume for CentreRadius {
+    fn of_points(points: &[[f64; 3]]) -> Result<Self, InputError> {
+        MinMax::of(points).map(Self::from)
+    }
+
+    /// Says *apart* where the distance of the centres exceeds the sum of the half-extents by more than a unit in the last
+    /// place of that sum; boxes whose gap is smaller count as overlapping.
+    #[inline]
+    fn overlaps(&self, other: &Self) -> bool {
+        (0..3).all(|axis| {
+            // Rounding is monotonic: a rounded difference above a double is a difference above it.
+            let sum = (self.half_extents[axis] + other.half_extents[axis]).next_up();
+            (self.centre[axis] - other.centre[axis]).abs() <= sum
+        })
+    }
+
+    /// As [`overlaps`](BoundingVolume::overlaps) with a box of one point, but exact.
+    fn contains(&self, point: [f64; 3]) -> bool {
+        (0..3).all(|axis| distance_on_axis(point[axis], self.centre[axis]) <= self.half_extents[axis])
+    }
+
+    fn merged(&self, other: &Self) -> Self {
+        // Of one in the other the outer one is the union, and need not grow by the rounding of its corners.
+        if self.encloses(other) {
+            *self
+        } else if other.encloses(self) {
+            *other
+        } else {
+            let bounds = MinMax::from(*self).merged(&MinMax::from(*other));
+            about_middle(bounds.min(), bounds.max())
+        }
+    }
+
+    /// Any affine map.
+    ///
+    /// # Source
+    /// Arvo 1990; Ericson 4.2.6.
+    fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
+        let (linear, translation) = (world_from_local.linear(), world_from_local.translation());
+        let centre = world_from_local.apply(self.centre);
+        let half_extents = std::array::from_fn(|axis| {
+            let (mut low, mut high, mut half) = (translation[axis], translation[axis], 0.0);
+            for from in 0..3 {
+                low = add_down(low, mul_down(linear[axis][from], self.centre[from]));
+                high = add_up(high, mul_up(linear[axis][from], self.centre[from]));
+                half = add_up(half, mul_up(linear[axis][from].abs(), self.half_extents[from]));
+            }
+            let off = add_up(high, -centre[axis]).max(add_up(centre[axis], -low)).max(0.0);
+            add_up(half, off)
+        });
+        Self::new(centre, half_extents)
+    }
+
+    fn volume(&self) -> f64 {
+        let [x, y, z] = self.half_extents;
+        8.0 * x * y * z
+    }
+
+    fn surface_area(&self) -> f64 {
+        let [x, y, z] = self.half_extents;
+        8.0 * (x * y + y * z + z * x)
+    }
+}
+
+/// About the rounded middle of two corners, reaching both.
+fn about_middle(min: [f64; 3], max: [f64; 3]) -> CentreRadius {
+    let centre: [f64; 3] = std::array::from_fn(|axis| 0.5 * min[axis] + 0.5 * max[axis]);
+    let half_extents =
+        std::array::from_fn(|axis| add_up(max[axis], -centre[axis]).max(add_up(centre[axis], -min[axis])));
+    CentreRadius { centre, half_extents }
+}
+
+/// A double not below `|a - b|`.
+fn distance_on_axis(a: f64, b: f64) -> f64 {
+    add_up(a.max(b), -a.min(b))
+}

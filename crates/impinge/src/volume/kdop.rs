@@ -1,0 +1,282 @@
+//! Discrete-orientation polytopes: slabs in fixed directions (Klosowski, Held, Mitchell, Sowizral and Zikan, *Efficient
+//! collision detection using bounding volume hierarchies of k-DOPs*, 1998; Ericson 4.6).
+
+use super::BoundingVolume;
+use super::core::{add, cross, dot, scale, subtract};
+use super::fit::points::{Coordinate, judge, widen};
+use super::rounding::{LIMIT, add_down, add_up, mul_up};
+use crate::input::{InputError, InputErrorKind};
+use crate::math::Pose;
+
+/// Axes, edges and corners of the cube, in the order in which the kinds take them.
+const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+const EDGES: [[f64; 3]; 6] =
+    [[1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [0.0, 1.0, 1.0], [0.0, 1.0, -1.0]];
+const CORNERS: [[f64; 3]; 4] = [[1.0, 1.0, 1.0], [1.0, 1.0, -1.0], [1.0, -1.0, 1.0], [1.0, -1.0, -1.0]];
+
+/// The points x with low ≤ n · x ≤ high for each of `D` fixed directions n, whose entries are -1, 0 and 1: exactly the slabs
+/// that the numbers say.
+///
+/// ```
+/// use impinge::volume::{BoundingVolume, Kdop14};
+/// let corner = Kdop14::of_points(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])?;
+/// let other = Kdop14::of_points(&[[1.0; 3], [0.5; 3]])?;
+/// assert!(!corner.overlaps(&other)); // their boxes overlap, but x + y + z is at most 1 in the one, at least 1.5 in the other
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kdop<const D: usize> {
+    low: [f64; D],
+    high: [f64; D],
+}
+
+/// Six faces of the cube and eight corners.
+pub type Kdop14 = Kdop<7>;
+
+/// Six faces of the cube and twelve edges.
+pub type Kdop18 = Kdop<9>;
+
+/// Six faces of the cube, twelve edges and eight corners.
+pub type Kdop26 = Kdop<13>;
+
+const _: () = assert!(size_of::<Kdop14>() == 112 && size_of::<Kdop18>() == 144 && size_of::<Kdop26>() == 208);
+
+impl<const D: usize> Kdop<D> {
+    /// The directions, axes first; not of unit length.
+    pub const DIRECTIONS: [[f64; 3]; D] = {
+        assert!(D == 7 || D == 9 || D == 13, "14, 18 or 26 faces");
+        let mut directions = [[0.0; 3]; D];
+        let mut at = 0;
+        while at < D {
+            directions[at] = if at < 3 {
+                AXES[at]
+            } else if D == 7 {
+                CORNERS[at - 3]
+            } else if at < 9 {
+                EDGES[at - 3]
+            } else {
+                CORNERS[at - 9]
+            };
+            at += 1;
+        }
+        directions
+    };
+
+    /// The least of these points: every slab is the exact one, rounded outward.
+    ///
+    /// # Errors
+    /// As [`BoundingVolume::of_points`].
+    ///
+    /// # Complexity
+    /// Two passes over memory, D dot products a point.
+    pub fn of<T: Coordinate>(points: &[[T; 3]]) -> Result<Self, InputError> {
+        judge(points)?;
+        let mut kdop = Self { low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D] };
+        for &point in points {
+            let point = widen(point);
+            for (k, direction) in Self::DIRECTIONS.iter().enumerate() {
+                let [low, high] = project(direction, point);
+                kdop.low[k] = kdop.low[k].min(low);
+                kdop.high[k] = kdop.high[k].max(high);
+            }
+        }
+        Ok(kdop)
+    }
+
+    /// The least of n · x, for each direction.
+    #[must_use]
+    pub fn low(&self) -> [f64; D] {
+        self.low
+    }
+
+    /// The greatest of n · x, for each direction.
+    #[must_use]
+    pub fn high(&self) -> [f64; D] {
+        self.high
+    }
+
+    /// A bound on d · x over the polytope, for d known within `off` in each component.
+    ///
+    /// Weak duality of linear programming: where d = Σ λᵢ nᵢ with λᵢ ≥ 0 and nᵢ normals of faces, d · x ≤ Σ λᵢ hᵢ. The
+    /// three normals are those around d in the division of the sphere of directions that the symmetries of the cube make,
+    /// which are the right ones where all faces are there; what rounding leaves of d is paid by the box.
+    fn support_up(&self, d: [f64; 3], off: [f64; 3]) -> f64 {
+        let mut order = [0, 1, 2];
+        order.sort_by(|&i, &j| d[j].abs().total_cmp(&d[i].abs()));
+        let sign: [f64; 3] = d.map(|x| if x < 0.0 { -1.0 } else { 1.0 });
+        let [a, b, c] = order.map(|axis| d[axis].abs());
+        // Entries by rank: how much of the largest, middle and smallest component.
+        let cone: [(f64, [f64; 3]); 3] = match D {
+            7 => [(a - b, [1.0, 0.0, 0.0]), (0.5 * (b + c), [1.0, 1.0, 1.0]), (0.5 * (b - c), [1.0, 1.0, -1.0])],
+            9 if a >= b + c => [(a - b - c, [1.0, 0.0, 0.0]), (b, [1.0, 1.0, 0.0]), (c, [1.0, 0.0, 1.0])],
+            9 => [
+                (0.5 * (a + b - c), [1.0, 1.0, 0.0]),
+                (0.5 * (a + c - b), [1.0, 0.0, 1.0]),
+                (0.5 * (b + c - a), [0.0, 1.0, 1.0]),
+            ],
+            _ => [(a - b, [1.0, 0.0, 0.0]), (b - c, [1.0, 1.0, 0.0]), (c, [1.0, 1.0, 1.0])],
+        };
+        let mut bound = 0.0;
+        let mut rest = [[0.0; 2]; 3].map(|_| [0.0, 0.0]);
+        for axis in 0..3 {
+            rest[axis] = [add_down(d[axis], -off[axis]), add_up(d[axis], off[axis])];
+        }
+        for (weight, ranks) in cone {
+            let weight = weight.max(0.0);
+            let mut normal = [0.0; 3];
+            for (rank, &axis) in order.iter().enumerate() {
+                normal[axis] = sign[axis] * ranks[rank];
+                let part = weight * normal[axis]; // exact: the entry is -1, 0 or 1
+                rest[axis] = [add_down(rest[axis][0], -part), add_up(rest[axis][1], -part)];
+            }
+            bound = add_up(bound, mul_up(weight, self.height(normal)));
+        }
+        for axis in 0..3 {
+            let widest = self.high[axis].abs().max(self.low[axis].abs());
+            bound = add_up(bound, mul_up(rest[axis][1].max(-rest[axis][0]), widest));
+        }
+        bound
+    }
+
+    /// The greatest n · x for a direction of the list, or the opposite of one.
+    fn height(&self, normal: [f64; 3]) -> f64 {
+        let opposite = normal.map(|x| -x);
+        for (k, &direction) in Self::DIRECTIONS.iter().enumerate() {
+            if direction == normal {
+                return self.high[k];
+            }
+            if direction == opposite {
+                return -self.low[k];
+            }
+        }
+        f64::INFINITY
+    }
+
+    /// The faces that there are: for each its distance from `origin` and its area.
+    fn faces(&self, origin: [f64; 3]) -> Vec<(f64, f64)> {
+        let half_spaces: Vec<([f64; 3], f64)> = (0..D)
+            .flat_map(|k| {
+                let n = Self::DIRECTIONS[k];
+                let length = dot(n, n).sqrt();
+                let at = dot(n, origin);
+                [
+                    (scale(n, 1.0 / length), (self.high[k] - at) / length),
+                    (scale(n, -1.0 / length), (at - self.low[k]) / length),
+                ]
+            })
+            .collect();
+        let size = (0..3).map(|axis| self.high[axis] - self.low[axis]).fold(0.0, f64::max);
+        let faces = half_spaces.iter().enumerate().map(|(own, &(normal, height))| {
+            let mut polygon = square(normal, height, 4.0 * size);
+            for (other, &(n, h)) in half_spaces.iter().enumerate() {
+                if other != own {
+                    polygon = clip(&polygon, n, h);
+                }
+            }
+            (height, area(&polygon, normal))
+        });
+        faces.collect()
+    }
+}
+
+impl<const D: usize> BoundingVolume for Kdop<D> {
+    fn of_points(points: &[[f64; 3]]) -> Result<Self, InputError> {
+        Self::of(points)
+    }
+
+    /// Exact comparisons: apart where a slab is. Two polytopes that no slab separates may still be apart.
+    #[inline]
+    fn overlaps(&self, other: &Self) -> bool {
+        (0..D).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
+    }
+
+    fn contains(&self, point: [f64; 3]) -> bool {
+        (0..D).all(|k| {
+            let [low, high] = project(&Self::DIRECTIONS[k], point);
+            !(low > self.high[k] || high < self.low[k])
+        })
+    }
+
+    /// Exact: the least polytope of these directions that holds both, where both are the least of what they hold.
+    fn merged(&self, other: &Self) -> Self {
+        Self {
+            low: std::array::from_fn(|k| self.low[k].min(other.low[k])),
+            high: std::array::from_fn(|k| self.high[k].max(other.high[k])),
+        }
+    }
+
+    /// Any affine map. The image has faces in other directions, so this grows, as a turned box does: turn the polytope of
+    /// the original, never the last one.
+    fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
+        let (linear, translation) = (world_from_local.linear(), world_from_local.translation());
+        let mut moved = *self;
+        for (k, n) in Self::DIRECTIONS.iter().enumerate() {
+            let column = |axis: usize| project(n, [linear[0][axis], linear[1][axis], linear[2][axis]]);
+            let [x, y, z] = [column(0), column(1), column(2)];
+            let d = [x, y, z].map(|[low, high]| 0.5 * low + 0.5 * high);
+            let off = std::array::from_fn(|axis| {
+                let [low, high] = [x, y, z][axis];
+                add_up(high, -d[axis]).max(add_up(d[axis], -low))
+            });
+            let shift = project(n, *translation);
+            moved.high[k] = add_up(self.support_up(d, off), shift[1]);
+            moved.low[k] = add_down(-self.support_up(d.map(|x| -x), off), shift[0]);
+        }
+        if let Some(index) = moved.low.iter().chain(&moved.high).position(|x| !(x.abs() <= 3.0 * LIMIT)) {
+            let error = InputErrorKind::OutOfRange { what: "slab", index: index % D, limit: "2^320" };
+            return Err(InputError::new(error));
+        }
+        Ok(moved)
+    }
+
+    fn volume(&self) -> f64 {
+        let middle = std::array::from_fn(|axis| 0.5 * self.low[axis] + 0.5 * self.high[axis]);
+        self.faces(middle).iter().map(|(height, area)| height * area / 3.0).sum::<f64>().max(0.0)
+    }
+
+    fn surface_area(&self) -> f64 {
+        let middle = std::array::from_fn(|axis| 0.5 * self.low[axis] + 0.5 * self.high[axis]);
+        self.faces(middle).iter().map(|(_, area)| area).sum()
+    }
+}
+
+/// Bounds on n · x for a direction of entries -1, 0 and 1: the exact sum, rounded either way.
+fn project(direction: &[f64; 3], point: [f64; 3]) -> [f64; 2] {
+    let [x, y, z] = std::array::from_fn(|axis| direction[axis] * point[axis]);
+    [add_down(add_down(x, y), z), add_up(add_up(x, y), z)]
+}
+
+/// A square of this half-edge in the plane n · x = height, n of unit length.
+fn square(normal: [f64; 3], height: f64, half: f64) -> Vec<[f64; 3]> {
+    let [u, v, _] = {
+        let [n, u, v] = super::obb::orthonormal([normal, AXES[0], AXES[1]]);
+        [u, v, n]
+    };
+    let middle = scale(normal, height);
+    [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+        .map(|(s, t)| add(middle, add(scale(u, s * half), scale(v, t * half))))
+        .to_vec()
+}
+
+/// What of a convex polygon is in the half-space n · x ≤ height (Sutherland and Hodgman).
+fn clip(polygon: &[[f64; 3]], n: [f64; 3], height: f64) -> Vec<[f64; 3]> {
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (at, &p) in polygon.iter().enumerate() {
+        let q = polygon[(at + 1) % polygon.len()];
+        let (over_p, over_q) = (dot(n, p) - height, dot(n, q) - height);
+        if over_p <= 0.0 {
+            kept.push(p);
+        }
+        if (over_p <= 0.0) != (over_q <= 0.0) {
+            kept.push(add(p, scale(subtract(q, p), over_p / (over_p - over_q))));
+        }
+    }
+    kept
+}
+
+/// The area of a convex polygon with this unit normal.
+fn area(polygon: &[[f64; 3]], normal: [f64; 3]) -> f64 {
+    let fan =
+        polygon.windows(2).skip(1).map(|pair| cross(subtract(pair[0], polygon[0]), subtract(pair[1], polygon[0])));
+    0.5 * fan.map(|product| dot(product, normal)).sum::<f64>().abs()
+}

@@ -1,0 +1,148 @@
+//! The axis-aligned box by its least corner and its widths (*Notes*, 2.1, listing 2.2).
+
+use super::min_max::{in_range, lengths_in_range};
+use super::rounding::{add_down, add_up, mul_down, mul_up, two_sum};
+use super::{BoundingVolume, MinMax};
+use crate::input::InputError;
+use crate::math::Pose;
+
+/// The closed box of the points `min + w` with `0 ≤ w ≤ widths`, the sum being that of real numbers.
+///
+/// Widths are small where corners are far from the origin, which is what [`PackedMinWidths`](super::PackedMinWidths)
+/// profits from.
+///
+/// ```
+/// use impinge::volume::{MinMax, MinWidths};
+/// let bounds = MinMax::new([0.1; 3], [0.7; 3])?;
+/// let by_widths = MinWidths::from(bounds);
+/// assert!(MinMax::from(by_widths).encloses(&bounds)); // 0.7 - 0.1 is no double: the widths are rounded up
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MinWidths {
+    min: [f64; 3],
+    widths: [f64; 3],
+}
+
+const _: () = assert!(size_of::<MinWidths>() == 48);
+
+impl MinWidths {
+    /// The box from a corner on.
+    ///
+    /// # Errors
+    /// [`NonFinite`](crate::input::InputErrorKind::NonFinite), [`OutOfRange`](crate::input::InputErrorKind::OutOfRange)
+    /// (beyond 2^320) and, for widths, [`Negative`](crate::input::InputErrorKind::Negative) name the axis.
+    pub fn new(min: [f64; 3], widths: [f64; 3]) -> Result<Self, InputError> {
+        in_range("box coordinate", min)?;
+        lengths_in_range("box width", widths)?;
+        Ok(Self { min, widths })
+    }
+
+    /// From numbers that are known to be in range.
+    pub(super) fn from_valid(min: [f64; 3], widths: [f64; 3]) -> Self {
+        Self { min, widths }
+    }
+
+    /// The least coordinates.
+    #[must_use]
+    pub fn min(&self) -> [f64; 3] {
+        self.min
+    }
+
+    /// The lengths along the axes.
+    #[must_use]
+    pub fn widths(&self) -> [f64; 3] {
+        self.widths
+    }
+
+    /// Whether every point of the other box is in this one; true only where it is proved.
+    #[must_use]
+    pub fn encloses(&self, other: &Self) -> bool {
+        (0..3).all(|axis| {
+            self.min[axis] <= other.min[axis]
+                && add_up(add_up(other.min[axis], -self.min[axis]), other.widths[axis]) <= self.widths[axis]
+        })
+    }
+}
+
+/// Never smaller: widths are rounded up.
+impl From<MinMax> for MinWidths {
+    fn from(bounds: MinMax) -> Self {
+        let (min, max) = (bounds.min(), bounds.max());
+        Self { min, widths: std::array::from_fn(|axis| add_up(max[axis], -min[axis])) }
+    }
+}
+
+/// Never smaller: the greatest corner is rounded up.
+impl From<MinWidths> for MinMax {
+    fn from(bounds: MinWidths) -> Self {
+        let MinWidths { min, widths } = bounds;
+        Self::from_ordered(min, std::array::from_fn(|axis| add_up(min[axis], widths[axis])))
+    }
+}
+
+impl BoundingVolume for MinWidths {
+    fn of_points(points: &[[f64; 3]]) -> Result<Self, InputError> {
+        MinMax::of(points).map(Self::from)
+    }
+
+    /// Exact, without ever computing a greatest corner: a box lies beyond another where the difference of their least
+    /// corners exceeds its width.
+    #[inline]
+    fn overlaps(&self, other: &Self) -> bool {
+        (0..3).all(|axis| {
+            !exceeds(other.min[axis], self.min[axis], self.widths[axis])
+                && !exceeds(self.min[axis], other.min[axis], other.widths[axis])
+        })
+    }
+
+    /// Exact.
+    fn contains(&self, point: [f64; 3]) -> bool {
+        (0..3).all(|axis| self.min[axis] <= point[axis] && !exceeds(point[axis], self.min[axis], self.widths[axis]))
+    }
+
+    /// The least corners are exact, the widths rounded up.
+    fn merged(&self, other: &Self) -> Self {
+        let min: [f64; 3] = std::array::from_fn(|axis| self.min[axis].min(other.min[axis]));
+        let reach = |part: &Self, axis: usize| add_up(add_up(part.min[axis], -min[axis]), part.widths[axis]);
+        Self { min, widths: std::array::from_fn(|axis| reach(self, axis).max(reach(other, axis))) }
+    }
+
+    /// Any affine map. The widths turn by themselves, as half-extents do; they take up what the corner's rounding left out.
+    fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
+        let (linear, translation) = (world_from_local.linear(), world_from_local.translation());
+        let (mut low, mut high, mut widths) = (*translation, *translation, [0.0; 3]);
+        for axis in 0..3 {
+            for from in 0..3 {
+                let (entry, width) = (linear[axis][from], self.widths[from]);
+                low[axis] = add_down(low[axis], mul_down(entry, self.min[from]));
+                high[axis] = add_up(high[axis], mul_up(entry, self.min[from]));
+                if entry < 0.0 {
+                    low[axis] = add_down(low[axis], mul_down(entry, width));
+                    high[axis] = add_up(high[axis], mul_up(entry, width));
+                }
+                widths[axis] = add_up(widths[axis], mul_up(entry.abs(), width));
+            }
+            widths[axis] = add_up(widths[axis], add_up(high[axis], -low[axis]));
+        }
+        Self::new(low, widths)
+    }
+
+    fn volume(&self) -> f64 {
+        let [x, y, z] = self.widths;
+        x * y * z
+    }
+
+    fn surface_area(&self) -> f64 {
+        let [x, y, z] = self.widths;
+        2.0 * (x * y + y * z + z * x)
+    }
+}
+
+/// Whether `to - from > width` over the reals. Rounding is monotonic, so only where the rounded difference is the width
+/// itself does what rounding lost decide.
+#[inline(always)]
+fn exceeds(to: f64, from: f64, width: f64) -> bool {
+    let (difference, lost) = two_sum(to, -from);
+    difference > width || difference == width && lost > 0.0
+}

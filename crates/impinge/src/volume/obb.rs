@@ -1,0 +1,267 @@
+//! The oriented box (*Notes*, 2.3: what principal components also give; Ericson 4.4).
+
+use super::BoundingVolume;
+use super::core::{add, cross, dot, normalised, scale, subtract};
+use super::fit;
+use super::min_max::{in_range, lengths_in_range};
+use super::rigid::{direction, image};
+use super::rounding::{HALF_ULP, add_down, add_up, mul_down, mul_up};
+use crate::input::{InputError, InputErrorKind};
+use crate::math::Pose;
+
+/// The most by which the axes may deviate from being orthonormal: far more than rounding them takes, far less than what
+/// would loosen a box. Axes from single precision are to be orthonormalised first.
+const ORTHONORMAL: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// The points `centre + Σ tᵢ axisᵢ` with |tᵢ| ≤ half-extentᵢ.
+///
+/// Axes are doubles, so they are orthonormal but for rounding; the set is the parallelepiped that the numbers say, and
+/// whatever makes a box counts that deviation into its half-extents.
+///
+/// ```
+/// use impinge::volume::{BoundingVolume, Obb};
+/// let axes = [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]];
+/// let turned = Obb::new([0.0; 3], axes, [5.0, 1.0, 1.0])?;
+/// assert!(turned.contains([3.0, 4.0, 0.0]) && !turned.contains([4.0, 3.0, 0.0]));
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Obb {
+    centre: [f64; 3],
+    axes: [[f64; 3]; 3],
+    half_extents: [f64; 3],
+}
+
+const _: () = assert!(size_of::<Obb>() == 120);
+
+impl Obb {
+    /// The box about a centre, with these axes.
+    ///
+    /// # Errors
+    /// [`NonFinite`](InputErrorKind::NonFinite), [`OutOfRange`](InputErrorKind::OutOfRange) (beyond 2^320),
+    /// [`Negative`](InputErrorKind::Negative) for a half-extent, and [`NotRigid`](InputErrorKind::NotRigid) where the axes
+    /// deviate from orthonormal ones by more than 2^-40.
+    pub fn new(centre: [f64; 3], axes: [[f64; 3]; 3], half_extents: [f64; 3]) -> Result<Self, InputError> {
+        in_range("box centre or axis", centre.into_iter().chain(axes.into_iter().flatten()))?;
+        lengths_in_range("half-extent", half_extents)?;
+        let deviation = deviation(&axes);
+        if deviation > ORTHONORMAL {
+            return Err(InputError::new(InputErrorKind::NotRigid { deviation })
+                .with_hint("the axes of a box are orthonormal: normalise them"));
+        }
+        Ok(Self { centre, axes, half_extents })
+    }
+
+    /// The centre.
+    #[must_use]
+    pub fn centre(&self) -> [f64; 3] {
+        self.centre
+    }
+
+    /// The axes, one a row.
+    #[must_use]
+    pub fn axes(&self) -> [[f64; 3]; 3] {
+        self.axes
+    }
+
+    /// Half the lengths along the axes.
+    #[must_use]
+    pub fn half_extents(&self) -> [f64; 3] {
+        self.half_extents
+    }
+
+    /// The box with these axes, orthonormal up to rounding, about some centre, that holds all points which have a
+    /// projection on each axis from the centre, axis · (x - centre), of magnitude at most `reach`, rounded up.
+    ///
+    /// With y the projections and s the coordinates of a point, y = G s for the Gram matrix G of the axes, so
+    /// |s - y| ≤ κ |s| ≤ κ / (1 - κ) |y| in the maximum norm, κ being that of G - I.
+    pub(super) fn of_reach(centre: [f64; 3], axes: [[f64; 3]; 3], reach: [f64; 3]) -> Self {
+        let deviation = deviation(&axes);
+        let largest = reach.into_iter().fold(0.0, f64::max);
+        // κ is below 2^-40, so 2 κ is more than κ / (1 - κ).
+        let skew = mul_up(2.0 * deviation, largest);
+        Self { centre, axes, half_extents: reach.map(|y| add_up(y, skew)) }
+    }
+
+    /// The corners, rounded.
+    #[must_use]
+    pub fn corners(&self) -> [[f64; 3]; 8] {
+        std::array::from_fn(|corner| {
+            (0..3).fold(self.centre, |sum, k| {
+                let t = if corner >> k & 1 == 1 { self.half_extents[k] } else { -self.half_extents[k] };
+                add(sum, scale(self.axes[k], t))
+            })
+        })
+    }
+
+    /// The box with these axes that holds several parallelepipeds.
+    fn around(axes: [[f64; 3]; 3], parts: &[Generated]) -> Self {
+        let origin = parts[0].centre;
+        let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+        for part in parts {
+            for (range, &axis) in ranges.iter_mut().zip(&axes) {
+                let middle = dot(axis, subtract(part.centre, origin));
+                let half: f64 = (0..3).map(|k| part.half_extents[k] * dot(axis, part.generators[k]).abs()).sum();
+                *range = [range[0].min(middle - half), range[1].max(middle + half)];
+            }
+        }
+        let middle = |k: usize| scale(axes[k], 0.5 * (ranges[k][0] + ranges[k][1]));
+        let centre = (0..3).map(middle).fold(origin, add);
+        let reach = axes.map(|axis| parts.iter().map(|part| part.reach(axis, centre)).fold(0.0, f64::max));
+        Self::of_reach(centre, axes, reach)
+    }
+
+    fn generated(&self) -> Generated {
+        Generated { centre: self.centre, generators: self.axes, half_extents: self.half_extents, off: 0.0 }
+    }
+}
+
+impl BoundingVolume for Obb {
+    /// By [`fit::obb`].
+    fn of_points(points: &[[f64; 3]]) -> Result<Self, InputError> {
+        fit::obb(points).map(|fitted| fitted.obb)
+    }
+
+    /// The separating axis test with the six face normals and the nine products of edges; each proves on its own, whatever
+    /// the rounding of the axis.
+    ///
+    /// # Source
+    /// Gottschalk, Lin and Manocha, *OBBTree*, 1996; Ericson 4.4.1. Both add a constant to the products of edges where
+    /// these are nearly parallel; here each axis has its own bound.
+    fn overlaps(&self, other: &Self) -> bool {
+        let between = subtract(other.centre, self.centre);
+        let sum = |v: [f64; 3]| v[0].abs() + v[1].abs() + v[2].abs();
+        // Two roundings of a difference or a product, three of each dot product, its product with the half-extent, six sums:
+        // twelve half units of |n|·size with components of the axes a little above 1; 24 cover this too.
+        let size = sum(between) + sum(self.half_extents) + sum(other.half_extents);
+        let error = 24.0 * HALF_ULP * size + f64::MIN_POSITIVE;
+        let separates = |n: [f64; 3]| {
+            let reach = |part: &Self| (0..3).map(|k| part.half_extents[k] * dot(n, part.axes[k]).abs()).sum::<f64>();
+            dot(n, between).abs() - (reach(self) + reach(other)) > error * sum(n) + f64::MIN_POSITIVE
+        };
+        if self.axes.into_iter().chain(other.axes).any(separates) {
+            return false;
+        }
+        let edges = self.axes.into_iter().flat_map(|a| other.axes.map(|b| cross(a, b)));
+        !edges.into_iter().any(separates)
+    }
+
+    fn contains(&self, point: [f64; 3]) -> bool {
+        let offset = subtract(point, self.centre);
+        let size = offset[0].abs() + offset[1].abs() + offset[2].abs();
+        // The skew of the axes, at most 2^-40 and its square, and eight roundings.
+        let error = (2.0 * deviation(&self.axes) + 16.0 * HALF_ULP) * size + f64::MIN_POSITIVE;
+        !(0..3).any(|k| dot(self.axes[k], offset).abs() - error > self.half_extents[k])
+    }
+
+    /// The smaller one of the boxes with the axes of either.
+    fn merged(&self, other: &Self) -> Self {
+        let (first, second) = (
+            Self::around(self.axes, &[self.generated(), other.generated()]),
+            Self::around(other.axes, &[other.generated(), self.generated()]),
+        );
+        let key = |obb: &Self| (obb.volume(), obb.axes, obb.centre);
+        if key(&first) <= key(&second) { first } else { second }
+    }
+
+    /// Any affine map: the axes are turned and made orthonormal again, and the half-extents are what the image reaches
+    /// along them.
+    fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
+        let (centre, off_centre) = image(world_from_local, self.centre);
+        let turned = self.axes.map(|axis| direction(world_from_local, axis));
+        let generators = turned.map(|(generator, _)| generator);
+        let off = (0..3).fold(off_centre, |off, k| add_up(off, mul_up(self.half_extents[k], turned[k].1)));
+        let image = Generated { centre, generators, half_extents: self.half_extents, off };
+        let moved = Self::around(orthonormal(generators), &[image]);
+        Self::new(moved.centre, moved.axes, moved.half_extents)
+    }
+
+    fn volume(&self) -> f64 {
+        let [x, y, z] = self.half_extents;
+        8.0 * x * y * z
+    }
+
+    fn surface_area(&self) -> f64 {
+        let [x, y, z] = self.half_extents;
+        8.0 * (x * y + y * z + z * x)
+    }
+}
+
+/// A parallelepiped of any generators, each point of which may be off by up to `off`.
+struct Generated {
+    centre: [f64; 3],
+    generators: [[f64; 3]; 3],
+    half_extents: [f64; 3],
+    off: f64,
+}
+
+impl Generated {
+    /// A double not below |axis · (x - centre)| for any point x.
+    fn reach(&self, axis: [f64; 3], centre: [f64; 3]) -> f64 {
+        let mut reach = projection_up(axis, self.centre, centre);
+        for (generator, half) in self.generators.iter().zip(self.half_extents) {
+            reach = add_up(reach, mul_up(half, projection_up(axis, *generator, [0.0; 3])));
+        }
+        // An axis is at most 1 + 2^-40 long.
+        add_up(reach, mul_up(self.off, 1.0 + ORTHONORMAL))
+    }
+}
+
+/// A double not below |axis · (p - q)|, and exact where no operation rounds.
+pub(super) fn projection_up(axis: [f64; 3], p: [f64; 3], q: [f64; 3]) -> f64 {
+    let (mut low, mut high) = (0.0, 0.0);
+    for k in 0..3 {
+        let difference = [add_down(p[k], -q[k]), add_up(p[k], -q[k])];
+        low = add_down(low, mul_down(axis[k], difference[0]).min(mul_down(axis[k], difference[1])));
+        high = add_up(high, mul_up(axis[k], difference[0]).max(mul_up(axis[k], difference[1])));
+    }
+    high.max(-low)
+}
+
+/// A bound on the maximum norm of G - I, G being the Gram matrix of the axes; zero where they are exactly orthonormal.
+fn deviation(axes: &[[f64; 3]; 3]) -> f64 {
+    let mut worst = 0.0_f64;
+    for i in 0..3 {
+        let mut row = 0.0;
+        for j in 0..3 {
+            let (mut low, mut high) = if i == j { (-1.0, -1.0) } else { (0.0, 0.0) };
+            for k in 0..3 {
+                low = add_down(low, mul_down(axes[i][k], axes[j][k]));
+                high = add_up(high, mul_up(axes[i][k], axes[j][k]));
+            }
+            row = add_up(row, high.max(-low));
+        }
+        worst = worst.max(row);
+    }
+    worst
+}
+
+/// Orthonormal axes, up to rounding: the first along the first vector, the second in the plane of the first two.
+///
+/// # Source
+/// Gram and Schmidt, twice over, as one pass leaves what cancels.
+pub(super) fn orthonormal(vectors: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut axes = [[0.0; 3]; 3];
+    let mut found = 0;
+    for candidate in vectors.into_iter().chain(IDENTITY) {
+        if found == 3 {
+            break;
+        }
+        let Some(mut axis) = normalised(candidate) else { continue };
+        let mut left = 1.0;
+        for _ in 0..2 {
+            for &other in &axes[..found] {
+                axis = subtract(axis, scale(other, dot(axis, other)));
+            }
+            left = dot(axis, axis);
+            axis = normalised(axis).unwrap_or([0.0; 3]);
+        }
+        // What was nearly in the span of the others has no direction of its own.
+        if left > 0.5 && dot(axis, axis) > 0.5 {
+            axes[found] = axis;
+            found += 1;
+        }
+    }
+    if found == 3 { axes } else { IDENTITY }
+}

@@ -1,0 +1,69 @@
+//! How far a pose is from a rigid motion, and where it takes a point: both with bounds.
+
+use super::rounding::{add_down, add_up, length_up, mul_down, mul_up, sqrt_up};
+use crate::input::{InputError, InputErrorKind};
+use crate::math::Pose;
+
+/// The greatest deviation that passes for rigid. A rotation stored in single precision deviates by about 1e-7, one from
+/// a file with five decimals by 1e-5; a scale or shear that was meant deviates by more.
+const RIGID: f64 = 1e-4;
+
+/// A bound on the factor by which the pose stretches any length; 1 exactly where its linear part is exactly orthogonal.
+///
+/// # Accuracy
+/// The greatest singular value σ of R has σ² ≤ 1 + ‖RᵀR - I‖, so σ ≤ 1 + ‖RᵀR - I‖ / 2, for which the Frobenius norm,
+/// rounded up, serves.
+///
+/// # Errors
+/// [`NotRigid`](InputErrorKind::NotRigid).
+pub(super) fn stretch(pose: &Pose) -> Result<f64, InputError> {
+    let linear = pose.linear();
+    let mut squares = 0.0;
+    for i in 0..3 {
+        for j in 0..3 {
+            let (mut low, mut high) = if i == j { (-1.0, -1.0) } else { (0.0, 0.0) };
+            for row in linear {
+                low = add_down(low, mul_down(row[i], row[j]));
+                high = add_up(high, mul_up(row[i], row[j]));
+            }
+            let entry = high.max(-low).min(1e100); // what is far from rigid need not be squared to infinity
+            squares = add_up(squares, mul_up(entry, entry));
+        }
+    }
+    let deviation = sqrt_up(squares);
+    if deviation > RIGID {
+        return Err(InputError::new(InputErrorKind::NotRigid { deviation })
+            .with_hint("only meshes, boxes and polytopes with fixed directions can be scaled or sheared"));
+    }
+    Ok(add_up(1.0, 0.5 * deviation))
+}
+
+/// The image of a point, rounded, and a bound on how far it is from the exact one.
+pub(super) fn image(pose: &Pose, point: [f64; 3]) -> ([f64; 3], f64) {
+    let image = pose.apply(point);
+    let off = std::array::from_fn(|axis| {
+        let (mut low, mut high) = (pose.translation()[axis], pose.translation()[axis]);
+        for from in 0..3 {
+            low = add_down(low, mul_down(pose.linear()[axis][from], point[from]));
+            high = add_up(high, mul_up(pose.linear()[axis][from], point[from]));
+        }
+        add_up(high, -image[axis]).max(add_up(image[axis], -low))
+    });
+    (image, length_up(off))
+}
+
+/// The image of a direction under the linear part, rounded, and a bound on how far it is from the exact one.
+pub(super) fn direction(pose: &Pose, direction: [f64; 3]) -> ([f64; 3], f64) {
+    let linear = pose.linear();
+    let (mut nearest, mut off) = ([0.0; 3], [0.0; 3]);
+    for axis in 0..3 {
+        let (mut low, mut high) = (0.0, 0.0);
+        for from in 0..3 {
+            low = add_down(low, mul_down(linear[axis][from], direction[from]));
+            high = add_up(high, mul_up(linear[axis][from], direction[from]));
+        }
+        nearest[axis] = 0.5 * low + 0.5 * high;
+        off[axis] = add_up(high, -nearest[axis]).max(add_up(nearest[axis], -low));
+    }
+    (nearest, length_up(off))
+}
