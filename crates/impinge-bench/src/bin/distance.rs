@@ -59,7 +59,8 @@ fn main() -> Result<()> {
         if arguments.json {
             println!("{}", measured.json());
         } else {
-            let ([cold_min, cold_median], [seeded_min, seeded_median]) = (spread(&measured.cold), spread(&measured.seeded));
+            let ([cold_min, cold_median], [seeded_min, seeded_median]) =
+                (spread(&measured.cold), spread(&measured.seeded));
             let distance = format!("{:.9}", measured.distance);
             table.row([distance, cold_min, cold_median, seeded_min, seeded_median]);
         }

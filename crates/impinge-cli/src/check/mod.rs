@@ -192,9 +192,8 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
         let pairs = query::intersecting_pairs(a, b);
         let curves = arguments.wants_curves().then(|| query::curves_of_pairs(a, b, &pairs));
         let distance = arguments.distance.then(|| query::distance(a, b));
-        let clearance = arguments
-            .clearance
-            .map(|required| Clearance { required, is_violated: query::within(a, b, required) });
+        let clearance =
+            arguments.clearance.map(|required| Clearance { required, is_violated: query::within(a, b, required) });
         Outcome { bodies, poses, bounds, pairs, curves, distance, clearance, seconds: Seconds::default() }
     });
     outcome.seconds = Seconds { load, build, query };

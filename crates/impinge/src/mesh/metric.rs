@@ -119,12 +119,12 @@ fn half_extents(placed: Placed<'_>) -> Vector {
     let data = &placed.mesh.0;
     let Some(root) = data.tree.nodes().first() else { return [0.0; 3] };
     let local = [0, 1, 2].map(|k| {
-        let largest = (0..root.count()).fold(0.0_f32, |most, lane| {
-            most.max(root.min[k][lane].abs()).max(root.max[k][lane].abs())
-        });
+        let largest = (0..root.count())
+            .fold(0.0_f32, |most, lane| most.max(root.min[k][lane].abs()).max(root.max[k][lane].abs()));
         f64::from(largest) * (1.0 + HALF_ULP) / data.frame.scale
     });
-    placed.world_from_mesh.linear().map(|row| {
-        (row[0].abs() * local[0] + row[1].abs() * local[1] + row[2].abs() * local[2]) * (1.0 + 1e-12)
-    })
+    placed
+        .world_from_mesh
+        .linear()
+        .map(|row| (row[0].abs() * local[0] + row[1].abs() * local[1] + row[2].abs() * local[2]) * (1.0 + 1e-12))
 }

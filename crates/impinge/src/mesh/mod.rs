@@ -17,8 +17,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 pub(crate) use descent::collect_intersecting;
-pub(crate) use distance::{nearest, within};
 pub use descent::{HostChoice, Options};
+pub(crate) use distance::{nearest, within};
 pub use nearest::ClosestPoint;
 pub use positions::Positions;
 pub use rays::{Ray, RayHit};

@@ -148,9 +148,7 @@ trait Visitor {
 fn crossings<'m>(mesh: &'m Mesh, ray: &'m Ray, leaf: u32) -> impl Iterator<Item = (u32, RayCrossing)> + 'm {
     let faces = &mesh.0.packet_faces[leaf as usize];
     let in_use = faces.iter().enumerate().filter(|&(lane, &face)| lane == 0 || face != faces[0]);
-    in_use.filter_map(|(_, &face)| {
-        Some((face, ray_triangle(&ray.origin, &ray.direction, &mesh.corners(face))?))
-    })
+    in_use.filter_map(|(_, &face)| Some((face, ray_triangle(&ray.origin, &ray.direction, &mesh.corners(face))?)))
 }
 
 struct First<'m> {
@@ -218,12 +216,14 @@ impl MovingPoint {
         let frame = &mesh.0.frame;
         let largest = ray.direction.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         // Twice, as one power of two does not bring up the smallest numbers.
-        let units = [reciprocal_power_of_two(largest), reciprocal_power_of_two(largest * reciprocal_power_of_two(largest))];
+        let units =
+            [reciprocal_power_of_two(largest), reciprocal_power_of_two(largest * reciprocal_power_of_two(largest))];
         let direction = ray.direction.map(|x| x * units[0] * units[1]);
         let from = sub(&ray.origin, &frame.origin).map(|x| x * frame.scale);
         let far = from.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         // To where the ray passes the mesh's centre, less a few units so that it starts before the mesh.
-        let moved = if far > 4.0 { (-dot(&from, &direction) / dot(&direction, &direction) - 4.0).max(0.0) } else { 0.0 };
+        let moved =
+            if far > 4.0 { (-dot(&from, &direction) / dot(&direction, &direction) - 4.0).max(0.0) } else { 0.0 };
         let origin: Vector = std::array::from_fn(|k| from[k] + moved * direction[k]);
         let reach = origin.iter().fold(4.0_f64, |most, x| most.max(x.abs()));
         let slack = 16.0 * HALF_ULP * (reach + 4.0) + 16.0 * UNIT_ROUNDOFF * (far + moved);

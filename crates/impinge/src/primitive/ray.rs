@@ -47,9 +47,8 @@ pub fn ray_triangle(origin: &Vector, direction: &Vector, triangle: &[Vector; 3])
     for i in 0..3 {
         let value = dot(direction, &normals[i]);
         let size = permanent(&corners[i], &corners[(i + 1) % 3], direction);
-        sides[i] = certain_sign(value, size).unwrap_or_else(|| {
-            exact.get_or_insert_with(|| ExactRay::new(origin, direction, triangle)).side(i)
-        });
+        sides[i] = certain_sign(value, size)
+            .unwrap_or_else(|| exact.get_or_insert_with(|| ExactRay::new(origin, direction, triangle)).side(i));
         if i > 0 && contradict(sides[0], sides[i]) {
             return None;
         }

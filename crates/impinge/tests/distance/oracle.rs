@@ -118,8 +118,7 @@ pub(crate) fn ray(origin: &Point, direction: &Point, points: &[Point]) -> Option
                 })
                 .collect::<Vec<_>>();
             let Some(solution) = solve(rows) else { continue };
-            let (t, weights) =
-                if starts { (RBig::ZERO, &solution[..]) } else { (solution[0].clone(), &solution[1..]) };
+            let (t, weights) = if starts { (RBig::ZERO, &solution[..]) } else { (solution[0].clone(), &solution[1..]) };
             let sum = weights.iter().fold(RBig::ZERO, |sum, x| sum + x);
             let is_hit = t >= RBig::ZERO && sum <= RBig::ONE && weights.iter().all(|x| *x >= RBig::ZERO);
             if is_hit && least.as_ref().is_none_or(|least| t < *least) {

@@ -138,7 +138,8 @@ impl Bounds {
                 let mut sum = f32x8::splat(simd, 0.0);
                 for axis in 0..3 {
                     let n = f32x8::splat(simd, far.direction[axis]);
-                    let (least_many, most_many) = ((min[axis] * n).min(max[axis] * n), (min[axis] * n).max(max[axis] * n));
+                    let (least_many, most_many) =
+                        ((min[axis] * n).min(max[axis] * n), (min[axis] * n).max(max[axis] * n));
                     let (low, high) = (one.min[axis] * far.direction[axis], one.max[axis] * far.direction[axis]);
                     let (least_one, most_one) = (low.min(high), low.max(high));
                     sum = sum
@@ -183,9 +184,8 @@ fn least_stretch(linear: &[Vector; 3]) -> Option<f64> {
     let column = |j: usize| [linear[0][j], linear[1][j], linear[2][j]];
     let gram = [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot(&column(i), &column(j))));
     let squared = (gram[0][0] + gram[1][1] + gram[2][2]) / 3.0;
-    let deviation = |i: usize| {
-        (0..3).map(|j| (gram[i][j] - if i == j { squared } else { 0.0 }).abs()).sum::<f64>() / squared
-    };
+    let deviation =
+        |i: usize| (0..3).map(|j| (gram[i][j] - if i == j { squared } else { 0.0 }).abs()).sum::<f64>() / squared;
     // The largest sum of magnitudes in a row bounds what a symmetric matrix stretches by.
     let worst = deviation(0).max(deviation(1)).max(deviation(2)) + 1e-14;
     // Squares that vanish or overflow make this NaN or infinite, and so no shape.

@@ -80,7 +80,8 @@ impl<'l, S: Simd> Facing<'l, S> {
     #[inline(always)]
     pub(super) fn new(simd: S, host: &'l Leaf, guest: &'l Leaf, error: f64) -> Self {
         let offset = by_axis!(axis => (guest.anchor[axis] - host.anchor[axis]) as f32);
-        let reach = f64::from(host.radius + guest.radius) + offset.iter().fold(0.0, |most, x| f64::from(x.abs()).max(most));
+        let reach =
+            f64::from(host.radius + guest.radius) + offset.iter().fold(0.0, |most, x| f64::from(x.abs()).max(most));
         let slack = ((ROUNDING * reach + 4.0 * error) as f32).next_up();
         let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.about[corner]));
         let host_normal = cross(&sub(&host_corners[1], &host_corners[0]), &sub(&host_corners[2], &host_corners[0]));
