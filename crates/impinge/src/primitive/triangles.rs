@@ -40,7 +40,8 @@ pub(crate) const CLOSED_FORM_ERROR: f64 = 1.0 / (1_u64 << 47) as f64;
 
 /// The points of two triangles that are nearest to each other; either may be a segment or a point.
 ///
-/// Swapping the triangles swaps the points and changes no bit.
+/// Swapping the triangles changes no bit of the distance and swaps the points, but for the common point of triangles that
+/// intersect, which may be another.
 ///
 /// # Accuracy
 /// As [`ClosestPoints`] says. The distance is zero exactly where the triangles intersect; the points are then one

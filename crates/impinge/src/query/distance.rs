@@ -63,7 +63,7 @@ pub struct WitnessCache {
 ///
 /// # Accuracy
 /// The true distance lies in `[lower, upper]`, whose width is at most 2^-44 of the diagonal of the box that holds both
-/// meshes, most often 2^-46: how far they are from the origins of their frames and of the world does not count. The
+/// meshes, most often 2^-45: how far they are from the origins of their frames and of the world does not count. The
 /// witnesses' coordinates are rounded once more, to the world's. Tested against rationals in `tests/distance`.
 ///
 /// # Complexity

@@ -23,7 +23,9 @@ fn n11_n12_the_nearest_of_all_faces_is_found() {
         let mesh = engine_mesh(&soup);
         for _ in 0..6 {
             let reach = rng.choose(&[1.0, 1.0, 1e3]);
-            let p = [0; 3].map(|_| rng.integer(-8, 14) as f64 * 0.5 * scale * reach + offset);
+            let corner = soup.vertices[rng.integer(0, soup.vertices.len() as i64 - 1) as usize];
+            let anywhere = [0; 3].map(|_| rng.integer(-8, 14) as f64 * 0.5 * scale * reach + offset);
+            let p = if rng.one_in(3) { corner } else { anywhere };
             let found = mesh.closest_point(p).expect("a legal point").expect("a face");
             let all: Vec<_> = faces.iter().map(|face| squared_distance(&[point(p)], face)).collect();
             let truth = all.iter().min().expect("a face");

@@ -59,7 +59,7 @@ fn check(found: &ClosestPoints, a: &[Point], b: &[Point], place: &str) -> f64 {
 fn n12_closed_forms_are_within_their_error() {
     let mut rng = Rng::new(31);
     let (mut most, mut touching) = (0.0_f64, 0);
-    for case in 0..1200 {
+    for case in 0..400 {
         let kinds = [rng.next_u64(), if case % 3 == 0 { case } else { rng.next_u64() }];
         // Sets of very different places have nothing to tell.
         let kinds = if kinds[0] % 6 > 3 { [kinds[0], kinds[0]] } else { kinds.map(|kind| kind % 4) };
@@ -76,16 +76,15 @@ fn n12_closed_forms_are_within_their_error() {
         ];
         most = used.into_iter().fold(most, f64::max);
         let (there, back) = (closest_on_triangles(&a, &b), closest_on_triangles(&b, &a));
-        assert_eq!(
-            (there.distance, there.point_a, there.point_b),
-            (back.distance, back.point_b, back.point_a),
-            "{place}"
-        );
+        assert_eq!(there.distance, back.distance, "{place}");
+        if there.distance > 0.0 {
+            assert_eq!((there.point_a, there.point_b), (back.point_b, back.point_a), "{place}");
+        }
         let meet = squared_distance(&exact(&a), &exact(&b)) == rational(0.0);
         assert_eq!(there.distance == 0.0, meet, "{place}: {there:?}");
         touching += usize::from(meet);
     }
-    assert!((60..700).contains(&touching), "{touching} of 1200 triangles meet");
+    assert!((20..200).contains(&touching), "{touching} of 400 triangles meet");
     assert!(most < 0.2, "{most} of the stated error was used");
 }
 

@@ -23,7 +23,9 @@ fn n11_rays_meet_what_they_meet_in_rationals() {
         for _ in 0..8 {
             // Integer and half-integer rays through a grid of integers: through corners and along edges and planes.
             let origin = [0; 3].map(|_| rng.integer(-4, 12) as f64 * 0.5);
-            let direction = [0; 3].map(|_| rng.integer(-2, 2) as f64);
+            let aim = soup.vertices[rng.integer(0, soup.vertices.len() as i64 - 1) as usize];
+            let aside = if rng.one_in(2) { [0.0; 3] } else { [0; 3].map(|_| rng.integer(-2, 2) as f64) };
+            let direction: [f64; 3] = std::array::from_fn(|k| 0.5 * (aim[k] - origin[k] + aside[k]));
             if direction == [0.0; 3] {
                 continue;
             }
@@ -47,7 +49,7 @@ fn n11_rays_meet_what_they_meet_in_rationals() {
             grazing += usize::from(expected.windows(2).any(|pair| pair[0].0 == pair[1].0));
         }
     }
-    assert!((100..400).contains(&met) && grazing > 40, "{met} met, {grazing} met more than one face at once");
+    assert!((200..460).contains(&met) && grazing > 20, "{met} met, {grazing} met more than one face at once");
 }
 
 /// From anywhere inside of a closed mesh every ray leaves through it; aimed at corners and middles of edges it meets

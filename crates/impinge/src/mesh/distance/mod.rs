@@ -11,6 +11,7 @@
 mod bounds;
 mod leaf;
 mod profile;
+mod remote;
 
 use std::ops::ControlFlow::{self, Break, Continue};
 
@@ -39,8 +40,13 @@ pub(crate) struct Nearest {
 /// The nearest points, none where a mesh has no faces. The faces of `seed`, if there are such, are tried first.
 pub(crate) fn nearest(a: Placed<'_>, b: Placed<'_>, seed: Option<[u32; 2]>, options: &Options) -> Option<Nearest> {
     let mut search = Search::new(a, b, options, f64::INFINITY)?;
+    if let Some((best, aside)) = remote::nearest(&search.scene) {
+        return Some(search.scene.finish(&best, aside));
+    }
     search.run(seed, options);
-    search.answer.best.map(|best| search.scene.finish(&best, search.answer.values_left == 0))
+    let error = search.scene.metric.error;
+    let doubt = if search.answer.values_left == 0 { 6.0 * error } else { 0.0 };
+    search.answer.best.map(|best| search.scene.finish(&best, doubt))
 }
 
 /// Faces that are no farther apart than `clearance`, if there are such; those of `seed` are tried first.
@@ -51,8 +57,11 @@ pub(crate) fn within(
     seed: Option<[u32; 2]>,
     options: &Options,
 ) -> Option<[u32; 2]> {
-    if clearance.is_nan() || clearance < 0.0 {
+    if clearance.is_nan() || clearance < 0.0 || a.mesh.faces().is_empty() || b.mesh.faces().is_empty() {
         return None;
+    }
+    if clearance == f64::INFINITY {
+        return Some([0, 0]);
     }
     let mut search = Search::new(a, b, options, clearance)?;
     search.run(seed, options);
@@ -303,6 +312,12 @@ impl<'a> Search<'a> {
         let host = at_host.get(host, |kept| kept.leaf, |leaf| take_up(leaf, on_host));
         let guest = at_guest.get(guest, |kept| kept.leaf, |leaf| take_up(leaf, on_guest));
         let facing = Facing::new(simd, host, guest, scene.metric.error);
+        if answer.best.is_none() {
+            // Any pair will do for a first value, and for a first direction.
+            let (faces, corners) = ([host.faces[0], guest.faces[0]], [host.corners[0], guest.corners[0]]);
+            let at = |side: usize| usize::from(side != on_host);
+            answer.meet(scene, [faces[at(0)], faces[at(1)]], &[corners[at(0)], corners[at(1)]])?;
+        }
         for guest_lane in bits(guest.lanes_in_use) {
             let mut near = facing.near_boxes(guest_lane, answer.limit);
             if near == 0 {
@@ -353,6 +368,8 @@ impl Answer {
         let value = witness.squared.sqrt().max(f64::MIN_POSITIVE);
         let are_separated = separation(&corners[0], &corners[1], &witness) > error;
         if scene.clearance < f64::INFINITY {
+            let valued = Valued { value, faces, witness };
+            self.best = Some(self.best.filter(|best| best.precedes(&valued)).unwrap_or(valued));
             // What the value leaves open is decided exactly, and so is everything about triangles that may cross.
             let is_open = !(are_separated && scene.lower(value) > scene.clearance);
             if is_open && (scene.upper(value) <= scene.clearance || scene.within(faces)) {
@@ -405,11 +422,12 @@ impl Scene<'_> {
         ((value * (1.0 - 4.0 * f64::EPSILON) - self.metric.error) / self.metric.scale).next_down().max(0.0)
     }
 
-    fn finish(&self, best: &Valued, is_spent: bool) -> Nearest {
+    /// The answer, of a value that may be above the least one by `doubt`.
+    fn finish(&self, best: &Valued, doubt: f64) -> Nearest {
         let faces = best.faces;
         let Witness { on_a, on_b, .. } = best.witness;
         if best.value > 0.0 {
-            let lower = self.lower(if is_spent { best.value - 6.0 * self.metric.error } else { best.value });
+            let lower = self.lower(best.value - doubt);
             let points = [on_a, on_b].map(|point| self.metric.to_world(point));
             return Nearest { lower, upper: self.upper(best.value), points, faces };
         }
