@@ -55,9 +55,9 @@ impl Containment {
 }
 
 impl WindingNumber {
-    /// Edges of a border that are summed up for each point; longer ones give way to expansions of the faces. Some 25 ns
-    /// each, where the expansions take some 50 µs for a point.
-    pub const LONG_BORDER: usize = 2048;
+    /// Edges of a border that are summed up for each point; longer ones give way to expansions of the faces. More cost time
+    /// that grows with them, fewer give wider intervals to meshes that could have narrow ones.
+    pub const LONG_BORDER: usize = 8192;
 
     fn exactly(count: i64) -> Self {
         let value = count as f64;
