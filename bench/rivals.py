@@ -230,8 +230,8 @@ def ratio(runs: list[float], base: list[float] | None) -> str:
     return f"{statistics.median(runs) / statistics.median(base):.3g}" if base else "–"
 
 
-def circumstances() -> dict[str, str]:
-    """What the numbers depend on beside the code."""
+def circumstances(*packages: str) -> dict[str, str]:
+    """What the numbers depend on beside the code; the packages are those that are measured."""
     cpus = [line.split(":", 1)[1].strip() for line in read_lines("/proc/cpuinfo") if line.startswith("model name")]
     return {
         "date": date.today().isoformat(),
@@ -241,8 +241,7 @@ def circumstances() -> dict[str, str]:
         "commit": output("git", "describe", "--always", "--dirty"),
         "rustc": output("rustc", "--version"),
         "python": platform.python_version(),
-        "python-fcl": version("python-fcl"),
-        "coal": version("coal"),
+        **{package: version(package) for package in packages},
         "numpy": np.__version__,
     }
 
@@ -277,7 +276,7 @@ def main() -> int:
     parser.add_argument("--record", type=Path, default=ROOT / "bench" / "record", help="folder of the dated records")
     options = parser.parse_args()
 
-    about = circumstances()
+    about = circumstances("python-fcl", "coal")
     mesh = torus_knot(options.nu, options.nv)
     timings = []
     for engine in options.engines:

@@ -5,6 +5,7 @@
 mod demo;
 mod file_length;
 mod layers;
+mod python_tests;
 mod sources;
 mod test_run;
 mod unsafe_code;
@@ -29,7 +30,7 @@ enum Chore {
     Layers,
     /// Warn of source files past 400 lines, fail on those past 800.
     FileLength,
-    /// Run every test of the workspace and print their counts last.
+    /// Run every test, those of the Python package too, and print their counts last.
     Test,
     /// Check a human of 26,756 triangles against a torus knot of 2,000,000.
     Demo,

@@ -7,10 +7,13 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result};
 
+use crate::python_tests;
+
 /// What a test prints first when the data that it needs is not there; libtest itself would call it passed.
 const SKIPPED: &str = "skipped: ";
 
-/// Runs `cargo test --workspace`, passes its output on and prints the summed counts; whether all is well.
+/// Runs `cargo test --workspace` and the Python package's tests, passes their output on and prints the summed counts;
+/// whether all is well.
 pub(crate) fn run(root: &Path) -> Result<bool> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut child = Command::new(cargo)
@@ -28,6 +31,10 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
         counts.read(&line);
     }
     let succeeded = child.wait()?.success();
+    let python = python_tests::run(root)?;
+    counts.passed += python.passed;
+    counts.failed += python.failed;
+    counts.skipped += python.skipped;
     println!("{counts}");
     Ok(succeeded && counts.failed == 0 && counts.passed > 0)
 }

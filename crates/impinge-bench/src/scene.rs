@@ -37,8 +37,8 @@ impl Surface {
     pub fn build(&self, repeats: usize) -> Result<(Mesh, Samples)> {
         let mut mesh = None;
         let samples = Samples::take(repeats, || {
-            drop(mesh.take()); // outside the time, and before the next, so that there are never two
             let (positions, faces) = (self.positions.clone(), self.faces.clone());
+            drop(mesh.take()); // outside the time, and before the next, so that there are never two
             let (seconds, built) = timed(|| Mesh::new(positions, faces));
             mesh = Some(built?);
             anyhow::Ok(seconds)

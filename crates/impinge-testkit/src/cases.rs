@@ -20,6 +20,14 @@
 //! pose_a = [0, 0, -1.5]              # world from local: a translation, or the three rows of a 3x4 matrix; identity unless said
 //! pose_b = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]
 //! intersects = false                 # one of: intersects; pairs, all of them, sorted; pair_count
+//!
+//! [[distance]]                       # the same but for the answer
+//! id = "floor-to-sphere"
+//! source = "closed form"
+//! a = "floor"
+//! b = "sphere"
+//! distance = 0.5                     # of the surfaces
+//! tolerance = 1e-9                   # how far off the stated number may be; 0 unless said
 //! ```
 
 use crate::generate::{Rng, knots, solids};
@@ -79,20 +87,36 @@ pub enum Expected {
     PairCount(usize),
 }
 
+/// A question about the distance of two posed meshes, and its answer.
+#[derive(Clone, Debug)]
+pub struct DistanceCase {
+    /// A name of its own among the distances of the whole corpus.
+    pub id: String,
+    /// Whose fact it is.
+    pub source: String,
+    /// The first mesh.
+    pub a: Stored,
+    /// The second mesh.
+    pub b: Stored,
+    /// Pose of the first.
+    pub world_from_a: Affine,
+    /// Pose of the second.
+    pub world_from_b: Affine,
+    /// The distance of the surfaces, zero where they meet.
+    pub distance: f64,
+    /// How far off that number may be.
+    pub tolerance: f64,
+}
+
 /// The cases of every `*.toml` in a folder, by file name and then in the order of the file.
 ///
 /// # Errors
 /// Where a file cannot be read or does not follow the format, or two cases have one id.
 pub fn read_folder(folder: &Path) -> Result<Vec<Case>, ReadError> {
-    let mut paths: Vec<PathBuf> = std::fs::read_dir(folder)
-        .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect())
-        .map_err(|error| ReadError::new(folder, error))?;
-    paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
-    paths.sort();
     let mut cases = Vec::new();
     let mut ids = BTreeSet::new();
-    for path in paths {
-        for case in parse(&read_text(&path)?).map_err(|message| ReadError::new(&path, message))? {
+    for (path, file) in files(folder)? {
+        for case in file.cases().map_err(|message| ReadError::new(&path, message))? {
             if !ids.insert(case.id.clone()) {
                 return Err(ReadError::new(&path, format!("a second case has the id {:?}", case.id)));
             }
@@ -102,19 +126,57 @@ pub fn read_folder(folder: &Path) -> Result<Vec<Case>, ReadError> {
     Ok(cases)
 }
 
+/// Every `*.toml` in a folder, by name.
+fn files(folder: &Path) -> Result<Vec<(PathBuf, File)>, ReadError> {
+    let mut paths: Vec<PathBuf> = std::fs::read_dir(folder)
+        .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect())
+        .map_err(|error| ReadError::new(folder, error))?;
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
+    paths.sort();
+    let read = |path: PathBuf| {
+        let file = parse(&read_text(&path)?).map_err(|message| ReadError::new(&path, message))?;
+        Ok((path, file))
+    };
+    paths.into_iter().map(read).collect()
+}
+
 /// The cases of this repository.
 ///
 /// # Errors
 /// As [`read_folder`].
 pub fn corpus() -> Result<Vec<Case>, ReadError> {
-    read_folder(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases"))
+    read_folder(&own_folder())
+}
+
+/// The distances of this repository.
+///
+/// # Errors
+/// As [`read_folder`].
+pub fn distances() -> Result<Vec<DistanceCase>, ReadError> {
+    let mut cases: Vec<DistanceCase> = Vec::new();
+    for (path, file) in files(&own_folder())? {
+        for case in file.distances().map_err(|message| ReadError::new(&path, message))? {
+            if cases.iter().any(|other| other.id == case.id) {
+                return Err(ReadError::new(&path, format!("a second distance has the id {:?}", case.id)));
+            }
+            cases.push(case);
+        }
+    }
+    Ok(cases)
+}
+
+fn own_folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases")
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
     mesh: BTreeMap<String, MeshEntry>,
+    #[serde(default)]
     case: Vec<CaseEntry>,
+    #[serde(default)]
+    distance: Vec<DistanceEntry>,
 }
 
 #[derive(Deserialize)]
@@ -155,23 +217,49 @@ struct CaseEntry {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DistanceEntry {
+    id: String,
+    source: String,
+    a: String,
+    b: String,
+    pose_a: Option<PoseEntry>,
+    pose_b: Option<PoseEntry>,
+    distance: f64,
+    tolerance: Option<f64>,
+}
+
+#[derive(Deserialize)]
 #[serde(untagged)]
 enum PoseEntry {
     Translation([f64; 3]),
     Rows([[f64; 4]; 3]),
 }
 
-fn parse(text: &str) -> Result<Vec<Case>, String> {
-    let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
-    let meshes = file
-        .mesh
+fn parse(text: &str) -> Result<File, String> {
+    toml::from_str(text).map_err(|error| error.to_string())
+}
+
+impl File {
+    fn cases(self) -> Result<Vec<Case>, String> {
+        let meshes = stored(self.mesh)?;
+        self.case.into_iter().map(|entry| entry.into_case(&meshes)).collect()
+    }
+
+    fn distances(self) -> Result<Vec<DistanceCase>, String> {
+        let meshes = stored(self.mesh)?;
+        self.distance.into_iter().map(|entry| entry.into_case(&meshes)).collect()
+    }
+}
+
+fn stored(meshes: BTreeMap<String, MeshEntry>) -> Result<BTreeMap<String, Stored>, String> {
+    meshes
         .into_iter()
         .map(|(name, entry)| {
             let stored = entry.into_stored().map_err(|message| format!("mesh {name:?}: {message}"))?;
             Ok((name, stored))
         })
-        .collect::<Result<BTreeMap<String, Stored>, String>>()?;
-    file.case.into_iter().map(|entry| entry.into_case(&meshes)).collect()
+        .collect()
 }
 
 impl MeshEntry {
@@ -227,6 +315,24 @@ impl CaseEntry {
     }
 }
 
+impl DistanceEntry {
+    fn into_case(self, meshes: &BTreeMap<String, Stored>) -> Result<DistanceCase, String> {
+        let mesh = |name: &str| {
+            meshes.get(name).cloned().ok_or_else(|| format!("distance {:?}: there is no mesh {name:?}", self.id))
+        };
+        Ok(DistanceCase {
+            a: mesh(&self.a)?,
+            b: mesh(&self.b)?,
+            world_from_a: self.pose_a.map_or(Affine::IDENTITY, PoseEntry::into_affine),
+            world_from_b: self.pose_b.map_or(Affine::IDENTITY, PoseEntry::into_affine),
+            id: self.id,
+            source: self.source,
+            distance: self.distance,
+            tolerance: self.tolerance.unwrap_or(0.0),
+        })
+    }
+}
+
 impl PoseEntry {
     fn into_affine(self) -> Affine {
         match self {
@@ -275,7 +381,7 @@ mod tests {
     fn mistakes_are_named() {
         let mesh = "[mesh.m]\nvertices = [[0, 0, 0]]\nfaces = [[0, 0, 0]]\n";
         let case = "[[case]]\nid = 'x'\nsource = ''\na = 'm'\nb = 'm'\n";
-        let message = |text: String| parse(&text).err().unwrap_or_default();
+        let message = |text: String| parse(&text).and_then(File::cases).err().unwrap_or_default();
         assert_eq!(message(format!("{mesh}{case}intersects = true\n")), "");
         assert!(message(format!("{mesh}{case}")).contains("wants one of intersects, pairs and pair_count"));
         assert!(message(format!("{mesh}{case}intersects = true\npair_count = 1")).contains("wants one of"));

@@ -76,6 +76,11 @@ pub enum InputErrorKind {
         /// The Frobenius norm of RᵀR - I for the linear part R, rounded up.
         deviation: f64,
     },
+    /// A ray without a direction.
+    ZeroDirection {
+        /// Which ray, counted from zero.
+        index: usize,
+    },
 }
 
 impl InputError {
@@ -102,6 +107,21 @@ impl InputError {
     #[must_use]
     pub fn hint(&self) -> Option<&'static str> {
         self.hint
+    }
+
+    /// Judges three numbers that are not part of a mesh, such as a point that is asked about: row `index` of `what`.
+    ///
+    /// # Errors
+    /// Where one is not finite, or beyond 2^300.
+    pub(crate) fn judge_row(row: &[f64; 3], what: &'static str, index: usize) -> Result<(), Self> {
+        const LIMIT: f64 = f64::from_bits((1023 + 300) << 52);
+        if !row.iter().all(|x| x.is_finite()) {
+            return Err(Self::new(InputErrorKind::NonFinite { what, index }));
+        }
+        if !row.iter().all(|x| x.abs() <= LIMIT) {
+            return Err(Self::new(InputErrorKind::OutOfRange { what, index, limit: "2^300" }));
+        }
+        Ok(())
     }
 }
 
@@ -131,6 +151,7 @@ impl fmt::Display for InputError {
             InputErrorKind::NotRigid { deviation } => {
                 write!(f, "the map is not rigid: it deviates from a rotation by {deviation:e}")?;
             }
+            InputErrorKind::ZeroDirection { index } => write!(f, "the direction of ray {index} is zero")?,
         }
         match self.hint {
             Some(hint) => write!(f, " ({hint})"),

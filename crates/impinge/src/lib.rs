@@ -2,9 +2,11 @@
 
 pub mod exact;
 pub mod hierarchy;
+pub mod hull;
 pub mod input;
 pub mod math;
 pub mod mesh;
+pub mod primitive;
 pub mod query;
 pub mod simd;
 pub mod storage;

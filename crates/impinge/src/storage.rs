@@ -4,24 +4,53 @@
 //! processes, serves a query without a copy.
 
 use std::fmt;
+use std::marker::PhantomData;
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
-use bytemuck::AnyBitPattern;
+use bytemuck::Pod;
+use memmap2::MmapMut;
 
 /// Bytes that outlive every [`Buffer`] that borrows them: a vector, a memory map.
 pub type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
 
+/// Plain data in pages of its own, which the system is asked to make large: a query that jumps about in a hundred
+/// megabytes otherwise waits for the tables of small pages, and a build for each of them to be handed out.
+pub struct Pages<T> {
+    map: MmapMut,
+    of: PhantomData<T>,
+}
+
+impl<T: Pod> Pages<T> {
+    /// As many zeros; a vector of them where there are too few for large pages or where the system has none to give.
+    #[must_use]
+    pub fn zeroed(len: usize) -> Buffer<T> {
+        /// One large page of the usual kind.
+        const LARGE: usize = 2 << 20;
+        let bytes = len.saturating_mul(size_of::<T>());
+        match MmapMut::map_anon(bytes) {
+            Ok(map) if bytes >= LARGE => {
+                // A wish, without which everything works and takes longer.
+                #[cfg(target_os = "linux")]
+                let _ = map.advise(memmap2::Advice::HugePage);
+                Buffer::Paged(Self { map, of: PhantomData })
+            }
+            _ => Buffer::Owned(vec![T::zeroed(); len]),
+        }
+    }
+}
+
 /// A slice of plain data, owned or borrowed from [`SharedBytes`].
-#[derive(Clone)]
 pub enum Buffer<T> {
     /// Built here.
     Owned(Vec<T>),
+    /// Built here, and large.
+    Paged(Pages<T>),
     /// A range of somebody else's bytes, checked for length and alignment when it was made.
     Borrowed(SharedBytes, Range<usize>),
 }
 
-impl<T: AnyBitPattern> Buffer<T> {
+impl<T: Pod> Buffer<T> {
     /// The elements that the bytes of `range` are, or `None` where the range lies outside, is not a whole number of
     /// elements, or is not aligned for them.
     #[must_use]
@@ -32,12 +61,28 @@ impl<T: AnyBitPattern> Buffer<T> {
     }
 }
 
-impl<T: AnyBitPattern> Deref for Buffer<T> {
+impl<T: Pod> Buffer<T> {
+    /// The elements to be changed; a copy of them if they were borrowed.
+    pub fn to_mut(&mut self) -> &mut [T] {
+        if let Self::Borrowed(..) = self {
+            *self = Self::Owned(self.to_vec());
+        }
+        match self {
+            Self::Owned(elements) => elements,
+            Self::Paged(pages) => bytemuck::cast_slice_mut(&mut pages.map),
+            Self::Borrowed(..) => unreachable!("made its own above"),
+        }
+    }
+}
+
+impl<T: Pod> Deref for Buffer<T> {
     type Target = [T];
 
+    #[inline(always)]
     fn deref(&self) -> &[T] {
         match self {
             Self::Owned(elements) => elements,
+            Self::Paged(pages) => bytemuck::cast_slice(&pages.map),
             Self::Borrowed(bytes, range) => bytemuck::cast_slice(&(**bytes).as_ref()[range.clone()]),
         }
     }
@@ -49,7 +94,7 @@ impl<T> From<Vec<T>> for Buffer<T> {
     }
 }
 
-impl<T: AnyBitPattern + fmt::Debug> fmt::Debug for Buffer<T> {
+impl<T: Pod + fmt::Debug> fmt::Debug for Buffer<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_list().entries(self.iter()).finish()
     }
@@ -70,6 +115,28 @@ mod tests {
         let copied: Vec<u32> =
             (*bytes).as_ref()[start..end].chunks(4).map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect();
         assert_eq!(&*borrowed, &*Buffer::from(copied));
+    }
+
+    #[test]
+    fn pages_are_zeros_that_can_be_changed() {
+        for len in [0, 1, 1 << 10, 3 << 20] {
+            let mut numbers = Pages::<u32>::zeroed(len);
+            assert_eq!(numbers.len(), len);
+            assert_eq!(matches!(numbers, Buffer::Paged(_)), len > 1 << 19, "{len}: large ones in pages of their own");
+            assert!(numbers.iter().all(|&x| x == 0));
+            for (at, number) in numbers.to_mut().iter_mut().enumerate() {
+                *number = at as u32;
+            }
+            assert!(numbers.iter().enumerate().all(|(at, &x)| x == at as u32));
+        }
+    }
+
+    #[test]
+    fn changing_what_is_borrowed_changes_a_copy() {
+        let bytes: SharedBytes = Arc::new(vec![7_u8; 16]);
+        let mut borrowed = Buffer::<u8>::borrow(bytes.clone(), 0..16).expect("in range");
+        borrowed.to_mut()[3] = 1;
+        assert_eq!((borrowed[3], (*bytes).as_ref()[3]), (1, 7));
     }
 
     #[test]

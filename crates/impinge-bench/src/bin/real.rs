@@ -6,17 +6,15 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
 
-use std::fs::{self, File};
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
-use flate2::read::MultiGzDecoder;
 use impinge::mesh::Options;
 use impinge::simd::Level;
 use impinge::{Mesh, Pose, query};
 use impinge_bench::questions::ask_impinge;
+use impinge_bench::real_points::unpacked;
 use impinge_bench::samples::timed;
 use impinge_bench::scene::Surface;
 use impinge_bench::table::{Table, time};
@@ -130,18 +128,4 @@ fn beside_itself(surface: &Surface, angle_rad: f64) -> Result<Pose> {
     let turned = about_origin.apply(middle);
     let shift = |axis: usize| middle[axis] - turned[axis] + SHIFT * (high[axis] - low[axis]);
     Ok(Pose::new(*about_origin.linear(), std::array::from_fn(shift))?)
-}
-
-/// The file's content, unpacked where that was not done before; it is renamed at the end, so that what is there is whole.
-fn unpacked(packed: &Path, name: &str) -> Result<PathBuf> {
-    let folder = Path::new(ROOT).join("target/bench");
-    let path = folder.join(name);
-    if !path.exists() {
-        fs::create_dir_all(&folder)?;
-        let partial = folder.join(format!("{name}.part"));
-        let mut content = MultiGzDecoder::new(File::open(packed).with_context(|| packed.display().to_string())?);
-        io::copy(&mut content, &mut File::create(&partial)?).with_context(|| packed.display().to_string())?;
-        fs::rename(&partial, &path)?;
-    }
-    Ok(path)
 }

@@ -9,8 +9,9 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::Args;
-use impinge::query::{self, Curves};
+use clap::{Args, ValueEnum};
+use impinge::mesh::Placed;
+use impinge::query::{self, Curves, Distance, Penetrates, Solid, SolidIntersection};
 use impinge::{InputError, Pose};
 use impinge_files::Unit;
 
@@ -27,9 +28,10 @@ const MOST_THREADS: i64 = 1024;
 /// Do two meshes meet, and where?
 ///
 /// The answer is exact: it is the truth about the closed triangles whose corners are the numbers in the files, mapped by
-/// the poses. Touching counts. A mesh is its surface, not what that encloses.
+/// the poses. Touching counts. A mesh is its surface, not what that encloses, unless `--solid` says so.
 ///
-/// Exit code: 0 where they are clear of each other, 1 where they meet, 2 where there is no answer.
+/// Exit code: 0 where they are clear of each other, 1 where they meet or come within the clearance, 2 where there is no
+/// answer. With `--penetrates` meeting means that the interiors of both meet, so that parts that touch are clear.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// The first mesh: OBJ, STL, PLY, OFF, glTF, GLB or 3MF
@@ -51,18 +53,43 @@ pub(crate) struct Arguments {
     /// The unit of B
     #[arg(long, value_name = "U")]
     unit_b: Option<Unit>,
+    /// Take both meshes, or A or B alone, as solid: what lies wholly inside meets it
+    ///
+    /// Inside is where the generalised winding number is beyond one half: exact for a closed mesh; an open one is told.
+    #[arg(long, value_name = "SIDE", num_args = 0..=1, require_equals = true, default_missing_value = "both")]
+    solid: Option<SolidArgument>,
+    /// Ask whether the interiors of both, taken as solids, meet: touching does not count
+    #[arg(long)]
+    penetrates: bool,
     /// Write every pair of faces that meet, to a .csv or .npy file
     #[arg(long, value_name = "OUT")]
     pairs: Option<PathBuf>,
     /// Write the curves in which the meshes meet, to an .obj file
     #[arg(long, value_name = "OUT")]
     curves: Option<PathBuf>,
+    /// Tell how far apart they are, with nearest points and faces; 0 where they meet
+    #[arg(long)]
+    distance: bool,
+    /// Whether they come within this distance of each other, decided exactly; at it is within it
+    ///
+    /// In the finer unit of A and B. Where they do, the exit code is 1.
+    #[arg(long, value_name = "D", value_parser = parse_clearance, allow_hyphen_values = true)]
+    clearance: Option<f64>,
     /// Print one JSON object in place of the report
     #[arg(long)]
     json: bool,
     /// How many threads to use; all processors without it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS))]
     threads: Option<u16>,
+}
+
+/// Which mesh is solid.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum SolidArgument {
+    A,
+    B,
+    #[value(hide = true)]
+    Both,
 }
 
 /// Everything that there is to tell.
@@ -74,7 +101,20 @@ struct Outcome {
     bounds: [Option<Bounds>; 2],
     pairs: Vec<[u32; 2]>,
     curves: Option<Curves>,
+    distance: Option<Distance>,
+    clearance: Option<Clearance>,
+    /// Where it was asked for.
+    solid: Option<SolidIntersection>,
+    /// Where it was asked for.
+    penetrates: Option<Penetrates>,
     seconds: Seconds,
+}
+
+/// A clearance that was asked for, and whether the meshes come within it.
+#[derive(Clone, Copy)]
+struct Clearance {
+    required: f64,
+    is_violated: bool,
 }
 
 /// How long each phase took.
@@ -118,8 +158,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     }
     let text = if arguments.json { json::object(&outcome) } else { report::text(&outcome) };
     outcome.hint_at_containment();
+    outcome.warn_of_open_solids();
     console::conclude(&text)?;
-    Ok(if outcome.pairs.is_empty() { Verdict::Clear } else { Verdict::Collision })
+    Ok(outcome.verdict())
+}
+
+fn parse_clearance(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(distance) if distance >= 0.0 && distance.is_finite() => Ok(distance),
+        _ => Err("a clearance is a number that is not negative".to_owned()),
+    }
 }
 
 impl Arguments {
@@ -162,13 +210,33 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
         units::doubt(stated, [a.diagonal(), b.diagonal()], [&poses[0], &poses[1]]);
     }
 
-    let ((pairs, curves), query) = timed("intersecting", || {
-        let (a, b) = (bodies[0].mesh.at(poses[0]), bodies[1].mesh.at(poses[1]));
+    let start = Outcome {
+        bodies,
+        poses,
+        bounds,
+        pairs: Vec::new(),
+        curves: None,
+        distance: None,
+        clearance: None,
+        solid: None,
+        penetrates: None,
+        seconds: Seconds::default(),
+    };
+    let (mut outcome, query) = timed("intersecting", || {
+        let (a, b) = start.placed();
         let pairs = query::intersecting_pairs(a, b);
         let curves = arguments.wants_curves().then(|| query::curves_of_pairs(a, b, &pairs));
-        (pairs, curves)
+        let solid = arguments.solid.map(|side| query::solid_intersection_of_pairs(a, b, side.into(), &pairs));
+        let penetrates = arguments.penetrates.then(|| query::penetrates_of_pairs(a, b, &pairs));
+        let distance = arguments.distance.then(|| query::distance(a, b));
+        let clearance = arguments.clearance.map(|required| {
+            let is_violated = solid.is_some_and(|solid| solid.intersects) || query::within(a, b, required);
+            Clearance { required, is_violated }
+        });
+        Outcome { pairs, curves, distance, clearance, solid, penetrates, ..start }
     });
-    Ok(Outcome { bodies, poses, bounds, pairs, curves, seconds: Seconds { load, build, query } })
+    outcome.seconds = Seconds { load, build, query };
+    Ok(outcome)
 }
 
 /// The poses of the meshes in their own units; vertices stay the numbers that they are.
@@ -197,20 +265,65 @@ impl Outcome {
         [self.bodies[0].about.unit, self.bodies[1].about.unit]
     }
 
+    fn placed(&self) -> (Placed<'_>, Placed<'_>) {
+        (self.bodies[0].mesh.at(self.poses[0]), self.bodies[1].mesh.at(self.poses[1]))
+    }
+
+    /// Whether they meet, as solids where that was asked for.
+    fn intersects(&self) -> bool {
+        self.solid.map_or(!self.pairs.is_empty(), |solid| solid.intersects)
+    }
+
+    /// The answer to the question that was asked; of penetration, what is undecided is a collision.
+    fn verdict(&self) -> Verdict {
+        let collides = self.penetrates.map_or_else(|| self.intersects(), Penetrates::possibly);
+        let is_close = self.clearance.is_some_and(|clearance| clearance.is_violated);
+        if collides || is_close { Verdict::Collision } else { Verdict::Clear }
+    }
+
     /// Surfaces that do not meet may still be one inside the other, which is a collision in most minds.
     fn hint_at_containment(&self) {
-        if !self.pairs.is_empty() {
+        if !self.pairs.is_empty() || self.solid.is_some() || self.penetrates.is_some() {
             return;
         }
         let [a, b] = [0, 1].map(|side| Bounds::of(&self.bodies[side].mesh, &self.poses[side]));
         let (Some(a), Some(b)) = (a, b) else { return };
-        for (inner, outer, encloses) in [("A", "B", b.encloses(&a)), ("B", "A", a.encloses(&b))] {
-            if encloses {
+        for (inner, outer, encloses, solid) in
+            [("A", "B", b.encloses(&a), Solid::B), ("B", "A", a.encloses(&b), Solid::A)]
+        {
+            let (placed_a, placed_b) = self.placed();
+            if encloses && query::intersects_solid(placed_a, placed_b, solid) {
                 console::note(&format!(
-                    "{inner} may lie wholly inside {outer}: its box is inside {outer}'s box; only surfaces were compared, \
-                     not what they enclose"
+                    "{inner} lies inside {outer}, of which only the surface was compared; --solid counts that as a collision"
                 ));
             }
+        }
+    }
+
+    /// Which of the two have no proper inside though one was asked for.
+    fn open(&self) -> [bool; 2] {
+        let by_solid = self.solid.map_or([false; 2], |solid| solid.open);
+        std::array::from_fn(|side| by_solid[side] || (self.penetrates.is_some() && !self.bodies[side].mesh.is_closed()))
+    }
+
+    fn warn_of_open_solids(&self) {
+        for (side, open) in self.open().into_iter().enumerate() {
+            if open {
+                console::warn(&format!(
+                    "{}: the mesh is open, so its inside is where its generalised winding number is beyond one half",
+                    self.bodies[side].about.path.display()
+                ));
+            }
+        }
+    }
+}
+
+impl From<SolidArgument> for Solid {
+    fn from(argument: SolidArgument) -> Self {
+        match argument {
+            SolidArgument::A => Self::A,
+            SolidArgument::B => Self::B,
+            SolidArgument::Both => Self::Both,
         }
     }
 }

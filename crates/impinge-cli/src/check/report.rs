@@ -3,8 +3,10 @@
 use std::fmt::Write;
 
 use anstyle::{AnsiColor, Style};
+use impinge::query::{Contained, Distance, Penetrates};
 
 use super::Outcome;
+use crate::Verdict;
 use crate::body::Body;
 use crate::bounds::Bounds;
 use crate::numerals::{count, counted, length, time};
@@ -18,19 +20,42 @@ const COLLISION: Style = Style::new().bold().fg_color(Some(anstyle::Color::Ansi(
 /// The report, with styles that the stream keeps or strips.
 pub(super) fn text(outcome: &Outcome) -> String {
     let mut text = meshes(outcome);
-    let pairs = outcome.pairs.len();
     text += "\n";
-    text += &if pairs == 0 {
-        format!("{CLEAR}No intersection{CLEAR:#}\n")
-    } else {
-        format!("{COLLISION}The meshes intersect{COLLISION:#}: {} of faces\n", counted(pairs, "pair"))
-    };
+    text += &verdict(outcome);
     text += "\n";
     for (label, value) in findings(outcome) {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "{FAINT}{label:<10}{FAINT:#}{value}");
     }
     text
+}
+
+/// What the exit code says too.
+fn verdict(outcome: &Outcome) -> String {
+    let pairs = outcome.pairs.len();
+    let met = match (pairs, outcome.solid.and_then(|solid| solid.contained)) {
+        (0, None) => "No intersection".to_owned(),
+        (0, Some(contained)) => inside(contained).to_owned(),
+        (_, _) => "The meshes intersect".to_owned(),
+    };
+    let style = if outcome.verdict() == Verdict::Clear { CLEAR } else { COLLISION };
+    let met = match outcome.penetrates {
+        None => met,
+        Some(Penetrates::No) if pairs > 0 => "The meshes touch, but do not penetrate".to_owned(),
+        Some(Penetrates::No) => "No intersection".to_owned(),
+        Some(Penetrates::Yes) => "The meshes penetrate each other".to_owned(),
+        Some(Penetrates::Undecided) => "The meshes may penetrate each other: undecided".to_owned(),
+    };
+    let counted = if pairs == 0 { String::new() } else { format!(": {} of faces", counted(pairs, "pair")) };
+    format!("{style}{met}{style:#}{counted}\n")
+}
+
+fn inside(contained: Contained) -> &'static str {
+    match contained {
+        Contained::A => "A lies inside B",
+        Contained::B => "B lies inside A",
+        Contained::Both => "Parts of each lie inside the other",
+    }
 }
 
 /// Two lines for each mesh; the second is aligned with that of the other.
@@ -69,9 +94,28 @@ fn describe(body: &Body, bounds: Option<&Bounds>) -> [String; 5] {
     ]
 }
 
+/// How far apart, and where.
+fn apart(outcome: &Outcome, distance: &Distance, unit: &str) -> String {
+    let Some(witness) = distance.witness else { return "infinite: a mesh is empty".to_owned() };
+    let mut text = format!("{}{unit}", length(distance.upper));
+    let ends = [(0, "A", witness.face_a, witness.point_a), (1, "B", witness.face_b, witness.point_b)];
+    for (side, name, face, point) in ends {
+        let about = &outcome.bodies[side].about;
+        let part = if about.parts.len() > 1 { format!(" of {}", about.part(face)) } else { String::new() };
+        let _ = write!(text, "; {name} face {}{part} at {}", count(face as usize), point.map(length).join(", "));
+    }
+    text
+}
+
 /// What there is to say beyond the verdict, each with its label.
 fn findings(outcome: &Outcome) -> Vec<(&'static str, String)> {
     let mut findings = Vec::new();
+    if let (Some(contained), false) = (outcome.solid.and_then(|solid| solid.contained), outcome.pairs.is_empty()) {
+        findings.push(("inside", format!("{}, in part", inside(contained))));
+    }
+    if outcome.solid.is_some_and(|solid| solid.undecided) {
+        findings.push(("undecided", "an open mesh winds about half round what counts as inside".to_owned()));
+    }
     if let (Some(curves), false) = (&outcome.curves, outcome.pairs.is_empty()) {
         let closed = curves.closed();
         let open = curves.polylines.len() - closed;
@@ -84,6 +128,14 @@ fn findings(outcome: &Outcome) -> Vec<(&'static str, String)> {
             findings.push(("touching", format!("at {}", counted(curves.points.len(), "single point"))));
         }
         findings.push(("coplanar", format!("{} of faces", counted(curves.coplanar_pairs, "pair"))));
+    }
+    let unit = units::common(outcome.units()).map_or(String::new(), |unit| format!(" {unit}"));
+    if let Some(distance) = &outcome.distance {
+        findings.push(("distance", apart(outcome, distance, &unit)));
+    }
+    if let Some(clearance) = outcome.clearance {
+        let kept = if clearance.is_violated { "not kept" } else { "kept" };
+        findings.push(("clearance", format!("{}{unit} is {kept}", length(clearance.required))));
     }
     let seconds = outcome.seconds;
     let times = [("load", seconds.load), ("build", seconds.build), ("query", seconds.query)];

@@ -1,6 +1,6 @@
 //! Which volume suits which use: a sentence each, from what was measured.
 
-use super::measure::Row;
+use super::measure::{HullRow, Row};
 use crate::numerals::{length, short_time};
 
 /// A use, the volume that suits it, and why.
@@ -14,8 +14,8 @@ pub(super) struct Advice {
 
 /// One for each use. A volume is judged by what it costs there times its size: twice the size means about twice as many
 /// false alarms, each of which costs more than any test.
-pub(super) fn advice(rows: &[Row]) -> Vec<Advice> {
-    let reference = super::reference(rows);
+pub(super) fn advice(hull: &HullRow, rows: &[Row]) -> Vec<Advice> {
+    let reference = hull.volume;
     // A flat mesh has volumes of nothing; then only the costs count.
     let size = |row: &Row| if reference > 0.0 { row.volume / reference } else { 1.0 };
     let uses: [(&'static str, &'static str, &dyn Fn(&Row) -> f64, &dyn Fn(&Row) -> String); 4] = [
@@ -33,8 +33,7 @@ pub(super) fn advice(rows: &[Row]) -> Vec<Advice> {
     let best = |cost: &dyn Fn(&Row) -> f64| rows.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
     let told = uses.into_iter().filter_map(|(key, label, cost, merit)| {
         let row = best(cost)?;
-        let relative =
-            if reference > 0.0 { format!("{} times the smallest, ", length(size(row))) } else { String::new() };
+        let relative = if reference > 0.0 { format!("{} times the hull, ", length(size(row))) } else { String::new() };
         Some(Advice { key, label, name: row.name, sentence: format!("{}: {relative}{}", row.name, merit(row)) })
     });
     told.collect()

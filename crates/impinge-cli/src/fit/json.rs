@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::advice::advice;
-use super::{Outcome, Seconds, reference};
+use super::{Outcome, Seconds};
 use crate::console;
 
 #[derive(Serialize)]
@@ -13,6 +13,7 @@ struct Object {
     schema: &'static str,
     version: &'static str,
     mesh: MeshSummary,
+    hull: HullSummary,
     volumes: Vec<Volume>,
     advice: BTreeMap<&'static str, Advised>,
     seconds: Seconds,
@@ -28,11 +29,20 @@ struct MeshSummary {
 }
 
 #[derive(Serialize)]
+struct HullSummary {
+    vertices: usize,
+    bytes: usize,
+    volume: f64,
+    surface_area: f64,
+    build_seconds: f64,
+}
+
+#[derive(Serialize)]
 struct Volume {
     name: &'static str,
     bytes: usize,
     volume: f64,
-    /// In volumes of the smallest; absent where that is flat.
+    /// In volumes of the hull; absent where that is flat.
     #[serde(skip_serializing_if = "Option::is_none")]
     relative_volume: Option<f64>,
     surface_area: f64,
@@ -52,19 +62,19 @@ struct Advised {
 /// The object, as one line.
 pub(super) fn object(outcome: &Outcome) -> String {
     let about = &outcome.body.about;
-    let smallest = reference(&outcome.rows);
+    let hull = &outcome.hull;
     let volumes = outcome.rows.iter().map(|row| Volume {
         name: row.name,
         bytes: row.bytes,
         volume: row.volume,
-        relative_volume: (smallest > 0.0).then(|| row.volume / smallest),
+        relative_volume: (hull.volume > 0.0).then(|| row.volume / hull.volume),
         surface_area: row.surface_area,
         radius: row.radius,
         build_seconds: row.build,
         overlap_seconds: row.overlap,
         follow_seconds: row.follow,
     });
-    let advised = advice(&outcome.rows).into_iter();
+    let advised = advice(hull, &outcome.rows).into_iter();
     console::to_line(&Object {
         schema: "impinge.fit/1",
         version: env!("CARGO_PKG_VERSION"),
@@ -73,6 +83,13 @@ pub(super) fn object(outcome: &Outcome) -> String {
             triangles: outcome.body.mesh.faces().len(),
             corners: outcome.points,
             unit: about.unit.map(|unit| unit.symbol()),
+        },
+        hull: HullSummary {
+            vertices: hull.vertices,
+            bytes: hull.bytes,
+            volume: hull.volume,
+            surface_area: hull.surface_area,
+            build_seconds: hull.build,
         },
         volumes: volumes.collect(),
         advice: advised.map(|a| (a.key, Advised { volume: a.name, sentence: a.sentence })).collect(),

@@ -3,6 +3,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use impinge::hull::{Hull, HullKind};
 use impinge::volume::fit::{self, FittedSphere};
 use impinge::volume::{
     BoundingSphere, BoundingVolume, Capsule, CentreRadius, Kdop14, Kdop18, Kdop26, Lozenge, MinMax, MinWidths, Obb,
@@ -28,6 +29,19 @@ pub(super) struct Row {
     pub(super) overlap: f64,
     /// Seconds to make the volume of the turned mesh from that of the mesh.
     pub(super) follow: f64,
+}
+
+/// The convex hull, which every size is compared with.
+#[derive(Clone, Debug)]
+pub(super) struct HullRow {
+    pub(super) vertices: usize,
+    pub(super) bytes: usize,
+    /// In cubic units of the mesh; zero where it is flat.
+    pub(super) volume: f64,
+    /// In square units of the mesh.
+    pub(super) surface_area: f64,
+    /// Seconds to build it.
+    pub(super) build: f64,
 }
 
 /// Poses that a volume is turned and moved by; the same for all.
@@ -80,6 +94,35 @@ pub(super) fn rows(points: &[[f64; 3]]) -> Result<Vec<Row>, InputError> {
     rows.push(plain::<Kdop18>("18-DOP", &poses, &|| Kdop18::of(points))?);
     rows.push(plain::<Kdop26>("26-DOP", &poses, &|| Kdop26::of(points))?);
     Ok(rows)
+}
+
+/// The hull of these points.
+///
+/// # Errors
+/// Where the points are out of range.
+pub(super) fn hull(points: &[[f64; 3]]) -> Result<HullRow, InputError> {
+    let (hull, build) = timed_build(&|| Hull::new(points))?;
+    let (mut six_volumes, mut two_areas) = (0.0, 0.0);
+    // About a point of the hull, as far from the origin it would cancel.
+    let origin = points[hull.vertices()[0] as usize];
+    for face in hull.faces() {
+        let [a, b, c] = face.map(|vertex| {
+            let corner = hull.positions()[vertex as usize];
+            std::array::from_fn::<f64, 3, _>(|axis| corner[axis] - origin[axis])
+        });
+        let edge = |to: [f64; 3]| std::array::from_fn::<f64, 3, _>(|axis| to[axis] - a[axis]);
+        let normal = cross(edge(b), edge(c));
+        six_volumes += (0..3).map(|axis| a[axis] * normal[axis]).sum::<f64>();
+        two_areas += normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+    }
+    // What is flat has no volume, whatever rounding says.
+    let volume = if hull.kind() == HullKind::Solid { (six_volumes / 6.0).max(0.0) } else { 0.0 };
+    let vertices = hull.vertices().len();
+    Ok(HullRow { vertices, bytes: hull.memory(), volume, surface_area: 0.5 * two_areas, build })
+}
+
+fn cross(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
 }
 
 /// A kind that has all it needs.

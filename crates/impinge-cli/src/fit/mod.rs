@@ -14,12 +14,12 @@ use crate::body::{Body, Loaded};
 use crate::failure::Failure;
 use crate::progress::Phase;
 use crate::{Verdict, console};
-use measure::Row;
+use measure::{HullRow, Row};
 
 /// Which bounding volume suits a mesh?
 ///
-/// Every volume is fitted to the corners of the triangles and measured here and now: its size, the time to build it, its
-/// bytes, the time of one overlap test and the time to follow a rotation. Times are of one thread.
+/// Every volume is fitted to the corners of the triangles and measured here and now: its size beside that of their convex
+/// hull, the time to build it, its bytes, the time of one overlap test and the time to follow a rotation. Times are of one thread.
 ///
 /// Exit code: 0 where there is an answer, 2 where there is none.
 #[derive(Args)]
@@ -36,6 +36,7 @@ struct Outcome {
     body: Body,
     /// How many different vertices the faces use.
     points: usize,
+    hull: HullRow,
     rows: Vec<Row>,
     seconds: Seconds,
 }
@@ -69,17 +70,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     }
     let start = Instant::now();
     let phase = Phase::begin("measuring volumes");
-    let rows = measure::rows(&points).map_err(|error| Failure::from_input(&error).in_file(&arguments.mesh))?;
+    let measured = measure::hull(&points).and_then(|hull| Ok((hull, measure::rows(&points)?)));
+    let (hull, rows) = measured.map_err(|error| Failure::from_input(&error).in_file(&arguments.mesh))?;
     drop(phase);
     let seconds = Seconds { load, measure: start.elapsed().as_secs_f64() };
-    let outcome = Outcome { body, points: points.len(), rows, seconds };
+    let outcome = Outcome { body, points: points.len(), hull, rows, seconds };
     console::conclude(&if arguments.json { json::object(&outcome) } else { report::text(&outcome) })?;
     Ok(Verdict::Clear)
-}
-
-/// The volume that sizes are told in: that of the smallest.
-fn reference(rows: &[Row]) -> f64 {
-    rows.iter().map(|row| row.volume).fold(f64::INFINITY, f64::min)
 }
 
 /// The vertices that some face uses, each once.

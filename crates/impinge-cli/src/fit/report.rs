@@ -6,7 +6,7 @@ use anstyle::Style;
 
 use super::Outcome;
 use super::advice::advice;
-use super::measure::Row;
+use super::measure::{HullRow, Row};
 use crate::numerals::{counted, length, short_time};
 
 const STRONG: Style = Style::new().bold();
@@ -21,7 +21,9 @@ pub(super) fn text(outcome: &Outcome) -> String {
     let triangles = counted(outcome.body.mesh.faces().len(), "triangle");
     let _ = writeln!(text, "{}  {triangles}  {}  {unit}\n", about.format, counted(outcome.points, "corner"));
     let header = ["volume", "size", "area", "bytes", "build", "test", "turn"].map(str::to_owned);
-    let cells: Vec<[String; 7]> = outcome.rows.iter().map(|row| cells(row, &outcome.rows)).collect();
+    let cells: Vec<[String; 7]> = std::iter::once(hull_cells(&outcome.hull))
+        .chain(outcome.rows.iter().map(|row| cells(row, &outcome.hull)))
+        .collect();
     let widths: [usize; 7] = std::array::from_fn(|column| {
         cells.iter().chain([&header]).map(|row| row[column].chars().count()).max().unwrap_or(0)
     });
@@ -34,23 +36,34 @@ pub(super) fn text(outcome: &Outcome) -> String {
     for row in &cells {
         let _ = writeln!(text, "{}", line(row));
     }
-    let _ = writeln!(text, "\n{FAINT}size and area are in those of the smallest{FAINT:#}\n");
-    for advice in advice(&outcome.rows) {
+    let _ = writeln!(
+        text,
+        "\n{FAINT}size and area are in those of the convex hull; test and turn are one overlap test and following one rotation{FAINT:#}\n"
+    );
+    for advice in advice(&outcome.hull, &outcome.rows) {
         let _ = writeln!(text, "{FAINT}{:<13}{FAINT:#}{}", advice.label, advice.sentence);
     }
     text
 }
 
-fn cells(row: &Row, rows: &[Row]) -> [String; 7] {
-    let relative = |own: f64, least: f64| if least > 0.0 { length(own / least) } else { "-".to_owned() };
-    let least_area = rows.iter().map(|row| row.surface_area).fold(f64::INFINITY, f64::min);
+fn hull_cells(hull: &HullRow) -> [String; 7] {
+    let [size, area] = [hull.volume, hull.surface_area].map(|own| relative(own, own));
+    ["convex hull".to_owned(), size, area, hull.bytes.to_string(), short_time(hull.build), String::new(), String::new()]
+}
+
+fn cells(row: &Row, hull: &HullRow) -> [String; 7] {
     [
         row.name.to_owned(),
-        relative(row.volume, super::reference(rows)),
-        relative(row.surface_area, least_area),
+        relative(row.volume, hull.volume),
+        relative(row.surface_area, hull.surface_area),
         row.bytes.to_string(),
         short_time(row.build),
         short_time(row.overlap),
         short_time(row.follow),
     ]
+}
+
+/// In parts of the hull's, where that is not flat.
+fn relative(own: f64, of_hull: f64) -> String {
+    if of_hull > 0.0 { length(own / of_hull) } else { "-".to_owned() }
 }

@@ -145,8 +145,7 @@ fn a_mesh_inside_another_earns_one_line() {
     let folder = Folder::new();
     let expected = |inner, outer| {
         format!(
-            "note: {inner} may lie wholly inside {outer}: its box is inside {outer}'s box; only surfaces were compared, \
-             not what they enclose\n"
+            "note: {inner} lies inside {outer}, of which only the surface was compared; --solid counts that as a collision\n"
         )
     };
     let inside = folder.run("check cube.obj big.obj");
@@ -185,7 +184,18 @@ fn help_and_version_are_no_errors() {
     let folder = Folder::new();
     let help = folder.run("check --help");
     assert_eq!((help.code, help.stderr.as_str()), (0, ""));
-    for option in ["--pose-a", "--pose-b", "--unit-a", "--unit-b", "--pairs", "--curves", "--json", "--threads"] {
+    for option in [
+        "--pose-a",
+        "--pose-b",
+        "--unit-a",
+        "--unit-b",
+        "--solid",
+        "--penetrates",
+        "--pairs",
+        "--curves",
+        "--json",
+        "--threads",
+    ] {
         assert!(help.stdout.contains(option), "{option}");
     }
     assert_eq!(folder.run("--version").stdout, concat!("impinge ", env!("CARGO_PKG_VERSION"), "\n"));

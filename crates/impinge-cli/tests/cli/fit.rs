@@ -24,6 +24,8 @@ fn the_volumes_of_a_cube_are_as_large_as_they_should_be() {
     assert_eq!(object["schema"], "impinge.fit/1");
     assert_eq!(object["mesh"]["path"], "big.obj");
     assert_eq!((&object["mesh"]["triangles"], &object["mesh"]["corners"]), (&12.into(), &8.into()));
+    let hull = &object["hull"];
+    assert_eq!((&hull["vertices"], &hull["volume"], &hull["surface_area"]), (&8.into(), &125.0.into(), &150.0.into()));
     let sphere = 4.0 / 3.0 * std::f64::consts::PI * 0.75_f64.sqrt().powi(3);
     let expected = [
         ("box, min-max", 48, 1.0),

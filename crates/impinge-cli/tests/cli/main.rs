@@ -1,11 +1,13 @@
 //! The command as its users meet it: exit codes, the two streams and the files that it writes.
 
 mod answers;
+mod distances;
 mod errors;
 mod files;
 mod fit;
 mod inspect;
 mod interrupt;
+mod solids;
 mod streams;
 mod units;
 

@@ -4,6 +4,8 @@
 //! triangles, multiplied by one common power of two, are therefore integer points, and scaling by a positive number
 //! does not change whether the triangles meet.
 
+use std::cmp::Ordering;
+
 use crate::Affine;
 use dashu_int::IBig;
 
@@ -33,6 +35,25 @@ pub(super) fn corners(
     let origin = image(&terms[0][0], scale);
     let [a, b] = terms.map(|corners| corners.map(|corner| subtract(&image(&corner, scale), &origin)));
     (a, b)
+}
+
+/// The world images of points as integers, and the exponent of the power of two that these are to be multiplied by.
+///
+/// # Panics
+/// Where a number is not finite.
+pub(super) fn images(points: &[[f64; 3]], world_from_local: &Affine) -> (Vec<Vector>, i32) {
+    let terms: Vec<_> = points.iter().map(|&point| terms(world_from_local, point)).collect();
+    let lowest = terms.as_flattened().as_flattened().iter().filter(|x| x.mantissa != 0).map(|x| x.exponent).min();
+    let scale = lowest.unwrap_or(0);
+    (terms.iter().map(|terms| image(terms, scale)).collect(), scale)
+}
+
+/// How a float compares to an integer times a power of two.
+pub(super) fn compare(x: f64, integer: &IBig, exponent: i32) -> Ordering {
+    let x = Dyadic::new(x);
+    let scale = if x.mantissa == 0 { exponent } else { exponent.min(x.exponent) };
+    let x = if x.mantissa == 0 { IBig::ZERO } else { IBig::from(x.mantissa) << (x.exponent - scale) as usize };
+    x.cmp(&(integer << (exponent - scale) as usize))
 }
 
 /// `a - b`

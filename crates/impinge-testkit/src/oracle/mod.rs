@@ -1,10 +1,11 @@
-//! Which triangles meet: slow, exact, and by methods of its own.
+//! Which triangles meet, and what box points fill: slow, exact, and by methods of its own.
 //!
 //! A triangle is the closed convex hull of the images of its three corners, zero area included, under an affine map whose
 //! entries are the real numbers given. Touching counts. All coordinates must be finite.
 //!
 //! - [`triangles_meet`]: linear programming, the reference.
 //! - [`triangles_meet_by_clipping`]: edges clipped against triangles, an independent second opinion.
+//! - [`tight_box`]: the box of the exact images of points.
 //! - [`brute_force`] and [`grid`]: all meeting pairs of two meshes, by trying each, and for millions of triangles.
 //!
 //! Beside them, and in the same manner, [`minimal_sphere`].
@@ -12,6 +13,7 @@
 mod boxes;
 mod certificate;
 mod clipping;
+mod extremes;
 mod grid;
 mod integers;
 mod minimal_sphere;
@@ -19,6 +21,7 @@ mod simplex;
 
 pub use boxes::WorldBox;
 pub use clipping::triangles_meet_by_clipping;
+pub use extremes::tight_box;
 pub use grid::grid;
 pub use minimal_sphere::{LeastSphere, minimal_sphere};
 pub use simplex::triangles_meet;

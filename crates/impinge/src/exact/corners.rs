@@ -120,7 +120,7 @@ impl<'p> PairCorners<'p> {
     }
 
     /// The sign of `det(q - p, r - p, s - p)` in A's frame.
-    fn exact_orient3d(&mut self, p: usize, q: usize, r: usize, s: usize) -> Sign {
+    pub(super) fn exact_orient3d(&mut self, p: usize, q: usize, r: usize, s: usize) -> Sign {
         // The exact frame is A's own, or the world, which A's pose may have mirrored.
         let mirrored = !self.placement.is_shared() && self.placement.world_from_a().mirrors();
         self.exact().orient3d([p, q, r, s]).negated_if(mirrored)

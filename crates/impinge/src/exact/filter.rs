@@ -18,7 +18,7 @@ use crate::math::Sign;
 use crate::math::relative::{INFLATE, UNDERFLOW, UNIT_ROUNDOFF};
 
 /// Units of relative rounding: 8 are needed, the rest is for the rounding of the bound itself.
-const ROUNDING: f64 = 9.0 * UNIT_ROUNDOFF;
+pub(super) const ROUNDING: f64 = 9.0 * UNIT_ROUNDOFF;
 
 /// Bounds of the errors of three difference vectors, by components.
 pub(super) struct Errors<'e> {

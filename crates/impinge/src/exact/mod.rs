@@ -12,16 +12,28 @@
 //! - `wide`: integers of three machine words, which hold most posed corners in single precision;
 //! - `unbounded`: integers of any size.
 
+mod contact;
 mod corners;
 mod crossing;
+mod fan;
 mod filter;
 mod fixed;
+mod nearness;
 mod placement;
+mod point;
+mod points;
+mod shared;
 mod triangles;
 mod unbounded;
 mod wide;
 
+pub(crate) use contact::{Contact, contact};
 pub use corners::{Corners, Tier};
 pub use crossing::{Crossing, Endpoint, Feature, crossing};
+pub(crate) use fan::{EdgeLine, Fan};
+pub use nearness::triangles_within;
 pub use placement::Placement;
+pub(crate) use point::{AxisRay, PosedPoint, Spot};
+pub(crate) use points::{Plane, collinear, compare_along, image_down, image_up, orient2d, orient3d};
+pub(crate) use shared::meet_beyond_shared;
 pub use triangles::{Decision, decide_triangles, triangles_intersect};

@@ -78,12 +78,14 @@ impl Frame {
 
 /// The exact image of a point of the local frame.
 pub(super) fn world_point(world_from_local: &Pose, point: &[f64; 3]) -> [Dyadic; 3] {
-    let coordinate = |i: usize| {
-        let row = &world_from_local.linear()[i];
-        let product = |k: usize| Dyadic::product(row[k], point[k]);
-        &(&(&product(0) + &product(1)) + &product(2)) + &Dyadic::from_f64(world_from_local.translation()[i])
-    };
-    [coordinate(0), coordinate(1), coordinate(2)]
+    [0, 1, 2].map(|axis| world_coordinate(world_from_local, axis, point))
+}
+
+/// One coordinate of the exact image of a point of the local frame.
+pub(super) fn world_coordinate(world_from_local: &Pose, axis: usize, point: &[f64; 3]) -> Dyadic {
+    let row = &world_from_local.linear()[axis];
+    let product = |k: usize| Dyadic::product(row[k], point[k]);
+    &(&(&product(0) + &product(1)) + &product(2)) + &Dyadic::from_f64(world_from_local.translation()[axis])
 }
 
 fn unit_entries(pose: &Pose) -> Option<[[i64; 3]; 3]> {

@@ -168,6 +168,14 @@ impl CommonLine {
     fn overlap(&self, corners: &mut PairCorners) -> bool {
         self.compare(corners, 1, 1) <= Zero && self.compare(corners, 2, 2) >= Zero
     }
+
+    /// Whether the intervals have more than a point in common.
+    pub(super) fn overlap_at_length(&self, corners: &mut PairCorners) -> bool {
+        self.side_a[self.a[0]] != Zero
+            && self.side_b[self.b[0]] != Zero
+            && self.compare(corners, 1, 1) == Negative
+            && self.compare(corners, 2, 2) == Positive
+    }
 }
 
 impl Transversal {

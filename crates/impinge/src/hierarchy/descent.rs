@@ -1,15 +1,16 @@
 //! The simultaneous descent of two trees: one in its own frame, the host, and one carried into it, the guest.
 //!
 //! Source: Gottschalk, Lin, Manocha, *OBBTree*, SIGGRAPH 1996, for descending two trees at once; ours opens both nodes
-//! together, eight boxes against eight, and carries a guest node's boxes once for all the host nodes that they meet.
+//! together, eight boxes against eight, and carries a guest node's boxes once for the host nodes that they meet in turn.
 
 use std::ops::ControlFlow;
 
 use fearless_simd::Simd;
 
-use super::lanes::{BoxLanes, BoxMap, load3, overlapping, overlapping_each};
-use super::wide::{Child, Node};
-use crate::simd::{LANES, by_axis, prefetch};
+use super::lanes::{BoxLanes, BoxMap, overlapping, overlapping_each};
+use super::slab::{Slab, SlabMap};
+use super::wide::Node;
+use crate::simd::{LANES, load3, prefetch};
 use crate::volume::Aabb;
 
 /// What happens at the leaves, which the hierarchy does not understand.
@@ -28,22 +29,70 @@ pub(crate) trait LeafVisitor {
     fn prefetch_guest(&self, leaf: u32);
 }
 
-/// What is left to open: a guest child against some children of a host node.
+/// Two nodes left to open.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Task {
-    guest: Child,
+    guest: u32,
     host: u32,
-    host_lanes: u8,
 }
 
-/// The most tasks between the stack and their turn. Fewer hide less of the memory's latency; more push each other's lines
-/// out of the first cache.
+impl Task {
+    const ROOT: Self = Self { guest: 0, host: 0 };
+}
+
+/// A guest leaf, and the leaves of a host node that it may meet.
+#[derive(Clone, Copy, Debug)]
+struct Approach {
+    guest_leaf: u32,
+    host: u32,
+    host_lanes: u32,
+}
+
+/// The most tasks between the stack and their turn, and the most approaches between their node's turn and theirs. Fewer
+/// hide less of the memory's latency; more push each other's lines out of the first cache.
 pub(crate) const QUEUE: usize = 8;
 
-/// The guest node carried over last, and its boxes in the host's frame.
+/// The first to come is the first to go, of at most [`QUEUE`].
+struct Queue<T> {
+    items: [T; QUEUE],
+    next: usize,
+    len: usize,
+}
+
+impl<T: Copy> Queue<T> {
+    fn new(filler: T) -> Self {
+        Self { items: [filler; QUEUE], next: 0, len: 0 }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, item: T) {
+        self.items[(self.next + self.len) % QUEUE] = item;
+        self.len += 1;
+    }
+
+    /// Only for one that is not empty.
+    #[inline(always)]
+    fn pop(&mut self) -> T {
+        let item = self.items[self.next];
+        self.next = (self.next + 1) % QUEUE;
+        self.len -= 1;
+        item
+    }
+}
+
+/// The guest node carried over last: its boxes and its slab in the host's frame.
 struct Carried {
     node: u32,
     boxes: BoxLanes,
+    slab: Slab,
+}
+
+/// What a run has at hand beside its tasks.
+struct Front {
+    carried: Carried,
+    /// Put off until the guest leaves' memory is at hand.
+    approaches: Queue<Approach>,
+    patience: usize,
 }
 
 /// In which order tasks are opened, and how long.
@@ -59,19 +108,22 @@ pub(crate) enum Order {
     BreadthFirstUntil(usize),
 }
 
-/// The nodes of two trees and the map between them.
+/// The nodes of two trees and the maps between them.
 pub(crate) struct Descent<'a> {
     pub(crate) host: &'a [Node],
     pub(crate) guest: &'a [Node],
-    pub(crate) map: &'a BoxMap,
+    /// Carries guest boxes to the host.
+    pub(crate) boxes: &'a BoxMap,
+    /// Carries host slabs to guest boxes.
+    pub(crate) host_slabs: &'a SlabMap,
+    /// Carries guest slabs to host boxes.
+    pub(crate) guest_slabs: &'a SlabMap,
 }
 
 impl Descent<'_> {
     /// The task that all others come from; none where a tree is empty.
     pub(crate) fn root(&self) -> Option<Task> {
-        let host = self.host.first()?;
-        self.guest.first()?;
-        Some(Task { guest: Child::Inner(0), host: 0, host_lanes: lanes_in_use(host) as u8 })
+        (!self.host.is_empty() && !self.guest.is_empty()).then_some(Task::ROOT)
     }
 
     /// Works off tasks and all that comes from them until the visitor breaks off, or until the order says so; what is
@@ -87,9 +139,15 @@ impl Descent<'_> {
         tasks: &mut Vec<Task>,
         visitor: &mut V,
     ) -> ControlFlow<()> {
-        let mut queue = [Task { guest: Child::Inner(0), host: 0, host_lanes: 0 }; QUEUE];
-        let (mut next, mut waiting) = (0, 0);
-        let mut carried = Carried { node: u32::MAX, boxes: BoxLanes::default() };
+        let mut queue = Queue::new(Task::ROOT);
+        let mut front = Front {
+            carried: Carried { node: u32::MAX, boxes: BoxLanes::default(), slab: Slab::ALL },
+            approaches: Queue::new(Approach { guest_leaf: 0, host: 0, host_lanes: 0 }),
+            patience: match order {
+                Order::DepthFirst { ahead } => ahead.min(QUEUE),
+                Order::BreadthFirstUntil(_) => QUEUE,
+            },
+        };
         // Breadth first, the tasks before this one are done.
         let mut done = 0;
         loop {
@@ -98,152 +156,111 @@ impl Descent<'_> {
                     let left = tasks.len() - done;
                     if left == 0 || left >= enough {
                         tasks.drain(..done);
-                        return visitor.finish(simd);
+                        break;
                     }
                     done += 1;
                     tasks[done - 1]
                 }
-                Order::DepthFirst { ahead } => {
-                    while waiting < ahead.min(QUEUE)
+                Order::DepthFirst { .. } => {
+                    while queue.len < front.patience
                         && let Some(task) = tasks.pop()
                     {
-                        self.prefetch(&task, visitor);
-                        queue[(next + waiting) % QUEUE] = task;
-                        waiting += 1;
+                        prefetch(&self.guest[task.guest as usize]);
+                        prefetch(&self.host[task.host as usize]);
+                        queue.push(task);
                     }
-                    if waiting == 0 {
-                        return visitor.finish(simd);
+                    if queue.len == 0 {
+                        break;
                     }
-                    let task = queue[next];
-                    next = (next + 1) % QUEUE;
-                    waiting -= 1;
-                    task
+                    queue.pop()
                 }
             };
-            self.open(simd, task, visitor, &mut carried, tasks)?;
+            self.open(simd, task, visitor, &mut front, tasks)?;
         }
+        while front.approaches.len > 0 {
+            self.meet_leaves(simd, front.approaches.pop(), visitor)?;
+        }
+        visitor.finish(simd)
     }
 
-    /// Opens one task: appends the tasks below it and shows the visitor the pairs of leaves.
+    /// Two nodes, both opened at once; where one of them holds leaves and the other nodes, that one stays as it is, so
+    /// that leaves come to meet leaves. The tasks of one guest child are left side by side, so that it is carried over
+    /// once for all of them.
     #[inline(always)]
     fn open<S: Simd, V: LeafVisitor>(
         &self,
         simd: S,
         task: Task,
         visitor: &mut V,
-        carried: &mut Carried,
+        front: &mut Front,
         below: &mut Vec<Task>,
     ) -> ControlFlow<()> {
-        match task.guest {
-            Child::Inner(guest) => {
-                self.open_guest(simd, task, guest, carried, below);
-                ControlFlow::Continue(())
-            }
-            Child::Leaf(leaf) => self.meet_guest(simd, task, leaf, visitor, below),
+        let carried = &mut front.carried;
+        let (guest, host) = (&self.guest[task.guest as usize], &self.host[task.host as usize]);
+        if carried.node != task.guest {
+            carried.node = task.guest;
+            carried.boxes = self.boxes.apply(simd, guest);
+            carried.slab = self.guest_slabs.carry(&guest.slab);
         }
-    }
-
-    /// A guest node against host children: inner ones are opened at once, leaves wait for the guest's children. The
-    /// tasks of one guest child are left side by side, so that it is carried over once for all of them.
-    #[inline(always)]
-    fn open_guest<S: Simd>(&self, simd: S, task: Task, index: u32, carried: &mut Carried, below: &mut Vec<Task>) {
-        let guest = &self.guest[index as usize];
-        if carried.node != index {
-            carried.node = index;
-            carried.boxes = self.map.apply(simd, guest);
+        let guest_lanes = lanes_in_use(guest) & !self.host_slabs.carry(&host.slab).outside(simd, guest);
+        let host_lanes = lanes_in_use(host) & !carried.slab.outside(simd, host);
+        if guest_lanes == 0 || host_lanes == 0 {
+            return ControlFlow::Continue(());
         }
-        let guests = &carried.boxes;
-        let parent = &self.host[task.host as usize];
-        // For each inner host child, the guest lanes that meet its children, a byte of these each; over all of them, the
-        // guest lanes that meet any, a byte of host lanes each, in which the tasks of one guest child stand together.
-        let mut met = [0_u64; LANES];
-        let mut met_nodes = 0_u64;
-        let mut met_leaves = [0_u8; LANES];
-        let mut leaves = 0;
-        for lane in bits(u32::from(task.host_lanes)) {
-            match parent.child(lane) {
-                Child::Inner(host) => {
-                    let node = &self.host[host as usize];
-                    let boxes = (&load3(simd, &node.min), &load3(simd, &node.max));
-                    let in_use = EACH_BYTE * u64::from(lanes_in_use(node));
-                    let lanes = overlapping_each(simd, boxes, guests) & in_use;
-                    met[lane] = lanes;
-                    met_nodes |= nonzero_bytes(lanes) << lane;
-                }
-                Child::Leaf(_) => {
-                    let bounds = Aabb {
-                        min: by_axis!(axis => parent.min[axis][lane]),
-                        max: by_axis!(axis => parent.max[axis][lane]),
-                    };
-                    let lanes = overlapping(simd, (&load3(simd, &guests.min), &load3(simd, &guests.max)), &bounds);
-                    for guest_lane in bits(lanes) {
-                        met_leaves[guest_lane] |= 1 << lane;
-                    }
-                    leaves |= lanes;
+        let host_boxes = (&load3(simd, &host.min), &load3(simd, &host.max));
+        // A byte of host lanes for each guest lane.
+        let mut near =
+            overlapping_each(simd, host_boxes, &carried.boxes) & each_byte(host_lanes) & spread_to_bytes(guest_lanes);
+        match (guest.holds_leaves(), host.holds_leaves()) {
+            (false, false) => {
+                while near != 0 {
+                    let bit = near.trailing_zeros() as usize;
+                    near &= near - 1;
+                    let (guest, host) = (guest.index(bit / LANES), host.index(bit % LANES));
+                    below.push(Task { guest, host });
                 }
             }
-        }
-        for guest_lane in bits(leaves & lanes_in_use(guest)) {
-            let guest = guest.child(guest_lane);
-            below.push(Task { guest, host: task.host, host_lanes: met_leaves[guest_lane] });
-        }
-        met_nodes &= u64::MAX >> (u64::BITS - (LANES * guest.count()) as u32).min(u64::BITS - 1);
-        while met_nodes != 0 {
-            let bit = met_nodes.trailing_zeros() as usize;
-            met_nodes &= met_nodes - 1;
-            let (guest_lane, lane) = (bit / LANES, bit % LANES);
-            if let Child::Inner(host) = parent.child(lane) {
-                let host_lanes = (met[lane] >> (LANES * guest_lane)) as u8;
-                below.push(Task { guest: guest.child(guest_lane), host, host_lanes });
+            (true, false) => {
+                for lane in bits(any_byte(near)) {
+                    below.push(Task { guest: task.guest, host: host.index(lane) });
+                }
             }
-        }
-    }
-
-    /// A guest leaf against host children: inner ones are opened, leaves are met.
-    #[inline(always)]
-    fn meet_guest<S: Simd, V: LeafVisitor>(
-        &self,
-        simd: S,
-        task: Task,
-        leaf: u32,
-        visitor: &mut V,
-        below: &mut Vec<Task>,
-    ) -> ControlFlow<()> {
-        let bounds = visitor.take_up(simd, leaf);
-        let parent = &self.host[task.host as usize];
-        let still = overlapping(simd, (&load3(simd, &parent.min), &load3(simd, &parent.max)), &bounds)
-            & u32::from(task.host_lanes);
-        for lane in bits(still) {
-            match parent.child(lane) {
-                Child::Inner(host) => {
-                    let node = &self.host[host as usize];
-                    let lanes = overlapping(simd, (&load3(simd, &node.min), &load3(simd, &node.max)), &bounds)
-                        & lanes_in_use(node);
-                    if lanes != 0 {
-                        below.push(Task { guest: task.guest, host, host_lanes: lanes as u8 });
+            (false, true) => {
+                let mut any = nonzero_bytes(near);
+                while any != 0 {
+                    let lane = any.trailing_zeros() as usize / LANES;
+                    any &= any - 1;
+                    below.push(Task { guest: guest.index(lane), host: task.host });
+                }
+            }
+            (true, true) => {
+                let mut any = nonzero_bytes(near);
+                while any != 0 {
+                    let first = any.trailing_zeros() as usize;
+                    any &= any - 1;
+                    let host_lanes = (near >> first) as u32 & 0xff;
+                    let guest_leaf = guest.index(first / LANES);
+                    visitor.prefetch_guest(guest_leaf);
+                    front.approaches.push(Approach { guest_leaf, host: task.host, host_lanes });
+                    if front.approaches.len >= front.patience {
+                        self.meet_leaves(simd, front.approaches.pop(), visitor)?;
                     }
                 }
-                Child::Leaf(host_leaf) => visitor.pair(simd, host_leaf)?,
             }
         }
         ControlFlow::Continue(())
     }
 
+    /// A guest leaf against leaves of the host.
     #[inline(always)]
-    fn prefetch<V: LeafVisitor>(&self, task: &Task, visitor: &V) {
-        match task.guest {
-            Child::Inner(guest) => {
-                prefetch(&self.guest[guest as usize]);
-                let parent = &self.host[task.host as usize];
-                for lane in bits(u32::from(task.host_lanes)) {
-                    if let Child::Inner(host) = parent.child(lane) {
-                        prefetch(&self.host[host as usize]);
-                    }
-                }
-            }
-            // Leaves mostly meet leaves, which the visitor asks for once it knows which of them are near.
-            Child::Leaf(leaf) => visitor.prefetch_guest(leaf),
+    fn meet_leaves<S: Simd, V: LeafVisitor>(&self, simd: S, approach: Approach, visitor: &mut V) -> ControlFlow<()> {
+        let bounds = visitor.take_up(simd, approach.guest_leaf);
+        let host = &self.host[approach.host as usize];
+        let near = overlapping(simd, (&load3(simd, &host.min), &load3(simd, &host.max)), &bounds);
+        for lane in bits(near & approach.host_lanes) {
+            visitor.pair(simd, host.index(lane))?;
         }
+        ControlFlow::Continue(())
     }
 }
 
@@ -255,6 +272,27 @@ const EACH_BYTE: u64 = 0x0101_0101_0101_0101;
 fn nonzero_bytes(bytes: u64) -> u64 {
     const LOW_BITS: u64 = 0x7f * EACH_BYTE;
     ((((bytes & LOW_BITS) + LOW_BITS) | bytes) >> 7) & EACH_BYTE
+}
+
+/// All bits of the bytes whose places are set in `lanes`.
+#[inline(always)]
+pub(crate) fn spread_to_bytes(lanes: u32) -> u64 {
+    const OWN_BIT: u64 = 0x8040_2010_0804_0201;
+    nonzero_bytes(each_byte(lanes) & OWN_BIT) * 0xff
+}
+
+/// The lanes in each byte.
+#[inline(always)]
+pub(crate) fn each_byte(lanes: u32) -> u64 {
+    EACH_BYTE * u64::from(lanes)
+}
+
+/// The bits that are set in any byte.
+#[inline(always)]
+fn any_byte(bytes: u64) -> u32 {
+    let half = bytes | bytes >> 32;
+    let quarter = half | half >> 16;
+    (quarter | quarter >> 8) as u32 & 0xff
 }
 
 #[inline(always)]

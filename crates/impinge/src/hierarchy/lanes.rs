@@ -7,7 +7,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 
 use super::wide::Node;
-use crate::simd::{LANES, by_axis};
+use crate::simd::{LANES, by_axis, load};
 use crate::volume::Aabb;
 
 /// Half a unit in the last place of single precision: the relative error of one rounding.
@@ -120,17 +120,6 @@ fn apart<S: Simd>(simd: S, boxes: (&[f32x8<S>; 3], &[f32x8<S>; 3]), one: &Aabb) 
         min[axis].simd_gt(f32x8::splat(simd, one.max[axis])) | max[axis].simd_lt(f32x8::splat(simd, one.min[axis]))
     });
     (apart[0] | apart[1] | apart[2]).to_bitmask() as u32
-}
-
-/// One coordinate triple in each lane.
-#[inline(always)]
-pub(crate) fn load3<S: Simd>(simd: S, lanes: &[[f32; LANES]; 3]) -> [f32x8<S>; 3] {
-    by_axis!(axis => load(simd, &lanes[axis]))
-}
-
-#[inline(always)]
-pub(crate) fn load<S: Simd>(simd: S, lanes: &[f32; LANES]) -> f32x8<S> {
-    f32x8::from_slice(simd, lanes)
 }
 
 #[cfg(test)]

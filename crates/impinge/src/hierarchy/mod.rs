@@ -5,21 +5,31 @@
 
 mod area;
 mod binary;
+mod boxes;
 mod build;
+mod cluster;
 mod cost;
+mod curve;
 mod descent;
 mod generic;
 mod lanes;
 mod morton;
+mod radix;
+mod slab;
 #[cfg(test)]
 mod tests;
 mod wide;
 
 pub use binary::{BinaryNode, BinaryTree, LEAF_CAPACITY, MAX_DEPTH, NODE_OF_LEAVES};
+pub(crate) use boxes::Boxes;
 pub use build::{Builder, DynamicTree, optimise};
 pub use cost::{Costs, Counters, TreeStatistics};
-pub(crate) use descent::{Descent, LeafVisitor, Order, QUEUE, Task, bits};
+pub(crate) use descent::{Descent, LeafVisitor, Order, QUEUE, Task, bits, each_byte, spread_to_bytes};
 pub use generic::{Enclosure, GenericTree, NodeVolume};
-pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, load, load3, overlapping_each};
+pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, overlapping_each};
 pub use morton::build_morton;
+pub(crate) use morton::build_over;
+pub(crate) use radix::scatter;
+pub use slab::Slab;
+pub(crate) use slab::SlabMap;
 pub use wide::{Child, Node, WideTree};

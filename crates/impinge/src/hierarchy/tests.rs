@@ -97,6 +97,8 @@ fn check_wide(name: &str, binary: &BinaryTree) {
     }
     for (at, node) in wide.nodes().iter().enumerate() {
         assert!((1..=crate::simd::LANES).contains(&node.count()), "{name}");
+        let leaves_here = (0..node.count()).filter(|&lane| matches!(node.child(lane), Child::Leaf(_))).count();
+        assert_eq!(leaves_here, if node.holds_leaves() { node.count() } else { 0 }, "{name}: nodes beside leaves");
         for lane in 0..crate::simd::LANES {
             let bounds = Aabb {
                 min: std::array::from_fn(|axis| node.min[axis][lane]),
@@ -159,4 +161,14 @@ fn medians_fill_the_leaves() {
         let leaves = build_morton(&boxes).nodes.iter().filter(|node| node.right.is_none()).count();
         assert!(leaves <= boxes.len() / 4 + 1, "{name}: {leaves} leaves for {} boxes", boxes.len());
     }
+}
+
+#[test]
+fn nodes_of_leaves_are_full() {
+    // Boxes that lie evenly leave few lanes empty.
+    let (_, boxes) = &scenes()[6];
+    let (wide, leaves) = WideTree::collapse(&build_morton(boxes));
+    assert!(leaves.len() * LEAF_CAPACITY < boxes.len() * 11 / 10, "{} leaves for {}", leaves.len(), boxes.len());
+    let bottom = wide.nodes().iter().filter(|node| node.holds_leaves()).count();
+    assert!(bottom * LEAF_CAPACITY * 9 < leaves.len() * 10, "{} leaves in {bottom} nodes", leaves.len());
 }

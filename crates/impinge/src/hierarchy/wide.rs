@@ -4,7 +4,12 @@
 //! the child that holds most. Nodes are plain bytes of four cache lines in preorder, so that children
 //! come after parents and a reverse sweep refits.
 
-use super::binary::{BinaryTree, NODE_OF_LEAVES};
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::binary::BinaryTree;
+use super::slab::Slab;
 use crate::simd::LANES;
 use crate::storage::Buffer;
 use crate::volume::Aabb;
@@ -21,7 +26,8 @@ pub enum Child {
 /// Marks the reference to a leaf.
 const LEAF_BIT: u32 = 1 << 31;
 
-/// Eight children: their boxes by axis, then what they lead to. Lanes from `count` on hold the empty box.
+/// Eight children, all of them nodes or all of them leaves: their boxes by axis, what they lead to, and a slab about
+/// all that they hold. Lanes from `count` on hold the empty box.
 #[derive(Clone, Copy, Debug, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C, align(64))]
 pub struct Node {
@@ -30,8 +36,10 @@ pub struct Node {
     /// `max[axis][lane]`: the greatest coordinate of the child's box.
     pub max: [[f32; LANES]; 3],
     references: [u32; LANES],
+    /// Holds everything below.
+    pub slab: Slab,
     count: u32,
-    reserved: [u32; 7],
+    reserved: [u32; 2],
 }
 
 impl Node {
@@ -39,8 +47,9 @@ impl Node {
         min: [[f32::INFINITY; LANES]; 3],
         max: [[f32::NEG_INFINITY; LANES]; 3],
         references: [0; LANES],
+        slab: Slab::ALL,
         count: 0,
-        reserved: [0; 7],
+        reserved: [0; 2],
     };
 
     /// How many lanes are in use.
@@ -48,6 +57,19 @@ impl Node {
     #[must_use]
     pub fn count(&self) -> usize {
         (self.count as usize).min(LANES)
+    }
+
+    /// Whether the children are leaves.
+    #[inline(always)]
+    #[must_use]
+    pub fn holds_leaves(&self) -> bool {
+        self.references[0] & LEAF_BIT != 0
+    }
+
+    /// The node or the leaf that `lane` leads to.
+    #[inline(always)]
+    pub(crate) fn index(&self, lane: usize) -> u32 {
+        self.references[lane] & !LEAF_BIT
     }
 
     /// What `lane` leads to.
@@ -81,7 +103,7 @@ impl Child {
 }
 
 /// The tree that queries descend; leaves are numbered in preorder and the caller keeps what they hold.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct WideTree {
     nodes: Buffer<Node>,
 }
@@ -90,11 +112,30 @@ impl WideTree {
     /// Collapses a binary tree; also returns which of its nodes each leaf is.
     #[must_use]
     pub fn collapse(binary: &BinaryTree) -> (Self, Vec<u32>) {
-        let mut collapse = Collapse { binary, nodes: Vec::new(), leaves: Vec::new() };
+        let mut collapse = Collapse {
+            binary,
+            nodes: Vec::with_capacity(binary.nodes.len() / 12 + 1),
+            leaves: Vec::with_capacity(binary.nodes.len() / 2 + 1),
+        };
         if !binary.nodes.is_empty() {
-            collapse.node(0);
+            collapse.node(Subtree { root: 0, len: binary.nodes.len() as u32 });
         }
         (Self { nodes: collapse.nodes.into() }, collapse.leaves)
+    }
+
+    /// Gives each node of the lower levels the slab about what its leaves, a range of them, hold.
+    pub fn set_slabs(&mut self, slab: impl Fn(Range<usize>) -> Slab + Sync) {
+        /// The leaves of three levels: larger patches are too curved for a slab to be thin.
+        const MOST_LEAVES: usize = LANES * LANES * LANES;
+        let nodes = self.nodes.to_mut();
+        // Children come after their parents and their leaves stand side by side.
+        let mut ranges = vec![0..0; nodes.len()];
+        for (at, node) in nodes.iter().enumerate().rev() {
+            let [first, last] = [0, node.count().saturating_sub(1)].map(|lane| node.index(lane) as usize);
+            ranges[at] = if node.holds_leaves() { first..last + 1 } else { ranges[first].start..ranges[last].end };
+        }
+        let patches = nodes.par_iter_mut().zip(ranges).filter(|(_, range)| range.len() <= MOST_LEAVES);
+        patches.for_each(|(node, range)| node.slab = slab(range));
     }
 
     /// The nodes in preorder, the root first; none where there are no boxes.
@@ -105,6 +146,20 @@ impl WideTree {
     }
 }
 
+/// A node of the binary tree with all below it, which follows it.
+#[derive(Clone, Copy)]
+struct Subtree {
+    root: u32,
+    len: u32,
+}
+
+impl Subtree {
+    /// A tree of which each inner node has two children has one leaf more than inner nodes.
+    fn fits_a_node_of_leaves(self) -> bool {
+        (self.len as usize) < 2 * LANES
+    }
+}
+
 struct Collapse<'a> {
     binary: &'a BinaryTree,
     nodes: Vec<Node>,
@@ -112,49 +167,51 @@ struct Collapse<'a> {
 }
 
 impl Collapse<'_> {
-    /// Appends the wide node that stands for binary node `root` and all below it. The recursion is at most as deep as
-    /// the binary tree, whose depth is bounded.
-    fn node(&mut self, root: u32) -> Child {
+    /// Appends the wide node that stands for a binary node and all below it, and returns its index. The recursion is at
+    /// most as deep as the binary tree, whose depth is bounded.
+    fn node(&mut self, subtree: Subtree) -> u32 {
         let at = self.nodes.len();
         self.nodes.push(Node::EMPTY);
-        let (lanes, count) = self.children(root);
+        let (lanes, count) = self.children(subtree);
         let mut node = Node { count: count as u32, ..Node::EMPTY };
         for (lane, &child) in lanes[..count].iter().enumerate() {
-            let binary = &self.binary.nodes[child as usize];
-            let wide = match binary.right {
-                None => {
-                    self.leaves.push(child);
-                    Child::Leaf(self.leaves.len() as u32 - 1)
-                }
-                Some(_) => self.node(child),
+            let wide = if subtree.fits_a_node_of_leaves() {
+                self.leaves.push(child.root);
+                Child::Leaf(self.leaves.len() as u32 - 1)
+            } else {
+                Child::Inner(self.node(child))
             };
-            node.set(lane, &binary.bounds, wide);
+            node.set(lane, &self.binary.nodes[child.root as usize].bounds, wide);
         }
         self.nodes[at] = node;
-        Child::Inner(at as u32)
+        at as u32
     }
 
-    /// The binary nodes that become the children: the one that holds most is opened until the lanes are full, or until
-    /// all of them fit a node of leaves. Their order in space is kept.
-    fn children(&self, root: u32) -> ([u32; LANES], usize) {
-        let held = |child: u32| self.binary.nodes[child as usize].count as usize;
-        let mut lanes = [root; LANES];
+    /// The binary nodes that become the children. What fits a node of leaves becomes one, even if it is a single leaf,
+    /// so that two trees meet leaves with leaves; above, the child that holds most is opened until the lanes are full.
+    /// Their order in space is kept.
+    fn children(&self, subtree: Subtree) -> ([Subtree; LANES], usize) {
+        let fullness = |child: Subtree| {
+            let is_whole = child.len == 1 || !subtree.fits_a_node_of_leaves() && child.fits_a_node_of_leaves();
+            if is_whole { 0 } else { self.binary.nodes[child.root as usize].count }
+        };
+        let mut lanes = [subtree; LANES];
         let mut count = 1;
         while count < LANES {
             let mut fullest = 0;
             for lane in 1..count {
-                if held(lanes[lane]) > held(lanes[fullest]) {
+                if fullness(lanes[lane]) > fullness(lanes[fullest]) {
                     fullest = lane;
                 }
             }
             let opened = lanes[fullest];
-            let Some(right) = self.binary.nodes[opened as usize].right else { break };
-            if count > 1 && held(root) > NODE_OF_LEAVES && held(opened) <= NODE_OF_LEAVES {
+            if fullness(opened) == 0 {
                 break;
             }
+            let Some(right) = self.binary.nodes[opened.root as usize].right else { break };
             lanes.copy_within(fullest + 1..count, fullest + 2);
-            lanes[fullest] = opened + 1;
-            lanes[fullest + 1] = opened + right.get();
+            lanes[fullest] = Subtree { root: opened.root + 1, len: right.get() - 1 };
+            lanes[fullest + 1] = Subtree { root: opened.root + right.get(), len: opened.len - right.get() };
             count += 1;
         }
         (lanes, count)

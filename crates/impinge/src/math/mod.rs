@@ -1,5 +1,6 @@
 //! Poses and the small, error-bounded linear algebra that the rest stands on.
 
+pub(crate) mod arctangent;
 pub(crate) mod dyadic;
 mod pose;
 pub(crate) mod relative;

@@ -11,7 +11,7 @@ use super::packet::Packet;
 use super::relation::Relation;
 use super::{Mesh, Placed};
 use crate::exact::{Placement, triangles_intersect};
-use crate::hierarchy::{Descent, LEAF_CAPACITY, LeafVisitor, Order, QUEUE, Task, bits};
+use crate::hierarchy::{Descent, LeafVisitor, Order, QUEUE, Task, bits};
 use crate::math::RelativeMap;
 use crate::simd::{self, LANES, Level, prefetch};
 use crate::volume::Aabb;
@@ -50,24 +50,31 @@ const TASKS_PER_THREAD: usize = 64;
 /// Below this many tasks no threads are woken: less work than this is done sooner than shared.
 const LEAST_SHARED_TASKS: usize = 256;
 
-/// Fewer lookups than this are not worth another thread.
-const LEAST_LOOKUPS: usize = 1 << 14;
-
 /// Pairs of faces (of a, of b) that intersect, each once, in no particular order: all of them, or any `limit` of them
 /// where there are more.
 pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, options: &Options) -> Vec<[u32; 2]> {
     let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
-    let (relation, swapped) = relate(a, b, placement.relative(), options.host);
+    let Relations { relation, back, swapped } = &relate(a, b, placement.relative(), options.host);
+    let swapped = *swapped;
     let (host, guest) = if swapped { (b.mesh, a.mesh) } else { (a.mesh, b.mesh) };
-    let descent = Descent { host: host.0.tree.nodes(), guest: guest.0.tree.nodes(), map: &relation.boxes };
+    let descent = Descent {
+        host: host.0.tree.nodes(),
+        guest: guest.0.tree.nodes(),
+        boxes: &relation.boxes,
+        host_slabs: &relation.slabs,
+        guest_slabs: &back.slabs,
+    };
     let (Some(root), true) = (descent.root(), limit > 0) else { return Vec::new() };
 
     // Whoever wants the first pairs only wants them before others are looked at.
     let ahead = if limit == usize::MAX { QUEUE } else { 1 };
     let worker = || Pairs {
-        host: host.leaves(),
-        guest: guest.leaves(),
-        relation: &relation,
+        host,
+        guest,
+        host_packets: &host.0.packets,
+        guest_packets: &guest.0.packets,
+        relation,
+        back,
         guests: [const { (u32::MAX, Guest::EMPTY) }; WAITING],
         last: 0,
         is_awaited: false,
@@ -89,7 +96,7 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, o
         work(options.level, &descent, Order::BreadthFirstUntil(enough), &mut tasks, &mut first);
         if tasks.len() >= enough {
             let chunk = tasks.len().div_ceil(TASKS_PER_THREAD * threads);
-            let shared: Vec<Vec<[Slot; 2]>> = tasks
+            let shared: Vec<Vec<[u32; 2]>> = tasks
                 .par_chunks(chunk)
                 .map(|tasks| {
                     let mut worker = worker();
@@ -102,12 +109,9 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, o
         }
     }
     work(options.level, &descent, Order::DepthFirst { ahead }, &mut tasks, &mut first);
-    first.found.truncate(limit);
-    let faces = |&[host, guest]: &[Slot; 2]| {
-        let (host, guest) = (first.host.face(host), first.guest.face(guest));
-        if swapped { [guest, host] } else { [host, guest] }
-    };
-    first.found.par_iter().with_min_len(LEAST_LOOKUPS).map(faces).collect()
+    let mut found = first.found;
+    found.truncate(limit);
+    found
 }
 
 /// The descent, compiled once for each vector unit.
@@ -119,23 +123,32 @@ fn work(level: Level, descent: &Descent<'_>, order: Order, tasks: &mut Vec<Task>
     }
 }
 
-/// The relation by the frame that the choice names, and whether the second mesh is the host.
-fn relate(a: Placed<'_>, b: Placed<'_>, a_from_b: &RelativeMap, choice: HostChoice) -> (Relation, bool) {
+/// How two meshes lie to each other.
+struct Relations {
+    /// Of the guest to the host.
+    relation: Relation,
+    /// Of the host to the guest.
+    back: Relation,
+    /// Whether the host is the second mesh.
+    swapped: bool,
+}
+
+/// The relations by the frame that the choice names.
+fn relate(a: Placed<'_>, b: Placed<'_>, a_from_b: &RelativeMap, choice: HostChoice) -> Relations {
     let (frame_a, frame_b) = (&a.mesh.0.frame, &b.mesh.0.frame);
-    let hosted_by_a = || Relation::new(a_from_b, frame_a, frame_b);
-    let hosted_by_b =
-        || Relation::new(&RelativeMap::a_from_b(&b.world_from_mesh, &a.world_from_mesh), frame_b, frame_a);
-    match choice {
-        HostChoice::First => (hosted_by_a(), false),
-        HostChoice::Second => (hosted_by_b(), true),
+    let by_a = Relation::new(a_from_b, frame_a, frame_b);
+    let by_b = Relation::new(&RelativeMap::a_from_b(&b.world_from_mesh, &a.world_from_mesh), frame_b, frame_a);
+    let swapped = match choice {
+        HostChoice::First => false,
+        HostChoice::Second => true,
         HostChoice::SmallerError => {
-            let (by_a, by_b) = (hosted_by_a(), hosted_by_b());
             // The error in units of the guest, whose boxes it blurs: a stretch of one unit of the guest is one unit.
             let blur = |relation: &Relation| f64::from(relation.boxes.slack()) / relation.stretch;
-            let (blur_a, blur_b) = (blur(&by_a) / frame_b.scale, blur(&by_b) / frame_a.scale);
-            if blur_b < blur_a { (by_b, true) } else { (by_a, false) }
+            blur(&by_b) / frame_a.scale < blur(&by_a) / frame_b.scale
         }
-    }
+    };
+    let (relation, back) = if swapped { (by_b, by_a) } else { (by_a, by_b) };
+    Relations { relation, back, swapped }
 }
 
 /// Pairs of leaves wait this long for the host leaf's memory. Fewer hide less of its latency; more crowd the first
@@ -149,43 +162,14 @@ struct Meeting {
     host_leaf: u32,
 }
 
-/// A lane of a leaf.
-#[derive(Clone, Copy, Debug)]
-struct Slot(u32);
-
-impl Slot {
-    #[inline(always)]
-    fn new(leaf: u32, lane: usize) -> Self {
-        Self(leaf * LANES as u32 + lane as u32)
-    }
-}
-
-/// What a mesh keeps for its leaves, as plain slices.
-#[derive(Clone, Copy)]
-struct Leaves<'a> {
-    mesh: &'a Mesh,
-    packets: &'a [Packet],
-    packet_faces: &'a [[u32; LEAF_CAPACITY]],
-}
-
-impl Leaves<'_> {
-    #[inline(always)]
-    fn face(&self, Slot(slot): Slot) -> u32 {
-        self.packet_faces[slot as usize / LANES][slot as usize % LANES]
-    }
-}
-
-impl Mesh {
-    fn leaves(&self) -> Leaves<'_> {
-        Leaves { mesh: self, packets: &self.0.packets, packet_faces: &self.0.packet_faces }
-    }
-}
-
 /// Leaf pairs of two meshes, filtered and decided.
 struct Pairs<'a> {
-    host: Leaves<'a>,
-    guest: Leaves<'a>,
+    host: &'a Mesh,
+    guest: &'a Mesh,
+    host_packets: &'a [Packet],
+    guest_packets: &'a [Packet],
     relation: &'a Relation,
+    back: &'a Relation,
     /// The guest leaves taken up last, in turn, and which of them is the last.
     guests: [(u32, Guest); WAITING],
     last: usize,
@@ -200,8 +184,7 @@ struct Pairs<'a> {
     /// Whether the host is the second mesh.
     swapped: bool,
     limit: usize,
-    /// Of the host and of the guest. Which faces these are is looked up at the end, when the lookups can overlap.
-    found: Vec<[Slot; 2]>,
+    found: Vec<[u32; 2]>,
 }
 
 impl Pairs<'_> {
@@ -213,17 +196,20 @@ impl Pairs<'_> {
         self.count -= 1;
         let (guest_leaf, guest) = &self.guests[guest];
         let mut verdicts = [Verdict::default(); LANES];
-        let met = guest.meet(simd, &self.host.packets[host_leaf as usize], &mut verdicts);
+        let met = guest.meet(simd, &self.host_packets[host_leaf as usize], &mut verdicts);
         if met == 0 { ControlFlow::Continue(()) } else { self.report(host_leaf, *guest_leaf, met, &verdicts) }
     }
 
     /// Decides what the filter left open and keeps what meets.
     #[inline(never)]
     fn report(&mut self, host_leaf: u32, guest_leaf: u32, met: u32, verdicts: &[Verdict; LANES]) -> ControlFlow<()> {
+        let host_faces = &self.host_packets[host_leaf as usize].faces;
+        let guest_faces = &self.guest_packets[guest_leaf as usize].faces;
         for guest_lane in bits(met) {
             let verdict = verdicts[guest_lane];
             for host_lane in bits(verdict.meets | verdict.open) {
-                let pair = [Slot::new(host_leaf, host_lane), Slot::new(guest_leaf, guest_lane)];
+                let (host, guest) = (host_faces[host_lane], guest_faces[guest_lane]);
+                let pair = if self.swapped { [guest, host] } else { [host, guest] };
                 if verdict.open >> host_lane & 1 == 0 || self.decide(pair) {
                     self.found.push(pair);
                 }
@@ -232,12 +218,11 @@ impl Pairs<'_> {
         if self.found.len() < self.limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
+    /// Whether two faces, of the first mesh and of the second, meet.
     #[cold]
-    fn decide(&self, [host, guest]: [Slot; 2]) -> bool {
-        let host = self.host.mesh.corners(self.host.face(host));
-        let guest = self.guest.mesh.corners(self.guest.face(guest));
-        let (a, b) = if self.swapped { (&guest, &host) } else { (&host, &guest) };
-        triangles_intersect(self.placement, a, b)
+    fn decide(&self, [face_a, face_b]: [u32; 2]) -> bool {
+        let (a, b) = if self.swapped { (self.guest, self.host) } else { (self.host, self.guest) };
+        triangles_intersect(self.placement, &a.corners(face_a), &b.corners(face_b))
     }
 }
 
@@ -251,14 +236,14 @@ impl LeafVisitor for Pairs<'_> {
             self.is_awaited = false;
             let (leaf, guest) = &mut self.guests[self.last];
             *leaf = guest_leaf;
-            guest.take_up(simd, &self.guest.packets[guest_leaf as usize], self.relation);
+            guest.take_up(simd, &self.guest_packets[guest_leaf as usize], self.relation, self.back);
         }
         self.guests[self.last].1.bounds
     }
 
     #[inline(always)]
     fn pair<S: Simd>(&mut self, simd: S, host_leaf: u32) -> ControlFlow<()> {
-        prefetch(&self.host.packets[host_leaf as usize]);
+        prefetch(&self.host_packets[host_leaf as usize]);
         self.waiting[(self.next + self.count) % WAITING] = Meeting { guest: self.last, host_leaf };
         self.count += 1;
         self.is_awaited = true;
@@ -275,6 +260,6 @@ impl LeafVisitor for Pairs<'_> {
 
     #[inline(always)]
     fn prefetch_guest(&self, leaf: u32) {
-        prefetch(&self.guest.packets[leaf as usize]);
+        prefetch(&self.guest_packets[leaf as usize]);
     }
 }

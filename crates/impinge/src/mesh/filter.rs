@@ -22,8 +22,8 @@ use fearless_simd::{Simd, f32x8, mask32x8};
 
 use super::packet::Packet;
 use super::relation::{CornerError, GROWN, Relation};
-use crate::hierarchy::{BoxLanes, HALF_ULP, load, load3, overlapping_each};
-use crate::simd::{LANES, by_axis};
+use crate::hierarchy::{BoxLanes, HALF_ULP, each_byte, overlapping_each, spread_to_bytes};
+use crate::simd::{LANES, Lanes3, by_axis, cross, dot, load, load3, store3, sub};
 use crate::volume::Aabb;
 
 /// The bits of the lanes of a host packet that a guest triangle is proved to meet, and of those that are left open.
@@ -50,12 +50,12 @@ pub(crate) struct Guest {
     /// What the corners may be off by once they are moved to a host anchor, but for the part that grows with the
     /// host's radius.
     error: f32,
+    /// A direction in the host's frame, and the least and greatest height of the corners along it.
+    across: [f32; 3],
+    heights: [f32; 2],
     /// Bounds of the packet in the host's packed frame.
     pub(crate) bounds: Aabb,
 }
-
-/// Three coordinates in each lane.
-type Lanes3<S> = [f32x8<S>; 3];
 
 impl Guest {
     /// No triangles.
@@ -68,12 +68,14 @@ impl Guest {
         lanes_in_use: 0,
         anchor: [0.0; 3],
         error: f32::INFINITY,
+        across: [0.0; 3],
+        heights: [f32::NEG_INFINITY, f32::INFINITY],
         bounds: Aabb::EMPTY,
     };
 
-    /// Turns a packet.
+    /// Turns a packet; `back` relates the meshes the other way round.
     #[inline(always)]
-    pub(crate) fn take_up<S: Simd>(&mut self, simd: S, packet: &Packet, relation: &Relation) {
+    pub(crate) fn take_up<S: Simd>(&mut self, simd: S, packet: &Packet, relation: &Relation, back: &Relation) {
         let linear: [Lanes3<S>; 3] =
             by_axis!(row => by_axis!(column => f32x8::splat(simd, relation.linear[row][column] as f32)));
         let corners: [Lanes3<S>; 3] = by_axis!(corner => {
@@ -92,6 +94,9 @@ impl Guest {
         self.anchor = relation.apply(packet.anchor);
         let CornerError { per_radius, constant, of_bounds } = relation.corner_error;
         self.error = per_radius * packet.radius + constant;
+        self.across = back.turn_back(packet.normal());
+        let (low, high) = heights(simd, &corners, self.across);
+        self.heights = [low.reduce_min(), high.reduce_max()];
         let slack = self.error * GROWN + of_bounds;
         self.bounds = Aabb {
             min: by_axis!(axis => self.anchor[axis] as f32 + (min[axis].reduce_min() - slack)),
@@ -103,12 +108,21 @@ impl Guest {
     /// returned are set, nothing for the others.
     #[inline(always)]
     pub(crate) fn meet<S: Simd>(&self, simd: S, host: &Packet, verdicts: &mut [Verdict; LANES]) -> u32 {
-        let offset: Lanes3<S> =
-            by_axis!(axis => f32x8::splat(simd, (self.anchor[axis] - f64::from(host.anchor[axis])) as f32));
+        let offset: [f32; 3] = by_axis!(axis => (self.anchor[axis] - f64::from(host.anchor[axis])) as f32);
         // Of the host's corners: their own rounding, and two of sums with an offset of up to the host's radius.
         let error = self.error + 4.0 * HALF_ULP as f32 * host.radius;
-
+        let guest_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &self.corners[corner]));
+        let guest_lanes = !outside(simd, &guest_corners, offset, host.normal(), host.heights, error) & 0xff;
+        if guest_lanes == 0 {
+            return 0;
+        }
         let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.corners[corner]));
+        let back = by_axis!(axis => -offset[axis]);
+        let host_lanes = host.lanes_in_use() & !outside(simd, &host_corners, back, self.across, self.heights, error);
+        if host_lanes == 0 {
+            return 0;
+        }
+        let offset: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, offset[axis]));
         let (host_min, host_max) = bounds(&host_corners);
         let slack = f32x8::splat(simd, error * GROWN);
         let mut moved = BoxLanes::default();
@@ -116,8 +130,8 @@ impl Guest {
             (load(simd, &self.min[axis]) + offset[axis] - slack).store_slice(&mut moved.min[axis]);
             (load(simd, &self.max[axis]) + offset[axis] + slack).store_slice(&mut moved.max[axis]);
         }
-        let in_use = u64::from(host.lanes_in_use()) * 0x0101_0101_0101_0101;
-        let mut near = overlapping_each(simd, (&host_min, &host_max), &moved) & in_use & self.lanes_in_use;
+        let lanes = each_byte(host_lanes) & spread_to_bytes(guest_lanes) & self.lanes_in_use;
+        let mut near = overlapping_each(simd, (&host_min, &host_max), &moved) & lanes;
         if near == 0 {
             return 0;
         }
@@ -144,6 +158,37 @@ impl Guest {
             width: f32x8::splat(simd, self.width[lane]),
         }
     }
+}
+
+/// The lanes whose corners, moved by `offset`, are proved outside the slab of `heights` along `normal`, when the corners
+/// of either side may be off by `error`.
+///
+/// The corners that matter are no larger than the radius that `error` allows nine and four roundings for, so that
+/// the five roundings of a height, and the seven of the offset's, which is no larger, are less than twice the error.
+#[inline(always)]
+fn outside<S: Simd>(
+    simd: S,
+    corners: &[Lanes3<S>; 3],
+    offset: [f32; 3],
+    normal: [f32; 3],
+    heights: [f32; 2],
+    error: f32,
+) -> u32 {
+    let [x, y, z] = normal;
+    let slack = 4.0 * error * (x.abs() + y.abs() + z.abs());
+    let moved = x * offset[0] + y * offset[1] + z * offset[2];
+    let (low, high) = self::heights(simd, corners, normal);
+    let above = low.simd_gt(f32x8::splat(simd, heights[1] - moved + slack));
+    let below = high.simd_lt(f32x8::splat(simd, heights[0] - moved - slack));
+    (above | below).to_bitmask() as u32
+}
+
+/// The least and the greatest height of the corners of each triangle along a direction.
+#[inline(always)]
+fn heights<S: Simd>(simd: S, corners: &[Lanes3<S>; 3], normal: [f32; 3]) -> (f32x8<S>, f32x8<S>) {
+    let normal: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, normal[axis]));
+    let [p, q, r]: [f32x8<S>; 3] = by_axis!(corner => dot(&normal, &corners[corner]));
+    (p.min(q).min(r), p.max(q).max(r))
 }
 
 struct Triangle<S: Simd> {
@@ -273,28 +318,6 @@ fn bounds<S: Simd>(corners: &[Lanes3<S>; 3]) -> (Lanes3<S>, Lanes3<S>) {
 fn width<S: Simd>(min: &Lanes3<S>, max: &Lanes3<S>) -> f32x8<S> {
     let [x, y, z] = sub(max, min);
     x.max(y).max(z)
-}
-
-#[inline(always)]
-fn sub<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> Lanes3<S> {
-    by_axis!(axis => a[axis] - b[axis])
-}
-
-#[inline(always)]
-fn cross<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> Lanes3<S> {
-    [a[1].mul_sub(b[2], a[2] * b[1]), a[2].mul_sub(b[0], a[0] * b[2]), a[0].mul_sub(b[1], a[1] * b[0])]
-}
-
-#[inline(always)]
-fn dot<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> f32x8<S> {
-    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
-}
-
-#[inline(always)]
-fn store3<S: Simd>(values: &Lanes3<S>, lanes: &mut [[f32; LANES]; 3]) {
-    for axis in 0..3 {
-        values[axis].store_slice(&mut lanes[axis]);
-    }
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //! mesh's own unit is and however far out it lies, so that single precision serves meshes of every size alike.
 
 use crate::mesh::Positions;
+use crate::simd::by_axis;
 
 /// `packed = (local − origin) · scale`, with a power of two for the scale, which rounds nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,13 +43,13 @@ impl PackedFrame {
 
     #[inline(always)]
     pub(crate) fn pack(&self, vertex: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|axis| (vertex[axis] - self.origin[axis]) * self.scale)
+        by_axis!(axis => (vertex[axis] - self.origin[axis]) * self.scale)
     }
 }
 
 /// The power of two that takes `extent` into (1/2, 1], as far as powers of two go in double precision with room for
 /// products; one for zero.
-fn reciprocal_power_of_two(extent: f64) -> f64 {
+pub(super) fn reciprocal_power_of_two(extent: f64) -> f64 {
     const EXPONENT_LIMIT: i32 = 900;
     if extent == 0.0 {
         return 1.0;

@@ -20,8 +20,10 @@ pub(super) fn judge(positions: &Positions, faces: &[[u32; 3]]) -> Result<(), Inp
         return too_many("faces", faces.len());
     }
     let broken = match positions {
-        Positions::F32(vertices) => vertices.par_iter().position_first(|v| !v.iter().all(|x| x.is_finite())),
-        Positions::F64(vertices) => vertices.par_iter().position_first(|v| !v.iter().all(|x| x.abs() < LIMIT)),
+        Positions::F32(vertices) => first(vertices, |v| !(v[0].is_finite() & v[1].is_finite() & v[2].is_finite())),
+        Positions::F64(vertices) => {
+            first(vertices, |v| !((v[0].abs() < LIMIT) & (v[1].abs() < LIMIT) & (v[2].abs() < LIMIT)))
+        }
     };
     if let Some(index) = broken {
         let finite = positions.get(index).iter().all(|x| x.is_finite());
@@ -32,10 +34,17 @@ pub(super) fn judge(positions: &Positions, faces: &[[u32; 3]]) -> Result<(), Inp
         }));
     }
     let len = positions.len();
-    let lost = faces.par_iter().position_first(|face| face.iter().any(|&vertex| vertex as usize >= len));
+    let lost = first(faces, |face| face[0].max(face[1]).max(face[2]) as usize >= len);
     if let Some(face) = lost {
         let index = faces[face].into_iter().find(|&vertex| vertex as usize >= len).unwrap_or_default();
         return Err(InputError::new(InputErrorKind::IndexOutOfBounds { face, index, len }));
     }
     Ok(())
+}
+
+/// The first that is bad. Chunks are judged as wholes, without a branch for each element, as nearly all are good.
+fn first<T: Sync>(all: &[T], is_bad: impl Fn(&T) -> bool + Sync) -> Option<usize> {
+    const CHUNK: usize = 1 << 12;
+    let chunk = all.par_chunks(CHUNK).position_first(|chunk| chunk.iter().fold(false, |any, one| any | is_bad(one)))?;
+    all[chunk * CHUNK..].iter().position(is_bad).map(|at| chunk * CHUNK + at)
 }

@@ -1,32 +1,56 @@
 //! Triangle meshes: judged once, packed, with their hierarchy, and the one descent of two meshes.
 
+mod crossings;
 mod descent;
+mod distance;
+mod face_boxes;
+mod far_field;
 mod filter;
 mod frame;
 mod health;
 mod inspection;
 mod judge;
+mod metric;
+mod nearest;
 mod packet;
 mod positions;
+mod rays;
 mod relation;
+mod self_descent;
+mod solid_angle;
+mod topology;
+mod walls;
+mod winding;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+use fearless_simd::dispatch;
 use rayon::prelude::*;
 
 pub(crate) use descent::collect_intersecting;
 pub use descent::{HostChoice, Options};
+pub(crate) use distance::{nearest, within};
 pub use health::Health;
+pub use nearest::ClosestPoint;
 pub use positions::Positions;
+use positions::Vertex;
+pub use rays::{Ray, RayHit};
+pub(crate) use self_descent::{Wanted, collect_self_intersecting};
+pub(crate) use walls::{Wall, Walls};
+pub(crate) use winding::Judge;
+pub use winding::{Containment, WindingNumber};
 
 use crate::exact::Corners;
-use crate::hierarchy::{BinaryTree, LEAF_CAPACITY, WideTree, build_morton};
+use crate::hierarchy::{BinaryTree, Slab, WideTree, build_over};
 use crate::input::InputError;
 use crate::math::Pose;
-use crate::storage::Buffer;
-use crate::volume::Aabb;
+use crate::simd::{best_level, prefetch};
+use crate::storage::{Buffer, Pages};
+use face_boxes::FaceBoxes;
+use far_field::FarField;
 use frame::PackedFrame;
 use packet::Packet;
+use topology::Topology;
 
 /// A triangle mesh, judged and packed, with its hierarchy; cheap to clone, and never changing under a query.
 ///
@@ -51,8 +75,10 @@ struct Data {
     frame: PackedFrame,
     tree: WideTree,
     packets: Buffer<Packet>,
-    /// The faces that fill the lanes of each packet.
-    packet_faces: Buffer<[u32; LEAF_CAPACITY]>,
+    /// Made when a question about solids first needs it.
+    topology: OnceLock<Topology>,
+    /// Made when a winding number first needs it.
+    far_field: OnceLock<FarField>,
 }
 
 impl Mesh {
@@ -71,27 +97,12 @@ impl Mesh {
         judge::judge(&positions, &faces)?;
         let positions = positions.narrowed();
         let frame = PackedFrame::of(&positions);
-        let boxes = face_boxes(&positions, &faces, &frame);
-        let binary = build_morton(&boxes);
-        let (tree, leaves) = WideTree::collapse(&binary);
-        drop(boxes);
-        let packets = match &positions {
-            Positions::F32(vertices) => pack(&binary, &leaves, |face: u32| {
-                faces[face as usize].map(|vertex| frame.pack(vertices[vertex as usize].map(f64::from)))
-            }),
-            Positions::F64(vertices) => pack(&binary, &leaves, |face: u32| {
-                faces[face as usize].map(|vertex| frame.pack(vertices[vertex as usize]))
-            }),
+        let (tree, packets) = match &positions {
+            Positions::F32(vertices) => hierarchy(vertices, &faces, &frame),
+            Positions::F64(vertices) => hierarchy(vertices, &faces, &frame),
         };
-        let packet_faces: Vec<[u32; LEAF_CAPACITY]> = leaves
-            .par_iter()
-            .map(|&leaf| {
-                let held = binary.held(leaf);
-                std::array::from_fn(|lane| held[if lane < held.len() { lane } else { 0 }])
-            })
-            .collect();
-        let (packets, packet_faces) = (packets.into(), packet_faces.into());
-        Ok(Self(Arc::new(Data { positions, faces, frame, tree, packets, packet_faces })))
+        let (topology, far_field) = (OnceLock::new(), OnceLock::new());
+        Ok(Self(Arc::new(Data { positions, faces, frame, tree, packets, topology, far_field })))
     }
 
     /// The positions, in the mesh's own frame.
@@ -122,6 +133,21 @@ impl Mesh {
         Placed { mesh: self, world_from_mesh }
     }
 
+    /// How the faces hang together.
+    pub(crate) fn topology(&self) -> &Topology {
+        let slot = &self.0.topology;
+        // Not while the slot is locked: a thread that waits for its sorting may take up a task that needs the slot too.
+        if slot.get().is_none() {
+            let _ = slot.set(Topology::of(&self.0.positions, &self.0.faces));
+        }
+        slot.get_or_init(|| Topology::of(&self.0.positions, &self.0.faces))
+    }
+
+    /// The moments of the faces below each node.
+    pub(crate) fn far_field(&self) -> &FarField {
+        self.0.far_field.get_or_init(|| FarField::of(self))
+    }
+
     /// Bytes that the mesh and its hierarchy hold.
     #[must_use]
     pub fn memory(&self) -> usize {
@@ -130,11 +156,7 @@ impl Mesh {
             Positions::F32(vertices) => size_of_val(&vertices[..]),
             Positions::F64(vertices) => size_of_val(&vertices[..]),
         };
-        positions
-            + size_of_val(&data.faces[..])
-            + size_of_val(data.tree.nodes())
-            + size_of_val(&data.packets[..])
-            + size_of_val(&data.packet_faces[..])
+        positions + size_of_val(&data.faces[..]) + size_of_val(data.tree.nodes()) + size_of_val(&data.packets[..])
     }
 }
 
@@ -154,22 +176,65 @@ impl<'a> From<&'a Mesh> for Placed<'a> {
     }
 }
 
-/// The packets of the leaves.
-fn pack(binary: &BinaryTree, leaves: &[u32], packed: impl Fn(u32) -> [[f64; 3]; 3] + Sync) -> Vec<Packet> {
-    leaves
-        .par_iter()
-        .map(|&leaf| Packet::new(binary.held(leaf), &binary.nodes[leaf as usize].bounds, &packed))
-        .collect()
+/// Leaves whose packets, or whose slab, are one task.
+const CHUNK: usize = 512;
+
+/// The tree of the faces and the packets of its leaves.
+fn hierarchy<V: Vertex>(vertices: &[V], faces: &[[u32; 3]], frame: &PackedFrame) -> (WideTree, Buffer<Packet>) {
+    let binary = build_over(&FaceBoxes::new(&face_boxes::pack(vertices, frame), faces));
+    let (mut tree, leaves) = WideTree::collapse(&binary);
+    let packets = pack(&binary, &leaves, frame, vertices, faces);
+    tree.set_slabs(|leaves| slab(&packets[leaves]));
+    (tree, packets)
 }
 
-/// Boxes of the faces in the packed frame, rounded outward (docs/proof.md, L1).
-fn face_boxes(positions: &Positions, faces: &[[u32; 3]], frame: &PackedFrame) -> Vec<Aabb> {
-    let round = |vertex: [f64; 3]| frame.pack(vertex).map(|x| x as f32);
-    let packed: Vec<[f32; 3]> = match positions {
-        Positions::F32(vertices) => vertices.par_iter().map(|v| round(v.map(f64::from))).collect(),
-        Positions::F64(vertices) => vertices.par_iter().map(|v| round(*v)).collect(),
-    };
-    // A step to the next float outward is a whole unit in the last place: more than half of one for the rounding to
-    // single precision and the double precision errors before it.
-    faces.par_iter().map(|face| Aabb::of_points(face.map(|vertex| packed[vertex as usize])).next_outward()).collect()
+/// The packets of the leaves.
+fn pack<V: Vertex>(
+    binary: &BinaryTree,
+    leaves: &[u32],
+    frame: &PackedFrame,
+    vertices: &[V],
+    faces: &[[u32; 3]],
+) -> Buffer<Packet> {
+    let mut packets = Pages::zeroed(leaves.len());
+    packets.to_mut().par_chunks_mut(CHUNK).zip(leaves.par_chunks(CHUNK)).for_each(|(packets, leaves)| {
+        dispatch!(best_level(), simd => {
+            for (at, (packet, &leaf)) in packets.iter_mut().zip(leaves).enumerate() {
+                // The vertices of a leaf lie anywhere: they are asked for one leaf ahead.
+                for &face in leaves.get(at + 1).map_or(&[][..], |&next| binary.held(next)) {
+                    for vertex in faces[face as usize] {
+                        prefetch(&vertices[vertex as usize]);
+                    }
+                }
+                let bounds = &binary.nodes[leaf as usize].bounds;
+                *packet = Packet::new(simd, binary.held(leaf), bounds, frame, vertices, faces);
+            }
+        });
+    });
+    packets
+}
+
+/// The slab about the packets.
+fn slab(packets: &[Packet]) -> Slab {
+    let mut sum = [0.0_f32; 3];
+    for packet in packets {
+        let facing = packet.normal();
+        for axis in 0..3 {
+            sum[axis] += facing[axis];
+        }
+    }
+    let largest = sum.iter().fold(0.0_f32, |largest, x| largest.max(x.abs()));
+    if largest == 0.0 {
+        return Slab::ALL;
+    }
+    let normal = sum.map(|x| x / largest);
+    dispatch!(best_level(), simd => {
+        let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
+        for packet in packets {
+            let [low, high] = packet.heights_along(simd, normal);
+            min = min.min(low);
+            max = max.max(high);
+        }
+        Slab { normal, min: (min as f32).next_down(), max: (max as f32).next_up() }
+    })
 }

@@ -1,15 +1,21 @@
 //! Packets: the triangles of one leaf side by side for the vector unit, in single precision about an anchor of their
 //! own, for rejecting and confirming in bulk. What they leave open is decided on the stored vertices.
 
-use crate::simd::LANES;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+
+use super::frame::{PACKING_ERROR, PackedFrame};
+use super::positions::Vertex;
+use crate::hierarchy::HALF_ULP;
+use crate::simd::{LANES, Lanes3, by_axis, load3, sub};
 use crate::volume::Aabb;
 
 /// Up to eight triangles; unused lanes repeat the first one.
 ///
 /// A corner is `anchor + corners[..]` in the packed frame, up to `HALF_ULP · radius` for its rounding to single
-/// precision and [`PACKING_ERROR`](super::frame::PACKING_ERROR) for the arithmetic before that.
+/// precision and [`PACKING_ERROR`] for the arithmetic before that.
 #[derive(Clone, Copy, Debug, bytemuck::Zeroable, bytemuck::Pod)]
-#[repr(C, align(64))]
+#[repr(C, align(32))]
 pub(crate) struct Packet {
     /// `corners[corner][axis][lane]`, relative to the anchor.
     pub(crate) corners: [[[f32; LANES]; 3]; 3],
@@ -17,36 +23,184 @@ pub(crate) struct Packet {
     pub(crate) anchor: [f32; 3],
     /// The greatest magnitude of the relative coordinates.
     pub(crate) radius: f32,
-    count: u32,
-    reserved: [u32; 3],
+    /// The slab about the relative corners: their least and greatest height along [`normal`](Self::normal).
+    pub(crate) heights: [f32; 2],
+    normal: [i16; 3],
+    count: u16,
+    /// Which face each lane is.
+    pub(crate) faces: [u32; LANES],
 }
+
+/// The unit of a packet's normal.
+const NORMAL_STEP: f32 = 1.0 / (1 << 14) as f32;
 
 impl Packet {
     /// The bits of the lanes that hold a triangle.
     #[inline(always)]
     pub(crate) fn lanes_in_use(&self) -> u32 {
-        (1 << (self.count as usize).min(LANES)) - 1
+        (1 << usize::from(self.count).min(LANES)) - 1
     }
 
-    /// The packet of these triangles, at least one and at most eight, whose packed boxes `bounds` holds; `packed` gives
-    /// the packed corners of a triangle.
-    pub(crate) fn new(triangles: &[u32], bounds: &Aabb, packed: impl Fn(u32) -> [[f64; 3]; 3]) -> Self {
-        let anchor: [f32; 3] = std::array::from_fn(|axis| 0.5 * (bounds.min[axis] + bounds.max[axis]));
-        let mut corners = [[[0.0; LANES]; 3]; 3];
-        let mut radius = 0.0_f32;
-        for (lane, &triangle) in triangles.iter().enumerate() {
-            for (corner, packed) in packed(triangle).iter().enumerate() {
+    /// The direction of the slab about the corners, mostly that in which the triangles face; no component is larger than
+    /// one in magnitude, and none is rounded.
+    #[inline(always)]
+    pub(crate) fn normal(&self) -> [f32; 3] {
+        by_axis!(axis => f32::from(self.normal[axis]) * NORMAL_STEP)
+    }
+
+    /// The packet of these faces, at least one and at most eight, whose packed boxes `bounds` holds, of all `faces`
+    /// over `vertices`.
+    ///
+    /// No operation is fused, so that the bits are the same on every vector unit.
+    #[inline(always)]
+    pub(super) fn new<S: Simd, V: Vertex>(
+        simd: S,
+        held: &[u32],
+        bounds: &Aabb,
+        frame: &PackedFrame,
+        vertices: &[V],
+        faces: &[[u32; 3]],
+    ) -> Self {
+        let mut lanes = [held[0]; LANES];
+        lanes[..held.len()].copy_from_slice(held);
+        let mut local = [[[0.0_f64; LANES]; 3]; 3];
+        for lane in 0..LANES {
+            let face = &faces[lanes[lane] as usize];
+            for corner in 0..3 {
+                let vertex = vertices[face[corner] as usize].widened();
                 for axis in 0..3 {
-                    let relative = (packed[axis] - f64::from(anchor[axis])) as f32;
-                    corners[corner][axis][lane] = relative;
-                    radius = radius.max(relative.abs());
+                    local[corner][axis][lane] = vertex[axis];
                 }
             }
         }
-        for lanes in corners.as_flattened_mut() {
-            let first = lanes[0];
-            lanes[triangles.len()..].fill(first);
+        let anchor = by_axis!(axis => 0.5 * (bounds.min[axis] + bounds.max[axis]));
+        let mut relative = [[[0.0_f32; LANES]; 3]; 3];
+        for corner in 0..3 {
+            for axis in 0..3 {
+                let (origin, anchor) = (frame.origin[axis], f64::from(anchor[axis]));
+                for lane in 0..LANES {
+                    relative[corner][axis][lane] = ((local[corner][axis][lane] - origin) * frame.scale - anchor) as f32;
+                }
+            }
         }
-        Self { corners, anchor, radius, count: triangles.len() as u32, reserved: [0; 3] }
+        let corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &relative[corner]));
+        let mut largest = f32x8::splat(simd, 0.0);
+        for axis in 0..3 {
+            for corner in &corners {
+                largest = largest.max(corner[axis].abs());
+            }
+        }
+        let radius = largest.reduce_max();
+        let normal = direction(&corners);
+        let [low, high] = heights(simd, &corners, by_axis!(axis => f32::from(normal[axis]) * NORMAL_STEP), radius);
+        let count = held.len() as u16;
+        Self { corners: relative, anchor, radius, heights: [low, high], normal, count, faces: lanes }
+    }
+
+    /// The least and the greatest height of all that the packet stands for along a direction no component of which is
+    /// larger than one, in the packed frame, outward.
+    #[inline(always)]
+    pub(crate) fn heights_along<S: Simd>(&self, simd: S, normal: [f32; 3]) -> [f64; 2] {
+        let corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &self.corners[corner]));
+        let [low, high] = heights(simd, &corners, normal, self.radius);
+        let [x, y, z] = by_axis!(axis => f64::from(normal[axis]) * f64::from(self.anchor[axis]));
+        let anchor = x + y + z;
+        // Three components' worth of what a corner may be off by, and of what the sums here may.
+        let error = 3.0 * (2.0 * HALF_ULP * f64::from(self.radius) + 2.0 * PACKING_ERROR);
+        [anchor + f64::from(low) - error, anchor + f64::from(high) + error]
+    }
+}
+
+/// The direction in which the triangles face, weighted by their areas; zero if in none.
+#[inline(always)]
+fn direction<S: Simd>(corners: &[Lanes3<S>; 3]) -> [i16; 3] {
+    let (e, f) = (sub(&corners[1], &corners[0]), sub(&corners[2], &corners[0]));
+    let areas = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
+    let sum = by_axis!(axis => sum(areas[axis]));
+    let [x, y, z] = by_axis!(axis => sum[axis].abs());
+    let largest = x.max(y).max(z);
+    let scale = 1.0 / (largest * NORMAL_STEP);
+    if scale.is_finite() && largest.is_finite() { by_axis!(axis => (sum[axis] * scale) as i16) } else { [0; 3] }
+}
+
+/// The sum of the lanes, in an order that is the same on every vector unit.
+#[inline(always)]
+fn sum<S: Simd>(lanes: f32x8<S>) -> f32 {
+    let [a, b, c, d, e, f, g, h] = <[f32; LANES]>::from(lanes);
+    ((a + e) + (b + f)) + ((c + g) + (d + h))
+}
+
+/// The least and the greatest height of corners of at most this radius along a direction, outward: five roundings of
+/// sums of three products of at most the radius.
+#[inline(always)]
+fn heights<S: Simd>(simd: S, corners: &[Lanes3<S>; 3], normal: [f32; 3], radius: f32) -> [f32; 2] {
+    let normal: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, normal[axis]));
+    let [p, q, r]: [f32x8<S>; 3] = by_axis!(corner => {
+        let at = &corners[corner];
+        normal[0] * at[0] + normal[1] * at[1] + normal[2] * at[2]
+    });
+    let error = 20.0 * HALF_ULP as f32 * radius + f32::MIN_POSITIVE;
+    [p.min(q).min(r).reduce_min() - error, p.max(q).max(r).reduce_max() + error]
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+    use impinge_testkit::generate::Rng;
+
+    use super::*;
+    use crate::mesh::Positions;
+    use crate::simd::{Level, levels};
+
+    #[test]
+    fn a_packet_holds_its_triangles_and_bounds_them() {
+        let mut rng = Rng::new(151);
+        for round in 0..500 {
+            let count = rng.integer(1, 8) as usize;
+            let (centre, size) = ([0; 3].map(|_| rng.uniform(-9.0, 9.0)), 2.0_f64.powi(-(round % 20)));
+            let vertices: Vec<[f64; 3]> =
+                (0..24).map(|_| std::array::from_fn(|axis| centre[axis] + rng.uniform(-size, size))).collect();
+            let positions = Positions::F64([&vertices[..], &[[-10.0; 3], [10.0; 3]]].concat());
+            let frame = PackedFrame::of(&positions);
+            let faces: Vec<[u32; 3]> = (0..8).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+            let held: Vec<u32> = (0..count as u32).rev().collect();
+            let packed = |face: u32, corner: usize| frame.pack(vertices[faces[face as usize][corner] as usize]);
+            let bounds = held.iter().fold(Aabb::EMPTY, |bounds, &face| {
+                bounds.union(Aabb::of_points([0, 1, 2].map(|corner| packed(face, corner).map(|x| x as f32))))
+            });
+            let packets = levels().into_iter().map(|(name, level)| {
+                (name, dispatch!(level, simd => Packet::new(simd, &held, &bounds.next_outward(), &frame, &vertices, &faces)))
+            });
+            let packets: Vec<(&str, Packet)> = packets.collect();
+            let (_, packet) = packets[0];
+            for (name, other) in &packets {
+                assert_eq!(bytemuck::bytes_of(other), bytemuck::bytes_of(&packet), "{name}: other bits");
+            }
+            assert_eq!(packet.lanes_in_use(), (1 << count) - 1);
+            let normal = packet.normal();
+            assert!(normal.iter().any(|x| x.abs() > 0.99) && normal.iter().all(|x| x.abs() <= 1.0), "{normal:?}");
+            let [low, high] = dispatch!(Level::fallback(), simd => packet.heights_along(simd, normal));
+            for lane in 0..LANES {
+                let face = if lane < count { held[lane] } else { held[0] };
+                assert_eq!(packet.faces[lane], face);
+                for corner in 0..3 {
+                    let exact = packed(face, corner);
+                    let mut height = 0.0;
+                    let mut relative_height = 0.0;
+                    for axis in 0..3 {
+                        let relative = packet.corners[corner][axis][lane];
+                        assert!(relative.abs() <= packet.radius);
+                        let off = (f64::from(packet.anchor[axis]) + f64::from(relative) - exact[axis]).abs();
+                        assert!(off <= HALF_ULP * f64::from(packet.radius) + PACKING_ERROR, "off by {off}");
+                        height += f64::from(normal[axis]) * exact[axis];
+                        relative_height += f64::from(normal[axis]) * f64::from(relative);
+                    }
+                    assert!(low <= height && height <= high, "{height} is not in {low}..{high}");
+                    let [low, high] = packet.heights.map(f64::from);
+                    assert!(low <= relative_height && relative_height <= high);
+                }
+            }
+            assert!(high - low < 8.0 * f64::from(packet.radius), "a slab as thick as {}", high - low);
+        }
     }
 }

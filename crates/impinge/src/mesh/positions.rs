@@ -1,5 +1,7 @@
 //! The vertices of a mesh, kept in the precision that they were given in.
 
+use crate::simd::by_axis;
+
 /// Vertex positions in the mesh's own frame and unit; a stored coordinate is the real number that its float is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Positions {
@@ -7,6 +9,26 @@ pub enum Positions {
     F32(Vec<[f32; 3]>),
     /// Double precision, kept as given.
     F64(Vec<[f64; 3]>),
+}
+
+/// A vertex in either precision.
+pub(super) trait Vertex: Copy + Sync {
+    /// The same point in double precision.
+    fn widened(self) -> [f64; 3];
+}
+
+impl Vertex for [f32; 3] {
+    #[inline(always)]
+    fn widened(self) -> [f64; 3] {
+        by_axis!(axis => f64::from(self[axis]))
+    }
+}
+
+impl Vertex for [f64; 3] {
+    #[inline(always)]
+    fn widened(self) -> [f64; 3] {
+        self
+    }
 }
 
 impl Positions {

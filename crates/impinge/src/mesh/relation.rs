@@ -1,8 +1,9 @@
 //! How one mesh's packed frame lies in the other's: the map that the descent and the filter carry boxes and corners by.
 
 use super::frame::{PACKING_ERROR, PackedFrame, REACH};
-use crate::hierarchy::{BoxMap, HALF_ULP};
+use crate::hierarchy::{BoxMap, HALF_ULP, SlabMap};
 use crate::math::RelativeMap;
+use crate::simd::by_axis;
 
 /// Least error that the filter assumes; the head of its file says why.
 const LEAST_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
@@ -24,6 +25,7 @@ pub(crate) struct Relation {
     /// What the corners of a guest packet of radius r may be off by: `per_radius · r + constant`.
     pub(crate) corner_error: CornerError,
     pub(crate) boxes: BoxMap,
+    pub(crate) slabs: SlabMap,
 }
 
 impl Relation {
@@ -59,18 +61,28 @@ impl Relation {
             error = [f64::INFINITY; 3];
         }
         let boxes = BoxMap::new(&linear, &translation, &error, REACH);
+        let slabs = SlabMap::new(&linear, &translation, &error, REACH);
         let map_error = error.into_iter().fold(0.0, f64::max);
         let map_error = if largest < LARGEST_FOR_TRIANGLES { map_error } else { f64::INFINITY };
         let corner_error = CornerError::new(&translation, map_error, stretch);
-        Self { linear, translation, stretch, corner_error, boxes }
+        Self { linear, translation, stretch, corner_error, boxes, slabs }
+    }
+
+    /// A direction of the host's frame in the guest's, such that what lies between two planes across the one lies
+    /// between two planes across the other; nearly so, which is enough for a direction.
+    #[inline(always)]
+    pub(crate) fn turn_back(&self, normal: [f32; 3]) -> [f32; 3] {
+        let [x, y, z] = normal;
+        let [along_x, along_y, along_z] = &self.linear;
+        by_axis!(axis => (f64::from(x) * along_x[axis] + f64::from(y) * along_y[axis] + f64::from(z) * along_z[axis]) as f32)
     }
 
     /// The image of a packed point, to nearest.
     #[inline(always)]
     pub(crate) fn apply(&self, point: [f32; 3]) -> [f64; 3] {
-        std::array::from_fn(|axis| {
+        let [x, y, z] = by_axis!(axis => f64::from(point[axis]));
+        by_axis!(axis => {
             let row = &self.linear[axis];
-            let [x, y, z] = point.map(f64::from);
             row[0] * x + row[1] * y + row[2] * z + self.translation[axis]
         })
     }

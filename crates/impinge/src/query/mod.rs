@@ -1,15 +1,21 @@
 //! The questions one asks of two meshes. They take judged meshes and poses, and so cannot fail.
 
 mod curves;
+mod distance;
+mod pair_order;
+mod penetrates;
+mod self_intersection;
+mod solid;
 
 pub use curves::{Curves, curves_of_pairs, intersection_curves};
-
-use rayon::prelude::*;
+pub use distance::{Distance, Witness, WitnessCache, distance, distance_with, within, within_with};
+pub use penetrates::{Penetrates, penetrates, penetrates_of_pairs};
+pub use self_intersection::self_intersecting_pairs;
+pub use solid::{
+    Contained, Solid, SolidIntersection, intersects_solid, solid_intersection, solid_intersection_of_pairs,
+};
 
 use crate::mesh::{Options, Placed, collect_intersecting};
-
-/// Fewer pairs than this are sorted sooner by one thread.
-const LEAST_SORTED_TOGETHER: usize = 1 << 16;
 
 /// Whether the surfaces of two meshes have a point in common; touching counts.
 ///
@@ -54,13 +60,5 @@ pub fn intersecting_pairs_with<'a, 'b>(
     b: impl Into<Placed<'b>>,
     options: &Options,
 ) -> Vec<[u32; 2]> {
-    let pairs = collect_intersecting(a.into(), b.into(), usize::MAX, options);
-    // One integer sorts faster than two.
-    let mut keys: Vec<u64> = pairs.iter().map(|&[a, b]| u64::from(a) << 32 | u64::from(b)).collect();
-    if keys.len() < LEAST_SORTED_TOGETHER {
-        keys.sort_unstable();
-    } else {
-        keys.par_sort_unstable();
-    }
-    keys.iter().map(|&key| [(key >> 32) as u32, key as u32]).collect()
+    pair_order::sorted(collect_intersecting(a.into(), b.into(), usize::MAX, options))
 }

@@ -5,6 +5,7 @@
 //! *confirm* within proved bounds, and what they leave open is decided exactly.
 
 mod prefetch;
+mod vectors;
 
 /// `[body, body, body]` with `axis` 0, 1, 2. A closure would do, but one that the compiler leaves out of line loses the
 /// vector unit of its caller.
@@ -30,6 +31,7 @@ macro_rules! by_axis {
 pub(crate) use by_axis;
 
 pub(crate) use prefetch::prefetch;
+pub(crate) use vectors::{Lanes3, cross, dot, load, load3, store3, sub};
 
 pub use fearless_simd::Level;
 

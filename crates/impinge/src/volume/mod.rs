@@ -29,6 +29,7 @@ mod min_max;
 mod min_widths;
 mod obb;
 mod packed;
+pub mod realign;
 mod rigid;
 mod round;
 mod rounding;

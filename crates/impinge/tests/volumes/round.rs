@@ -221,7 +221,7 @@ fn the_interval_holds_the_distance_for_every_pair_of_kinds() {
         tally[5].check(l(&mut rng), l(&mut rng), &draw);
     }
     for counts in &tally {
-        assert!(counts.apart > 60 && counts.meets > 20 && counts.undecided > 20, "{counts:?}");
+        assert!(counts.apart > 60 && counts.meets > 8 && counts.undecided > 20, "{counts:?}");
     }
     assert!(tally.iter().map(|counts| counts.touching).sum::<usize>() > 100, "{tally:?}");
 }

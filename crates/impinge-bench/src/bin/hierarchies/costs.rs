@@ -67,5 +67,6 @@ pub(crate) fn measure<V: NodeVolume>(question: &Question, repeats: usize) -> Opt
 
 /// The shortest time of some runs, in seconds.
 fn least(repeats: usize, mut run: impl FnMut()) -> f64 {
-    Samples::take(repeats.max(5), || Ok::<f64, ()>(processor_timed(&mut run).0)).map_or(f64::NAN, |samples| samples.min())
+    Samples::take(repeats.max(5), || Ok::<f64, ()>(processor_timed(&mut run).0))
+        .map_or(f64::NAN, |samples| samples.min())
 }

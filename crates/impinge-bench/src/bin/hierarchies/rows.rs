@@ -22,8 +22,9 @@ pub(crate) const BUILDER_HEADINGS: [&str; 9] =
 
 /// A builder, by the tree of boxes that queries would descend.
 pub(crate) fn builder(question: &Question, builder: Builder, runs: &Runs) -> Result<[String; 9]> {
-    let build =
-        Samples::take(runs.repeats.min(MOST_BUILDS), || anyhow::Ok(processor_timed(|| builder.build(&question.boxes)).0))?;
+    let build = Samples::take(runs.repeats.min(MOST_BUILDS), || {
+        anyhow::Ok(processor_timed(|| builder.build(&question.boxes)).0)
+    })?;
     let binary = builder.build(&question.boxes);
     let statistics = binary.statistics();
     let tree = question.tree::<Aabb, 8>(&binary, Enclosure::Wrapped)?;

@@ -54,7 +54,7 @@ impl Side8 {
     }
 
     fn corners(&self, lane: usize) -> [Point; 3] {
-        self.mesh.corners(self.mesh.0.packet_faces[0][lane])
+        self.mesh.corners(self.packet().faces[lane])
     }
 }
 
@@ -121,7 +121,7 @@ fn corners_and_bounds_are_within_their_error() {
             Some([1.0 / guest_scale; 3]),
             pose(guest_scale, &turn),
         );
-        let relation = relate(&host, &guest);
+        let (relation, back) = (relate(&host, &guest), relate(&guest, &host));
         let exact_guest: Vec<[[RBig; 3]; 3]> =
             (0..count).map(|lane| guest.corners(lane).map(|c| packed_exactly(&host, &guest.pose, &c))).collect();
         for (name, level) in levels() {
@@ -129,7 +129,7 @@ fn corners_and_bounds_are_within_their_error() {
             let anchor = host.packet().anchor;
             let mut moved = [[[0.0_f32; LANES]; 3]; 3];
             dispatch!(level, simd => {
-                taken.take_up(simd, guest.packet(), &relation);
+                taken.take_up(simd, guest.packet(), &relation, &back);
                 let offset: Lanes3<_> = by_axis!(axis => {
                     f32x8::splat(simd, (taken.anchor[axis] - f64::from(anchor[axis])) as f32)
                 });
@@ -444,7 +444,7 @@ fn judge_packets(kind: Kind, seed: u64, packets: usize) -> Outcomes {
             Side8::new(&own, stray, Affine { linear, translation: common.translation })
         };
         let (host, guest) = (side(&mut rng, &host), side(&mut rng, &guest));
-        let relation = relate(&host, &guest);
+        let (relation, back) = (relate(&host, &guest), relate(&guest, &host));
         let placement = Placement::new(&host.world_from_mesh(), &guest.world_from_mesh());
         let truths: Vec<Vec<bool>> = (0..guests)
             .map(|g| (0..hosts).map(|h| triangles_intersect(&placement, &host.corners(h), &guest.corners(g))).collect())
@@ -453,7 +453,7 @@ fn judge_packets(kind: Kind, seed: u64, packets: usize) -> Outcomes {
             let mut verdicts = [Verdict::default(); LANES];
             let met = dispatch!(level, simd => {
                 let mut taken = Guest::EMPTY;
-                taken.take_up(simd, guest.packet(), &relation);
+                taken.take_up(simd, guest.packet(), &relation, &back);
                 taken.meet(simd, host.packet(), &mut verdicts)
             });
             for (lane, verdict) in verdicts.into_iter().enumerate() {

@@ -1,0 +1,203 @@
+"""Ten thousand poses of env.obj against rob.obj: one call of impinge, and a Python loop over python-fcl.
+
+    python3 -m venv .venv && .venv/bin/pip install -r bench/requirements.txt .
+    IMPINGE_DATA=... .venv/bin/python bench/poses.py
+
+The meshes are those of FCL's own tests, 2,180 and 216 triangles, read from the folder that IMPINGE_DATA names. Poses
+are random and rigid; a fair share of them collides. FCL gets its objects built beforehand and a new transform for each
+pose, the least that a loop can do. Answers are compared: every pair that only one of the two reports is listed, with
+what rational arithmetic says of it.
+"""
+
+import argparse
+import os
+import platform
+import shlex
+import sys
+import time
+from collections.abc import Callable
+from datetime import date
+from fractions import Fraction
+from importlib.metadata import version
+from itertools import combinations
+from pathlib import Path
+
+import fcl
+import impinge
+import numpy as np
+
+NO_LIMIT = 10**6  # contacts, more than any pose here has
+
+
+def poses(count: int, low: np.ndarray, high: np.ndarray, seed: int) -> np.ndarray:
+    """(count, 4, 4) rigid poses: any rotation, translations within a box."""
+    rng = np.random.default_rng(seed)
+    quaternions = rng.normal(size=(count, 4))
+    quaternions /= np.linalg.norm(quaternions, axis=1, keepdims=True)
+    return impinge.pose(rng.uniform(low, high, size=(count, 3)), quat_wxyz=quaternions)
+
+
+def fcl_model(mesh: impinge.Mesh) -> fcl.BVHModel:
+    model = fcl.BVHModel()
+    model.beginModel(mesh.face_count, mesh.vertex_count)
+    model.addSubModel(mesh.vertices.astype(float), mesh.faces.tolist())
+    model.endModel()
+    return model
+
+
+def fcl_loop(a: fcl.BVHModel, b: fcl.BVHModel, world_from_b: np.ndarray, limit: int) -> list[list[tuple[int, int]]]:
+    """The pairs that FCL reports for each pose, at most `limit`, as it reports them."""
+    one, two = fcl.CollisionObject(a), fcl.CollisionObject(b)
+    request = fcl.CollisionRequest(num_max_contacts=limit, enable_contact=False)
+    answers = []
+    for pose in world_from_b:
+        two.setTransform(fcl.Transform(pose[:3, :3], pose[:3, 3]))
+        result = fcl.CollisionResult()
+        fcl.collide(one, two, request, result)
+        answers.append([(contact.b1, contact.b2) for contact in result.contacts])
+    return answers
+
+
+def timed(run: Callable[[], object], repeats: int) -> tuple[float, float, object]:
+    """The least seconds of some runs, by the clock and of all processors together, and the last answer."""
+    clock, work, answer = float("inf"), float("inf"), None
+    for _ in range(repeats):
+        starts = time.perf_counter(), time.process_time()
+        answer = run()
+        clock, work = min(clock, time.perf_counter() - starts[0]), min(work, time.process_time() - starts[1])
+    return clock, work, answer
+
+
+def overhead(mesh: impinge.Mesh) -> tuple[float, float]:
+    """Seconds of a call with one pose where the meshes are far apart, without poses and with both."""
+    far = impinge.pose([1e6, 0, 0])
+    here = np.eye(4)
+    calls = 2000
+
+    def without() -> None:
+        for _ in range(calls):
+            impinge.intersects(mesh, EMPTY)
+
+    def with_poses() -> None:
+        for _ in range(calls):
+            impinge.intersects(mesh, mesh, here, far)
+
+    return timed(without, 20)[0] / calls, timed(with_poses, 20)[0] / calls
+
+
+EMPTY = impinge.Mesh(np.zeros((0, 3)), np.zeros((0, 3), int))
+
+
+def meet_exactly(p: list[list[Fraction]], q: list[list[Fraction]]) -> bool:
+    """Whether two triangles meet: whether the origin lies in the hull of the differences of their corners."""
+    differences = [[x - y for x, y in zip(u, v, strict=True)] for u in p for v in q]
+    return any(holds_origin(chosen) for size in (1, 2, 3, 4) for chosen in combinations(differences, size))
+
+
+def holds_origin(points: tuple[list[Fraction], ...]) -> bool:
+    """Whether weights of at least 0 that sum to 1 take independent points to the origin."""
+    size = len(points)
+    rows = [[p[k] for p in points] + [Fraction(0)] for k in range(3)] + [[Fraction(1)] * (size + 1)]
+    for column in range(size):
+        pivot = next((r for r in range(column, 4) if rows[r][column]), None)
+        if pivot is None:
+            return False
+        rows[column], rows[pivot] = rows[pivot], rows[column]
+        rows[column] = [x / rows[column][column] for x in rows[column]]
+        for r in range(4):
+            if r != column and rows[r][column]:
+                rows[r] = [x - rows[r][column] * y for x, y in zip(rows[r], rows[column], strict=True)]
+    return all(row[size] >= 0 for row in rows[:size]) and all(row[size] == 0 for row in rows[size:])
+
+
+def exact_corners(mesh: impinge.Mesh, face: int, pose: np.ndarray) -> list[list[Fraction]]:
+    corners = [[Fraction(float(x)) for x in mesh.vertices[vertex]] for vertex in mesh.faces[face]]
+    matrix = [[Fraction(float(x)) for x in row] for row in pose[:3]]
+    return [[sum((m * x for m, x in zip(row, c, strict=False)), row[3]) for row in matrix] for c in corners]
+
+
+def disagreements(
+    a: impinge.Mesh, b: impinge.Mesh, world_from_b: np.ndarray, ours: impinge.Pairs, theirs: list[list[tuple[int, int]]]
+) -> list[str]:
+    """The pairs that one reports and the other does not, each decided in rational arithmetic."""
+    found = []
+    for row, fcl_pairs in enumerate(theirs):
+        own = set(map(tuple, np.asarray(ours[row]).tolist()))
+        for face_a, face_b in sorted(own ^ set(fcl_pairs)):
+            corners = exact_corners(a, face_a, np.eye(4)), exact_corners(b, face_b, world_from_b[row])
+            who = "impinge" if (face_a, face_b) in own else "FCL"
+            truth = "meet" if meet_exactly(*corners) else "do not meet"
+            found.append(f"pose {row}: faces {face_a} and {face_b}: reported by {who} alone; in truth they {truth}")
+    return found
+
+
+def circumstances() -> dict[str, str]:
+    """What the numbers depend on beside the code."""
+    cpuinfo = Path("/proc/cpuinfo")
+    lines = cpuinfo.read_text().splitlines() if cpuinfo.exists() else []
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return {
+        "date": date.today().isoformat(),
+        "command": shlex.join(["python", *sys.argv]),
+        "cpu": f"{names[0] if names else platform.processor()}, {os.cpu_count()} cores",
+        "load before": f"{os.getloadavg()[0]:.1f}",
+        "python": platform.python_version(),
+        "python-fcl": version("python-fcl"),
+        "numpy": np.__version__,
+    }
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--poses", type=int, default=10_000)
+    parser.add_argument("--repeats", type=int, default=5, help="runs of each; the least time counts")
+    options = parser.parse_args()
+    folder = os.environ.get("IMPINGE_DATA")
+    if folder is None:
+        sys.exit("IMPINGE_DATA names no folder of extra data")
+    meshes = Path(folder) / "nasty" / "fcl_resources"
+    about = circumstances()
+    env, rob = impinge.load(meshes / "env.obj"), impinge.load(meshes / "rob.obj")
+    low, high = env.vertices.min(axis=0), env.vertices.max(axis=0)
+    world_from_rob = poses(options.poses, low, high, seed=1)
+    fcl_env, fcl_rob = fcl_model(env), fcl_model(rob)
+
+    rows, problems = [], []
+    for name, limit in (("first hit", 1), ("all pairs", NO_LIMIT)):
+        loop = lambda limit=limit: fcl_loop(fcl_env, fcl_rob, world_from_rob, limit)  # noqa: E731
+        *seconds, theirs = timed(loop, 2 if limit == 1 else 1)
+        rows.append([name, "python-fcl, a loop", 1, *seconds])
+        ask = impinge.intersects if limit == 1 else impinge.intersecting_pairs
+        for n in (1, os.cpu_count() or 1):
+            with impinge.threads(n):
+                *own, ours = timed(lambda ask=ask: ask(env, rob, None, world_from_rob), options.repeats)
+            rows.append([name, "impinge, one call", n, *own])
+        if limit == 1:
+            differing = np.flatnonzero(np.array([bool(pairs) for pairs in theirs]) != ours)
+            problems += [
+                f"first hit, pose {row}: FCL says {bool(theirs[row])}, impinge {ours[row]}" for row in differing
+            ]
+        else:
+            problems += disagreements(env, rob, world_from_rob, ours, theirs)
+            doubles = sum(len(pairs) - len(set(pairs)) for pairs in theirs)
+            total = len(ours.rows)
+
+    for key, value in about.items():
+        print(f"- {key}: `{value}`")
+    print(f"\n{options.poses} poses, {ours.counts.astype(bool).mean():.0%} collide, {total} pairs\n")
+    print("| question | engine | threads | seconds | ratio | of processors | ratio |\n" + "|---" * 7 + "|")
+    for name, engine, n, clock, work in rows:
+        base = next(row for row in rows if row[0] == name)
+        print(f"| {name} | {engine} | {n} | {clock:.3f} | {base[3] / clock:.1f} | {work:.3f} | {base[4] / work:.1f} |")
+    without, with_poses = overhead(env)
+    print(
+        f"\none call: {without * 1e6:.2f} us against an empty mesh, {with_poses * 1e6:.2f} us with two poses, far apart"
+    )
+    print(f"\nFCL reports {doubles} pairs twice; pairs on which the two differ: {len(problems)}")
+    for problem in problems:
+        print(f"- {problem}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

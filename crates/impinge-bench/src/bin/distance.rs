@@ -1,0 +1,129 @@
+//! Distances: two knots of two million triangles apart, near and nested, from cold and from the last witness.
+//!
+//! `cargo run --release -p impinge-bench --bin distance`
+//!
+//! Every distance is asked for twice, cold and with the cache, and must be the same.
+
+#![forbid(unsafe_code)]
+#![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
+
+use std::hint::black_box;
+use std::path::PathBuf;
+
+use anyhow::{Result, ensure};
+use clap::Parser;
+use impinge::mesh::Options;
+use impinge::query::{WitnessCache, distance_with};
+use impinge::{Mesh, Pose};
+use impinge_bench::samples::{Samples, timed};
+use impinge_bench::scene::{Choice, Surface, parse_pose};
+use impinge_bench::table::{Table, spread};
+
+/// Seconds that one sample should take: far above the clock's resolution and below a time slice.
+const BATCH_SECONDS: f64 = 2e-3;
+
+/// Times the distance of two meshes at one pose or more.
+#[derive(Parser)]
+struct Arguments {
+    #[command(flatten)]
+    mesh: Choice,
+    /// File of the second mesh, in place of the first once more
+    #[arg(long, value_name = "FILE")]
+    other: Option<PathBuf>,
+    /// Where the second mesh stands; may be given more than once, and then the last witness seeds the next pose too
+    #[arg(long, value_name = "TX,TY,TZ,QW,QX,QY,QZ", value_parser = parse_pose, allow_hyphen_values = true)]
+    pose_b: Vec<Pose>,
+    /// File of poses, a row of seven numbers each, in place of --pose-b
+    #[arg(long, value_name = "FILE", conflicts_with = "pose_b")]
+    poses: Option<PathBuf>,
+    /// Runs at each pose
+    #[arg(long, value_name = "N", default_value_t = 9)]
+    repeats: usize,
+    /// Print one JSON object per pose, in seconds, in place of a table
+    #[arg(long)]
+    json: bool,
+}
+
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
+    let (mesh, _) = arguments.mesh.surface()?.build(1)?;
+    let other = match &arguments.other {
+        Some(path) => Surface::load(path)?.build(1)?.0,
+        None => mesh.clone(),
+    };
+    let mut table = Table::new(["distance", "cold min", "cold median", "seeded min", "seeded median"]);
+    let mut following = WitnessCache::default();
+    for pose in arguments.standings()? {
+        let measured = measure(&mesh, &other, pose, &mut following, arguments.repeats)?;
+        if arguments.json {
+            println!("{}", measured.json());
+        } else {
+            let ([cold_min, cold_median], [seeded_min, seeded_median]) =
+                (spread(&measured.cold), spread(&measured.seeded));
+            let distance = format!("{:.9}", measured.distance);
+            table.row([distance, cold_min, cold_median, seeded_min, seeded_median]);
+        }
+    }
+    if !arguments.json {
+        print!("{table}");
+    }
+    Ok(())
+}
+
+impl Arguments {
+    fn standings(&self) -> Result<Vec<Pose>> {
+        if let Some(path) = &self.poses {
+            let text = std::fs::read_to_string(path)?;
+            return text.lines().map(|line| parse_pose(line).map_err(anyhow::Error::msg)).collect();
+        }
+        if !self.pose_b.is_empty() {
+            return Ok(self.pose_b.clone());
+        }
+        let turned = |translation| Pose::from_axis_angle([1.0, 2.0, 3.0], 0.7, translation);
+        Ok(vec![turned([6.0, 0.5, 0.3])?, turned([5.72, 0.5, 0.3])?, turned([100.0, 0.0, 0.0])?])
+    }
+}
+
+struct Measured {
+    distance: f64,
+    cold: Samples,
+    /// From the witness of the pose before, once; the rest from that of this pose.
+    seeded: Samples,
+    follows: f64,
+}
+
+impl Measured {
+    fn json(&self) -> serde_json::Value {
+        serde_json::json!({
+            "distance": self.distance,
+            "cold_seconds": self.cold.seconds(),
+            "seeded_seconds": self.seeded.seconds(),
+            "following_seconds": self.follows,
+        })
+    }
+}
+
+fn measure(a: &Mesh, b: &Mesh, pose: Pose, following: &mut WitnessCache, repeats: usize) -> Result<Measured> {
+    let options = Options::default();
+    let ask = |cache: &mut WitnessCache| distance_with(black_box(a), black_box(b.at(pose)), cache, &options);
+    let (follows, first) = timed(|| ask(following));
+    let mut witness = *following;
+    let (once, cold) = timed(|| ask(&mut WitnessCache::default()));
+    ensure!(first == cold, "{first:?} from the last witness and {cold:?} without");
+    let calls = (BATCH_SECONDS / once).clamp(1.0, 100.0) as usize;
+    let batch = |mut cache: WitnessCache, keep: bool| {
+        let (seconds, ()) = timed(|| {
+            for _ in 0..calls {
+                let mut own = if keep { cache } else { WitnessCache::default() };
+                black_box(ask(&mut own));
+                cache = own;
+            }
+        });
+        anyhow::Ok(seconds / calls as f64)
+    };
+    let cold = Samples::take(repeats, || batch(WitnessCache::default(), false))?;
+    let seeded = Samples::take(repeats, || batch(witness, true))?;
+    ensure!(ask(&mut witness) == first, "asked again, the distance is another");
+    Ok(Measured { distance: first.upper, cold, seeded, follows })
+}

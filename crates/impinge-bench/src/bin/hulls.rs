@@ -1,0 +1,55 @@
+//! The time of convex hulls, as JSON for `bench/hulls.py`, which asks qhull about the same points in the same run.
+//!
+//! `cargo run --release -p impinge-bench --bin hulls -- POINTS...`, where a file of points holds three little-endian doubles
+//! for each.
+
+#![forbid(unsafe_code)]
+#![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use clap::Parser;
+use impinge::hull::Hull;
+use impinge_bench::samples::{Samples, timed};
+use serde_json::json;
+
+/// Times the hulls of sets of points
+#[derive(Parser)]
+struct Arguments {
+    /// Files of points, three little-endian doubles each
+    #[arg(value_name = "POINTS", required = true)]
+    files: Vec<PathBuf>,
+    /// Runs for each file
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    repeats: usize,
+    /// Threads to build with
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    threads: usize,
+}
+
+fn main() -> Result<()> {
+    let Arguments { files, repeats, threads } = Arguments::parse();
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+    for file in files {
+        let points = read(&file)?;
+        let reference = Hull::new(&points)?;
+        let samples = Samples::take(repeats, || {
+            let (seconds, hull) = timed(|| Hull::new(&points));
+            ensure!(hull?.faces() == reference.faces(), "the same points have another hull");
+            Ok(seconds)
+        })?;
+        let (vertices, faces) = (reference.vertices(), reference.faces().len());
+        println!("{}", json!({ "vertices": vertices, "faces": faces, "seconds": samples.seconds() }));
+    }
+    Ok(())
+}
+
+fn read(file: &Path) -> Result<Vec<[f64; 3]>> {
+    let bytes = fs::read(file).with_context(|| file.display().to_string())?;
+    let (points, rest) = bytes.as_chunks::<24>();
+    ensure!(rest.is_empty(), "{} is no file of points", file.display());
+    let coordinate = |bytes: &[u8]| <[u8; 8]>::try_from(bytes).map(f64::from_le_bytes).unwrap_or_default();
+    Ok(points.iter().map(|p| [coordinate(&p[..8]), coordinate(&p[8..16]), coordinate(&p[16..])]).collect())
+}

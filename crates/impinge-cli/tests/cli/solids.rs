@@ -1,0 +1,113 @@
+//! `--solid`, `--penetrates`, and the line about what lies inside.
+
+use crate::{Folder, without_seconds};
+
+/// `open.obj`: `big.obj` without its last side.
+fn with_an_open_box(folder: &Folder) {
+    let open: Vec<String> = folder.read("big.obj").lines().map(str::to_owned).collect();
+    folder.write("open.obj", &(open[..open.len() - 1].join("\n") + "\n"));
+}
+
+#[test]
+fn n17_solid_counts_what_lies_inside() {
+    let folder = Folder::new();
+    for (arguments, code) in [
+        ("cube.obj big.obj --solid", 1),
+        ("cube.obj big.obj --solid=b", 1),
+        ("cube.obj big.obj --solid=a", 0),
+        ("big.obj cube.obj --solid=a", 1),
+        ("big.obj cube.obj --solid=b", 0),
+        ("big.obj cube.obj --solid --pose-b 9,0,0", 0),
+    ] {
+        let run = folder.run(&format!("check {arguments}"));
+        assert_eq!((run.code, run.stderr.as_str()), (code, ""), "{arguments}");
+        let verdict = if code == 0 { "No intersection\n" } else { "lies inside" };
+        assert!(run.stdout.contains(verdict), "{}", run.stdout);
+    }
+    let refused = folder.run("check cube.obj big.obj --solid=c");
+    assert_eq!(refused.code, 2);
+}
+
+#[test]
+fn contained_is_named_in_the_json_and_absent_otherwise() {
+    let folder = Folder::new();
+    let part = |arguments: &str| {
+        let run = folder.run(&format!("check {arguments} --json"));
+        assert_eq!(run.stderr, "", "{arguments}");
+        let text = without_seconds(&run.stdout).to_owned();
+        text[text.find("\"intersects\"").unwrap()..].to_owned()
+    };
+    let contained = |side: &str| format!("\"intersects\":true,\"pairs\":0,\"contained\":\"{side}\"");
+    assert_eq!(part("cube.obj big.obj --solid"), contained("a"));
+    assert_eq!(part("big.obj cube.obj --solid"), contained("b"));
+    assert_eq!(part("big.obj cube.obj --solid=b"), "\"intersects\":false,\"pairs\":0");
+    // Each with a small cube inside the other's large one.
+    folder.write("one.obj", &pair_of_cubes(0.0, 40.0));
+    folder.write("two.obj", &pair_of_cubes(40.0, 0.0));
+    assert_eq!(part("one.obj two.obj --solid"), contained("both"));
+}
+
+/// A cube of edge 5 about one place and one of edge 1 about another, both along the x axis.
+fn pair_of_cubes(large_at: f64, small_at: f64) -> String {
+    let mut text = String::new();
+    let mut first = 1;
+    for (at, half) in [(large_at, 2.5), (small_at, 0.5)] {
+        for i in 0..8 {
+            let corner = [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { half } else { -half });
+            text += &format!("v {} {} {}\n", corner[0] + at, corner[1], corner[2]);
+        }
+        for face in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
+            text += &format!("f {} {} {} {}\n", face[0] + first, face[1] + first, face[2] + first, face[3] + first);
+        }
+        first += 8;
+    }
+    text
+}
+
+#[test]
+fn n14_touching_is_not_penetrating() {
+    let folder = Folder::new();
+    let object = |arguments: &str| -> (i32, serde_json::Value) {
+        let run = folder.run(&format!("check {arguments} --json"));
+        (run.code, serde_json::from_str(&run.stdout).unwrap())
+    };
+    for (arguments, intersects, penetrates) in [
+        ("cube.obj cube.obj --penetrates --pose-b 1,0,0", true, false),
+        ("cube.obj cube.obj --penetrates --pose-b 1,1,1", true, false),
+        ("cube.obj cube.obj --penetrates --pose-b 0.5,0,0", true, true),
+        ("cube.obj cube.obj --penetrates", true, true),
+        ("cube.obj big.obj --penetrates", false, true),
+        ("cube.obj big.obj --penetrates --pose-b 9,0,0", false, false),
+    ] {
+        let (code, found) = object(arguments);
+        assert_eq!(
+            (found["intersects"].as_bool(), found["penetrates"].as_bool()),
+            (Some(intersects), Some(penetrates))
+        );
+        assert_eq!(code, i32::from(penetrates), "{arguments}");
+        assert!(found.get("undecided").is_none() && found.get("open").is_none());
+    }
+    let touching = folder.run("check cube.obj cube.obj --penetrates --pose-b 1,0,0");
+    assert!(
+        touching.stdout.contains("The meshes touch, but do not penetrate: 62 pairs of faces\n"),
+        "{}",
+        touching.stdout
+    );
+    assert!(!folder.run("check cube.obj cube.obj --json").stdout.contains("penetrates"));
+}
+
+#[test]
+fn n18_open_meshes_are_told_of() {
+    let folder = Folder::new();
+    with_an_open_box(&folder);
+    let warning = "warning: open.obj: the mesh is open, so its inside is where its generalised winding number is beyond \
+                   one half\n";
+    let run = folder.run("check cube.obj open.obj --solid --json");
+    assert_eq!((run.code, run.stderr.as_str()), (1, warning));
+    let found: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!((found["contained"].as_str(), found["open"][0].as_str()), (Some("a"), Some("b")));
+    let undecided = folder.run("check open.obj cube.obj --penetrates --pose-b 0,2.5,0 --json");
+    assert_eq!((undecided.code, undecided.stderr.as_str()), (1, warning));
+    let found: serde_json::Value = serde_json::from_str(&undecided.stdout).unwrap();
+    assert_eq!((found["penetrates"].as_bool(), found["undecided"][0].as_str()), (Some(true), Some("penetrates")));
+}

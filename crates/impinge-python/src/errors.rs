@@ -1,0 +1,101 @@
+//! Errors of the library as Python raises them: `impinge.InputError`, which says what is wrong with which argument, and
+//! where in it.
+
+use impinge::{InputError, InputErrorKind};
+use impinge_files::{LoadError, LoadErrorKind};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyTuple};
+
+/// What is wrong with an argument.
+pub(crate) struct Fault {
+    /// A short stable name, `"non-finite"`.
+    pub(crate) kind: &'static str,
+    /// The argument, `"pose_b"`.
+    pub(crate) argument: String,
+    /// Index into the argument of what is wrong.
+    pub(crate) at: Vec<usize>,
+    /// What is wrong, for a person; without the argument's name.
+    pub(crate) message: String,
+    /// What to do about it, where that is known.
+    pub(crate) hint: Option<String>,
+}
+
+impl Fault {
+    /// A fault of a whole argument.
+    pub(crate) fn new(kind: &'static str, argument: &str, message: impl Into<String>) -> Self {
+        Self { kind, argument: argument.to_owned(), at: Vec::new(), message: message.into(), hint: None }
+    }
+
+    pub(crate) fn at(mut self, at: Vec<usize>) -> Self {
+        self.at = at;
+        self
+    }
+
+    pub(crate) fn hint(mut self, hint: Option<impl Into<String>>) -> Self {
+        self.hint = hint.map(Into::into);
+        self
+    }
+
+    /// The exception that says so.
+    pub(crate) fn raised(self, py: Python<'_>) -> PyErr {
+        let at = match PyTuple::new(py, self.at) {
+            Ok(at) => at.into_any(),
+            Err(error) => return error,
+        };
+        raise(py, self.kind, &self.argument, &at, &self.message, self.hint.as_deref())
+    }
+}
+
+fn raise(py: Python<'_>, kind: &str, what: &str, place: &Bound<'_, PyAny>, message: &str, hint: Option<&str>) -> PyErr {
+    static CLASS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let made = || {
+        let class = CLASS.import(py, "impinge._errors", "InputError")?;
+        let named = PyDict::new(py);
+        named.set_item("kind", kind)?;
+        named.set_item("what", what)?;
+        named.set_item("where", place)?;
+        named.set_item("hint", hint)?;
+        class.call((message,), Some(&named))
+    };
+    made().map_or_else(|error| error, PyErr::from_value)
+}
+
+/// The short name of what the library found, and where within one vertex array, face array or matrix it did.
+pub(crate) fn kind_and_place(error: &InputError) -> (&'static str, Vec<usize>) {
+    match *error.kind() {
+        InputErrorKind::NonFinite { what, index } => ("non-finite", place(what, index)),
+        InputErrorKind::OutOfRange { what, index, .. } => ("out-of-range", place(what, index)),
+        InputErrorKind::IndexOutOfBounds { face, .. } => ("index-out-of-bounds", vec![face]),
+        InputErrorKind::TooMany { .. } => ("too-many", Vec::new()),
+        InputErrorKind::NotAffine { .. } => ("not-affine", vec![3]),
+        InputErrorKind::Singular => ("singular", Vec::new()),
+        InputErrorKind::NotUnitQuaternion { .. } => ("not-unit-quaternion", Vec::new()),
+        _ => ("input", Vec::new()),
+    }
+}
+
+/// The library counts the entries of a matrix row by row.
+fn place(what: &str, index: usize) -> Vec<usize> {
+    if what == "pose entry" { vec![index / 4, index % 4] } else { vec![index] }
+}
+
+/// The library's words without the hint, which Python keeps apart.
+pub(crate) fn message(error: &InputError) -> String {
+    let text = error.to_string();
+    let Some(hint) = error.hint() else { return text };
+    text.strip_suffix(&format!(" ({hint})")).unwrap_or(&text).to_owned()
+}
+
+/// A file that could not be read at all is an `OSError` of the usual kind, a broken one an `InputError`.
+pub(crate) fn load_error(py: Python<'_>, error: &LoadError) -> PyErr {
+    if let LoadErrorKind::Io { kind, message } = error.kind() {
+        return std::io::Error::new(*kind, format!("{}: {message}", error.path().display())).into();
+    }
+    let place = match error.place().map(ToString::to_string).into_pyobject(py) {
+        Ok(place) => place,
+        Err(impossible) => match impossible {},
+    };
+    let path = error.path().display().to_string();
+    raise(py, error.kind().name(), &path, &place, &error.kind().to_string(), error.hint())
+}

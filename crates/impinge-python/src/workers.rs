@@ -1,0 +1,164 @@
+//! Where the work is done: on the caller's thread where it is short, else on a pool of threads while the caller listens
+//! for Ctrl-C.
+//!
+//! Threads do not survive a fork, so the child forgets the pools of its parent (`impinge._threads` calls `after_fork`).
+//! Pools are looked up and made while the interpreter is held, as it is when Python forks: the lock is never inherited
+//! in a locked state.
+
+use std::cell::OnceCell;
+use std::num::NonZero;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+/// How long a signal may wait: short to a person, long to a processor.
+const LISTENING_INTERVAL: Duration = Duration::from_millis(20);
+
+/// Pools that are kept: that of all processors and the last few other sizes.
+const MOST_POOLS: usize = 4;
+
+/// Set once nobody waits for an answer any more.
+#[derive(Clone, Default)]
+pub(crate) struct Abandoned(Arc<AtomicBool>);
+
+impl Abandoned {
+    fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// Whether this process is the child of one that imported the module.
+static FORKED: AtomicBool = AtomicBool::new(false);
+
+/// Pools by number of threads, the last used last.
+static POOLS: Mutex<Vec<(usize, Arc<ThreadPool>)>> = Mutex::new(Vec::new());
+
+/// Gives what is asked on a caller's own thread no others: rayon's default pool, which it would look to, is made of one.
+pub(crate) fn keep_callers_alone() {
+    // Only a pool that exists already is refused, and that has one thread too.
+    ThreadPoolBuilder::new().num_threads(1).build_global().ok();
+}
+
+/// To be called in the child, after each fork.
+#[pyfunction]
+pub(crate) fn after_fork() {
+    FORKED.store(true, Ordering::Relaxed);
+    // To drop the pools would mean to signal to threads that are not here.
+    std::mem::forget(std::mem::take(&mut *POOLS.lock().unwrap_or_else(PoisonError::into_inner)));
+}
+
+/// Makes the caller's thread do its parallel work alone, in a forked process too, where the default pool has no thread.
+fn work_alone() {
+    thread_local! {
+        static ALONE: OnceCell<()> = const { OnceCell::new() };
+    }
+    if FORKED.load(Ordering::Relaxed) {
+        ALONE.with(|alone| {
+            alone.get_or_init(|| {
+                let own = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+                std::mem::forget(own); // this thread is its only one, as long as it lives
+            });
+        });
+    }
+}
+
+/// Runs a job on the pool. A signal handler that raises, as that of Ctrl-C does, ends the wait at once: the job is
+/// abandoned, and whatever of it has not begun is not done.
+pub(crate) fn run<T: Send + 'static>(
+    py: Python<'_>,
+    job: impl FnOnce(&Abandoned) -> T + Send + 'static,
+) -> PyResult<T> {
+    let pool = pool(asked_threads(py)?)?;
+    let abandoned = Abandoned::default();
+    let (sender, mut receiver) = mpsc::sync_channel(1);
+    let watched = abandoned.clone();
+    pool.spawn(move || {
+        let answer = job(&watched);
+        sender.send(answer).ok(); // nobody listens where the job was abandoned
+    });
+    loop {
+        // A receiver may be moved but not shared.
+        let heard = py.detach(move || (receiver.recv_timeout(LISTENING_INTERVAL), receiver));
+        receiver = heard.1;
+        match heard.0 {
+            Ok(answer) => return Ok(answer),
+            Err(RecvTimeoutError::Timeout) => {
+                if let Err(raised) = py.check_signals() {
+                    abandoned.0.store(true, Ordering::Relaxed);
+                    return Err(raised);
+                }
+            }
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(PyRuntimeError::new_err("a worker thread of impinge ended without an answer"));
+            }
+        }
+    }
+}
+
+/// Asks `ask` of each row, on all threads; on the caller's own where the rows are `brief`.
+pub(crate) fn rows<T: Clone + Send + Sync + 'static>(
+    py: Python<'_>,
+    rows: usize,
+    brief: bool,
+    filler: T,
+    ask: impl Fn(usize) -> T + Send + Sync + 'static,
+) -> PyResult<Vec<T>> {
+    let mut answers = Vec::new();
+    let refused = |_| PyMemoryError::new_err(format!("no memory for the answers of {rows} rows"));
+    answers.try_reserve_exact(rows).map_err(refused)?;
+    if brief {
+        return Ok(py.detach(move || {
+            work_alone();
+            answers.extend((0..rows).map(ask));
+            answers
+        }));
+    }
+    run(py, move |abandoned| {
+        answers.resize(rows, filler);
+        answers.par_iter_mut().enumerate().for_each(|(row, answer)| {
+            if !abandoned.is_set() {
+                *answer = ask(row);
+            }
+        });
+        answers
+    })
+}
+
+/// The threads that `impinge.threads` asks for, or all.
+fn asked_threads(py: Python<'_>) -> PyResult<usize> {
+    static ASKED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let asked: Option<usize> = ASKED.import(py, "impinge._threads", "asked")?.call_method0("get")?.extract()?;
+    Ok(asked.unwrap_or_else(|| thread::available_parallelism().map_or(1, NonZero::get)))
+}
+
+/// The pool with so many threads, made where there is none. Called while the interpreter is held, and never letting go
+/// of it.
+fn pool(threads: usize) -> PyResult<Arc<ThreadPool>> {
+    let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+    let found = match pools.iter().position(|(size, _)| *size == threads) {
+        Some(at) => pools.remove(at),
+        None => (threads, Arc::new(started(threads)?)),
+    };
+    if pools.len() == MOST_POOLS {
+        pools.remove(0);
+    }
+    pools.push(found.clone());
+    Ok(found.1)
+}
+
+fn started(threads: usize) -> PyResult<ThreadPool> {
+    ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|number| format!("impinge-{number}"))
+        .panic_handler(|_| ()) // the caller hears of it, as the sender is gone
+        .build()
+        .map_err(|error| PyRuntimeError::new_err(format!("starting {threads} threads: {error}")))
+}

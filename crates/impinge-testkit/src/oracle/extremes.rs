@@ -1,0 +1,73 @@
+//! The least box of the exact images of points, each bound rounded outward to the next double and no further.
+
+use std::cmp::Ordering;
+
+use dashu_int::IBig;
+
+use super::boxes::{WorldBox, image_and_reach};
+use super::integers::{compare, images};
+use crate::Affine;
+
+/// The box of the images of all points.
+///
+/// Points whose interval in floats stays below that of another are left out; the rest are compared as integers.
+///
+/// # Panics
+/// Where there are no points, a number is not finite, or a bound is not a normal number or zero.
+pub fn tight_box(points: &[[f64; 3]], world_from_local: &Affine) -> WorldBox {
+    let rounded: Vec<_> = points.iter().map(|&point| image_and_reach(world_from_local, point)).collect();
+    let mut bounds = WorldBox { low: [0.0; 3], high: [0.0; 3] };
+    for axis in 0..3 {
+        for is_high in [false, true] {
+            let sign = if is_high { 1.0 } else { -1.0 };
+            let certain = rounded.iter().fold(f64::NEG_INFINITY, |most, (image, reach)| {
+                most.max((sign * image[axis] - reach[axis]).next_down())
+            });
+            let rivals: Vec<[f64; 3]> = points
+                .iter()
+                .zip(&rounded)
+                .filter(|(_, (image, reach))| (sign * image[axis] + reach[axis]).next_up() >= certain)
+                .map(|(&point, _)| point)
+                .collect();
+            let (exact, scale) = images(&rivals, world_from_local);
+            let values = exact.into_iter().map(|[x, y, z]| [x, y, z].into_iter().nth(axis).expect("three axes"));
+            if is_high {
+                bounds.high[axis] = round(&values.max().expect("some point"), scale, true);
+            } else {
+                bounds.low[axis] = round(&values.min().expect("some point"), scale, false);
+            }
+        }
+    }
+    bounds
+}
+
+/// The float next to an integer times a power of two, on the upper or on the lower side of it.
+fn round(value: &IBig, exponent: i32, up: bool) -> f64 {
+    // Halves of the power, as it may be out of range where the result is not.
+    let half = exponent / 2;
+    let mut x = value.to_f64().value() * 2f64.powi(half) * 2f64.powi(exponent - half);
+    assert!(x == 0.0 || x.is_normal(), "{x} is out of the oracle's range");
+    while compare(x, value, exponent) == Ordering::Greater {
+        x = x.next_down();
+    }
+    while compare(x, value, exponent) == Ordering::Less {
+        x = x.next_up();
+    }
+    // The first float that is not below.
+    if up || compare(x, value, exponent) == Ordering::Equal { x } else { x.next_down() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_are_the_next_floats() {
+        let third = Affine::new([[1.0 / 3.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 1.0]], [0.0, 0.0, 1.0]);
+        let bounds = tight_box(&[[3.0, 0.5, f64::EPSILON / 4.0], [1.5, -0.5, 0.5]], &third);
+        // Three times the float next to a third is just below 1, by less than half a step.
+        assert_eq!((bounds.high[0], bounds.low[0]), (1.0, 0.5f64.next_down()));
+        assert_eq!((bounds.low[1], bounds.high[1]), (-0.5, 0.5));
+        assert_eq!((bounds.low[2], bounds.high[2]), (1.0, 1.5f64.next_up()));
+    }
+}

@@ -1,0 +1,329 @@
+//! Exact decisions about stored points, all in one frame: orientations, comparisons along a direction, and coordinates
+//! of images rounded in a stated direction. Hulls and realigned boxes are made of these.
+//!
+//! Each comes with its filter in doubles; what that leaves open goes to the integers of the triangle decisions.
+
+use super::corners::PairCorners;
+use super::filter::{self, ROUNDING};
+use super::placement::{Placement, world_coordinate};
+use crate::math::Pose;
+use crate::math::Sign::{self, Negative, Positive, Zero};
+use crate::math::dyadic::{self, Dyadic};
+use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
+
+/// The plane of three points, with one bound of the filter's error for all points near enough.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plane {
+    anchor: [f64; 3],
+    normal: [f64; 3],
+    error: f64,
+}
+
+impl Plane {
+    /// The plane through `p`, `q` and `r`, for points whose coordinates differ from those of `p` by at most `extent`.
+    ///
+    /// # Accuracy
+    /// The bound is that of [`filter::signs`] for exact points, with `extent` in the place of the differences to `p`.
+    #[inline]
+    pub(crate) fn new(p: &[f64; 3], q: &[f64; 3], r: &[f64; 3], extent: &[f64; 3]) -> Self {
+        let (u, v) = (filter::difference(q, p), filter::difference(r, p));
+        let mut normal = [0.0; 3];
+        let mut rounding = 0.0;
+        let mut extent_sum = 1.0;
+        for k in 0..3 {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let (forward, backward) = (u[i] * v[j], u[j] * v[i]);
+            normal[k] = forward - backward;
+            rounding += (forward.abs() + backward.abs()) * extent[k];
+            extent_sum += extent[k];
+        }
+        Self { anchor: *p, normal, error: rounding * ROUNDING + extent_sum * UNDERFLOW }
+    }
+
+    /// How far `s` is from the plane, rounded, in units of twice the area of the three points.
+    pub(crate) fn height(&self, s: &[f64; 3]) -> f64 {
+        let w = filter::difference(s, &self.anchor);
+        self.normal[0] * w[0] + self.normal[1] * w[1] + self.normal[2] * w[2]
+    }
+
+    /// On which side `s` is, positive being where the three points turn left; nothing where the filter is not certain.
+    #[inline(always)]
+    pub(crate) fn side(&self, s: &[f64; 3]) -> Option<Sign> {
+        let w = filter::difference(s, &self.anchor);
+        let determinant = self.normal[0] * w[0] + self.normal[1] * w[1] + self.normal[2] * w[2];
+        if determinant > self.error {
+            Some(Positive)
+        } else if determinant < -self.error {
+            Some(Negative)
+        } else {
+            None
+        }
+    }
+}
+
+/// The sign of `det(q - p, r - p, s - p)`.
+pub(crate) fn orient3d(p: &[f64; 3], q: &[f64; 3], r: &[f64; 3], s: &[f64; 3]) -> Sign {
+    PairCorners::new(&Placement::new(&Pose::IDENTITY, &Pose::IDENTITY), &[*p, *q, *r], &[*s; 3]).sides_of_a()[0]
+}
+
+/// The sign of `det(q - p, r - p)` in the projection along an axis, the other two axes following it in cyclic order.
+pub(crate) fn orient2d(axis: usize, p: &[f64; 3], q: &[f64; 3], r: &[f64; 3]) -> Sign {
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    let forward = (q[i] - p[i]) * (r[j] - p[j]);
+    let backward = (q[j] - p[j]) * (r[i] - p[i]);
+    let determinant = forward - backward;
+    // Two differences, the product and the last difference: 4 units and a little of the magnitudes.
+    let error = 5.0 * UNIT_ROUNDOFF * (forward.abs() + backward.abs()) + UNDERFLOW;
+    if determinant > error {
+        Positive
+    } else if determinant < -error {
+        Negative
+    } else {
+        let placement = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
+        PairCorners::new(&placement, &[*p, *q, *r], &[*p, *q, *r]).orient2d(axis, 0, 1, 2)
+    }
+}
+
+/// Whether three points lie on one line, two or all of them being equal included.
+pub(crate) fn collinear(p: &[f64; 3], q: &[f64; 3], r: &[f64; 3]) -> bool {
+    (0..3).all(|axis| orient2d(axis, p, q, r) == Zero)
+}
+
+/// How `p` compares to `q` along a direction: the sign of `direction · (p - q)`.
+#[inline]
+pub(crate) fn compare_along(direction: &[f64; 3], p: &[f64; 3], q: &[f64; 3]) -> Sign {
+    let difference = filter::difference(p, q);
+    let terms: [f64; 3] = std::array::from_fn(|k| direction[k] * difference[k]);
+    let value = terms[0] + terms[1] + terms[2];
+    // The difference, the product and two sums: 4 units and a little of the magnitudes.
+    let error = 5.0 * UNIT_ROUNDOFF * (terms[0].abs() + terms[1].abs() + terms[2].abs()) + UNDERFLOW;
+    if value > error {
+        Positive
+    } else if value < -error {
+        Negative
+    } else if (0..3).all(|k| direction[k] == 0.0 || difference[k] == 0.0) {
+        Zero
+    } else {
+        compare_along_exactly(direction, p, q)
+    }
+}
+
+#[cold]
+fn compare_along_exactly(direction: &[f64; 3], p: &[f64; 3], q: &[f64; 3]) -> Sign {
+    let direction = direction.map(Dyadic::from_f64);
+    let difference = [0, 1, 2].map(|k| &Dyadic::from_f64(p[k]) - &Dyadic::from_f64(q[k]));
+    dyadic::dot(&direction, &difference).sign()
+}
+
+/// Products at least this large have an error that is a float: 2^-900.
+const LEAST_SPLIT: f64 = f64::from_bits((1023 - 900) << 52);
+
+/// The greatest float that does not exceed coordinate `axis` of the image of a point.
+///
+/// # Accuracy
+/// Exact: `row · point + translation` over the reals, rounded towards minus infinity. Error-free transforms (Dekker 1971;
+/// Knuth, volume 2, 4.2.2) give it as an unevaluated sum; where that leaves the direction open, integers decide.
+#[inline]
+pub(crate) fn image_down(world_from_local: &Pose, axis: usize, point: &[f64; 3]) -> f64 {
+    let row = world_from_local.linear()[axis];
+    let translation = world_from_local.translation()[axis];
+    rounded_down(&row, translation, point).unwrap_or_else(|| {
+        let exact = world_coordinate(world_from_local, axis, point);
+        let nearest = Dyadic::nearest_quotient(&exact, &Dyadic::from_f64(1.0));
+        let is_above = (&Dyadic::from_f64(nearest) - &exact).sign() == Positive;
+        if is_above { nearest.next_down() } else { nearest }
+    })
+}
+
+/// The least float that is not below coordinate `axis` of the image of a point; as [`image_down`].
+#[inline]
+pub(crate) fn image_up(world_from_local: &Pose, axis: usize, point: &[f64; 3]) -> f64 {
+    let row = world_from_local.linear()[axis].map(|entry| -entry);
+    let translation = -world_from_local.translation()[axis];
+    match rounded_down(&row, translation, point) {
+        Some(negated) => -negated,
+        None => {
+            let exact = world_coordinate(world_from_local, axis, point);
+            let nearest = Dyadic::nearest_quotient(&exact, &Dyadic::from_f64(1.0));
+            let is_below = (&Dyadic::from_f64(nearest) - &exact).sign() == Negative;
+            if is_below { nearest.next_up() } else { nearest }
+        }
+    }
+}
+
+/// `row · point + translation`, rounded down; nothing where floats do not settle it.
+#[inline]
+fn rounded_down(row: &[f64; 3], translation: f64, point: &[f64; 3]) -> Option<f64> {
+    let mut sum = translation;
+    let mut small = [0.0; 6];
+    for k in 0..3 {
+        let product = row[k] * point[k];
+        let is_zero = row[k] == 0.0 || point[k] == 0.0;
+        if !is_zero && product.abs() < LEAST_SPLIT {
+            return None;
+        }
+        small[k] = product_error(row[k], point[k], product);
+        (sum, small[3 + k]) = two_sum(sum, product);
+    }
+    let rest: f64 = small.iter().sum();
+    let magnitude: f64 = small.iter().map(|x| x.abs()).sum();
+    // Five sums of six terms; their rounding is relative, as sums do not underflow. The product may.
+    let error = if magnitude == 0.0 { 0.0 } else { 6.0 * UNIT_ROUNDOFF * magnitude + UNDERFLOW };
+    // The exact value is high + low, up to the error. High is the nearest float to high + low, so that an error far below
+    // its unit in the last place leaves the value between high and its neighbour on the side that low names.
+    let (high, low) = two_sum(sum, rest);
+    if error == 0.0 || (low.abs() > error && error < high.abs() * (f64::EPSILON / 256.0)) {
+        Some(if low < 0.0 { high.next_down() } else { high })
+    } else {
+        None
+    }
+}
+
+/// Knuth's sum of two floats and its rounding error, which is a float.
+#[inline]
+fn two_sum(x: f64, y: f64) -> (f64, f64) {
+    let sum = x + y;
+    let y_part = sum - x;
+    (sum, (x - (sum - y_part)) + (y - y_part))
+}
+
+/// What `product`, the rounded product of two floats, lacks of the exact one (Dekker's splitting).
+#[inline]
+fn product_error(x: f64, y: f64, product: f64) -> f64 {
+    const SPLITTER: f64 = ((1_u64 << 27) + 1) as f64;
+    let split = |x: f64| {
+        let wide = SPLITTER * x;
+        let high = wide - (wide - x);
+        (high, x - high)
+    };
+    let ((x_high, x_low), (y_high, y_low)) = (split(x), split(y));
+    ((x_high * y_high - product) + x_high * y_low + x_low * y_high) + x_low * y_low
+}
+
+#[cfg(test)]
+mod tests {
+    use dashu_ratio::RBig;
+
+    use super::*;
+
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> u64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            self.0 >> 24
+        }
+
+        /// A small integer, any float of a few sizes, or a tiny one, so that sums tie, cancel and underflow.
+        fn number(&mut self, kind: u64) -> f64 {
+            let sign = if self.next() % 2 == 0 { 1.0 } else { -1.0 };
+            let fraction = f64::from_bits(1023 << 52 | (self.next() << 12 & ((1 << 52) - 1)));
+            let power = |exponent: i64| f64::from_bits(((1023 + exponent) as u64) << 52);
+            sign * match kind % 4 {
+                0 => (self.next() % 4) as f64,
+                1 => fraction * power((self.next() % 8) as i64 - 4),
+                2 => fraction * power((self.next() % 120) as i64 - 60),
+                _ => fraction * power(-((self.next() % 1000) as i64)),
+            }
+        }
+
+        fn point(&mut self, kind: u64) -> [f64; 3] {
+            std::array::from_fn(|_| self.number(kind))
+        }
+    }
+
+    fn exact(x: f64) -> RBig {
+        RBig::try_from(x).expect("finite")
+    }
+
+    fn along(direction: &[f64; 3], p: &[f64; 3]) -> RBig {
+        (0..3).fold(RBig::ZERO, |sum, k| sum + exact(direction[k]) * exact(p[k]))
+    }
+
+    #[test]
+    fn images_are_rounded_to_the_next_float() {
+        let mut random = Random(1);
+        let (mut inexact, mut exactly) = (0, 0);
+        for case in 0..20_000 {
+            let kind = case / 3;
+            let linear = std::array::from_fn(|_| random.point(kind));
+            let (point, mut translation) = (random.point(kind / 4), random.point(kind));
+            if case % 5 == 0 {
+                // Cancels all but the last bits.
+                let row: &[f64; 3] = &linear[0];
+                translation[0] = -(row[0] * point[0] + row[1] * point[1] + row[2] * point[2]);
+            }
+            let Ok(pose) = Pose::new(linear, translation) else { continue };
+            for axis in 0..3 {
+                let truth = along(&linear[axis], &point) + exact(translation[axis]);
+                let (down, up) = (image_down(&pose, axis, &point), image_up(&pose, axis, &point));
+                assert!(exact(down) <= truth && truth <= exact(up), "{pose:?} {point:?}");
+                if exact(down) == truth {
+                    assert_eq!(down, up);
+                    exactly += 1;
+                } else {
+                    assert_eq!(down.next_up(), up, "{pose:?} {point:?}");
+                    inexact += 1;
+                }
+            }
+        }
+        assert!(inexact > 10_000 && exactly > 1000, "{inexact} {exactly}");
+    }
+
+    /// Values one unit apart, and ties of different points.
+    #[test]
+    fn comparisons_along_a_direction_are_exact() {
+        let mut random = Random(2);
+        let mut signs = [0; 3];
+        for case in 0..30_000 {
+            let (direction, p) = (random.point(case / 7), random.point(case));
+            let mut q = if case % 3 == 0 { random.point(case) } else { p };
+            if case % 2 == 0 {
+                // Moves across the direction as floats have it, and a little along it.
+                let [i, j] = [case as usize % 3, (case as usize + 1) % 3];
+                q[i] += direction[j];
+                q[j] -= direction[i];
+                let k = random.next() as usize % 3;
+                q[k] = [q[k].next_down(), q[k], q[k].next_up()][random.next() as usize % 3];
+            }
+            let truth = along(&direction, &p).cmp(&along(&direction, &q));
+            assert_eq!(compare_along(&direction, &p, &q), truth.into(), "{direction:?} {p:?} {q:?}");
+            signs[(truth as i8 + 1) as usize] += 1;
+        }
+        assert!(signs.iter().all(|&count| count > 3000), "{signs:?}");
+        assert_eq!(compare_along(&[1e308, 1e-310, 0.0], &[1e30, 1.0, 0.0], &[1e30, 2.0, 0.0]), Negative);
+    }
+
+    #[test]
+    fn orientations_are_exact() {
+        let mut random = Random(3);
+        let mut zeros = [0; 2];
+        for case in 0..20_000 {
+            let [p, q, r] = std::array::from_fn(|_| random.point(case));
+            let weights: [f64; 2] = std::array::from_fn(|_| random.number(0) * 0.25);
+            let near = |v: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|k| p[k] + weights[0] * (v[k] - p[k])) };
+            let on_line = near(&q);
+            let on_plane: [f64; 3] = std::array::from_fn(|k| on_line[k] + weights[1] * (r[k] - p[k]));
+            let from_p = |x: &[f64; 3]| [0, 1, 2].map(|k| exact(x[k]) - exact(p[k]));
+            let minor = |u: &[RBig; 3], v: &[RBig; 3], i: usize, j: usize| &u[i] * &v[j] - &u[j] * &v[i];
+            let (u, v, w) = (from_p(&q), from_p(&r), from_p(&on_plane));
+            let volume = minor(&u, &v, 1, 2) * &w[0] + minor(&u, &v, 2, 0) * &w[1] + minor(&u, &v, 0, 1) * &w[2];
+            let truth: Sign = volume.cmp(&RBig::ZERO).into();
+            assert_eq!(orient3d(&p, &q, &r, &on_plane), truth);
+            let extent = std::array::from_fn(|k| (on_plane[k] - p[k]).abs());
+            let side = Plane::new(&p, &q, &r, &extent).side(&on_plane);
+            assert!(side.is_none_or(|side| side == truth));
+            zeros[0] += usize::from(truth == Zero);
+            let w = from_p(&on_line);
+            let mut is_collinear = true;
+            for axis in 0..3 {
+                let area: Sign = minor(&u, &w, (axis + 1) % 3, (axis + 2) % 3).cmp(&RBig::ZERO).into();
+                assert_eq!(orient2d(axis, &p, &q, &on_line), area);
+                is_collinear &= area == Zero;
+            }
+            assert_eq!(collinear(&p, &q, &on_line), is_collinear);
+            zeros[1] += usize::from(is_collinear);
+        }
+        assert!(zeros.iter().all(|&count| (4000..16_000).contains(&count)), "{zeros:?}");
+    }
+}

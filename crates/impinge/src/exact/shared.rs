@@ -1,0 +1,197 @@
+//! Whether two faces of one mesh meet in more than the hull of the positions that they share.
+//!
+//! Neighbours always meet: in a corner, in an edge. With no, one, two or three distinct shared positions the hull is
+//! empty, a point, a segment or, with all, the very triangle that both are. Both triangles are convex, so that
+//! - with one shared corner they meet in more where the cones that they are at this corner do;
+//! - with two, in more than that edge where they lie in one plane to one side of it, or, without area, in one line beyond
+//!   the same end;
+//! - with three, never.
+
+use super::corners::{Corners, PairCorners};
+use super::filter::{self, Errors};
+use super::placement::Placement;
+use super::triangles::{Position, triangles_intersect};
+use crate::math::Sign::{self, Zero};
+
+/// The two faces are of one mesh in one place; equal coordinates are one position, zeros of either sign included.
+pub(crate) fn meet_beyond_shared(one_place: &Placement, a: &Corners, b: &Corners) -> bool {
+    debug_assert!(one_place.is_shared(), "both faces are in one frame");
+    let mut shared: [Option<[f64; 3]>; 3] = [None; 3];
+    let mut count = 0;
+    for corner in a {
+        if b.contains(corner) && !shared.contains(&Some(*corner)) {
+            shared[count] = Some(*corner);
+            count += 1;
+        }
+    }
+    match shared {
+        [None, ..] => triangles_intersect(one_place, a, b),
+        [Some(v), None, _] => beyond_corner(one_place, a, b, v),
+        [Some(v), Some(w), None] => beyond_edge(one_place, a, b, [v, w]),
+        [Some(_), Some(_), Some(_)] => false,
+    }
+}
+
+/// For two triangles that share the position `v` alone.
+fn beyond_corner(one_place: &Placement, a: &Corners, b: &Corners, v: [f64; 3]) -> bool {
+    if stays_to_one_side(a, b, &v) || stays_to_one_side(b, a, &v) {
+        return false;
+    }
+    let mut corners = PairCorners::new(one_place, a, b);
+    match Position::of(&mut corners) {
+        // Two segments of one line that hold `v`.
+        Position::Crossing(line) => line.overlap_at_length(&mut corners),
+        // A segment that crosses the other's plane does so in `v`.
+        Position::Apart | Position::SegmentOfA(_) | Position::SegmentOfB(_) => false,
+        Position::Flat => {
+            let cone = |own: &Corners, from: usize| Cone {
+                apex: from + own.iter().position(|corner| *corner == v).unwrap_or_default(),
+                rays: std::array::from_fn(|i| (own[i] != v).then_some(from + i)),
+            };
+            let (cone_a, cone_b) = (cone(a, 0), cone(b, 3));
+            cone_a.rays.into_iter().flatten().any(|corner| cone_b.holds(&mut corners, corner))
+                || cone_b.rays.into_iter().flatten().any(|corner| cone_a.holds(&mut corners, corner))
+        }
+    }
+}
+
+/// Whether the corners of `other` but `v` are certainly all on one side of the plane of `triangle`.
+fn stays_to_one_side(triangle: &Corners, other: &Corners, v: &[f64; 3]) -> bool {
+    let (u, w) = (filter::difference(&triangle[1], &triangle[0]), filter::difference(&triangle[2], &triangle[0]));
+    let sides = signs(&u, &w, &other.map(|corner| filter::difference(&corner, v)));
+    let mut one_side = None;
+    (0..3).filter(|&i| other[i] != *v).all(|i| match sides[i] {
+        None | Some(Zero) => false,
+        side => *one_side.get_or_insert(side) == side,
+    })
+}
+
+/// For two triangles that share these two positions alone.
+fn beyond_edge(one_place: &Placement, a: &Corners, b: &Corners, ends: [[f64; 3]; 2]) -> bool {
+    let third = |own: &Corners| (0..3).find(|&i| !ends.contains(&own[i]));
+    // Where there is no third position the face is the shared edge.
+    let (Some(third_a), Some(third_b)) = (third(a), third(b)) else { return false };
+    let from_end = |corner: &[f64; 3]| filter::difference(corner, &ends[0]);
+    let [certain] = signs(&from_end(&ends[1]), &from_end(&a[third_a]), &[from_end(&b[third_b])]);
+    if certain.is_some() {
+        return false;
+    }
+    let mut corners = PairCorners::new(one_place, a, b);
+    let [v, w] = ends.map(|end| a.iter().position(|corner| *corner == end).unwrap_or_default());
+    let (r, s) = (third_a, 3 + third_b);
+    if corners.exact_orient3d(v, w, r, s) != Zero {
+        return false;
+    }
+    for axis in 0..3 {
+        let sides = [r, s].map(|corner| corners.orient2d(axis, v, w, corner));
+        if sides != [Zero; 2] {
+            // In one plane, seen with one of them off the line of the edge; the other is so too, or has no area.
+            return sides[0] == sides[1];
+        }
+    }
+    // All in one line: beyond the same end, or else the shared edge is all of one of them, or each goes on from another end.
+    let Some(axis) = (0..3).find(|&axis| corners.compare(axis, v, w) != Zero) else { return false };
+    let order = corners.compare(axis, v, w);
+    let [beyond_r, beyond_s] =
+        [r, s].map(|corner| [corners.compare(axis, corner, v) == order, corners.compare(axis, w, corner) == order]);
+    beyond_r == beyond_s && beyond_r != [false; 2]
+}
+
+fn signs<const N: usize>(u: &[f64; 3], v: &[f64; 3], ws: &[[f64; 3]; N]) -> [Option<Sign>; N] {
+    const NONE: [f64; 3] = [0.0; 3];
+    filter::signs(u, v, ws, &Errors { u: &NONE, v: &NONE, w: &NONE })
+}
+
+/// What a triangle is at one of its corners: all directions between the rays to its other corners; corners that coincide
+/// with the apex have none.
+struct Cone {
+    apex: usize,
+    rays: [Option<usize>; 3],
+}
+
+impl Cone {
+    /// Whether the direction to a corner, which is not at the apex, is among those of the cone; all is in one plane, or the
+    /// cone and the direction are in two lines through the apex.
+    fn holds(&self, corners: &mut PairCorners, corner: usize) -> bool {
+        let mut rays = self.rays.into_iter().flatten();
+        if let (Some(p), Some(q)) = (rays.next(), rays.next()) {
+            for axis in 0..3 {
+                let turn = corners.orient2d(axis, self.apex, p, q);
+                if turn != Zero {
+                    let after_p = corners.orient2d(axis, self.apex, p, corner);
+                    let before_q = corners.orient2d(axis, self.apex, corner, q);
+                    return after_p != -turn && before_q != -turn;
+                }
+            }
+        }
+        self.rays.into_iter().flatten().any(|ray| self.along(corners, ray, corner))
+    }
+
+    /// Whether a corner is in the same direction from the apex as the end of a ray.
+    fn along(&self, corners: &mut PairCorners, ray: usize, corner: usize) -> bool {
+        (0..3).all(|axis| corners.orient2d(axis, self.apex, ray, corner) == Zero)
+            && (0..3).all(|axis| corners.compare(axis, self.apex, ray) == corners.compare(axis, self.apex, corner))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Pose;
+
+    fn meet(a: [[i32; 3]; 3], b: [[i32; 3]; 3]) -> bool {
+        let place = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
+        let [a, b] = [a, b].map(|corners| corners.map(|corner| corner.map(f64::from)));
+        let mut answers = Vec::new();
+        for order in [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]] {
+            let turned = order.map(|i| a[i]);
+            answers.push(meet_beyond_shared(&place, &turned, &b));
+            answers.push(meet_beyond_shared(&place, &b, &turned));
+        }
+        assert!(answers.iter().all(|&answer| answer == answers[0]), "the order of corners or faces shows");
+        answers[0]
+    }
+
+    const FLOOR: [[i32; 3]; 3] = [[0, 0, 0], [4, 0, 0], [0, 4, 0]];
+
+    #[test]
+    fn one_shared_corner() {
+        assert!(!meet(FLOOR, [[0, 0, 0], [1, 1, 1], [1, 2, 1]]), "to one side");
+        assert!(!meet(FLOOR, [[0, 0, 0], [-1, -1, 1], [-1, -2, -1]]), "crosses the plane elsewhere");
+        assert!(meet(FLOOR, [[0, 0, 0], [1, 1, 1], [1, 1, -1]]), "through the face");
+        assert!(meet(FLOOR, [[0, 0, 0], [1, 1, 0], [1, 1, -1]]), "an edge in the face");
+        assert!(meet(FLOOR, [[0, 0, 0], [9, 0, 0], [1, 1, -1]]), "along an edge");
+        assert!(meet(FLOOR, [[0, 0, 0], [9, 1, 0], [1, 9, 0]]), "in its plane");
+        assert!(meet(FLOOR, [[0, 0, 0], [4, -1, 0], [-1, 4, 0]]), "in its plane, all round it");
+        assert!(!meet(FLOOR, [[0, 0, 0], [-4, 0, 0], [0, -4, 0]]), "in its plane, opposite");
+        assert!(!meet(FLOOR, [[0, 0, 0], [-1, 1, 0], [-2, 1, 0]]), "in its plane, beside");
+    }
+
+    #[test]
+    fn two_shared_corners() {
+        assert!(!meet(FLOOR, [[0, 0, 0], [4, 0, 0], [0, 0, 4]]), "a wall on it");
+        assert!(!meet(FLOOR, [[0, 0, 0], [4, 0, 0], [0, -4, 0]]), "beside it");
+        assert!(meet(FLOOR, [[0, 0, 0], [4, 0, 0], [9, 1, 0]]), "folded over it");
+        assert!(!meet(FLOOR, FLOOR), "the same");
+    }
+
+    #[test]
+    fn n11_faces_without_area() {
+        assert!(!meet(FLOOR, [[0, 0, 0], [4, 0, 0], [2, 0, 0]]), "the edge, split");
+        assert!(!meet(FLOOR, [[0, 0, 0], [4, 0, 0], [0, 0, 0]]), "the edge");
+        assert!(!meet(FLOOR, [[0, 0, 0], [4, 0, 0], [9, 0, 0]]), "beyond the edge");
+        assert!(meet(FLOOR, [[0, 0, 0], [2, 0, 0], [2, 0, 0]]), "half of the edge");
+        assert!(meet(FLOOR, [[0, 0, 0], [1, 1, 0], [2, 2, 0]]), "into the face");
+        assert!(meet(FLOOR, [[0, 0, 0], [1, 1, 0], [-1, -1, 0]]), "through the corner into the face");
+        assert!(!meet(FLOOR, [[0, 0, 0], [-1, 1, 0], [1, -1, 0]]), "through the corner, outside");
+        assert!(!meet(FLOOR, [[0, 0, 0], [0, 0, 1], [0, 0, -1]]), "through the corner, across");
+        assert!(!meet(FLOOR, [[0, 0, 0], [0, 0, 0], [0, 0, 0]]), "the corner");
+        assert!(meet(FLOOR, [[1, 1, 0], [1, 1, 0], [1, 1, 0]]), "a point of the face");
+        let segment = [[0, 0, 0], [4, 0, 0], [8, 0, 0]];
+        assert!(meet(segment, [[0, 0, 0], [2, 0, 0], [1, 0, 0]]), "part of a segment");
+        assert!(meet(segment, [[0, 0, 0], [4, 0, 0], [9, 0, 0]]), "both beyond one end");
+        assert!(!meet(segment, [[0, 0, 0], [4, 0, 0], [-1, 0, 0]]), "beyond either end");
+        assert!(!meet(segment, [[0, 0, 0], [-4, 0, 0], [-1, 0, 0]]), "opposite");
+        assert!(!meet(segment, [[0, 0, 0], [0, 4, 0], [0, 1, 0]]), "across");
+    }
+}

@@ -1,0 +1,97 @@
+//! Slabs: what lies between two parallel planes, as a second bound of what a node holds. A patch of a surface is thin
+//! along its normal whichever way it faces, where its box is as thick as it is wide.
+//!
+//! Source: Kay, Kajiya, *Ray tracing complex scenes*, SIGGRAPH 1986 (Ericson, 4.4.6 and 4.6); ours is one slab a node,
+//! whose direction is the node's own.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+
+use super::lanes::HALF_ULP;
+use super::wide::Node;
+use crate::simd::{by_axis, load};
+
+/// The points x with `min ≤ normal · x ≤ max`. The normal is whatever its numbers say, of any length.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Zeroable, bytemuck::Pod)]
+#[repr(C)]
+pub struct Slab {
+    /// Across the planes; no component is larger than one in magnitude.
+    pub normal: [f32; 3],
+    /// The least height that is inside.
+    pub min: f32,
+    /// The greatest height that is inside.
+    pub max: f32,
+}
+
+impl Slab {
+    /// All of space: what is known of a node before anything is.
+    pub const ALL: Self = Self { normal: [0.0; 3], min: f32::NEG_INFINITY, max: f32::INFINITY };
+}
+
+/// Carries slabs against an affine map: from the map's target into its source, where the boxes are.
+#[derive(Clone, Debug)]
+pub(crate) struct SlabMap {
+    linear: [[f32; 3]; 3],
+    translation: [f64; 3],
+    slack: f32,
+}
+
+impl SlabMap {
+    /// For the map `linear · x + translation`, known up to `error` on each axis, from boxes whose coordinates are at
+    /// most `reach` in magnitude to slabs.
+    ///
+    /// # Accuracy
+    /// With u = 2^-24 and S the sum over the axes of Σ|linear|·reach + |translation|, normals being at most one, the
+    /// height of a box's corner collects at most 5 u S for the rounded matrix and the turned normal, 6 u S for centre
+    /// and extents and their sums, and 4 u S for the last difference and the rounded bounds. The slack is 32 u S and
+    /// twice the errors.
+    pub(crate) fn new(linear: &[[f64; 3]; 3], translation: &[f64; 3], error: &[f64; 3], reach: f64) -> Self {
+        const UNDERFLOW: f64 = 1.0 / (1_u128 << 100) as f64;
+        let size: f64 = linear.as_flattened().iter().map(|x| x.abs()).sum::<f64>() * reach
+            + translation.iter().map(|x| x.abs()).sum::<f64>();
+        let slack = 32.0 * HALF_ULP * size + 2.0 * error.iter().sum::<f64>() + UNDERFLOW;
+        Self {
+            linear: linear.map(|row| row.map(|x| x as f32)),
+            translation: *translation,
+            slack: (slack as f32).next_up(),
+        }
+    }
+
+    /// The slab in the source's frame, so wide that it holds whatever the map takes into the slab.
+    #[inline(always)]
+    pub(crate) fn carry(&self, slab: &Slab) -> Slab {
+        let [x, y, z] = slab.normal;
+        let [along_x, along_y, along_z] = &self.linear;
+        let moved = f64::from(x) * self.translation[0]
+            + f64::from(y) * self.translation[1]
+            + f64::from(z) * self.translation[2];
+        Slab {
+            normal: by_axis!(axis => z.mul_add(along_z[axis], y.mul_add(along_y[axis], x * along_x[axis]))),
+            min: (f64::from(slab.min) - moved) as f32 - self.slack,
+            max: (f64::from(slab.max) - moved) as f32 + self.slack,
+        }
+    }
+}
+
+impl Slab {
+    /// The lanes whose boxes are proved outside, as bits; for a slab that was carried to where the boxes are. A
+    /// comparison with NaN proves nothing.
+    #[inline(always)]
+    pub(crate) fn outside<S: Simd>(&self, simd: S, boxes: &Node) -> u32 {
+        // Twice the heights of centre and extent, as there is no need to halve both.
+        let mut centre = f32x8::splat(simd, 0.0);
+        let mut extent = f32x8::splat(simd, 0.0);
+        for axis in 0..3 {
+            let (min, max) = (load(simd, &boxes.min[axis]), load(simd, &boxes.max[axis]));
+            let normal = f32x8::splat(simd, self.normal[axis]);
+            centre = (min + max).mul_add(normal, centre);
+            extent = (max - min).mul_add(normal.abs(), extent);
+        }
+        let above = (centre - extent).simd_gt(f32x8::splat(simd, self.max + self.max));
+        let below = (centre + extent).simd_lt(f32x8::splat(simd, self.min + self.min));
+        (above | below).to_bitmask() as u32
+    }
+}
+
+#[cfg(test)]
+mod tests;

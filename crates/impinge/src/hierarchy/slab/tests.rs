@@ -1,0 +1,132 @@
+//! Carried slabs against exact rational heights.
+
+use bytemuck::Zeroable;
+use dashu_ratio::Relaxed;
+use fearless_simd::dispatch;
+use impinge_testkit::generate::Rng;
+use impinge_testkit::generate::poses::rotation;
+
+use super::*;
+use crate::simd::{LANES, levels};
+
+fn exact(x: f64) -> Relaxed {
+    Relaxed::try_from(x).expect("finite")
+}
+
+fn coarse(rng: &mut Rng) -> f64 {
+    rng.integer(-16, 16) as f64 / 16.0
+}
+
+/// A map, boxes in its source, and a slab in its target that ends where the image of one box begins, or nearly so.
+struct Trial {
+    linear: [[f64; 3]; 3],
+    translation: [f64; 3],
+    error: [f64; 3],
+    node: Node,
+    slab: Slab,
+}
+
+impl Trial {
+    fn new(rng: &mut Rng, gap: f64) -> Self {
+        let mut linear =
+            if rng.one_in(3) { [[0; 3]; 3].map(|row| row.map(|_| coarse(rng))) } else { rotation(rng).linear };
+        if rng.one_in(4) {
+            linear = linear.map(|row| row.map(|x| x * 2.0_f64.powi(rng.integer(-20, 20) as i32)));
+        }
+        let size = linear.as_flattened().iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+        let translation = [0; 3].map(|_| coarse(rng) * size);
+        let error = if rng.one_in(2) { [0.0; 3] } else { [0; 3].map(|_| rng.uniform(0.0, 1e-5) * size) };
+        let mut node = Node::zeroed();
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                let (p, q) = (coarse(rng) as f32, coarse(rng) as f32);
+                (node.min[axis][lane], node.max[axis][lane]) = (p.min(q), p.max(q));
+            }
+        }
+        let normal = [0; 3].map(|_| coarse(rng) as f32);
+        let mut trial = Self { linear, translation, error, node, slab: Slab { normal, min: 0.0, max: 0.0 } };
+        let [low, high] = trial.heights(0).map(|height| height.to_f64_fast());
+        // Above the box, below it, or through it.
+        let (low, high) = if rng.one_in(2) { (high + gap * size, high + size) } else { (low - size, low - gap * size) };
+        trial.slab.min = low as f32;
+        trial.slab.max = high as f32;
+        trial
+    }
+
+    /// The least and the greatest height of the images of one box under every map within the error.
+    fn heights(&self, lane: usize) -> [Relaxed; 2] {
+        let normal = self.slab.normal.map(|x| exact(f64::from(x)));
+        let (mut low, mut high) = (Relaxed::ZERO, Relaxed::ZERO);
+        for axis in 0..3 {
+            let moved = &normal[axis] * exact(self.translation[axis]);
+            let off = exact(f64::from(self.slab.normal[axis].abs()) * self.error[axis]);
+            low += moved.clone() - &off;
+            high += moved + &off;
+        }
+        for from in 0..3 {
+            let slope = (0..3).fold(Relaxed::ZERO, |sum, axis| sum + &normal[axis] * exact(self.linear[axis][from]));
+            let ends = [self.node.min[from][lane], self.node.max[from][lane]].map(|x| exact(f64::from(x)) * &slope);
+            let [p, q] = ends;
+            let (least, greatest) = if p < q { (p, q) } else { (q, p) };
+            low += least;
+            high += greatest;
+        }
+        [low, high]
+    }
+
+    /// The boxes that the slab is said to miss, which is asserted to be true.
+    fn missed(&self) -> usize {
+        let map = SlabMap::new(&self.linear, &self.translation, &self.error, 1.0);
+        let mut missed = 0;
+        for (name, level) in levels() {
+            let outside = dispatch!(level, simd => map.carry(&self.slab).outside(simd, &self.node));
+            for lane in (0..LANES).filter(|&lane| outside >> lane & 1 == 1) {
+                let [low, high] = self.heights(lane);
+                let (min, max) = (exact(f64::from(self.slab.min)), exact(f64::from(self.slab.max)));
+                assert!(low > max || high < min, "{name}: box {lane} meets the slab");
+                missed += 1;
+            }
+        }
+        missed
+    }
+}
+
+#[test]
+fn what_is_said_to_be_outside_is() {
+    let mut rng = Rng::new(131);
+    let (mut touching, mut clear) = (0, 0);
+    for round in 0..3_000 {
+        // Where the slab touches a box, or misses it by less than single precision tells, the box is the first of eight.
+        let gap = [0.0, 1e-9, 1e-7, 1e-6, 1e-2][round % 5];
+        let trial = Trial::new(&mut rng, gap);
+        let missed = trial.missed();
+        *(if round % 5 == 4 { &mut clear } else { &mut touching }) += missed;
+    }
+    assert!(touching > 3_000 && clear > 3_000, "{touching} and {clear} boxes were missed");
+}
+
+#[test]
+fn the_slack_is_small() {
+    // Boxes of a thousandth that a slab clears by a hundred thousandth are told apart.
+    let map = SlabMap::new(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], &[0.0; 3], &[0.0; 3], 1.0);
+    let mut node = Node::zeroed();
+    for axis in 0..3 {
+        node.max[axis] = [1e-3; LANES];
+    }
+    let slab = Slab { normal: [0.0, 0.0, 1.0], min: 1e-3 + 1e-5, max: 1.0 };
+    for (name, level) in levels() {
+        let outside = dispatch!(level, simd => map.carry(&slab).outside(simd, &node));
+        assert_eq!(outside, 0xff, "{name}");
+        let all = dispatch!(level, simd => map.carry(&Slab::ALL).outside(simd, &node));
+        assert_eq!(all, 0, "{name}: nothing is outside all of space");
+    }
+}
+
+#[test]
+fn what_overflows_proves_nothing() {
+    let map = SlabMap::new(&[[1e30; 3]; 3], &[1e38; 3], &[f64::INFINITY; 3], 1.0);
+    let slab = Slab { normal: [1.0; 3], min: -1.0, max: 1.0 };
+    for (name, level) in levels() {
+        assert_eq!(dispatch!(level, simd => map.carry(&slab).outside(simd, &Node::zeroed())), 0, "{name}");
+    }
+}

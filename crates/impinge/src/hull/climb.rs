@@ -1,0 +1,80 @@
+//! Climbing from vertex to neighbour to the one that is farthest along a direction (*Notes on Real Time Collision
+//! Detection*, 2.2; Ericson, *Real-Time Collision Detection*, 4.2.5).
+//!
+//! A hull is in the cone of the edges at any of its vertices, so a vertex that none of its neighbours exceeds is one of the
+//! farthest: there are no false summits, and on a plateau none of its vertices needs another. What can go wrong is rounding,
+//! so a step is taken only where it certainly leads up, and the end is confirmed by exact comparisons. Every step leads up
+//! over the reals, however the turn was, so none leads back.
+//!
+//! A way may be long, on needles, or wide, at the tip of a cone. So once it has looked at as many vertices as there are, the
+//! climb gives way to a scan of all of them: no question costs more than both.
+
+use super::Hull;
+use crate::exact::compare_along;
+use crate::math::Sign::{Positive, Zero};
+use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
+
+/// A vertex that is farthest along a direction.
+///
+/// # Panics
+/// Where there is no vertex `start`.
+pub(crate) fn climb(hull: &Hull, direction: &[f64; 3], start: u32) -> u32 {
+    let positions = hull.positions();
+    let value = |vertex: u32| {
+        let p = &positions[vertex as usize];
+        direction[0] * p[0] + direction[1] * p[1] + direction[2] * p[2]
+    };
+    let reach = hull.reach();
+    // Three roundings on the way of each product, and as many in a rival's value.
+    let size = direction[0].abs() * reach[0] + direction[1].abs() * reach[1] + direction[2].abs() * reach[2];
+    let error = 8.0 * UNIT_ROUNDOFF * size + UNDERFLOW;
+    let mut budget = positions.len();
+    let (mut at, mut height) = (start, value(start));
+    loop {
+        let neighbours = hull.neighbours(at);
+        let Some(left) = budget.checked_sub(neighbours.len()) else {
+            return hull.extremes().along(positions, direction);
+        };
+        budget = left;
+        let (mut best, mut best_height) = (at, height);
+        let mut is_certain = true;
+        for &neighbour in neighbours {
+            let other = value(neighbour);
+            if other > best_height {
+                (best, best_height) = (neighbour, other);
+            }
+            // Not where either is NaN, after an overflow.
+            is_certain &= other < height - error;
+        }
+        if best_height > height + error {
+            (at, height) = (best, best_height);
+        } else if is_certain {
+            return at;
+        } else {
+            let is_higher = |&&other: &&u32| {
+                let compared = compare_along(direction, &positions[other as usize], &positions[at as usize]);
+                compared == Positive
+            };
+            match neighbours.iter().find(is_higher) {
+                Some(&higher) => (at, height) = (higher, value(higher)),
+                None => return at,
+            }
+        }
+    }
+}
+
+/// The least of the vertices that are as far along a direction as this one, which is one of the farthest: they form a
+/// face of the hull, whose edges connect them.
+pub(super) fn least_of_ties(hull: &Hull, direction: &[f64; 3], farthest: u32) -> u32 {
+    let positions = hull.positions();
+    let is_tied =
+        |vertex: u32| compare_along(direction, &positions[vertex as usize], &positions[farthest as usize]) == Zero;
+    let mut ties = vec![farthest];
+    let mut next = 0;
+    let mut is_known = std::collections::HashSet::from([farthest]);
+    while let Some(&tie) = ties.get(next) {
+        next += 1;
+        ties.extend(hull.neighbours(tie).iter().filter(|&&other| is_tied(other) && is_known.insert(other)));
+    }
+    ties.into_iter().min().unwrap_or(farthest)
+}

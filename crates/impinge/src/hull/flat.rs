@@ -1,0 +1,59 @@
+//! Hulls of points that lie in a plane, in a line or in one place.
+
+use super::build::{line, off_line};
+use crate::exact::orient2d;
+use crate::math::Sign::{Positive, Zero};
+
+/// What points that span no space span instead, by numbers of points; among equal points the first is named.
+#[derive(Clone, Debug)]
+pub(super) enum Flat {
+    /// All points are equal to this one.
+    Point(u32),
+    /// All points are on the segment between these.
+    Segment([u32; 2]),
+    /// All points are in the convex polygon of these, each of which is a corner.
+    Polygon(Vec<u32>),
+}
+
+impl Flat {
+    /// The hull of points in a plane, of which there is at least one.
+    ///
+    /// # Source
+    /// Andrew, *Another efficient algorithm for convex hulls in two dimensions*, 1979, in the projection along an axis in which
+    /// the points are not in a line, exactly decided.
+    ///
+    /// # Complexity
+    /// O(n log n).
+    pub(super) fn of(points: &[[f64; 3]]) -> Self {
+        let Some([a, b]) = line(points) else { return Self::Point(0) };
+        let Some(c) = off_line(points, a, b) else { return Self::Segment([a as u32, b as u32]) };
+        let axis = (0..3).find(|&axis| orient2d(axis, &points[a], &points[b], &points[c]) != Zero).unwrap_or(0);
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        let mut order: Vec<u32> = (0..points.len() as u32).collect();
+        order.sort_unstable_by(|&x, &y| {
+            let (p, q) = (&points[x as usize], &points[y as usize]);
+            p[i].total_cmp(&q[i]).then(p[j].total_cmp(&q[j])).then(x.cmp(&y))
+        });
+        order.dedup_by(|x, y| points[*x as usize] == points[*y as usize]);
+        let mut polygon = Vec::new();
+        chain(points, axis, order.iter().copied(), &mut polygon);
+        chain(points, axis, order.iter().rev().copied(), &mut polygon);
+        Self::Polygon(polygon)
+    }
+}
+
+/// Appends the corners on the right of the way from the first point to the last, which is left out.
+fn chain(points: &[[f64; 3]], axis: usize, order: impl Iterator<Item = u32>, polygon: &mut Vec<u32>) {
+    let start = polygon.len();
+    for point in order {
+        while let [.., before, last] = polygon[start..] {
+            let [p, q, r] = [before, last, point].map(|index| &points[index as usize]);
+            if orient2d(axis, p, q, r) == Positive {
+                break;
+            }
+            polygon.pop();
+        }
+        polygon.push(point);
+    }
+    polygon.pop();
+}

@@ -1,0 +1,229 @@
+//! The triangles of a leaf in the metric frame: in double precision for values, and in single precision about an anchor of
+//! their own for proving in bulk that pairs are too far apart to matter.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+
+use super::bounds::squared_gaps;
+use crate::exact::Corners;
+use crate::hierarchy::{HALF_ULP, LEAF_CAPACITY};
+use crate::mesh::Mesh;
+use crate::mesh::metric::MetricMap;
+use crate::simd::{LANES, by_axis, load3};
+use crate::volume::Aabb;
+
+/// More than the roundings of a bound relative to the coordinates that go into it, in units of 2^-24: corners and offset,
+/// once each, their sum, and three operations of each of two dot products, along a direction whose components sum to at most √3.
+/// 18 are needed.
+const ROUNDING: f64 = 32.0 * HALF_ULP;
+
+/// Up to eight triangles in the metric frame; lanes that are not in use repeat the first.
+#[derive(Clone, Debug)]
+pub(super) struct Leaf {
+    pub(super) leaf: u32,
+    pub(super) faces: [u32; LEAF_CAPACITY],
+    pub(super) lanes_in_use: u32,
+    pub(super) corners: [Corners; LANES],
+    anchor: [f64; 3],
+    /// The largest magnitude of the coordinates about the anchor.
+    radius: f32,
+    /// `about[corner][axis][lane]`, about the anchor.
+    about: [[[f32; LANES]; 3]; 3],
+}
+
+impl Leaf {
+    pub(super) fn new(mesh: &Mesh, leaf: u32, map: &MetricMap) -> Self {
+        let faces = mesh.0.packets[leaf as usize].faces;
+        let mut lanes_in_use = 1;
+        let mut corners = [[[0.0; 3]; 3]; LANES];
+        for lane in 0..LANES {
+            if lane > 0 && faces[lane] == faces[0] {
+                corners[lane] = corners[0];
+                continue;
+            }
+            lanes_in_use |= 1 << lane;
+            corners[lane] = mesh.corners(faces[lane]).map(|corner| map.apply(corner));
+        }
+        let anchor = corners[0][0];
+        let mut about = [[[0.0; LANES]; 3]; 3];
+        let mut radius = 0.0_f32;
+        for lane in 0..LANES {
+            for corner in 0..3 {
+                for axis in 0..3 {
+                    let x = (corners[lane][corner][axis] - anchor[axis]) as f32;
+                    about[corner][axis][lane] = x;
+                    radius = radius.max(x.abs());
+                }
+            }
+        }
+        Self { leaf, faces, lanes_in_use, corners, anchor, radius, about }
+    }
+}
+
+/// Two leaves, the guest's triangles moved to the host's anchor.
+pub(super) struct Facing<'l, S: Simd> {
+    simd: S,
+    host: &'l Leaf,
+    guest: &'l Leaf,
+    offset: [f32; 3],
+    /// More than what a bound may be above the truth, in metric units.
+    slack: f32,
+    host_corners: [Lanes3<S>; 3],
+    host_normal: Lanes3<S>,
+}
+
+/// Three coordinates in each lane.
+type Lanes3<S> = [f32x8<S>; 3];
+
+impl<'l, S: Simd> Facing<'l, S> {
+    /// `error` is what metric corners and values may be off by.
+    #[inline(always)]
+    pub(super) fn new(simd: S, host: &'l Leaf, guest: &'l Leaf, error: f64) -> Self {
+        let offset = by_axis!(axis => (guest.anchor[axis] - host.anchor[axis]) as f32);
+        let reach =
+            f64::from(host.radius + guest.radius) + offset.iter().fold(0.0, |most, x| f64::from(x.abs()).max(most));
+        let slack = ((ROUNDING * reach + 4.0 * error) as f32).next_up();
+        let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.about[corner]));
+        let host_normal = cross(&sub(&host_corners[1], &host_corners[0]), &sub(&host_corners[2], &host_corners[0]));
+        Self { simd, host, guest, offset, slack, host_corners, host_normal }
+    }
+
+    /// The host's lanes whose boxes are not proved farther than `limit` from the guest's triangle in `lane`.
+    #[inline(always)]
+    pub(super) fn near_boxes(&self, lane: usize, limit: f32) -> u32 {
+        let corner = |corner: usize, axis: usize| self.guest.about[corner][axis][lane] + self.offset[axis];
+        let one = Aabb {
+            min: by_axis!(axis => corner(0, axis).min(corner(1, axis)).min(corner(2, axis)) - self.slack),
+            max: by_axis!(axis => corner(0, axis).max(corner(1, axis)).max(corner(2, axis)) + self.slack),
+        };
+        let (min, max) = bounds(&self.host_corners);
+        let squared = squared_gaps(self.simd, (&min, &max), &one);
+        let limit = limit * (1.0 + 8.0 * HALF_ULP as f32);
+        let far = squared.simd_gt(f32x8::splat(self.simd, limit * limit * (1.0 + 8.0 * HALF_ULP as f32)));
+        !(far.to_bitmask() as u32) & self.host.lanes_in_use
+    }
+
+    /// Lower bounds of the distances of the guest's triangle in `lane` from the host's, in metric units.
+    #[inline(always)]
+    pub(super) fn lower_bounds(&self, lane: usize, limit: f32) -> [f32; LANES] {
+        let simd = self.simd;
+        let guest: [Lanes3<S>; 3] = by_axis!(corner => by_axis!(axis => {
+            f32x8::splat(simd, self.guest.about[corner][axis][lane] + self.offset[axis])
+        }));
+        let host = &self.host_corners;
+        let guest_normal = cross(&sub(&guest[1], &guest[0]), &sub(&guest[2], &guest[0]));
+        // Along the normal of a face its corners are level, in truth; in rounded numbers they are not, and all are taken.
+        let by_planes = gap_along(&self.host_normal, host, &guest).max(gap_along(&guest_normal, host, &guest));
+        let slack = f32x8::splat(simd, self.slack);
+        let mut lower = [0.0; LANES];
+        if (by_planes - slack).simd_gt(f32x8::splat(simd, limit)).to_bitmask() as u32 & 0xff == 0xff {
+            (by_planes - slack).store_slice(&mut lower);
+            return lower;
+        }
+        let direction = nearest_difference(host, &guest, &self.host_normal, &guest_normal);
+        (by_planes.max(gap_along(&direction, host, &guest)) - slack).store_slice(&mut lower);
+        lower
+    }
+}
+
+/// How far apart two triangles are along a direction, before rounding; zero where it does not separate them or is none.
+#[inline(always)]
+fn gap_along<S: Simd>(direction: &Lanes3<S>, host: &[Lanes3<S>; 3], guest: &[Lanes3<S>; 3]) -> f32x8<S> {
+    let zero = f32x8::splat(direction[0].token(), 0.0);
+    let h: Lanes3<S> = by_axis!(corner => dot(direction, &host[corner]));
+    let g: Lanes3<S> = by_axis!(corner => dot(direction, &guest[corner]));
+    let (h_min, h_max) = (h[0].min(h[1]).min(h[2]), h[0].max(h[1]).max(h[2]));
+    let (g_min, g_max) = (g[0].min(g[1]).min(g[2]), g[0].max(g[1]).max(g[2]));
+    let gap = (g_min - h_max).max(h_min - g_max);
+    let squared = dot(direction, direction);
+    // Only where the square is not so small that its root would be wrong.
+    let sure = gap.simd_gt(zero) & squared.simd_gt(f32x8::splat(direction[0].token(), LEAST_SQUARE));
+    sure.select(gap / squared.sqrt(), zero)
+}
+
+/// Squares below this have lost digits to underflow, or their terms have: 2^-100.
+const LEAST_SQUARE: f32 = 1.0 / (1_u128 << 100) as f32;
+
+/// From the host's to the guest's nearest point, roughly: whatever it is, it only serves as a direction.
+#[inline(always)]
+fn nearest_difference<S: Simd>(
+    host: &[Lanes3<S>; 3],
+    guest: &[Lanes3<S>; 3],
+    host_normal: &Lanes3<S>,
+    guest_normal: &Lanes3<S>,
+) -> Lanes3<S> {
+    let simd = host[0][0].token();
+    let zero = f32x8::splat(simd, 0.0);
+    let one = f32x8::splat(simd, 1.0);
+    let least = f32x8::splat(simd, f32::MIN_POSITIVE);
+    let edges = |corners: &[Lanes3<S>; 3]| -> [Lanes3<S>; 3] {
+        [sub(&corners[1], &corners[0]), sub(&corners[2], &corners[1]), sub(&corners[0], &corners[2])]
+    };
+    let (host_edges, guest_edges) = (edges(host), edges(guest));
+    let mut best = (f32x8::splat(simd, f32::INFINITY), sub(&guest[0], &host[0]));
+    for i in 0..3 {
+        let u = &host_edges[i];
+        let uu = dot(u, u).max(least);
+        for j in 0..3 {
+            // Ericson, 5.1.9, without its special cases: quotients by nothing are kept finite.
+            let v = &guest_edges[j];
+            let vv = dot(v, v).max(least);
+            let w = sub(&host[i], &guest[j]);
+            let (uv, uw, vw) = (dot(u, v), dot(u, &w), dot(v, &w));
+            let s = ((uv * vw - uw * vv) / (uu * vv - uv * uv).max(least)).max(zero).min(one);
+            let t = ((uv * s + vw) / vv).max(zero).min(one);
+            let s = ((uv * t - uw) / uu).max(zero).min(one);
+            offer(&mut best, by_axis!(axis => t * v[axis] - (w[axis] + s * u[axis])));
+        }
+    }
+    for corner in 0..3 {
+        for (face, edges, normal, point, sign) in [
+            (host, &host_edges, host_normal, &guest[corner], one),
+            (guest, &guest_edges, guest_normal, &host[corner], zero - one),
+        ] {
+            let w = sub(point, &face[0]);
+            let squared = dot(normal, normal).max(least);
+            let inside = |k: usize| dot(&cross(&edges[k], &sub(point, &face[k])), normal);
+            let within = inside(0).simd_ge(zero) & inside(1).simd_ge(zero) & inside(2).simd_ge(zero);
+            let height = dot(&w, normal) / squared * sign;
+            let difference: Lanes3<S> = by_axis!(axis => height * normal[axis]);
+            let far = f32x8::splat(simd, f32::INFINITY);
+            let squared = within.select(dot(&difference, &difference), far);
+            choose(&mut best, squared, difference);
+        }
+    }
+    best.1
+}
+
+#[inline(always)]
+fn offer<S: Simd>(best: &mut (f32x8<S>, Lanes3<S>), difference: Lanes3<S>) {
+    choose(best, dot(&difference, &difference), difference);
+}
+
+#[inline(always)]
+fn choose<S: Simd>(best: &mut (f32x8<S>, Lanes3<S>), squared: f32x8<S>, difference: Lanes3<S>) {
+    let nearer = squared.simd_lt(best.0);
+    best.0 = nearer.select(squared, best.0);
+    best.1 = by_axis!(axis => nearer.select(difference[axis], best.1[axis]));
+}
+
+#[inline(always)]
+fn bounds<S: Simd>(corners: &[Lanes3<S>; 3]) -> (Lanes3<S>, Lanes3<S>) {
+    let [p, q, r] = corners;
+    (by_axis!(axis => p[axis].min(q[axis]).min(r[axis])), by_axis!(axis => p[axis].max(q[axis]).max(r[axis])))
+}
+
+#[inline(always)]
+fn sub<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> Lanes3<S> {
+    by_axis!(axis => a[axis] - b[axis])
+}
+
+#[inline(always)]
+fn dot<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> f32x8<S> {
+    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
+}
+
+#[inline(always)]
+fn cross<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> Lanes3<S> {
+    [a[1].mul_sub(b[2], a[2] * b[1]), a[2].mul_sub(b[0], a[0] * b[2]), a[0].mul_sub(b[1], a[1] * b[0])]
+}

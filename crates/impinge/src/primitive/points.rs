@@ -1,0 +1,117 @@
+//! The point of a segment and of a triangle that is nearest to a point.
+//!
+//! Source: Ericson, *Real-Time Collision Detection*, 5.1.2 and 5.1.5; ours departs in how the foot within a face is
+//! found (see the head of `primitive`), and in that edges are always tried.
+
+use super::Vector;
+use super::products::{accurate_cross, cross, dot, sub};
+use super::triangles::{ClosestPoints, Scaled};
+
+/// The point of the segment from `segment[0]` to `segment[1]` that is nearest to `point`; either end may be both.
+///
+/// # Accuracy
+/// As [`ClosestPoints`] says.
+///
+/// ```
+/// use impinge::primitive::closest_on_segment;
+///
+/// let nearest = closest_on_segment(&[1.0, 2.0, 0.0], &[[0.0; 3], [4.0, 0.0, 0.0]]);
+/// assert_eq!((nearest.point_b, nearest.distance), ([1.0, 0.0, 0.0], 2.0));
+/// ```
+#[must_use]
+pub fn closest_on_segment(point: &Vector, segment: &[Vector; 2]) -> ClosestPoints {
+    let scaled = Scaled::new([*point, segment[0], segment[1]]);
+    let [p, a, b] = scaled.points;
+    let (squared, t) = point_segment(&sub(&p, &a), &sub(&b, &a));
+    scaled.back(squared, p, along(&a, &sub(&b, &a), t))
+}
+
+/// The point of a triangle that is nearest to `point`; the triangle may be a segment or a point.
+///
+/// # Accuracy
+/// As [`ClosestPoints`] says.
+///
+/// ```
+/// use impinge::primitive::closest_on_triangle;
+///
+/// let triangle = [[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+/// let nearest = closest_on_triangle(&[1.0, 1.0, 3.0], &triangle);
+/// assert_eq!((nearest.point_b, nearest.distance), ([1.0, 1.0, 0.0], 3.0));
+/// ```
+#[must_use]
+pub fn closest_on_triangle(point: &Vector, triangle: &[Vector; 3]) -> ClosestPoints {
+    let scaled = Scaled::new([*point, triangle[0], triangle[1], triangle[2]]);
+    let [p, a, b, c] = scaled.points;
+    let (squared, foot) = point_triangle(&p, &[a, b, c]);
+    scaled.back(squared, p, foot)
+}
+
+/// The square of the distance of a point from a segment, and the parameter of the nearest point, in [0, 1]. The
+/// arguments are the point and the far end, relative to the near end.
+#[inline(always)]
+pub(super) fn point_segment(point: &Vector, edge: &Vector) -> (f64, f64) {
+    let squared = dot(edge, edge);
+    let along = dot(point, edge);
+    // Written so that the quotient of zeros, NaN, is zero.
+    let t = if along > 0.0 && squared > 0.0 { (along / squared).min(1.0) } else { 0.0 };
+    let rest: Vector = std::array::from_fn(|k| point[k] - t * edge[k]);
+    (dot(&rest, &rest), t)
+}
+
+/// `from + t edge`.
+#[inline(always)]
+pub(super) fn along(from: &Vector, edge: &Vector, t: f64) -> Vector {
+    std::array::from_fn(|k| from[k] + t * edge[k])
+}
+
+/// A face with what is needed for the feet of points on it.
+pub(super) struct Face {
+    corner: Vector,
+    edges: [Vector; 2],
+    normal: Vector,
+    /// The square of the normal; where it vanishes the face has no area that could be told from none.
+    squared: f64,
+    second_squared: f64,
+}
+
+impl Face {
+    #[inline(always)]
+    pub(super) fn new([a, b, c]: &[Vector; 3]) -> Self {
+        let edges = [sub(b, a), sub(c, a)];
+        let normal = accurate_cross(&edges[0], &edges[1]);
+        let squared = dot(&normal, &normal);
+        Self { corner: *a, edges, normal, squared, second_squared: dot(&edges[1], &edges[1]) }
+    }
+
+    /// The square of the distance of a point from the plane and its foot, where that is inside the face.
+    #[inline(always)]
+    pub(super) fn foot(&self, point: &Vector) -> Option<(f64, Vector)> {
+        let from = sub(point, &self.corner);
+        let [u, v] = &self.edges;
+        let s = dot(&cross(&from, v), &self.normal) / self.squared;
+        let rest: Vector = std::array::from_fn(|k| from[k] - s * u[k]);
+        let t = dot(&rest, v) / self.second_squared;
+        // NaN, of a face without area, is not inside.
+        if !(s >= 0.0 && t >= 0.0 && s + t <= 1.0) {
+            return None;
+        }
+        let rest: Vector = std::array::from_fn(|k| rest[k] - t * v[k]);
+        Some((dot(&rest, &rest), std::array::from_fn(|k| self.corner[k] + (s * u[k] + t * v[k]))))
+    }
+}
+
+/// The square of the distance of a point from a triangle, and the nearest point, of coordinates whose fourth powers
+/// neither overflow nor vanish.
+#[inline]
+pub(crate) fn point_triangle(point: &Vector, triangle: &[Vector; 3]) -> (f64, Vector) {
+    let mut nearest = Face::new(triangle).foot(point).unwrap_or((f64::INFINITY, triangle[0]));
+    for i in 0..3 {
+        let (from, to) = (&triangle[i], &triangle[(i + 1) % 3]);
+        let edge = sub(to, from);
+        let (squared, t) = point_segment(&sub(point, from), &edge);
+        if squared < nearest.0 {
+            nearest = (squared, along(from, &edge, t));
+        }
+    }
+    nearest
+}

@@ -1,0 +1,201 @@
+//! Meshes taken as solids: what lies wholly inside meets too.
+//!
+//! Where the surfaces are apart, a connected component of one lies in one region of what the other leaves of space, so
+//! one of its points tells for all of it.
+
+use rayon::prelude::*;
+
+use super::intersecting_pairs;
+use crate::exact::{Placement, PosedPoint, Spot};
+use crate::mesh::{Containment, Judge, Mesh, Options, Placed, collect_intersecting};
+
+/// Which of two meshes are solid: not their surface alone, but all about which they wind more than half.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Solid {
+    /// Both are surfaces.
+    #[default]
+    Neither,
+    /// The first mesh.
+    A,
+    /// The second mesh.
+    B,
+    /// Each of them.
+    Both,
+}
+
+/// Which mesh has a connected component inside the other one, apart from its surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Contained {
+    /// The first mesh, in the second.
+    A,
+    /// The second mesh, in the first.
+    B,
+    /// Each has one in the other.
+    Both,
+}
+
+/// How two meshes meet, one or both of them solid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SolidIntersection {
+    /// Whether they have a point in common.
+    pub intersects: bool,
+    /// Which of them has a component that lies inside the other, apart from its surface.
+    pub contained: Option<Contained>,
+    /// Whether a component counts as inside an open mesh without proof: the proved interval of the winding number held
+    /// one half.
+    pub undecided: bool,
+    /// Whether each mesh is open and was asked for what is inside it: its inside is then where its generalised winding
+    /// number is beyond one half, and of a component of the other one point was asked for.
+    pub open: [bool; 2],
+}
+
+impl Solid {
+    /// Whether each of the two is solid.
+    #[must_use]
+    pub fn sides(self) -> [bool; 2] {
+        [matches!(self, Self::A | Self::Both), matches!(self, Self::B | Self::Both)]
+    }
+}
+
+impl Contained {
+    fn of([a, b]: [bool; 2]) -> Option<Self> {
+        match (a, b) {
+            (false, false) => None,
+            (true, false) => Some(Self::A),
+            (false, true) => Some(Self::B),
+            (true, true) => Some(Self::Both),
+        }
+    }
+
+    /// Whether each of the two has a component in the other.
+    #[must_use]
+    pub fn sides(self) -> [bool; 2] {
+        [self != Self::B, self != Self::A]
+    }
+}
+
+/// Whether two meshes, one or both of them solid, have a point in common; touching counts.
+///
+/// # Accuracy
+/// Exact where the solid meshes are closed; where one is open, as sure as [`SolidIntersection`] says.
+///
+/// # Complexity
+/// That of [`intersects`](super::intersects), then for each connected component of either mesh that of
+/// [`Mesh::contains`] for one point; O(n log n) the first time that a mesh is asked.
+///
+/// ```
+/// use impinge::query::{self, Solid};
+/// use impinge::{Mesh, Pose, Positions};
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]];
+/// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+/// let large = Mesh::new(Positions::F32(corners), faces)?;
+/// let inside = large.at(Pose::new([[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]], [1.0; 3])?);
+/// assert!(!query::intersects(&large, inside));
+/// assert!(query::intersects_solid(&large, inside, Solid::A));
+/// assert!(!query::intersects_solid(&large, inside, Solid::B));
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+#[must_use]
+pub fn intersects_solid<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, solid: Solid) -> bool {
+    let (a, b) = (a.into(), b.into());
+    if !collect_intersecting(a, b, 1, &Options::default()).is_empty() {
+        return true;
+    }
+    let [solid_a, solid_b] = solid.sides();
+    let any = |inner: Placed<'_>, outer: Placed<'_>| {
+        let components = Components::of(inner, outer);
+        components.free(&[]).into_par_iter().any(|face| components.containment(face).is_contained())
+    };
+    (solid_b && any(a, b)) || (solid_a && any(b, a))
+}
+
+/// How two meshes, one or both of them solid, meet, and which has a component inside the other.
+///
+/// # Accuracy
+/// As [`intersects_solid`].
+///
+/// # Complexity
+/// That of [`intersecting_pairs`], and as [`intersects_solid`].
+#[must_use]
+pub fn solid_intersection<'a, 'b>(
+    a: impl Into<Placed<'a>>,
+    b: impl Into<Placed<'b>>,
+    solid: Solid,
+) -> SolidIntersection {
+    let (a, b) = (a.into(), b.into());
+    solid_intersection_of_pairs(a, b, solid, &intersecting_pairs(a, b))
+}
+
+/// [`solid_intersection`], for pairs that are at hand already: all that [`intersecting_pairs`] returned.
+///
+/// # Panics
+/// Where a pair names a face that a mesh does not have.
+#[must_use]
+pub fn solid_intersection_of_pairs<'a, 'b>(
+    a: impl Into<Placed<'a>>,
+    b: impl Into<Placed<'b>>,
+    solid: Solid,
+    pairs: &[[u32; 2]],
+) -> SolidIntersection {
+    let placed = [a.into(), b.into()];
+    let outer_is_solid = solid.sides();
+    let mut inside = [false; 2];
+    let mut undecided = false;
+    let mut open = [false; 2];
+    for inner in 0..2 {
+        let outer = 1 - inner;
+        if !outer_is_solid[outer] {
+            continue;
+        }
+        let components = Components::of(placed[inner], placed[outer]);
+        let touched: Vec<u32> = pairs.iter().map(|pair| pair[inner]).collect();
+        let found = components
+            .free(&touched)
+            .into_par_iter()
+            .map(|face| components.containment(face))
+            .fold(
+                || [false; 2],
+                |[surely, perhaps], at| [surely || at == Containment::Inside, perhaps || at == Containment::Undecided],
+            )
+            .reduce(|| [false; 2], |x, y| [x[0] || y[0], x[1] || y[1]]);
+        inside[inner] = found[0] || found[1];
+        undecided |= found[1] && !found[0];
+        open[outer] = !placed[outer].mesh.is_closed();
+    }
+    let contained = Contained::of(inside);
+    SolidIntersection { intersects: !pairs.is_empty() || contained.is_some(), contained, undecided, open }
+}
+
+/// The components of one mesh beside another.
+struct Components<'m> {
+    inner: &'m Mesh,
+    outer: &'m Mesh,
+    placement: Placement,
+}
+
+impl<'m> Components<'m> {
+    fn of(inner: Placed<'m>, outer: Placed<'m>) -> Self {
+        let placement = Placement::new(&outer.world_from_mesh, &inner.world_from_mesh);
+        Self { inner: inner.mesh, outer: outer.mesh, placement }
+    }
+
+    /// The first faces of those components that have none of these faces.
+    fn free(&self, touched: &[u32]) -> Vec<u32> {
+        // Now, and not first by the threads that are to share the work.
+        self.outer.topology();
+        let topology = self.inner.topology();
+        let mut is_free = vec![true; topology.first_faces.len()];
+        for &face in touched {
+            is_free[topology.component_of[face as usize] as usize] = false;
+        }
+        let firsts = topology.first_faces.iter().zip(&is_free);
+        firsts.filter_map(|(&face, &is_free)| is_free.then_some(face)).collect()
+    }
+
+    /// Where the first corner of a face is to the outer mesh.
+    fn containment(&self, face: u32) -> Containment {
+        let [corner, ..] = self.inner.corners(face);
+        Judge::new(self.outer).containment(&PosedPoint::new(&self.placement, Spot::At(corner)))
+    }
+}

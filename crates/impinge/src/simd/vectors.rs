@@ -1,0 +1,43 @@
+//! Vectors of space, one in each lane.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+
+use super::{LANES, by_axis};
+
+/// Three coordinates in each lane.
+pub(crate) type Lanes3<S> = [f32x8<S>; 3];
+
+#[inline(always)]
+pub(crate) fn load<S: Simd>(simd: S, lanes: &[f32; LANES]) -> f32x8<S> {
+    f32x8::from_slice(simd, lanes)
+}
+
+#[inline(always)]
+pub(crate) fn load3<S: Simd>(simd: S, lanes: &[[f32; LANES]; 3]) -> Lanes3<S> {
+    by_axis!(axis => load(simd, &lanes[axis]))
+}
+
+#[inline(always)]
+pub(crate) fn store3<S: Simd>(values: &Lanes3<S>, lanes: &mut [[f32; LANES]; 3]) {
+    for axis in 0..3 {
+        values[axis].store_slice(&mut lanes[axis]);
+    }
+}
+
+#[inline(always)]
+pub(crate) fn sub<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> Lanes3<S> {
+    by_axis!(axis => a[axis] - b[axis])
+}
+
+/// With fused multiply-add where there is one: for what stays within a bound, and not for what is kept.
+#[inline(always)]
+pub(crate) fn cross<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> Lanes3<S> {
+    [a[1].mul_sub(b[2], a[2] * b[1]), a[2].mul_sub(b[0], a[0] * b[2]), a[0].mul_sub(b[1], a[1] * b[0])]
+}
+
+/// As [`cross`].
+#[inline(always)]
+pub(crate) fn dot<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> f32x8<S> {
+    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
+}

@@ -1,0 +1,56 @@
+//! Boxes that follow what they bound when it turns: five ways, one interface (*Notes on Real Time Collision Detection*, 2.2;
+//! Ericson, *Real-Time Collision Detection*, 4.2.3 to 4.2.6).
+//!
+//! | way | what it keeps | box | time |
+//! |---|---|---|---|
+//! | [`LooseBox`] | a sphere about the pivot | the same for every rotation | O(1) |
+//! | [`TightPoints`] | all points | tight | O(points) |
+//! | [`TightHull`] | the vertices of the hull | tight | O(vertices) |
+//! | [`ClimbingHull`] | the hull, and the last extremes | tight | O(steps) |
+//! | [`RotatedBox`] | the box as it was built | that of the turned box | O(1) |
+//!
+//! *Tight* is the box of the exact extremes of the real images `R p + t`, each rounded outward to the next float and no
+//! further, so that all tight ways return the same bits. The others hold that box, whatever the pose.
+//!
+//! The pose is always the one from the local frame. No way looks at its last box, so none grows over a thousand turns.
+
+mod loose;
+mod rotated;
+mod tight;
+
+pub use loose::LooseBox;
+pub use rotated::RotatedBox;
+pub use tight::{ClimbingHull, TightHull, TightPoints};
+
+use super::MinMax;
+use crate::math::Pose;
+
+/// A way of bounding one thing by a box under any pose.
+///
+/// ```
+/// use impinge::Pose;
+/// use impinge::hull::Hull;
+/// use impinge::volume::realign::{ClimbingHull, Realign, RotatedBox, TightPoints};
+/// use impinge::volume::MinMax;
+///
+/// let rod = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.1, 0.1]];
+/// let hull = Hull::new(&rod)?;
+/// let mut every_point = TightPoints::new(&rod)?;
+/// let mut climbing = ClimbingHull::new(&hull);
+/// let mut rotated = RotatedBox::new(&MinMax::of(&rod)?);
+///
+/// // A quarter turn about z.
+/// let world_from_rod = Pose::new([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], [5.0, 0.0, 0.0])?;
+/// let tight = every_point.realign(&world_from_rod);
+/// assert_eq!((tight.min(), tight.max()), ([4.9, -1.0, 0.0], [5.0, 1.0, 0.1]));
+/// assert_eq!(climbing.realign(&world_from_rod), tight);
+/// assert!(rotated.realign(&world_from_rod).encloses(&tight));
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+pub trait Realign {
+    /// A box in the world that holds the image of what is bounded.
+    fn realign(&mut self, world_from_local: &Pose) -> MinMax;
+
+    /// Bytes that this way keeps for one thing, what it borrows included.
+    fn memory(&self) -> usize;
+}

@@ -1,0 +1,10 @@
+//! Distances, clearances, nearest points and rays against rational arithmetic that shares nothing with the engine.
+
+mod cases;
+mod clearances;
+mod meshes;
+mod oracle;
+mod points;
+mod primitives;
+mod rays;
+mod ways;

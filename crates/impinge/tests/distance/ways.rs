@@ -1,0 +1,49 @@
+//! The engine asked in every way, none of which may change an answer.
+
+use impinge::mesh::{HostChoice, Options};
+use impinge::query::{Distance, WitnessCache, distance_with, within_with};
+use impinge::{Mesh, Pose, Positions, simd};
+use impinge_testkit::{Affine, Mesh as Plain};
+
+pub(crate) fn engine_mesh(mesh: &Plain) -> Mesh {
+    Mesh::new(Positions::F64(mesh.vertices.clone()), mesh.faces.clone()).expect("a legal mesh")
+}
+
+pub(crate) fn engine_pose(pose: &Affine) -> Pose {
+    Pose::new(pose.linear, pose.translation).expect("a legal pose")
+}
+
+fn all_options() -> impl Iterator<Item = Options> {
+    let hosts = [HostChoice::SmallerError, HostChoice::First, HostChoice::Second];
+    simd::levels().into_iter().flat_map(move |(_, level)| hosts.map(|host| Options { level, host }))
+}
+
+/// The distance, the same at every vector level, with either host, from cold, from a good and from a bad witness.
+pub(crate) fn distance_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine)) -> Distance {
+    let (placed_a, placed_b) = (a.0.at(engine_pose(a.1)), b.0.at(engine_pose(b.1)));
+    let mut stale = WitnessCache::default();
+    let elsewhere = Pose::from_translation([-3.0, 5.0, 1.0]).expect("a pose");
+    let _ = distance_with(a.0.at(elsewhere), b.0, &mut stale, &Options::default());
+    let mut cache = WitnessCache::default();
+    let expected = distance_with(placed_a, placed_b, &mut cache, &Options::default());
+    for options in all_options() {
+        for mut cache in [WitnessCache::default(), cache, stale] {
+            let found = distance_with(placed_a, placed_b, &mut cache, &options);
+            assert_eq!(found, expected, "{:?}", options.host);
+        }
+    }
+    expected
+}
+
+/// Whether the clearance is kept, the same in every way.
+pub(crate) fn within_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine), clearance: f64) -> bool {
+    let (placed_a, placed_b) = (a.0.at(engine_pose(a.1)), b.0.at(engine_pose(b.1)));
+    let mut cache = WitnessCache::default();
+    let expected = within_with(placed_a, placed_b, clearance, &mut cache, &Options::default());
+    for options in all_options() {
+        for mut cache in [WitnessCache::default(), cache] {
+            assert_eq!(within_with(placed_a, placed_b, clearance, &mut cache, &options), expected);
+        }
+    }
+    expected
+}

@@ -1,0 +1,7 @@
+//! Convex hulls against exact oracles: which points are extreme, whether every point is inside, and who is farthest.
+
+mod kinds;
+mod large;
+mod oracle;
+mod support;
+mod surface;

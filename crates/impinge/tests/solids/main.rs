@@ -1,0 +1,7 @@
+//! What is inside: winding numbers, containment, interiors that meet, and meshes that meet themselves.
+
+mod containment;
+mod penetration;
+mod self_intersection;
+mod shapes;
+mod winding;

@@ -1,0 +1,75 @@
+"""Arrays as they come, made plain: native, aligned, C-contiguous, of a type that the extension reads."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from impinge._errors import InputError
+
+_PLAIN: list[Literal["C_CONTIGUOUS", "ALIGNED"]] = ["C_CONTIGUOUS", "ALIGNED"]
+
+
+def plain_vertices(vertices: ArrayLike) -> NDArray[Any]:
+    """Return (n, 3) float32 or float64; the array itself where it is plain already."""
+    return _floats(vertices, "vertices", (3,), keep_single=True, wanted="an (n, 3) array")
+
+
+def plain_poses(poses: ArrayLike, name: str) -> NDArray[np.float64]:
+    """Return (..., 4, 4) float64; the array itself where it is plain already."""
+    return _floats(poses, name, (4, 4), keep_single=False, wanted="a (4, 4) matrix, or (..., 4, 4) of them")
+
+
+def plain_faces(faces: ArrayLike) -> NDArray[Any]:
+    """Return (m, 3) of int32, uint32, int64 or uint64; the array itself where it is plain already."""
+    array = _array(faces, "faces", "an (m, 3) array of integers")
+    if array.size == 0 and array.shape in ((0,), (0, 3)):
+        return np.zeros((0, 3), np.int64)
+    if array.dtype.kind not in "iu":
+        raise InputError(
+            f"dtype {array.dtype}, where integers are expected", kind="dtype", what="faces", hint=_integer_hint(array)
+        )
+    if array.ndim != 2 or array.shape[1] != 3:
+        hint = "triangulate the polygons first" if array.ndim == 2 and array.shape[1] > 3 else None
+        raise InputError(f"shape {array.shape}, where (m, 3) is expected", kind="shape", what="faces", hint=hint)
+    wide = array.dtype.itemsize >= 4
+    native = array.dtype.newbyteorder("=") if wide else np.dtype(np.int32)
+    return np.require(array, native, _PLAIN)
+
+
+def _floats(values: ArrayLike, name: str, core: tuple[int, ...], *, keep_single: bool, wanted: str) -> NDArray[Any]:
+    is_array = hasattr(values, "dtype")
+    array = _array(values, name, f"{wanted} of float32 or float64")
+    if name == "vertices" and array.size == 0 and array.shape == (0,):
+        array = array.reshape(0, 3)
+    # A nested list has no type of its own: whole numbers in it are numbers like others.
+    if not is_array and array.dtype.kind in "iu":
+        array = array.astype(np.float64)
+    if array.dtype.kind != "f" or array.dtype.itemsize not in (4, 8):
+        hint = f"{name}.astype(numpy.float64) converts it" if array.dtype.kind in "iuf" else None
+        message = f"dtype {array.dtype}, where float32 or float64 is expected"
+        raise InputError(message, kind="dtype", what=name, hint=hint)
+    wrong_axes = array.ndim != 2 if core == (3,) else array.ndim < 2
+    if wrong_axes or array.shape[-len(core) :] != core:
+        raise InputError(f"shape {array.shape}, where {wanted} is expected", kind="shape", what=name)
+    single = keep_single and array.dtype.itemsize == 4
+    return np.require(array, np.float32 if single else np.float64, _PLAIN)
+
+
+def _array(values: ArrayLike, name: str, wanted: str) -> NDArray[Any]:
+    try:
+        # A subclass, such as the arrays of trimesh, is the array that it wraps.
+        array = np.asarray(values)
+    except (ValueError, TypeError) as error:
+        message = f"not {wanted}: {error}"
+        raise InputError(message, kind="shape", what=name) from None
+    if array.dtype.kind == "O" or np.ma.isMaskedArray(values):
+        message = f"not {wanted}, but {type(values).__name__}"
+        raise InputError(message, kind="type", what=name)
+    return array
+
+
+def _integer_hint(array: NDArray[Any]) -> str | None:
+    return "faces.astype(numpy.int64) converts it" if array.dtype.kind == "f" else None

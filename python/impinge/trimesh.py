@@ -1,0 +1,242 @@
+"""A stand-in for ``trimesh.collision``: ``from impinge.trimesh import CollisionManager``, and nothing else changes.
+
+Method names, arguments and returns are trimesh's, and so is what a mesh means here: one that trimesh finds convex is
+a solid, which meets what lies inside it, any other a surface. Answers are impinge's: exact, every pair of faces
+once, none dropped at a cap. Transforms keep double precision.
+
+What differs: contacts have names, faces and points, but no normals and depths yet, and distances are not there yet. A
+body inside a convex one, their surfaces apart, makes one contact without faces (-1).
+
+Examples
+--------
+>>> import impinge
+>>> from impinge.trimesh import CollisionManager
+>>> triangle = impinge.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+>>> manager = CollisionManager()
+>>> _ = manager.add_object("here", triangle)
+>>> _ = manager.add_object("there", triangle, impinge.pose([5, 0, 0]))
+>>> manager.in_collision_single(triangle, impinge.pose([4, 0, 0]), return_names=True)
+(True, {'there'})
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from impinge import _bodies, fcl
+from impinge._errors import InputError
+from impinge._mesh import HasTriangles, Mesh
+
+__all__ = ["CollisionManager", "ContactData", "mesh_to_BVH", "mesh_to_convex", "scene_to_collision"]
+
+_EXTERNAL = "__external"
+"""The name that a contact gives to a mesh that is in no manager."""
+
+
+class ContactData:
+    """Two faces that meet.
+
+    Attributes
+    ----------
+    names : set of str
+        The names of the two objects; ``"__external"`` for one that is in no manager.
+    point : (3,) float64 array
+        A point of the world that both have in common, rounded.
+    """
+
+    def __init__(self, names: tuple[Hashable, Hashable], faces: tuple[int, int], point: NDArray[np.float64]) -> None:
+        self.names = set(names)
+        self._faces = dict(zip(names, faces, strict=True))
+        self.point = point
+
+    def index(self, name: Hashable) -> int:
+        """Return the face of the object of this name; -1 where one object is inside the other."""
+        return self._faces[name]
+
+
+_Named = tuple[Hashable, fcl.CollisionObject]
+_Answer = bool | tuple[Any, ...]
+
+
+class CollisionManager:
+    """Named meshes that are asked about together, as by trimesh's class of this name."""
+
+    def __init__(self) -> None:
+        self._objects: dict[Hashable, fcl.CollisionObject] = {}
+
+    def add_object(
+        self, name: Hashable, mesh: HasTriangles | Mesh, transform: ArrayLike | None = None
+    ) -> fcl.CollisionObject:
+        """Add a mesh, or replace that of the same name.
+
+        Parameters
+        ----------
+        name : str
+            Its name.
+        mesh : trimesh.Trimesh or Mesh
+            A mesh that says that it is convex is a solid.
+        transform : (4, 4) array_like, optional
+            World from mesh.
+
+        Returns
+        -------
+        impinge.fcl.CollisionObject
+        """
+        made = _object(mesh, transform)
+        self._objects[name] = made
+        return made
+
+    def remove_object(self, name: Hashable) -> None:
+        """Remove a mesh; a name that is not there is a `ValueError`."""
+        del self._objects[self._known(name)]
+
+    def set_transform(self, name: Hashable, transform: ArrayLike) -> None:
+        """Place a mesh anew; a name that is not there is a `ValueError`."""
+        self._objects[self._known(name)].setTransform(_transform(transform))
+
+    def in_collision_single(
+        self,
+        mesh: HasTriangles | Mesh,
+        transform: ArrayLike | None = None,
+        return_names: bool = False,
+        return_data: bool = False,
+    ) -> _Answer:
+        """Ask whether a mesh collides with any in the manager.
+
+        Returns
+        -------
+        is_collision : bool
+        names : set of str
+            The objects that it collides with; where `return_names`.
+        contacts : list of ContactData
+            Every contact; where `return_data`.
+        """
+        other = (_EXTERNAL, _object(mesh, transform))
+        pairs = [((name, own), other) for name, own in self._objects.items()]
+        return _answer(pairs, lambda names: names[0], return_names, return_data)
+
+    def in_collision_internal(
+        self,
+        return_names: bool = False,
+        return_data: bool = False,
+    ) -> _Answer:
+        """Ask whether any two meshes of the manager collide.
+
+        Returns
+        -------
+        is_collision : bool
+        names : set of (str, str)
+            The names of each two objects that collide, in alphabetical order; where `return_names`.
+        contacts : list of ContactData
+            Every contact; where `return_data`.
+        """
+        named = list(self._objects.items())
+        pairs = [(named[i], named[j]) for i in range(len(named)) for j in range(i + 1, len(named))]
+        return _answer(pairs, lambda names: tuple(sorted(names)), return_names, return_data)
+
+    def in_collision_other(
+        self,
+        other_manager: CollisionManager,
+        return_names: bool = False,
+        return_data: bool = False,
+    ) -> _Answer:
+        """Ask whether any mesh of this manager collides with any of another.
+
+        Returns
+        -------
+        is_collision : bool
+        names : set of (str, str)
+            (Name in this manager, name in the other); where `return_names`.
+        contacts : list of ContactData
+            Every contact; where `return_data`.
+        """
+        others = list(other_manager._objects.items())
+        pairs = [(own, other) for own in self._objects.items() for other in others]
+        return _answer(pairs, lambda names: names, return_names, return_data)
+
+    def _known(self, name: Hashable) -> Hashable:
+        if name not in self._objects:
+            raise InputError(f"{name} not in collision manager!", kind="name", what="name")
+        return name
+
+
+def mesh_to_BVH(mesh: HasTriangles) -> fcl.BVHModel:  # noqa: N802
+    """Return the surface of a mesh."""
+    model = fcl.BVHModel()
+    model.beginModel(len(mesh.faces), len(mesh.vertices))
+    model.addSubModel(mesh.vertices, mesh.faces)
+    model.endModel()
+    return model
+
+
+def mesh_to_convex(mesh: HasTriangles) -> fcl.Convex:
+    """Return a convex mesh as a solid."""
+    faces = np.asarray(mesh.faces, np.int64)
+    return fcl.Convex(mesh.vertices, len(faces), np.insert(faces, 0, 3, axis=1).ravel().tolist())
+
+
+def scene_to_collision(scene: Any) -> tuple[CollisionManager, dict[Hashable, fcl.CollisionObject]]:
+    """Return a manager with the nodes of a ``trimesh.Scene``, and its objects by node."""
+    manager = CollisionManager()
+    objects = {}
+    for node in scene.graph.nodes_geometry:
+        transform, geometry = scene.graph[node]
+        objects[node] = manager.add_object(node, scene.geometry[geometry], transform)
+    return manager, objects
+
+
+class _Geometry(fcl.CollisionGeometry):
+    """A mesh as a geometry, without a copy."""
+
+    def __init__(self, body: _bodies.Body) -> None:
+        super().__init__()
+        self._body = body
+
+
+def _object(mesh: HasTriangles | Mesh, transform: ArrayLike | None) -> fcl.CollisionObject:
+    solid = bool(getattr(mesh, "is_convex", False))
+    body = _bodies.Body(mesh if isinstance(mesh, Mesh) else Mesh(mesh), solid=solid)
+    return fcl.CollisionObject(_Geometry(body), None if transform is None else _transform(transform))
+
+
+def _transform(transform: ArrayLike) -> fcl.Transform:
+    matrix = np.asarray(transform, float)
+    if matrix.shape != (4, 4):
+        raise InputError("transform must be (4,4)!", kind="shape", what="transform")
+    return fcl.Transform(matrix[:3, :3], matrix[:3, 3])
+
+
+def _answer(
+    pairs: Iterable[tuple[_Named, _Named]],
+    called: Callable[[tuple[Any, Any]], object],
+    return_names: bool,
+    return_data: bool,
+) -> _Answer:
+    """Whether any of the pairs collides and, where asked for, what `called` makes of their names and the contacts."""
+    names: set[object] = set()
+    data: list[ContactData] = []
+    hit = False
+    boxes: dict[int, NDArray[np.float64]] = {}
+    for (name_a, a), (name_b, b) in pairs:
+        low_a, high_a = boxes.setdefault(id(a), a.box)
+        low_b, high_b = boxes.setdefault(id(b), b.box)
+        if not ((low_a <= high_b) & (low_b <= high_a)).all():
+            continue
+        bodies = (a.geometry.body, b.geometry.body, a.matrix, b.matrix)
+        if not _bodies.collide(*bodies):
+            continue
+        if return_data:
+            found = _bodies.contacts(*bodies, limit=np.iinfo(np.int64).max)
+            points = _bodies.contact_points(*bodies, found)
+            for (face_a, face_b), point in zip(found.tolist(), points, strict=True):
+                data.append(ContactData((name_a, name_b), (face_a, face_b), point))
+        hit = True
+        names.add(called((name_a, name_b)))
+        if not (return_names or return_data):
+            break
+    chosen = [hit, *([names] if return_names else []), *([data] if return_data else [])]
+    return hit if len(chosen) == 1 else tuple(chosen)

@@ -1,0 +1,10 @@
+"""Makes `shapes` importable, whichever way pytest imports tests, and keeps hypothesis's findings out of the tree."""
+
+import sys
+from pathlib import Path
+
+import hypothesis
+
+sys.path.insert(0, str(Path(__file__).parent))
+hypothesis.settings.register_profile("impinge", database=None, derandomize=True, deadline=None, max_examples=150)
+hypothesis.settings.load_profile("impinge")

@@ -1,0 +1,184 @@
+"""How calls behave: threads, the interpreter's lock, signals, forks, memory, overhead."""
+
+import gc
+import multiprocessing
+import os
+import pickle
+import signal
+import threading
+import time
+from pathlib import Path
+
+import impinge
+import numpy as np
+import pytest
+from shapes import cube, random_poses, torus
+
+TORUS = impinge.Mesh(*torus())
+CUBE = impinge.Mesh(*cube())
+
+
+def test_a_call_equals_a_loop_for_any_number_of_threads():
+    poses = random_poses(300, 2.0, 5)
+    answers = []
+    for n in (1, 2, 5):
+        with impinge.threads(n):
+            answers.append((impinge.intersects(TORUS, TORUS, poses), impinge.intersecting_pairs(TORUS, TORUS, poses)))
+    hits, pairs = answers[0]
+    assert 0.3 < hits.mean() < 0.95
+    for other_hits, other_pairs in answers[1:]:
+        assert np.array_equal(hits, other_hits)
+        assert np.array_equal(pairs.rows, other_pairs.rows)
+        assert np.array_equal(pairs.offsets, other_pairs.offsets)
+    assert hits.tolist() == [impinge.intersects(TORUS, TORUS, pose) for pose in poses]
+    assert all(np.array_equal(pairs[i], impinge.intersecting_pairs(TORUS, TORUS, pose)) for i, pose in enumerate(poses))
+
+
+def _long_call():
+    return impinge.intersecting_pairs(TORUS, TORUS, random_poses(200_000, 1.0, 1), limit=1)
+
+
+def test_ctrl_c_ends_a_long_call_within_a_fraction_of_a_second():
+    sent = []
+
+    def interrupt():
+        sent.append(time.perf_counter())
+        signal.raise_signal(signal.SIGINT)
+
+    timer = threading.Timer(0.3, interrupt)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        _long_call()
+    assert time.perf_counter() - sent[0] < 0.5
+    timer.join()
+    assert impinge.intersects(TORUS, TORUS)  # and the next call is none the worse
+
+
+def test_other_threads_run_during_a_call():
+    ticks = []
+    done = threading.Event()
+
+    def tick():
+        while not done.wait(0.005):
+            ticks.append(time.perf_counter())
+
+    ticker = threading.Thread(target=tick)
+    ticker.start()
+    start = time.perf_counter()
+    impinge.intersecting_pairs(TORUS, TORUS, random_poses(2_000, 1.0, 1), limit=1)
+    seconds = time.perf_counter() - start
+    done.set()
+    ticker.join()
+    assert seconds > 0.1
+    assert len(ticks) > 5
+    assert max(np.diff([start, *ticks])) < seconds / 2
+
+
+def test_threads_may_ask_at_once():
+    poses = random_poses(400, 2.0, 9)
+    expected = impinge.intersects(TORUS, TORUS, poses)
+    answers = [None] * 6
+
+    def ask(i):
+        with impinge.threads(1 + i % 3):
+            answers[i] = impinge.intersects(TORUS, TORUS, poses)
+
+    threads = [threading.Thread(target=ask, args=(i,)) for i in range(len(answers))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(np.array_equal(answer, expected) for answer in answers)
+
+
+def _in_child(queue, poses):
+    made = impinge.Mesh(*torus())
+    single = impinge.intersecting_pairs(made, TORUS, poses[0])
+    first = impinge.intersects(made, TORUS, poses[0])
+    # So many pairs that the library would share out the look-ups, on the caller's own thread.
+    square = impinge.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.tile([[0, 1, 2]], (300, 1)))
+    queue.put((impinge.intersects(TORUS, made, poses), single, first, len(impinge.intersecting_pairs(square, square))))
+
+
+@pytest.mark.filterwarnings("ignore:This process .* is multi-threaded:DeprecationWarning")
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_a_fork_after_a_parallel_call_does_not_hang():
+    poses = random_poses(500, 2.0, 3)
+    hits = impinge.intersects(TORUS, TORUS, poses)  # the pool of this process has its threads now
+    context = multiprocessing.get_context("fork")
+    queue = context.Queue()
+    child = context.Process(target=_in_child, args=(queue, poses))
+    child.start()
+    try:
+        in_child, single, first, many = queue.get(timeout=60)
+    finally:
+        child.join(10)
+        child.kill()
+    assert np.array_equal(in_child, hits)
+    assert np.array_equal(single, impinge.intersecting_pairs(TORUS, TORUS, poses[0]))
+    assert first == hits[0]
+    assert many == 300 * 300
+    assert child.exitcode == 0
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_a_mesh_pickles_without_copies_of_its_arrays(dtype):
+    vertices, faces = torus()
+    mesh = impinge.Mesh(vertices.astype(dtype), faces)
+    buffers = []
+    head = pickle.dumps(mesh, protocol=5, buffer_callback=buffers.append)
+    assert len(head) < 1000
+    assert sorted(b.raw().nbytes for b in buffers) == sorted([mesh.vertices.nbytes, mesh.faces.nbytes])
+    for other in (pickle.loads(head, buffers=buffers), pickle.loads(pickle.dumps(mesh))):
+        assert np.array_equal(other.vertices, mesh.vertices)
+        assert other.vertices.dtype == dtype
+        assert np.array_equal(other.faces, mesh.faces)
+        assert np.array_equal(impinge.intersecting_pairs(other, TORUS), impinge.intersecting_pairs(mesh, TORUS))
+
+
+def test_errors_pickle():
+    with pytest.raises(impinge.InputError) as caught:
+        impinge.intersects(CUBE, CUBE, np.full((2, 4, 4), np.nan))
+    copy = pickle.loads(pickle.dumps(caught.value))
+    assert (str(copy), copy.kind, copy.what, copy.where) == (
+        str(caught.value),
+        "non-finite",
+        "pose_a",
+        caught.value.where,
+    )
+
+
+def test_a_million_poses_do_not_leak():
+    resource = pytest.importorskip("resource")
+    poses = random_poses(250_000, 2.0, 3)
+    impinge.intersects(CUBE, CUBE, poses)
+    peaks = []
+    for _ in range(4):
+        impinge.intersects(CUBE, CUBE, poses)
+        gc.collect()
+        peaks.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+    assert peaks[-1] - peaks[0] < 8_000  # kilobytes; the answers of one call alone are 250, its poses 30,000
+
+
+def _overcommits():
+    setting = Path("/proc/sys/vm/overcommit_memory")
+    return not setting.exists() or setting.read_text().strip() == "1"
+
+
+@pytest.mark.skipif(_overcommits(), reason="this system grants memory that it does not have")
+def test_more_answers_than_memory_are_refused():
+    poses = np.tile(np.eye(4), (1 << 18, 1, 1))  # 32 MiB that broadcast to 2^36 rows
+    with pytest.raises(MemoryError):
+        impinge.intersecting_pairs(CUBE, CUBE, poses[:, None], poses)
+
+
+def test_one_pose_costs_little_above_the_work():
+    a = impinge.Mesh(*cube())
+    far = impinge.pose([100, 0, 0])
+    runs = []
+    for _ in range(50):
+        start = time.perf_counter()
+        for _ in range(200):
+            impinge.intersects(a, a, None, far)
+        runs.append((time.perf_counter() - start) / 200)
+    assert min(runs) < 20e-6  # some 1 us on a quiet machine: see docs/python.md

@@ -1,0 +1,218 @@
+"""`impinge.fcl` behaves as python-fcl does, as far as it goes (CASES row 8: python-fcl's tests/test_fcl.py)."""
+
+import impinge
+import numpy as np
+import pytest
+from impinge import fcl
+from shapes import cube, torus
+
+X_TURN = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+
+
+def model(vertices, faces):
+    made = fcl.BVHModel()
+    assert made.beginModel(len(faces), len(vertices)) == 0
+    assert made.addSubModel(vertices, faces) is True
+    assert made.endModel() == 0
+    return made
+
+
+def geometries():
+    tetrahedron = model(
+        np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]]
+    )
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    convex = fcl.Convex(cube()[0], 6, np.insert(quads, 0, 4, axis=1).ravel())
+    return {"box": fcl.Box(1, 1, 1), "convex": convex, "mesh": tetrahedron}
+
+
+@pytest.mark.parametrize("a", ["box", "convex", "mesh"])
+@pytest.mark.parametrize("b", ["box", "convex", "mesh"])
+def test_pairwise_collisions(a, b):
+    request = fcl.CollisionRequest(num_max_contacts=100, enable_contact=True)
+    one, two = (fcl.CollisionObject(geometries()[name]) for name in (a, b))
+    for offset, rotation, meets in [
+        ((0, 0, 0), np.eye(3), True),
+        ((0, 0, 0), X_TURN, True),
+        ((0.0, 0.0, -0.4), np.eye(3), True),
+        ((0, 0, -1.6), np.eye(3), False),
+        ((0, 3, 0), X_TURN, False),
+    ]:
+        two.setTranslation(np.array(offset))
+        two.setRotation(rotation)
+        result = fcl.CollisionResult()
+        count = fcl.collide(one, two, request, result)
+        assert (count > 0) == result.is_collision == meets
+        assert count == len(result.contacts) <= 100
+        for contact in result.contacts:
+            assert contact.o1 is one.geometry
+            assert contact.o2 is two.geometry
+            assert np.isfinite(contact.pos).all()
+
+
+def test_contacts_are_the_exact_pairs_and_lie_on_both():
+    vertices, faces = torus()
+    mesh = impinge.Mesh(vertices, faces)
+    pose = impinge.pose([0.5, 0.1, 0.2], rpy=[1.0, 0.3, 0.2])
+    one = fcl.CollisionObject(model(vertices, faces))
+    two = fcl.CollisionObject(model(vertices, faces), fcl.Transform(pose[:3, :3], pose[:3, 3]))
+    result = fcl.CollisionResult()
+    fcl.collide(one, two, fcl.CollisionRequest(num_max_contacts=10**6, enable_contact=True), result)
+    expected = impinge.intersecting_pairs(mesh, mesh, pose_b=pose)
+    assert [[c.b1, c.b2] for c in result.contacts] == expected.tolist()
+    points = np.array([c.pos for c in result.contacts])
+    for corners, at in ((vertices[faces[expected[:, 0]]], np.eye(4)), (vertices[faces[expected[:, 1]]], pose)):
+        world = corners @ at[:3, :3].T + at[:3, 3]
+        normals = np.cross(world[:, 1] - world[:, 0], world[:, 2] - world[:, 0])
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        assert np.abs(((points - world[:, 0]) * normals).sum(axis=1)).max() < 1e-12
+    assert fcl.collide(one, two, fcl.CollisionRequest(num_max_contacts=7)) == 7
+    assert fcl.collide(one, two) == 1
+
+
+def test_coplanar_contacts_have_a_point_of_both():
+    square = model([[0.0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]], [[0, 1, 2], [0, 2, 3]])
+    for offset in ((0.5, 0.25, 0), (2, 2, 0), (2, 0.5, 0), (0, 0, 0)):
+        one, two = fcl.CollisionObject(square), fcl.CollisionObject(square, fcl.Transform(np.array(offset)))
+        result = fcl.CollisionResult()
+        assert fcl.collide(one, two, fcl.CollisionRequest(100, True), result) > 0
+        for contact in result.contacts:
+            assert contact.pos[2] == 0
+            assert (contact.pos >= offset).all()
+            assert (contact.pos <= 2).all()
+
+
+def test_a_solid_meets_what_lies_inside_it():
+    small, large = fcl.CollisionObject(fcl.Box(1, 1, 1)), fcl.CollisionObject(fcl.Box(8, 8, 8))
+    shell = fcl.CollisionObject(model(*cube(-4, 4)))
+    result = fcl.CollisionResult()
+    assert fcl.collide(small, large, fcl.CollisionRequest(10, True), result) == 1
+    assert (result.contacts[0].b1, result.contacts[0].b2) == (-1, -1)
+    assert (np.abs(result.contacts[0].pos) <= 0.5).all()
+    assert fcl.collide(large, small) == 1
+    assert fcl.collide(small, shell) == 0
+    for at, meets in (((4.5, 0, 0), True), ((3.4999, 0, 0), True), ((np.nextafter(4.5, 5), 0, 0), False)):
+        small.setTranslation(at)
+        assert (fcl.collide(small, large) > 0) == meets
+
+
+def test_transforms():
+    turn = fcl.Transform(X_TURN)
+    assert np.allclose(turn.getQuatRotation(), [np.sqrt(0.5), np.sqrt(0.5), 0, 0])
+    for args in [(np.array([1.0, 2, 3]),), (X_TURN, [1, 2, 3]), (turn.getQuatRotation(), np.array([[1], [2], [3]]))]:
+        assert fcl.Transform(*args).getTranslation().tolist() == [1, 2, 3]
+    assert np.allclose(fcl.Transform(turn.getQuatRotation()).getRotation(), X_TURN)
+    assert np.array_equal(fcl.Transform(turn).getRotation(), X_TURN)
+    rng = np.random.default_rng(4)
+    quaternions = rng.normal(size=(50, 4))
+    for q in quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True):
+        back = fcl.Transform(q).getQuatRotation()
+        assert np.allclose(back, q if q[0] >= 0 else -q, atol=1e-12)
+    moved = fcl.CollisionObject(fcl.Box(1, 1, 1), turn)
+    moved.getTransform().setTranslation([9, 9, 9])  # a copy
+    assert moved.getTranslation().tolist() == [0, 0, 0]
+    moved.setQuatRotation([1, 0, 0, 0])
+    assert np.array_equal(moved.getRotation(), np.eye(3))
+    for wrong in [(1, 2, 3), (np.eye(4),), (np.eye(3), [1, 2])]:
+        with pytest.raises(ValueError, match=r"expected|too many"):
+            fcl.Transform(*wrong)
+
+
+def managers():
+    box, cone = fcl.Box(1, 1, 1), geometries()["mesh"]
+    first = [fcl.CollisionObject(box), fcl.CollisionObject(cone), fcl.CollisionObject(geometries()["convex"])]
+    second = [fcl.CollisionObject(box), fcl.CollisionObject(box), fcl.CollisionObject(cone)]
+    for obj, at in zip(second, ([0.0, 3, 0], [0, 0.5, 0], [0.0, 0, 9]), strict=True):
+        obj.setTranslation(at)
+    made = []
+    for objects in (first, second):
+        manager = fcl.DynamicAABBTreeCollisionManager()
+        manager.registerObjects(objects)
+        manager.setup()
+        made.append(manager)
+    return made
+
+
+def test_many_against_many():
+    one, two = managers()
+    data = fcl.CollisionData(fcl.CollisionRequest(num_max_contacts=10_000))
+    one.collide(data, fcl.defaultCollisionCallback)
+    assert data.result.is_collision
+    assert {(c.o1, c.o2) for c in data.result.contacts} == {
+        (a.geometry, b.geometry) for i, a in enumerate(one.getObjects()) for b in one.getObjects()[i + 1 :]
+    }
+    data = fcl.CollisionData(fcl.CollisionRequest(num_max_contacts=10_000))
+    one.collide(two, data, fcl.defaultCollisionCallback)
+    assert {c.o2 for c in data.result.contacts} == {two.getObjects()[1].geometry}
+    alone = fcl.CollisionObject(fcl.Box(0.5, 0.5, 0.5), fcl.Transform([0.0, 3.0, 0.0]))
+    for manager, meets in ((one, False), (two, True)):
+        data = fcl.CollisionData()
+        manager.collide(alone, data, fcl.defaultCollisionCallback)
+        assert data.result.is_collision is meets
+        assert data.done is meets
+    alone.setTranslation([0, 0, 0])
+    data = fcl.CollisionData()
+    one.collide(alone, data, fcl.defaultCollisionCallback)
+    assert data.result.is_collision
+
+
+def test_callbacks_are_handed_objects_until_they_stop():
+    one, _ = managers()
+    handed = []
+    one.collide("mine", lambda a, b, data: handed.append((a, b, data)))
+    assert len(handed) == 3
+    assert all(isinstance(a, fcl.CollisionObject) and data == "mine" for a, _, data in handed)
+    handed.clear()
+    one.collide(None, lambda a, b, data: handed.append(a) or True)
+    assert len(handed) == 1
+
+
+def test_managers_hold_objects():
+    one, _ = managers()
+    first = one.getObjects()[0]
+    assert (one.size(), one.empty()) == (3, False)
+    one.unregisterObject(first)
+    one.update()
+    assert first not in one.getObjects()
+    one.registerObject(first)
+    assert one.getObjects()[-1] is first
+    one.clear()
+    assert one.empty()
+    with pytest.raises(ValueError, match="wants"):
+        one.collide(1)
+
+
+def test_the_broad_phase_misses_nothing():
+    rng = np.random.default_rng(7)
+    ring = model(*torus())
+    manager = fcl.DynamicAABBTreeCollisionManager()
+    manager.registerObjects([fcl.CollisionObject(ring, fcl.Transform(at)) for at in rng.uniform(-4, 4, size=(40, 3))])
+    found = set()
+
+    def callback(a, b, _):
+        if fcl.collide(a, b):
+            found.add((manager.getObjects().index(a), manager.getObjects().index(b)))
+        return False
+
+    manager.collide(None, callback)
+    mesh, objects = impinge.Mesh(*torus()), manager.getObjects()
+    everyone = {
+        (i, j)
+        for i in range(40)
+        for j in range(i + 1, 40)
+        if impinge.intersects(mesh, mesh, objects[i].matrix, objects[j].matrix)
+    }
+    assert found == everyone
+    assert 10 < len(everyone) < 400
+
+
+def test_what_is_wrong_is_a_value_error():
+    for wrong in [
+        lambda: fcl.CollisionObject("box"),
+        lambda: fcl.collide(fcl.CollisionObject(fcl.BVHModel()), fcl.CollisionObject(fcl.Box(1, 1, 1))),
+        lambda: fcl.Convex(cube()[0], 1, [3, 0, 1]),
+        lambda: fcl.Convex(cube()[0], 1, [3, 0, 1, 8]),
+        lambda: fcl.Box(np.nan, 1, 1),
+    ]:
+        with pytest.raises(impinge.InputError):
+            wrong()

@@ -1,0 +1,84 @@
+"""Pictures: what they show is where it should be."""
+
+import impinge
+import numpy as np
+import pytest
+from shapes import TRIANGLE, cube, torus
+
+image = pytest.importorskip("PIL.Image")
+
+
+def pixels(picture):
+    return np.asarray(picture).astype(int)
+
+
+def struck(picture):
+    """Where a face is marked as meeting the other: red above all."""
+    r, g, b = np.moveaxis(pixels(picture), -1, 0)
+    return (r > g + 60) & (r > b + 30)
+
+
+def curve(picture):
+    r, g, b = np.moveaxis(pixels(picture), -1, 0)
+    return (r > 120) & (g > 80) & (b < 60)
+
+
+def test_struck_faces_and_curves_are_seen(tmp_path):
+    ring = impinge.Mesh(*torus())
+    apart, meeting = impinge.pose([5, 0, 0]), impinge.pose([0.6, 0, 0], rpy=[1.5, 0, 0.2])
+    clear = impinge.show(ring, ring, pose_b=apart, size=(320, 240))
+    assert clear.size == (320, 240)
+    assert not struck(clear).any()
+    assert not curve(clear).any()
+    path = tmp_path / "rings.png"
+    picture = impinge.show(ring, ring, pose_b=meeting, size=(320, 240), view=(150, 30), path=path)
+    assert 0.002 < struck(picture).mean() < 0.3
+    assert curve(picture).sum() > 50
+    assert np.array_equal(pixels(image.open(path)), pixels(picture))
+
+
+def test_a_picture_shows_right_and_up():
+    """Seen from the front, a marker at +x is on the right, one at the top above, whichever axis points up."""
+    flat = impinge.Mesh(cube()[0] * [4, 0.1, 4], cube()[1])
+    for up, towards in (("z", [0, -1, 0]), ("y", [0, 0, 1])):
+        turned = flat if up == "z" else impinge.Mesh(cube()[0] * [4, 4, 0.1], cube()[1])
+        corner = np.array([1.5, 0, 1.5] if up == "z" else [1.5, 1.5, 0]) + 0.7 * np.array(towards)
+        mark = impinge.Mesh(cube(-0.3, 0.3)[0] + corner, cube()[1])
+        picture = pixels(impinge.show(turned, mark, view=(0, 0), up=up, size=(200, 200)))
+        blue = picture[..., 2] > picture[..., 0] + 15
+        rows, columns = np.nonzero(blue)
+        assert blue.sum() > 50
+        assert rows.max() < 100 < columns.min()
+
+
+def test_nearer_hides_farther():
+    near, far = (impinge.Mesh(cube()[0] * [2, 0.1, 2] + [0, y, 0], cube()[1]) for y in (-1.0, 1.0))
+    opaque_in_front = pixels(impinge.show(near, far, view=(0, 0), size=(100, 100)))[50, 50]
+    glass_in_front = pixels(impinge.show(far, near, view=(0, 0), size=(100, 100)))[50, 50]
+    assert opaque_in_front[0] > opaque_in_front[2]  # sand: what is behind does not shine through
+    assert glass_in_front[2] > opaque_in_front[2]
+    assert glass_in_front[0] > 0.6 * opaque_in_front[0]  # the sand behind the glass
+
+
+@pytest.mark.parametrize("focus", ["all", "contact"])
+def test_odd_meshes_make_a_picture_too(focus):
+    empty = impinge.Mesh([], [])
+    point = impinge.Mesh([[1, 1, 1]], [[0, 0, 0]])
+    far = impinge.Mesh(cube()[0] * 1e30 + 1e31, cube()[1])
+    for a in (empty, point, far, impinge.Mesh(*TRIANGLE)):
+        for b in (empty, point, far):
+            assert impinge.show(a, b, size=(64, 48), focus=focus).size == (64, 48)
+
+
+def test_contact_is_closer_than_all():
+    ring, pin = impinge.Mesh(*torus()), impinge.Mesh(cube()[0] * 0.05 + [0, -1.35, 0], cube()[1])
+    views = [struck(impinge.show(ring, pin, size=(160, 120), focus=focus)).sum() for focus in ("all", "contact")]
+    assert views[1] > 3 * max(views[0], 1)
+
+
+def test_options_are_judged():
+    ring = impinge.Mesh(*torus())
+    for wrong in ({"size": (10, 10)}, {"size": (1e3, 100)}, {"up": "x"}, {"focus": "b"}, {"pose_a": np.eye(4)[None]}):
+        with pytest.raises(impinge.InputError) as caught:
+            impinge.show(ring, ring, **wrong)
+        assert caught.value.what in wrong

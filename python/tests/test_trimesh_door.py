@@ -1,0 +1,129 @@
+"""`impinge.trimesh` behaves as the collision part of trimesh does (CASES row 8: trimesh's tests/test_collision.py)."""
+
+import impinge
+import numpy as np
+import pytest
+from impinge.trimesh import CollisionManager, mesh_to_BVH, mesh_to_convex, scene_to_collision
+from shapes import cube, torus
+
+trimesh = pytest.importorskip("trimesh")
+CUBE = trimesh.creation.box()
+AT_5, AT_MINUS_5 = impinge.pose([5, 0, 0]), impinge.pose([-5, 0, 0])
+
+
+def test_one_against_many():
+    manager = CollisionManager()
+    manager.add_object("cube0", CUBE)
+    manager.add_object("cube1", CUBE, AT_5)
+    assert manager.in_collision_single(CUBE) is True
+    hit, names, data = manager.in_collision_single(CUBE, AT_5, return_names=True, return_data=True)
+    assert hit is True
+    assert names == {"cube1"}
+    assert data
+    for contact in data:
+        assert contact.names == {"cube1", "__external"}
+        assert {contact.index("cube1"), contact.index("__external")} <= set(range(12))
+        assert contact.point.shape == (3,)
+        assert (np.abs(contact.point - [5, 0, 0]) <= 0.5).all()
+    hit, names, data = manager.in_collision_single(CUBE, AT_MINUS_5, return_names=True, return_data=True)
+    assert (hit, names, data) == (False, set(), [])
+    assert manager.in_collision_single(CUBE, return_data=True)[0] is True
+    assert manager.in_collision_single(CUBE, return_names=True) == (True, {"cube0"})
+
+
+def test_within_a_manager():
+    manager = CollisionManager()
+    manager.add_object("cube0", CUBE)
+    manager.add_object("cube1", CUBE, AT_5)
+    assert manager.in_collision_internal() is False
+    manager.add_object("cube2", CUBE, AT_5)
+    hit, names = manager.in_collision_internal(return_names=True)
+    assert hit is True
+    assert names == {("cube1", "cube2")}
+    manager.set_transform("cube2", AT_MINUS_5)
+    assert manager.in_collision_internal() is False
+    manager.set_transform("cube2", AT_5)
+    assert manager.in_collision_internal() is True
+    manager.remove_object("cube2")
+    assert manager.in_collision_internal() is False
+    manager.add_object("cube1", CUBE, impinge.pose([0.9, 0, 0]))  # replaces
+    assert manager.in_collision_internal(return_names=True) == (True, {("cube0", "cube1")})
+
+
+def test_manager_against_manager():
+    m, n = CollisionManager(), CollisionManager()
+    m.add_object("cube0", CUBE)
+    m.add_object("cube1", CUBE, AT_5)
+    n.add_object("cube0", CUBE, AT_MINUS_5)
+    assert m.in_collision_other(n) is False
+    n.add_object("cube3", CUBE, AT_5)
+    hit, names, data = m.in_collision_other(n, return_names=True, return_data=True)
+    assert (hit, names) == (True, {("cube1", "cube3")})
+    assert {frozenset(contact.names) for contact in data} == {frozenset(("cube1", "cube3"))}
+    assert n.in_collision_other(m, return_names=True)[1] == {("cube3", "cube1")}
+
+
+def test_wrong_names_and_transforms_are_value_errors():
+    manager = CollisionManager()
+    for wrong in (lambda: manager.remove_object("a"), lambda: manager.set_transform("a", np.eye(4))):
+        with pytest.raises(ValueError, match="not in collision manager"):
+            wrong()
+    with pytest.raises(ValueError, match=r"\(4,4\)"):
+        manager.add_object("a", CUBE, np.eye(3))
+
+
+def test_seven_hundred_probes_are_all_reported():
+    """No cap on contacts may drop a pair."""
+    manager = CollisionManager()
+    probe = trimesh.creation.box(extents=[0.02] * 3)
+    inside = np.random.default_rng(1).uniform(-0.4, 0.4, size=(700, 3))
+    for i, at in enumerate(inside):
+        manager.add_object(f"probe{i}", probe, impinge.pose(at))
+    hit, names = manager.in_collision_single(CUBE, return_names=True)
+    assert hit is True
+    assert len(names) == 700
+
+
+def test_convex_meshes_are_solids_and_others_are_surfaces():
+    small = trimesh.creation.box(extents=[0.1] * 3)
+    assert small.is_convex
+    ring = trimesh.Trimesh(*torus(radius=2.0, tube=1.0), process=False)
+    assert not ring.is_convex
+    manager = CollisionManager()
+    manager.add_object("cube", CUBE)
+    assert manager.in_collision_single(small) is True  # inside, surfaces apart
+    hit, data = manager.in_collision_single(small, return_data=True)
+    assert hit
+    assert [(c.index("cube"), c.index("__external")) for c in data] == [(-1, -1)]
+    assert manager.in_collision_single(trimesh.creation.box(extents=[9] * 3)) is True  # round it
+    assert manager.in_collision_single(impinge.Mesh(small)) is True  # a surface inside a solid
+    surfaces = CollisionManager()
+    surfaces.add_object("ring", ring)
+    in_tube = impinge.pose([2, 0, 0])
+    assert surfaces.in_collision_single(small, in_tube) is False  # inside a surface
+    assert surfaces.in_collision_single(small, impinge.pose([1.5, 0, 0], rpy=[0.3, 0.2, 0.1])) is False
+    assert surfaces.in_collision_single(small, impinge.pose([1.0, 0, 0])) is True
+
+
+def test_inside_is_decided_part_by_part():
+    """Two cubes in one mesh, of which one lies inside the solid and the other far away."""
+    (v, f), inner = cube(-0.1, 0.1), impinge.pose([0.3, 0.2, -0.1], rpy=[1.0, 2.0, 0.4])
+    pair = impinge.Mesh(np.concatenate([v + np.array([7, 0, 0]), v]), np.concatenate([f, f + 8]))
+    manager = CollisionManager()
+    manager.add_object("cube", CUBE, inner)
+    assert manager.in_collision_single(pair, inner) is True
+    assert manager.in_collision_single(pair, impinge.pose([-3.5, 0, 0])) is False
+
+
+def test_conversions():
+    assert mesh_to_BVH(CUBE).num_tries_() == 12
+    assert mesh_to_convex(CUBE).num_faces == 12
+
+
+def test_scenes():
+    scene = trimesh.Scene()
+    for i, x in enumerate((0.0, 0.9, 3.0)):
+        scene.add_geometry(CUBE, node_name=f"n{i}", transform=impinge.pose([x, 0, 0]))
+    manager, objects = scene_to_collision(scene)
+    assert set(objects) == {"n0", "n1", "n2"}
+    assert manager.in_collision_internal(return_names=True) == (True, {("n0", "n1")})

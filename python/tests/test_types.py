@@ -1,0 +1,66 @@
+"""The package as type checkers and linters see it."""
+
+import inspect
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import impinge
+import impinge.fcl
+import impinge.trimesh
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def run(*command):
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        pytest.param(["mypy", "--cache-dir", "target/mypy"], id="mypy"),
+        pytest.param(["stubtest", "impinge._impinge", "--ignore-disjoint-bases"], id="stubtest"),
+        pytest.param(["ruff", "check", "--no-cache"], id="ruff"),
+        pytest.param(["ruff", "format", "--check", "--no-cache"], id="format"),
+    ],
+)
+def test_is_clean(command):
+    program = shutil.which(command[0], path=Path(sys.executable).parent)
+    assert program, f"python/requirements-test.txt installs {command[0]}"
+    run(program, *command[1:])
+
+
+def test_types_as_a_user_sees_them(tmp_path):
+    """What strict mypy infers in a program that uses the package."""
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import impinge\nimport numpy as np\nfrom typing import assert_type\n"
+        "mesh = impinge.Mesh(np.zeros((0, 3)), np.zeros((0, 3), int))\n"
+        "assert_type(impinge.intersects(mesh, mesh), bool)\n"
+        "hit: bool | np.ndarray = impinge.intersects(mesh, mesh, np.eye(4))\n"
+        "impinge.intersecting_pairs(mesh, mesh).sum()\n"
+        "pairs = impinge.intersecting_pairs(mesh, mesh, np.eye(4)[None])\n"
+        "assert isinstance(pairs, impinge.Pairs) and pairs.counts.sum() == 0\n"
+        "answer, status = impinge.intersects(mesh, mesh, on_error='status')\n"
+        "print(impinge.Status(int(status[0])).name, impinge.load('a.obj').origin)\n"
+    )
+    config = tmp_path / "mypy.ini"
+    config.write_text("[mypy]\nstrict = True\n")
+    run(sys.executable, "-m", "mypy", "--cache-dir", "target/mypy", "--config-file", str(config), str(program))
+
+
+@pytest.mark.parametrize("module", [impinge, impinge.fcl, impinge.trimesh])
+def test_every_public_name_is_documented(module):
+    for name in module.__all__:
+        thing = getattr(module, name)
+        if name == "__version__":
+            continue
+        assert inspect.getdoc(thing), name
+        if inspect.isclass(thing):
+            for member, value in vars(thing).items():
+                if not member.startswith("_") and (callable(value) or isinstance(value, property)):
+                    assert inspect.getdoc(value), f"{name}.{member}"
