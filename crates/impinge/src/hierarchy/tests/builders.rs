@@ -111,7 +111,7 @@ fn boxes_come_and_go() {
     for step in 0..6_000 {
         let alive: Vec<u32> = (0..plain.len() as u32).filter(|&number| plain[number as usize].is_some()).collect();
         // It grows, then shrinks to nothing, and grows again.
-        let grows = step < 1_500 || step >= 4_000;
+        let grows = !(1_500..4_000).contains(&step);
         let inserts = if grows { !rng.one_in(4) } else { rng.one_in(4) };
         if alive.is_empty() || inserts {
             let bounds = grid_box(&mut rng);
