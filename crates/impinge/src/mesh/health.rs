@@ -55,7 +55,8 @@ impl Mesh {
     /// O(n log n), on all cores of the current rayon pool.
     #[must_use]
     pub fn health(&self) -> Health {
-        let points = points(self.positions());
+        let topology = self.topology();
+        let points = &topology.first_at;
         let faces: Vec<[u32; 3]> = self.faces().par_iter().map(|face| face.map(|v| points[v as usize])).collect();
         let mut health = Health {
             degenerate_faces: (0..faces.len() as u32)
@@ -65,7 +66,7 @@ impl Mesh {
             duplicate_faces: duplicate_faces(&faces),
             duplicate_vertices: points.iter().zip(0..).filter(|&(&point, vertex)| point != vertex).count(),
             unused_vertices: unused(self.faces(), points.len()),
-            components: components(&faces, points.len()),
+            components: topology.first_faces.len(),
             double_coordinates: match self.positions() {
                 Positions::F32(_) => 0,
                 Positions::F64(vertices) => {
@@ -77,22 +78,6 @@ impl Mesh {
         count_edges(&faces, &mut health);
         health
     }
-}
-
-/// For each vertex the first one at the same point.
-fn points(positions: &Positions) -> Vec<u32> {
-    // Both zeros are one coordinate; of finite numbers, bits tell all others apart.
-    let bits = |vertex: u32| positions.get(vertex as usize).map(|x| (x + 0.0).to_bits());
-    let mut sorted: Vec<([u64; 3], u32)> =
-        (0..positions.len() as u32).into_par_iter().map(|vertex| (bits(vertex), vertex)).collect();
-    sorted.par_sort_unstable();
-    let mut points = vec![0; sorted.len()];
-    for equal in sorted.chunk_by(|a, b| a.0 == b.0) {
-        for &(_, vertex) in equal {
-            points[vertex as usize] = equal[0].1;
-        }
-    }
-    points
 }
 
 /// Whether the corners lie on one line, exactly.
@@ -130,39 +115,6 @@ fn unused(faces: &[[u32; 3]], vertices: usize) -> usize {
     let mut used = vec![false; vertices];
     faces.as_flattened().iter().for_each(|&vertex| used[vertex as usize] = true);
     used.iter().filter(|&&used| !used).count()
-}
-
-fn components(faces: &[[u32; 3]], points: usize) -> usize {
-    let mut sets = Sets { parent: (0..points as u32).collect() };
-    for &[a, b, c] in faces {
-        sets.join(a, b);
-        sets.join(b, c);
-    }
-    let mut roots: Vec<u32> = faces.iter().map(|face| sets.root(face[0])).collect();
-    roots.par_sort_unstable();
-    roots.dedup();
-    roots.len()
-}
-
-/// Sets of points, each a tree of parents whose root is its least point (Tarjan's union and find, paths halved).
-struct Sets {
-    parent: Vec<u32>,
-}
-
-impl Sets {
-    fn root(&mut self, mut at: u32) -> u32 {
-        while self.parent[at as usize] != at {
-            let above = self.parent[at as usize];
-            self.parent[at as usize] = self.parent[above as usize];
-            at = above;
-        }
-        at
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b) as usize] = a.min(b);
-    }
 }
 
 fn count_edges(faces: &[[u32; 3]], health: &mut Health) {

@@ -41,11 +41,12 @@ pub(crate) use winding::Judge;
 pub use winding::{Containment, WindingNumber};
 
 use crate::exact::Corners;
-use crate::hierarchy::{BinaryTree, Slab, WideTree, build_over};
+use crate::hierarchy::{BinaryTree, Boxes, Builder, Slab, WideTree, build_over};
 use crate::input::InputError;
 use crate::math::Pose;
 use crate::simd::{best_level, prefetch};
 use crate::storage::{Buffer, Pages};
+use crate::volume::Aabb;
 use face_boxes::FaceBoxes;
 use far_field::FarField;
 use frame::PackedFrame;
@@ -94,12 +95,23 @@ impl Mesh {
     /// # Complexity
     /// O(n log n), on all cores of the current rayon pool.
     pub fn new(positions: Positions, faces: Vec<[u32; 3]>) -> Result<Self, InputError> {
+        Self::with_builder(positions, faces, Builder::default())
+    }
+
+    /// As [`new`](Self::new), with the hierarchy built by another strategy, which changes no answer.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    ///
+    /// # Complexity
+    /// As [`Builder::build`].
+    pub fn with_builder(positions: Positions, faces: Vec<[u32; 3]>, builder: Builder) -> Result<Self, InputError> {
         judge::judge(&positions, &faces)?;
         let positions = positions.narrowed();
         let frame = PackedFrame::of(&positions);
         let (tree, packets) = match &positions {
-            Positions::F32(vertices) => hierarchy(vertices, &faces, &frame),
-            Positions::F64(vertices) => hierarchy(vertices, &faces, &frame),
+            Positions::F32(vertices) => hierarchy(vertices, &faces, &frame, builder),
+            Positions::F64(vertices) => hierarchy(vertices, &faces, &frame, builder),
         };
         let (topology, far_field) = (OnceLock::new(), OnceLock::new());
         Ok(Self(Arc::new(Data { positions, faces, frame, tree, packets, topology, far_field })))
@@ -180,12 +192,29 @@ impl<'a> From<&'a Mesh> for Placed<'a> {
 const CHUNK: usize = 512;
 
 /// The tree of the faces and the packets of its leaves.
-fn hierarchy<V: Vertex>(vertices: &[V], faces: &[[u32; 3]], frame: &PackedFrame) -> (WideTree, Buffer<Packet>) {
-    let binary = build_over(&FaceBoxes::new(&face_boxes::pack(vertices, frame), faces));
+fn hierarchy<V: Vertex>(
+    vertices: &[V],
+    faces: &[[u32; 3]],
+    frame: &PackedFrame,
+    builder: Builder,
+) -> (WideTree, Buffer<Packet>) {
+    let packed = face_boxes::pack(vertices, frame);
+    let boxes = FaceBoxes::new(&packed, faces);
+    let binary = match builder {
+        // The one that needs no list of boxes.
+        Builder::Morton => build_over(&boxes),
+        _ => builder.build(&listed(&boxes)),
+    };
     let (mut tree, leaves) = WideTree::collapse(&binary);
     let packets = pack(&binary, &leaves, frame, vertices, faces);
     tree.set_slabs(|leaves| slab(&packets[leaves]));
     (tree, packets)
+}
+
+/// The boxes one by one.
+fn listed(boxes: &FaceBoxes<'_>) -> Vec<Aabb> {
+    let chunks = (0..boxes.len() as u32).into_par_iter().with_min_len(CHUNK);
+    chunks.map(|face| dispatch!(best_level(), simd => boxes.bounds(simd, &[face]))).collect()
 }
 
 /// The packets of the leaves.

@@ -111,7 +111,7 @@ fn boxes_come_and_go() {
     for step in 0..6_000 {
         let alive: Vec<u32> = (0..plain.len() as u32).filter(|&number| plain[number as usize].is_some()).collect();
         // It grows, then shrinks to nothing, and grows again.
-        let grows = step < 1_500 || step >= 4_000;
+        let grows = !(1_500..4_000).contains(&step);
         let inserts = if grows { !rng.one_in(4) } else { rng.one_in(4) };
         if alive.is_empty() || inserts {
             let bounds = grid_box(&mut rng);
@@ -157,15 +157,11 @@ fn check_dynamic(tree: &DynamicTree, plain: &[Option<Aabb>]) {
 }
 
 #[test]
-fn equal_boxes_take_a_time_that_grows_with_their_number() {
-    // Four times as many would take a quadratic builder sixteen times as long.
-    let boxes = vec![Aabb { min: [0.25; 3], max: [0.5; 3] }; 400_000];
+fn equal_boxes_are_no_trap() {
+    // A builder that is quadratic where all boxes are alike would be at it for minutes.
+    let boxes = vec![Aabb { min: [0.25; 3], max: [0.5; 3] }; 250_000];
     for builder in Builder::ALL {
-        let seconds = [100_000, 400_000].map(|count| {
-            let start = std::time::Instant::now();
-            assert!(builder.build(&boxes[..count]).depth() <= MAX_DEPTH);
-            start.elapsed().as_secs_f64()
-        });
-        assert!(seconds[1] < 12.0 * seconds[0] + 0.1, "{}: {seconds:?}", builder.name());
+        let tree = builder.build(&boxes);
+        assert!(tree.depth() <= 24 || builder == Builder::Insertion && tree.depth() <= MAX_DEPTH, "{}", builder.name());
     }
 }
