@@ -67,8 +67,8 @@ pub(crate) struct Arguments {
     /// Write the curves in which the meshes meet, to an .obj file
     #[arg(long, value_name = "OUT")]
     curves: Option<PathBuf>,
-    /// Tell how far apart they are, with nearest points and faces; 0 where they meet
-    #[arg(long)]
+    /// Tell how far apart they are, with nearest points and faces; 0 where they meet. Between surfaces: not with `--solid`
+    #[arg(long, conflicts_with = "solid")]
     distance: bool,
     /// Whether they come within this distance of each other, decided exactly; at it is within it
     ///

@@ -198,12 +198,14 @@ fn hierarchy<V: Vertex>(
     frame: &PackedFrame,
     builder: Builder,
 ) -> (WideTree, Buffer<Packet>) {
-    let packed = face_boxes::pack(vertices, frame);
-    let boxes = FaceBoxes::new(&packed, faces);
-    let binary = match builder {
-        // The one that needs no list of boxes.
-        Builder::Morton => build_over(&boxes),
-        _ => builder.build(&listed(&boxes)),
+    let binary = {
+        let packed = face_boxes::pack(vertices, frame);
+        let boxes = FaceBoxes::new(&packed, faces);
+        match builder {
+            // The one that needs no list of boxes.
+            Builder::Morton => build_over(&boxes),
+            _ => builder.build(&listed(&boxes)),
+        }
     };
     let (mut tree, leaves) = WideTree::collapse(&binary);
     let packets = pack(&binary, &leaves, frame, vertices, faces);
