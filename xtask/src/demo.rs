@@ -1,12 +1,9 @@
 //! The command at work: a human against a torus knot of 2,000,000 triangles.
 
-use std::fs::{self, File};
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, ExitStatus};
 
-use anyhow::{Context, Result};
-use impinge::Positions;
-use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
+use anyhow::{Context, Result, ensure};
 
 const HUMAN: &str = "data/human_makehuman_cc0.ply";
 const KNOT: &str = "target/demo/torus_knot.ply";
@@ -17,26 +14,20 @@ const CURVES: &str = "target/demo/curves.obj";
 pub(crate) fn run(root: &Path) -> Result<bool> {
     if !root.join(KNOT).exists() {
         println!("writing {KNOT}");
-        write_knot(&root.join(KNOT))?;
+        let written = cargo(root, &["--package", "impinge-testkit", "--example", "torus_knot", "--", KNOT])?;
+        ensure!(written.success(), "{KNOT} could not be written");
     }
-    let arguments = ["run", "--release", "--quiet", "--package", "impinge-cli", "--bin", "impinge", "--"]
-        .into_iter()
-        .chain(["check", HUMAN, KNOT, "--pose-b", POSE, "--curves", CURVES]);
-    println!("$ cargo {}", arguments.clone().collect::<Vec<_>>().join(" "));
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let status = Command::new(cargo).args(arguments).current_dir(root).status().context("starting cargo run")?;
+    let check = ["check", HUMAN, KNOT, "--pose-b", POSE, "--curves", CURVES];
+    println!("$ impinge {}", check.join(" "));
+    let status = cargo(root, &[&["--package", "impinge-cli", "--bin", "impinge", "--"], &check[..]].concat())?;
     // Clear or collision; Cargo's own failures have other codes.
     Ok(matches!(status.code(), Some(0 | 1)))
 }
 
-fn write_knot(path: &Path) -> Result<()> {
-    let folder = path.parent().context("the knot lies in a folder")?;
-    fs::create_dir_all(folder)?;
-    let knot = torus_knot(2000, 500, TREFOIL);
-    let single = knot.vertices.iter().map(|vertex| vertex.map(|x| x as f32)).collect();
-    // Renamed when it is whole, so that a run cut short leaves nothing that looks like the knot.
-    let unfinished = path.with_extension("unfinished");
-    impinge_files::write_ply(File::create(&unfinished)?, &Positions::F32(single), &knot.faces)?;
-    fs::rename(&unfinished, path)?;
-    Ok(())
+/// Runs a program of the workspace. The chores do not link it, so that they are there before it is built.
+fn cargo(root: &Path, arguments: &[&str]) -> Result<ExitStatus> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut command = Command::new(cargo);
+    command.args(["run", "--release", "--quiet"]).args(arguments).current_dir(root);
+    command.status().context("starting cargo run")
 }
