@@ -56,7 +56,7 @@ pub(super) fn inner_points(u: &Vector, v: &Vector, v_squared: f64, w: &Vector) -
     let s = dot(&cross(w, v), &normal) / dot(&normal, &normal);
     let t = (s * dot(u, v) - dot(w, v)) / v_squared;
     // NaN, of parallel segments, is not inside.
-    if !(s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0) {
+    if !((0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)) {
         return None;
     }
     let between: Vector = std::array::from_fn(|k| (w[k] - s * u[k]) + t * v[k]);

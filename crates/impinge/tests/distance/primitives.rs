@@ -63,8 +63,9 @@ fn n12_closed_forms_are_within_their_error() {
         let kinds = [rng.next_u64(), if case % 3 == 0 { case } else { rng.next_u64() }];
         // Sets of very different places have nothing to tell.
         let kinds = if kinds[0] % 6 > 3 { [kinds[0], kinds[0]] } else { kinds.map(|kind| kind % 4) };
-        let (p, segment, other): ([[f64; 3]; 1], [[f64; 3]; 2], [[f64; 3]; 2]) =
-            (corners(&mut rng, kinds[0]), corners(&mut rng, kinds[0]), corners(&mut rng, kinds[1]));
+        let p: [[f64; 3]; 1] = corners(&mut rng, kinds[0]);
+        let segment: [[f64; 3]; 2] = corners(&mut rng, kinds[0]);
+        let other: [[f64; 3]; 2] = corners(&mut rng, kinds[1]);
         let (a, b): ([[f64; 3]; 3], [[f64; 3]; 3]) = (corners(&mut rng, kinds[0]), corners(&mut rng, kinds[1]));
         let place = format!("case {case}");
         let exact = |points: &[[f64; 3]]| points.iter().map(|p| point(*p)).collect::<Vec<_>>();

@@ -142,12 +142,11 @@ impl Bounds {
                         ((min[axis] * n).min(max[axis] * n), (min[axis] * n).max(max[axis] * n));
                     let (low, high) = (one.min[axis] * far.direction[axis], one.max[axis] * far.direction[axis]);
                     let (least_one, most_one) = (low.min(high), low.max(high));
-                    sum = sum
-                        + if guest_is_many {
-                            least_many - f32x8::splat(simd, most_one)
-                        } else {
-                            f32x8::splat(simd, least_one) - most_many
-                        };
+                    sum += if guest_is_many {
+                        least_many - f32x8::splat(simd, most_one)
+                    } else {
+                        f32x8::splat(simd, least_one) - most_many
+                    };
                 }
                 sum.store_slice(&mut bounds);
             }
