@@ -71,7 +71,8 @@ impl Sorted<'_> {
     fn cheapest(&mut self) -> Option<(usize, usize)> {
         let count = self.len();
         let mut best = None;
-        let mut least = f64::INFINITY;
+        // Of planes that cost the same, as all do where boxes are equal, the one nearest to the middle.
+        let mut least = (f64::INFINITY, usize::MAX);
         for axis in 0..3 {
             let order = &*self.orders[axis];
             let mut bounds = Aabb::EMPTY;
@@ -84,8 +85,9 @@ impl Sorted<'_> {
                 bounds = bounds.union(self.boxes[order[at - 1] as usize]);
                 let cost = half_area(&bounds) * top_down::leaves(at, self.capacity)
                     + self.above[at] * top_down::leaves(count - at, self.capacity);
-                if cost < least {
-                    least = cost;
+                let off_middle = (2 * at).abs_diff(count);
+                if cost < least.0 || cost == least.0 && off_middle < least.1 {
+                    least = (cost, off_middle);
                     best = Some((axis, at));
                 }
             }

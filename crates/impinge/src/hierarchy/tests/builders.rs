@@ -162,6 +162,6 @@ fn equal_boxes_are_no_trap() {
     let boxes = vec![Aabb { min: [0.25; 3], max: [0.5; 3] }; 250_000];
     for builder in Builder::ALL {
         let tree = builder.build(&boxes);
-        assert!(tree.depth() <= 24 || builder == Builder::Insertion && tree.depth() <= MAX_DEPTH, "{}", builder.name());
+        assert!(tree.depth() <= MAX_DEPTH && tree.order.len() == boxes.len(), "{}", builder.name());
     }
 }
