@@ -216,7 +216,7 @@ mod tests {
 
         /// A small integer, any float of a few sizes, or a tiny one, so that sums tie, cancel and underflow.
         fn number(&mut self, kind: u64) -> f64 {
-            let sign = if self.next() % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if self.next().is_multiple_of(2) { 1.0 } else { -1.0 };
             let fraction = f64::from_bits(1023 << 52 | (self.next() << 12 & ((1 << 52) - 1)));
             let power = |exponent: i64| f64::from_bits(((1023 + exponent) as u64) << 52);
             sign * match kind % 4 {
