@@ -170,7 +170,7 @@ pub fn ritter_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, I
 ///
 /// # Source
 /// *Notes*, 2.3; Wu 1992 by Ericson 4.3.3. The distance of the two extremes is the diameter of the first sphere, not its
-/// radius, as the *Notes* have it; and the covariance takes two passes ([`moments`](self)).
+/// radius, as the *Notes* have it; and the covariance takes two passes (`moments`).
 pub fn principal_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, InputError> {
     let set = Set::new(points)?;
     let pair = set.extremes(moments::principal_axes(points, set.middle(), set.scale)[0]);
