@@ -80,7 +80,7 @@ mod sealed {
 /// let pill = Capsule::new([0.0; 3], [4.0, 0.0, 0.0], 1.0)?;
 /// let ball = BoundingSphere::new([2.0, 5.0, 0.0], 1.0)?;
 /// let bounds = pill.distance(&ball);
-/// assert!(bounds.lower <= 3.0 && 3.0 <= bounds.upper && bounds.upper - bounds.lower < 1e-14);
+/// assert!(bounds.lower <= 3.0 && 3.0 <= bounds.upper && bounds.upper - bounds.lower < 1e-12);
 /// assert_eq!(pill.proximity(&ball), Proximity::Apart);
 /// # Ok::<(), impinge::InputError>(())
 /// ```

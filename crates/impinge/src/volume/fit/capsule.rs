@@ -15,7 +15,7 @@ use crate::input::InputError;
 /// use impinge::volume::{BoundingVolume, fit};
 /// let rod: Vec<[f64; 3]> = (0..8).map(|i| [f64::from(i), f64::from(i % 2), 0.0]).collect();
 /// let capsule = fit::capsule(&rod)?;
-/// assert!(capsule.radius() < 0.6 && rod.iter().all(|&point| capsule.contains(point)));
+/// assert!(capsule.radius() < 0.65 && rod.iter().all(|&point| capsule.contains(point)));
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 ///

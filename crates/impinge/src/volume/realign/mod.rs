@@ -33,7 +33,7 @@ use crate::math::Pose;
 /// use impinge::volume::realign::{ClimbingHull, Realign, RotatedBox, TightPoints};
 /// use impinge::volume::MinMax;
 ///
-/// let rod = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.1, 0.1]];
+/// let rod = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.125, 0.125]];
 /// let hull = Hull::new(&rod)?;
 /// let mut every_point = TightPoints::new(&rod)?;
 /// let mut climbing = ClimbingHull::new(&hull);
@@ -42,7 +42,7 @@ use crate::math::Pose;
 /// // A quarter turn about z.
 /// let world_from_rod = Pose::new([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], [5.0, 0.0, 0.0])?;
 /// let tight = every_point.realign(&world_from_rod);
-/// assert_eq!((tight.min(), tight.max()), ([4.9, -1.0, 0.0], [5.0, 1.0, 0.1]));
+/// assert_eq!((tight.min(), tight.max()), ([4.875, -1.0, 0.0], [5.0, 1.0, 0.125]));
 /// assert_eq!(climbing.realign(&world_from_rod), tight);
 /// assert!(rotated.realign(&world_from_rod).encloses(&tight));
 /// # Ok::<(), impinge::InputError>(())
