@@ -27,7 +27,7 @@ def _read():
     for path in sorted(CASES.glob("*.toml")):
         with path.open("rb") as file:
             corpus = tomllib.load(file)
-        for case in corpus["case"]:
+        for case in corpus.get("case", []):
             entries = [corpus["mesh"][case[side]] for side in "ab"]
             plain = all("vertices" in e or e["generator"].keys() <= CORNERS for e in entries)
             inline = all("vertices" in e for e in entries)
