@@ -28,15 +28,15 @@ impl<T: Pod> Pages<T> {
         /// One large page of the usual kind.
         const LARGE: usize = 2 << 20;
         let bytes = len.saturating_mul(size_of::<T>());
-        match MmapMut::map_anon(bytes) {
-            Ok(map) if bytes >= LARGE => {
-                // A wish, without which everything works and takes longer.
-                #[cfg(target_os = "linux")]
-                let _ = map.advise(memmap2::Advice::HugePage);
-                Buffer::Paged(Self { map, of: PhantomData })
-            }
-            _ => Buffer::Owned(vec![T::zeroed(); len]),
+        if bytes >= LARGE
+            && let Ok(map) = MmapMut::map_anon(bytes)
+        {
+            // A wish, without which everything works and takes longer.
+            #[cfg(target_os = "linux")]
+            let _ = map.advise(memmap2::Advice::HugePage);
+            return Buffer::Paged(Self { map, of: PhantomData });
         }
+        Buffer::Owned(vec![T::zeroed(); len])
     }
 }
 
