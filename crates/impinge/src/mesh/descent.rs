@@ -13,7 +13,7 @@ use super::{Mesh, Placed};
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{Descent, LeafVisitor, Order, QUEUE, Task, bits};
 use crate::math::RelativeMap;
-use crate::simd::{self, LANES, Level, prefetch};
+use crate::simd::{self, LANES, Level, outlined, prefetch};
 use crate::volume::Aabb;
 
 /// How a query runs. Nothing here changes an answer: the fields are for measuring and for tests that say so.
@@ -196,7 +196,12 @@ impl Pairs<'_> {
         self.count -= 1;
         let (guest_leaf, guest) = &self.guests[guest];
         let mut verdicts = [Verdict::default(); LANES];
-        let met = guest.meet(simd, &self.host_packets[host_leaf as usize], &mut verdicts);
+        let host = &self.host_packets[host_leaf as usize];
+        let met = outlined(
+            simd,
+            #[inline(always)]
+            || guest.meet(simd, host, &mut verdicts),
+        );
         if met == 0 { ControlFlow::Continue(()) } else { self.report(host_leaf, *guest_leaf, met, &verdicts) }
     }
 
@@ -236,7 +241,12 @@ impl LeafVisitor for Pairs<'_> {
             self.is_awaited = false;
             let (leaf, guest) = &mut self.guests[self.last];
             *leaf = guest_leaf;
-            guest.take_up(simd, &self.guest_packets[guest_leaf as usize], self.relation, self.back);
+            let (packet, relation, back) = (&self.guest_packets[guest_leaf as usize], self.relation, self.back);
+            outlined(
+                simd,
+                #[inline(always)]
+                || guest.take_up(simd, packet, relation, back),
+            );
         }
         self.guests[self.last].1.bounds
     }

@@ -35,6 +35,14 @@ pub(crate) use vectors::{Lanes3, cross, dot, load, load3, store3, sub};
 
 pub use fearless_simd::Level;
 
+/// Runs a kernel, which must be inlined into here (`#[inline(always)] || …`), as a function of its own with the vector
+/// unit of `simd`: for large kernels that are called from several places, of which each would hold a copy otherwise.
+/// One function of all kernels at once is a megabyte at the scalar level and takes minutes to compile.
+#[inline(never)]
+pub(crate) fn outlined<S: fearless_simd::Simd, R>(simd: S, kernel: impl FnOnce() -> R) -> R {
+    simd.vectorize(kernel)
+}
+
 /// Lanes that the boxes of a node and the triangles of a packet fill: one 256-bit vector of single precision,
 /// which narrower levels split and wider ones do not gain from (a 512-bit compare costs two 256-bit ones there).
 pub const LANES: usize = 8;

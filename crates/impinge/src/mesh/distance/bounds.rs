@@ -19,7 +19,7 @@ use crate::mesh::metric::Metric;
 use crate::mesh::relation::Relation;
 use crate::mesh::{HostChoice, Placed};
 use crate::primitive::{Vector, dot, length, sub};
-use crate::simd::{LANES, by_axis, load3};
+use crate::simd::{LANES, by_axis, load3, outlined};
 use crate::volume::Aabb;
 
 /// The largest relative deviation of a host's squared lengths from a common scale with which its packed frame is used:
@@ -103,14 +103,14 @@ impl Bounds {
     /// Boxes of a guest node in the frame of comparison.
     #[inline(always)]
     pub(super) fn carry_guest<S: Simd>(&self, simd: S, node: &Node) -> BoxLanes {
-        self.guest.apply(simd, node)
+        carried(simd, &self.guest, node)
     }
 
     /// Boxes of a host node in the frame of comparison.
     #[inline(always)]
     pub(super) fn carry_host<S: Simd>(&self, simd: S, node: &Node) -> BoxLanes {
         match &self.host {
-            Some(map) => map.apply(simd, node),
+            Some(map) => carried(simd, map, node),
             None => BoxLanes { min: node.min, max: node.max },
         }
     }
@@ -164,6 +164,15 @@ impl Far {
         let slack = 32.0 * HALF_ULP * metric.extent + metric.error;
         Self { direction, length: length(&wide) * (1.0 + 1e-12), along: dot(&wide, gap), slack }
     }
+}
+
+#[inline(always)]
+fn carried<S: Simd>(simd: S, map: &BoxMap, node: &Node) -> BoxLanes {
+    outlined(
+        simd,
+        #[inline(always)]
+        || map.apply(simd, node),
+    )
 }
 
 /// The squares of the distances of eight boxes from one.

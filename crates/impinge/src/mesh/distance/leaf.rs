@@ -2,14 +2,14 @@
 //! their own for proving in bulk that pairs are too far apart to matter.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, f32x8, mask32x8};
 
 use super::bounds::squared_gaps;
 use crate::exact::Corners;
 use crate::hierarchy::{HALF_ULP, LEAF_CAPACITY};
 use crate::mesh::Mesh;
 use crate::mesh::metric::MetricMap;
-use crate::simd::{LANES, by_axis, load3};
+use crate::simd::{LANES, Lanes3, by_axis, cross, dot, load3, outlined, sub};
 use crate::volume::Aabb;
 
 /// More than the roundings of a bound relative to the coordinates that go into it, in units of 2^-24: corners and offset,
@@ -72,9 +72,6 @@ pub(super) struct Facing<'l, S: Simd> {
     host_normal: Lanes3<S>,
 }
 
-/// Three coordinates in each lane.
-type Lanes3<S> = [f32x8<S>; 3];
-
 impl<'l, S: Simd> Facing<'l, S> {
     /// `error` is what metric corners and values may be off by.
     #[inline(always)]
@@ -120,7 +117,12 @@ impl<'l, S: Simd> Facing<'l, S> {
             (by_planes - slack).store_slice(&mut lower);
             return lower;
         }
-        let direction = nearest_difference(host, &guest, &self.host_normal, &guest_normal);
+        let normals = [&self.host_normal, &guest_normal];
+        let direction = outlined(
+            simd,
+            #[inline(always)]
+            || nearest_difference(host, &guest, normals),
+        );
         (by_planes.max(gap_along(&direction, host, &guest)) - slack).store_slice(&mut lower);
         lower
     }
@@ -149,16 +151,12 @@ const LEAST_SQUARE: f32 = 1.0 / (1_u128 << 100) as f32;
 fn nearest_difference<S: Simd>(
     host: &[Lanes3<S>; 3],
     guest: &[Lanes3<S>; 3],
-    host_normal: &Lanes3<S>,
-    guest_normal: &Lanes3<S>,
+    [host_normal, guest_normal]: [&Lanes3<S>; 2],
 ) -> Lanes3<S> {
     let simd = host[0][0].token();
     let zero = f32x8::splat(simd, 0.0);
     let one = f32x8::splat(simd, 1.0);
     let least = f32x8::splat(simd, f32::MIN_POSITIVE);
-    let edges = |corners: &[Lanes3<S>; 3]| -> [Lanes3<S>; 3] {
-        [sub(&corners[1], &corners[0]), sub(&corners[2], &corners[1]), sub(&corners[0], &corners[2])]
-    };
     let (host_edges, guest_edges) = (edges(host), edges(guest));
     let mut best = (f32x8::splat(simd, f32::INFINITY), sub(&guest[0], &host[0]));
     for i in 0..3 {
@@ -183,8 +181,9 @@ fn nearest_difference<S: Simd>(
         ] {
             let w = sub(point, &face[0]);
             let squared = dot(normal, normal).max(least);
-            let inside = |k: usize| dot(&cross(&edges[k], &sub(point, &face[k])), normal);
-            let within = inside(0).simd_ge(zero) & inside(1).simd_ge(zero) & inside(2).simd_ge(zero);
+            let inside: [mask32x8<S>; 3] =
+                by_axis!(k => dot(&cross(&edges[k], &sub(point, &face[k])), normal).simd_ge(zero));
+            let within = inside[0] & inside[1] & inside[2];
             let height = dot(&w, normal) / squared * sign;
             let difference: Lanes3<S> = by_axis!(axis => height * normal[axis]);
             let far = f32x8::splat(simd, f32::INFINITY);
@@ -213,17 +212,8 @@ fn bounds<S: Simd>(corners: &[Lanes3<S>; 3]) -> (Lanes3<S>, Lanes3<S>) {
     (by_axis!(axis => p[axis].min(q[axis]).min(r[axis])), by_axis!(axis => p[axis].max(q[axis]).max(r[axis])))
 }
 
+/// From each corner to the next.
 #[inline(always)]
-fn sub<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> Lanes3<S> {
-    by_axis!(axis => a[axis] - b[axis])
-}
-
-#[inline(always)]
-fn dot<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> f32x8<S> {
-    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
-}
-
-#[inline(always)]
-fn cross<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> Lanes3<S> {
-    [a[1].mul_sub(b[2], a[2] * b[1]), a[2].mul_sub(b[0], a[0] * b[2]), a[0].mul_sub(b[1], a[1] * b[0])]
+fn edges<S: Simd>(corners: &[Lanes3<S>; 3]) -> [Lanes3<S>; 3] {
+    [sub(&corners[1], &corners[0]), sub(&corners[2], &corners[1]), sub(&corners[0], &corners[2])]
 }
