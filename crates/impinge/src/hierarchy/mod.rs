@@ -24,9 +24,11 @@ pub use binary::{BinaryNode, BinaryTree, LEAF_CAPACITY, MAX_DEPTH, NODE_OF_LEAVE
 pub(crate) use boxes::Boxes;
 pub use build::{Builder, DynamicTree, optimise};
 pub use cost::{Costs, Counters, TreeStatistics};
-pub(crate) use descent::{Descent, LeafVisitor, Order, QUEUE, Task, bits, each_byte, spread_to_bytes};
+pub(crate) use descent::{
+    Descent, Large, LeafVisitor, Order, QUEUE, Task, bits, each_byte, lanes_in_use, spread_to_bytes,
+};
 pub use generic::{Enclosure, GenericTree, NodeVolume};
-pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, overlapping_each};
+pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, overlapping, overlapping_each};
 pub use morton::build_morton;
 pub(crate) use morton::build_over;
 pub(crate) use radix::scatter;

@@ -39,7 +39,9 @@ pub struct Node {
     /// Holds everything below.
     pub slab: Slab,
     count: u32,
-    reserved: [u32; 2],
+    /// How far all that is below reaches along the axis on which it reaches farthest.
+    pub(crate) extent: f32,
+    reserved: u32,
 }
 
 impl Node {
@@ -49,7 +51,8 @@ impl Node {
         references: [0; LANES],
         slab: Slab::ALL,
         count: 0,
-        reserved: [0; 2],
+        extent: 0.0,
+        reserved: 0,
     };
 
     /// How many lanes are in use.
@@ -183,6 +186,8 @@ impl Collapse<'_> {
             };
             node.set(lane, &self.binary.nodes[child.root as usize].bounds, wide);
         }
+        let Aabb { min, max } = &self.binary.nodes[subtree.root as usize].bounds;
+        node.extent = (0..3).fold(0.0, |extent, axis| extent.max(max[axis] - min[axis]));
         self.nodes[at] = node;
         at as u32
     }

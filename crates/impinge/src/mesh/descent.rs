@@ -7,11 +7,12 @@ use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 
 use super::filter::{Guest, Verdict};
+use super::large_leaf::LargeLeaf;
 use super::packet::Packet;
 use super::relation::Relation;
 use super::{Mesh, Placed};
 use crate::exact::{Placement, triangles_intersect};
-use crate::hierarchy::{Descent, LeafVisitor, Order, QUEUE, Task, bits};
+use crate::hierarchy::{Descent, Large, LeafVisitor, Order, QUEUE, Task, bits};
 use crate::math::RelativeMap;
 use crate::simd::{self, LANES, Level, outlined, prefetch};
 use crate::volume::Aabb;
@@ -63,6 +64,7 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, o
         boxes: &relation.boxes,
         host_slabs: &relation.slabs,
         guest_slabs: &back.slabs,
+        stretch: relation.stretch as f32,
     };
     let (Some(root), true) = (descent.root(), limit > 0) else { return Vec::new() };
 
@@ -151,6 +153,9 @@ fn relate(a: Placed<'_>, b: Placed<'_>, a_from_b: &RelativeMap, choice: HostChoi
     Relations { relation, back, swapped }
 }
 
+/// The bits of all lanes.
+const ALL_LANES: u32 = (1 << LANES) - 1;
+
 /// Pairs of leaves wait this long for the host leaf's memory. Fewer hide less of its latency; more crowd the first
 /// cache with guests taken up.
 const WAITING: usize = 8;
@@ -200,22 +205,30 @@ impl Pairs<'_> {
         let met = outlined(
             simd,
             #[inline(always)]
-            || guest.meet(simd, host, &mut verdicts),
+            || guest.meet(simd, host, ALL_LANES, &mut verdicts),
         );
-        if met == 0 { ControlFlow::Continue(()) } else { self.report(host_leaf, *guest_leaf, met, &verdicts) }
+        let guest_leaf = *guest_leaf;
+        if met == 0 { ControlFlow::Continue(()) } else { self.report([host_leaf, guest_leaf], met, &verdicts, false) }
     }
 
-    /// Decides what the filter left open and keeps what meets.
+    /// Decides what the filter left open between a host leaf and a guest leaf, and keeps what meets. There is a verdict
+    /// for each lane of the guest's of which the bit is set, or of the host's where they are `turned`.
     #[inline(never)]
-    fn report(&mut self, host_leaf: u32, guest_leaf: u32, met: u32, verdicts: &[Verdict; LANES]) -> ControlFlow<()> {
+    fn report(
+        &mut self,
+        [host_leaf, guest_leaf]: [u32; 2],
+        met: u32,
+        verdicts: &[Verdict; LANES],
+        turned: bool,
+    ) -> ControlFlow<()> {
         let host_faces = &self.host_packets[host_leaf as usize].faces;
         let guest_faces = &self.guest_packets[guest_leaf as usize].faces;
-        for guest_lane in bits(met) {
-            let verdict = verdicts[guest_lane];
-            for host_lane in bits(verdict.meets | verdict.open) {
-                let (host, guest) = (host_faces[host_lane], guest_faces[guest_lane]);
-                let pair = if self.swapped { [guest, host] } else { [host, guest] };
-                if verdict.open >> host_lane & 1 == 0 || self.decide(pair) {
+        let (many, one) = if turned { (guest_faces, host_faces) } else { (host_faces, guest_faces) };
+        for lane in bits(met) {
+            let verdict = verdicts[lane];
+            for other in bits(verdict.meets | verdict.open) {
+                let pair = if self.swapped == turned { [many[other], one[lane]] } else { [one[lane], many[other]] };
+                if verdict.open >> other & 1 == 0 || self.decide(pair) {
                     self.found.push(pair);
                 }
             }
@@ -258,6 +271,29 @@ impl LeafVisitor for Pairs<'_> {
         self.count += 1;
         self.is_awaited = true;
         if self.count < self.patience { ControlFlow::Continue(()) } else { self.meet_next(simd) }
+    }
+
+    fn meet_below<S: Simd>(&mut self, simd: S, large: Large, node: u32) -> ControlFlow<()> {
+        let (host, guest) =
+            ((self.host.0.tree.nodes(), self.host_packets), (self.guest.0.tree.nodes(), self.guest_packets));
+        outlined(
+            simd,
+            #[inline(always)]
+            || match large {
+                Large::Guest(leaf) => {
+                    let large = LargeLeaf::new(simd, &guest.1[leaf as usize], self.relation, self.back);
+                    large.descend(simd, host, node, |host_leaf, met, verdicts| {
+                        self.report([host_leaf, leaf], met, verdicts, false)
+                    })
+                }
+                Large::Host(leaf) => {
+                    let large = LargeLeaf::new(simd, &host.1[leaf as usize], self.back, self.relation);
+                    large.descend(simd, guest, node, |guest_leaf, met, verdicts| {
+                        self.report([leaf, guest_leaf], met, verdicts, true)
+                    })
+                }
+            },
+        )
     }
 
     #[inline(always)]

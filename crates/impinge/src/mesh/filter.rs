@@ -104,15 +104,25 @@ impl Guest {
         };
     }
 
-    /// Meets all triangles of the guest with all of a host packet: a verdict for each guest lane of which the bits
-    /// returned are set, nothing for the others.
+    /// The corners of one triangle in the host's packed frame, each coordinate off by at most
+    /// [`corner_error`](Self::corner_error).
+    pub(super) fn corners_of(&self, lane: usize) -> [[f64; 3]; 3] {
+        by_axis!(corner => by_axis!(axis => self.anchor[axis] + f64::from(self.corners[corner][axis][lane])))
+    }
+
+    pub(super) fn corner_error(&self) -> f64 {
+        f64::from(self.error)
+    }
+
+    /// Meets triangles of the guest, those in `lanes`, with all of a host packet: a verdict for each lane of which the
+    /// bits returned are set, nothing for the others.
     #[inline(always)]
-    pub(crate) fn meet<S: Simd>(&self, simd: S, host: &Packet, verdicts: &mut [Verdict; LANES]) -> u32 {
+    pub(crate) fn meet<S: Simd>(&self, simd: S, host: &Packet, lanes: u32, verdicts: &mut [Verdict; LANES]) -> u32 {
         let offset: [f32; 3] = by_axis!(axis => (self.anchor[axis] - f64::from(host.anchor[axis])) as f32);
         // Of the host's corners: their own rounding, and two of sums with an offset of up to the host's radius.
         let error = self.error + 4.0 * HALF_ULP as f32 * host.radius;
         let guest_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &self.corners[corner]));
-        let guest_lanes = !outside(simd, &guest_corners, offset, host.normal(), host.heights, error) & 0xff;
+        let guest_lanes = !outside(simd, &guest_corners, offset, host.normal(), host.heights, error) & lanes;
         if guest_lanes == 0 {
             return 0;
         }

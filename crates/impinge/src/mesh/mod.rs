@@ -10,6 +10,7 @@ mod frame;
 mod health;
 mod inspection;
 mod judge;
+mod large_leaf;
 mod metric;
 mod nearest;
 mod packet;

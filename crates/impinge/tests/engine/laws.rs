@@ -43,6 +43,52 @@ fn soups_have_the_pairs_of_brute_force() {
     assert!((18..=58).contains(&met), "{met} of 60 soups meet");
 }
 
+/// Long triangles through and past the cube from 0 to `side`, integer corners all: some hit grid points exactly.
+fn long_triangles(rng: &mut Rng, count: usize, side: i64) -> Mesh {
+    let mut mesh = Mesh::default();
+    for _ in 0..count {
+        let through: [i64; 3] = std::array::from_fn(|_| rng.integer(0, side));
+        let along: [i64; 3] = std::array::from_fn(|_| rng.integer(-6, 6));
+        let across: [i64; 3] = std::array::from_fn(|_| rng.integer(-9, 9));
+        let (before, after) = (rng.integer(0, 500), rng.integer(0, 500));
+        let first = mesh.vertices.len() as u32;
+        let corner = |steps: i64, aside: i64| -> [f64; 3] {
+            std::array::from_fn(|axis| (through[axis] + steps * along[axis] + aside * across[axis]) as f64)
+        };
+        mesh.vertices.extend([corner(-before, 0), corner(after, 0), corner(after, 1)]);
+        mesh.faces.push([first, first + 1, first + 2]);
+    }
+    mesh
+}
+
+#[test]
+fn triangles_much_larger_than_what_they_meet() {
+    let (mut met, mut large_met) = (0, 0);
+    for seed in 1000..1040 {
+        let mut rng = Rng::new(seed);
+        let small = |rng: &mut Rng| grid_soup(rng, 250, 14, 2);
+        let (few, many) = (long_triangles(&mut rng, 4, 14), long_triangles(&mut rng, 24, 14));
+        let (a, b, large_from) = match seed % 3 {
+            0 => (many, small(&mut rng), 0),
+            1 => (small(&mut rng), many, 0),
+            // Large and small triangles in one tree, on either side.
+            _ => (small(&mut rng).joined(&few), small(&mut rng).joined(&few), 250),
+        };
+        let (pose_a, pose_b) = match seed % 4 {
+            0 => (Affine::IDENTITY, Affine::IDENTITY),
+            1 => (step(0, 1, 0), step(1, rng.integer(-3, 3), 0)),
+            2 => (large_integer_map(&mut rng), large_integer_map(&mut rng)),
+            _ => (rotation(&mut rng), rotation(&mut rng)),
+        };
+        let expected = oracle::brute_force(a.at(pose_a), b.at(pose_b));
+        met += usize::from(!expected.is_empty());
+        large_met += expected.iter().filter(|(a, b)| *a.max(b) >= large_from).count();
+        let precision = if seed % 2 == 0 { Precision::F32 } else { Precision::F64 };
+        assert_eq!(posed_pairs_in_every_way(a.at(pose_a), b.at(pose_b), precision), expected, "seed {seed}");
+    }
+    assert!(met >= 20 && large_met > 1000, "{met} of 40 meet, large triangles {large_met} times");
+}
+
 #[test]
 fn swapping_the_meshes_swaps_the_pairs() {
     let mut total = 0;

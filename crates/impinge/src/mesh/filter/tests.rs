@@ -454,7 +454,7 @@ fn judge_packets(kind: Kind, seed: u64, packets: usize) -> Outcomes {
             let met = dispatch!(level, simd => {
                 let mut taken = Guest::EMPTY;
                 taken.take_up(simd, guest.packet(), &relation, &back);
-                taken.meet(simd, host.packet(), &mut verdicts)
+                taken.meet(simd, host.packet(), 0xff, &mut verdicts)
             });
             for (lane, verdict) in verdicts.into_iter().enumerate() {
                 let verdict = if met >> lane & 1 == 1 { verdict } else { Verdict::default() };
