@@ -113,11 +113,11 @@ fn solve<T: Coordinate>(points: &[[T; 3]], frame: Frame) -> (ExactBall, Vec<[f64
 fn first_guess<T: Coordinate>(points: &[[T; 3]], frame: Frame) -> ([f64; 3], f64) {
     const SAMPLE: usize = 1 << 12;
     const KEPT: usize = SAMPLE / 256;
-    let sample: Vec<[f64; 3]> = (0..SAMPLE).map(|i| frame.local(widen(points[i * (points.len() / SAMPLE)]))).collect();
-    let centre = approximate::minimal(&sample).centre;
+    let sample: Vec<[f64; 3]> = (0..SAMPLE).map(|i| widen(points[i * (points.len() / SAMPLE)])).collect();
+    let local: Vec<[f64; 3]> = sample.iter().map(|&point| frame.local(point)).collect();
+    let centre = approximate::minimal(&local).centre;
     let centre = std::array::from_fn(|axis| frame.origin[axis] + centre[axis] / frame.scale);
-    let mut squares: Vec<f64> =
-        (0..SAMPLE).map(|i| frame.squared_distance(widen(points[i * (points.len() / SAMPLE)]), centre)).collect();
+    let mut squares: Vec<f64> = sample.iter().map(|&point| frame.squared_distance(point, centre)).collect();
     let (_, &mut square, _) = squares.select_nth_unstable_by(SAMPLE - KEPT, f64::total_cmp);
     (centre, square)
 }
