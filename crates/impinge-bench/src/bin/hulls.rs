@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use impinge::hull::Hull;
+use impinge::mesh::Containment;
+use impinge::{Mesh, Positions};
 use impinge_bench::samples::{Samples, timed};
 use serde_json::json;
 
@@ -35,6 +37,7 @@ fn main() -> Result<()> {
     for file in files {
         let points = read(&file)?;
         let reference = Hull::new(&points)?;
+        check(&reference, &points).with_context(|| file.display().to_string())?;
         let samples = Samples::take(repeats, || {
             let (seconds, hull) = timed(|| Hull::new(&points));
             ensure!(hull?.faces() == reference.faces(), "the same points have another hull");
@@ -43,6 +46,16 @@ fn main() -> Result<()> {
         let (vertices, faces) = (reference.vertices(), reference.faces().len());
         println!("{}", json!({ "vertices": vertices, "faces": faces, "seconds": samples.seconds() }));
     }
+    Ok(())
+}
+
+/// That the faces are a closed surface and every point is inside of it or on it, by exact crossings of rays, which know
+/// nothing of hulls.
+fn check(hull: &Hull, points: &[[f64; 3]]) -> Result<()> {
+    let surface = Mesh::new(Positions::F64(hull.positions().to_vec()), hull.faces().to_vec())?;
+    ensure!(surface.is_closed(), "the hull is not closed");
+    let outside = surface.contains(points)?.into_iter().filter(|at| *at == Containment::Outside).count();
+    ensure!(outside == 0, "{outside} points are outside of their hull");
     Ok(())
 }
 
