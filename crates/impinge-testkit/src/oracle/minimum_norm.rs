@@ -74,8 +74,8 @@ fn nearest_of(simplex: &[Vector]) -> Nearest {
     for bits in 1_usize..1 << simplex.len() {
         let part: Vec<Vector> = (0..simplex.len()).filter(|i| bits >> i & 1 == 1).map(|i| simplex[i].clone()).collect();
         let Some(found) = nearest_inside(&part) else { continue };
-        let squared = RBig::from(dot(&found.numerators, &found.numerators))
-            / RBig::from(&found.denominator * &found.denominator);
+        let squared =
+            RBig::from(dot(&found.numerators, &found.numerators)) / RBig::from(&found.denominator * &found.denominator);
         if best.as_ref().is_none_or(|(least, _)| squared < *least) {
             best = Some((squared, found));
         }

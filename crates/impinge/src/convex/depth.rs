@@ -135,7 +135,9 @@ fn expand(pair: &Pair<'_>, gap: &Gap) -> CoreDepth {
         }
         let before = known.len();
         // One facet may have the best height already and be no farther: then its points are the better ones.
-        for candidate in candidates.iter().filter(|candidate| candidate.lower < best.upper).take(PUSHED).collect::<Vec<_>>() {
+        for candidate in
+            candidates.iter().filter(|candidate| candidate.lower < best.upper).take(PUSHED).collect::<Vec<_>>()
+        {
             offer(&mut best, &mut known, candidate);
         }
         if known.len() == before {
@@ -170,7 +172,8 @@ fn candidates(hull: &Hull, vectors: &[[f64; 3]]) -> Vec<Candidate> {
         }
         _ => AXES.to_vec(),
     };
-    let across = both_ways(&across).map(|direction| Candidate { lower: 0.0, direction, face: None }).collect::<Vec<_>>();
+    let across =
+        both_ways(&across).map(|direction| Candidate { lower: 0.0, direction, face: None }).collect::<Vec<_>>();
     faces.chain(across).collect()
 }
 

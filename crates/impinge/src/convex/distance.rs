@@ -65,13 +65,7 @@ pub(crate) fn nearness(a: &Swept<'_>, b: &Swept<'_>, clearance: f64) -> Proximit
 
 /// Whether the shapes are within `clearance`, from what is known of their cores; `exact`, if it is there, is about the
 /// same ones.
-fn judge(
-    pair: &Pair<'_>,
-    [a, b]: [[f64; 2]; 2],
-    gap: &Gap,
-    exact: Option<LeastDistance>,
-    clearance: f64,
-) -> Proximity {
+fn judge(pair: &Pair<'_>, [a, b]: [[f64; 2]; 2], gap: &Gap, exact: Option<LeastDistance>, clearance: f64) -> Proximity {
     let sum = |end: usize| a[end] + b[end] + clearance;
     let [lower, upper] = world_bounds(gap, pair);
     if exact.is_none() {

@@ -1,8 +1,8 @@
 //! How far the plane of a triangle is from the origin, bounded from below, whatever the triangle's shape.
 
 use super::posed::to_unit_entries;
-use crate::math::dyadic::{self, Dyadic};
 use crate::math::Sign;
+use crate::math::dyadic::{self, Dyadic};
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
 use crate::primitive::{dot, length, sub};
 
@@ -56,7 +56,11 @@ impl Facet {
         }
         let direction = rounded_direction(&normal)?;
         let quotient = Dyadic::nearest_quotient(&(&height * &height), &squared).sqrt();
-        let lower = if height.sign() == Sign::Negative { -quotient.next_up().next_up() } else { quotient.next_down().next_down() };
+        let lower = if height.sign() == Sign::Negative {
+            -quotient.next_up().next_up()
+        } else {
+            quotient.next_down().next_down()
+        };
         Some(Self { direction, lower: if quotient == 0.0 { -f64::MIN_POSITIVE.sqrt() } else { lower } })
     }
 }

@@ -61,7 +61,8 @@ impl<'a> HalfSpace<'a> {
         let height = dot(&self.direction, &deepest.point) - self.rounded_level / pair.unit;
         let level_error = 4.0 * UNIT_ROUNDOFF * (self.rounded_level / pair.unit).abs() + f64::MIN_POSITIVE;
         let error = (pair.height_error(self.direction) + level_error) / across;
-        let [mut lower, mut upper] = [below(height / across - error) * pair.unit, above(height / across + error) * pair.unit];
+        let [mut lower, mut upper] =
+            [below(height / across - error) * pair.unit, above(height / across + error) * pair.unit];
         if let Some(least) = self.least_height(shape).filter(|_| upper - lower > 1e-11 * upper.abs()) {
             let sign = least.sign();
             let [near, far] = root_bounds(&[least, dyadic::dot(&self.normal, &self.normal)]);
@@ -147,9 +148,8 @@ impl<'a> HalfSpace<'a> {
         // with s = m_A·m_B < 0, m_A·(x - t_A) = (s / m_B²) l_B + m_A·(t_B - t_A).
         let along = dyadic::dot(&self.normal, &other.normal);
         let squared_b = dyadic::dot(&other.normal, &other.normal);
-        let offset = [0, 1, 2].map(|k| {
-            &Dyadic::from_f64(other.pose.translation()[k]) - &Dyadic::from_f64(self.pose.translation()[k])
-        });
+        let offset = [0, 1, 2]
+            .map(|k| &Dyadic::from_f64(other.pose.translation()[k]) - &Dyadic::from_f64(self.pose.translation()[k]));
         let there = &(&along * &other.level) + &(&squared_b * &dyadic::dot(&self.normal, &offset));
         let gap = &there - &(&squared_b * &self.level);
         let squared_a = dyadic::dot(&self.normal, &self.normal);

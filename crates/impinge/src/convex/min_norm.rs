@@ -81,7 +81,8 @@ pub(super) fn least_distance(pair: &Pair<'_>, start: &[Difference]) -> Option<Le
         start.iter().take(4).chain(start.is_empty().then_some(&first)).map(|&rounded| exactly(pair, rounded)).collect();
     loop {
         let foot = nearest(&mut simplex);
-        let beyond = if is_positive(foot.squared.sign()) { vertex_beyond(pair, &foot, corners_a, corners_b) } else { None };
+        let beyond =
+            if is_positive(foot.squared.sign()) { vertex_beyond(pair, &foot, corners_a, corners_b) } else { None };
         match beyond {
             Some(vertex) => simplex.push(vertex),
             None => {
@@ -116,9 +117,8 @@ fn nearest(simplex: &mut Vec<Vertex>) -> Foot {
         let is_inside = members(part).all(|i| is_positive(determinants[part][i].sign()));
         let mut is_nearest = is_inside;
         for j in (0..count).filter(|j| part >> j & 1 == 0) {
-            let grown = members(part).fold(Dyadic::ZERO, |sum, i| {
-                &sum + &(&determinants[part][i] * &(&products[i][k] - &products[i][j]))
-            });
+            let grown = members(part)
+                .fold(Dyadic::ZERO, |sum, i| &sum + &(&determinants[part][i] * &(&products[i][k] - &products[i][j])));
             is_nearest &= !is_positive(grown.sign());
             determinants[part | 1 << j][j] = grown;
         }

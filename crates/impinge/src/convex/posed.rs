@@ -109,7 +109,8 @@ impl Swept<'_> {
     /// Which of two shapes comes first in the arithmetic, whichever was named first, so that swapping them changes no digit:
     /// the one with the lesser numbers. Shapes in one place that no number here tells apart are taken as they come.
     pub(super) fn is_before(&self, other: &Self) -> bool {
-        let order = self.numbers().iter().zip(other.numbers()).map(|(x, y)| x.total_cmp(&y)).find(|order| order.is_ne());
+        let order =
+            self.numbers().iter().zip(other.numbers()).map(|(x, y)| x.total_cmp(&y)).find(|order| order.is_ne());
         let order = order.or_else(|| {
             let (corners, others) = (self.core.corners()?.as_flattened(), other.core.corners()?.as_flattened());
             Some(corners.len().cmp(&others.len()).then_with(|| {

@@ -110,7 +110,9 @@ pub fn within(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> bool {
 pub fn distance(a: &PlacedShape, b: &PlacedShape) -> ShapeDistance {
     let found = match (a.form(), b.form()) {
         (Form::Convex(a), Form::Convex(b)) => convex::separation(&a, &b),
-        (Form::HalfSpace { normal, level, pose }, Form::Convex(b)) => HalfSpace::new(normal, level, pose).separation(&b),
+        (Form::HalfSpace { normal, level, pose }, Form::Convex(b)) => {
+            HalfSpace::new(normal, level, pose).separation(&b)
+        }
         (Form::Convex(a), Form::HalfSpace { normal, level, pose }) => {
             let mut found = HalfSpace::new(normal, level, pose).separation(&a);
             found.points.swap(0, 1);
