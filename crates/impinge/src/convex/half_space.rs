@@ -12,7 +12,7 @@ use crate::exact::world_point;
 use crate::math::dyadic::{self, Dyadic};
 use crate::math::relative::UNIT_ROUNDOFF;
 use crate::math::{Pose, Sign};
-use crate::primitive::{dot, length};
+use crate::primitive::{dot, length, sub};
 use crate::volume::Proximity;
 
 /// The points of the world that are on one side of a plane.
@@ -171,7 +171,7 @@ impl<'a> HalfSpace<'a> {
             (Proximity::Apart, Some(facing)) => root_bounds(&facing),
             _ => [0.0; 2],
         };
-        let point = self.on_plane();
+        let point = if proximity == Proximity::Meets { self.common_point(other) } else { self.on_plane() };
         Separation { lower, upper, points: [point, self.moved(point, upper)], proximity }
     }
 
@@ -182,9 +182,20 @@ impl<'a> HalfSpace<'a> {
             Some(_) => [0.0; 2],
             None => [f64::INFINITY; 2],
         };
-        let point = self.on_plane();
+        let point = self.common_point(other);
         let inside = if upper.is_finite() { upper } else { 0.0 };
         Depth { lower, upper, normal: to_unit_length(self.direction), points: [point, self.moved(point, -inside)] }
+    }
+
+    /// A point of both, where they meet: from the plane, against both normals until the other's plane is reached. Where they
+    /// face each other, but for rounding, the point of the plane is in the other already.
+    fn common_point(&self, other: &HalfSpace<'_>) -> [f64; 3] {
+        let point = self.on_plane();
+        let (n, m) = (to_unit_length(self.direction), to_unit_length(other.direction));
+        let outside = dot(&m, &sub(&point, &other.on_plane()));
+        let along: [f64; 3] = std::array::from_fn(|k| n[k] + m[k]);
+        let by = outside / dot(&along, &m);
+        if outside > 0.0 && by.is_finite() { std::array::from_fn(|k| point[k] - along[k] * by) } else { point }
     }
 
     /// A point of the plane, rounded.

@@ -36,7 +36,8 @@ fn along(direction: &[f64; 3], place: &Affine, point: &[f64; 3]) -> f64 {
     (0..3).map(|k| direction[k] * (0..3).map(|j| place.linear[k][j] * point[j]).sum::<f64>()).sum()
 }
 
-/// Two clouds and their places, the second moved so that it starts about `gap` behind the first along some direction.
+/// Two clouds and their places, the second moved so that along some direction a point of its nearest face, edge or corner is
+/// about `gap` behind one of the first's.
 struct Scene {
     points: [Vec<[f64; 3]>; 2],
     places: [Affine; 2],
@@ -45,18 +46,27 @@ struct Scene {
 fn scene(rng: &mut Rng, gap: f64) -> Scene {
     let points = [cloud(rng), cloud(rng)];
     let mut places = if rng.one_in(3) { [IDENTITY; 2] } else { [poses::rotation(rng), poses::rotation(rng)] };
+    if rng.one_in(3) {
+        places[1] = places[0];
+    }
     let n: [f64; 3] = match rng.integer(0, 2) {
         0 => [1.0, 0.0, 0.0],
         1 => std::array::from_fn(|k| places[0].linear[k][2]),
         _ => [2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0],
     };
-    let far = points[0].iter().map(|p| along(&n, &places[0], p)).fold(f64::NEG_INFINITY, f64::max);
-    let near = points[1].iter().map(|p| along(&n, &places[1], p)).fold(f64::INFINITY, f64::min);
-    let sideways = rng.integer(-1, 1) as f64;
-    let start = places[0].translation;
-    places[1].translation = std::array::from_fn(|k| start[k] + n[k] * (far - near + gap));
-    places[1].translation[1] += if n[1] == 0.0 { sideways } else { 0.0 };
+    let [far, near] = [extreme(rng, &n, &places[0], &points[0]), extreme(rng, &n.map(|x| -x), &places[1], &points[1])];
+    places[1].translation = std::array::from_fn(|k| places[0].translation[k] + far[k] - near[k] + n[k] * gap);
     Scene { points, places }
+}
+
+/// A point that is farthest along a direction, of several a mean, but for the translation.
+fn extreme(rng: &mut Rng, n: &[f64; 3], place: &Affine, points: &[[f64; 3]]) -> [f64; 3] {
+    let height = |p: &[f64; 3]| along(n, place, p);
+    let greatest = points.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
+    let farthest: Vec<[f64; 3]> = points.iter().copied().filter(|p| height(p) > greatest - 1e-9).collect();
+    let (p, q, t) = (rng.choose(&farthest), rng.choose(&farthest), rng.integer(0, 4) as f64 / 4.0);
+    let mean: [f64; 3] = std::array::from_fn(|k| p[k] + t * (q[k] - p[k]));
+    std::array::from_fn(|k| (0..3).map(|j| place.linear[k][j] * mean[j]).sum())
 }
 
 /// What came out, so that tests can say that all of it did.

@@ -25,8 +25,11 @@ impl<'k> Placed<'k> {
         Self { known, place, shape: known.shape().at(pose(&place)).expect("rigid") }
     }
 
-    /// The height along a direction of the world.
+    /// The height along a direction of the world, which for a half-space is its own.
     fn height(&self, n: &[f64; 3]) -> f64 {
+        if let Some((_, level)) = self.plane() {
+            return level;
+        }
         let local = std::array::from_fn(|j| (0..3).map(|k| self.place.linear[k][j] * n[k]).sum());
         self.known.height(&local) + dot(n, &self.place.translation)
     }

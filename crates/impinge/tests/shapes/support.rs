@@ -82,7 +82,7 @@ impl Known {
         matches!(self, Self::Points(_) | Self::Hull(_) | Self::Cuboid(_) | Self::HalfSpace(..))
     }
 
-    /// The greatest n·x, about which half-spaces are asked elsewhere.
+    /// The greatest n·x.
     pub(crate) fn height(&self, n: &[f64; 3]) -> f64 {
         let across = (n[0] * n[0] + n[1] * n[1]).sqrt();
         let greatest = |points: &[[f64; 3]]| points.iter().map(|p| dot(n, p)).fold(f64::NEG_INFINITY, f64::max);
