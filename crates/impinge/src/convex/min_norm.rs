@@ -14,8 +14,9 @@
 //! Δ_i(S) are above zero and none of whose Δ_j(S ∪ \{j\}) is; in exact numbers there is one.
 
 use super::facet::rounded_direction;
-use super::posed::{Difference, Pair, Posed, Spot, is_positive};
+use super::posed::{Difference, Pair, Posed, Spot};
 use crate::exact::world_point;
+use crate::math::Sign;
 use crate::math::dyadic::{self, Dyadic};
 
 type Point = [Dyadic; 3];
@@ -160,12 +161,15 @@ fn farthest(set: &Posed<'_>, corners: &[[f64; 3]], rounded: [f64; 3], exact: &Po
     let spots = || corners.iter().map(|&corner| set.spot(corner));
     let highest = spots().map(|spot| height(&spot)).fold(f64::NEG_INFINITY, f64::max);
     let mut best: Option<(Dyadic, Spot)> = None;
-    // Written so that a NaN leaves nothing out.
-    for spot in spots().filter(|spot| !(height(spot) < highest - 2.0 * error)) {
+    for spot in spots().filter(|spot| height(spot) >= highest - 2.0 * error) {
         let found = dyadic::dot(exact, &world_point(set.pose(), &spot.local));
         if best.as_ref().is_none_or(|(least, _)| is_positive((&found - least).sign())) {
             best = Some((found, spot));
         }
     }
     best.map_or_else(|| set.spot([0.0; 3]), |(_, spot)| spot)
+}
+
+fn is_positive(sign: Sign) -> bool {
+    sign == Sign::Positive
 }

@@ -8,8 +8,8 @@ use std::cmp::Ordering;
 use std::fmt;
 
 use crate::hull::Hull;
+use crate::math::Pose;
 use crate::math::relative::{Offset, UNDERFLOW, UNIT_ROUNDOFF};
-use crate::math::{Pose, Sign};
 
 /// A convex set that is known by its support function, in its own frame.
 ///
@@ -253,9 +253,4 @@ fn power_of_two_near(size: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff << 52;
     const LEAST: f64 = f64::from_bits((1023 - 1000) << 52);
     if size == 0.0 { 1.0 } else { f64::from_bits(size.max(LEAST).to_bits() & EXPONENT) }
-}
-
-/// Whether a sign is that of a number above zero.
-pub(super) fn is_positive(sign: Sign) -> bool {
-    sign == Sign::Positive
 }
