@@ -1,5 +1,6 @@
 //! Exact, fast collision detection for triangle meshes.
 
+pub mod convex;
 pub mod exact;
 pub mod hierarchy;
 pub mod hull;
@@ -8,6 +9,7 @@ pub mod math;
 pub mod mesh;
 pub mod primitive;
 pub mod query;
+pub mod shape;
 pub mod simd;
 pub mod storage;
 pub mod volume;

@@ -8,7 +8,7 @@
 //! - [`tight_box`]: the box of the exact images of points.
 //! - [`brute_force`] and [`grid`]: all meeting pairs of two meshes, by trying each, and for millions of triangles.
 //!
-//! Beside them, and in the same manner, [`minimal_sphere`].
+//! Beside them, and in the same manner, [`minimal_sphere`] and [`squared_distance_of_hulls`].
 
 mod boxes;
 mod certificate;
@@ -17,6 +17,7 @@ mod extremes;
 mod grid;
 mod integers;
 mod minimal_sphere;
+mod minimum_norm;
 mod simplex;
 
 pub use boxes::WorldBox;
@@ -24,6 +25,7 @@ pub use clipping::triangles_meet_by_clipping;
 pub use extremes::tight_box;
 pub use grid::grid;
 pub use minimal_sphere::{LeastSphere, minimal_sphere};
+pub use minimum_norm::squared_distance_of_hulls;
 pub use simplex::triangles_meet;
 
 use crate::Posed;

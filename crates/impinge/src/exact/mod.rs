@@ -33,6 +33,7 @@ pub use crossing::{Crossing, Endpoint, Feature, crossing};
 pub(crate) use fan::{EdgeLine, Fan};
 pub use nearness::triangles_within;
 pub use placement::Placement;
+pub(crate) use placement::world_point;
 pub(crate) use point::{AxisRay, PosedPoint, Spot};
 pub(crate) use points::{Plane, collinear, compare_along, image_down, image_up, orient2d, orient3d};
 pub(crate) use shared::meet_beyond_shared;

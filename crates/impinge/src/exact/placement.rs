@@ -77,7 +77,7 @@ impl Frame {
 }
 
 /// The exact image of a point of the local frame.
-pub(super) fn world_point(world_from_local: &Pose, point: &[f64; 3]) -> [Dyadic; 3] {
+pub(crate) fn world_point(world_from_local: &Pose, point: &[f64; 3]) -> [Dyadic; 3] {
     [0, 1, 2].map(|axis| world_coordinate(world_from_local, axis, point))
 }
 

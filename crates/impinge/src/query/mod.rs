@@ -1,10 +1,12 @@
-//! The questions one asks of two meshes. They take judged meshes and poses, and so cannot fail.
+//! The questions one asks of two meshes, and in [`shapes`] of two shapes. What they take was judged before, so they cannot
+//! fail.
 
 mod curves;
 mod distance;
 mod pair_order;
 mod penetrates;
 mod self_intersection;
+pub mod shapes;
 mod solid;
 
 pub use curves::{Curves, curves_of_pairs, intersection_curves};

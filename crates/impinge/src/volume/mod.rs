@@ -46,5 +46,6 @@ pub use min_max::MinMax;
 pub use min_widths::MinWidths;
 pub use obb::Obb;
 pub use packed::{PackedCentreRadius, PackedMinWidths, Steps};
+pub(crate) use rigid::stretch;
 pub use round::{DistanceBounds, Proximity, Round};
 pub use sphere::BoundingSphere;

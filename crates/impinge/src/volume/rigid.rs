@@ -16,7 +16,7 @@ const RIGID: f64 = 1e-4;
 ///
 /// # Errors
 /// [`NotRigid`](InputErrorKind::NotRigid).
-pub(super) fn stretch(pose: &Pose) -> Result<f64, InputError> {
+pub(crate) fn stretch(pose: &Pose) -> Result<f64, InputError> {
     let linear = pose.linear();
     let mut squares = 0.0;
     for i in 0..3 {

@@ -1,0 +1,141 @@
+//! Distance and nearness of two swept cores.
+//!
+//! The floats' interval comes first. Where it leaves the answer open, or is loose, and both cores are polytopes, the exact
+//! least distance takes over; for others it stays open, and says so.
+
+use super::facet::Facet;
+use super::gjk::{Gap, gap, means};
+use super::min_norm::{LeastDistance, least_distance};
+use super::posed::{Pair, Swept, to_unit_length};
+use crate::math::dyadic::Dyadic;
+use crate::volume::Proximity;
+
+/// An interval this wide, next to its upper end, is narrowed by exact arithmetic: 2^-36. Where shapes are well apart the
+/// floats give 2^-48; a gap of 2^-12 of the size is where they come to this.
+const LOOSE: f64 = f64::from_bits((1023 - 36) << 52);
+
+/// What is proved of the distance of two shapes, in world units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Separation {
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+    pub(crate) points: [[f64; 3]; 2],
+    pub(crate) proximity: Proximity,
+}
+
+/// The distance of two shapes, and whether they meet; never at odds.
+pub(crate) fn separation(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
+    if a.is_before(b) {
+        return separation_in_order(a, b);
+    }
+    let mut found = separation_in_order(b, a);
+    found.points.swap(0, 1);
+    found
+}
+
+fn separation_in_order(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
+    let pair = Pair::new(a, b);
+    let (mut gap, mut exact) = (gap(&pair), None);
+    if gap.upper - gap.lower > LOOSE * gap.upper {
+        exact = least_distance(&pair, &gap.simplex);
+        if let Some(least) = &exact {
+            [gap.lower, gap.upper] = least.bounds(pair.unit);
+            gap.points = means(&least.simplex, &least.weights);
+        }
+    }
+    let proximity = judge(&pair, [a.radius, b.radius], &gap, exact, 0.0);
+    let [lower, upper] = world_bounds(&gap, &pair);
+    let sum = |end: usize| a.radius[end] + b.radius[end];
+    let [lower, upper] = [below(lower - above(sum(1))).max(0.0), above(upper - below(sum(0))).max(0.0)];
+    let [lower, upper] = match proximity {
+        Proximity::Apart => [lower, upper],
+        Proximity::Undecided => [0.0, upper],
+        Proximity::Meets => [0.0; 2],
+    };
+    let points = on_surfaces(gap.points.map(|point| pair.world(point)), [a.radius[0], b.radius[0]]);
+    Separation { lower, upper, points, proximity }
+}
+
+/// Whether two shapes are within a distance of each other, which is finite and not negative.
+pub(crate) fn nearness(a: &Swept<'_>, b: &Swept<'_>, clearance: f64) -> Proximity {
+    let [a, b] = if a.is_before(b) { [a, b] } else { [b, a] };
+    let pair = Pair::new(a, b);
+    judge(&pair, [a.radius, b.radius], &gap(&pair), None, clearance)
+}
+
+/// Whether the shapes are within `clearance`, from what is known of their cores; `exact`, if it is there, is about the
+/// same ones.
+fn judge(pair: &Pair<'_>, [a, b]: [[f64; 2]; 2], gap: &Gap, exact: Option<LeastDistance>, clearance: f64) -> Proximity {
+    let sum = |end: usize| a[end] + b[end] + clearance;
+    let [lower, upper] = world_bounds(gap, pair);
+    if exact.is_none() {
+        if lower > above(sum(1)) {
+            return Proximity::Apart;
+        }
+        if upper <= below(sum(0)) || holds_origin(pair, gap) {
+            return Proximity::Meets;
+        }
+    }
+    let Some(least) = exact.or_else(|| least_distance(pair, &gap.simplex)) else { return Proximity::Undecided };
+    let is_within = |end: usize| {
+        let reach = &(&Dyadic::from_f64(a[end]) + &Dyadic::from_f64(b[end])) + &Dyadic::from_f64(clearance);
+        least.is_at_most_root_of(&(&reach * &reach))
+    };
+    if is_within(0) {
+        Proximity::Meets
+    } else if is_within(1) {
+        Proximity::Undecided
+    } else {
+        Proximity::Apart
+    }
+}
+
+/// Whether the cores certainly have a common point: a tetrahedron of differences is about the origin, by more than these
+/// may be off.
+fn holds_origin(pair: &Pair<'_>, gap: &Gap) -> bool {
+    let [p, q, r, s] = match gap.simplex[..] {
+        [p, q, r, s] => [p.vector, q.vector, r.vector, s.vector],
+        _ => return false,
+    };
+    let margin = pair.point_error();
+    let is_outside = |a, b, c| Facet::of(a, b, c).is_some_and(|facet| facet.lower > margin);
+    let faces = [[&q, &r, &s], [&p, &s, &r], [&p, &q, &s], [&p, &r, &q]];
+    faces.iter().all(|[a, b, c]| is_outside(a, b, c)) || faces.iter().all(|[a, b, c]| is_outside(a, c, b))
+}
+
+/// The interval in world units. A product with a power of two rounds only where it underflows, and there the ends move apart.
+pub(super) fn world_bounds(gap: &Gap, pair: &Pair<'_>) -> [f64; 2] {
+    let is_rounded = |bound: f64| 0.0 < bound && bound < f64::MIN_POSITIVE;
+    let [lower, upper] = [gap.lower * pair.unit, gap.upper * pair.unit];
+    let is_lost = upper == 0.0 && gap.upper > 0.0;
+    [
+        if is_rounded(lower) { lower.next_down() } else { lower },
+        if is_rounded(upper) || is_lost { upper.next_up() } else { upper },
+    ]
+}
+
+/// Points of cores moved to the surfaces around them, towards each other; to one common point where these overlap.
+fn on_surfaces([p, q]: [[f64; 3]; 2], radius: [f64; 2]) -> [[f64; 3]; 2] {
+    let between: [f64; 3] = std::array::from_fn(|k| q[k] - p[k]);
+    let direction = to_unit_length(between);
+    let length: f64 = (0..3).map(|k| direction[k] * between[k]).sum();
+    let along = |at: f64| std::array::from_fn(|k| p[k] + direction[k] * at);
+    let (from_a, from_b) = (radius[0].min(length), (length - radius[1]).max(0.0));
+    if radius == [0.0; 2] {
+        [p, q]
+    } else if from_a < from_b {
+        [along(from_a), along(from_b)]
+    } else {
+        [along(0.5 * (from_a + from_b)); 2]
+    }
+}
+
+/// Below a sum of a few numbers, by more than its rounding.
+pub(super) fn below(sum: f64) -> f64 {
+    sum - sum.abs() * super::gjk::SLACK
+}
+
+/// Above a sum of a few numbers, by more than its rounding.
+pub(super) fn above(sum: f64) -> f64 {
+    sum + sum.abs() * super::gjk::SLACK
+}

@@ -1,0 +1,76 @@
+//! How far the plane of a triangle is from the origin, bounded from below, whatever the triangle's shape.
+
+use super::posed::to_unit_entries;
+use crate::math::Sign;
+use crate::math::dyadic::{self, Dyadic};
+use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
+use crate::primitive::{dot, length, sub};
+
+/// The plane of three points of the common frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Facet {
+    /// Across the plane, to the side from which the points turn left; its greatest entry is ±1.
+    pub(super) direction: [f64; 3],
+    /// How far the plane is from the origin along that direction, or less; negative where the origin is on that side.
+    pub(super) lower: f64,
+}
+
+impl Facet {
+    /// The facet of three points whose coordinates are at most a few units; none where they are in one line.
+    ///
+    /// # Accuracy
+    /// With e, f the edges and `N_k` the magnitudes of the two products of component k of the normal n = e × f, that is off by 5 u
+    /// N_k and n·a by 9 u Σ N_k |a_k| (docs/proof.md, L22). Where that is not little next to |n|, integers give both.
+    pub(super) fn of(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> Option<Self> {
+        let (e, f) = (sub(b, a), sub(c, a));
+        let (mut normal, mut off, mut size) = ([0.0; 3], 0.0, 0.0);
+        for k in 0..3 {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let (forward, backward) = (e[i] * f[j], e[j] * f[i]);
+            normal[k] = forward - backward;
+            let magnitude = forward.abs() + backward.abs();
+            off += magnitude;
+            size += magnitude * a[k].abs();
+        }
+        let (off, size) = (5.0 * UNIT_ROUNDOFF * off + UNDERFLOW, 9.0 * UNIT_ROUNDOFF * size + UNDERFLOW);
+        let across = length(&normal);
+        // 2^-36: of lengths of 2^-18 next to each other no digits are lost that would show in an answer.
+        if across.is_normal() && off < across * 1.5e-11 && across * across > 1e-280 {
+            let height = dot(&normal, a) - size;
+            let divisor = if height > 0.0 { across + off } else { across - off };
+            let lower = height / divisor;
+            return Some(Self { direction: to_unit_entries(normal), lower: lower - lower.abs() * super::gjk::SLACK });
+        }
+        Self::exactly(a, b, c)
+    }
+
+    #[cold]
+    fn exactly(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> Option<Self> {
+        let [a, b, c] = [a, b, c].map(|point| point.map(Dyadic::from_f64));
+        let edge = |to: &[Dyadic; 3]| [0, 1, 2].map(|k| &to[k] - &a[k]);
+        let normal = dyadic::cross(&edge(&b), &edge(&c));
+        let height = dyadic::dot(&normal, &a);
+        let squared = dyadic::dot(&normal, &normal);
+        if squared.sign() == Sign::Zero {
+            return None;
+        }
+        let direction = rounded_direction(&normal)?;
+        let quotient = Dyadic::nearest_quotient(&(&height * &height), &squared).sqrt();
+        let lower = if height.sign() == Sign::Negative {
+            -quotient.next_up().next_up()
+        } else {
+            quotient.next_down().next_down()
+        };
+        Some(Self { direction, lower: if quotient == 0.0 { -f64::MIN_POSITIVE.sqrt() } else { lower } })
+    }
+}
+
+/// A vector over its greatest entry, each entry rounded once; none where it is zero.
+pub(super) fn rounded_direction(vector: &[Dyadic; 3]) -> Option<[f64; 3]> {
+    let over = |k: usize| {
+        let by = |j: usize| Dyadic::nearest_quotient(&vector[j], &vector[k]);
+        let flip = if vector[k].sign() == Sign::Negative { -1.0 } else { 1.0 };
+        (vector[k].sign() != Sign::Zero).then(|| [flip * by(0), flip * by(1), flip * by(2)])
+    };
+    (0..3).filter_map(over).find(|direction| direction.iter().all(|x| x.abs() <= 1.0))
+}

@@ -1,0 +1,218 @@
+//! Half-spaces in the world, and how convex shapes and other half-spaces lie to them.
+//!
+//! The image of {v : n·v ≤ c} under x = R v + t is {x : m·(x - t) ≤ |det R| c}, where m is the sign of det R times the cofactor
+//! matrix of R, applied to n. All of that is exact, as are the heights of vertices; only a length is a root, and that is
+//! squared where something is decided.
+
+use super::depth::Depth;
+use super::distance::{Separation, above, below};
+use super::facet::rounded_direction;
+use super::posed::{Pair, Swept, to_unit_length};
+use crate::exact::world_point;
+use crate::math::dyadic::{self, Dyadic};
+use crate::math::relative::UNIT_ROUNDOFF;
+use crate::math::{Pose, Sign};
+use crate::primitive::{dot, length, sub};
+use crate::volume::Proximity;
+
+/// The points of the world that are on one side of a plane.
+#[derive(Clone, Debug)]
+pub(crate) struct HalfSpace<'a> {
+    /// m, out of the half-space.
+    normal: [Dyadic; 3],
+    /// |det R| c, which m·(x - t) does not exceed.
+    level: Dyadic,
+    /// m over its greatest entry, and the level over that, each rounded once.
+    direction: [f64; 3],
+    rounded_level: f64,
+    pose: &'a Pose,
+}
+
+/// How far out of the half-space a shape starts: the least of m·(x - t) over |m|, less what the half-space has and the
+/// radius. An interval in world units, and the point that is deepest.
+struct Start {
+    lower: f64,
+    upper: f64,
+    point: [f64; 3],
+}
+
+impl<'a> HalfSpace<'a> {
+    /// The image of {v : normal·v ≤ level}; the normal is not zero.
+    pub(crate) fn new(normal: [f64; 3], level: f64, pose: &'a Pose) -> Self {
+        let [x, y, z] = pose.linear().map(|row| row.map(Dyadic::from_f64));
+        // The rows of the cofactor matrix are cross products of the rows of R.
+        let rows = [dyadic::cross(&y, &z), dyadic::cross(&z, &x), dyadic::cross(&x, &y)];
+        let determinant = dyadic::dot(&rows[0], &x);
+        let flip = if determinant.sign() == Sign::Negative { Dyadic::from_f64(-1.0) } else { Dyadic::from_f64(1.0) };
+        let local = normal.map(Dyadic::from_f64);
+        let normal = rows.each_ref().map(|row| &flip * &dyadic::dot(row, &local));
+        let level = &(&flip * &determinant) * &Dyadic::from_f64(level);
+        let direction = rounded_direction(&normal).unwrap_or([0.0; 3]);
+        let greatest = (0..3).find(|&k| direction[k].abs() == 1.0).unwrap_or(0);
+        let scale = Dyadic::nearest_quotient(&level, &normal[greatest]);
+        Self { rounded_level: scale * direction[greatest], normal, level, direction, pose }
+    }
+
+    fn start(&self, shape: &Swept<'_>) -> Start {
+        let origin = Swept { core: super::posed::Core::Points(&[[0.0; 3]]), pose: self.pose, radius: [0.0; 2] };
+        let pair = Pair::new(&origin, shape);
+        let deepest = pair.b.support(self.direction.map(|x| -x));
+        let across = length(&self.direction);
+        let height = dot(&self.direction, &deepest.point) - self.rounded_level / pair.unit;
+        let level_error = 4.0 * UNIT_ROUNDOFF * (self.rounded_level / pair.unit).abs() + f64::MIN_POSITIVE;
+        let error = (pair.height_error(self.direction) + level_error) / across;
+        let [mut lower, mut upper] =
+            [below(height / across - error) * pair.unit, above(height / across + error) * pair.unit];
+        if let Some(least) = self.least_height(shape).filter(|_| upper - lower > 1e-11 * upper.abs()) {
+            let sign = least.sign();
+            let [near, far] = root_bounds(&[least, dyadic::dot(&self.normal, &self.normal)]);
+            [lower, upper] = match sign {
+                Sign::Positive => [near, far],
+                Sign::Zero => [0.0; 2],
+                Sign::Negative => [-far, -near],
+            };
+        }
+        let unit = to_unit_length(self.direction);
+        let point = pair.world(deepest.point);
+        Start {
+            lower: below(lower - shape.radius[1]),
+            upper: above(upper - shape.radius[0]),
+            point: std::array::from_fn(|k| point[k] - unit[k] * shape.radius[0]),
+        }
+    }
+
+    /// The least of m·(x - t) less the level over the core, where that is a polytope.
+    fn least_height(&self, shape: &Swept<'_>) -> Option<Dyadic> {
+        let origin = self.pose.translation().map(Dyadic::from_f64);
+        let height = |corner: &[f64; 3]| {
+            let point = world_point(shape.pose, corner);
+            &dyadic::dot(&self.normal, &[0, 1, 2].map(|k| &point[k] - &origin[k])) - &self.level
+        };
+        let heights = shape.core.corners()?.iter().map(height);
+        heights.reduce(|least, height| if (&height - &least).sign() == Sign::Negative { height } else { least })
+    }
+
+    /// Whether a shape is within a distance of this half-space, which is finite and not negative.
+    pub(crate) fn nearness(&self, shape: &Swept<'_>, clearance: f64) -> Proximity {
+        let start = self.start(shape);
+        if start.lower > clearance {
+            return Proximity::Apart;
+        }
+        if start.upper <= clearance {
+            return Proximity::Meets;
+        }
+        let Some(least) = self.least_height(shape) else { return Proximity::Undecided };
+        let squared = dyadic::dot(&self.normal, &self.normal);
+        let is_within = |end: usize| {
+            let reach = &Dyadic::from_f64(shape.radius[end]) + &Dyadic::from_f64(clearance);
+            let limit = &(&reach * &reach) * &squared;
+            least.sign() != Sign::Positive || (&(&least * &least) - &limit).sign() != Sign::Positive
+        };
+        match (is_within(0), is_within(1)) {
+            (true, _) => Proximity::Meets,
+            (false, true) => Proximity::Undecided,
+            (false, false) => Proximity::Apart,
+        }
+    }
+
+    /// The distance of a shape.
+    pub(crate) fn separation(&self, shape: &Swept<'_>) -> Separation {
+        let (start, proximity) = (self.start(shape), self.nearness(shape, 0.0));
+        let [lower, upper] = match proximity {
+            Proximity::Apart => [start.lower.max(0.0), start.upper],
+            Proximity::Undecided => [0.0, start.upper.max(0.0)],
+            Proximity::Meets => [0.0; 2],
+        };
+        let points = [self.moved(start.point, -start.lower.max(0.0)), start.point];
+        Separation { lower, upper, points, proximity }
+    }
+
+    /// How deep a shape is in this half-space; the normal is the half-space's.
+    pub(crate) fn depth(&self, shape: &Swept<'_>) -> Depth {
+        let start = self.start(shape);
+        let lower = (-start.upper).max(0.0);
+        let points = [self.moved(start.point, (-start.lower).max(0.0)), start.point];
+        Depth { lower, upper: (-start.lower).max(lower), normal: to_unit_length(self.direction), points }
+    }
+
+    /// How far apart two half-spaces are that face each other, and 0 or the negative depth where they overlap; none
+    /// where they do not face each other, and so meet however they are moved. Squared, with its sign, and its divisor.
+    fn facing(&self, other: &HalfSpace<'_>) -> Option<[Dyadic; 2]> {
+        let crossed = dyadic::cross(&self.normal, &other.normal);
+        if crossed.iter().any(|x| x.sign() != Sign::Zero)
+            || dyadic::dot(&self.normal, &other.normal).sign() == Sign::Positive
+        {
+            return None;
+        }
+        // The other's plane, along this normal: m_B = -λ m_A, and m_B·(x - t_B) = l_B there. Multiplied by |m_A| |m_B|:
+        // with s = m_A·m_B < 0, m_A·(x - t_A) = (s / m_B²) l_B + m_A·(t_B - t_A).
+        let along = dyadic::dot(&self.normal, &other.normal);
+        let squared_b = dyadic::dot(&other.normal, &other.normal);
+        let offset = [0, 1, 2]
+            .map(|k| &Dyadic::from_f64(other.pose.translation()[k]) - &Dyadic::from_f64(self.pose.translation()[k]));
+        let there = &(&along * &other.level) + &(&squared_b * &dyadic::dot(&self.normal, &offset));
+        let gap = &there - &(&squared_b * &self.level);
+        let squared_a = dyadic::dot(&self.normal, &self.normal);
+        Some([gap, &(&squared_b * &squared_b) * &squared_a])
+    }
+
+    /// Whether another half-space is within a distance of this one; decided exactly.
+    pub(crate) fn nearness_of_half_spaces(&self, other: &HalfSpace<'_>, clearance: f64) -> Proximity {
+        let Some([gap, squared]) = self.facing(other) else { return Proximity::Meets };
+        let limit = &Dyadic::product(clearance, clearance) * &squared;
+        let is_within = gap.sign() != Sign::Positive || (&(&gap * &gap) - &limit).sign() != Sign::Positive;
+        if is_within { Proximity::Meets } else { Proximity::Apart }
+    }
+
+    /// The distance of another half-space.
+    pub(crate) fn separation_of_half_spaces(&self, other: &HalfSpace<'_>) -> Separation {
+        let proximity = self.nearness_of_half_spaces(other, 0.0);
+        let [lower, upper] = match (proximity, self.facing(other)) {
+            (Proximity::Apart, Some(facing)) => root_bounds(&facing),
+            _ => [0.0; 2],
+        };
+        let point = if proximity == Proximity::Meets { self.common_point(other) } else { self.on_plane() };
+        Separation { lower, upper, points: [point, self.moved(point, upper)], proximity }
+    }
+
+    /// The depth of another half-space: infinite where they do not face each other.
+    pub(crate) fn depth_of_half_spaces(&self, other: &HalfSpace<'_>) -> Depth {
+        let [lower, upper] = match self.facing(other) {
+            Some(facing) if facing[0].sign() == Sign::Negative => root_bounds(&facing),
+            Some(_) => [0.0; 2],
+            None => [f64::INFINITY; 2],
+        };
+        let point = self.common_point(other);
+        let inside = if upper.is_finite() { upper } else { 0.0 };
+        Depth { lower, upper, normal: to_unit_length(self.direction), points: [point, self.moved(point, -inside)] }
+    }
+
+    /// A point of both, where they meet: from the plane, against both normals until the other's plane is reached. Where they
+    /// face each other, but for rounding, the point of the plane is in the other already.
+    fn common_point(&self, other: &HalfSpace<'_>) -> [f64; 3] {
+        let point = self.on_plane();
+        let (n, m) = (to_unit_length(self.direction), to_unit_length(other.direction));
+        let outside = dot(&m, &sub(&point, &other.on_plane()));
+        let along: [f64; 3] = std::array::from_fn(|k| n[k] + m[k]);
+        let by = outside / dot(&along, &m);
+        if outside > 0.0 && by.is_finite() { std::array::from_fn(|k| point[k] - along[k] * by) } else { point }
+    }
+
+    /// A point of the plane, rounded.
+    fn on_plane(&self) -> [f64; 3] {
+        let across = dot(&self.direction, &self.direction);
+        std::array::from_fn(|k| self.pose.translation()[k] + self.direction[k] * (self.rounded_level / across))
+    }
+
+    fn moved(&self, point: [f64; 3], by: f64) -> [f64; 3] {
+        let unit = to_unit_length(self.direction);
+        std::array::from_fn(|k| point[k] + unit[k] * by)
+    }
+}
+
+/// The magnitude of a number over the root of another, from below and from above; what is below 2^-500 is not told from zero.
+fn root_bounds([number, squared]: &[Dyadic; 2]) -> [f64; 2] {
+    const LEAST: f64 = f64::from_bits((1023 - 500) << 52);
+    let root = Dyadic::nearest_quotient(&(number * number), squared).sqrt();
+    if root < LEAST { [0.0, LEAST] } else { [below(root), above(root)] }
+}

@@ -1,0 +1,27 @@
+//! Convex sets: how far apart, how deep in each other, and whether they meet at all.
+//!
+//! A shape is a *core* swept by a ball. Cores are known by their support functions; those that are polytopes are known
+//! by their vertices too, and about them every boolean is decided exactly, whatever the poses are. About round ones what the
+//! floats prove is said, and what they leave open is said to be open.
+//!
+//! - `gjk` finds an interval that holds the distance, and decides nothing;
+//! - `min_norm` finds the least distance of polytopes exactly, where the interval does not do;
+//! - `depth` finds an interval for the depth, with a normal that is valid whatever else went wrong;
+//! - `half_space` compares shapes to planes.
+//!
+//! The errors are derived in docs/proof.md, L20 to L22.
+
+mod depth;
+mod distance;
+mod facet;
+mod gjk;
+mod half_space;
+mod min_norm;
+mod posed;
+mod simplex;
+
+pub(crate) use depth::depth;
+pub(crate) use distance::{nearness, separation};
+pub(crate) use half_space::HalfSpace;
+pub use posed::Support;
+pub(crate) use posed::{Core, Swept};

@@ -1,0 +1,299 @@
+//! Convex shapes and half-spaces, in their own frames and placed in the world.
+//!
+//! There are two representations, so that any two shapes can be asked anything without a routine for each pair: a *core* with
+//! a support function, swept by a ball, and a half-space. A sphere is a point and a radius, a capsule a segment and one; all
+//! others have no radius.
+
+mod round;
+
+use std::sync::Arc;
+
+use crate::convex::{Core, Support, Swept};
+use crate::hull::Hull;
+use crate::input::{InputError, InputErrorKind};
+use crate::math::Pose;
+use crate::volume::stretch;
+use round::{Cone, Cylinder, Ellipsoid};
+
+/// Coordinates and lengths stay below this magnitude: the range of the proofs, that of meshes.
+const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
+
+/// A convex shape or a half-space, in its own frame; cheap to clone.
+///
+/// ```
+/// use impinge::{Pose, query::shapes, shape::Shape};
+///
+/// let crate_ = Shape::cuboid([1.0, 1.0, 1.0])?.at(Pose::IDENTITY)?;
+/// let pill = Shape::capsule([0.0, 0.0, -1.0], [0.0, 0.0, 1.0], 0.5)?;
+/// assert!(shapes::intersects(&crate_, &pill.at(Pose::from_translation([1.5, 0.0, 0.0])?)?)); // they touch
+/// assert_eq!(shapes::distance(&crate_, &pill.at(Pose::from_translation([2.5, 0.0, 0.0])?)?).upper.round(), 1.0);
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Shape(Kind);
+
+/// What a shape is made of.
+#[derive(Clone, Debug)]
+enum Kind {
+    /// A polytope without a radius, which any affine map takes to another.
+    Polytope(Corners),
+    /// What only a rigid motion takes to its like.
+    Round { core: RoundCore, radius: f64 },
+    /// {v : normal·v ≤ level}.
+    HalfSpace { normal: [f64; 3], level: f64 },
+}
+
+#[derive(Clone, Debug)]
+enum Corners {
+    Few(Arc<[[f64; 3]]>),
+    Hull(Arc<Hull>),
+}
+
+#[derive(Clone, Debug)]
+enum RoundCore {
+    Few(Arc<[[f64; 3]]>),
+    Curved(Arc<dyn Support>),
+}
+
+/// A shape in the world.
+#[derive(Clone, Debug)]
+pub struct PlacedShape {
+    kind: Kind,
+    world_from_local: Pose,
+    /// The radius of a ball that is in the image of the shape's, and of one that holds it.
+    radius: [f64; 2],
+}
+
+/// What a verb makes of a placed shape: one of the two representations.
+pub(crate) enum Form<'a> {
+    Convex(Swept<'a>),
+    HalfSpace { normal: [f64; 3], level: f64, pose: &'a Pose },
+}
+
+impl Shape {
+    /// The ball about a centre; a radius of zero makes it that point.
+    ///
+    /// # Errors
+    /// As all constructors here: [`NonFinite`](InputErrorKind::NonFinite), [`OutOfRange`](InputErrorKind::OutOfRange) (not
+    /// below 2^128), [`Negative`](InputErrorKind::Negative) for lengths.
+    pub fn sphere(centre: [f64; 3], radius: f64) -> Result<Self, InputError> {
+        judge_points("centre", &[centre])?;
+        judge_lengths("radius", &[radius])?;
+        Ok(Self(Kind::Round { core: RoundCore::Few(Arc::new([centre])), radius }))
+    }
+
+    /// The points within `radius` of a segment, whose ends may be equal.
+    ///
+    /// # Errors
+    /// As [`sphere`](Self::sphere).
+    pub fn capsule(start: [f64; 3], end: [f64; 3], radius: f64) -> Result<Self, InputError> {
+        judge_points("capsule end", &[start, end])?;
+        judge_lengths("radius", &[radius])?;
+        Ok(Self(Kind::Round { core: RoundCore::Few(Arc::new([start, end])), radius }))
+    }
+
+    /// The box about the origin that reaches as far along each axis as its half-extent says, which may be zero.
+    ///
+    /// # Errors
+    /// As [`sphere`](Self::sphere).
+    pub fn cuboid(half_extents: [f64; 3]) -> Result<Self, InputError> {
+        judge_lengths("half-extent", &half_extents)?;
+        let corner = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 1 { half_extents[k] } else { -half_extents[k] });
+        Ok(Self(Kind::Polytope(Corners::Few((0..8).map(corner).collect()))))
+    }
+
+    /// The cylinder about the z axis, from -`half_height` to `half_height`.
+    ///
+    /// # Errors
+    /// As [`sphere`](Self::sphere).
+    pub fn cylinder(half_height: f64, radius: f64) -> Result<Self, InputError> {
+        judge_lengths("half-height", &[half_height])?;
+        judge_lengths("radius", &[radius])?;
+        Ok(Self::curved(Arc::new(Cylinder { half_height, radius })))
+    }
+
+    /// The cone about the z axis with its base of `radius` at -`half_height` and its tip at `half_height`.
+    ///
+    /// # Errors
+    /// As [`sphere`](Self::sphere).
+    pub fn cone(half_height: f64, radius: f64) -> Result<Self, InputError> {
+        judge_lengths("half-height", &[half_height])?;
+        judge_lengths("radius", &[radius])?;
+        Ok(Self::curved(Arc::new(Cone { half_height, radius })))
+    }
+
+    /// The ellipsoid about the origin with these half-lengths of its axes, which may be zero; a sphere where all are equal.
+    ///
+    /// # Errors
+    /// As [`sphere`](Self::sphere).
+    pub fn ellipsoid(half_axes: [f64; 3]) -> Result<Self, InputError> {
+        judge_lengths("half-axis", &half_axes)?;
+        if half_axes == [half_axes[0]; 3] {
+            return Self::sphere([0.0; 3], half_axes[0]);
+        }
+        Ok(Self::curved(Arc::new(Ellipsoid { half_axes })))
+    }
+
+    /// A convex hull.
+    #[must_use]
+    pub fn hull(hull: Arc<Hull>) -> Self {
+        Self(Kind::Polytope(Corners::Hull(hull)))
+    }
+
+    /// A point.
+    ///
+    /// # Errors
+    /// As [`sphere`](Self::sphere).
+    pub fn point(point: [f64; 3]) -> Result<Self, InputError> {
+        Self::few("point", &[point])
+    }
+
+    /// A segment, whose ends may be equal.
+    ///
+    /// # Errors
+    /// As [`sphere`](Self::sphere).
+    pub fn segment(ends: [[f64; 3]; 2]) -> Result<Self, InputError> {
+        Self::few("end", &ends)
+    }
+
+    /// A triangle, which may have no area.
+    ///
+    /// # Errors
+    /// As [`sphere`](Self::sphere).
+    pub fn triangle(corners: [[f64; 3]; 3]) -> Result<Self, InputError> {
+        Self::few("corner", &corners)
+    }
+
+    /// The points x with `normal`·x ≤ `level`; the normal needs no length of 1.
+    ///
+    /// # Errors
+    /// As [`sphere`](Self::sphere), and [`ZeroAxis`](InputErrorKind::ZeroAxis) for a normal of zero.
+    pub fn half_space(normal: [f64; 3], level: f64) -> Result<Self, InputError> {
+        judge_points("normal", &[normal])?;
+        judge_points("level", &[[level, 0.0, 0.0]])?;
+        if normal == [0.0; 3] {
+            return Err(InputError::new(InputErrorKind::ZeroAxis));
+        }
+        Ok(Self(Kind::HalfSpace { normal, level }))
+    }
+
+    /// Any convex set with a support function, which is taken as round.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use impinge::{Pose, convex::Support, query::shapes, shape::Shape};
+    ///
+    /// /// |x| + |y| + |z| ≤ 1.
+    /// #[derive(Debug)]
+    /// struct Octahedron;
+    ///
+    /// impl Support for Octahedron {
+    ///     fn support(&self, direction: [f64; 3]) -> [f64; 3] {
+    ///         let axis = (0..3).max_by(|&i, &j| direction[i].abs().total_cmp(&direction[j].abs())).unwrap_or(0);
+    ///         std::array::from_fn(|k| if k == axis { 1_f64.copysign(direction[k]) } else { 0.0 })
+    ///     }
+    ///
+    ///     fn reach(&self) -> [f64; 3] {
+    ///         [1.0; 3]
+    ///     }
+    /// }
+    ///
+    /// let octahedron = Shape::custom(Arc::new(Octahedron))?.at(Pose::IDENTITY)?;
+    /// let point = Shape::point([1.0, 1.0, 1.0])?.at(Pose::IDENTITY)?;
+    /// let distance = shapes::distance(&octahedron, &point);
+    /// assert!((distance.upper - 2.0 / 3_f64.sqrt()).abs() < 1e-12);
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`sphere`](Self::sphere), of the set's reach.
+    pub fn custom(set: Arc<dyn Support>) -> Result<Self, InputError> {
+        judge_lengths("reach", &set.reach())?;
+        Ok(Self::curved(set))
+    }
+
+    /// This shape in the world.
+    ///
+    /// # Errors
+    /// [`NotRigid`](InputErrorKind::NotRigid) where a pose is more than 1e-4 from a rigid motion, for spheres, capsules,
+    /// cylinders, cones, ellipsoids and custom sets. All others are at home under any affine map.
+    pub fn at(&self, world_from_local: Pose) -> Result<PlacedShape, InputError> {
+        let radius = match &self.0 {
+            Kind::Round { radius, .. } => images_of_radius(*radius, &world_from_local)?,
+            Kind::Polytope(_) | Kind::HalfSpace { .. } => [0.0; 2],
+        };
+        Ok(PlacedShape { kind: self.0.clone(), world_from_local, radius })
+    }
+
+    fn few(what: &'static str, points: &[[f64; 3]]) -> Result<Self, InputError> {
+        judge_points(what, points)?;
+        Ok(Self(Kind::Polytope(Corners::Few(points.into()))))
+    }
+
+    fn curved(set: Arc<dyn Support>) -> Self {
+        Self(Kind::Round { core: RoundCore::Curved(set), radius: 0.0 })
+    }
+}
+
+impl PlacedShape {
+    /// Where the shape is.
+    #[must_use]
+    pub fn world_from_local(&self) -> &Pose {
+        &self.world_from_local
+    }
+
+    pub(crate) fn form(&self) -> Form<'_> {
+        let pose = &self.world_from_local;
+        let core = match &self.kind {
+            Kind::Polytope(Corners::Few(points)) | Kind::Round { core: RoundCore::Few(points), .. } => {
+                Core::Points(points)
+            }
+            Kind::Polytope(Corners::Hull(hull)) => Core::Hull(hull),
+            Kind::Round { core: RoundCore::Curved(set), .. } => Core::Curved(&**set),
+            Kind::HalfSpace { normal, level } => return Form::HalfSpace { normal: *normal, level: *level, pose },
+        };
+        Form::Convex(Swept { core, pose, radius: self.radius })
+    }
+}
+
+/// The radius of a ball that the image of a ball holds, and of one that holds it; both are the ball's own where the pose is
+/// exactly orthogonal.
+///
+/// # Accuracy
+/// With s the bound of the greatest singular value and δ = ‖RᵀR - I‖, s - 1 is at least δ/2, and the least singular value is at
+/// least √(1 - δ) ≥ 1 - δ/2 - δ²/2.
+fn images_of_radius(radius: f64, pose: &Pose) -> Result<[f64; 2], InputError> {
+    let beyond = stretch(pose)? - 1.0;
+    if beyond == 0.0 {
+        return Ok([radius; 2]);
+    }
+    let rounding = 4.0 * f64::EPSILON * radius;
+    Ok([(radius * (1.0 - beyond - 2.0 * beyond * beyond) - rounding).max(0.0), radius * (1.0 + beyond) + rounding])
+}
+
+fn judge_points(what: &'static str, points: &[[f64; 3]]) -> Result<(), InputError> {
+    for (index, point) in points.iter().enumerate() {
+        if !point.iter().all(|x| x.is_finite()) {
+            return Err(InputError::new(InputErrorKind::NonFinite { what, index }));
+        }
+        if !point.iter().all(|x| x.abs() < LIMIT) {
+            return Err(InputError::new(InputErrorKind::OutOfRange { what, index, limit: "2^128" }));
+        }
+    }
+    Ok(())
+}
+
+fn judge_lengths(what: &'static str, lengths: &[f64]) -> Result<(), InputError> {
+    for (index, &length) in lengths.iter().enumerate() {
+        if !length.is_finite() {
+            return Err(InputError::new(InputErrorKind::NonFinite { what, index }));
+        }
+        if length < 0.0 {
+            return Err(InputError::new(InputErrorKind::Negative { what, index }));
+        }
+        if length >= LIMIT {
+            return Err(InputError::new(InputErrorKind::OutOfRange { what, index, limit: "2^128" }));
+        }
+    }
+    Ok(())
+}

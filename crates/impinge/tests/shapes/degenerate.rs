@@ -1,0 +1,156 @@
+//! Shapes without a radius, without a volume, or in one place; and numbers at the ends of their range.
+
+use std::sync::Arc;
+
+use impinge::hull::Hull;
+use impinge::input::InputErrorKind;
+use impinge::query::shapes::{self, Proximity};
+use impinge::shape::{PlacedShape, Shape};
+use impinge::{InputError, Pose};
+
+fn here(shape: Result<Shape, InputError>) -> PlacedShape {
+    shape.unwrap().at(Pose::IDENTITY).unwrap()
+}
+
+fn at(shape: Result<Shape, InputError>, translation: [f64; 3]) -> PlacedShape {
+    shape.unwrap().at(Pose::from_translation(translation).unwrap()).unwrap()
+}
+
+/// What holds of the depth of any two shapes that meet.
+fn depth(a: &PlacedShape, b: &PlacedShape) -> [f64; 2] {
+    let found = shapes::penetration(a, b).expect("they meet");
+    assert!((found.normal.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-14, "{found:?}");
+    assert!(0.0 <= found.lower && found.lower <= found.upper && found.upper.is_finite(), "{found:?}");
+    assert!(found.point_a.iter().chain(&found.point_b).all(|x| x.is_finite()), "{found:?}");
+    [found.lower, found.upper]
+}
+
+#[test]
+fn n25_no_radius_is_legal() {
+    let point = here(Shape::sphere([0.0; 3], 0.0));
+    assert_eq!(shapes::proximity(&point, &point), Proximity::Meets);
+    assert_eq!(shapes::distance(&point, &point).upper, 0.0);
+    assert!(depth(&point, &point)[1] < 1e-15);
+    let pill = here(Shape::capsule([1.0; 3], [1.0; 3], 0.0));
+    let found = shapes::distance(&point, &pill);
+    assert!(found.lower <= 3_f64.sqrt() && 3_f64.sqrt() <= found.upper && found.upper - found.lower < 1e-12);
+    let line = here(Shape::cylinder(1.0, 0.0));
+    assert!(!shapes::intersects(&line, &at(Shape::cone(0.0, 0.5), [0.0, 0.0, 2.0])));
+    let disc = here(Shape::ellipsoid([0.0, 1.0, 2.0]));
+    assert!(depth(&disc, &line)[1] < 1e-9);
+    let nothing = here(Shape::ellipsoid([0.0; 3]));
+    assert!(depth(&nothing, &disc)[1] < 1e-9);
+    let refused = [Shape::sphere([0.0; 3], -1.0), Shape::capsule([0.0; 3], [1.0; 3], -0.5), Shape::cone(-1.0, 1.0)];
+    for refused in refused {
+        assert!(matches!(refused.unwrap_err().kind(), InputErrorKind::Negative { .. }));
+    }
+}
+
+#[test]
+fn n1_n2_n19_n20_bad_numbers_are_refused() {
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for refused in [
+            Shape::sphere([0.0, bad, 0.0], 1.0),
+            Shape::sphere([0.0; 3], bad),
+            Shape::cuboid([1.0, 1.0, bad]),
+            Shape::cylinder(bad, 1.0),
+            Shape::half_space([0.0, 0.0, 1.0], bad),
+            Shape::triangle([[0.0; 3], [1.0; 3], [bad; 3]]),
+        ] {
+            assert!(matches!(refused.unwrap_err().kind(), InputErrorKind::NonFinite { .. }));
+        }
+    }
+    assert!(matches!(Shape::point([1e39, 0.0, 0.0]).unwrap_err().kind(), InputErrorKind::OutOfRange { .. }));
+    assert!(matches!(Shape::half_space([0.0; 3], 1.0).unwrap_err().kind(), InputErrorKind::ZeroAxis));
+    let stretched = Pose::new([[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [0.0; 3]).unwrap();
+    for round in [Shape::sphere([0.0; 3], 1.0), Shape::cylinder(1.0, 1.0), Shape::ellipsoid([1.0, 2.0, 3.0])] {
+        let refused = round.unwrap().at(stretched).unwrap_err();
+        assert!(matches!(refused.kind(), InputErrorKind::NotRigid { .. }), "{refused}");
+    }
+    assert!(Shape::cuboid([1.0; 3]).unwrap().at(stretched).is_ok());
+}
+
+/// A ball under a map that is not quite rigid is nearly a ball: what could be either is said to be open, and counts as a hit.
+#[test]
+fn n19_nearly_rigid_maps_leave_touching_open() {
+    let nearly = Pose::new([[1.0 + 1e-7, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [0.0; 3]).unwrap();
+    let ball = Shape::sphere([0.0; 3], 1.0).unwrap();
+    let a = ball.at(nearly).unwrap();
+    for (x, wanted) in [(1.99, Proximity::Meets), (2.0, Proximity::Undecided), (2.01, Proximity::Apart)] {
+        let b = ball.at(Pose::from_translation([0.0, x, 0.0]).unwrap()).unwrap();
+        assert_eq!(shapes::proximity(&a, &b), wanted, "{x}");
+        assert_eq!(shapes::distance(&a, &b).distance() == 0.0, wanted != Proximity::Apart, "{x}");
+    }
+    let exactly = ball.at(Pose::IDENTITY).unwrap();
+    let touching = ball.at(Pose::from_translation([0.0, 2.0, 0.0]).unwrap()).unwrap();
+    assert_eq!(shapes::proximity(&exactly, &touching), Proximity::Meets);
+    let apart = ball.at(Pose::from_translation([0.0, 2_f64.next_up(), 0.0]).unwrap()).unwrap();
+    assert_eq!(shapes::proximity(&exactly, &apart), Proximity::Apart);
+    assert!(shapes::distance(&exactly, &apart).distance() > 0.0);
+}
+
+#[test]
+fn n22_n23_flat_and_pointlike_polytopes_have_depths() {
+    let hull = |points: &[[f64; 3]]| Ok(Shape::hull(Arc::new(Hull::new(points).unwrap())));
+    let flat = [
+        here(hull(&[[0.0; 3]])),
+        here(hull(&[[0.0; 3]; 5])),
+        here(hull(&[[-1.0, 0.0, 0.0], [0.0; 3], [1.0, 0.0, 0.0]])),
+        here(hull(&[[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 2.0, 0.0]])),
+        here(Shape::cuboid([1.0, 1.0, 0.0])),
+        here(Shape::cuboid([1.0, 0.0, 0.0])),
+        here(Shape::cuboid([0.0; 3])),
+        here(Shape::segment([[-1.0; 3], [1.0; 3]])),
+        here(Shape::triangle([[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [0.0, 0.0, 2.0]])),
+    ];
+    for (i, a) in flat.iter().enumerate() {
+        for (j, b) in flat.iter().enumerate() {
+            assert_eq!(shapes::proximity(a, b), Proximity::Meets, "{i} {j}");
+            let found = depth(a, b);
+            assert!(found[1] - found[0] < 1e-13, "{i} {j} {found:?}");
+            // In one plane, or points and segments: no interiors of solids meet, and the least push is none.
+            assert!(i > 6 || j > 6 || found[1] < 1e-13, "{i} {j} {found:?}");
+        }
+    }
+}
+
+/// Two shapes in the very same place.
+#[test]
+fn n23_coincident_centres_have_normals() {
+    let wanted = [
+        (here(Shape::sphere([0.0; 3], 1.5)), 3.0, 1e-13),
+        (here(Shape::capsule([0.0, 0.0, -1.0], [0.0, 0.0, 1.0], 0.5)), 1.0, 1e-13),
+        (here(Shape::cuboid([1.0, 2.0, 0.5])), 1.0, 1e-13),
+        (here(Shape::cylinder(2.0, 0.5)), 1.0, 1e-3),
+        (here(Shape::cone(1.0, 0.25)), 0.496, 1e-2),
+        (here(Shape::ellipsoid([1.0, 2.0, 0.5])), 1.0, 1e-3),
+    ];
+    for (shape, value, tolerance) in wanted {
+        let [lower, upper] = depth(&shape, &shape);
+        assert!(lower - 1e-3 <= value && value <= upper + 1e-3, "{shape:?} {lower} {upper}");
+        assert!(upper - lower < tolerance, "{shape:?} {lower} {upper}");
+    }
+}
+
+/// Sizes and places at the ends of the range.
+#[test]
+fn n2_n3_n7_sizes_are_relative() {
+    for exponent in [-1060, -500, -140, 0, 60, 120] {
+        let size = 2_f64.powi(exponent.max(-1020)) * if exponent < -1020 { 2_f64.powi(exponent + 1020) } else { 1.0 };
+        let unit = Shape::cuboid([size; 3]);
+        let (a, touching) = (here(unit.clone()), at(unit.clone(), [2.0 * size, 0.0, 0.0]));
+        assert!(shapes::intersects(&a, &touching), "{exponent}");
+        let apart = at(unit.clone(), [3.0 * size, 0.0, 0.0]);
+        let found = shapes::distance(&a, &apart);
+        assert!(!shapes::intersects(&a, &apart) && found.lower <= size && size <= found.upper, "{exponent} {found:?}");
+        let inside = at(unit, [size, 0.0, 0.0]);
+        let [lower, upper] = depth(&a, &inside);
+        assert!(lower <= size && size <= upper && upper > 0.0, "{exponent} {lower:e} {upper:e}");
+    }
+    let plate = here(Shape::cuboid([1e6, 1e6, 1.0]));
+    let screw = at(Shape::cylinder(1e-3, 1e-4), [5e5, -7e5, 1.0 + 2e-3]);
+    let found = shapes::distance(&plate, &screw);
+    assert!(found.lower > 0.0 && (found.upper - 1e-3).abs() < 1e-7, "{found:?}");
+    let far = at(Shape::sphere([0.0; 3], 1.0), [1e90, 0.0, -1e90]);
+    assert!(shapes::distance(&plate, &far).lower > 1e90);
+}

@@ -1,0 +1,194 @@
+//! Pairs of hulls that nearly touch, against the rational least distance: the truth is in the interval, the boolean is right,
+//! and the two are never at odds.
+
+use std::sync::Arc;
+
+use dashu_ratio::RBig;
+use impinge::Pose;
+use impinge::hull::Hull;
+use impinge::query::shapes::{self, Proximity};
+use impinge::shape::Shape;
+use impinge_testkit::Affine;
+use impinge_testkit::generate::{Rng, poses};
+use impinge_testkit::oracle::squared_distance_of_hulls;
+
+fn rational(x: f64) -> RBig {
+    RBig::try_from(x).expect("finite")
+}
+
+pub(crate) fn pose(affine: &Affine) -> Pose {
+    Pose::new(affine.linear, affine.translation).expect("in range")
+}
+
+const IDENTITY: Affine = Affine { linear: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
+
+/// Points on a small grid, where faces and edges are in one plane, or anywhere.
+fn cloud(rng: &mut Rng) -> Vec<[f64; 3]> {
+    let count = rng.integer(1, 9);
+    let on_grid = rng.one_in(2);
+    let point = |rng: &mut Rng| {
+        std::array::from_fn(|_| if on_grid { rng.integer(-2, 2) as f64 } else { rng.uniform(-1.0, 1.0) })
+    };
+    (0..count).map(|_| point(rng)).collect()
+}
+
+fn along(direction: &[f64; 3], place: &Affine, point: &[f64; 3]) -> f64 {
+    (0..3).map(|k| direction[k] * (0..3).map(|j| place.linear[k][j] * point[j]).sum::<f64>()).sum()
+}
+
+/// Two clouds and their places, the second moved so that along some direction a point of its nearest face, edge or corner is
+/// about `gap` behind one of the first's.
+struct Scene {
+    points: [Vec<[f64; 3]>; 2],
+    places: [Affine; 2],
+}
+
+fn scene(rng: &mut Rng, gap: f64) -> Scene {
+    let points = [cloud(rng), cloud(rng)];
+    let mut places = if rng.one_in(3) { [IDENTITY; 2] } else { [poses::rotation(rng), poses::rotation(rng)] };
+    if rng.one_in(3) {
+        places[1] = places[0];
+    }
+    let n: [f64; 3] = match rng.integer(0, 2) {
+        0 => [1.0, 0.0, 0.0],
+        1 => std::array::from_fn(|k| places[0].linear[k][2]),
+        _ => [2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0],
+    };
+    let [far, near] = [extreme(rng, &n, &places[0], &points[0]), extreme(rng, &n.map(|x| -x), &places[1], &points[1])];
+    places[1].translation = std::array::from_fn(|k| places[0].translation[k] + far[k] - near[k] + n[k] * gap);
+    Scene { points, places }
+}
+
+/// A point that is farthest along a direction, of several a mean, but for the translation.
+fn extreme(rng: &mut Rng, n: &[f64; 3], place: &Affine, points: &[[f64; 3]]) -> [f64; 3] {
+    let height = |p: &[f64; 3]| along(n, place, p);
+    let greatest = points.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
+    let farthest: Vec<[f64; 3]> = points.iter().copied().filter(|p| height(p) > greatest - 1e-9).collect();
+    let (p, q, t) = (rng.choose(&farthest), rng.choose(&farthest), rng.integer(0, 4) as f64 / 4.0);
+    let mean: [f64; 3] = std::array::from_fn(|k| p[k] + t * (q[k] - p[k]));
+    std::array::from_fn(|k| (0..3).map(|j| place.linear[k][j] * mean[j]).sum())
+}
+
+/// What came out, so that tests can say that all of it did.
+#[derive(Debug, Default)]
+struct Seen {
+    meeting: usize,
+    apart: usize,
+    near: usize,
+}
+
+fn judge(rng: &mut Rng, gap: f64, seen: &mut Seen) {
+    let Scene { points, places } = scene(rng, gap);
+    let truth = squared_distance_of_hulls(&points[0], &places[0], &points[1], &places[1]);
+    let [a, b] = [0, 1].map(|i| {
+        let hull = Hull::new(&points[i]).expect("points");
+        Shape::hull(Arc::new(hull)).at(pose(&places[i])).expect("any map")
+    });
+    let meets = truth == RBig::ZERO;
+    let context = || format!("{points:?} {places:?}");
+    assert_eq!(shapes::intersects(&a, &b), meets, "{}", context());
+    assert_ne!(shapes::proximity(&a, &b), Proximity::Undecided);
+    let found = shapes::distance(&a, &b);
+    assert_eq!(found.distance() == 0.0, meets, "{}", context());
+    assert_eq!(found.upper == 0.0, meets, "{}", context());
+    let square = |x: f64| rational(x) * rational(x);
+    assert!(square(found.lower) <= truth && truth <= square(found.upper), "{found:?} {}", context());
+    assert!(found.upper - found.lower <= found.upper * 2_f64.powi(-36) || found.upper < 1e-150, "{found:?}");
+    assert!(shapes::within(&a, &b, found.upper) && (meets || !shapes::within(&a, &b, found.lower.next_down())));
+    // The witnesses are as far apart as they should be, up to their rounding to the world.
+    let apart = (0..3).map(|k| (found.point_a[k] - found.point_b[k]).powi(2)).sum::<f64>().sqrt();
+    assert!(meets || (apart - found.upper).abs() < 1e-12, "{found:?} {apart}");
+    let back = shapes::distance(&b, &a);
+    assert_eq!((found.lower, found.upper, found.point_a), (back.lower, back.upper, back.point_b), "{}", context());
+    match shapes::penetration(&a, &b) {
+        None => assert!(!meets),
+        Some(depth) => {
+            assert!(meets && 0.0 <= depth.lower && depth.lower <= depth.upper, "{depth:?}");
+            assert!((depth.normal.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-14, "{depth:?}");
+            assert!(depth.upper - depth.lower < 1e-12, "{depth:?} {}", context());
+            let mut moved = places[1];
+            let by = depth.upper + 1e-12;
+            moved.translation = std::array::from_fn(|k| moved.translation[k] + depth.normal[k] * by);
+            let freed = squared_distance_of_hulls(&points[0], &places[0], &points[1], &moved);
+            assert!(freed > RBig::ZERO, "{depth:?} {}", context());
+        }
+    }
+    seen.meeting += usize::from(meets);
+    seen.apart += usize::from(!meets);
+    seen.near += usize::from(!meets && found.upper < 1e-7);
+}
+
+fn judge_many(count: usize) {
+    let mut rng = Rng::new(51);
+    let mut seen = Seen::default();
+    let gaps = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-12, 1e-13, 1e-14];
+    for case in 0..count {
+        let gap = match case % 5 {
+            0 => 0.0,
+            1 | 2 => rng.choose(&gaps),
+            _ => -rng.choose(&gaps),
+        };
+        judge(&mut rng, gap, &mut seen);
+    }
+    println!("{seen:?}");
+    assert!(seen.meeting > count / 5 && seen.apart > count / 5 && seen.near > count / 10, "{seen:?}");
+}
+
+/// Touching, nearly touching and slightly overlapping hulls of one to nine points.
+#[test]
+fn n22_n23_near_hulls_are_decided_and_their_distance_is_in_its_interval() {
+    judge_many(3_000);
+}
+
+#[test]
+#[ignore = "minutes: see CONTRIBUTING.md"]
+fn hundred_thousand_near_hulls() {
+    judge_many(100_000);
+}
+
+/// Under maps that stretch and shear, what is decided is about the images.
+#[test]
+fn n20_sheared_hulls_are_decided() {
+    let mut rng = Rng::new(52);
+    let mut meeting = 0;
+    for _ in 0..300 {
+        let points = [cloud(&mut rng), cloud(&mut rng)];
+        let places = [poses::large_integer_map(&mut rng), poses::large_integer_map(&mut rng)];
+        let truth = squared_distance_of_hulls(&points[0], &places[0], &points[1], &places[1]);
+        let [a, b] = [0, 1].map(|i| {
+            let hull = Hull::new(&points[i]).expect("points");
+            Shape::hull(Arc::new(hull)).at(pose(&places[i])).expect("any map")
+        });
+        let found = shapes::distance(&a, &b);
+        assert_eq!(shapes::intersects(&a, &b), truth == RBig::ZERO);
+        let square = |x: f64| rational(x) * rational(x);
+        assert!(square(found.lower) <= truth && truth <= square(found.upper), "{found:?}");
+        meeting += usize::from(truth == RBig::ZERO);
+    }
+    assert!((30..270).contains(&meeting), "{meeting}");
+}
+
+/// `within` of exactly the distance is true, of the next float below it is not.
+#[test]
+fn within_exactly_the_distance() {
+    let mut rng = Rng::new(53);
+    for _ in 0..300 {
+        // Pythagorean quadruples, so that distances of corners are integers.
+        let [x, y, z, d] = rng.choose(&[[2.0, 1.0, 2.0, 3.0], [2.0, 3.0, 6.0, 7.0], [4.0, 4.0, 7.0, 9.0]]);
+        let scale = 2_f64.powi(rng.integer(-30, 30) as i32);
+        let half = [1.0, 2.0, 1.0].map(|h| h * scale);
+        let a = Shape::cuboid(half).unwrap().at(Pose::IDENTITY).unwrap();
+        let offset: [f64; 3] = std::array::from_fn(|k| 2.0 * half[k] + [x, y, z][k] * scale);
+        let b = Shape::cuboid(half).unwrap().at(Pose::from_translation(offset).unwrap()).unwrap();
+        assert!(shapes::within(&a, &b, d * scale) && !shapes::within(&a, &b, (d * scale).next_down()));
+        assert!(!shapes::within(&a, &b, -1.0) && !shapes::within(&a, &b, f64::NAN));
+        assert!(shapes::within(&a, &b, f64::INFINITY));
+        // So it is of balls, whose radii take from the distance.
+        let r = rng.integer(0, 1) as f64 * scale;
+        let ball = Shape::sphere([0.0; 3], r).unwrap();
+        let pin = Shape::sphere([x * scale, y * scale, z * scale], 0.5 * scale).unwrap();
+        let [ball, pin] = [ball, pin].map(|s| s.at(Pose::IDENTITY).unwrap());
+        let left = d * scale - r - 0.5 * scale;
+        assert!(shapes::within(&ball, &pin, left) && !shapes::within(&ball, &pin, left.next_down()));
+    }
+}

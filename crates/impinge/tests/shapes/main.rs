@@ -1,0 +1,7 @@
+//! Questions about two shapes, against rationals, closed forms and laws.
+
+mod boxes;
+mod degenerate;
+mod hulls;
+mod pairs;
+mod support;

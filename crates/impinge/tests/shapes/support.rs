@@ -1,0 +1,99 @@
+//! Shapes as the tests know them: by closed forms of their support heights, which share nothing with the product.
+
+use std::sync::Arc;
+
+use impinge::hull::Hull;
+use impinge::shape::Shape;
+
+/// A shape of which the height along a direction is known.
+#[derive(Clone, Debug)]
+pub(crate) enum Known {
+    Points(Vec<[f64; 3]>),
+    Hull(Vec<[f64; 3]>),
+    Capsule([[f64; 3]; 2], f64),
+    Cuboid([f64; 3]),
+    Cylinder(f64, f64),
+    Cone(f64, f64),
+    Ellipsoid([f64; 3]),
+    Custom(Vec<[f64; 3]>),
+    HalfSpace([f64; 3], f64),
+}
+
+#[derive(Debug)]
+struct Corners(Vec<[f64; 3]>);
+
+impl impinge::convex::Support for Corners {
+    fn support(&self, direction: [f64; 3]) -> [f64; 3] {
+        *self.0.iter().max_by(|p, q| dot(&direction, p).total_cmp(&dot(&direction, q))).expect("not empty")
+    }
+
+    fn reach(&self) -> [f64; 3] {
+        std::array::from_fn(|k| self.0.iter().map(|p| p[k].abs()).fold(0.0, f64::max))
+    }
+}
+
+pub(crate) fn dot(p: &[f64; 3], q: &[f64; 3]) -> f64 {
+    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+}
+
+impl Known {
+    /// One of every kind, of about the same size.
+    pub(crate) fn all() -> Vec<Self> {
+        let tetrahedron = vec![[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0]];
+        vec![
+            Self::Points(vec![[0.25, 0.5, -0.125]]),
+            Self::Points(vec![[-0.5, 0.0, 0.25], [0.75, 0.5, 0.25]]),
+            Self::Points(vec![[1.0, 0.0, 0.0], [-0.5, 0.75, 0.0], [-0.5, -0.75, 0.25]]),
+            Self::Capsule([[0.25, 0.0, 0.0]; 2], 0.75),
+            Self::Capsule([[0.0, 0.0, -0.75], [0.0, 0.25, 0.75]], 0.375),
+            Self::Cuboid([0.5, 0.75, 1.0]),
+            Self::Cylinder(0.75, 0.5),
+            Self::Cone(0.75, 0.5),
+            Self::Ellipsoid([0.5, 0.75, 1.0]),
+            Self::Hull(tetrahedron.clone()),
+            Self::Custom(tetrahedron),
+            Self::HalfSpace([1.0, -2.0, 0.5], 0.25),
+        ]
+    }
+
+    pub(crate) fn shape(&self) -> Shape {
+        let shape = match self {
+            Self::Points(points) => match points[..] {
+                [point] => Shape::point(point),
+                [start, end] => Shape::segment([start, end]),
+                [a, b, c] => Shape::triangle([a, b, c]),
+                _ => panic!("no shape of so many points"),
+            },
+            Self::Hull(points) => Ok(Shape::hull(Arc::new(Hull::new(points).expect("points")))),
+            Self::Capsule([start, end], radius) if start == end => Shape::sphere(*start, *radius),
+            Self::Capsule([start, end], radius) => Shape::capsule(*start, *end, *radius),
+            Self::Cuboid(half) => Shape::cuboid(*half),
+            Self::Cylinder(half_height, radius) => Shape::cylinder(*half_height, *radius),
+            Self::Cone(half_height, radius) => Shape::cone(*half_height, *radius),
+            Self::Ellipsoid(half_axes) => Shape::ellipsoid(*half_axes),
+            Self::Custom(points) => Shape::custom(Arc::new(Corners(points.clone()))),
+            Self::HalfSpace(normal, level) => Shape::half_space(*normal, *level),
+        };
+        shape.expect("in range")
+    }
+
+    /// Whether all that is asked about it with another such is decided.
+    pub(crate) fn is_exact(&self) -> bool {
+        matches!(self, Self::Points(_) | Self::Hull(_) | Self::Cuboid(_) | Self::HalfSpace(..))
+    }
+
+    /// The greatest n·x.
+    pub(crate) fn height(&self, n: &[f64; 3]) -> f64 {
+        let across = (n[0] * n[0] + n[1] * n[1]).sqrt();
+        let greatest = |points: &[[f64; 3]]| points.iter().map(|p| dot(n, p)).fold(f64::NEG_INFINITY, f64::max);
+        match self {
+            Self::Points(points) | Self::Hull(points) | Self::Custom(points) => greatest(points),
+            Self::Capsule(ends, radius) => greatest(ends) + radius * dot(n, n).sqrt(),
+            Self::Cuboid(half) => (0..3).map(|k| half[k] * n[k].abs()).sum(),
+            Self::Cylinder(half_height, radius) => half_height * n[2].abs() + radius * across,
+            Self::Cone(half_height, radius) => (half_height * n[2]).max(radius * across - half_height * n[2]),
+            Self::Ellipsoid(half_axes) => (0..3).map(|k| (half_axes[k] * n[k]).powi(2)).sum::<f64>().sqrt(),
+            Self::HalfSpace(..) => f64::INFINITY,
+        }
+    }
+}
