@@ -10,6 +10,7 @@ pub mod primitive;
 pub mod query;
 pub mod simd;
 pub mod storage;
+pub mod sweep;
 pub mod volume;
 
 pub use input::{InputError, InputErrorKind};

@@ -1,0 +1,4 @@
+//! Times of first contact, against exact ones.
+
+mod corners;
+mod recorded;
