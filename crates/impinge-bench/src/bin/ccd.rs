@@ -21,7 +21,8 @@ const ROUNDS: usize = 15;
 
 fn main() -> Result<()> {
     let data = data_folder().context("IMPINGE_DATA must name the folder that holds ccd/")?;
-    let mut table = Table::new(["queries", "number", "touch", "false alarms", "of misses", "undecided", "mean", "median", "worst"]);
+    let mut table =
+        Table::new(["queries", "number", "touch", "false alarms", "of misses", "undecided", "mean", "median", "worst"]);
     for kind in [QueryKind::VertexFace, QueryKind::EdgeEdge] {
         for (name, queries) in read_all(&data, kind)? {
             let (mut alarms, mut undecided) = (0, 0);

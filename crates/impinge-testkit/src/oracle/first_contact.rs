@@ -29,9 +29,8 @@ type Point = [Polynomial; 3];
 /// Where a coordinate is not finite.
 pub fn first_contact(kind: QueryKind, t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4]) -> Option<Root> {
     let exact = |x: f64| RBig::try_from(x).expect("finite");
-    let corners: [Point; 4] = std::array::from_fn(|i| {
-        std::array::from_fn(|k| Polynomial::linear(exact(t0[i][k]), exact(t1[i][k])))
-    });
+    let corners: [Point; 4] =
+        std::array::from_fn(|i| std::array::from_fn(|k| Polynomial::linear(exact(t0[i][k]), exact(t1[i][k]))));
     let [a, b, c, d] = &corners;
     let volume = dot(&cross(&minus(b, a), &minus(c, a)), &minus(d, a));
     let candidates = if volume.is_zero() {

@@ -146,7 +146,10 @@ mod tests {
         assert_eq!(squarefree, with_roots(&[-3, 1, 2, 5]));
         let sturm = squarefree.sturm();
         let count = |low: i64, high: i64| sturm.roots_between(&RBig::from(low), &RBig::from(high));
-        assert_eq!([count(-9, 9), count(-3, 5), count(0, 1), count(1, 2), count(2, 4), count(-9, -4)], [4, 3, 1, 1, 0, 0]);
+        assert_eq!(
+            [count(-9, 9), count(-3, 5), count(0, 1), count(1, 2), count(2, 4), count(-9, -4)],
+            [4, 3, 1, 1, 0, 0]
+        );
         // x² + 1 has none, and x² - 2 has one between 1 and 2.
         let square = with_roots(&[0, 0]);
         let constant = |x: i64| Polynomial::new(vec![RBig::from(x)]);

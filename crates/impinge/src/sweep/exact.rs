@@ -35,6 +35,17 @@ impl Exact {
         Self { polynomials: Polynomials::new(&start, &end, split), differences }
     }
 
+    /// The polynomials with every coefficient rounded to the nearest float.
+    pub(super) fn rounded(&self) -> Polynomials<f64> {
+        let one = Dyadic::from_f64(1.0);
+        let round = |x: &Dyadic| Dyadic::nearest_quotient(x, &one);
+        let Polynomials { volume, areas } = &self.polynomials;
+        Polynomials {
+            volume: volume.each_ref().map(round),
+            areas: areas.each_ref().map(|axis| axis.each_ref().map(|area| area.each_ref().map(round))),
+        }
+    }
+
     /// The first contact within `span`; nothing where it is disproved there.
     ///
     /// Takes one of `work` for each interval that is looked at; with none left, the answer is the safe one.
@@ -73,7 +84,8 @@ impl Exact {
         let [low, high] = [span.index, span.index + 1].map(|index| exact_time(index, span.level));
         let one = Dyadic::from_f64(1.0);
         let mix = |x: &Dyadic, y: &Dyadic, t: &Dyadic| &(x * &(&one - t)) + &(y * t);
-        let halve = |c: &[Dyadic], t: &Dyadic| -> Vec<Dyadic> { c.windows(2).map(|pair| mix(&pair[0], &pair[1], t)).collect() };
+        let halve =
+            |c: &[Dyadic], t: &Dyadic| -> Vec<Dyadic> { c.windows(2).map(|pair| mix(&pair[0], &pair[1], t)).collect() };
         // The value of the polar form at `low` so often and at `high` for the rest.
         let polar = |c: &[Dyadic], at_low: usize| {
             let mut c = c.to_vec();
@@ -83,9 +95,11 @@ impl Exact {
             c.swap_remove(0)
         };
         let volume = [3, 2, 1, 0].map(|at_low| polar(&self.polynomials.volume, at_low));
-        let areas = self.polynomials.areas.each_ref().map(|areas| {
-            areas.each_ref().map(|area| [2, 1, 0].map(|at_low| polar(area, at_low)))
-        });
+        let areas = self
+            .polynomials
+            .areas
+            .each_ref()
+            .map(|areas| areas.each_ref().map(|area| [2, 1, 0].map(|at_low| polar(area, at_low))));
         Node { span, polynomials: Polynomials { volume, areas } }
     }
 

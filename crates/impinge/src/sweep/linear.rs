@@ -16,7 +16,8 @@ use crate::input::{InputError, InputErrorKind};
 /// How often an interval that is proved to hold the first contact is halved: time is known to 2^-40 of the motion.
 pub(super) const MEETS_LEVEL: u32 = 40;
 
-/// Intervals that are looked at in doubles, a tenth of a microsecond each. Contact takes about fifty.
+/// Intervals that are looked at in doubles, a tenth of a microsecond each, before and after their coefficients are
+/// computed exactly. Contact takes about fifty.
 const FLOAT_WORK: u32 = 256;
 
 /// Intervals that are looked at in exact arithmetic, some microseconds each.
@@ -107,8 +108,8 @@ pub(super) fn first_contact(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4], split: Split
     if stay_apart(t0, t1, split) {
         return Impact::NEVER;
     }
-    let floats = Floats::new(t0, t1, split);
-    let mut exact = None;
+    let mut floats = Floats::new(t0, t1, split);
+    let mut exact: Option<Exact> = None;
     let (mut float_work, mut exact_work) = (FLOAT_WORK, EXACT_WORK);
     // Each interval with whether areas are known to be of one sign there, and the end of the shortest interval about it that
     // is proved to hold contact.
@@ -134,7 +135,14 @@ pub(super) fn first_contact(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4], split: Split
             height += 2;
             continue;
         }
-        let exact = exact.get_or_insert_with(|| Exact::new(t0, t1, split));
+        let Some(exact) = &exact else {
+            // Doubles once more, but rounded from exact numbers: what cancels in them has cancelled already.
+            let known = exact.insert(Exact::new(t0, t1, split));
+            floats.sharpen(known.rounded());
+            float_work = FLOAT_WORK;
+            height += 1;
+            continue;
+        };
         if let Some(impact) = exact.first_contact(span, &mut exact_work) {
             return impact;
         }

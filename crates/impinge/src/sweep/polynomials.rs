@@ -107,11 +107,7 @@ where
         &(&u[i] * &v[j]) - &(&u[j] * &v[i])
     };
     let middle = |k: usize| &minor(u0, v1, k) + &minor(u1, v0, k);
-    [
-        [0, 1, 2].map(|k| minor(u0, v0, k)),
-        [0, 1, 2].map(middle),
-        [0, 1, 2].map(|k| minor(u1, v1, k)),
-    ]
+    [[0, 1, 2].map(|k| minor(u0, v0, k)), [0, 1, 2].map(middle), [0, 1, 2].map(|k| minor(u1, v1, k))]
 }
 
 fn dot<T>(u: &[T; 3], v: &[T; 3]) -> T
