@@ -29,6 +29,9 @@ pub(super) enum Judgement {
     Meets,
     /// Nothing is proved.
     Open,
+    /// Nothing is proved, and the volume is within what it may be off by all over the interval, so that shorter ones
+    /// would tell little more.
+    Blind,
 }
 
 /// The corners, their polynomials and what these may be off by.
@@ -127,7 +130,12 @@ impl<'c> Floats<'c> {
         }
         let (start, end) = (volume[0], volume[3]);
         let crosses = start.min(end) < -self.volume_error && start.max(end) > self.volume_error;
-        if *is_inside && crosses { Judgement::Meets } else { Judgement::Open }
+        if *is_inside && crosses {
+            return Judgement::Meets;
+        }
+        // A volume that is zero throughout, and known to be, leaves it to the areas.
+        let is_blind = self.volume_error > 0.0 && volume.iter().all(|x| x.abs() <= self.volume_error);
+        if is_blind { Judgement::Blind } else { Judgement::Open }
     }
 
     /// Whether the corners of one simplex are beyond those of the other, along some axis, from `low` to `high`.

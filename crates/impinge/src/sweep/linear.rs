@@ -119,15 +119,17 @@ pub(super) fn first_contact(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4], split: Split
         height -= 1;
         let (span, mut is_inside, mut t_upper) = stack[height];
         let (low, high) = (span.low(), span.high());
-        match floats.judge(low, high, &mut is_inside) {
+        let judgement = floats.judge(low, high, &mut is_inside);
+        match judgement {
             Judgement::Apart => continue,
             Judgement::Meets => t_upper = high,
-            Judgement::Open => {}
+            Judgement::Open | Judgement::Blind => {}
         }
-        if span.level >= MEETS_LEVEL && t_upper - low <= WIDEST {
+        let is_worth_halving = span.level < MEETS_LEVEL && judgement != Judgement::Blind;
+        if !is_worth_halving && t_upper - low <= WIDEST {
             return Impact { t_lower: low, t_upper };
         }
-        if span.level < MEETS_LEVEL && float_work > 0 {
+        if is_worth_halving && float_work > 0 {
             float_work -= 1;
             let [left, right] = span.halves();
             stack[height] = (right, is_inside, t_upper);

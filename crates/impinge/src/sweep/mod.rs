@@ -4,7 +4,11 @@ mod exact;
 mod floats;
 mod impact;
 mod linear;
+mod motion;
 mod polynomials;
+mod rigid;
 
 pub use impact::Impact;
 pub use linear::{edge_edge, vertex_face};
+pub use motion::Motion;
+pub use rigid::time_of_impact;

@@ -83,7 +83,7 @@ fn n26_corners_on_small_grids_have_their_exact_times() {
 fn n11_n26_flat_queries_have_their_exact_times() {
     let mut rng = Rng::new(2);
     let mut counts = Counts::default();
-    for case in 0..480 {
+    for case in 0..240 {
         let (mut t0, mut t1) = (corners(&mut rng, 3), corners(&mut rng, 3));
         match case % 4 {
             // All in one plane at all times, or on one line.
@@ -96,7 +96,7 @@ fn n11_n26_flat_queries_have_their_exact_times() {
         }
         counts.check(KINDS[case / 4 % 2], &t0, &t1);
     }
-    assert!((150..360).contains(&counts.touching) && counts.at_start > 50 && counts.at_end > 5, "{counts:?}");
+    assert!((75..180).contains(&counts.touching) && counts.at_start > 25 && counts.at_end > 5, "{counts:?}");
     assert!(counts.alarms == 0 && counts.undecided < 80, "{counts:?}");
 }
 

@@ -2,3 +2,4 @@
 
 mod corners;
 mod recorded;
+mod rigid;
