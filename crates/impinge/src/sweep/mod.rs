@@ -1,5 +1,6 @@
 //! When moving things first touch.
 
+mod deforming;
 mod exact;
 mod floats;
 mod impact;
@@ -8,6 +9,7 @@ mod motion;
 mod polynomials;
 mod rigid;
 
+pub use deforming::{Deforming, Features, SweptContact};
 pub use impact::Impact;
 pub use linear::{edge_edge, vertex_face};
 pub use motion::Motion;
