@@ -1,5 +1,5 @@
-//! A cloth that falls over a ball, between two frames of a recorded simulation: every pair of its features that touches is
-//! found. Skipped without the folder of data.
+//! A cloth that falls over a ball, between two frames of a recorded simulation: every pair of its features that
+//! touches is found. Skipped without the folder of data.
 
 use std::path::PathBuf;
 

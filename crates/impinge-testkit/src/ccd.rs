@@ -1,8 +1,8 @@
 //! Recorded queries of continuous collision, with their true answers.
 //!
-//! They are those of Wang and others (*A Large Scale Benchmark and an Inclusion-Based Algorithm for Continuous Collision
-//! Detection*, ACM TOG 40(5), 2021), read from `ccd/` in the folder that the variable `IMPINGE_DATA` names: eight rows a
-//! query, three rational coordinates and the answer in each row. All of them are floats.
+//! They are those of Wang and others (*A Large Scale Benchmark and an Inclusion-Based Algorithm for Continuous
+//! Collision Detection*, ACM TOG 40(5), 2021), read from `ccd/` in the folder that the variable `IMPINGE_DATA` names:
+//! eight rows a query, three rational coordinates and the answer in each row. All of them are floats.
 
 use std::path::Path;
 

@@ -1,9 +1,9 @@
-//! When a vertex and a face, or two edges, whose corners move along lines first touch: in rational numbers, roots of polynomials
-//! by Sturm's theorem.
+//! When a vertex and a face, or two edges, whose corners move along lines first touch: in rational numbers, roots of
+//! polynomials by Sturm's theorem.
 //!
-//! They touch at no other times than the roots of their volume, and where that is zero throughout, they start to touch at
-//! the root of an area or of a difference of coordinates. Each root is looked at in turn, signs at it being those of
-//! polynomials at an algebraic number.
+//! They touch at no other times than the roots of their volume, and where that is zero throughout, they start to touch
+//! at the root of an area or of a difference of coordinates. Each root is looked at in turn, signs at it being those
+//! of polynomials at an algebraic number.
 
 use std::cmp::Ordering;
 
@@ -201,8 +201,8 @@ mod tests {
 
     #[test]
     fn edges_that_touch_once() {
-        // Two crossed edges that come together at the time whose square is a half: z = 1 - 2 t² cannot be had from linear
-        // motion, but both turning gives a volume of degree two.
+        // Two crossed edges that come together at the time whose square is a half: z = 1 - 2 t² cannot be had from
+        // linear motion, but both turning gives a volume of degree two.
         let t0 = [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
         let t1 = [[-1.0, 0.0, -2.0], [1.0, 0.0, -2.0], [0.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
         let root = first_contact(QueryKind::EdgeEdge, &t0, &t1).expect("contact");

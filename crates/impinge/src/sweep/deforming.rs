@@ -1,10 +1,12 @@
 //! Surfaces whose vertices move along lines, and every pair of features of theirs that touches on the way.
 //!
-//! Triangles that do not touch at the start first touch in a vertex and a face or in two edges. A pair of features can touch only
-//! where the boxes of both over the whole motion overlap, and those are within the boxes of any face that they belong to. So pairs of faces are
-//! found by a tree of boxes, and each vertex and each edge is asked about with one face alone.
+//! Triangles that do not touch at the start first touch in a vertex and a face or in two edges. A pair of features can
+//! touch only where the boxes of both over the whole motion overlap, and those are within the boxes of any face that
+//! they belong to. So pairs of faces are found by a tree of boxes, and each vertex and each edge is asked about with
+//! one face alone.
 //!
-//! Source: Curtis, Tamstorf, Manocha, *Fast Collision Detection for Deformable Models using Representative-Triangles*, I3D 2008.
+//! Source: Curtis, Tamstorf, Manocha, *Fast Collision Detection for Deformable Models using Representative-Triangles*,
+//! I3D 2008.
 
 use rayon::prelude::*;
 
@@ -25,14 +27,15 @@ pub struct Deforming<'m> {
     faces: &'m [[u32; 3]],
     t0: &'m [[f64; 3]],
     t1: &'m [[f64; 3]],
-    /// For each face, which of its vertices (bits 0 to 2) and of its edges (bits 3 to 5) it stands for: those of which it is the
-    /// first face.
+    /// For each face, which of its vertices (bits 0 to 2) and of its edges (bits 3 to 5) it stands for: those of which
+    /// it is the first face.
     stands_for: Vec<u8>,
     /// Of the faces' boxes over the whole motion.
     tree: GenericTree<Aabb, 8>,
 }
 
-/// Two features that touch. Faces and vertices are rows of what was given, edges the rows of their ends, the lesser first.
+/// Two features that touch. Faces and vertices are rows of what was given, edges the rows of their ends, the lesser
+/// first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Features {
     /// A vertex of the first surface and a face of the second.
@@ -70,9 +73,8 @@ pub struct SweptContact {
 impl<'m> Deforming<'m> {
     /// Judges the arrays and builds the tree.
     ///
-    /// # Errors
-    /// A coordinate that is not finite or above 2^126, rows at the end being counted on from those at the start; an index without a
-    /// vertex at both ends; more vertices or faces than can be numbered.
+    /// # Errors A coordinate that is not finite or above 2^126, rows at the end being counted on from those at the
+    /// start; an index without a vertex at both ends; more vertices or faces than can be numbered.
     ///
     /// # Complexity
     /// O(n log n).
@@ -95,7 +97,8 @@ impl<'m> Deforming<'m> {
         Ok(Self { faces, t0, t1, stands_for: stands_for(faces), tree })
     }
 
-    /// Every pair of a vertex and a face, or of two edges, of this and of another surface that touch, sorted, without duplicates.
+    /// Every pair of a vertex and a face, or of two edges, of this and of another surface that touch, sorted, without
+    /// duplicates.
     ///
     /// ```
     /// use impinge::sweep::{Deforming, Features};
@@ -112,8 +115,8 @@ impl<'m> Deforming<'m> {
     /// # Ok::<(), impinge::InputError>(())
     /// ```
     ///
-    /// # Accuracy
-    /// That of [`vertex_face`](super::vertex_face): none is missed, and what is listed touches, unless its impact is not decided.
+    /// # Accuracy That of [`vertex_face`](super::vertex_face): none is missed, and what is listed touches, unless its
+    /// impact is not decided.
     ///
     /// # Complexity
     /// Grows with the pairs of faces whose boxes over the whole motion overlap, on all cores of the current rayon pool.
@@ -141,8 +144,8 @@ impl<'m> Deforming<'m> {
         }))
     }
 
-    /// Every pair of a vertex and a face, or of two edges, of this surface that have no vertex in common and touch, sorted, without
-    /// duplicates; of two edges the lesser comes first.
+    /// Every pair of a vertex and a face, or of two edges, of this surface that have no vertex in common and touch,
+    /// sorted, without duplicates; of two edges the lesser comes first.
     ///
     /// # Accuracy
     /// As [`contacts`](Self::contacts), and so is the complexity.

@@ -11,6 +11,9 @@ use crate::math::dyadic::Dyadic;
 /// told from contact; more costs time for those that touch without crossing at a time that is no binary fraction.
 const DEEPEST: u32 = 96;
 
+/// What it costs to take up an interval in the middle of the motion, in those that come from halving.
+const FRESH_WORK: u32 = 16;
+
 /// The corners as exact numbers.
 pub(super) struct Exact {
     polynomials: Polynomials<Dyadic>,
@@ -35,33 +38,30 @@ impl Exact {
         Self { polynomials: Polynomials::new(&start, &end, split), differences }
     }
 
-    /// The polynomials with every coefficient rounded to the nearest float.
+    /// The polynomials, each divided by the sum of its coefficients' magnitudes, which leaves signs as they are, and then
+    /// every coefficient rounded to the nearest float.
     pub(super) fn rounded(&self) -> Polynomials<f64> {
-        let one = Dyadic::from_f64(1.0);
-        let round = |x: &Dyadic| Dyadic::nearest_quotient(x, &one);
         let Polynomials { volume, areas } = &self.polynomials;
-        Polynomials {
-            volume: volume.each_ref().map(round),
-            areas: areas.each_ref().map(|axis| axis.each_ref().map(|area| area.each_ref().map(round))),
-        }
+        Polynomials { volume: normalised(volume), areas: areas.each_ref().map(|axis| axis.each_ref().map(normalised)) }
     }
 
     /// The first contact within `span`; nothing where it is disproved there.
     ///
     /// Takes one of `work` for each interval that is looked at; with none left, the answer is the safe one.
     pub(super) fn first_contact(&self, span: Span, work: &mut u32) -> Option<Impact> {
+        *work = work.saturating_sub(FRESH_WORK);
         let mut stack = vec![self.node(span)];
         while let Some(node) = stack.pop() {
             let span = node.span;
-            let judgement = self.judge(&node);
-            if judgement == Judgement::Apart {
-                continue;
-            }
             let undecided = Impact { t_lower: span.low(), t_upper: f64::INFINITY };
             if *work == 0 {
                 return Some(undecided);
             }
             *work -= 1;
+            let judgement = self.judge(&node);
+            if judgement == Judgement::Apart {
+                continue;
+            }
             if self.touches_at_start(&node) {
                 return Some(Impact { t_lower: span.low(), t_upper: span.low_above() });
             }
@@ -140,8 +140,8 @@ impl Exact {
             && !self.are_separated(&[node.span.index + 1], node.span.level)
     }
 
-    /// Whether the corners of one simplex are beyond those of the other along some axis, at all of some times that are so
-    /// many `2^-level`.
+    /// Whether the corners of one simplex are beyond those of the other along some axis, at all of some times that are
+    /// so many `2^-level`.
     fn are_separated(&self, times: &[u128], level: u32) -> bool {
         let one = Dyadic::from_f64(1.0);
         let times: Vec<Dyadic> = times.iter().map(|&index| exact_time(index, level)).collect();
@@ -185,6 +185,14 @@ impl Node {
             Self { span: right_span, polynomials: Polynomials { volume: right, areas: rights } },
         ]
     }
+}
+
+fn normalised<const N: usize>(coefficients: &[Dyadic; N]) -> [f64; N] {
+    let sum = coefficients.iter().fold(Dyadic::ZERO, |sum, x| if x.sign() == Negative { &sum - x } else { &sum + x });
+    if sum.sign() == Zero {
+        return [0.0; N];
+    }
+    coefficients.each_ref().map(|x| Dyadic::nearest_quotient(x, &sum))
 }
 
 /// `index / 2^level`.

@@ -1,15 +1,15 @@
 //! Contact judged over short intervals in double precision, where a bound of all errors allows.
 //!
-//! With u = 2^-53 and `D` the extents of the four corners along each axis, at the worse end of the motion, every difference
-//! of corners is within `D` and is rounded once. So each of the six products of a volume is within `D₀D₁D₂`, and
-//! the multiples kept are sums of 18 such products: three differences, two factors and at most five sums of rounding on
-//! the way of each, 10 u of `18 D₀D₁D₂`. The value over an interval is three convex combinations of these, with weights t and
-//! 1 - t that are exact for the times used here: two roundings each, 6 u. Together 288 u, of which 512 are taken, as `D` and
-//! its product are rounded too. An area along an axis is four products of two other extents, 5 u and twice 2 u: 36 u of
-//! `DᵢDⱼ`, of which 64 are taken. Differences alone: 1 u and 2 u, of which 8 are taken. What underflows is less than
-//! 2^-940 in a volume and 2^-1060 in an area; nothing overflows, as coordinates are below 2^128. Polynomials that were
-//! rounded from exact ones are off by 1 u of each coefficient and 6 u of the largest, of which 16 are taken, and by less
-//! than 2^-1060.
+//! With u = 2^-53 and `D` the extents of the four corners along each axis, at the worse end of the motion, every
+//! difference of corners is within `D` and is rounded once. So each of the six products of a volume is within
+//! `D₀D₁D₂`, and the multiples kept are sums of 18 such products: three differences, two factors and at most five sums
+//! of rounding on the way of each, 10 u of `18 D₀D₁D₂`. The value over an interval is three convex combinations of
+//! these, with weights t and 1 - t that are exact for the times used here: two roundings each, 6 u. Together 288 u, of
+//! which 512 are taken, as `D` and its product are rounded too. An area along an axis is four products of two other
+//! extents, 5 u and twice 2 u: 36 u of `DᵢDⱼ`, of which 64 are taken. Differences alone: 1 u and 2 u, of which 8 are
+//! taken. What underflows is less than 2^-940 in a volume and 2^-1060 in an area; nothing overflows, as coordinates
+//! are below 2^128. Polynomials that were rounded from exact ones are off by 1 u of each coefficient and 6 u of the
+//! largest, of which 16 are taken, and by less than 2^-1060.
 
 use super::polynomials::{Polynomials, Split};
 use crate::math::relative::UNIT_ROUNDOFF;
@@ -88,11 +88,12 @@ impl<'c> Floats<'c> {
         }
     }
 
-    /// Takes polynomials each of whose coefficients is the float nearest to the true one.
+    /// Takes polynomials each of whose coefficients is the float nearest to a positive multiple of the true one, the same
+    /// for all of a polynomial.
     pub(super) fn sharpen(&mut self, polynomials: Polynomials<f64>) {
         let error = |coefficients: &[f64]| {
             let most = coefficients.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            if most == 0.0 { 0.0 } else { 16.0 * UNIT_ROUNDOFF * most + AREA_UNDERFLOW }
+            16.0 * UNIT_ROUNDOFF * most + if most > 0.0 { AREA_UNDERFLOW } else { 0.0 }
         };
         self.volume_error = error(&polynomials.volume);
         self.area_errors = polynomials.areas.map(|axis| axis.map(|area| error(&area)));
@@ -101,8 +102,8 @@ impl<'c> Floats<'c> {
 
     /// What is known about the times from `low` to `high`, multiples of 2^-53.
     ///
-    /// `is_inside` says that areas are proved to be of one sign along some axis all over the interval, so that contact is
-    /// where the volume is zero; it is set here once it is so.
+    /// `is_inside` says that areas are proved to be of one sign along some axis all over the interval, so that contact
+    /// is where the volume is zero; it is set here once it is so.
     #[inline]
     pub(super) fn judge(&self, low: f64, high: f64, is_inside: &mut bool) -> Judgement {
         let volume = cubic(&self.polynomials.volume, low, high);

@@ -1,11 +1,11 @@
 //! The first contact of a vertex with a face, and of two edges, while their corners move along lines.
 //!
-//! The interval of times is halved, earlier half first, until contact is disproved, proved, or neither can be (`polynomials`
-//! says by what). Doubles decide nearly all of it, and exact arithmetic the rest.
+//! The interval of times is halved, earlier half first, until contact is disproved, proved, or neither can be
+//! (`polynomials` says by what). Doubles decide nearly all of it, and exact arithmetic the rest.
 //!
-//! Source: what is halved is time alone, where Wang, Ferguson, Schneider, Jiang, Attene, Panozzo, *A Large Scale Benchmark
-//! and an Inclusion-Based Algorithm for Continuous Collision Detection*, ACM TOG 40(5), 2021, halves time and both
-//! parameters of the face; so contact that is missed is told from contact however narrowly.
+//! Source: what is halved is time alone, where Wang, Ferguson, Schneider, Jiang, Attene, Panozzo, *A Large Scale
+//! Benchmark and an Inclusion-Based Algorithm for Continuous Collision Detection*, ACM TOG 40(5), 2021, halves time
+//! and both parameters of the face; so contact that is missed is told from contact however narrowly.
 
 use super::exact::Exact;
 use super::floats::{Floats, Judgement, stay_apart};
@@ -52,18 +52,16 @@ pub(super) struct Span {
 /// ```
 ///
 /// # Errors
-/// [`NonFinite`](InputErrorKind::NonFinite) and [`OutOfRange`](InputErrorKind::OutOfRange), where a coordinate is not below
-/// 2^128; corners at the end are counted on from those at the start.
+/// [`NonFinite`](InputErrorKind::NonFinite) and [`OutOfRange`](InputErrorKind::OutOfRange), where a coordinate is not
+/// below 2^128; corners at the end are counted on from those at the start.
 ///
-/// # Accuracy
-/// The truth about the real motion lies in the interval that is returned: infinite times where there is no contact. Where
-/// contact is proved, the interval is at most 2^-30 wide, mostly 2^-40. What is not decided in bounded work has an infinite
-/// `t_upper`; that is contact, or a miss by less than 2^-96 of the motion, or one that stays that close for long. Tested
-/// against an exact oracle in `tests/sweep`.
+/// # Accuracy The truth about the real motion lies in the interval that is returned: infinite times where there is no
+/// contact. Where contact is proved, the interval is at most 2^-30 wide, mostly 2^-40. What is not decided in bounded
+/// work has an infinite `t_upper`; that is contact, or a miss by less than 2^-96 of the motion, or one that stays that
+/// close for long. Tested against an exact oracle in `tests/sweep`.
 ///
-/// # Complexity
-/// Constant: well under a microsecond for most that do not touch, some microseconds for those that do, and milliseconds at
-/// the worst.
+/// # Complexity Constant: well under a microsecond for most that do not touch, some microseconds for those that do,
+/// and milliseconds at the worst.
 pub fn vertex_face(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4]) -> Result<Impact, InputError> {
     judge(t0, t1)?;
     Ok(first_contact(t0, t1, Split::VertexFace))
@@ -111,8 +109,8 @@ pub(super) fn first_contact(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4], split: Split
     let mut floats = Floats::new(t0, t1, split);
     let mut exact: Option<Exact> = None;
     let (mut float_work, mut exact_work) = (FLOAT_WORK, EXACT_WORK);
-    // Each interval with whether areas are known to be of one sign there, and the end of the shortest interval about it that
-    // is proved to hold contact.
+    // Each interval with whether areas are known to be of one sign there, and the end of the shortest interval about
+    // it that is proved to hold contact.
     let mut stack = [(Span::WHOLE, false, f64::INFINITY); MEETS_LEVEL as usize + 2];
     let mut height = 1;
     while height > 0 {

@@ -1,7 +1,7 @@
 //! A rigid motion over the time from 0 to 1: a screw, or what joins two poses.
 //!
-//! The sine and cosine of the platform take no part: a turn is a quaternion of a small angle, by its series, squared as often
-//! as the angle was halved.
+//! The sine and cosine of the platform take no part: a turn is a quaternion of a small angle, by its series, squared
+//! as often as the angle was halved.
 
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
@@ -20,10 +20,10 @@ const UNIT: f64 = 0.5 * f64::EPSILON;
 
 /// Where a rigid body is at each time from 0 to 1.
 ///
-/// With P₀ the first pose, p the pivot, l the linear and w the angular velocity, all of them the reals that the floats are, a
-/// point v of the body is at time t at `p + l t + exp(t [w]) (P₀ v - p) + t D v`: D is zero for a screw, and for a motion
-/// between two poses it is what the linear part of the second differs by from the turn of the first, which is no more
-/// than rounding or the first's deviation from a rotation.
+/// With P₀ the first pose, p the pivot, l the linear and w the angular velocity, all of them the reals that the floats
+/// are, a point v of the body is at time t at `p + l t + exp(t [w]) (P₀ v - p) + t D v`: D is zero for a screw, and
+/// for a motion between two poses it is what the linear part of the second differs by from the turn of the first,
+/// which is no more than rounding or the first's deviation from a rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     world_from_body_t0: Pose,
@@ -48,8 +48,8 @@ impl Motion {
         }
     }
 
-    /// From one pose to another: the origin of the body's frame moves evenly along a line, and the body turns evenly about it by
-    /// the least angle. Poses with equal linear parts need not be rigid, as nothing turns then.
+    /// From one pose to another: the origin of the body's frame moves evenly along a line, and the body turns evenly
+    /// about it by the least angle. Poses with equal linear parts need not be rigid, as nothing turns then.
     ///
     /// ```
     /// use impinge::Pose;
@@ -63,8 +63,8 @@ impl Motion {
     /// ```
     ///
     /// # Errors
-    /// [`NotRigid`](InputErrorKind::NotRigid) where the linear parts differ and one is off a rotation by more than 1e-4, or one
-    /// mirrors and the other does not.
+    /// [`NotRigid`](InputErrorKind::NotRigid) where the linear parts differ and one is off a rotation by more than
+    /// 1e-4, or one mirrors and the other does not.
     pub fn between(world_from_body_t0: Pose, world_from_body_t1: Pose) -> Result<Self, InputError> {
         let (from, to) = (world_from_body_t0.linear(), world_from_body_t1.linear());
         let (start, end) = (world_from_body_t0.translation(), world_from_body_t1.translation());
@@ -88,12 +88,13 @@ impl Motion {
         Ok(Self { difference, ..turning })
     }
 
-    /// A screw: the body turns about an axis through `pivot`, evenly by the vector `angular` in radians over the whole time, any number
-    /// of turns, while the pivot moves evenly by `linear`; all in the world frame. Without a pivot that is the origin
-    /// of the body's frame.
+    /// A screw: the body turns about an axis through `pivot`, evenly by the vector `angular` in radians over the whole
+    /// time, any number of turns, while the pivot moves evenly by `linear`; all in the world frame. Without a pivot
+    /// that is the origin of the body's frame.
     ///
     /// # Errors
-    /// [`NonFinite`](InputErrorKind::NonFinite), [`OutOfRange`](InputErrorKind::OutOfRange) beyond 2^20 radians or 2^300 units;
+    /// [`NonFinite`](InputErrorKind::NonFinite), [`OutOfRange`](InputErrorKind::OutOfRange) beyond 2^20 radians or
+    /// 2^300 units;
     /// [`NotRigid`](InputErrorKind::NotRigid) where the body turns and the pose is off a rotation by more than 1e-4.
     pub fn screw(
         world_from_body_t0: Pose,
@@ -173,8 +174,8 @@ impl Motion {
         (squared.sqrt() + rounding + difference * reach) * (1.0 + 1e-12) + 1e-150
     }
 
-    /// No less than what the image of a point, no farther than `reach` from the body's origin, under [`at`](Self::at) is off by, at
-    /// any time but zero.
+    /// No less than what the image of a point, no farther than `reach` from the body's origin, under [`at`](Self::at)
+    /// is off by, at any time but zero.
     pub(super) fn error(&self, reach: f64) -> f64 {
         let start = self.world_from_body_t0.translation();
         let stretch = length(self.world_from_body_t0.linear().map(length));
@@ -186,9 +187,10 @@ impl Motion {
 
     /// No less than the operator norm by which [`rotation`](Self::rotation) is off.
     ///
-    /// The quaternion of the smallest angle is off by 16 u at most, the halved product of time and velocity, the series and
-    /// their product together. Each squaring doubles that and adds less than 8 u: after k of them there are 2^k · 24 u, with 2^k at
-    /// most 8 |w| + 1, which turn the matrix by four times as much; its own rounding is below 40 u.
+    /// The quaternion of the smallest angle is off by 16 u at most, the halved product of time and velocity, the
+    /// series and their product together. Each squaring doubles that and adds less than 8 u: after k of them there are
+    /// 2^k · 24 u, with 2^k at most 8 |w| + 1, which turn the matrix by four times as much; its own rounding is below
+    /// 40 u.
     fn rotation_error(&self) -> f64 {
         UNIT * (160.0 + 800.0 * length(self.angular))
     }
@@ -234,8 +236,8 @@ impl Default for Motion {
     }
 }
 
-/// The axis times the angle, between 0 and π, of a matrix that nearly is a rotation (Shepperd 1978). What it is off by is in the
-/// difference that a motion keeps.
+/// The axis times the angle, between 0 and π, of a matrix that nearly is a rotation (Shepperd 1978). What it is off by
+/// is in the difference that a motion keeps.
 fn rotation_vector(m: &[[f64; 3]; 3]) -> [f64; 3] {
     let trace = m[0][0] + m[1][1] + m[2][2];
     let squares = [trace, m[0][0], m[1][1], m[2][2]].map(|x| (1.0 + 2.0 * x - trace).max(0.0));

@@ -1,18 +1,18 @@
 //! What tells whether two simplices with four corners between them meet while the corners move along lines.
 //!
-//! Four points x₀..x₃ of a plane have an affine dependency, Σ λᵢ xᵢ = 0 with Σ λᵢ = 0, and seen along an axis across which
-//! the plane is not flat, λᵢ is the signed area of the triangle of the other three, signs alternating. Two simplices whose
-//! corners are these points meet exactly where the λ of one are of one sign and those of the other of the opposite sign
-//! (Radon 1921). So, with the sign turned for the corners of the second simplex, a time t is *not* a time of contact exactly
-//! where one of these holds:
+//! Four points x₀..x₃ of a plane have an affine dependency, Σ λᵢ xᵢ = 0 with Σ λᵢ = 0, and seen along an axis across
+//! which the plane is not flat, λᵢ is the signed area of the triangle of the other three, signs alternating. Two
+//! simplices whose corners are these points meet exactly where the λ of one are of one sign and those of the other of
+//! the opposite sign (Radon 1921). So, with the sign turned for the corners of the second simplex, a time t is *not* a
+//! time of contact exactly where one of these holds:
 //!
 //! - the volume of the four points, a cubic in t, is not zero;
 //! - along some axis two of the four areas, quadratics in t, are of strictly opposite signs;
 //! - along some axis all corners of one simplex are strictly beyond those of the other: differences, linear in t.
 //!
-//! The last is what is left where all four are on one line and every area is zero. Each of the three is strict, so it holds
-//! about t too, and it shows in the Bernstein coefficients of a short enough interval about t: halving intervals disproves
-//! contact in finitely many steps wherever there is none (docs/proof.md, L20).
+//! The last is what is left where all four are on one line and every area is zero. Each of the three is strict, so it
+//! holds about t too, and it shows in the Bernstein coefficients of a short enough interval about t: halving intervals
+//! disproves contact in finitely many steps wherever there is none (docs/proof.md, L20).
 
 use std::ops::{Add, Mul, Sub};
 
@@ -35,8 +35,8 @@ impl Split {
         }
     }
 
-    /// Whether the area of the face across from each corner is to be turned over: for the alternating sign, and once more
-    /// for the corners of the second simplex.
+    /// Whether the area of the face across from each corner is to be turned over: for the alternating sign, and once
+    /// more for the corners of the second simplex.
     fn turned(self) -> [bool; 4] {
         match self {
             Self::VertexFace => [false, false, true, false],
@@ -96,8 +96,8 @@ where
     [&to[0] - &from[0], &to[1] - &from[1], &to[2] - &from[2]]
 }
 
-/// The cross product of two vectors that are linear in t, each given at both ends: by the coefficients of (1-t)², (1-t)t
-/// and t².
+/// The cross product of two vectors that are linear in t, each given at both ends: by the coefficients of (1-t)²,
+/// (1-t)t and t².
 fn products<T>([u0, u1]: &[[T; 3]; 2], [v0, v1]: &[[T; 3]; 2]) -> [[T; 3]; 3]
 where
     for<'x> &'x T: Add<&'x T, Output = T> + Sub<&'x T, Output = T> + Mul<&'x T, Output = T>,

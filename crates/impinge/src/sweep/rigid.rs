@@ -1,16 +1,16 @@
 //! When two meshes that move rigidly first touch, by conservative advancement.
 //!
-//! Source: Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996, section 2.3; ours advances by a proved lower
-//! bound of the distance of the meshes, less what rounded poses are off by, over a proved upper bound of the speed of
-//! any two of their points towards each other.
+//! Source: Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996, section 2.3; ours advances by a
+//! proved lower bound of the distance of the meshes, less what rounded poses are off by, over a proved upper bound of
+//! the speed of any two of their points towards each other.
 
 use super::impact::Impact;
 use super::motion::Motion;
 use crate::mesh::{Mesh, Options};
 use crate::query::{WitnessCache, distance_with, intersects};
 
-/// Steps at most. Meshes that go for each other take one or two for each turn of a radian; those that pass each other closely take one
-/// for each gap's length of their way.
+/// Steps at most. Meshes that go for each other take one or two for each turn of a radian; those that pass each other
+/// closely take one for each gap's length of their way.
 const STEPS: usize = 1024;
 
 /// Meshes nearer than this share of their sizes count as touching where no more can be proved: 2^-38.
@@ -21,7 +21,8 @@ const VANISHING: f64 = 1e-150;
 
 /// When the surfaces of two meshes first touch while each moves rigidly.
 ///
-/// Meshes that touch or overlap at the start give 0; meshes that pass through each other between the start and the end are found.
+/// Meshes that touch or overlap at the start give 0; meshes that pass through each other between the start and the end
+/// are found.
 ///
 /// ```
 /// use impinge::sweep::{Motion, time_of_impact};
@@ -35,10 +36,9 @@ const VANISHING: f64 = 1e-150;
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 ///
-/// # Accuracy
-/// Nothing touches before `t_lower`, where the meshes are nearer to each other than 2^-37 of their sizes, or the steps were
-/// spent. `t_upper` is a time at which the meshes intersect where [`Motion::at`] places them; it is infinite where none was
-/// found, as when they graze each other.
+/// # Accuracy Nothing touches before `t_lower`, where the meshes are nearer to each other than 2^-37 of their sizes,
+/// or the steps were spent. `t_upper` is a time at which the meshes intersect where [`Motion::at`] places them; it is
+/// infinite where none was found, as when they graze each other.
 ///
 /// # Complexity
 /// A distance of the meshes for each step, from the witness of the step before; 1024 steps at most. A sum over the

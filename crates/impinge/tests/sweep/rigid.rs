@@ -80,8 +80,8 @@ fn n26_turning_rods_meet_at_the_angle_between_them() {
 
 #[test]
 fn n26_a_spin_in_place_is_found() {
-    // A square plate of half-side 1 turns about its own centre beside a wall: its corner reaches 1.2 at the angle whose cosine
-    // to the diagonal is 1.2 / √2.
+    // A square plate of half-side 1 turns about its own centre beside a wall: its corner reaches 1.2 at the angle
+    // whose cosine to the diagonal is 1.2 / √2.
     let plate = mesh(&solids::cuboid([-1.0, -1.0, -0.1], [1.0, 1.0, 0.1]));
     let wall = mesh(&solids::cuboid([1.2, -3.0, -1.0], [2.0, 3.0, 1.0]));
     let spin = Motion::screw(Pose::IDENTITY, [0.0; 3], [0.0, 0.0, 1.5], None).expect("rigid");
@@ -137,8 +137,8 @@ fn n20_motions_are_judged() {
     assert!(Motion::screw(stretched, [1.0; 3], [0.0; 3], None).is_ok());
 }
 
-/// Random motions of two bodies: at no sampled time before `t_lower` do they intersect, at `t_upper` they do, and where contact is
-/// disproved at none.
+/// Random motions of two bodies: at no sampled time before `t_lower` do they intersect, at `t_upper` they do, and
+/// where contact is disproved at none.
 #[test]
 fn random_motions_are_clear_until_they_hit() {
     let mut rng = Rng::new(6);
