@@ -8,6 +8,7 @@
 //! - [`oracle`] answers which triangles meet, slowly and exactly.
 
 pub mod cases;
+pub mod ccd;
 pub mod env_rob;
 pub mod generate;
 pub mod oracle;

@@ -12,6 +12,7 @@ pub mod query;
 pub mod shape;
 pub mod simd;
 pub mod storage;
+pub mod sweep;
 pub mod volume;
 
 pub use input::{InputError, InputErrorKind};

@@ -8,21 +8,24 @@
 //! - [`tight_box`]: the box of the exact images of points.
 //! - [`brute_force`] and [`grid`]: all meeting pairs of two meshes, by trying each, and for millions of triangles.
 //!
-//! Beside them, and in the same manner, [`minimal_sphere`] and [`squared_distance_of_hulls`].
+//! Beside them, and in the same manner, [`minimal_sphere`], [`squared_distance_of_hulls`] and [`first_contact`].
 
 mod boxes;
 mod certificate;
 mod clipping;
 mod extremes;
+mod first_contact;
 mod grid;
 mod integers;
 mod minimal_sphere;
 mod minimum_norm;
+mod polynomial;
 mod simplex;
 
 pub use boxes::WorldBox;
 pub use clipping::triangles_meet_by_clipping;
 pub use extremes::tight_box;
+pub use first_contact::{Root, first_contact};
 pub use grid::grid;
 pub use minimal_sphere::{LeastSphere, minimal_sphere};
 pub use minimum_norm::squared_distance_of_hulls;

@@ -1,0 +1,268 @@
+//! Surfaces whose vertices move along lines, and every pair of features of theirs that touches on the way.
+//!
+//! Triangles that do not touch at the start first touch in a vertex and a face or in two edges. A pair of features can
+//! touch only where the boxes of both over the whole motion overlap, and those are within the boxes of any face that
+//! they belong to. So pairs of faces are found by a tree of boxes, and each vertex and each edge is asked about with
+//! one face alone.
+//!
+//! Source: Curtis, Tamstorf, Manocha, *Fast Collision Detection for Deformable Models using Representative-Triangles*,
+//! I3D 2008.
+
+use rayon::prelude::*;
+
+use super::impact::Impact;
+use super::linear::first_contact;
+use super::polynomials::Split;
+use crate::hierarchy::{Builder, Enclosure, GenericTree};
+use crate::input::{InputError, InputErrorKind};
+use crate::math::Pose;
+use crate::volume::Aabb;
+
+/// Coordinates are at most this, 2^126, so that boxes about them are finite in single precision.
+const LIMIT: f64 = (1_u128 << 126) as f64;
+
+/// Triangles whose vertices move evenly along lines, from one array of positions to another; all in one frame.
+#[derive(Debug)]
+pub struct Deforming<'m> {
+    faces: &'m [[u32; 3]],
+    t0: &'m [[f64; 3]],
+    t1: &'m [[f64; 3]],
+    /// For each face, which of its vertices (bits 0 to 2) and of its edges (bits 3 to 5) it stands for: those of which
+    /// it is the first face.
+    stands_for: Vec<u8>,
+    /// Of the faces' boxes over the whole motion.
+    tree: GenericTree<Aabb, 8>,
+}
+
+/// Two features that touch. Faces and vertices are rows of what was given, edges the rows of their ends, the lesser
+/// first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Features {
+    /// A vertex of the first surface and a face of the second.
+    VertexFace {
+        /// The vertex.
+        vertex: u32,
+        /// The face.
+        face: u32,
+    },
+    /// A face of the first surface and a vertex of the second.
+    FaceVertex {
+        /// The face.
+        face: u32,
+        /// The vertex.
+        vertex: u32,
+    },
+    /// An edge of each.
+    EdgeEdge {
+        /// The edge of the first surface.
+        edge_a: [u32; 2],
+        /// The edge of the second surface.
+        edge_b: [u32; 2],
+    },
+}
+
+/// Two features and when they first touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SweptContact {
+    /// What touches.
+    pub features: Features,
+    /// When; a contact that is not decided is listed too.
+    pub impact: Impact,
+}
+
+impl<'m> Deforming<'m> {
+    /// Judges the arrays and builds the tree.
+    ///
+    /// # Errors A coordinate that is not finite or above 2^126, rows at the end being counted on from those at the
+    /// start; an index without a vertex at both ends; more vertices or faces than can be numbered.
+    ///
+    /// # Complexity
+    /// O(n log n).
+    pub fn new(faces: &'m [[u32; 3]], t0: &'m [[f64; 3]], t1: &'m [[f64; 3]]) -> Result<Self, InputError> {
+        judge(faces, t0, t1)?;
+        let corners = |face: u32| faces[face as usize].map(|vertex| vertex as usize);
+        let swept = |face: u32| corners(face).into_iter().flat_map(|vertex| [t0[vertex], t1[vertex]]);
+        let boxes: Vec<Aabb> = (0..faces.len() as u32)
+            .into_par_iter()
+            .map(|face| {
+                let single = |point: [f64; 3]| Aabb::of_points([point.map(|x| x as f32)]);
+                swept(face).map(single).fold(Aabb::EMPTY, Aabb::union).next_outward()
+            })
+            .collect();
+        let binary = Builder::Morton.build(&boxes);
+        let points_of = |face: u32, points: &mut Vec<[f64; 3]>| points.extend(swept(face));
+        let tree = GenericTree::new(&binary, points_of, Enclosure::Layered);
+        // Finite points always have a box.
+        let tree = tree.ok_or_else(|| InputError::new(InputErrorKind::Empty { what: "points" }))?;
+        Ok(Self { faces, t0, t1, stands_for: stands_for(faces), tree })
+    }
+
+    /// Every pair of a vertex and a face, or of two edges, of this and of another surface that touch, sorted, without
+    /// duplicates.
+    ///
+    /// ```
+    /// use impinge::sweep::{Deforming, Features};
+    ///
+    /// let faces = [[0, 1, 2]];
+    /// let ground = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+    /// let (above, below) = (
+    ///     [[1.0, 1.0, 1.0], [1.0, 9.0, 9.0], [2.0, 9.0, 9.0]],
+    ///     [[1.0, 1.0, -1.0], [1.0, 9.0, 9.0], [2.0, 9.0, 9.0]],
+    /// );
+    /// let ground = Deforming::new(&faces, &ground, &ground)?;
+    /// let contacts = Deforming::new(&faces, &above, &below)?.contacts(&ground);
+    /// assert!(contacts.iter().any(|contact| contact.features == Features::VertexFace { vertex: 0, face: 0 }));
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    ///
+    /// # Accuracy That of [`vertex_face`](super::vertex_face): none is missed, and what is listed touches, unless its
+    /// impact is not decided.
+    ///
+    /// # Complexity
+    /// Grows with the pairs of faces whose boxes over the whole motion overlap, on all cores of the current rayon pool.
+    #[must_use]
+    pub fn contacts(&self, other: &Deforming<'_>) -> Vec<SweptContact> {
+        let mut pairs = Vec::new();
+        self.tree.pairs(&other.tree, &Pose::IDENTITY, |a, b| pairs.push([a, b]));
+        sorted(pairs.into_par_iter().flat_map_iter(|[a, b]| {
+            let mut found = Vec::new();
+            for vertex in self.vertices_of(a) {
+                let impact = vertex_against(self, vertex, other, b);
+                list(&mut found, Features::VertexFace { vertex, face: b }, impact);
+            }
+            for vertex in other.vertices_of(b) {
+                let impact = vertex_against(other, vertex, self, a);
+                list(&mut found, Features::FaceVertex { face: a, vertex }, impact);
+            }
+            for edge_a in self.edges_of(a) {
+                for edge_b in other.edges_of(b) {
+                    let impact = edges_against(self, edge_a, other, edge_b);
+                    list(&mut found, Features::EdgeEdge { edge_a, edge_b }, impact);
+                }
+            }
+            found
+        }))
+    }
+
+    /// Every pair of a vertex and a face, or of two edges, of this surface that have no vertex in common and touch,
+    /// sorted, without duplicates; of two edges the lesser comes first.
+    ///
+    /// # Accuracy
+    /// As [`contacts`](Self::contacts), and so is the complexity.
+    #[must_use]
+    pub fn self_contacts(&self) -> Vec<SweptContact> {
+        let mut pairs = Vec::new();
+        self.tree.self_pairs(|a, b| pairs.push([a, b]));
+        sorted(pairs.into_par_iter().flat_map_iter(|[a, b]| {
+            let mut found = Vec::new();
+            for (own, face) in [(a, b), (b, a)] {
+                for vertex in self.vertices_of(own).filter(|vertex| !self.faces[face as usize].contains(vertex)) {
+                    let impact = vertex_against(self, vertex, self, face);
+                    list(&mut found, Features::VertexFace { vertex, face }, impact);
+                }
+            }
+            for one in self.edges_of(a) {
+                for other in self.edges_of(b).filter(|other| !other.iter().any(|end| one.contains(end))) {
+                    let (edge_a, edge_b) = (one.min(other), one.max(other));
+                    list(&mut found, Features::EdgeEdge { edge_a, edge_b }, edges_against(self, edge_a, self, edge_b));
+                }
+            }
+            found
+        }))
+    }
+
+    /// The vertices that a face stands for.
+    fn vertices_of(&self, face: u32) -> impl Iterator<Item = u32> {
+        let (bits, vertices) = (self.stands_for[face as usize], self.faces[face as usize]);
+        (0..3).filter(move |k| bits >> k & 1 == 1).map(move |k| vertices[k])
+    }
+
+    /// The edges that a face stands for.
+    fn edges_of(&self, face: u32) -> impl Iterator<Item = [u32; 2]> {
+        let (bits, vertices) = (self.stands_for[face as usize], self.faces[face as usize]);
+        (0..3).filter(move |k| bits >> (3 + k) & 1 == 1).map(move |k| edge(&vertices, k))
+    }
+
+    /// Positions at both ends of the motion.
+    fn ends(&self, vertex: u32) -> [[f64; 3]; 2] {
+        [self.t0[vertex as usize], self.t1[vertex as usize]]
+    }
+}
+
+fn vertex_against(of: &Deforming<'_>, vertex: u32, other: &Deforming<'_>, face: u32) -> Impact {
+    let [p, q, r] = other.faces[face as usize].map(|corner| other.ends(corner));
+    contact([of.ends(vertex), p, q, r], Split::VertexFace)
+}
+
+fn edges_against(of: &Deforming<'_>, a: [u32; 2], other: &Deforming<'_>, b: [u32; 2]) -> Impact {
+    contact([of.ends(a[0]), of.ends(a[1]), other.ends(b[0]), other.ends(b[1])], Split::EdgeEdge)
+}
+
+fn contact(corners: [[[f64; 3]; 2]; 4], split: Split) -> Impact {
+    first_contact(&corners.map(|[start, _]| start), &corners.map(|[_, end]| end), split)
+}
+
+fn list(found: &mut Vec<SweptContact>, features: Features, impact: Impact) {
+    if impact.hit() {
+        found.push(SweptContact { features, impact });
+    }
+}
+
+fn sorted(found: impl ParallelIterator<Item = SweptContact>) -> Vec<SweptContact> {
+    let mut found: Vec<_> = found.collect();
+    found.par_sort_unstable_by_key(|contact| contact.features);
+    found
+}
+
+/// An edge of a face, the lesser vertex first.
+fn edge(vertices: &[u32; 3], k: usize) -> [u32; 2] {
+    let (a, b) = (vertices[k], vertices[(k + 1) % 3]);
+    [a.min(b), a.max(b)]
+}
+
+/// Bits as [`Deforming`] keeps them. An edge from a vertex to itself is nobody's.
+fn stands_for(faces: &[[u32; 3]]) -> Vec<u8> {
+    let mut features: Vec<([u32; 2], u32, u8)> = Vec::with_capacity(6 * faces.len());
+    for (face, vertices) in (0..).zip(faces) {
+        for k in 0..3 {
+            // A vertex is written as an edge to itself.
+            features.push(([vertices[k]; 2], face, k as u8));
+            let edge = edge(vertices, k);
+            if edge[0] != edge[1] {
+                features.push((edge, face, 3 + k as u8));
+            }
+        }
+    }
+    features.par_sort_unstable();
+    features.dedup_by_key(|(vertices, ..)| *vertices);
+    let mut bits = vec![0; faces.len()];
+    for (_, face, bit) in features {
+        bits[face as usize] |= 1 << bit;
+    }
+    bits
+}
+
+fn judge(faces: &[[u32; 3]], t0: &[[f64; 3]], t1: &[[f64; 3]]) -> Result<(), InputError> {
+    let too_many = |what, count| Err(InputError::new(InputErrorKind::TooMany { what, count }));
+    if t0.len() > u32::MAX as usize {
+        return too_many("vertices", t0.len());
+    }
+    if faces.len() > u32::MAX as usize >> 3 {
+        return too_many("faces", faces.len());
+    }
+    for (index, row) in t0.iter().chain(t1).enumerate() {
+        if !row.iter().all(|x| x.is_finite()) {
+            return Err(InputError::new(InputErrorKind::NonFinite { what: "vertex", index }));
+        }
+        if !row.iter().all(|x| x.abs() <= LIMIT) {
+            return Err(InputError::new(InputErrorKind::OutOfRange { what: "vertex", index, limit: "2^126" }));
+        }
+    }
+    let len = t0.len().min(t1.len());
+    for (face, vertices) in faces.iter().enumerate() {
+        if let Some(&index) = vertices.iter().find(|&&vertex| vertex as usize >= len) {
+            return Err(InputError::new(InputErrorKind::IndexOutOfBounds { face, index, len }));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,216 @@
+//! Contact judged over short intervals in exact arithmetic, where doubles cannot tell.
+
+use super::floats::Judgement;
+use super::impact::Impact;
+use super::linear::{MEETS_LEVEL, Span};
+use super::polynomials::{Polynomials, Split};
+use crate::math::Sign::{self, Negative, Positive, Zero};
+use crate::math::dyadic::Dyadic;
+
+/// How often the motion is halved at most. Contact that is missed by less than what 2^-96 of the motion changes is not
+/// told from contact; more costs time for those that touch without crossing at a time that is no binary fraction.
+const DEEPEST: u32 = 96;
+
+/// What it costs to take up an interval in the middle of the motion, in those that come from halving.
+const FRESH_WORK: u32 = 16;
+
+/// The corners as exact numbers.
+pub(super) struct Exact {
+    polynomials: Polynomials<Dyadic>,
+    /// By axis, the differences between corners of one simplex and the other, at both ends of the motion.
+    differences: [Vec<[Dyadic; 2]>; 3],
+}
+
+/// Polynomials over one interval, by positive multiples of their Bernstein coefficients.
+struct Node {
+    span: Span,
+    polynomials: Polynomials<Dyadic>,
+}
+
+impl Exact {
+    pub(super) fn new(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4], split: Split) -> Self {
+        let [start, end] = [t0, t1].map(|corners| corners.map(|corner| corner.map(Dyadic::from_f64)));
+        let first = split.first();
+        let differences = [0, 1, 2].map(|axis| {
+            let pairs = (0..first).flat_map(|i| (first..4).map(move |j| (i, j)));
+            pairs.map(|(i, j)| [&start, &end].map(|corners| &corners[i][axis] - &corners[j][axis])).collect()
+        });
+        Self { polynomials: Polynomials::new(&start, &end, split), differences }
+    }
+
+    /// The polynomials, each divided by the sum of its coefficients' magnitudes, which leaves signs as they are, and then
+    /// every coefficient rounded to the nearest float.
+    pub(super) fn rounded(&self) -> Polynomials<f64> {
+        let Polynomials { volume, areas } = &self.polynomials;
+        Polynomials { volume: normalised(volume), areas: areas.each_ref().map(|axis| axis.each_ref().map(normalised)) }
+    }
+
+    /// The first contact within `span`; nothing where it is disproved there.
+    ///
+    /// Takes one of `work` for each interval that is looked at; with none left, the answer is the safe one.
+    pub(super) fn first_contact(&self, span: Span, work: &mut u32) -> Option<Impact> {
+        *work = work.saturating_sub(FRESH_WORK);
+        let mut stack = vec![self.node(span)];
+        while let Some(node) = stack.pop() {
+            let span = node.span;
+            let undecided = Impact { t_lower: span.low(), t_upper: f64::INFINITY };
+            if *work == 0 {
+                return Some(undecided);
+            }
+            *work -= 1;
+            let judgement = self.judge(&node);
+            if judgement == Judgement::Apart {
+                continue;
+            }
+            if self.touches_at_start(&node) {
+                return Some(Impact { t_lower: span.low(), t_upper: span.low_above() });
+            }
+            if span.level >= MEETS_LEVEL {
+                if judgement == Judgement::Meets || self.touches_at_end(&node) {
+                    return Some(Impact { t_lower: span.low(), t_upper: span.high() });
+                }
+                if span.level >= DEEPEST {
+                    return Some(undecided);
+                }
+            }
+            let [left, right] = node.halves();
+            stack.push(right);
+            stack.push(left);
+        }
+        None
+    }
+
+    fn node(&self, span: Span) -> Node {
+        let [low, high] = [span.index, span.index + 1].map(|index| exact_time(index, span.level));
+        let one = Dyadic::from_f64(1.0);
+        let mix = |x: &Dyadic, y: &Dyadic, t: &Dyadic| &(x * &(&one - t)) + &(y * t);
+        let halve =
+            |c: &[Dyadic], t: &Dyadic| -> Vec<Dyadic> { c.windows(2).map(|pair| mix(&pair[0], &pair[1], t)).collect() };
+        // The value of the polar form at `low` so often and at `high` for the rest.
+        let polar = |c: &[Dyadic], at_low: usize| {
+            let mut c = c.to_vec();
+            while c.len() > 1 {
+                c = halve(&c, if c.len() > at_low + 1 { &high } else { &low });
+            }
+            c.swap_remove(0)
+        };
+        let volume = [3, 2, 1, 0].map(|at_low| polar(&self.polynomials.volume, at_low));
+        let areas = self
+            .polynomials
+            .areas
+            .each_ref()
+            .map(|areas| areas.each_ref().map(|area| [2, 1, 0].map(|at_low| polar(area, at_low))));
+        Node { span, polynomials: Polynomials { volume, areas } }
+    }
+
+    fn judge(&self, node: &Node) -> Judgement {
+        let Polynomials { volume, areas } = &node.polynomials;
+        if common_sign(volume).is_some() {
+            return Judgement::Apart;
+        }
+        let mut is_inside = false;
+        for axis in areas {
+            let signs = axis.each_ref().map(common_sign);
+            if signs.contains(&Some(Positive)) && signs.contains(&Some(Negative)) {
+                return Judgement::Apart;
+            }
+            is_inside |= !signs.contains(&None);
+        }
+        if is_inside {
+            let crosses = volume[0].sign() != Zero && volume[0].sign() == -volume[3].sign();
+            return if crosses { Judgement::Meets } else { Judgement::Open };
+        }
+        if self.are_separated(&[node.span.index, node.span.index + 1], node.span.level) {
+            return Judgement::Apart;
+        }
+        Judgement::Open
+    }
+
+    fn touches_at_start(&self, node: &Node) -> bool {
+        let Polynomials { volume, areas } = &node.polynomials;
+        volume[0].sign() == Zero
+            && areas.iter().all(|axis| agree(axis.each_ref().map(|area| area[0].sign())))
+            && !self.are_separated(&[node.span.index], node.span.level)
+    }
+
+    fn touches_at_end(&self, node: &Node) -> bool {
+        let Polynomials { volume, areas } = &node.polynomials;
+        volume[3].sign() == Zero
+            && areas.iter().all(|axis| agree(axis.each_ref().map(|area| area[2].sign())))
+            && !self.are_separated(&[node.span.index + 1], node.span.level)
+    }
+
+    /// Whether the corners of one simplex are beyond those of the other along some axis, at all of some times that are
+    /// so many `2^-level`.
+    fn are_separated(&self, times: &[u128], level: u32) -> bool {
+        let one = Dyadic::from_f64(1.0);
+        let times: Vec<Dyadic> = times.iter().map(|&index| exact_time(index, level)).collect();
+        self.differences.iter().any(|pairs| {
+            let mut signs = pairs.iter().flat_map(|[start, end]| {
+                times.iter().map(|t| (&(start * &(&one - t)) + &(end * t)).sign()).collect::<Vec<_>>()
+            });
+            let first = signs.next().unwrap_or(Zero);
+            first != Zero && signs.all(|sign| sign == first)
+        })
+    }
+}
+
+impl Node {
+    fn halves(self) -> [Self; 2] {
+        let Polynomials { volume: [a, b, c, d], areas } = self.polynomials;
+        let sum = |x: &Dyadic, y: &Dyadic| x + y;
+        let twice = |x: &Dyadic| x + x;
+        let (ab, bc, cd) = (sum(&a, &b), sum(&b, &c), sum(&c, &d));
+        let (abc, bcd) = (sum(&ab, &bc), sum(&bc, &cd));
+        let middle = sum(&abc, &bcd);
+        let eightfold = |x: &Dyadic| twice(&twice(&twice(x)));
+        let fourfold = |x: &Dyadic| twice(&twice(x));
+        let volumes = [
+            [eightfold(&a), fourfold(&ab), twice(&abc), middle.clone()],
+            [middle, twice(&bcd), fourfold(&cd), eightfold(&d)],
+        ];
+        let areas = areas.map(|axis| {
+            axis.map(|[a, b, c]| {
+                let (ab, bc) = (sum(&a, &b), sum(&b, &c));
+                let middle = sum(&ab, &bc);
+                ([fourfold(&a), twice(&ab), middle.clone()], [middle, twice(&bc), fourfold(&c)])
+            })
+        });
+        let [left, right] = volumes;
+        let lefts = areas.each_ref().map(|axis| axis.each_ref().map(|(left, _)| left.clone()));
+        let rights = areas.map(|axis| axis.map(|(_, right)| right));
+        let [left_span, right_span] = self.span.halves();
+        [
+            Self { span: left_span, polynomials: Polynomials { volume: left, areas: lefts } },
+            Self { span: right_span, polynomials: Polynomials { volume: right, areas: rights } },
+        ]
+    }
+}
+
+fn normalised<const N: usize>(coefficients: &[Dyadic; N]) -> [f64; N] {
+    let sum = coefficients.iter().fold(Dyadic::ZERO, |sum, x| if x.sign() == Negative { &sum - x } else { &sum + x });
+    if sum.sign() == Zero {
+        return [0.0; N];
+    }
+    coefficients.each_ref().map(|x| Dyadic::nearest_quotient(x, &sum))
+}
+
+/// `index / 2^level`.
+fn exact_time(index: u128, level: u32) -> Dyadic {
+    // No index has more than 97 bits: both parts are exact.
+    let (high, low) = ((index >> 50) as f64, (index & ((1 << 50) - 1)) as f64);
+    let step = f64::from_bits(u64::from(1023 - level) << 52);
+    let fifty = (1_u64 << 50) as f64;
+    &Dyadic::product(high, step * fifty) + &Dyadic::product(low, step)
+}
+
+/// The sign of all of some numbers, where it is one and not zero.
+fn common_sign<const N: usize>(values: &[Dyadic; N]) -> Option<Sign> {
+    let sign = values[0].sign();
+    (sign != Zero && values.iter().all(|x| x.sign() == sign)).then_some(sign)
+}
+
+/// Whether no two of some signs are opposite.
+fn agree(signs: [Sign; 4]) -> bool {
+    !(signs.contains(&Positive) && signs.contains(&Negative))
+}

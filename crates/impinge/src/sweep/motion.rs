@@ -1,0 +1,278 @@
+//! A rigid motion over the time from 0 to 1: a screw, or what joins two poses.
+//!
+//! The sine and cosine of the platform take no part: a turn is a quaternion of a small angle, by its series, squared
+//! as often as the angle was halved.
+
+use crate::input::{InputError, InputErrorKind};
+use crate::math::Pose;
+use crate::math::arctangent::angle;
+
+/// The greatest Frobenius norm of RᵀR - I that passes for rigid, as for round shapes.
+const RIGID: f64 = 1e-4;
+
+/// The largest magnitude of an entry of a velocity or a pivot, that of a translation.
+const LIMIT: f64 = f64::from_bits((1023 + 300) << 52);
+
+/// The fastest turn, in radians: 2^20. An error of the angle grows with it.
+const ANGULAR_LIMIT: f64 = (1 << 20) as f64;
+
+const UNIT: f64 = 0.5 * f64::EPSILON;
+
+/// Where a rigid body is at each time from 0 to 1.
+///
+/// With P₀ the first pose, p the pivot, l the linear and w the angular velocity, all of them the reals that the floats
+/// are, a point v of the body is at time t at `p + l t + exp(t [w]) (P₀ v - p) + t D v`: D is zero for a screw, and
+/// for a motion between two poses it is what the linear part of the second differs by from the turn of the first,
+/// which is no more than rounding or the first's deviation from a rotation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    world_from_body_t0: Pose,
+    linear: [f64; 3],
+    angular: [f64; 3],
+    pivot: [f64; 3],
+    /// D, rounded.
+    difference: [[f64; 3]; 3],
+}
+
+impl Motion {
+    /// A body that rests.
+    #[must_use]
+    pub fn resting(world_from_body: Pose) -> Self {
+        let pivot = *world_from_body.translation();
+        Self {
+            world_from_body_t0: world_from_body,
+            linear: [0.0; 3],
+            angular: [0.0; 3],
+            pivot,
+            difference: [[0.0; 3]; 3],
+        }
+    }
+
+    /// From one pose to another: the origin of the body's frame moves evenly along a line, and the body turns evenly
+    /// about it by the least angle. Poses with equal linear parts need not be rigid, as nothing turns then.
+    ///
+    /// ```
+    /// use impinge::Pose;
+    /// use impinge::sweep::Motion;
+    ///
+    /// let quarter = Pose::from_quaternion_wxyz([2.0, 0.0, 0.0], [0.5_f64.sqrt(), 0.0, 0.0, 0.5_f64.sqrt()])?;
+    /// let motion = Motion::between(Pose::IDENTITY, quarter)?;
+    /// let [x, y, _] = motion.at(0.5).apply([1.0, 0.0, 0.0]);
+    /// assert!((x - 1.0 - 0.5_f64.sqrt()).abs() < 1e-12 && (y - 0.5_f64.sqrt()).abs() < 1e-12);
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`NotRigid`](InputErrorKind::NotRigid) where the linear parts differ and one is off a rotation by more than
+    /// 1e-4, or one mirrors and the other does not.
+    pub fn between(world_from_body_t0: Pose, world_from_body_t1: Pose) -> Result<Self, InputError> {
+        let (from, to) = (world_from_body_t0.linear(), world_from_body_t1.linear());
+        let (start, end) = (world_from_body_t0.translation(), world_from_body_t1.translation());
+        let linear = [0, 1, 2].map(|k| end[k] - start[k]);
+        let resting = Self { linear, ..Self::resting(world_from_body_t0) };
+        if from == to {
+            return Ok(resting);
+        }
+        let deviation = deviation(from).max(deviation(to));
+        if deviation > RIGID {
+            return Err(InputError::new(InputErrorKind::NotRigid { deviation }));
+        }
+        if world_from_body_t0.mirrors() != world_from_body_t1.mirrors() {
+            let kind = InputErrorKind::NotRigid { deviation: 2.0 };
+            return Err(InputError::new(kind).with_hint("one pose mirrors and the other does not"));
+        }
+        let turn = [0, 1, 2].map(|i| [0, 1, 2].map(|j| (0..3).map(|k| to[i][k] * from[j][k]).sum::<f64>()));
+        let turning = Self { angular: rotation_vector(&turn), ..resting };
+        let turned = product(&turning.rotation(1.0), from);
+        let difference = [0, 1, 2].map(|i| [0, 1, 2].map(|j| to[i][j] - turned[i][j]));
+        Ok(Self { difference, ..turning })
+    }
+
+    /// A screw: the body turns about an axis through `pivot`, evenly by the vector `angular` in radians over the whole
+    /// time, any number of turns, while the pivot moves evenly by `linear`; all in the world frame. Without a pivot
+    /// that is the origin of the body's frame.
+    ///
+    /// # Errors
+    /// [`NonFinite`](InputErrorKind::NonFinite), [`OutOfRange`](InputErrorKind::OutOfRange) beyond 2^20 radians or
+    /// 2^300 units;
+    /// [`NotRigid`](InputErrorKind::NotRigid) where the body turns and the pose is off a rotation by more than 1e-4.
+    pub fn screw(
+        world_from_body_t0: Pose,
+        linear: [f64; 3],
+        angular: [f64; 3],
+        pivot: Option<[f64; 3]>,
+    ) -> Result<Self, InputError> {
+        let pivot = pivot.unwrap_or(*world_from_body_t0.translation());
+        let rows = [
+            ("linear velocity", linear, LIMIT, "2^300"),
+            ("angular velocity", angular, ANGULAR_LIMIT, "2^20"),
+            ("pivot", pivot, LIMIT, "2^300"),
+        ];
+        for (what, row, most, limit) in rows {
+            for (index, x) in row.into_iter().enumerate() {
+                if !x.is_finite() {
+                    return Err(InputError::new(InputErrorKind::NonFinite { what, index }));
+                }
+                if x.abs() > most {
+                    return Err(InputError::new(InputErrorKind::OutOfRange { what, index, limit }));
+                }
+            }
+        }
+        let deviation = deviation(world_from_body_t0.linear());
+        if angular != [0.0; 3] && deviation > RIGID {
+            return Err(InputError::new(InputErrorKind::NotRigid { deviation }));
+        }
+        Ok(Self { linear, angular, pivot, ..Self::resting(world_from_body_t0) })
+    }
+
+    /// The pose at a time from 0 to 1, rounded; exactly the first pose at 0. Times outside are taken as the nearer end.
+    ///
+    /// # Accuracy
+    /// Some 1e-15 of the distances from pivot and origin for each radian.
+    #[must_use]
+    pub fn at(&self, t: f64) -> Pose {
+        let start = &self.world_from_body_t0;
+        let t = if t > 0.0 { t.min(1.0) } else { return *start };
+        let turned = self.rotation(t);
+        let linear = product(&turned, start.linear());
+        let linear = [0, 1, 2].map(|i| [0, 1, 2].map(|j| linear[i][j] + t * self.difference[i][j]));
+        let arm = [0, 1, 2].map(|k| start.translation()[k] - self.pivot[k]);
+        let translation = [0, 1, 2].map(|k| {
+            let moved = turned[k][0] * arm[0] + turned[k][1] * arm[1] + turned[k][2] * arm[2];
+            moved + (self.pivot[k] + t * self.linear[k])
+        });
+        // A pose that nearly is a rotation is invertible, and where nothing turns the linear part is the first one's; a
+        // translation beyond the range of poses stays at its limit, where nothing is near anything.
+        let within = translation.map(|x| x.clamp(-LIMIT, LIMIT));
+        Pose::new(linear, within).unwrap_or(*start)
+    }
+
+    /// The velocity of the pivot.
+    pub(super) fn linear(&self) -> [f64; 3] {
+        self.linear
+    }
+
+    /// No less than the speed, at any time, of any of some points of the body, apart from the velocity of the pivot.
+    pub(super) fn turning_speed(&self, points: impl Iterator<Item = [f64; 3]>) -> f64 {
+        if self.angular == [0.0; 3] {
+            return 0.0;
+        }
+        let [x, y, z] = self.angular;
+        let (mut squared, mut reach) = (0.0_f64, 0.0_f64);
+        for point in points {
+            reach = reach.max(length(point));
+            let arm = self.world_from_body_t0.apply(point);
+            let [u, v, w] = [0, 1, 2].map(|k| arm[k] - self.pivot[k]);
+            let velocity = [y * w - z * v, z * u - x * w, x * v - y * u];
+            squared = squared.max(velocity.iter().map(|x| x * x).sum());
+        }
+        // Images are off by 8 u of what they are summed up from, and products by as much again.
+        let sizes = 2.0 * reach + length(*self.world_from_body_t0.translation()) + length(self.pivot);
+        let rounding = 64.0 * UNIT * length(self.angular) * sizes;
+        let difference = length(self.difference.map(length)) + self.rotation_error();
+        // The last is for squares that vanish; it is not zero, as the body does not rest.
+        (squared.sqrt() + rounding + difference * reach) * (1.0 + 1e-12) + 1e-150
+    }
+
+    /// No less than what the image of a point, no farther than `reach` from the body's origin, under [`at`](Self::at)
+    /// is off by, at any time but zero.
+    pub(super) fn error(&self, reach: f64) -> f64 {
+        let start = self.world_from_body_t0.translation();
+        let stretch = length(self.world_from_body_t0.linear().map(length));
+        let arm = length([0, 1, 2].map(|k| start[k] - self.pivot[k]));
+        let sizes = length(*start) + length(self.pivot) + length(self.linear) + stretch * reach;
+        let turning = if self.angular == [0.0; 3] { 0.0 } else { self.rotation_error() };
+        ((turning + 32.0 * UNIT) * (arm + 3.0 * stretch * reach) + 32.0 * UNIT * sizes) * (1.0 + 1e-12)
+    }
+
+    /// No less than the operator norm by which [`rotation`](Self::rotation) is off.
+    ///
+    /// The quaternion of the smallest angle is off by 16 u at most, the halved product of time and velocity, the
+    /// series and their product together. Each squaring doubles that and adds less than 8 u: after k of them there are
+    /// 2^k · 24 u, with 2^k at most 8 |w| + 1, which turn the matrix by four times as much; its own rounding is below
+    /// 40 u.
+    fn rotation_error(&self) -> f64 {
+        UNIT * (160.0 + 800.0 * length(self.angular))
+    }
+
+    /// exp(t [w]), rounded.
+    fn rotation(&self, t: f64) -> [[f64; 3]; 3] {
+        if self.angular == [0.0; 3] {
+            return *Pose::IDENTITY.linear();
+        }
+        let mut half = self.angular.map(|x| 0.5 * (t * x));
+        let mut squarings = 0;
+        while length(half) > 0.125 {
+            half = half.map(|x| 0.5 * x);
+            squarings += 1;
+        }
+        let z = half.iter().map(|x| x * x).sum::<f64>();
+        let series = |terms: [f64; 6]| terms.iter().fold(1.0, |sum, n| 1.0 - z / n * sum);
+        // 1 - z/2! + z²/4! … and 1 - z/3! + z²/5! …, which leave out less than 2^-80.
+        let mut w = series([132.0, 90.0, 56.0, 30.0, 12.0, 2.0]);
+        let over = series([156.0, 110.0, 72.0, 42.0, 20.0, 6.0]);
+        let mut v = half.map(|x| over * x);
+        for _ in 0..squarings {
+            let square = v.iter().map(|x| x * x).sum::<f64>();
+            v = v.map(|x| 2.0 * w * x);
+            w = w * w - square;
+        }
+        let [x, y, z] = v;
+        let (ww, xx, yy, zz) = (w * w, x * x, y * y, z * z);
+        let squared_length = ww + xx + yy + zz;
+        [
+            [ww + xx - yy - zz, 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+            [2.0 * (x * y + w * z), ww - xx + yy - zz, 2.0 * (y * z - w * x)],
+            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), ww - xx - yy + zz],
+        ]
+        .map(|row| row.map(|entry| entry / squared_length))
+    }
+}
+
+impl Default for Motion {
+    /// A body that rests where its frame is the world.
+    fn default() -> Self {
+        Self::resting(Pose::IDENTITY)
+    }
+}
+
+/// The axis times the angle, between 0 and π, of a matrix that nearly is a rotation (Shepperd 1978). What it is off by
+/// is in the difference that a motion keeps.
+fn rotation_vector(m: &[[f64; 3]; 3]) -> [f64; 3] {
+    let trace = m[0][0] + m[1][1] + m[2][2];
+    let squares = [trace, m[0][0], m[1][1], m[2][2]].map(|x| (1.0 + 2.0 * x - trace).max(0.0));
+    let largest = (0..4).fold(0, |best, k| if squares[k] > squares[best] { k } else { best });
+    let [a, b, c] = [m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]];
+    let [d, e, f] = [m[0][1] + m[1][0], m[1][2] + m[2][1], m[2][0] + m[0][2]];
+    let s = squares[largest];
+    let [w, v @ ..] = match largest {
+        0 => [s, a, b, c],
+        1 => [a, s, d, f],
+        2 => [b, d, s, e],
+        _ => [c, f, e, s],
+    };
+    let sine = length(v);
+    if sine == 0.0 {
+        return [0.0; 3];
+    }
+    let (w, v) = if w < 0.0 { (-w, v.map(|x| -x)) } else { (w, v) };
+    let factor = 2.0 * angle(w, sine) / sine;
+    v.map(|x| factor * x)
+}
+
+/// The Frobenius norm of RᵀR - I.
+fn deviation(m: &[[f64; 3]; 3]) -> f64 {
+    let entry = |i: usize, j: usize| m.iter().map(|row| row[i] * row[j]).sum::<f64>() - f64::from(u8::from(i == j));
+    let squares = (0..9).map(|k| entry(k / 3, k % 3).powi(2)).sum::<f64>();
+    squares.sqrt()
+}
+
+fn product(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j]))
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    // Scaled, so that no square overflows or vanishes.
+    let largest = v.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    if largest == 0.0 { 0.0 } else { largest * v.iter().map(|x| (x / largest) * (x / largest)).sum::<f64>().sqrt() }
+}

@@ -1,0 +1,202 @@
+//! Four moving corners against exact times: on grids, in planes, on lines, without motion, touching at the start or at
+//! the end, and missing each other by a unit in the last place.
+
+use std::cmp::Ordering;
+
+use impinge::InputErrorKind;
+use impinge::sweep::{Impact, edge_edge, vertex_face};
+use impinge_testkit::ccd::QueryKind;
+use impinge_testkit::generate::Rng;
+use impinge_testkit::oracle::first_contact;
+
+type Corners = [[f64; 3]; 4];
+
+const KINDS: [QueryKind; 2] = [QueryKind::VertexFace, QueryKind::EdgeEdge];
+
+fn answer(kind: QueryKind, t0: &Corners, t1: &Corners) -> Impact {
+    match kind {
+        QueryKind::VertexFace => vertex_face(t0, t1).expect("in range"),
+        QueryKind::EdgeEdge => edge_edge(t0, t1).expect("in range"),
+    }
+}
+
+/// What a run of queries came to.
+#[derive(Debug, Default)]
+struct Counts {
+    touching: usize,
+    at_start: usize,
+    at_end: usize,
+    undecided: usize,
+    alarms: usize,
+    widest: f64,
+}
+
+impl Counts {
+    /// Asserts that the answer holds the exact time.
+    fn check(&mut self, kind: QueryKind, t0: &Corners, t1: &Corners) {
+        let impact = answer(kind, t0, t1);
+        self.undecided += usize::from(!impact.is_decided());
+        let Some(root) = first_contact(kind, t0, t1) else {
+            assert_eq!(impact.t_upper, f64::INFINITY, "contact that is none: {kind:?} {t0:?} {t1:?}");
+            self.alarms += usize::from(impact.hit());
+            return;
+        };
+        self.touching += 1;
+        self.at_start += usize::from(root.compare(0.0) == Ordering::Equal);
+        self.at_end += usize::from(root.compare(1.0) == Ordering::Equal);
+        assert!(impact.hit(), "missed: {kind:?} {t0:?} {t1:?}");
+        assert_ne!(root.compare(impact.t_lower), Ordering::Less, "late: {impact:?} {kind:?} {t0:?} {t1:?}");
+        if impact.is_decided() {
+            assert_ne!(root.compare(impact.t_upper), Ordering::Greater, "early: {impact:?} {kind:?} {t0:?} {t1:?}");
+            self.widest = self.widest.max(impact.t_upper - impact.t_lower);
+        } else {
+            // As near as floats go.
+            assert_ne!(root.compare(impact.t_lower + 1e-9), Ordering::Greater, "{impact:?} {kind:?} {t0:?} {t1:?}");
+        }
+    }
+}
+
+fn corners(rng: &mut Rng, reach: i64) -> Corners {
+    std::array::from_fn(|_| std::array::from_fn(|_| rng.integer(-reach, reach) as f64))
+}
+
+#[test]
+fn n26_corners_on_small_grids_have_their_exact_times() {
+    let mut rng = Rng::new(1);
+    let mut counts = Counts::default();
+    for case in 0..2400 {
+        let reach = [1, 2, 4, 30][case % 4];
+        let (mut t0, mut t1) = (corners(&mut rng, reach), corners(&mut rng, reach));
+        // Sizes that no other coordinate shares, and places far from the origin.
+        let scale = [1.0, 2.0_f64.powi(-40), 2.0_f64.powi(60)][case / 4 % 3];
+        let offset = [0.0, 2.0_f64.powi(20)][case / 12 % 2];
+        for corners in [&mut t0, &mut t1] {
+            *corners = corners.map(|corner| corner.map(|x| (x + offset) * scale));
+        }
+        counts.check(KINDS[case / 24 % 2], &t0, &t1);
+    }
+    assert!((400..1200).contains(&counts.touching) && counts.at_start > 80 && counts.at_end > 50, "{counts:?}");
+    assert!(counts.alarms == 0 && counts.undecided < 60 && counts.widest <= 1e-9, "{counts:?}");
+}
+
+#[test]
+fn n11_n26_flat_queries_have_their_exact_times() {
+    let mut rng = Rng::new(2);
+    let mut counts = Counts::default();
+    for case in 0..240 {
+        let (mut t0, mut t1) = (corners(&mut rng, 3), corners(&mut rng, 3));
+        match case % 4 {
+            // All in one plane at all times, or on one line.
+            0 => (t0, t1) = (t0.map(|[x, y, _]| [x, y, x]), t1.map(|[x, y, _]| [x, y, x])),
+            1 => (t0, t1) = (t0.map(|[x, ..]| [x, x, -x]), t1.map(|[x, ..]| [x, x, -x])),
+            // No motion.
+            2 => t1 = t0,
+            // Faces and edges without area or length.
+            _ => ([t0[2], t0[3]], [t1[2], t1[3]]) = ([t0[3]; 2], [t1[3]; 2]),
+        }
+        counts.check(KINDS[case / 4 % 2], &t0, &t1);
+    }
+    assert!((75..180).contains(&counts.touching) && counts.at_start > 25 && counts.at_end > 0, "{counts:?}");
+    assert!(counts.alarms == 0 && counts.undecided < 80, "{counts:?}");
+}
+
+/// A vertex moved onto a corner, an edge or the inside of a face, or an edge onto another, at the start, at the end or
+/// on the way; then moved by one unit in the last place.
+#[test]
+fn n14_touching_and_missing_by_one_unit_are_told_apart() {
+    let mut rng = Rng::new(3);
+    let mut counts = Counts::default();
+    for case in 0..2000 {
+        let kind = KINDS[case % 2];
+        let mut random = || -> [f64; 3] { std::array::from_fn(|_| rng.uniform(-1.0, 1.0)) };
+        let (mut t0, mut t1): (Corners, Corners) =
+            (std::array::from_fn(|_| random()), std::array::from_fn(|_| random()));
+        let other = [1, 2][case % 2];
+        match case / 2 % 4 {
+            0 => t0[0] = t0[other],
+            1 => t1[0] = t1[other + 1],
+            // Through a corner of the other at the middle, exactly where nothing rounds.
+            2 => t1[0] = std::array::from_fn(|k| t0[other][k] + t1[other][k] - t0[0][k]),
+            // Onto a line between two corners at the end.
+            _ => t1[0] = std::array::from_fn(|k| 0.5 * (t1[other][k] + t1[3][k])),
+        }
+        let k = case / 8 % 3;
+        match case / 24 % 3 {
+            0 => t1[0][k] = t1[0][k].next_up(),
+            1 => t1[0][k] = t1[0][k].next_down(),
+            _ => {}
+        }
+        counts.check(kind, &t0, &t1);
+    }
+    assert!((800..1800).contains(&counts.touching) && counts.at_start > 300 && counts.at_end > 50, "{counts:?}");
+    assert!(counts.alarms == 0 && counts.undecided < 100, "{counts:?}");
+}
+
+#[test]
+fn n26_double_roots_are_contacts() {
+    // The vertex swings by an edge that turns: in the edge's frame it comes to the line and leaves it again.
+    let t0 = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+    let t1 = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, -4.0, 8.0]];
+    let impact = answer(QueryKind::VertexFace, &t0, &t1);
+    let root = first_contact(QueryKind::VertexFace, &t0, &t1);
+    assert_eq!(impact.hit(), root.is_some());
+    // The face lies down to a needle and stands up again on the other side, with the vertex on its line at that time
+    // alone.
+    let t0 = [[0.5, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [1.0, 0.0, 1.0]];
+    let t1 = [[0.5, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, -1.0]];
+    let impact = answer(QueryKind::VertexFace, &t0, &t1);
+    assert!(impact.t_lower <= 0.5 && impact.t_lower > 0.5 - 1e-9 && impact.hit(), "{impact:?}");
+}
+
+#[test]
+fn n27_tiny_and_vast_motions_end() {
+    for size in [1e-300, 1e-40, 1e-12, 1.0, 1e6, 1e37] {
+        for gap in [1e-300, 1e-12, 1.0, 3.0] {
+            let t0 = [[0.25, 0.25, gap], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|p| p.map(|x| x * size));
+            if t0[0][2] == 0.0 {
+                continue; // a gap that is no float
+            }
+            let mut t1 = t0;
+            t1[0][2] = -t0[0][2];
+            let impact = answer(QueryKind::VertexFace, &t0, &t1);
+            assert!(impact.t_lower <= 0.5 && impact.t_lower > 0.5 - 1e-9, "{size:e} {gap:e} {impact:?}");
+            t1[0][2] = 0.5 * t0[0][2];
+            assert_eq!(answer(QueryKind::VertexFace, &t0, &t1).hit(), t1[0][2] == 0.0, "{size:e} {gap:e}");
+        }
+    }
+}
+
+#[test]
+fn swapped_and_reversed_queries_agree() {
+    let mut rng = Rng::new(4);
+    let mut hits = 0;
+    for case in 0..4000 {
+        let (t0, t1) = (corners(&mut rng, 3), corners(&mut rng, 3));
+        let swap = |[a, b, c, d]: Corners| [c, d, b, a];
+        let (edges, swapped) =
+            (answer(QueryKind::EdgeEdge, &t0, &t1), answer(QueryKind::EdgeEdge, &swap(t0), &swap(t1)));
+        assert_eq!(edges.hit(), swapped.hit(), "{t0:?} {t1:?}");
+        let kind = KINDS[case % 2];
+        let (forward, backward) = (answer(kind, &t0, &t1), answer(kind, &t1, &t0));
+        assert_eq!(forward.hit(), backward.hit(), "{t0:?} {t1:?}");
+        if forward.is_decided() && backward.is_decided() && forward.hit() {
+            assert!(forward.t_lower <= 1.0 - backward.t_lower + 1e-9, "{t0:?} {t1:?}");
+        }
+        hits += usize::from(edges.hit());
+    }
+    assert!((600..2000).contains(&hits), "{hits}");
+}
+
+#[test]
+fn n1_n2_corners_are_judged() {
+    let good = [[0.0; 3]; 4];
+    let mut bad = good;
+    bad[2][1] = f64::NAN;
+    let error = vertex_face(&good, &bad).expect_err("NaN");
+    assert_eq!(*error.kind(), InputErrorKind::NonFinite { what: "corner", index: 6 });
+    bad[2][1] = 2.0_f64.powi(128);
+    let error = edge_edge(&bad, &good).expect_err("2^128");
+    assert!(matches!(error.kind(), InputErrorKind::OutOfRange { what: "corner", index: 2, .. }));
+    bad[2][1] = bad[2][1].next_down();
+    assert!(edge_edge(&bad, &good).expect("in range").hit());
+}
