@@ -14,12 +14,13 @@ from impinge._impinge import __version__
 from impinge._mesh import Mesh, Origin, load
 from impinge._pairs import Pairs
 from impinge._pose import pose
-from impinge._queries import intersecting_pairs, intersection_curves, intersects
+from impinge._queries import Distance, distance, intersecting_pairs, intersection_curves, intersects, within
 from impinge._scene import Scene, SceneReport
 from impinge._show import show
 from impinge._threads import threads
 
 __all__ = [
+    "Distance",
     "InputError",
     "LoadWarning",
     "Mesh",
@@ -29,6 +30,7 @@ __all__ = [
     "SceneReport",
     "Status",
     "__version__",
+    "distance",
     "intersecting_pairs",
     "intersection_curves",
     "intersects",
@@ -36,4 +38,5 @@ __all__ = [
     "pose",
     "show",
     "threads",
+    "within",
 ]

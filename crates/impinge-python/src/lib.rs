@@ -21,7 +21,7 @@ mod _impinge {
     #[pymodule_export]
     use super::scene::check_scene;
     #[pymodule_export]
-    use super::verbs::{contact_points, intersecting_pairs, intersection_curves, intersects};
+    use super::verbs::{contact_points, distance, intersecting_pairs, intersection_curves, intersects, within};
     #[pymodule_export]
     use super::workers::after_fork;
 

@@ -1,6 +1,8 @@
 //! The verbs, each the library's own in a question's rows.
 
 use impinge::exact::{Crossing, Placement, crossing};
+use impinge::mesh::Placed;
+use impinge::query::{Distance, Witness};
 use impinge::{Pose, query};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -20,10 +22,18 @@ pub(crate) fn intersects<'py>(
     pose_b: &Bound<'py, PyAny>,
     on_error: &str,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let py = a.py();
     let question = Question::read(a, b, pose_a, pose_b, on_error)?;
+    yes_or_no(question, a.py(), |a, b| query::intersects(a, b))
+}
+
+/// Answers a question whose safe answer is yes.
+fn yes_or_no<'py>(
+    question: Question,
+    py: Python<'py>,
+    ask: impl Fn(Placed<'_>, Placed<'_>) -> bool + Send + Sync + 'static,
+) -> PyResult<Bound<'py, PyAny>> {
     let is_single = question.is_single();
-    let answers = question.answer(py, true, |a, b| query::intersects(a, b))?;
+    let answers = question.answer(py, true, ask)?;
     let values = match answers.values[..] {
         [value] if is_single => PyBool::new(py, value).to_owned().into_any(),
         _ => array(py, answers.values, &answers.shape)?,
@@ -104,6 +114,57 @@ pub(crate) fn intersection_curves<'py>(
     }
     let value = rows.into_iter().next().map_or_else(|| Ok(PyList::empty(py).into_any()), PyResult::Ok)?;
     with_status(value, answers.status, &answers.shape)
+}
+
+/// Seven columns: distance, lower and upper bound, (...), points of a and of b, (..., 3), and their faces, (...), which are
+/// -1, and the points zero, where a mesh is empty.
+#[pyfunction]
+pub(crate) fn distance<'py>(
+    a: &Bound<'py, PyAny>,
+    b: &Bound<'py, PyAny>,
+    pose_a: &Bound<'py, PyAny>,
+    pose_b: &Bound<'py, PyAny>,
+    on_error: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = a.py();
+    let question = Question::read(a, b, pose_a, pose_b, on_error)?;
+    let safe = Distance { lower: 0.0, upper: 0.0, witness: None };
+    let answers = question.answer(py, safe, |a, b| query::distance(a, b))?;
+    let (shape, values) = (answers.shape, answers.values);
+    let points_shape = [&shape[..], &[3]].concat();
+    let numbers = |of: fn(&Distance) -> f64| array(py, values.iter().map(of).collect(), &shape);
+    let points = |of: fn(&Witness) -> [f64; 3]| {
+        let points: Vec<[f64; 3]> = values.iter().map(|value| value.witness.as_ref().map_or([0.0; 3], of)).collect();
+        array(py, points.into_flattened(), &points_shape)
+    };
+    let faces = |of: fn(&Witness) -> u32| {
+        let faces = values.iter().map(|value| value.witness.as_ref().map_or(-1, |witness| i64::from(of(witness))));
+        array(py, faces.collect(), &shape)
+    };
+    let columns = (
+        numbers(Distance::distance)?,
+        numbers(|value| value.lower)?,
+        numbers(|value| value.upper)?,
+        points(|witness| witness.point_a)?,
+        points(|witness| witness.point_b)?,
+        faces(|witness| witness.face_a)?,
+        faces(|witness| witness.face_b)?,
+    );
+    with_status(columns.into_pyobject(py)?.into_any(), answers.status, &shape)
+}
+
+/// `bool`, or an array of them.
+#[pyfunction]
+pub(crate) fn within<'py>(
+    a: &Bound<'py, PyAny>,
+    b: &Bound<'py, PyAny>,
+    clearance: f64,
+    pose_a: &Bound<'py, PyAny>,
+    pose_b: &Bound<'py, PyAny>,
+    on_error: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    let question = Question::read(a, b, pose_a, pose_b, on_error)?;
+    yes_or_no(question, a.py(), move |a, b| query::within(a, b, clearance))
 }
 
 /// For each pair of faces that meet, (k, 2), a point of the world that both have in common, (k, 3), and whether they lie
