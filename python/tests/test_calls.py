@@ -65,7 +65,7 @@ def test_other_threads_run_during_a_call():
     ticker = threading.Thread(target=tick)
     ticker.start()
     start = time.perf_counter()
-    impinge.intersecting_pairs(TORUS, TORUS, random_poses(2_000, 1.0, 1), limit=1)
+    impinge.intersecting_pairs(TORUS, TORUS, random_poses(10_000, 1.0, 1), limit=1)
     seconds = time.perf_counter() - start
     done.set()
     ticker.join()
