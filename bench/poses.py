@@ -17,24 +17,18 @@ import sys
 import time
 from collections.abc import Callable
 from datetime import date
-from fractions import Fraction
 from importlib.metadata import version
-from itertools import combinations
 from pathlib import Path
 
 import fcl
 import impinge
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python" / "tests"))
+from oracles import oracle_pairs
+from shapes import random_poses
+
 NO_LIMIT = 10**6  # contacts, more than any pose here has
-
-
-def poses(count: int, low: np.ndarray, high: np.ndarray, seed: int) -> np.ndarray:
-    """(count, 4, 4) rigid poses: any rotation, translations within a box."""
-    rng = np.random.default_rng(seed)
-    quaternions = rng.normal(size=(count, 4))
-    quaternions /= np.linalg.norm(quaternions, axis=1, keepdims=True)
-    return impinge.pose(rng.uniform(low, high, size=(count, 3)), quat_wxyz=quaternions)
 
 
 def fcl_model(mesh: impinge.Mesh) -> fcl.BVHModel:
@@ -88,34 +82,6 @@ def overhead(mesh: impinge.Mesh) -> tuple[float, float]:
 EMPTY = impinge.Mesh(np.zeros((0, 3)), np.zeros((0, 3), int))
 
 
-def meet_exactly(p: list[list[Fraction]], q: list[list[Fraction]]) -> bool:
-    """Whether two triangles meet: whether the origin lies in the hull of the differences of their corners."""
-    differences = [[x - y for x, y in zip(u, v, strict=True)] for u in p for v in q]
-    return any(holds_origin(chosen) for size in (1, 2, 3, 4) for chosen in combinations(differences, size))
-
-
-def holds_origin(points: tuple[list[Fraction], ...]) -> bool:
-    """Whether weights of at least 0 that sum to 1 take independent points to the origin."""
-    size = len(points)
-    rows = [[p[k] for p in points] + [Fraction(0)] for k in range(3)] + [[Fraction(1)] * (size + 1)]
-    for column in range(size):
-        pivot = next((r for r in range(column, 4) if rows[r][column]), None)
-        if pivot is None:
-            return False
-        rows[column], rows[pivot] = rows[pivot], rows[column]
-        rows[column] = [x / rows[column][column] for x in rows[column]]
-        for r in range(4):
-            if r != column and rows[r][column]:
-                rows[r] = [x - rows[r][column] * y for x, y in zip(rows[r], rows[column], strict=True)]
-    return all(row[size] >= 0 for row in rows[:size]) and all(row[size] == 0 for row in rows[size:])
-
-
-def exact_corners(mesh: impinge.Mesh, face: int, pose: np.ndarray) -> list[list[Fraction]]:
-    corners = [[Fraction(float(x)) for x in mesh.vertices[vertex]] for vertex in mesh.faces[face]]
-    matrix = [[Fraction(float(x)) for x in row] for row in pose[:3]]
-    return [[sum((m * x for m, x in zip(row, c, strict=False)), row[3]) for row in matrix] for c in corners]
-
-
 def disagreements(
     a: impinge.Mesh, b: impinge.Mesh, world_from_b: np.ndarray, ours: impinge.Pairs, theirs: list[list[tuple[int, int]]]
 ) -> list[str]:
@@ -124,9 +90,9 @@ def disagreements(
     for row, fcl_pairs in enumerate(theirs):
         own = set(map(tuple, np.asarray(ours[row]).tolist()))
         for face_a, face_b in sorted(own ^ set(fcl_pairs)):
-            corners = exact_corners(a, face_a, np.eye(4)), exact_corners(b, face_b, world_from_b[row])
+            alone = (a.vertices, a.faces[face_a : face_a + 1]), (b.vertices, b.faces[face_b : face_b + 1])
             who = "impinge" if (face_a, face_b) in own else "FCL"
-            truth = "meet" if meet_exactly(*corners) else "do not meet"
+            truth = "meet" if len(oracle_pairs(*alone, pose_b=world_from_b[row])) else "do not meet"
             found.append(f"pose {row}: faces {face_a} and {face_b}: reported by {who} alone; in truth they {truth}")
     return found
 
@@ -159,7 +125,8 @@ def main() -> int:
     about = circumstances()
     env, rob = impinge.load(meshes / "env.obj"), impinge.load(meshes / "rob.obj")
     low, high = env.vertices.min(axis=0), env.vertices.max(axis=0)
-    world_from_rob = poses(options.poses, low, high, seed=1)
+    world_from_rob = random_poses(options.poses, (high - low) / 2, seed=1)
+    world_from_rob[:, :3, 3] += (low + high) / 2
     fcl_env, fcl_rob = fcl_model(env), fcl_model(rob)
 
     rows, problems = [], []
