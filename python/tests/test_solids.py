@@ -122,7 +122,7 @@ def test_two_shells_in_one_mesh_meet_as_two_meshes_do():
     vertices, faces = torus()
     shell = impinge.Mesh(vertices, faces)
     assert impinge.self_intersecting_pairs(shell).shape == (0, 2)
-    moved = vertices + [0.5, 0.1, 0.05]
+    moved = vertices + np.array([0.5, 0.1, 0.05])
     both = impinge.Mesh(np.concatenate([vertices, moved]), np.concatenate([faces, faces + len(vertices)]))
     expected = impinge.intersecting_pairs(shell, impinge.Mesh(moved, faces)) + np.array([0, len(faces)], np.uint32)
     assert len(expected) > 100
