@@ -13,6 +13,7 @@ from impinge import fit
 from impinge._distances import Distance, distance, within
 from impinge._errors import InputError, LoadWarning, Status
 from impinge._impinge import __version__
+from impinge._inspection import Health, TreeStatistics
 from impinge._intersections import (
     intersecting_pairs,
     intersection_curves,
@@ -34,6 +35,7 @@ from impinge.fit import Hull, Sphere, convex_hull, minimal_sphere
 __all__ = [
     "ClosestPoint",
     "Distance",
+    "Health",
     "Hull",
     "InputError",
     "LoadWarning",
@@ -46,6 +48,7 @@ __all__ = [
     "SceneReport",
     "Sphere",
     "Status",
+    "TreeStatistics",
     "__version__",
     "convex_hull",
     "distance",

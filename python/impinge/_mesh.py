@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from impinge import _arrays, _impinge
 from impinge._errors import InputError
+from impinge._inspection import Health, TreeStatistics
 from impinge._origin import Origin
 from impinge._points import ClosestPoint, RayHit, RayHits, hits_of, scalar
 
@@ -107,6 +108,23 @@ class Mesh(_impinge.MeshBase):
         Edges are named by the positions of their ends. Takes O(n log n) the first time.
         """
         return super().is_closed
+
+    def health(self) -> Health:
+        """Look for everything that a mesh may suffer from, in O(n log n).
+
+        Examples
+        --------
+        >>> import impinge
+        >>> corners = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]]
+        >>> opened = impinge.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2]])
+        >>> opened.health().open_edges, opened.is_closed
+        (3, False)
+        """
+        return Health(**_impinge.health(self))
+
+    def tree_statistics(self) -> TreeStatistics:
+        """Return what can be read off the hierarchy."""
+        return TreeStatistics(**_impinge.tree_statistics(self))
 
     def closest_point(self, points: ArrayLike) -> ClosestPoint:
         """Return the points of the mesh that are nearest to given ones.

@@ -5,6 +5,7 @@ mod arrays;
 mod broadcast;
 mod distances;
 mod errors;
+mod inspection;
 mod mesh;
 mod model;
 mod points;
@@ -21,6 +22,8 @@ mod workers;
 mod _impinge {
     #[pymodule_export]
     use super::distances::{distance, within};
+    #[pymodule_export]
+    use super::inspection::{health, tree_statistics};
     #[pymodule_export]
     use super::mesh::MeshBase;
     #[pymodule_export]
