@@ -51,10 +51,16 @@ def overlaps(boxes: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np
     return np.flatnonzero(~apart.any(axis=1))
 
 
+def solids(a: Body, b: Body) -> Solid:
+    """Which of two bodies are solid, as the verbs take it."""
+    if a.solid == b.solid:
+        return a.solid
+    return "a" if a.solid else "b"
+
+
 def collide(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64]) -> bool:
     """Whether two bodies have a point in common."""
-    solid: Solid = "a" if a.solid else "b"
-    return intersects(a.mesh, b.mesh, pose_a, pose_b, solid=a.solid if a.solid == b.solid else solid) is True
+    return intersects(a.mesh, b.mesh, pose_a, pose_b, solid=solids(a, b)) is True
 
 
 def contacts(
