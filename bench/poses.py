@@ -6,7 +6,7 @@
 The meshes are those of FCL's own tests, 2,180 and 216 triangles, read from the folder that IMPINGE_DATA names. Poses
 are random and rigid; a fair share of them collides. FCL gets its objects built beforehand and a new transform for each
 pose, the least that a loop can do. Answers are compared: every pair that only one of the two reports is listed, with
-what rational arithmetic says of it.
+what rational arithmetic says of it, and every distance that differs.
 """
 
 import argparse
@@ -17,24 +17,20 @@ import sys
 import time
 from collections.abc import Callable
 from datetime import date
-from fractions import Fraction
 from importlib.metadata import version
-from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 import fcl
 import impinge
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python" / "tests"))
+from oracles import oracle_pairs
+from shapes import random_poses
+
 NO_LIMIT = 10**6  # contacts, more than any pose here has
-
-
-def poses(count: int, low: np.ndarray, high: np.ndarray, seed: int) -> np.ndarray:
-    """(count, 4, 4) rigid poses: any rotation, translations within a box."""
-    rng = np.random.default_rng(seed)
-    quaternions = rng.normal(size=(count, 4))
-    quaternions /= np.linalg.norm(quaternions, axis=1, keepdims=True)
-    return impinge.pose(rng.uniform(low, high, size=(count, 3)), quat_wxyz=quaternions)
+DISTANCE_TOLERANCE = 1e-6  # of the largest extent: what FCL is trusted with
 
 
 def fcl_model(mesh: impinge.Mesh) -> fcl.BVHModel:
@@ -56,6 +52,17 @@ def fcl_loop(a: fcl.BVHModel, b: fcl.BVHModel, world_from_b: np.ndarray, limit: 
         fcl.collide(one, two, request, result)
         answers.append([(contact.b1, contact.b2) for contact in result.contacts])
     return answers
+
+
+def fcl_distances(a: fcl.BVHModel, b: fcl.BVHModel, world_from_b: np.ndarray) -> np.ndarray:
+    """(n,) distances as FCL reports them, at most zero where it finds a collision."""
+    one, two = fcl.CollisionObject(a), fcl.CollisionObject(b)
+    request = fcl.DistanceRequest()
+    answers = []
+    for pose in world_from_b:
+        two.setTransform(fcl.Transform(pose[:3, :3], pose[:3, 3]))
+        answers.append(fcl.distance(one, two, request, fcl.DistanceResult()))
+    return np.array(answers)
 
 
 def timed(run: Callable[[], object], repeats: int) -> tuple[float, float, object]:
@@ -85,35 +92,14 @@ def overhead(mesh: impinge.Mesh) -> tuple[float, float]:
     return timed(without, 20)[0] / calls, timed(with_poses, 20)[0] / calls
 
 
+def motion(low: np.ndarray, high: np.ndarray, count: int) -> np.ndarray:
+    """(count, 4, 4) poses from above one corner of the box to the other side, turning once: each near the last."""
+    step = np.linspace(0, 1, count)[:, None]
+    above = np.array([0, 0, high[2] - low[2]])
+    return impinge.pose(low + above + step * (high - low) * [1, 1, 0], rpy=step * [0, 0, 2 * np.pi])
+
+
 EMPTY = impinge.Mesh(np.zeros((0, 3)), np.zeros((0, 3), int))
-
-
-def meet_exactly(p: list[list[Fraction]], q: list[list[Fraction]]) -> bool:
-    """Whether two triangles meet: whether the origin lies in the hull of the differences of their corners."""
-    differences = [[x - y for x, y in zip(u, v, strict=True)] for u in p for v in q]
-    return any(holds_origin(chosen) for size in (1, 2, 3, 4) for chosen in combinations(differences, size))
-
-
-def holds_origin(points: tuple[list[Fraction], ...]) -> bool:
-    """Whether weights of at least 0 that sum to 1 take independent points to the origin."""
-    size = len(points)
-    rows = [[p[k] for p in points] + [Fraction(0)] for k in range(3)] + [[Fraction(1)] * (size + 1)]
-    for column in range(size):
-        pivot = next((r for r in range(column, 4) if rows[r][column]), None)
-        if pivot is None:
-            return False
-        rows[column], rows[pivot] = rows[pivot], rows[column]
-        rows[column] = [x / rows[column][column] for x in rows[column]]
-        for r in range(4):
-            if r != column and rows[r][column]:
-                rows[r] = [x - rows[r][column] * y for x, y in zip(rows[r], rows[column], strict=True)]
-    return all(row[size] >= 0 for row in rows[:size]) and all(row[size] == 0 for row in rows[size:])
-
-
-def exact_corners(mesh: impinge.Mesh, face: int, pose: np.ndarray) -> list[list[Fraction]]:
-    corners = [[Fraction(float(x)) for x in mesh.vertices[vertex]] for vertex in mesh.faces[face]]
-    matrix = [[Fraction(float(x)) for x in row] for row in pose[:3]]
-    return [[sum((m * x for m, x in zip(row, c, strict=False)), row[3]) for row in matrix] for c in corners]
 
 
 def disagreements(
@@ -124,9 +110,9 @@ def disagreements(
     for row, fcl_pairs in enumerate(theirs):
         own = set(map(tuple, np.asarray(ours[row]).tolist()))
         for face_a, face_b in sorted(own ^ set(fcl_pairs)):
-            corners = exact_corners(a, face_a, np.eye(4)), exact_corners(b, face_b, world_from_b[row])
+            alone = (a.vertices, a.faces[face_a : face_a + 1]), (b.vertices, b.faces[face_b : face_b + 1])
             who = "impinge" if (face_a, face_b) in own else "FCL"
-            truth = "meet" if meet_exactly(*corners) else "do not meet"
+            truth = "meet" if len(oracle_pairs(*alone, pose_b=world_from_b[row])) else "do not meet"
             found.append(f"pose {row}: faces {face_a} and {face_b}: reported by {who} alone; in truth they {truth}")
     return found
 
@@ -159,28 +145,52 @@ def main() -> int:
     about = circumstances()
     env, rob = impinge.load(meshes / "env.obj"), impinge.load(meshes / "rob.obj")
     low, high = env.vertices.min(axis=0), env.vertices.max(axis=0)
-    world_from_rob = poses(options.poses, low, high, seed=1)
+    world_from_rob = random_poses(options.poses, (high - low) / 2, seed=1)
+    world_from_rob[:, :3, 3] += (low + high) / 2
     fcl_env, fcl_rob = fcl_model(env), fcl_model(rob)
 
     rows, problems = [], []
-    for name, limit in (("first hit", 1), ("all pairs", NO_LIMIT)):
-        loop = lambda limit=limit: fcl_loop(fcl_env, fcl_rob, world_from_rob, limit)  # noqa: E731
-        *seconds, theirs = timed(loop, 2 if limit == 1 else 1)
+
+    def race(name: str, loop: Callable[[], object], ask: Callable[[], object], repeats: int) -> tuple[Any, Any]:
+        """Time both, and return what FCL and impinge answer."""
+        *seconds, theirs = timed(loop, repeats)
         rows.append([name, "python-fcl, a loop", 1, *seconds])
-        ask = impinge.intersects if limit == 1 else impinge.intersecting_pairs
         for n in (1, os.cpu_count() or 1):
             with impinge.threads(n):
-                *own, ours = timed(lambda ask=ask: ask(env, rob, None, world_from_rob), options.repeats)
+                *own, ours = timed(ask, options.repeats)
             rows.append([name, "impinge, one call", n, *own])
-        if limit == 1:
-            differing = np.flatnonzero(np.array([bool(pairs) for pairs in theirs]) != ours)
-            problems += [
-                f"first hit, pose {row}: FCL says {bool(theirs[row])}, impinge {ours[row]}" for row in differing
-            ]
-        else:
-            problems += disagreements(env, rob, world_from_rob, ours, theirs)
-            doubles = sum(len(pairs) - len(set(pairs)) for pairs in theirs)
-            total = len(ours.rows)
+        return theirs, ours
+
+    theirs, ours = race(
+        "first hit",
+        lambda: fcl_loop(fcl_env, fcl_rob, world_from_rob, 1),
+        lambda: impinge.intersects(env, rob, None, world_from_rob),
+        2,
+    )
+    differing = np.flatnonzero(np.array([bool(pairs) for pairs in theirs]) != ours)
+    problems += [f"first hit, pose {row}: FCL says {bool(theirs[row])}, impinge {ours[row]}" for row in differing]
+
+    theirs, ours = race(
+        "all pairs",
+        lambda: fcl_loop(fcl_env, fcl_rob, world_from_rob, NO_LIMIT),
+        lambda: impinge.intersecting_pairs(env, rob, None, world_from_rob),
+        1,
+    )
+    problems += disagreements(env, rob, world_from_rob, ours, theirs)
+    doubles = sum(len(pairs) - len(set(pairs)) for pairs in theirs)
+    total = len(ours.rows)
+
+    for name, poses in (("distance", world_from_rob), ("distance along a motion", motion(low, high, options.poses))):
+        theirs, far = race(
+            name,
+            lambda poses=poses: fcl_distances(fcl_env, fcl_rob, poses),
+            lambda poses=poses: impinge.distance(env, rob, None, poses),
+            1,
+        )
+        differing = np.flatnonzero(
+            np.abs(np.maximum(theirs, 0) - far.distance) > DISTANCE_TOLERANCE * (high - low).max()
+        )
+        problems += [f"{name}, pose {row}: FCL says {theirs[row]}, impinge {far.distance[row]}" for row in differing]
 
     for key, value in about.items():
         print(f"- {key}: `{value}`")

@@ -9,31 +9,59 @@ A pose is a (4, 4) matrix, world from local, for column vectors. Arrays of poses
 on all cores. `impinge.trimesh` and `impinge.fcl` stand in for the collision parts of the libraries of those names.
 """
 
+from impinge import fit
+from impinge._distances import Distance, distance, within
 from impinge._errors import InputError, LoadWarning, Status
 from impinge._impinge import __version__
-from impinge._mesh import Mesh, Origin, load
+from impinge._inspection import Health, TreeStatistics
+from impinge._intersections import (
+    intersecting_pairs,
+    intersection_curves,
+    intersects,
+    penetrates,
+    self_intersecting_pairs,
+)
+from impinge._load import load
+from impinge._mesh import Mesh
+from impinge._origin import Origin
 from impinge._pairs import Pairs
+from impinge._points import ClosestPoint, RayHit, RayHits
 from impinge._pose import pose
-from impinge._queries import intersecting_pairs, intersection_curves, intersects
 from impinge._scene import Scene, SceneReport
 from impinge._show import show
 from impinge._threads import threads
+from impinge.fit import Hull, Sphere, convex_hull, minimal_sphere
 
 __all__ = [
+    "ClosestPoint",
+    "Distance",
+    "Health",
+    "Hull",
     "InputError",
     "LoadWarning",
     "Mesh",
     "Origin",
     "Pairs",
+    "RayHit",
+    "RayHits",
     "Scene",
     "SceneReport",
+    "Sphere",
     "Status",
+    "TreeStatistics",
     "__version__",
+    "convex_hull",
+    "distance",
+    "fit",
     "intersecting_pairs",
     "intersection_curves",
     "intersects",
     "load",
+    "minimal_sphere",
+    "penetrates",
     "pose",
+    "self_intersecting_pairs",
     "show",
     "threads",
+    "within",
 ]

@@ -12,14 +12,19 @@ from impinge._errors import InputError
 _PLAIN: list[Literal["C_CONTIGUOUS", "ALIGNED"]] = ["C_CONTIGUOUS", "ALIGNED"]
 
 
-def plain_vertices(vertices: ArrayLike) -> NDArray[Any]:
+def plain_cloud(points: ArrayLike, name: str) -> NDArray[Any]:
     """Return (n, 3) float32 or float64; the array itself where it is plain already."""
-    return _floats(vertices, "vertices", (3,), keep_single=True, wanted="an (n, 3) array")
+    return _floats(points, name, (3,), cloud=True, wanted="an (n, 3) array")
+
+
+def plain_points(points: ArrayLike, name: str) -> NDArray[np.float64]:
+    """Return (..., 3) float64; the array itself where it is plain already."""
+    return _floats(points, name, (3,), cloud=False, wanted="a (3,) point, or (..., 3) of them")
 
 
 def plain_poses(poses: ArrayLike, name: str) -> NDArray[np.float64]:
     """Return (..., 4, 4) float64; the array itself where it is plain already."""
-    return _floats(poses, name, (4, 4), keep_single=False, wanted="a (4, 4) matrix, or (..., 4, 4) of them")
+    return _floats(poses, name, (4, 4), cloud=False, wanted="a (4, 4) matrix, or (..., 4, 4) of them")
 
 
 def plain_faces(faces: ArrayLike) -> NDArray[Any]:
@@ -39,10 +44,11 @@ def plain_faces(faces: ArrayLike) -> NDArray[Any]:
     return np.require(array, native, _PLAIN)
 
 
-def _floats(values: ArrayLike, name: str, core: tuple[int, ...], *, keep_single: bool, wanted: str) -> NDArray[Any]:
+def _floats(values: ArrayLike, name: str, core: tuple[int, ...], *, cloud: bool, wanted: str) -> NDArray[Any]:
+    """Read floats whose last axes are `core`; a cloud has one axis more, and keeps single precision."""
     is_array = hasattr(values, "dtype")
     array = _array(values, name, f"{wanted} of float32 or float64")
-    if name == "vertices" and array.size == 0 and array.shape == (0,):
+    if cloud and array.shape == (0,):
         array = array.reshape(0, 3)
     # A nested list has no type of its own: whole numbers in it are numbers like others.
     if not is_array and array.dtype.kind in "iu":
@@ -51,10 +57,9 @@ def _floats(values: ArrayLike, name: str, core: tuple[int, ...], *, keep_single:
         hint = f"{name}.astype(numpy.float64) converts it" if array.dtype.kind in "iuf" else None
         message = f"dtype {array.dtype}, where float32 or float64 is expected"
         raise InputError(message, kind="dtype", what=name, hint=hint)
-    wrong_axes = array.ndim != 2 if core == (3,) else array.ndim < 2
-    if wrong_axes or array.shape[-len(core) :] != core:
+    if (cloud and array.ndim != 2) or array.shape[-len(core) :] != core:
         raise InputError(f"shape {array.shape}, where {wanted} is expected", kind="shape", what=name)
-    single = keep_single and array.dtype.itemsize == 4
+    single = cloud and array.dtype.itemsize == 4
     return np.require(array, np.float32 if single else np.float64, _PLAIN)
 
 

@@ -8,11 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from impinge import _impinge
+from impinge._intersections import intersecting_pairs, intersects
 from impinge._mesh import Mesh
-from impinge._queries import intersecting_pairs, intersects
-
-_FAR = 2.0**100
-"""A coordinate beyond every body, in mesh units; what is larger than that is not found to hold another body."""
+from impinge._rows import Solid
 
 _PADDING = 1e-12
 """Of the magnitudes that are added up in a box: more than their rounding errors, so that no box is too small."""
@@ -22,7 +20,7 @@ CONTAINED = np.array([[-1, -1]])
 
 
 class Body:
-    """A mesh, and whether its inside belongs to it; a solid must be convex."""
+    """A mesh, and whether its inside belongs to it."""
 
     def __init__(self, mesh: Mesh, *, solid: bool) -> None:
         self.mesh = mesh
@@ -46,29 +44,6 @@ class Body:
         reach += _PADDING * (np.abs(linear) @ (np.abs(centre) + half) + np.abs(translation))
         return np.stack([middle - reach, middle + reach])
 
-    @cached_property
-    def corners(self) -> NDArray[np.int64]:
-        """One vertex of each connected component of the surface."""
-        label = np.arange(len(self.mesh.vertices))
-        faces = self.mesh.faces.astype(np.int64)
-        while True:
-            least = label[faces].min(axis=1)
-            lower = label.copy()
-            np.minimum.at(lower, faces.ravel(), np.repeat(least, 3))
-            lower = lower[lower]  # twice as far in each round
-            if np.array_equal(lower, label):
-                return np.unique(label[faces])
-            label = lower
-
-    @cached_property
-    def whiskers(self) -> tuple[tuple[Mesh, Mesh], ...]:
-        """For each component two segments, from one of its corners far along the x axis either way."""
-        made = []
-        for corner in self.mesh.vertices[self.corners].astype(float):
-            ends = [[sign * _FAR, corner[1], corner[2]] for sign in (-1.0, 1.0)]
-            made.append(tuple(Mesh(np.array([corner, end]), [[0, 1, 1]]) for end in ends))
-        return tuple((left, right) for left, right in made)
-
 
 def overlaps(boxes: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np.intp]:
     """Which of (n, 2, 3) boxes may overlap one (2, 3) box."""
@@ -76,9 +51,16 @@ def overlaps(boxes: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np
     return np.flatnonzero(~apart.any(axis=1))
 
 
+def solids(a: Body, b: Body) -> Solid:
+    """Which of two bodies are solid, as the verbs take it."""
+    if a.solid == b.solid:
+        return a.solid
+    return "a" if a.solid else "b"
+
+
 def collide(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64]) -> bool:
     """Whether two bodies have a point in common."""
-    return bool(intersects(a.mesh, b.mesh, pose_a, pose_b)) or _is_contained(a, b, pose_a, pose_b)
+    return intersects(a.mesh, b.mesh, pose_a, pose_b, solid=solids(a, b)) is True
 
 
 def contacts(
@@ -86,7 +68,7 @@ def contacts(
 ) -> NDArray[np.int64]:
     """(k, 2) pairs of faces in contact, at most `limit`; `CONTAINED` where one is inside the other."""
     pairs = np.asarray(intersecting_pairs(a.mesh, b.mesh, pose_a, pose_b, limit=limit)).astype(np.int64)
-    if len(pairs) == 0 and limit > 0 and _is_contained(a, b, pose_a, pose_b):
+    if len(pairs) == 0 and limit > 0 and collide(a, b, pose_a, pose_b):
         return CONTAINED
     return pairs
 
@@ -96,9 +78,10 @@ def contact_points(
 ) -> NDArray[np.float64]:
     """(k, 3) points of the world, one that each pair of `contacts` has in common."""
     if np.array_equal(pairs, CONTAINED):
-        inner, pose = (a, pose_a) if _is_inside(a, b, pose_a, pose_b) else (b, pose_b)
-        return (_placed(inner.mesh.vertices[:1], pose))[:1]
-    points, coplanar = _impinge.contact_points(a.mesh, b.mesh, pose_a, pose_b, pairs.astype(np.uint32))
+        inside_b = b.solid and intersects(a.mesh, b.mesh, pose_a, pose_b, solid="b")
+        return _inner_point(a, b, pose_a, pose_b) if inside_b else _inner_point(b, a, pose_b, pose_a)
+    question = (a.mesh, b.mesh, pose_a, pose_b, "raise", False)
+    points, coplanar = _impinge.contact_points(question, pairs.astype(np.uint32))
     for row in np.flatnonzero(coplanar):
         on_a = _placed(a.mesh.vertices[a.mesh.faces[pairs[row, 0]]], pose_a)
         on_b = _placed(b.mesh.vertices[b.mesh.faces[pairs[row, 1]]], pose_b)
@@ -111,25 +94,14 @@ def _placed(points: NDArray[np.floating], pose: NDArray[np.float64]) -> NDArray[
     return placed
 
 
-def _is_contained(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64]) -> bool:
-    return _is_inside(a, b, pose_a, pose_b) or _is_inside(b, a, pose_b, pose_a)
-
-
-def _is_inside(inner: Body, outer: Body, pose_inner: NDArray[np.float64], pose_outer: NDArray[np.float64]) -> bool:
-    """Whether a component of `inner`, whose surface `outer`'s does not meet, lies inside the convex `outer`.
-
-    A point is inside a convex surface just where both halves of a line through it meet the surface.
-    """
-    if not outer.solid:
-        return False
-    low, high = outer.box_at(pose_outer)
-    box = inner.box_at(pose_inner)
-    if not ((box[0] <= high) & (box[1] >= low)).all():
-        return False
-    return any(
-        intersects(left, outer.mesh, pose_inner, pose_outer) and intersects(right, outer.mesh, pose_inner, pose_outer)
-        for left, right in inner.whiskers
-    )
+def _inner_point(
+    inner: Body, outer: Body, pose_inner: NDArray[np.float64], pose_outer: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """(1, 3): a vertex of `inner`, of which a component is in the solid `outer`, that is there."""
+    placed = _placed(inner.mesh.vertices, pose_inner)
+    seen_from_outer = np.linalg.solve(pose_outer[:3, :3], (placed - pose_outer[:3, 3]).T).T
+    first = int(np.argmax(outer.mesh.contains(seen_from_outer)))
+    return placed[first : first + 1]
 
 
 def _common_point(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -15,7 +15,8 @@ class InputError(ValueError):
     kind : str
         A short stable name: ``"type"``, ``"dtype"``, ``"shape"``, ``"option"``, ``"name"``, ``"unit"``,
         ``"non-finite"``, ``"out-of-range"``, ``"index-out-of-bounds"``, ``"too-many"``, ``"not-affine"``,
-        ``"singular"`` or ``"not-unit-quaternion"``; for files those of the command's JSON too, such as ``"syntax"``.
+        ``"singular"``, ``"not-unit-quaternion"``, ``"zero-direction"`` or ``"empty"``; for files those of the command's
+        JSON too, such as ``"syntax"``.
     what : str
         The argument that is wrong, such as ``"vertices"`` or ``"pose_b"``, or the file.
     where : tuple of int, str or None
@@ -97,3 +98,5 @@ class Status(IntEnum):
     """The last row of the pose is not 0, 0, 0, 1; the answer is the safe one."""
     SINGULAR = 4
     """The linear part of the pose has no inverse; the answer is the safe one."""
+    UNDECIDED = 5
+    """Nothing was proved, as a mesh is open or meets itself there; the answer is the safe one."""

@@ -1,17 +1,17 @@
-"""Meshes: of arrays, of other libraries' meshes, of files."""
+"""Meshes, of arrays or of other libraries' meshes, and what one asks of a single one."""
 
 from __future__ import annotations
 
-import os
-import warnings
-from dataclasses import dataclass
 from typing import Any, Protocol, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from impinge import _arrays, _impinge
-from impinge._errors import InputError, LoadWarning
+from impinge._errors import InputError
+from impinge._inspection import Health, TreeStatistics
+from impinge._origin import Origin
+from impinge._points import ClosestPoint, RayHit, RayHits, hits_of, scalar
 
 
 class HasTriangles(Protocol):
@@ -24,38 +24,6 @@ class HasTriangles(Protocol):
     @property
     def faces(self) -> Any:
         """(m, 3) indices."""
-
-
-@dataclass(frozen=True, eq=False)
-class Origin:
-    """Where the faces of a mesh from a file come from.
-
-    Attributes
-    ----------
-    path : str
-        The file.
-    format : str
-        The format that it turned out to have.
-    unit : str or None
-        The unit of the vertices, ``"mm"``, where one is known.
-    polygons : (m,) uint32 array
-        The polygon of the file, counted from zero, that each face is a part of.
-    part_of : (m,) uint32 array
-        The part that each face belongs to, as an index into `parts`.
-    parts : tuple of str
-        The names of the parts; empty text where the file gives none.
-    """
-
-    path: str
-    format: str
-    unit: str | None
-    polygons: NDArray[np.uint32]
-    part_of: NDArray[np.uint32]
-    parts: tuple[str, ...]
-
-    def __repr__(self) -> str:
-        """Return all but the arrays."""
-        return f"Origin({self.path!r}, {self.format}, unit={self.unit!r}, {len(self.parts)} parts)"
 
 
 @final
@@ -109,7 +77,7 @@ class Mesh(_impinge.MeshBase):
                 message = f"faces are missing, and {type(vertices).__name__} has no vertices and faces of its own"
                 raise InputError(message, kind="type", what="faces")
             positions, faces = positions.vertices, positions.faces
-        self = super().__new__(cls, _arrays.plain_vertices(positions), _arrays.plain_faces(faces))
+        self = super().__new__(cls, _arrays.plain_cloud(positions, "vertices"), _arrays.plain_faces(faces))
         self._origin = None
         return self
 
@@ -133,6 +101,213 @@ class Mesh(_impinge.MeshBase):
         """Where the faces come from, if the mesh was loaded from a file."""
         return self._origin
 
+    @property
+    def is_closed(self) -> bool:
+        """Whether every edge is run through as often one way as the other, so that inside and outside are exact.
+
+        Edges are named by the positions of their ends. Takes O(n log n) the first time.
+        """
+        return super().is_closed
+
+    def health(self) -> Health:
+        """Look for everything that a mesh may suffer from, in O(n log n).
+
+        Examples
+        --------
+        >>> import impinge
+        >>> corners = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]]
+        >>> opened = impinge.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2]])
+        >>> opened.health().open_edges, opened.is_closed
+        (3, False)
+        """
+        return Health(**_impinge.health(self))
+
+    def tree_statistics(self) -> TreeStatistics:
+        """Return what can be read off the hierarchy."""
+        return TreeStatistics(**_impinge.tree_statistics(self))
+
+    def closest_point(self, points: ArrayLike) -> ClosestPoint:
+        """Return the points of the mesh that are nearest to given ones.
+
+        Parameters
+        ----------
+        points : (..., 3) array_like of float32 or float64
+            In the mesh's own frame and unit, below 2^300 in magnitude.
+
+        Returns
+        -------
+        ClosestPoint
+            Its fields have the leading axes of `points`. The interval from `lower` to `upper` is at most 2^-44 of the
+            mesh's extent and the distance of the point from its centre, added up.
+
+        Raises
+        ------
+        InputError
+            If `points` has another type or shape, or a coordinate is not finite or out of range; it says which.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> mesh = impinge.Mesh([[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
+        >>> near = mesh.closest_point([1, 1, 3])
+        >>> near.point, near.face, round(near.distance, 9)
+        (array([1., 1., 0.]), 0, 3.0)
+        """
+        point, lower, upper, face = _impinge.closest_point(self, points)
+        upper = scalar(upper)
+        return ClosestPoint(point, upper, scalar(lower), upper, scalar(face))
+
+    def signed_distance(self, points: ArrayLike) -> float | NDArray[np.float64]:
+        """Return how far points are from the surface, negative inside the mesh taken as a solid.
+
+        Parameters
+        ----------
+        points : (..., 3) array_like of float32 or float64
+            In the mesh's own frame and unit, below 2^128 in magnitude.
+
+        Returns
+        -------
+        float or (...) float64 array
+            Zero exactly on the surface, negative exactly where `contains` is true off the surface; infinite for an
+            empty mesh. In magnitude as near to the true distance as `closest_point` says.
+
+        Raises
+        ------
+        InputError
+            As for `closest_point`.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> corners = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]]
+        >>> solid = impinge.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+        >>> solid.signed_distance([[1, 1, 0.5], [1, 1, 0], [1, 1, -2]]).round(9)
+        array([-0.5,  0. ,  2. ])
+        """
+        return scalar(_impinge.signed_distance(self, points))  # type: ignore[no-any-return]
+
+    def winding_number(self, points: ArrayLike) -> float | NDArray[np.float64]:
+        """Return how often the mesh winds round points: 1 inside a closed one that faces outward, 0 outside.
+
+        Parameters
+        ----------
+        points : (..., 3) array_like of float32 or float64
+            In the mesh's own frame and unit, below 2^128 in magnitude.
+
+        Returns
+        -------
+        float or (...) float64 array
+            Off the surface of a closed mesh an integer, and exact; for an open one a fraction, within 1e-5 and mostly
+            within 1e-13 of the true one. A face whose plane holds the point counts nothing: within a face of a closed
+            mesh the number is the mean of those of both sides.
+
+        Raises
+        ------
+        InputError
+            As for `closest_point`.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> corners = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]]
+        >>> solid = impinge.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+        >>> solid.winding_number([[1, 1, 1], [5, 5, 5]])
+        array([1., 0.])
+        """
+        return scalar(_impinge.winding_number(self, points))  # type: ignore[no-any-return]
+
+    def contains(self, points: ArrayLike) -> bool | NDArray[np.bool_]:
+        """Whether points are in the mesh taken as a solid: where it winds more than half; the surface counts.
+
+        Parameters
+        ----------
+        points : (..., 3) array_like of float32 or float64
+            In the mesh's own frame and unit, below 2^128 in magnitude.
+
+        Returns
+        -------
+        bool or (...) bool array
+            Exact for a closed mesh, and on the surface of any. Where an open one winds so close to half that nothing is
+            proved, the point counts as contained.
+
+        Raises
+        ------
+        InputError
+            As for `closest_point`.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> corners = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]]
+        >>> solid = impinge.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+        >>> solid.contains([[1, 1, 0], [1, 1, -1e-300]])
+        array([ True, False])
+        """
+        return scalar(_impinge.contains(self, points))  # type: ignore[no-any-return]
+
+    def ray_cast(self, origins: ArrayLike, directions: ArrayLike) -> RayHit:
+        """Return the first face that each ray meets, its origin included.
+
+        Whether a ray meets a face, and which first, is decided exactly: none slips between two faces that share an
+        edge. Faces are closed and have no sides.
+
+        Parameters
+        ----------
+        origins : (..., 3) array_like of float32 or float64
+            In the mesh's own frame and unit, below 2^300 in magnitude.
+        directions : (..., 3) array_like of float32 or float64
+            Of any length but zero. The leading axes of both broadcast as in NumPy.
+
+        Returns
+        -------
+        RayHit
+            Its fields have the leading axes.
+
+        Raises
+        ------
+        InputError
+            As for `closest_point`, or if a direction is zero.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> mesh = impinge.Mesh([[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
+        >>> mesh.ray_cast([1, 1, 3], [0, 0, -2])
+        RayHit(hit=True, t=1.5, face=0, point=array([1., 1., 0.]))
+        >>> mesh.ray_cast([[1, 1, 3], [9, 9, 3]], [0, 0, -2]).t
+        array([1.5, inf])
+        """
+        hit, (t, face, point) = _impinge.ray_cast(self, origins, directions)
+        return RayHit(scalar(hit), scalar(t), scalar(face), point)
+
+    def ray_cast_all(self, origins: ArrayLike, directions: ArrayLike) -> RayHit | RayHits:
+        """Return every face that each ray meets, in the order in which it does and then by number.
+
+        Parameters
+        ----------
+        origins, directions : (..., 3) array_like of float32 or float64
+            As for `ray_cast`.
+
+        Returns
+        -------
+        RayHit or RayHits
+            For a single ray a `RayHit` with as many entries as there are hits; `RayHits` where there are leading axes.
+
+        Raises
+        ------
+        InputError
+            As for `ray_cast`.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> mesh = impinge.Mesh([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0]], [[0, 1, 2], [1, 3, 2]])
+        >>> mesh.ray_cast_all([2, 2, 3], [0, 0, -1]).face
+        array([0, 1])
+        """
+        offsets, (t, face, point), shape = _impinge.ray_cast_all(self, origins, directions)
+        return RayHits(offsets, t, face, point, tuple(shape)) if shape else hits_of(t, face, point)
+
     def __repr__(self) -> str:
         """Return the numbers of vertices and faces."""
         return f"Mesh({self.vertex_count:,} vertices, {self.face_count:,} faces)"
@@ -145,57 +320,4 @@ class Mesh(_impinge.MeshBase):
 def _rebuilt(vertices: ArrayLike, faces: ArrayLike, origin: Origin | None) -> Mesh:
     mesh = Mesh(vertices, faces)
     mesh._origin = origin
-    return mesh
-
-
-def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
-    r"""Load all triangles of an OBJ, STL, PLY, OFF, glTF, GLB or 3MF file as one mesh.
-
-    Numbers keep the precision of the file: f32 stays float32, text is read as the nearest float64. Polygons become
-    triangles; `Mesh.origin` says which face is of which polygon and part.
-
-    Parameters
-    ----------
-    path : str or os.PathLike
-        The file.
-    unit : {"um", "mm", "cm", "in", "ft", "m"}, optional
-        The unit that the vertices are wanted in. A file that states another is converted, each coordinate rounded
-        once, or twice where neither unit is a whole number of the other; one that states none is taken to be in it.
-        Without, vertices are as in the file.
-
-    Returns
-    -------
-    Mesh
-        In the file's frame.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read; `FileNotFoundError` where there is none.
-    InputError
-        If its content is broken; it says in which line, byte or entry.
-
-    Warns
-    -----
-    LoadWarning
-        If something in the file was left out.
-
-    Examples
-    --------
-    >>> import impinge, pathlib, tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = pathlib.Path(folder) / "square.obj"
-    ...     _ = path.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
-    ...     square = impinge.load(path)
-    >>> square
-    Mesh(4 vertices, 2 faces)
-    >>> square.origin.polygons
-    array([0, 0], dtype=uint32)
-    """
-    path = os.fspath(path)
-    model = _impinge.Model(path, unit)
-    for warning in model.warnings:
-        warnings.warn(f"{path}: {warning}", LoadWarning, stacklevel=2)
-    mesh: Mesh = _impinge.MeshBase.__new__(Mesh, model, None)
-    mesh._origin = Origin(path, model.format, model.unit, model.sources, model.part_of, tuple(model.parts))
     return mesh

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from impinge import _impinge
 from impinge._errors import InputError
 from impinge._mesh import Mesh
-from impinge._queries import Statuses
+from impinge._rows import Statuses
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -143,6 +143,7 @@ class Scene:
         *,
         stop: Literal["first", "all"] = "first",
         on_error: Literal["raise", "status"] = "raise",
+        progress: bool = False,
     ) -> SceneReport:
         """Ask which parts meet, in each configuration.
 
@@ -156,6 +157,8 @@ class Scene:
             asked about.
         on_error : {"raise", "status"}
             What becomes of a pose that is none. ``"status"`` counts its part as meeting every other.
+        progress : bool
+            As for `intersects`.
 
         Returns
         -------
@@ -175,7 +178,7 @@ class Scene:
         names = list(self._parts)
         parts = [(name, mesh, poses.get(name)) for name, mesh in self._parts.items()]
         places = [(names.index(a), names.index(b)) for a, b in self.pairs]
-        answer: Any = _impinge.check_scene(parts, places, stop == "first", on_error)
+        answer: Any = _impinge.check_scene(parts, places, stop == "first", on_error, progress)
         status: Statuses | None = None
         if on_error == "status":
             answer, status = answer

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from impinge._arrays import plain_poses
 from impinge._canvas import Canvas
 from impinge._errors import InputError
+from impinge._intersections import intersecting_pairs, intersection_curves
 from impinge._mesh import Mesh
-from impinge._queries import intersecting_pairs, intersection_curves
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -22,6 +22,7 @@ Examples
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -63,7 +64,12 @@ _Answer = bool | tuple[Any, ...]
 
 
 class CollisionManager:
-    """Named meshes that are asked about together, as by trimesh's class of this name."""
+    """Named meshes that are asked about together, as by trimesh's class of this name.
+
+    Every question returns whether there is a collision and, in a tuple with that and in this order, what else is asked
+    for: with `return_names` a set of the names of all that collide, with `return_data` a list of a `ContactData` for
+    every contact.
+    """
 
     def __init__(self) -> None:
         self._objects: dict[Hashable, fcl.CollisionObject] = {}
@@ -105,57 +111,21 @@ class CollisionManager:
         return_names: bool = False,
         return_data: bool = False,
     ) -> _Answer:
-        """Ask whether a mesh collides with any in the manager.
-
-        Returns
-        -------
-        is_collision : bool
-        names : set of str
-            The objects that it collides with; where `return_names`.
-        contacts : list of ContactData
-            Every contact; where `return_data`.
-        """
+        """Ask whether a mesh collides with any of the manager; names are those of the latter."""
         other = (_EXTERNAL, _object(mesh, transform))
         pairs = [((name, own), other) for name, own in self._objects.items()]
         return _answer(pairs, lambda names: names[0], return_names, return_data)
 
-    def in_collision_internal(
-        self,
-        return_names: bool = False,
-        return_data: bool = False,
-    ) -> _Answer:
-        """Ask whether any two meshes of the manager collide.
-
-        Returns
-        -------
-        is_collision : bool
-        names : set of (str, str)
-            The names of each two objects that collide, in alphabetical order; where `return_names`.
-        contacts : list of ContactData
-            Every contact; where `return_data`.
-        """
-        named = list(self._objects.items())
-        pairs = [(named[i], named[j]) for i in range(len(named)) for j in range(i + 1, len(named))]
+    def in_collision_internal(self, return_names: bool = False, return_data: bool = False) -> _Answer:
+        """Ask whether any two meshes of the manager collide; names are pairs, each in alphabetical order."""
+        pairs = combinations(self._objects.items(), 2)
         return _answer(pairs, lambda names: tuple(sorted(names)), return_names, return_data)
 
     def in_collision_other(
-        self,
-        other_manager: CollisionManager,
-        return_names: bool = False,
-        return_data: bool = False,
+        self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
     ) -> _Answer:
-        """Ask whether any mesh of this manager collides with any of another.
-
-        Returns
-        -------
-        is_collision : bool
-        names : set of (str, str)
-            (Name in this manager, name in the other); where `return_names`.
-        contacts : list of ContactData
-            Every contact; where `return_data`.
-        """
-        others = list(other_manager._objects.items())
-        pairs = [(own, other) for own in self._objects.items() for other in others]
+        """Ask whether any collides with one of another manager; names are pairs, those of this one first."""
+        pairs = product(self._objects.items(), other_manager._objects.items())
         return _answer(pairs, lambda names: names, return_names, return_data)
 
     def _known(self, name: Hashable) -> Hashable:

@@ -1,4 +1,7 @@
-"""Makes `shapes` importable, whichever way pytest imports tests, and keeps hypothesis's findings out of the tree."""
+"""Makes `shapes` and `oracles` importable, whichever way pytest imports tests.
+
+It keeps hypothesis's findings out of the tree, too.
+"""
 
 import sys
 from pathlib import Path

@@ -1,7 +1,4 @@
-"""Meshes for the tests, and an oracle that shares no code with the library."""
-
-from fractions import Fraction
-from itertools import combinations
+"""Meshes and poses for the tests."""
 
 import numpy as np
 
@@ -39,52 +36,3 @@ def random_poses(count, reach, seed):
     poses[:, :3, 3] = rng.uniform(-reach, reach, size=(count, 3))
     poses[:, 3, 3] = 1
     return poses
-
-
-def oracle_pairs(a, b, pose_a=None, pose_b=None):
-    """Every meeting pair of faces, in rational arithmetic.
-
-    Two triangles meet just where the origin lies in the hull of the nine differences of their corners, and then it lies
-    in that of at most four of these that are independent (Caratheodory).
-    """
-    (a, faces_a), (b, faces_b) = _exact(a, pose_a), _exact(b, pose_b)
-    pairs = []
-    for i, face_a in enumerate(faces_a):
-        for j, face_b in enumerate(faces_b):
-            if _meet([a[v] for v in face_a], [b[v] for v in face_b]):
-                pairs.append((i, j))
-    return np.array(pairs, np.uint32).reshape(-1, 2)
-
-
-def _exact(mesh, pose):
-    vertices, faces = mesh
-    matrix = [[Fraction(float(x)) for x in row] for row in (np.eye(4) if pose is None else np.asarray(pose))]
-    points = [[Fraction(float(x)) for x in vertex] for vertex in vertices]
-    return [
-        [sum(m * x for m, x in zip(row, point, strict=False)) + row[3] for row in matrix[:3]] for point in points
-    ], faces
-
-
-def _meet(p, q):
-    if any(
-        max(x[k] for x in p) < min(x[k] for x in q) or min(x[k] for x in p) > max(x[k] for x in q) for k in range(3)
-    ):
-        return False
-    differences = [[x - y for x, y in zip(u, v, strict=True)] for u in p for v in q]
-    return any(_holds_origin(chosen) for size in (1, 2, 3, 4) for chosen in combinations(differences, size))
-
-
-def _holds_origin(points):
-    """Whether weights >= 0 with sum 1 take independent points to the origin; False for dependent ones."""
-    size = len(points)
-    rows = [[point[k] for point in points] + [Fraction(0)] for k in range(3)] + [[Fraction(1)] * size + [Fraction(1)]]
-    for column in range(size):
-        pivot = next((r for r in range(column, 4) if rows[r][column]), None)
-        if pivot is None:
-            return False
-        rows[column], rows[pivot] = rows[pivot], rows[column]
-        rows[column] = [x / rows[column][column] for x in rows[column]]
-        for r in range(4):
-            if r != column and rows[r][column]:
-                rows[r] = [x - rows[r][column] * y for x, y in zip(rows[r], rows[column], strict=True)]
-    return all(row[size] >= 0 for row in rows[:size]) and all(row[size] == 0 for row in rows[size:])

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from shapes import cube, oracle_pairs, torus
+from oracles import oracle_pairs
+from shapes import cube, torus
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 CORNERS = {"cuboid", "tetrahedron"}
@@ -72,6 +73,40 @@ def test_case(case, entries):
     assert impinge.intersects(a, b, *poses) == (len(pairs) > 0)
     swapped = impinge.intersecting_pairs(b, a, *poses[::-1])
     assert sorted(swapped[:, ::-1].tolist()) == pairs.tolist()
+
+
+def _read_distances():
+    """Distances of inline meshes and cuboids: every vertex is as in the corpus, so every number is."""
+    with (CASES / "distances.toml").open("rb") as file:
+        corpus = tomllib.load(file)
+    for case in corpus["distance"]:
+        entries = [corpus["mesh"][case[side]] for side in "ab"]
+        if all("vertices" in e or e["generator"].keys() <= CORNERS for e in entries):
+            yield pytest.param(case, entries, id=case["id"])
+
+
+DISTANCES = list(_read_distances())
+
+
+def test_most_of_the_distances_are_asked_here():
+    assert len(DISTANCES) >= 18
+
+
+@pytest.mark.parametrize(("case", "entries"), DISTANCES)
+def test_distance(case, entries):
+    a, b = map(_mesh, entries)
+    poses = [_pose(case.get("pose_a")), _pose(case.get("pose_b"))]
+    far, tolerance = impinge.distance(a, b, *poses), case.get("tolerance", 0)
+    assert far.lower - tolerance <= case["distance"] <= far.upper + tolerance
+    assert far.distance == far.upper
+    swapped = impinge.distance(b, a, *poses[::-1])
+    assert (swapped.lower, swapped.upper) == (far.lower, far.upper)
+    assert impinge.within(a, b, far.upper, *poses)
+    if far.lower > 0:
+        assert not impinge.within(a, b, np.nextafter(far.lower, 0), *poses)
+        assert not impinge.intersects(a, b, *poses)
+    else:
+        assert impinge.intersects(a, b, *poses)
 
 
 corner = st.integers(-2, 2).map(lambda i: i / 2)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from shapes import TRIANGLE, cube
+from shapes import TRIANGLE, cube, torus
 
 
 def _unaligned(x):
@@ -88,6 +88,32 @@ def test_empty_meshes_are_legal_and_meet_nothing():
         assert not impinge.intersects(empty, impinge.Mesh(*cube()))
         assert impinge.intersecting_pairs(empty, empty).shape == (0, 2)
         assert impinge.intersection_curves(empty, empty) == []
+
+
+def test_what_is_odd_about_a_mesh_is_counted():
+    vertices, faces = cube()
+    sound = impinge.Mesh(vertices, faces).health()
+    assert (sound.components, sound.open_edges, sound.duplicate_vertices, sound.degenerate_faces) == (1, 0, 0, 0)
+    soup = impinge.Mesh(np.concatenate([vertices[faces].reshape(-1, 3), [[9, 9, 0.1]]]), np.arange(36).reshape(-1, 3))
+    odd = soup.health()
+    assert (odd.duplicate_vertices, odd.unused_vertices, odd.double_coordinates) == (28, 1, 1)
+    assert soup.is_closed
+    broken = impinge.Mesh(vertices, np.concatenate([faces[:-1], faces[:1], [[0, 0, 1]]])).health()
+    assert (broken.degenerate_faces, broken.duplicate_faces) == (1, 1)
+    assert broken.open_edges > 0
+
+
+def test_the_hierarchy_is_measured():
+    mesh = impinge.Mesh(*torus())
+    tree = mesh.tree_statistics()
+    assert 1600 / 8 <= tree.leaves <= 1600
+    assert 2 <= tree.depth <= 64
+    assert 0 < tree.leaf_fill <= 1
+    assert 0 < tree.node_fill <= 1
+    assert 1 <= tree.sah < tree.inner + tree.leaves
+    assert 0 <= tree.overlap < 1
+    assert 0 < tree.bytes < mesh.memory
+    assert impinge.Mesh([], []).tree_statistics().leaves == 0
 
 
 V, F = TRIANGLE

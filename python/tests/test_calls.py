@@ -38,6 +38,39 @@ def _long_call():
     return impinge.intersecting_pairs(TORUS, TORUS, random_poses(200_000, 1.0, 1), limit=1)
 
 
+def test_progress_is_one_line_that_goes_away(capsys):
+    poses = random_poses(60_000, 1.0, 1)
+    scene = impinge.Scene({"a": TORUS, "b": TORUS})
+    for ask in (
+        lambda: impinge.intersecting_pairs(TORUS, TORUS, poses[:20_000], limit=1, progress=True),
+        lambda: impinge.distance(TORUS, TORUS, poses[:4_000], progress=True),
+        lambda: scene.check({"a": poses}, stop="all", progress=True),
+    ):
+        ask()
+        out, err = capsys.readouterr()
+        assert out == ""
+        shown = err.split("\r")
+        assert shown[-1] == ""
+        assert shown[-2].strip() == ""
+        assert len(err) > 0, "a call of a second and no line"
+        assert all(text.startswith("impinge: ") and " of " in text for text in shown[1:-2])
+    impinge.intersects(CUBE, CUBE, poses[:3], progress=True)  # too short to speak of
+    assert capsys.readouterr().err == ""
+
+
+def test_a_call_whose_line_cannot_be_written_ends(monkeypatch):
+    class Closed:
+        def write(self, text):
+            raise OSError("closed")
+
+        def flush(self):
+            pass
+
+    monkeypatch.setattr("sys.stderr", Closed())
+    with pytest.raises(OSError, match="closed"):
+        impinge.intersecting_pairs(TORUS, TORUS, random_poses(200_000, 1.0, 1), limit=1, progress=True)
+
+
 def test_ctrl_c_ends_a_long_call_within_a_fraction_of_a_second():
     sent = []
 
@@ -65,7 +98,7 @@ def test_other_threads_run_during_a_call():
     ticker = threading.Thread(target=tick)
     ticker.start()
     start = time.perf_counter()
-    impinge.intersecting_pairs(TORUS, TORUS, random_poses(2_000, 1.0, 1), limit=1)
+    impinge.intersecting_pairs(TORUS, TORUS, random_poses(10_000, 1.0, 1), limit=1)
     seconds = time.perf_counter() - start
     done.set()
     ticker.join()

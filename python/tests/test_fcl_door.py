@@ -216,3 +216,43 @@ def test_what_is_wrong_is_a_value_error():
     ]:
         with pytest.raises(impinge.InputError):
             wrong()
+
+
+# (a, b, translation of b, what python-fcl 0.7 says); its surfaces are not filled, its solids are.
+DISTANCES = [
+    ("box", "box", (0, 0, 0), -1),
+    ("box", "box", (0.75, 0, 0), -1),
+    ("box", "box", (1, 0, 0), 0),
+    ("box", "box", (6, 0.1, 0.2), 5),
+    ("surface", "surface", (0, 0, 0), 0),
+    ("surface", "surface", (1, 0, 0), 0),
+    ("surface", "surface", (6, 0.1, 0.2), 5),
+    ("surface", "large surface", (0, 0, 0), 1.5),
+    ("surface", "large surface", (0.75, 0, 0), 0.75),
+    ("box", "large box", (1, 0, 0), -1),
+    ("box", "large surface", (0, 0, 0), 1.5),
+    ("box", "large surface", (6, 0.1, 0.2), 3.5),
+    ("surface", "large box", (0, 0, 0), -1),
+    ("surface", "large box", (6, 0.1, 0.2), 3.5),
+]
+
+
+@pytest.mark.parametrize(("a", "b", "translation", "expected"), DISTANCES)
+def test_distances(a, b, translation, expected):
+    known = {"box": fcl.Box(1, 1, 1), "surface": model(*cube()), "large box": fcl.Box(4, 4, 4)}
+    known["large surface"] = model(*cube(-2, 2))
+    moved = fcl.Transform(np.array(translation, float))
+    one, two = fcl.CollisionObject(known[a]), fcl.CollisionObject(known[b], moved)
+    result = fcl.DistanceResult()
+    assert fcl.distance(one, two, fcl.DistanceRequest(enable_nearest_points=True), result) == pytest.approx(expected)
+    assert result.min_distance == pytest.approx(expected)
+    assert (result.o1, result.o2) == (known[a], known[b])
+    if expected >= 0:
+        assert [face >= 0 for face in (result.b1, result.b2)] == ["surface" in a, "surface" in b]
+    apart = np.linalg.norm(result.nearest_points[0] - result.nearest_points[1])
+    assert apart == pytest.approx(max(expected, 0), abs=1e-12)
+    assert fcl.distance(two, one) == pytest.approx(expected)
+    kept = fcl.DistanceResult()
+    kept.min_distance = -2.0
+    fcl.distance(one, two, None, kept)
+    assert (kept.min_distance, kept.o1) == (-2.0, None)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import impinge
 import impinge.fcl
+import impinge.fit
 import impinge.trimesh
 import pytest
 
@@ -34,6 +35,21 @@ def test_is_clean(command):
     run(program, *command[1:])
 
 
+def test_wrong_options_are_seen_before_the_program_runs(tmp_path):
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import impinge\nmesh = impinge.load('a.obj')\n"
+        "impinge.intersects(mesh, mesh, solid='c')\n"
+        "impinge.distance(mesh, mesh, on_error='ignore')\n"
+        "impinge.within(mesh, mesh)\n"
+        "impinge.penetrates(mesh, mesh, solid=True)\n"
+        "impinge.intersecting_pairs(mesh, mesh, limt=3)\n"
+    )
+    command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", "target/mypy", str(program)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert [f":{line}: error" in done.stdout for line in range(1, 8)] == [False] * 2 + [True] * 5, done.stdout
+
+
 def test_types_as_a_user_sees_them(tmp_path):
     """What strict mypy infers in a program that uses the package."""
     program = tmp_path / "program.py"
@@ -42,6 +58,13 @@ def test_types_as_a_user_sees_them(tmp_path):
         "mesh = impinge.Mesh(np.zeros((0, 3)), np.zeros((0, 3), int))\n"
         "assert_type(impinge.intersects(mesh, mesh), bool)\n"
         "hit: bool | np.ndarray = impinge.intersects(mesh, mesh, np.eye(4))\n"
+        "assert_type(impinge.within(mesh, mesh, 0.5, solid='a'), bool)\n"
+        "assert_type(impinge.penetrates(mesh, mesh), bool)\n"
+        "assert_type(impinge.distance(mesh, mesh, np.eye(4), progress=True), impinge.Distance)\n"
+        "far, status = impinge.distance(mesh, mesh, np.eye(4), solid=True, on_error='status')\n"
+        "assert_type(far, impinge.Distance)\n"
+        "assert_type(mesh.ray_cast([0, 0, 0], [0, 0, 1]), impinge.RayHit)\n"
+        "assert_type(impinge.minimal_sphere([[0, 0, 0]]).radius, float)\n"
         "impinge.intersecting_pairs(mesh, mesh).sum()\n"
         "pairs = impinge.intersecting_pairs(mesh, mesh, np.eye(4)[None])\n"
         "assert isinstance(pairs, impinge.Pairs) and pairs.counts.sum() == 0\n"
@@ -53,7 +76,7 @@ def test_types_as_a_user_sees_them(tmp_path):
     run(sys.executable, "-m", "mypy", "--cache-dir", "target/mypy", "--config-file", str(config), str(program))
 
 
-@pytest.mark.parametrize("module", [impinge, impinge.fcl, impinge.trimesh])
+@pytest.mark.parametrize("module", [impinge, impinge.fcl, impinge.fit, impinge.trimesh])
 def test_every_public_name_is_documented(module):
     for name in module.__all__:
         thing = getattr(module, name)

@@ -71,6 +71,9 @@ pub(crate) fn kind_and_place(error: &InputError) -> (&'static str, Vec<usize>) {
         InputErrorKind::NotAffine { .. } => ("not-affine", vec![3]),
         InputErrorKind::Singular => ("singular", Vec::new()),
         InputErrorKind::NotUnitQuaternion { .. } => ("not-unit-quaternion", Vec::new()),
+        InputErrorKind::Empty { .. } => ("empty", Vec::new()),
+        InputErrorKind::Negative { .. } => ("negative", Vec::new()),
+        InputErrorKind::NotRigid { .. } => ("not-rigid", Vec::new()),
         _ => ("input", Vec::new()),
     }
 }

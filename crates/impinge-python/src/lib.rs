@@ -1,27 +1,45 @@
 //! The extension module `impinge._impinge`: arrays in, arrays out. It holds no geometry; the package around it,
 //! `python/impinge`, is what people import.
 
+mod arrays;
 mod broadcast;
+mod distances;
 mod errors;
+mod inspection;
 mod mesh;
 mod model;
+mod points;
 mod poses;
 mod question;
+mod rays;
 mod scene;
 mod verbs;
+mod volumes;
 mod workers;
 
 /// What `python/impinge` imports; every name is private to that package.
 #[pyo3::pymodule]
 mod _impinge {
     #[pymodule_export]
+    use super::distances::{distance, within};
+    #[pymodule_export]
+    use super::inspection::{health, tree_statistics};
+    #[pymodule_export]
     use super::mesh::MeshBase;
     #[pymodule_export]
     use super::model::Model;
     #[pymodule_export]
+    use super::points::{closest_point, contains, signed_distance, winding_number};
+    #[pymodule_export]
+    use super::rays::{ray_cast, ray_cast_all};
+    #[pymodule_export]
     use super::scene::check_scene;
     #[pymodule_export]
-    use super::verbs::{contact_points, intersecting_pairs, intersection_curves, intersects};
+    use super::verbs::{
+        contact_points, intersecting_pairs, intersection_curves, intersects, penetrates, self_intersecting_pairs,
+    };
+    #[pymodule_export]
+    use super::volumes::{convex_hull, fit_volume};
     #[pymodule_export]
     use super::workers::after_fork;
 

@@ -4,11 +4,10 @@ use impinge::{Mesh, Positions};
 use numpy::{Element, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::PyDict;
 
+use crate::arrays::{read_only, row_array};
 use crate::errors::{Fault, kind_and_place, message};
 use crate::model::Model;
-use crate::question::array;
 use crate::workers;
 
 /// What `impinge.Mesh` inherits: the mesh, and its arrays once somebody has asked for them.
@@ -53,13 +52,13 @@ impl MeshBase {
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let made = self.vertices.get_or_try_init(py, || {
-            let shape = [self.mesh.positions().len(), 3];
+            let lead = [self.mesh.positions().len()];
             let made = match self.mesh.positions() {
                 Positions::F32(v) if self.is_double => {
-                    array(py, v.iter().flatten().map(|&x| f64::from(x)).collect(), &shape)?
+                    row_array(py, v.iter().map(|v| v.map(f64::from)).collect(), &lead)?
                 }
-                Positions::F32(v) => array(py, v.as_flattened().to_vec(), &shape)?,
-                Positions::F64(v) => array(py, v.as_flattened().to_vec(), &shape)?,
+                Positions::F32(v) => row_array(py, v.clone(), &lead)?,
+                Positions::F64(v) => row_array(py, v.clone(), &lead)?,
             };
             read_only(made)
         })?;
@@ -71,7 +70,7 @@ impl MeshBase {
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let made = self.faces.get_or_try_init(py, || {
             let faces = self.mesh.faces();
-            read_only(array(py, faces.as_flattened().to_vec(), &[faces.len(), 3])?)
+            read_only(row_array(py, faces.to_vec(), &[faces.len()])?)
         })?;
         Ok(made.bind(py).clone())
     }
@@ -84,6 +83,12 @@ impl MeshBase {
     #[getter]
     fn face_count(&self) -> usize {
         self.mesh.faces().len()
+    }
+
+    #[getter]
+    fn is_closed(&self, py: Python<'_>) -> PyResult<bool> {
+        let mesh = self.mesh.clone();
+        workers::run(py, move |_| mesh.is_closed())
     }
 
     /// Bytes, beside the arrays that were asked for.
@@ -108,14 +113,8 @@ pub(crate) fn mesh_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Mesh> {
     }
 }
 
-fn read_only(array: Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-    let named = PyDict::new(array.py());
-    named.set_item("write", false)?;
-    array.call_method("setflags", (), Some(&named))?;
-    Ok(array.unbind())
-}
-
-fn read_positions(vertices: &Bound<'_, PyAny>) -> PyResult<Positions> {
+/// Positions of an array as `impinge._arrays` makes them: (n, 3) f32 or f64.
+pub(crate) fn read_positions(vertices: &Bound<'_, PyAny>) -> PyResult<Positions> {
     Ok(match vertices.cast::<PyArray2<f32>>() {
         Ok(single) => Positions::F32(triples(&single.readonly())?),
         Err(_) => Positions::F64(triples(&vertices.cast::<PyArray2<f64>>()?.readonly())?),

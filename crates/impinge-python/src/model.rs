@@ -6,8 +6,8 @@ use impinge::Positions;
 use impinge_files::{Unit, Warning};
 use pyo3::prelude::*;
 
+use crate::arrays::array;
 use crate::errors::{Fault, load_error};
-use crate::question::array;
 use crate::workers;
 
 /// The triangles of a file, and where they came from.

@@ -1,12 +1,14 @@
 //! Arrays of poses, (..., 4, 4), judged before any work.
 
 use impinge::{InputError, Pose};
-use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
 
+use crate::arrays::Plain;
 use crate::broadcast::Broadcast;
 use crate::errors::{Fault, kind_and_place, message};
+
+const PLAIN: Plain = Plain { core: &[4, 4], reader: "plain_poses" };
 
 /// What becomes of a pose that is none.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -19,13 +21,13 @@ pub(crate) enum OnError {
 
 impl OnError {
     /// Reads the option of that name.
-    pub(crate) fn read(py: Python<'_>, option: &str) -> PyResult<Self> {
-        match option {
-            "raise" => Ok(Self::Raise),
-            "status" => Ok(Self::Status),
+    pub(crate) fn read(option: &Bound<'_, PyAny>) -> PyResult<Self> {
+        match option.extract::<&str>() {
+            Ok("raise") => Ok(Self::Raise),
+            Ok("status") => Ok(Self::Status),
             _ => {
-                let message = format!("must be \"raise\" or \"status\", not {option:?}");
-                Err(Fault::new("option", "on_error", message).raised(py))
+                let message = format!("must be \"raise\" or \"status\", not {}", option.repr()?);
+                Err(Fault::new("option", "on_error", message).raised(option.py()))
             }
         }
     }
@@ -50,7 +52,7 @@ impl Poses {
         if value.is_none() {
             return Ok(Self { shape: Vec::new(), poses: vec![Pose::IDENTITY], status: None });
         }
-        let plain = plain(value, name)?;
+        let plain = PLAIN.read(value, name)?;
         let shape = plain.shape();
         let lead = shape[..shape.len() - 2].to_vec();
         let numbers = plain.as_slice()?;
@@ -71,21 +73,6 @@ impl Poses {
         }
         Ok(Self { shape: lead, poses, status })
     }
-}
-
-/// The array where it is one of doubles that lie side by side; else what `impinge._arrays` makes of it.
-fn plain<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
-    static READ: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    if let Ok(array) = value.cast::<PyArrayDyn<f64>>()
-        && array.is_c_contiguous()
-        && array.shape().ends_with(&[4, 4])
-        && array.data().is_aligned()
-    {
-        return Ok(array.readonly());
-    }
-    let py = value.py();
-    let made = READ.import(py, "impinge._arrays", "plain_poses")?.call1((value, name))?;
-    Ok(made.cast_into::<PyArrayDyn<f64>>()?.readonly())
 }
 
 fn fault(error: &InputError, name: &str, mut at: Vec<usize>) -> Fault {

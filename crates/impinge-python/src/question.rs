@@ -1,16 +1,17 @@
 //! What all verbs on two meshes have in common: which meshes, at which poses, on which threads, with which safe answer
 //! where a pose is none.
 
-use impinge::Mesh;
 use impinge::mesh::Placed;
-use numpy::{Element, PyArray1, PyArrayMethods};
+use impinge::query::Solid;
+use impinge::{Mesh, Pose};
 use pyo3::prelude::*;
 
+use crate::arrays::array;
 use crate::broadcast::Broadcast;
 use crate::errors::Fault;
 use crate::mesh::mesh_of;
 use crate::poses::{OnError, Poses};
-use crate::workers;
+use crate::workers::{self, Rows};
 
 /// The most pairs of triangles for which a call may keep to the caller's thread, where Ctrl-C waits for it: at some ten
 /// nanoseconds a pair, a fraction of a second in the worst case and microseconds in almost any.
@@ -18,6 +19,9 @@ const MOST_BRIEF_PAIRS: u128 = 1 << 24;
 
 /// The most rows for which other threads are not worth waking, which takes some ten microseconds.
 const MOST_BRIEF_ROWS: usize = 16;
+
+/// The value of `impinge.Status` for an answer that is the safe one because nothing was proved.
+const UNDECIDED: u8 = 5;
 
 /// Two meshes and the rows of poses at which they are asked about.
 pub(crate) struct Question {
@@ -27,6 +31,7 @@ pub(crate) struct Question {
     poses_b: Poses,
     rows: Broadcast,
     on_error: OnError,
+    progress: bool,
 }
 
 /// The answers to a question, in row-major order of its leading axes.
@@ -36,47 +41,81 @@ pub(crate) struct Answers<T> {
     /// One answer a row.
     pub(crate) values: Vec<T>,
     /// A status a row, where the caller asked for one.
-    pub(crate) status: Option<Vec<u8>>,
+    status: Option<Vec<u8>>,
 }
 
-impl Question {
-    /// Reads and judges the arguments that every verb takes.
+/// Which mesh is solid: `False`, `True`, `"a"` or `"b"`.
+pub(crate) struct SolidOption(pub(crate) Solid);
+
+impl<'py> FromPyObject<'_, 'py> for Question {
+    type Error = PyErr;
+
+    /// Reads and judges what every verb takes: `(a, b, pose_a, pose_b, on_error, progress)`.
     ///
     /// # Errors
     /// `InputError` naming the argument, and the row and entry in it.
-    pub(crate) fn read(
-        a: &Bound<'_, PyAny>,
-        b: &Bound<'_, PyAny>,
-        pose_a: &Bound<'_, PyAny>,
-        pose_b: &Bound<'_, PyAny>,
-        on_error: &str,
-    ) -> PyResult<Self> {
-        let py = a.py();
-        let (mesh_a, mesh_b) = (mesh_of(a, "a")?, mesh_of(b, "b")?);
-        let on_error = OnError::read(py, on_error)?;
-        let poses_a = Poses::read(pose_a, "pose_a", on_error)?;
-        let poses_b = Poses::read(pose_b, "pose_b", on_error)?;
+    fn extract(asked: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        type Asked<'py> =
+            (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, bool);
+        let py = asked.py();
+        let (a, b, pose_a, pose_b, on_error, progress): Asked<'py> = asked.extract()?;
+        let (mesh_a, mesh_b) = (mesh_of(&a, "a")?, mesh_of(&b, "b")?);
+        let on_error = OnError::read(&on_error)?;
+        let poses_a = Poses::read(&pose_a, "pose_a", on_error)?;
+        let poses_b = Poses::read(&pose_b, "pose_b", on_error)?;
         let Some(rows) = Broadcast::new(&poses_a.shape, &poses_b.shape) else {
             let (a, b) = (&poses_a.shape, &poses_b.shape);
             let message = format!("leading axes {b:?} do not broadcast with {a:?}, those of pose_a");
             return Err(Fault::new("shape", "pose_b", message).raised(py));
         };
-        Ok(Self { a: mesh_a, b: mesh_b, poses_a, poses_b, rows, on_error })
+        Ok(Self { a: mesh_a, b: mesh_b, poses_a, poses_b, rows, on_error, progress })
+    }
+}
+
+impl<'py> FromPyObject<'_, 'py> for SolidOption {
+    type Error = PyErr;
+
+    fn extract(option: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(both) = option.extract::<bool>() {
+            return Ok(Self(if both { Solid::Both } else { Solid::Neither }));
+        }
+        match option.extract::<&str>() {
+            Ok("a") => Ok(Self(Solid::A)),
+            Ok("b") => Ok(Self(Solid::B)),
+            _ => {
+                let message = format!("must be False, True, \"a\" or \"b\", not {}", option.repr()?);
+                Err(Fault::new("option", "solid", message).raised(option.py()))
+            }
+        }
+    }
+}
+
+impl Question {
+    /// The two meshes and their poses, where a single pose is asked about.
+    pub(crate) fn single(&self) -> Option<([&Mesh; 2], [Pose; 2])> {
+        let poses = [self.poses_a.poses.first()?, self.poses_b.poses.first()?];
+        self.rows.shape.is_empty().then(|| ([&self.a, &self.b], poses.map(|pose| *pose)))
     }
 
-    /// Whether a single pose is asked about.
-    pub(crate) fn is_single(&self) -> bool {
-        self.rows.shape.is_empty()
-    }
-
-    /// Asks `ask` about each row, on all threads and without the interpreter; a row with a bad pose gets `safe`.
+    /// [`answer_learning`](Self::answer_learning), where rows have nothing to learn from each other.
     pub(crate) fn answer<T: Clone + Send + Sync + 'static>(
         self,
         py: Python<'_>,
         safe: T,
         ask: impl Fn(Placed<'_>, Placed<'_>) -> T + Send + Sync + 'static,
     ) -> PyResult<Answers<T>> {
-        let Self { a, b, poses_a, poses_b, rows, on_error } = self;
+        self.answer_learning(py, safe, move |(), a, b| ask(a, b))
+    }
+
+    /// Asks `ask` about each row, on all threads and without the interpreter; a row with a bad pose gets `safe`. What is
+    /// learned from a row, which changes no answer, is there for the next one of the same block.
+    pub(crate) fn answer_learning<S: Default + 'static, T: Clone + Send + Sync + 'static>(
+        self,
+        py: Python<'_>,
+        safe: T,
+        ask: impl Fn(&mut S, Placed<'_>, Placed<'_>) -> T + Send + Sync + 'static,
+    ) -> PyResult<Answers<T>> {
+        let Self { a, b, poses_a, poses_b, rows, on_error, progress } = self;
         let count = rows.rows;
         let shape = rows.shape.clone();
         let status = (on_error == OnError::Status).then(|| {
@@ -92,29 +131,48 @@ impl Question {
         let worst = a.faces().len() as u128 * b.faces().len() as u128 * count as u128;
         let brief = count <= MOST_BRIEF_ROWS && worst <= MOST_BRIEF_PAIRS;
         let safely = safe.clone();
-        let values = workers::rows(py, count, brief, safe, move |row| {
+        let values = workers::rows(py, Rows { count, brief, progress }, safe, S::default, move |learned, row| {
             if bad.as_ref().is_some_and(|bad| bad[row] != 0) {
                 return safely.clone();
             }
             let [at_a, at_b] = rows.sources(row);
-            ask(a.at(poses_a.poses[at_a]), b.at(poses_b.poses[at_b]))
+            ask(learned, a.at(poses_a.poses[at_a]), b.at(poses_b.poses[at_b]))
         })?;
         Ok(Answers { shape, values, status })
     }
 }
 
-/// An array with these leading axes.
-pub(crate) fn array<'py, T: Element>(py: Python<'py>, values: Vec<T>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
-    Ok(PyArray1::from_vec(py, values).reshape(shape.to_vec())?.into_any())
+impl<T> Answers<T> {
+    /// The same with each answer made into another; those that `is_undecided` have that status.
+    pub(crate) fn judged<U>(self, is_undecided: impl Fn(&T) -> bool, of: impl Fn(T) -> U) -> Answers<U> {
+        let Self { shape, values, mut status } = self;
+        for (status, value) in status.iter_mut().flatten().zip(&values) {
+            if *status == 0 && is_undecided(value) {
+                *status = UNDECIDED;
+            }
+        }
+        Answers { shape, values: values.into_iter().map(of).collect(), status }
+    }
+
+    /// What a verb returns: what `made` makes of the answers and their leading axes and, where the caller asked for them,
+    /// the status of each row beside it.
+    pub(crate) fn returned<'py>(
+        self,
+        py: Python<'py>,
+        made: impl FnOnce(Vec<T>, &[usize]) -> PyResult<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let answer = made(self.values, &self.shape)?;
+        with_status(py, answer, self.status, &self.shape)
+    }
 }
 
-/// What a verb returns: its answer or, where the caller asked for them, the answer and the status of each row.
+/// An answer or, where the caller asked for them, the answer and the status of each row.
 pub(crate) fn with_status<'py>(
+    py: Python<'py>,
     answer: Bound<'py, PyAny>,
     status: Option<Vec<u8>>,
     shape: &[usize],
 ) -> PyResult<Bound<'py, PyAny>> {
-    let py = answer.py();
     match status {
         None => Ok(answer),
         Some(status) => Ok((answer, array(py, status, shape)?).into_pyobject(py)?.into_any()),

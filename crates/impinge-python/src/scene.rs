@@ -6,12 +6,13 @@ use impinge::{Mesh, Pose, query};
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 
+use crate::arrays::array;
 use crate::broadcast::Broadcast;
 use crate::errors::Fault;
 use crate::mesh::mesh_of;
 use crate::poses::{OnError, Poses};
-use crate::question::{array, with_status};
-use crate::workers;
+use crate::question::with_status;
+use crate::workers::{self, Rows};
 
 /// A part as Python names it: its name, its mesh and its poses.
 type Part<'py> = (String, Bound<'py, PyAny>, Bound<'py, PyAny>);
@@ -26,27 +27,30 @@ pub(crate) fn check_scene<'py>(
     parts: Vec<Part<'py>>,
     pairs: Vec<(usize, usize)>,
     first: bool,
-    on_error: &str,
+    on_error: &Bound<'py, PyAny>,
+    progress: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let on_error = OnError::read(py, on_error)?;
+    let on_error = OnError::read(on_error)?;
     let scene = Arc::new(Scene::read(py, &parts, pairs, on_error)?);
     let (shape, rows, pairs) = (scene.shape.clone(), scene.rows, scene.pairs.len());
     let status = (on_error == OnError::Status).then(|| (0..rows).map(|row| scene.status(row)).collect::<Vec<u8>>());
 
     let still: Vec<Option<bool>> = {
         let scene = scene.clone();
-        workers::rows(py, pairs, false, None, move |pair| scene.still(pair))?
+        let rows = Rows { count: pairs, brief: false, progress: false };
+        workers::rows(py, rows, None, || (), move |(), pair| scene.still(pair))?
     };
     let meets = move |row: usize, pair: usize| still[pair].unwrap_or_else(|| scene.meets(row, pair));
     let answer = if first {
-        let ask = move |row| (0..pairs).find(|&pair| meets(row, pair)).map_or(-1, |pair| pair as i64);
-        array(py, workers::rows(py, rows, false, -1, ask)?, &shape)?
+        let ask = move |(): &mut (), row| (0..pairs).find(|&pair| meets(row, pair)).map_or(-1, |pair| pair as i64);
+        array(py, workers::rows(py, Rows { count: rows, brief: false, progress }, -1, || (), ask)?, &shape)?
     } else {
         let answers = rows.checked_mul(pairs).ok_or_else(|| PyMemoryError::new_err("too many configurations"))?;
-        let found = workers::rows(py, answers, false, true, move |at| meets(at / pairs, at % pairs))?;
+        let asked = Rows { count: answers, brief: false, progress };
+        let found = workers::rows(py, asked, true, || (), move |(), at| meets(at / pairs, at % pairs))?;
         array(py, found, &[&shape[..], &[pairs]].concat())?
     };
-    with_status(answer, status, &shape)
+    with_status(py, answer, status, &shape)
 }
 
 struct Scene {

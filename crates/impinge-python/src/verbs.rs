@@ -1,49 +1,45 @@
-//! The verbs, each the library's own in a question's rows.
+//! The verbs on two meshes, each the library's own in a question's rows.
 
 use impinge::exact::{Crossing, Placement, crossing};
-use impinge::{Pose, query};
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray2};
+use impinge::query::{self, Penetrates};
+use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyList};
 
+use crate::arrays::{array, ragged, row_array};
 use crate::errors::Fault;
 use crate::mesh::mesh_of;
-use crate::poses::{OnError, Poses};
-use crate::question::{Question, array, with_status};
+use crate::question::{Answers, Question, SolidOption};
+use crate::workers;
 
 /// `bool`, or an array of them.
 #[pyfunction]
-pub(crate) fn intersects<'py>(
-    a: &Bound<'py, PyAny>,
-    b: &Bound<'py, PyAny>,
-    pose_a: &Bound<'py, PyAny>,
-    pose_b: &Bound<'py, PyAny>,
-    on_error: &str,
-) -> PyResult<Bound<'py, PyAny>> {
-    let py = a.py();
-    let question = Question::read(a, b, pose_a, pose_b, on_error)?;
-    let is_single = question.is_single();
-    let answers = question.answer(py, true, |a, b| query::intersects(a, b))?;
-    let values = match answers.values[..] {
-        [value] if is_single => PyBool::new(py, value).to_owned().into_any(),
-        _ => array(py, answers.values, &answers.shape)?,
-    };
-    with_status(values, answers.status, &answers.shape)
+pub(crate) fn intersects<'py>(py: Python<'py>, question: Question, solid: SolidOption) -> PyResult<Bound<'py, PyAny>> {
+    yes_or_no(py, question.answer(py, true, move |a, b| query::intersects_solid(a, b, solid.0))?)
+}
+
+/// `bool`, or an array of them; what is undecided counts as yes.
+#[pyfunction]
+pub(crate) fn penetrates<'py>(py: Python<'py>, question: Question) -> PyResult<Bound<'py, PyAny>> {
+    let answers = question.answer(py, Penetrates::Undecided, |a, b| query::penetrates(a, b))?;
+    yes_or_no(py, answers.judged(|&answer| answer == Penetrates::Undecided, Penetrates::possibly))
+}
+
+/// Booleans as Python has them: one of its own, or an array.
+pub(crate) fn yes_or_no(py: Python<'_>, answers: Answers<bool>) -> PyResult<Bound<'_, PyAny>> {
+    answers.returned(py, |values, shape| match values[..] {
+        [value] if shape.is_empty() => Ok(PyBool::new(py, value).to_owned().into_any()),
+        _ => array(py, values, shape),
+    })
 }
 
 /// An (k, 2) array, or the offsets of each row with those of all rows in one. `limit` cuts each row short.
 #[pyfunction]
 pub(crate) fn intersecting_pairs<'py>(
-    a: &Bound<'py, PyAny>,
-    b: &Bound<'py, PyAny>,
-    pose_a: &Bound<'py, PyAny>,
-    pose_b: &Bound<'py, PyAny>,
+    py: Python<'py>,
+    question: Question,
     limit: Option<usize>,
-    on_error: &str,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let py = a.py();
-    let question = Question::read(a, b, pose_a, pose_b, on_error)?;
-    let is_single = question.is_single();
     let answers = question.answer(py, Vec::new(), move |a, b| {
         let mut pairs = query::intersecting_pairs(a, b);
         if let Some(limit) = limit.filter(|&limit| limit < pairs.len()) {
@@ -52,78 +48,62 @@ pub(crate) fn intersecting_pairs<'py>(
         }
         pairs
     })?;
-    let value = if is_single {
-        pair_rows(py, answers.values.into_iter().next().unwrap_or_default())?
-    } else {
-        let mut offsets = vec![0_i64];
-        let mut end = 0;
-        for pairs in &answers.values {
-            end += pairs.len();
-            offsets.push(end as i64);
+    answers.returned(py, |values, shape| {
+        let (offsets, pairs) = ragged(values);
+        let (count, is_single) = (pairs.len(), shape.is_empty());
+        let pairs = row_array(py, pairs, &[count])?;
+        if is_single {
+            return Ok(pairs);
         }
-        let mut rows = Vec::with_capacity(end);
-        for pairs in answers.values {
-            rows.extend(pairs);
-        }
-        let offsets = PyArray1::from_vec(py, offsets).into_any();
-        (offsets, pair_rows(py, rows)?, answers.shape.clone()).into_pyobject(py)?.into_any()
-    };
-    with_status(value, answers.status, &answers.shape)
-}
-
-fn pair_rows(py: Python<'_>, pairs: Vec<[u32; 2]>) -> PyResult<Bound<'_, PyAny>> {
-    let count = pairs.len();
-    Ok(PyArray1::from_vec(py, pairs.into_flattened()).reshape([count, 2])?.into_any())
+        let places = offsets.len();
+        Ok((array(py, offsets, &[places])?, pairs, shape).into_pyobject(py)?.into_any())
+    })
 }
 
 /// A list of (n, 3) arrays, in as many lists as there are leading axes.
 #[pyfunction]
-pub(crate) fn intersection_curves<'py>(
-    a: &Bound<'py, PyAny>,
-    b: &Bound<'py, PyAny>,
-    pose_a: &Bound<'py, PyAny>,
-    pose_b: &Bound<'py, PyAny>,
-    on_error: &str,
-) -> PyResult<Bound<'py, PyAny>> {
-    let py = a.py();
-    let question = Question::read(a, b, pose_a, pose_b, on_error)?;
+pub(crate) fn intersection_curves<'py>(py: Python<'py>, question: Question) -> PyResult<Bound<'py, PyAny>> {
     let answers = question.answer(py, Vec::new(), |a, b| query::intersection_curves(a, b).polylines)?;
     let lines = |lines: Vec<Vec<[f64; 3]>>| -> PyResult<Bound<'py, PyAny>> {
         let lines = lines.into_iter().map(|line| {
-            let shape = [line.len(), 3];
-            array(py, line.into_flattened(), &shape)
+            let count = line.len();
+            row_array(py, line, &[count])
         });
         Ok(PyList::new(py, lines.collect::<PyResult<Vec<_>>>()?)?.into_any())
     };
-    let mut rows = answers.values.into_iter().map(lines).collect::<PyResult<Vec<_>>>()?;
-    // From the last axis to the first, rows are gathered into lists.
-    for axis in (0..answers.shape.len()).rev() {
-        let (length, lists) = (answers.shape[axis], answers.shape[..axis].iter().product());
-        let gathered = (0..lists).map(|at: usize| PyList::new(py, &rows[at * length..(at + 1) * length]));
-        rows = gathered.map(|list| Ok(list?.into_any())).collect::<PyResult<Vec<_>>>()?;
-    }
-    let value = rows.into_iter().next().map_or_else(|| Ok(PyList::empty(py).into_any()), PyResult::Ok)?;
-    with_status(value, answers.status, &answers.shape)
+    answers.returned(py, |values, shape| {
+        let mut rows = values.into_iter().map(lines).collect::<PyResult<Vec<_>>>()?;
+        // From the last axis to the first, rows are gathered into lists.
+        for axis in (0..shape.len()).rev() {
+            let (length, lists) = (shape[axis], shape[..axis].iter().product());
+            let gathered = (0..lists).map(|at: usize| PyList::new(py, &rows[at * length..(at + 1) * length]));
+            rows = gathered.map(|list| Ok(list?.into_any())).collect::<PyResult<Vec<_>>>()?;
+        }
+        rows.into_iter().next().map_or_else(|| Ok(PyList::empty(py).into_any()), PyResult::Ok)
+    })
+}
+
+/// An (k, 2) array.
+#[pyfunction]
+pub(crate) fn self_intersecting_pairs<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
+    let pairs = workers::run(py, move |_| query::self_intersecting_pairs(&mesh))?;
+    let count = pairs.len();
+    row_array(py, pairs, &[count])
 }
 
 /// For each pair of faces that meet, (k, 2), a point of the world that both have in common, (k, 3), and whether they lie
 /// in one plane, (k,), where the point is the origin instead.
 #[pyfunction]
 pub(crate) fn contact_points<'py>(
-    a: &Bound<'py, PyAny>,
-    b: &Bound<'py, PyAny>,
-    pose_a: &Bound<'py, PyAny>,
-    pose_b: &Bound<'py, PyAny>,
+    py: Python<'py>,
+    question: Question,
     pairs: PyReadonlyArray2<'py, u32>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let py = a.py();
-    let (a, b) = (mesh_of(a, "a")?, mesh_of(b, "b")?);
-    let single = |value, name| -> PyResult<Pose> {
-        let read = Poses::read(value, name, OnError::Raise)?;
-        let message = "a single pose is expected here";
-        if read.shape.is_empty() { Ok(read.poses[0]) } else { Err(Fault::new("shape", name, message).raised(py)) }
+    let Some(([a, b], [world_from_a, world_from_b])) = question.single() else {
+        return Err(Fault::new("shape", "pose_b", "a single pose is expected here").raised(py));
     };
-    let placement = Placement::new(&single(pose_a, "pose_a")?, &single(pose_b, "pose_b")?);
+    let placement = Placement::new(&world_from_a, &world_from_b);
     let mut points = Vec::new();
     let mut coplanar = Vec::new();
     for pair in pairs.as_slice()?.as_chunks::<2>().0 {
@@ -140,6 +120,5 @@ pub(crate) fn contact_points<'py>(
         coplanar.push(matches!(common, Crossing::Coplanar));
     }
     let count = points.len();
-    let points = array(py, points.into_flattened(), &[count, 3])?;
-    Ok((points, array(py, coplanar, &[count])?).into_pyobject(py)?.into_any())
+    Ok((row_array(py, points, &[count])?, array(py, coplanar, &[count])?).into_pyobject(py)?.into_any())
 }

@@ -7,7 +7,7 @@
 
 use std::cell::OnceCell;
 use std::num::NonZero;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
@@ -25,13 +25,37 @@ const LISTENING_INTERVAL: Duration = Duration::from_millis(20);
 /// Pools that are kept: that of all processors and the last few other sizes.
 const MOST_POOLS: usize = 4;
 
-/// Set once nobody waits for an answer any more.
-#[derive(Clone, Default)]
-pub(crate) struct Abandoned(Arc<AtomicBool>);
+/// Blocks of consecutive rows for each thread: enough to even out rows that take long.
+const BLOCKS_PER_THREAD: usize = 16;
 
-impl Abandoned {
-    fn is_set(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+/// The most rows of a block: what a block learns anew is then little beside what it is asked.
+const LONGEST_BLOCK: usize = 64;
+
+/// The rows of a call, and how they are to be worked on.
+#[derive(Clone, Copy)]
+pub(crate) struct Rows {
+    pub(crate) count: usize,
+    /// Whether they are so short that the caller's own thread does them.
+    pub(crate) brief: bool,
+    /// Whether the caller wants to see how far they are.
+    pub(crate) progress: bool,
+}
+
+/// What the caller's thread and the others know of each other.
+#[derive(Clone, Default)]
+pub(crate) struct Watch(Arc<Shared>);
+
+#[derive(Default)]
+struct Shared {
+    /// Set once nobody waits for an answer any more.
+    abandoned: AtomicBool,
+    /// Rows that are answered.
+    done: AtomicUsize,
+}
+
+impl Watch {
+    fn is_abandoned(&self) -> bool {
+        self.0.abandoned.load(Ordering::Relaxed)
     }
 }
 
@@ -72,14 +96,20 @@ fn work_alone() {
 
 /// Runs a job on the pool. A signal handler that raises, as that of Ctrl-C does, ends the wait at once: the job is
 /// abandoned, and whatever of it has not begun is not done.
-pub(crate) fn run<T: Send + 'static>(
+pub(crate) fn run<T: Send + 'static>(py: Python<'_>, job: impl FnOnce(&Watch) -> T + Send + 'static) -> PyResult<T> {
+    run_watched(py, |_| Ok(()), job)
+}
+
+/// [`run`], with `listen` called between two waits; where it fails, so does the call.
+fn run_watched<T: Send + 'static>(
     py: Python<'_>,
-    job: impl FnOnce(&Abandoned) -> T + Send + 'static,
+    listen: impl Fn(&Watch) -> PyResult<()>,
+    job: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> PyResult<T> {
     let pool = pool(asked_threads(py)?)?;
-    let abandoned = Abandoned::default();
+    let watch = Watch::default();
     let (sender, mut receiver) = mpsc::sync_channel(1);
-    let watched = abandoned.clone();
+    let watched = watch.clone();
     pool.spawn(move || {
         let answer = job(&watched);
         sender.send(answer).ok(); // nobody listens where the job was abandoned
@@ -91,8 +121,8 @@ pub(crate) fn run<T: Send + 'static>(
         match heard.0 {
             Ok(answer) => return Ok(answer),
             Err(RecvTimeoutError::Timeout) => {
-                if let Err(raised) = py.check_signals() {
-                    abandoned.0.store(true, Ordering::Relaxed);
+                if let Err(raised) = py.check_signals().and_then(|()| listen(&watch)) {
+                    watch.0.abandoned.store(true, Ordering::Relaxed);
                     return Err(raised);
                 }
             }
@@ -103,33 +133,66 @@ pub(crate) fn run<T: Send + 'static>(
     }
 }
 
-/// Asks `ask` of each row, on all threads; on the caller's own where the rows are `brief`.
-pub(crate) fn rows<T: Clone + Send + Sync + 'static>(
+/// Asks `ask` of each row, on all threads; on the caller's own where the rows are brief. A thread takes consecutive rows,
+/// with what `begin` makes at their start, so that one row may learn from the last.
+pub(crate) fn rows<S, T: Clone + Send + Sync + 'static>(
     py: Python<'_>,
-    rows: usize,
-    brief: bool,
+    rows: Rows,
     filler: T,
-    ask: impl Fn(usize) -> T + Send + Sync + 'static,
+    begin: impl Fn() -> S + Send + Sync + 'static,
+    ask: impl Fn(&mut S, usize) -> T + Send + Sync + 'static,
 ) -> PyResult<Vec<T>> {
+    let count = rows.count;
     let mut answers = Vec::new();
-    let refused = |_| PyMemoryError::new_err(format!("no memory for the answers of {rows} rows"));
-    answers.try_reserve_exact(rows).map_err(refused)?;
-    if brief {
+    let refused = |_| PyMemoryError::new_err(format!("no memory for the answers of {count} rows"));
+    answers.try_reserve_exact(count).map_err(refused)?;
+    if rows.brief {
         return Ok(py.detach(move || {
             work_alone();
-            answers.extend((0..rows).map(ask));
+            let mut state = begin();
+            answers.extend((0..count).map(|row| ask(&mut state, row)));
             answers
         }));
     }
-    run(py, move |abandoned| {
-        answers.resize(rows, filler);
-        answers.par_iter_mut().enumerate().for_each(|(row, answer)| {
-            if !abandoned.is_set() {
-                *answer = ask(row);
+    let line = if rows.progress { Some(Line::begun(py, count)?) } else { None };
+    let listen = |watch: &Watch| line.as_ref().map_or(Ok(()), |line| line.show(watch.0.done.load(Ordering::Relaxed)));
+    let answered = run_watched(py, listen, move |watch| {
+        let block = (count / (BLOCKS_PER_THREAD * rayon::current_num_threads())).clamp(1, LONGEST_BLOCK);
+        answers.resize(count, filler);
+        answers.par_chunks_mut(block).enumerate().for_each(|(number, answers)| {
+            let mut state = begin();
+            for (at, answer) in answers.iter_mut().enumerate() {
+                if watch.is_abandoned() {
+                    return;
+                }
+                *answer = ask(&mut state, number * block + at);
             }
+            watch.0.done.fetch_add(answers.len(), Ordering::Relaxed);
         });
         answers
-    })
+    });
+    if let Some(line) = &line {
+        line.end()?;
+    }
+    answered
+}
+
+/// The line in which the caller sees how far a call is: `impinge._progress.Line`.
+struct Line<'py>(Bound<'py, PyAny>);
+
+impl<'py> Line<'py> {
+    fn begun(py: Python<'py>, rows: usize) -> PyResult<Self> {
+        static CLASS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+        Ok(Self(CLASS.import(py, "impinge._progress", "Line")?.call1((rows,))?))
+    }
+
+    fn show(&self, done: usize) -> PyResult<()> {
+        self.0.call_method1("show", (done,)).map(drop)
+    }
+
+    fn end(&self) -> PyResult<()> {
+        self.0.call_method0("end").map(drop)
+    }
 }
 
 /// The threads that `impinge.threads` asks for, or all.

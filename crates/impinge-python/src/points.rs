@@ -1,0 +1,127 @@
+//! Where points are to one mesh, in its own frame.
+
+use impinge::mesh::{ClosestPoint, Containment};
+use impinge::{InputError, Mesh};
+use numpy::PyUntypedArrayMethods;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+
+use crate::arrays::{Plain, array, row_array};
+use crate::broadcast::Broadcast;
+use crate::errors::Fault;
+use crate::mesh::mesh_of;
+use crate::workers::{self, Rows};
+
+const PLAIN: Plain = Plain { core: &[3], reader: "plain_points" };
+
+/// Points that a thread takes at a time.
+const BLOCK: usize = 256;
+
+/// The most points times faces for which a call may keep to the caller's thread: a millisecond or so, or a tenth of a second
+/// where something about the mesh is to be found out first.
+pub(crate) const MOST_BRIEF_WORK: u128 = 1 << 20;
+
+/// Rows of three numbers with their leading axes.
+pub(crate) struct Points {
+    /// The leading axes; none for a single point.
+    pub(crate) shape: Vec<usize>,
+    /// In row-major order.
+    pub(crate) rows: Vec<[f64; 3]>,
+}
+
+impl Points {
+    /// Reads an array or nested sequences.
+    ///
+    /// # Errors
+    /// `InputError` where it is no array of points, or a coordinate is not finite or not below 2 to the `exponent`.
+    pub(crate) fn read(value: &Bound<'_, PyAny>, name: &str, exponent: i32) -> PyResult<Self> {
+        let plain = PLAIN.read(value, name)?;
+        let shape = plain.shape()[..plain.shape().len() - 1].to_vec();
+        let rows = plain.as_slice()?.as_chunks::<3>().0.to_vec();
+        let limit = 2_f64.powi(exponent);
+        if let Some(row) = rows.iter().position(|row| !row.iter().all(|x| x.abs() < limit)) {
+            let fault = if rows[row].iter().all(|x| x.is_finite()) {
+                Fault::new("out-of-range", name, format!("a coordinate is not below 2^{exponent} in magnitude"))
+            } else {
+                Fault::new("non-finite", name, "a coordinate is not finite")
+            };
+            return Err(fault.at(Broadcast::place(&shape, row)).raised(value.py()));
+        }
+        Ok(Self { shape, rows })
+    }
+
+    /// What `ask` answers about them, a block of points at a time, and the leading axes.
+    ///
+    /// # Errors
+    /// Where the wait is interrupted, or memory is short.
+    fn ask<T: Clone + Send + Sync + 'static>(
+        self,
+        mesh: &Bound<'_, PyAny>,
+        ask: impl Fn(&Mesh, &[[f64; 3]]) -> Result<Vec<T>, InputError> + Send + Sync + 'static,
+    ) -> PyResult<(Vec<T>, Vec<usize>)> {
+        let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
+        let Self { shape, rows: points } = self;
+        let brief = points.len() as u128 * mesh.faces().len() as u128 <= MOST_BRIEF_WORK;
+        let rows = Rows { count: points.len().div_ceil(BLOCK), brief, progress: false };
+        let block =
+            move |(): &mut (), at: usize| Some(ask(&mesh, &points[at * BLOCK..points.len().min((at + 1) * BLOCK)]));
+        let mut answers = Vec::new();
+        for block in workers::rows(py, rows, None, || (), block)?.into_iter().flatten() {
+            answers.extend(block.map_err(|error| PyRuntimeError::new_err(error.to_string()))?);
+        }
+        Ok((answers, shape))
+    }
+}
+
+/// Points, (..., 3), lower and upper bound of the distance, (...), and faces, (...), which are -1, and the points zero,
+/// where the mesh is empty.
+#[pyfunction]
+pub(crate) fn closest_point<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let py = mesh.py();
+    let (found, shape) = Points::read(points, "points", 300)?.ask(mesh, Mesh::closest_points)?;
+    let of = |value: fn(&ClosestPoint) -> f64| {
+        found.iter().map(|found| found.as_ref().map_or(f64::INFINITY, value)).collect::<Vec<_>>()
+    };
+    let point = found.iter().map(|found| found.map_or([0.0; 3], |found| found.point)).collect();
+    let face = found.iter().map(|found| found.map_or(-1, |found| i64::from(found.face))).collect();
+    let columns = (
+        row_array(py, point, &shape)?,
+        array(py, of(|found| found.lower), &shape)?,
+        array(py, of(|found| found.upper), &shape)?,
+        array(py, face, &shape)?,
+    );
+    Ok(columns.into_pyobject(py)?.into_any())
+}
+
+/// (...) distances, negative inside.
+#[pyfunction]
+pub(crate) fn signed_distance<'py>(
+    mesh: &Bound<'py, PyAny>,
+    points: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (signed, shape) = Points::read(points, "points", 128)?.ask(mesh, |mesh, points| {
+        let near =
+            mesh.closest_points(points)?.into_iter().map(|found| found.map_or(f64::INFINITY, |found| found.upper));
+        let signed = |(distance, containment): (f64, Containment)| match containment {
+            Containment::Surface => 0.0,
+            Containment::Outside => distance,
+            Containment::Inside | Containment::Undecided => -distance,
+        };
+        Ok(near.zip(mesh.contains(points)?).map(signed).collect())
+    })?;
+    array(mesh.py(), signed, &shape)
+}
+
+/// (...) numbers.
+#[pyfunction]
+pub(crate) fn winding_number<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let (numbers, shape) = Points::read(points, "points", 128)?.ask(mesh, Mesh::winding_number)?;
+    array(mesh.py(), numbers.iter().map(|number| number.value).collect(), &shape)
+}
+
+/// (...) booleans.
+#[pyfunction]
+pub(crate) fn contains<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let (found, shape) = Points::read(points, "points", 128)?.ask(mesh, Mesh::contains)?;
+    array(mesh.py(), found.iter().map(|containment| containment.is_contained()).collect(), &shape)
+}

@@ -1,0 +1,104 @@
+//! Rays against one mesh, in its own frame.
+
+use impinge::Mesh;
+use impinge::mesh::{Ray, RayHit};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+
+use crate::arrays::{array, ragged, row_array};
+use crate::broadcast::Broadcast;
+use crate::errors::Fault;
+use crate::mesh::mesh_of;
+use crate::points::{MOST_BRIEF_WORK, Points};
+use crate::workers::{self, Rows};
+
+/// Magnitudes stay below 2 to this.
+const EXPONENT: i32 = 300;
+
+/// Whether each ray meets the mesh, where, (...), on which face, (...), and in which point, (..., 3).
+#[pyfunction]
+pub(crate) fn ray_cast<'py>(
+    mesh: &Bound<'py, PyAny>,
+    origins: &Bound<'py, PyAny>,
+    directions: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (py, rays) = (mesh.py(), Rays::read(origins, directions)?);
+    let shape = rays.rows.shape.clone();
+    let found = rays.ask(mesh, None, Mesh::ray_cast)?;
+    let hit = array(py, found.iter().map(Option::is_some).collect(), &shape)?;
+    Ok((hit, columns(py, found, &shape)?).into_pyobject(py)?.into_any())
+}
+
+/// Offsets of each ray's hits, those of all rays, (k,), and the leading axes.
+#[pyfunction]
+pub(crate) fn ray_cast_all<'py>(
+    mesh: &Bound<'py, PyAny>,
+    origins: &Bound<'py, PyAny>,
+    directions: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (py, rays) = (mesh.py(), Rays::read(origins, directions)?);
+    let shape = rays.rows.shape.clone();
+    let (offsets, hits) = ragged(rays.ask(mesh, Vec::new(), Mesh::ray_cast_all)?);
+    let (places, count) = (offsets.len(), hits.len());
+    let hits = columns(py, hits.into_iter().map(Some).collect(), &[count])?;
+    Ok((array(py, offsets, &[places])?, hits, shape).into_pyobject(py)?.into_any())
+}
+
+/// Where, on which face and in which point: infinity, -1 and zero where there is none.
+fn columns<'py>(py: Python<'py>, hits: Vec<Option<RayHit>>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+    let t = hits.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t)).collect();
+    let face = hits.iter().map(|hit| hit.map_or(-1, |hit| i64::from(hit.face))).collect();
+    let point = hits.iter().map(|hit| hit.map_or([0.0; 3], |hit| hit.point)).collect();
+    let columns = (array(py, t, shape)?, array(py, face, shape)?, row_array(py, point, shape)?);
+    Ok(columns.into_pyobject(py)?.into_any())
+}
+
+/// Origins against directions, as they broadcast.
+struct Rays {
+    origins: Points,
+    directions: Points,
+    rows: Broadcast,
+}
+
+impl Rays {
+    fn read(origins: &Bound<'_, PyAny>, directions: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let py = origins.py();
+        let origins = Points::read(origins, "origins", EXPONENT)?;
+        let directions = Points::read(directions, "directions", EXPONENT)?;
+        if let Some(row) = directions.rows.iter().position(|&direction| direction == [0.0; 3]) {
+            let at = Broadcast::place(&directions.shape, row);
+            return Err(Fault::new("zero-direction", "directions", "the direction is zero").at(at).raised(py));
+        }
+        let Some(rows) = Broadcast::new(&origins.shape, &directions.shape) else {
+            let (own, others) = (&directions.shape, &origins.shape);
+            let message = format!("leading axes {own:?} do not broadcast with {others:?}, those of origins");
+            return Err(Fault::new("shape", "directions", message).raised(py));
+        };
+        Ok(Self { origins, directions, rows })
+    }
+
+    fn ask<T: Clone + Send + Sync + 'static>(
+        self,
+        mesh: &Bound<'_, PyAny>,
+        none: T,
+        ask: impl Fn(&Mesh, &Ray) -> T + Send + Sync + 'static,
+    ) -> PyResult<Vec<T>> {
+        let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
+        let Self { origins, directions, rows } = self;
+        let brief = rows.rows as u128 * mesh.faces().len() as u128 <= MOST_BRIEF_WORK;
+        let asked = Rows { count: rows.rows, brief, progress: false };
+        let answers = workers::rows(
+            py,
+            asked,
+            Ok(none),
+            || (),
+            move |(), row| {
+                let [origin, direction] = rows.sources(row);
+                let ray = Ray::new(origins.rows[origin], directions.rows[direction])?;
+                Ok(ask(&mesh, &ray))
+            },
+        )?;
+        let answers: Result<Vec<T>, impinge::InputError> = answers.into_iter().collect();
+        answers.map_err(|error| PyRuntimeError::new_err(error.to_string()))
+    }
+}

@@ -1,0 +1,34 @@
+"""How far a long call is, in one line of stderr."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+
+class Line:
+    """A line that is written anew as rows are answered; the extension makes one where ``progress=True`` asks for it."""
+
+    def __init__(self, rows: int) -> None:
+        self._rows = rows
+        self._start = time.monotonic()
+        self._width = 0
+
+    def show(self, done: int) -> None:
+        """Say how many rows are answered, and how long the others will take at this pace."""
+        text = f"impinge: {done:,} of {self._rows:,}"
+        if done:
+            left = (time.monotonic() - self._start) * (self._rows - done) / done
+            text += f" ({done / self._rows:.0%}), {left:.1f} s left"
+        self._write(text)
+
+    def end(self) -> None:
+        """Clear the line: what a call leaves behind is its answer."""
+        if self._width:
+            self._write("")
+            self._width = 0
+
+    def _write(self, text: str) -> None:
+        sys.stderr.write(f"\r{text:<{self._width}}" if text else f"\r{'':<{self._width}}\r")
+        sys.stderr.flush()
+        self._width = max(self._width, len(text))

@@ -1,0 +1,181 @@
+"""Surfaces and solids, and objects, which have one and stand somewhere."""
+
+# The names are python-fcl's.
+# ruff: noqa: N802
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from impinge import _bodies
+from impinge._errors import InputError
+from impinge._mesh import Mesh
+from impinge.fcl._transform import Transform
+
+
+class CollisionGeometry:
+    """What has a shape of its own, wherever it stands."""
+
+    def __init__(self) -> None:
+        self._body: _bodies.Body | None = None
+
+    @property
+    def body(self) -> _bodies.Body:
+        """The shape."""
+        if self._body is None:
+            raise InputError(f"{type(self).__name__} is not finished: endModel() is missing", kind="input", what="geom")
+        return self._body
+
+
+class BVHModel(CollisionGeometry):
+    """A surface of triangles, given between `beginModel` and `endModel`."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._vertices: list[NDArray[np.float64]] = []
+        self._faces: list[NDArray[np.int64]] = []
+        self._count = 0
+
+    def num_tries_(self) -> int:
+        """Return the number of triangles (the name is python-fcl's)."""
+        return sum(map(len, self._faces))
+
+    def beginModel(self, num_tris_: int = 0, num_vertices_: int = 0) -> int:
+        """Begin anew; the numbers are hints that are not needed."""
+        self._vertices, self._faces, self._count, self._body = [], [], 0, None
+        return 0
+
+    def addVertex(self, x: float, y: float, z: float) -> bool:
+        """Add a vertex."""
+        self._add(np.array([[x, y, z]], float), np.zeros((0, 3), np.int64))
+        return True
+
+    def addTriangle(self, v1: ArrayLike, v2: ArrayLike, v3: ArrayLike) -> bool:
+        """Add a triangle of three positions."""
+        self._add(np.array([v1, v2, v3], float), np.array([[0, 1, 2]]))
+        return True
+
+    def addSubModel(self, verts: ArrayLike, triangles: ArrayLike) -> bool:
+        """Add (n, 3) positions and (m, 3) triangles of them."""
+        self._add(np.asarray(verts, float).reshape(-1, 3), np.asarray(triangles, np.int64).reshape(-1, 3))
+        return True
+
+    def _add(self, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> None:
+        self._faces.append(faces + self._count)
+        self._vertices.append(vertices)
+        self._count += len(vertices)
+
+    def endModel(self) -> int:
+        """Judge what was added and build the hierarchy; return 0."""
+        vertices = np.concatenate([np.zeros((0, 3)), *self._vertices])
+        faces = np.concatenate([np.zeros((0, 3), np.int64), *self._faces])
+        self._body = _bodies.Body(Mesh(vertices, faces), solid=False)
+        return 0
+
+
+class Box(CollisionGeometry):
+    """A solid box about the origin, with these side lengths."""
+
+    def __init__(self, x: float, y: float, z: float) -> None:
+        super().__init__()
+        self._side = np.array([x, y, z], float)
+        signs = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
+        quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        mesh = Mesh(signs * self._side / 2, [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))])
+        self._body = _bodies.Body(mesh, solid=True)
+
+    @property
+    def side(self) -> NDArray[np.float64]:
+        """The three side lengths."""
+        return self._side.copy()
+
+
+class Convex(CollisionGeometry):
+    """A solid of (n, 3) vertices whose surface is convex.
+
+    `faces` is one flat list: for each of the `num_faces` polygons the number of its corners, then these.
+    """
+
+    def __init__(self, vertices: ArrayLike, num_faces: int, faces: Iterable[int]) -> None:
+        super().__init__()
+        numbers = [int(number) for number in faces]
+        triangles: list[tuple[int, int, int]] = []
+        at = 0
+        for _ in range(num_faces):
+            corners = numbers[at + 1 : at + 1 + numbers[at]] if at < len(numbers) else []
+            if len(corners) < 3 or len(corners) != numbers[at]:
+                message = "the list ends within a polygon, or one has too few corners"
+                raise InputError(message, kind="shape", what="faces")
+            triangles += [(corners[0], corners[k], corners[k + 1]) for k in range(1, len(corners) - 1)]
+            at += 1 + len(corners)
+        self._num_faces = num_faces
+        self._body = _bodies.Body(Mesh(np.asarray(vertices, float), triangles), solid=True)
+
+    @property
+    def num_faces(self) -> int:
+        """The number of polygons."""
+        return self._num_faces
+
+
+class TriangleP(CollisionGeometry):
+    """One triangle."""
+
+    def __init__(self, a: ArrayLike, b: ArrayLike, c: ArrayLike) -> None:
+        super().__init__()
+        self._body = _bodies.Body(Mesh(np.array([a, b, c], float), [[0, 1, 2]]), solid=False)
+
+
+class CollisionObject:
+    """A geometry and where it stands."""
+
+    def __init__(self, geom: CollisionGeometry, tf: Transform | None = None) -> None:
+        if not isinstance(geom, CollisionGeometry):
+            message = f"must be a geometry of impinge.fcl, not {type(geom).__name__}"
+            raise InputError(message, kind="type", what="geom")
+        self.geometry = geom
+        self._transform = Transform() if tf is None else Transform(tf)
+
+    @property
+    def matrix(self) -> NDArray[np.float64]:
+        """The (4, 4) pose, world from geometry."""
+        return self._transform.matrix
+
+    @property
+    def box(self) -> NDArray[np.float64]:
+        """Lower and upper corner, (2, 3), of a box in the world that holds the object."""
+        return self.geometry.body.box_at(self.matrix)
+
+    def getTransform(self) -> Transform:
+        """Return a copy of the transform."""
+        return Transform(self._transform)
+
+    def setTransform(self, tf: Transform) -> None:
+        """Set rotation and translation."""
+        self._transform = Transform(tf)
+
+    def getTranslation(self) -> NDArray[np.float64]:
+        """Return the (3,) translation."""
+        return self._transform.getTranslation()
+
+    def setTranslation(self, vec: ArrayLike) -> None:
+        """Set the (3,) translation."""
+        self._transform.setTranslation(vec)
+
+    def getRotation(self) -> NDArray[np.float64]:
+        """Return the (3, 3) matrix."""
+        return self._transform.getRotation()
+
+    def setRotation(self, mat: ArrayLike) -> None:
+        """Set the (3, 3) matrix."""
+        self._transform.setRotation(mat)
+
+    def getQuatRotation(self) -> NDArray[np.float64]:
+        """Return the unit quaternion, real part first."""
+        return self._transform.getQuatRotation()
+
+    def setQuatRotation(self, q: ArrayLike) -> None:
+        """Set the rotation to that of a unit quaternion, real part first."""
+        self._transform.setQuatRotation(q)

@@ -1,0 +1,87 @@
+"""Where an object stands."""
+
+# The names are python-fcl's.
+# ruff: noqa: N802, N803
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from impinge._errors import InputError
+from impinge._pose import pose
+
+
+class Transform:
+    """A rotation and a translation: ``Transform()``, ``(other)``, ``(R)``, ``(q)``, ``(t)``, ``(R, t)``, ``(q, t)``.
+
+    ``R`` is a (3, 3) matrix, used as given; ``q`` a unit quaternion, real part first; ``t`` a translation.
+    """
+
+    def __init__(self, *args: Transform | ArrayLike) -> None:
+        self.matrix: NDArray[np.float64] = np.eye(4)
+        if len(args) > 2:
+            raise InputError("too many arguments to Transform()", kind="option", what="args")
+        if len(args) == 2:
+            self._rotate(np.asarray(args[0], float))
+            self.setTranslation(np.asarray(args[1], float).squeeze())
+        elif args and isinstance(args[0], Transform):
+            self.matrix = args[0].matrix.copy()
+        elif args:
+            value = np.asarray(args[0], float)
+            if value.shape == (3,):
+                self.setTranslation(value)
+            else:
+                self._rotate(value)
+
+    def _rotate(self, value: NDArray[np.float64]) -> None:
+        if value.shape == (4,):
+            self.setQuatRotation(value)
+        else:
+            self.setRotation(value)
+
+    def getRotation(self) -> NDArray[np.float64]:
+        """Return the (3, 3) matrix."""
+        return self.matrix[:3, :3].copy()
+
+    def getTranslation(self) -> NDArray[np.float64]:
+        """Return the (3,) translation."""
+        return self.matrix[:3, 3].copy()
+
+    def getQuatRotation(self) -> NDArray[np.float64]:
+        """Return the unit quaternion, real part first."""
+        return _quaternion(self.matrix[:3, :3])
+
+    def setRotation(self, R: ArrayLike) -> None:
+        """Set the (3, 3) matrix."""
+        self.matrix = pose(self.matrix[:3, 3], rotation=_shaped(R, (3, 3), "R"))
+
+    def setTranslation(self, T: ArrayLike) -> None:
+        """Set the (3,) translation."""
+        self.matrix = pose(_shaped(T, (3,), "T"), rotation=self.matrix[:3, :3])
+
+    def setQuatRotation(self, q: ArrayLike) -> None:
+        """Set the rotation to that of a unit quaternion, real part first."""
+        self.matrix = pose(self.matrix[:3, 3], quat_wxyz=_shaped(q, (4,), "q"))
+
+
+def _shaped(value: ArrayLike, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
+    array = np.asarray(value, float)
+    if array.shape != shape:
+        raise InputError(f"shape {array.shape}, where {shape} is expected", kind="shape", what=name)
+    return array
+
+
+def _quaternion(r: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the unit quaternion of a rotation: the row of its outer product with the largest diagonal entry."""
+    outer = np.array(
+        [
+            [1 + r[0, 0] + r[1, 1] + r[2, 2], r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]],
+            [r[2, 1] - r[1, 2], 1 + r[0, 0] - r[1, 1] - r[2, 2], r[0, 1] + r[1, 0], r[0, 2] + r[2, 0]],
+            [r[0, 2] - r[2, 0], r[0, 1] + r[1, 0], 1 - r[0, 0] + r[1, 1] - r[2, 2], r[1, 2] + r[2, 1]],
+            [r[1, 0] - r[0, 1], r[0, 2] + r[2, 0], r[1, 2] + r[2, 1], 1 - r[0, 0] - r[1, 1] + r[2, 2]],
+        ]
+    )
+    row = outer[int(np.argmax(np.diagonal(outer)))]
+    unit: NDArray[np.float64] = row / np.linalg.norm(row)
+    return unit if unit[0] >= 0 else -unit

@@ -1,0 +1,264 @@
+"""Bounding volumes and hulls of points: ``impinge.fit.obb(points)``.
+
+Points are an (n, 3) array_like of float32 or float64, of which every number is the real one that it is, below 2^128 in
+magnitude. Every volume holds all of them: its size is rounded up last of all, from the points themselves. Any set but
+the empty one has a volume of every kind: one point, duplicates, points on a line or in a plane.
+
+Every function raises `InputError` where points have another type or shape, where there are none, or where one is not
+finite or out of range; it says which. ``docs/volumes.md`` compares the volumes on real meshes.
+
+Examples
+--------
+>>> import impinge, numpy as np
+>>> points = np.array([[0, 0, 0], [4, 0, 0], [4, 2, 0], [0, 2, 0], [2, 1, 1]], float)
+>>> impinge.fit.aabb(points)
+Aabb(low=array([0., 0., 0.]), high=array([4., 2., 1.]))
+>>> round(impinge.fit.obb(points).volume, 9)
+8.0
+>>> impinge.fit.capsule(points).radius < 1.2
+True
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from impinge import _impinge
+from impinge._arrays import plain_cloud
+from impinge._errors import InputError
+from impinge._volumes import Aabb, Capsule, Hull, Kdop, Lozenge, Obb, Sphere, Volume
+
+__all__ = [
+    "Aabb",
+    "Capsule",
+    "Hull",
+    "Kdop",
+    "Lozenge",
+    "Obb",
+    "Sphere",
+    "Volume",
+    "aabb",
+    "capsule",
+    "convex_hull",
+    "kdop",
+    "lozenge",
+    "minimal_sphere",
+    "obb",
+    "sphere",
+]
+
+_SPHERES = ("minimal", "mean", "box", "ritter", "principal", "refined")
+_OBBS = ("least", "principal")
+_KDOPS = (14, 18, 26)
+
+
+def minimal_sphere(points: ArrayLike) -> Sphere:
+    """Return the smallest sphere that holds all points.
+
+    Parameters
+    ----------
+    points : (n, 3) array_like of float32 or float64
+        The points.
+
+    Returns
+    -------
+    Sphere
+        With a radius within rounding of `Sphere.lower`, which no sphere that holds the points can go below.
+
+    Raises
+    ------
+    InputError
+        As the module says.
+
+    Examples
+    --------
+    >>> import impinge
+    >>> sphere = impinge.minimal_sphere([[3, 0, 0], [-3, 0, 0], [0, 2, 0], [0, 0, 1]])
+    >>> sphere.center, round(sphere.radius, 12), sphere.radius - sphere.lower < 1e-12
+    (array([0., 0., 0.]), 3.0, True)
+    """
+    return sphere(points, "minimal")
+
+
+def sphere(
+    points: ArrayLike,
+    method: Literal["minimal", "mean", "box", "ritter", "principal", "refined"] = "minimal",
+) -> Sphere:
+    """Return a sphere that holds all points, by one of six constructions.
+
+    Parameters
+    ----------
+    points : (n, 3) array_like of float32 or float64
+        The points.
+    method : {"minimal", "mean", "box", "ritter", "principal", "refined"}
+        The smallest one; that about the mean; that about the centre of the axis-aligned box; Ritter's; that which grows
+        from the extremes along the first principal axis; Ritter's, shrunk and grown again.
+
+    Returns
+    -------
+    Sphere
+
+    Raises
+    ------
+    InputError
+        As the module says, or if there is no such method.
+    """
+    (center,), (radius, lower), sizes = _fitted(points, f"{_chosen(method, _SPHERES, 'method')} sphere")
+    return Sphere(center, float(radius), float(lower), **sizes)
+
+
+def aabb(points: ArrayLike) -> Aabb:
+    """Return the least axis-aligned box of points, exactly.
+
+    Parameters
+    ----------
+    points : (n, 3) array_like of float32 or float64
+        The points.
+
+    Returns
+    -------
+    Aabb
+
+    Raises
+    ------
+    InputError
+        As the module says.
+    """
+    (low, high), _, sizes = _fitted(points, "aabb")
+    return Aabb(low, high, **sizes)
+
+
+def obb(points: ArrayLike, method: Literal["least", "principal"] = "least") -> Obb:
+    """Return an oriented box that holds all points.
+
+    Parameters
+    ----------
+    points : (n, 3) array_like of float32 or float64
+        The points.
+    method : {"least", "principal"}
+        One of nearly the least volume, at most 6 root 6 of the least one's and mostly close to it; or that along the
+        principal axes, which is quicker and may be large.
+
+    Returns
+    -------
+    Obb
+
+    Raises
+    ------
+    InputError
+        As the module says, or if there is no such method.
+    """
+    rows, (lower,), sizes = _fitted(points, f"{_chosen(method, _OBBS, 'method')} obb")
+    return Obb(rows[0], rows[1:4], rows[4], float(lower), **sizes)
+
+
+def capsule(points: ArrayLike) -> Capsule:
+    """Return a capsule that holds all points: the smallest of those along the three principal axes.
+
+    Parameters
+    ----------
+    points : (n, 3) array_like of float32 or float64
+        The points.
+
+    Returns
+    -------
+    Capsule
+
+    Raises
+    ------
+    InputError
+        As the module says.
+    """
+    (start, end), (radius,), sizes = _fitted(points, "capsule")
+    return Capsule(start, end, float(radius), **sizes)
+
+
+def lozenge(points: ArrayLike) -> Lozenge:
+    """Return a lozenge, a rectangle with a radius, that holds all points: the smallest along the principal axes.
+
+    Parameters
+    ----------
+    points : (n, 3) array_like of float32 or float64
+        The points.
+
+    Returns
+    -------
+    Lozenge
+
+    Raises
+    ------
+    InputError
+        As the module says.
+    """
+    rows, (radius,), sizes = _fitted(points, "lozenge")
+    return Lozenge(rows[0], rows[1:], float(radius), **sizes)
+
+
+def kdop(points: ArrayLike, k: Literal[14, 18, 26] = 18) -> Kdop:
+    """Return the least polytope with k faces in fixed directions that holds all points.
+
+    Parameters
+    ----------
+    points : (n, 3) array_like of float32 or float64
+        The points.
+    k : {14, 18, 26}
+        The six faces of a cube, and its corners, its edges, or both.
+
+    Returns
+    -------
+    Kdop
+
+    Raises
+    ------
+    InputError
+        As the module says, or if there is no such k.
+    """
+    rows, extents, sizes = _fitted(points, f"{_chosen(k, _KDOPS, 'k')}-dop")
+    return Kdop(rows, extents[: len(rows)], extents[len(rows) :], **sizes)
+
+
+def convex_hull(points: ArrayLike) -> Hull:
+    """Return the convex hull of points, exactly: flat, straight and cospherical sets have theirs like others.
+
+    Parameters
+    ----------
+    points : (n, 3) array_like of float32 or float64
+        The points.
+
+    Returns
+    -------
+    Hull
+        Of indices into `points`; ``impinge.Mesh(points, hull.faces)`` is its mesh.
+
+    Raises
+    ------
+    InputError
+        As the module says.
+
+    Examples
+    --------
+    >>> import impinge
+    >>> points = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4], [1, 1, 1], [2, 0, 0]]
+    >>> hull = impinge.convex_hull(points)
+    >>> hull
+    Hull(4 vertices, 4 faces, dimension 3)
+    >>> hull.vertices
+    array([0, 1, 2, 3], dtype=uint32)
+    """
+    return Hull(*_impinge.convex_hull(plain_cloud(points, "points")))
+
+
+def _fitted(points: ArrayLike, construction: str) -> tuple[NDArray[np.float64], NDArray[np.float64], dict[str, float]]:
+    """Return rows of three numbers, single numbers, and what every volume has."""
+    rows, singles = _impinge.fit_volume(plain_cloud(points, "points"), construction)
+    return rows, singles[:-2], {"volume": float(singles[-2]), "surface_area": float(singles[-1])}
+
+
+def _chosen(option: Any, known: tuple[Any, ...], name: str) -> Any:
+    if not any(type(option) is type(own) and option == own for own in known):
+        message = f"must be one of {', '.join(map(repr, known))}, not {option!r}"
+        raise InputError(message, kind="option", what=name)
+    return option

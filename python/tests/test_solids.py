@@ -1,0 +1,131 @@
+"""Solids: boxes on a grid, for which the truth is intervals; interiors that meet; meshes that meet themselves."""
+
+import impinge
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from oracles import oracle_pairs
+from shapes import cube, random_poses, torus
+
+UNIT = impinge.Mesh(*cube())
+grid = st.tuples(*[st.integers(-3, 3)] * 3)
+sides = st.tuples(*[st.sampled_from([1, 2, 4, 6])] * 3)
+
+
+def box(size):
+    vertices, faces = cube()
+    return impinge.Mesh(vertices * size, faces)
+
+
+@settings(max_examples=60)
+@given(size_a=sides, size_b=sides, offsets=st.lists(grid, min_size=8, max_size=8))
+def test_boxes_on_a_grid(size_a, size_b, offsets):
+    size_a, size_b, offsets = np.array(size_a), np.array(size_b), np.array(offsets, float)
+    gap = np.abs(offsets) - (size_a + size_b) / 2
+    touch, overlap = (gap <= 0).all(axis=1), (gap < 0).all(axis=1)
+    a_in_b = (np.abs(offsets) + size_a / 2 < size_b / 2).all(axis=1)
+    b_in_a = (np.abs(offsets) + size_b / 2 < size_a / 2).all(axis=1)
+    apart = np.linalg.norm(np.maximum(gap, 0), axis=1)
+    a, b, poses = box(size_a), box(size_b), impinge.pose(offsets)
+    for solid, expected in (
+        (False, touch & ~a_in_b & ~b_in_a),
+        (True, touch),
+        ("a", touch & ~a_in_b),
+        ("b", touch & ~b_in_a),
+    ):
+        assert impinge.intersects(a, b, None, poses, solid=solid).tolist() == expected.tolist()
+        far = impinge.distance(a, b, None, poses, solid=solid)
+        assert ((far.distance == 0) == expected).all()
+        assert np.allclose(far.distance[~touch], apart[~touch], rtol=0, atol=1e-12)
+        for clearance in (0.0, 1.0, 5.0):  # a whole clearance is reached exactly, by 3 and 4 too
+            near = impinge.within(a, b, clearance, None, poses, solid=solid)
+            squared = (np.maximum(gap, 0) ** 2).sum(axis=1)
+            assert near[~touch].tolist() == (squared <= clearance**2)[~touch].tolist()
+            assert near[expected].all()
+    assert impinge.penetrates(a, b, None, poses).tolist() == overlap.tolist()
+
+
+def test_the_grid_has_all_kinds():
+    """The generator above would say nothing if boxes never held, touched or missed each other."""
+    offsets = np.stack(np.meshgrid(*[np.arange(-3, 4)] * 3), axis=-1).reshape(-1, 3)
+    gap = np.abs(offsets) - (2 + 4) / 2
+    kinds = [(gap > 0).any(axis=1), (gap <= 0).all(axis=1) & (gap == 0).any(axis=1), (gap < 0).all(axis=1)]
+    counts = [int(kind.sum()) for kind in kinds]
+    assert sum(counts) == 343
+    assert counts[1] > 100
+    assert counts[2] > 100
+    assert impinge.intersects(box((1, 1, 1)), box((6, 6, 6)), solid="b")
+
+
+def test_what_is_inside_has_distance_zero_without_a_witness():
+    far = impinge.distance(UNIT, box((4, 4, 4)), solid=True)
+    assert (far.distance, far.lower, far.face_a, far.face_b) == (0, 0, -1, -1)
+    assert not far.point_a.any()
+    surfaces = impinge.distance(UNIT, box((4, 4, 4)))
+    assert surfaces.distance == pytest.approx(1.5)
+
+
+def test_what_is_undecided_is_said():
+    vertices, faces = cube()
+    opened = impinge.Mesh(vertices, faces[:-2])
+    assert (UNIT.is_closed, opened.is_closed) == (True, False)
+    assert impinge.penetrates(opened, opened) is True
+    poses = impinge.pose([[0.25, 0, 0], [50, 0, 0], [0, 0, 0]])
+    poses[2, 0, 0] = np.nan
+    answer, status = impinge.penetrates(opened, UNIT, poses, on_error="status")
+    assert answer.tolist() == [True, False, True]
+    assert status.tolist() == [impinge.Status.UNDECIDED, impinge.Status.OK, impinge.Status.NON_FINITE]
+    closed, sure = impinge.penetrates(UNIT, UNIT, poses[:2], on_error="status")
+    assert (closed.tolist(), sure.tolist()) == ([True, False], [0, 0])
+
+
+def test_swapping_swaps_nothing_but_the_sides():
+    a, b = impinge.Mesh(*torus()), UNIT
+    poses = random_poses(150, 1.2, 4)
+    assert 0.2 < impinge.intersects(a, b, poses).mean() < 0.95
+    for solid, swapped in ((False, False), (True, True), ("a", "b"), ("b", "a")):
+        assert np.array_equal(
+            impinge.intersects(a, b, poses, solid=solid), impinge.intersects(b, a, None, poses, solid=swapped)
+        )
+    assert np.array_equal(impinge.penetrates(a, b, poses), impinge.penetrates(b, a, None, poses))
+    deep = impinge.penetrates(a, b, poses)
+    assert (deep <= impinge.intersects(a, b, poses, solid=True)).all()
+
+
+@pytest.mark.parametrize("solid", ["c", "both", 2, None, [True], "A"])
+def test_which_is_solid_is_judged(solid):
+    for ask in (impinge.intersects, impinge.distance):
+        with pytest.raises(impinge.InputError) as caught:
+            ask(UNIT, UNIT, solid=solid)
+        assert (caught.value.kind, caught.value.what) == ("option", "solid")
+    with pytest.raises(impinge.InputError, match="solid"):
+        impinge.within(UNIT, UNIT, 1, solid=solid)
+    assert impinge.intersects(UNIT, UNIT, solid=np.True_)
+
+
+def test_a_soup_meets_itself_where_the_oracle_says():
+    rng = np.random.default_rng(8)
+    corners = rng.integers(-2, 3, (18, 3, 3)).astype(float)
+    own = [set(map(tuple, triangle)) for triangle in corners]
+    alone = [(triangle, np.array([[0, 1, 2]])) for triangle in corners]
+    strangers = [(i, j) for i in range(18) for j in range(i) if not own[i] & own[j]]
+    expected = sorted((j, i) for i, j in strangers if len(oracle_pairs(alone[i], alone[j])))
+    soup = impinge.Mesh(corners.reshape(-1, 3), np.arange(54).reshape(-1, 3))
+    found = [tuple(pair) for pair in impinge.self_intersecting_pairs(soup).tolist()]
+    assert [pair for pair in found if not own[pair[0]] & own[pair[1]]] == expected
+    assert 20 < len(expected) < len(strangers) - 20
+    assert found == sorted(set(found))
+
+
+def test_two_shells_in_one_mesh_meet_as_two_meshes_do():
+    vertices, faces = torus()
+    shell = impinge.Mesh(vertices, faces)
+    assert impinge.self_intersecting_pairs(shell).shape == (0, 2)
+    moved = vertices + np.array([0.5, 0.1, 0.05])
+    both = impinge.Mesh(np.concatenate([vertices, moved]), np.concatenate([faces, faces + len(vertices)]))
+    expected = impinge.intersecting_pairs(shell, impinge.Mesh(moved, faces)) + np.array([0, len(faces)], np.uint32)
+    assert len(expected) > 100
+    assert np.array_equal(impinge.self_intersecting_pairs(both), expected)
+    with pytest.raises(impinge.InputError, match="mesh"):
+        impinge.self_intersecting_pairs(vertices)
