@@ -102,11 +102,15 @@ impl WideTree {
         let mut at = 0;
         while at < old.len() {
             moved_to[at] = renewed.len() as u32;
-            if let Some(((subtree, replacement), number)) = pending.next_if(|((subtree, _), _)| subtree.nodes.start == at) {
+            if let Some(((subtree, replacement), number)) =
+                pending.next_if(|((subtree, _), _)| subtree.nodes.start == at)
+            {
                 let (first_node, first_leaf) = (renewed.len() as u32, leaves.len() as u32);
                 for node in replacement.nodes() {
                     let lanes = 0..if node.holds_leaves() { node.count() as u32 } else { 0 };
-                    leaves.extend(lanes.map(|lane| Origin::Replaced { replacement: number, leaf: node.index(lane as usize) }));
+                    leaves.extend(
+                        lanes.map(|lane| Origin::Replaced { replacement: number, leaf: node.index(lane as usize) }),
+                    );
                     renewed.push(node.with_children(|child| match child {
                         Child::Inner(node) => Child::Inner(first_node + node),
                         Child::Leaf(leaf) => Child::Leaf(first_leaf + leaf),
@@ -130,13 +134,33 @@ impl WideTree {
             origins.push(Some(at as u32));
             at += 1;
         }
-        for (node, _) in renewed.iter_mut().zip(&origins).filter(|(node, origin)| origin.is_some() && !node.holds_leaves()) {
+        for (node, _) in
+            renewed.iter_mut().zip(&origins).filter(|(node, origin)| origin.is_some() && !node.holds_leaves())
+        {
             *node = node.with_children(|child| match child {
                 Child::Inner(child) => Child::Inner(moved_to[child as usize]),
                 leaf @ Child::Leaf(_) => leaf,
             });
         }
         Renewal { tree: Self::from_nodes(renewed.into()), leaves, nodes: origins }
+    }
+}
+
+impl Renewal {
+    /// What each subtree cost when it was built, by what the old tree's cost; where anything below is new, what it costs now.
+    pub(crate) fn costs_as_built(&self, before: &[f64]) -> Vec<f64> {
+        let mut costs = self.tree.subtree_costs();
+        let mut is_old = vec![true; costs.len()];
+        for (at, node) in self.tree.nodes().iter().enumerate().rev() {
+            let below = 0..if node.holds_leaves() { 0 } else { node.count() };
+            match self.nodes[at] {
+                Some(old) if below.clone().all(|lane| is_old[node.index(lane) as usize]) => {
+                    costs[at] = before[old as usize]
+                }
+                _ => is_old[at] = false,
+            }
+        }
+        costs
     }
 }
 

@@ -79,7 +79,9 @@ impl Patches {
 
     /// Whether a refit would not change a bit of the nodes above the patches.
     pub(crate) fn are_fitted_above(&self, nodes: &[Node]) -> bool {
-        self.above.iter().all(|&at| bytemuck::bytes_of(&self.refitted_above(nodes, at)) == bytemuck::bytes_of(&nodes[at]))
+        self.above
+            .iter()
+            .all(|&at| bytemuck::bytes_of(&self.refitted_above(nodes, at)) == bytemuck::bytes_of(&nodes[at]))
     }
 
     fn refitted_above(&self, nodes: &[Node], at: usize) -> Node {

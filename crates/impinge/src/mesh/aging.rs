@@ -76,7 +76,8 @@ impl Mesh {
 
     /// Builds anew the smallest subtrees whose cost exceeds [`WORTH_REBUILDING`](Aging::WORTH_REBUILDING) times what it was
     /// when built, and leaves the others as they are: less work than [`rebuild`](Self::rebuild) where a part of the mesh has
-    /// moved. Returns how many faces they hold.
+    /// moved. What stays goes on aging from where it was; what holds anything new ages from now on. Returns how many faces
+    /// were built anew.
     ///
     /// # Complexity
     /// A refit, and O(k log k) for subtrees of k faces.
@@ -88,7 +89,7 @@ impl Mesh {
         }
         let built: Vec<(WideTree, Vec<Packet>)> = aged.iter().map(|subtree| data.rebuilt_subtree(subtree)).collect();
         let (replacements, layouts): (Vec<WideTree>, Vec<Vec<Packet>>) = built.into_iter().unzip();
-        let renewal = data.tree.renewed(&aged, &replacements);
+        let mut renewal = data.tree.renewed(&aged, &replacements);
         if aged[0].nodes == (0..data.tree.nodes().len()) || renewal.tree.depth() > MAX_DEPTH {
             self.rebuild(Builder::default());
             return self.faces().len();
@@ -101,15 +102,9 @@ impl Mesh {
                 Origin::Replaced { replacement, leaf } => layouts[replacement as usize][leaf as usize],
             };
         });
-        let mut tree = renewal.tree;
-        data.moved().refit(&mut tree, packets.to_mut());
-        // What is new is as good as it gets; what was kept goes on aging.
-        let mut costs = tree.subtree_costs();
-        for (cost, kept) in costs.iter_mut().zip(&renewal.nodes) {
-            if let Some(node) = kept {
-                *cost = data.costs_as_built()[*node as usize];
-            }
-        }
+        data.moved().refit(&mut renewal.tree, packets.to_mut());
+        let costs = renewal.costs_as_built(data.costs_as_built());
+        let tree = renewal.tree;
         let faces = layouts.iter().flatten().map(|packet| packet.held().len()).sum();
         self.with_vertices(|vertices, old| {
             let data = Data::new(vertices, old.faces.clone(), old.frame, tree, packets);
@@ -141,7 +136,8 @@ impl Data {
 
     /// A new tree of the faces below an aged one, and the layouts of its packets.
     fn rebuilt_subtree(&self, aged: &Aged) -> (WideTree, Vec<Packet>) {
-        let faces: Vec<u32> = self.packets[aged.leaves.clone()].iter().flat_map(|packet| packet.held()).copied().collect();
+        let faces: Vec<u32> =
+            self.packets[aged.leaves.clone()].iter().flat_map(|packet| packet.held()).copied().collect();
         let boxes: Vec<Aabb> = faces.par_iter().map(|&face| self.face_bounds(face)).collect();
         let mut binary: BinaryTree = Builder::default().build(&boxes);
         binary.order.iter_mut().for_each(|face| *face = faces[*face as usize]);

@@ -168,7 +168,10 @@ impl Mesh {
     #[must_use]
     pub fn memory(&self) -> usize {
         let data = &*self.0;
-        data.vertices.slice().into_bytes().len() + size_of_val(&data.faces[..]) + size_of_val(data.tree.nodes()) + size_of_val(&data.packets[..])
+        data.vertices.slice().into_bytes().len()
+            + size_of_val(&data.faces[..])
+            + size_of_val(data.tree.nodes())
+            + size_of_val(&data.packets[..])
     }
 }
 

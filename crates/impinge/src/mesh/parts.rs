@@ -49,10 +49,7 @@ pub enum Flaw {
     /// The nodes are no tree over the packets, or too deep.
     Tree,
     /// A packet holds a face that there is not, or that another one holds.
-    Faces {
-        /// Which packet.
-        packet: usize,
-    },
+    Faces,
     /// A box, slab or packet is not what it is for these vertices.
     Bounds {
         /// The node from which on it was found.
@@ -97,11 +94,7 @@ impl Mesh {
     ///
     /// # Complexity
     /// O(1).
-    pub fn borrow(
-        bytes: &SharedBytes,
-        is_single_precision: bool,
-        parts: &Parts<Range<usize>>,
-    ) -> Result<Self, Flaw> {
+    pub fn borrow(bytes: &SharedBytes, is_single_precision: bool, parts: &Parts<Range<usize>>) -> Result<Self, Flaw> {
         let vertices = if is_single_precision {
             Vertices::BorrowedF32(part(bytes, &parts.positions, "positions")?, OnceLock::new())
         } else {
@@ -171,13 +164,10 @@ fn each_face_once(packets: &[Packet], faces: usize) -> Result<(), Flaw> {
         (face as usize) < faces && seen[face as usize / 32].fetch_or(bit, Ordering::Relaxed) & bit == 0
     };
     let is_good = |packet: &Packet| packet.is_layout_sound() && packet.held().iter().all(is_new);
-    let bad = packets.par_iter().with_min_len(super::CHUNK).position_any(|packet| !is_good(packet));
+    // As many as there are and none twice is each of them.
     let held: usize = packets.par_iter().with_min_len(super::CHUNK).map(|packet| packet.held().len()).sum();
-    match bad {
-        Some(packet) => Err(Flaw::Faces { packet }),
-        None if held != faces => Err(Flaw::Faces { packet: packets.len() }),
-        None => Ok(()),
-    }
+    let is_each = held == faces && packets.par_iter().with_min_len(super::CHUNK).all(is_good);
+    if is_each { Ok(()) } else { Err(Flaw::Faces) }
 }
 
 impl fmt::Display for Flaw {
@@ -187,8 +177,10 @@ impl fmt::Display for Flaw {
             Self::Input(error) => error.fmt(f),
             Self::Frame => write!(f, "the packed frame is not that of the vertices"),
             Self::Tree => write!(f, "the nodes are not a tree over the packets"),
-            Self::Faces { packet } => write!(f, "packet {packet} holds a face that there is not, or one that another holds"),
-            Self::Bounds { node } => write!(f, "boxes, slabs or packets below node {node} are not those of the vertices"),
+            Self::Faces => write!(f, "the packets do not hold each face once"),
+            Self::Bounds { node } => {
+                write!(f, "boxes, slabs or packets below node {node} are not those of the vertices")
+            }
         }
     }
 }
