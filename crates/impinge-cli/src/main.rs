@@ -5,6 +5,7 @@
 
 #![forbid(unsafe_code)]
 
+mod bake;
 mod body;
 mod bounds;
 mod check;
@@ -36,6 +37,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Bake(bake::Arguments),
     Check(check::Arguments),
     Fit(fit::Arguments),
     Inspect(inspect::Arguments),
@@ -57,6 +59,7 @@ fn main() -> ExitCode {
     console::conclude_when_interrupted(json);
     let answer = match Cli::try_parse() {
         Ok(cli) => match cli.command {
+            Command::Bake(arguments) => bake::run(&arguments),
             Command::Check(arguments) => check::run(&arguments),
             Command::Fit(arguments) => fit::run(&arguments),
             Command::Inspect(arguments) => inspect::run(&arguments),

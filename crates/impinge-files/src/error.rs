@@ -91,6 +91,11 @@ pub enum LoadErrorKind {
         /// How many are allowed.
         limit: u64,
     },
+    /// A baked file is not what was written, or not a mesh.
+    Corrupt {
+        /// What is wrong with it.
+        what: String,
+    },
     /// A file names another file that lies outside its own folder.
     OutsideFolder {
         /// The name.
@@ -181,7 +186,7 @@ impl LoadError {
 
 impl LoadErrorKind {
     /// A short stable name: `io`, `unsupported-format`, `unsupported-feature`, `empty`, `wrong-content`, `truncated`,
-    /// `syntax`, `non-finite`, `index-out-of-bounds`, `too-many` or `outside-folder`.
+    /// `syntax`, `non-finite`, `index-out-of-bounds`, `too-many`, `corrupt` or `outside-folder`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -195,6 +200,7 @@ impl LoadErrorKind {
             Self::NonFinite { .. } => "non-finite",
             Self::IndexOutOfBounds { .. } => "index-out-of-bounds",
             Self::TooMany { .. } => "too-many",
+            Self::Corrupt { .. } => "corrupt",
             Self::OutsideFolder { .. } => "outside-folder",
         }
     }
@@ -232,6 +238,7 @@ impl fmt::Display for LoadErrorKind {
             Self::TooMany { what, count, limit } => {
                 write!(f, "{count} {what} are more than the {limit} that are allowed")
             }
+            Self::Corrupt { what } => f.write_str(what),
             Self::OutsideFolder { uri } => write!(f, "{uri:?} is not a file inside this file's folder"),
         }
     }

@@ -21,11 +21,14 @@ pub enum Format {
     Glb,
     /// 3MF, the 3D manufacturing format.
     ThreeMf,
+    /// A mesh that was baked with its hierarchy ([`Baked`](crate::Baked)).
+    Baked,
 }
 
 impl Format {
     /// Every format.
-    pub const ALL: [Self; 7] = [Self::Obj, Self::Stl, Self::Ply, Self::Off, Self::Gltf, Self::Glb, Self::ThreeMf];
+    pub const ALL: [Self; 8] =
+        [Self::Obj, Self::Stl, Self::Ply, Self::Off, Self::Gltf, Self::Glb, Self::ThreeMf, Self::Baked];
 
     /// The extension of its files, in lower case and without the dot.
     #[must_use]
@@ -38,6 +41,7 @@ impl Format {
             Self::Gltf => "gltf",
             Self::Glb => "glb",
             Self::ThreeMf => "3mf",
+            Self::Baked => "impinge",
         }
     }
 
@@ -51,6 +55,9 @@ impl Format {
     /// OBJ has neither, and text STL only where `solid` is followed by a facet or its end.
     #[must_use]
     pub fn of_content(bytes: &[u8]) -> Option<Self> {
+        if bytes.starts_with(&crate::baked::MAGIC) {
+            return Some(Self::Baked);
+        }
         if bytes.starts_with(b"glTF") {
             return Some(Self::Glb);
         }
@@ -81,6 +88,7 @@ impl fmt::Display for Format {
             Self::Gltf => "glTF",
             Self::Glb => "GLB",
             Self::ThreeMf => "3MF",
+            Self::Baked => "baked",
         })
     }
 }

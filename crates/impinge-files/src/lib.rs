@@ -1,4 +1,5 @@
-//! Triangle meshes from files, for [`impinge`]: OBJ, STL, PLY, OFF, glTF and 3MF.
+//! Triangle meshes from files, for [`impinge`]: OBJ, STL, PLY, OFF, glTF and 3MF; and [baked](Baked) meshes, which
+//! bring their hierarchy.
 //!
 //! ```no_run
 //! let model = impinge_files::load("bunny.obj")?;
@@ -27,12 +28,12 @@
 //! file's size, even where its counts lie. Instances of glTF and 3MF, and what is packed in a 3MF, may be larger than the
 //! file, but not without limit. A file without triangles is a valid, empty one, unless it has no bytes at all.
 
-#![forbid(unsafe_code)]
-
+mod baked;
 mod error;
 mod format;
 mod gltf;
 mod instance;
+mod memory_map;
 mod model;
 mod obj;
 mod off;
@@ -46,6 +47,7 @@ mod weld;
 
 use std::{fs::File, io::Read, path::Path};
 
+pub use baked::{Baked, Provenance, write_baked};
 pub use error::{LoadError, LoadErrorKind, Place};
 pub use format::Format;
 pub use model::{Model, Warning, WarningKind};
@@ -96,6 +98,7 @@ fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Model, Lo
         Format::Off => off::read(bytes),
         Format::Gltf | Format::Glb => gltf::read(bytes, actual, folder),
         Format::ThreeMf => three_mf::read(bytes),
+        Format::Baked => baked::read(bytes),
     }?;
     if actual != format {
         let mut warnings = Warnings::default();

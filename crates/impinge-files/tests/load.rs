@@ -67,7 +67,10 @@ fn errors_name_the_file() {
     for name in ["a.dae", "a.ZIP", "a", "obj"] {
         let error = load(file(name, OFF.as_bytes())).unwrap_err();
         assert_eq!(error.kind().name(), "unsupported-format");
-        assert!(error.to_string().ends_with("supported are .obj, .stl, .ply, .off, .gltf, .glb, .3mf"), "{error}");
+        assert!(
+            error.to_string().ends_with("supported are .obj, .stl, .ply, .off, .gltf, .glb, .3mf, .impinge"),
+            "{error}"
+        );
     }
     for format in Format::ALL {
         let error = load(file(&format!("none.{}", format.extension()), b"")).unwrap_err();

@@ -7,6 +7,7 @@
 //! - [`generate`] makes meshes and tie-heavy pairs of triangles.
 //! - [`oracle`] answers which triangles meet, slowly and exactly.
 
+pub mod animation;
 pub mod cases;
 pub mod ccd;
 pub mod env_rob;

@@ -45,6 +45,15 @@ pub enum InputErrorKind {
         /// How many were given.
         count: usize,
     },
+    /// Another number of something than there has to be.
+    OtherCount {
+        /// `"vertices"`.
+        what: &'static str,
+        /// How many were given.
+        count: usize,
+        /// How many there have to be.
+        expected: usize,
+    },
     /// A matrix whose last row is not 0, 0, 0, 1.
     NotAffine {
         /// The last row as given.
@@ -137,6 +146,9 @@ impl fmt::Display for InputError {
             }
             InputErrorKind::TooMany { what, count } => {
                 write!(f, "{count} {what} are more than 32-bit indices can name")?
+            }
+            InputErrorKind::OtherCount { what, count, expected } => {
+                write!(f, "{count} {what} were given where there are {expected}")?;
             }
             InputErrorKind::NotAffine { last_row } => {
                 write!(f, "the last row of the matrix is {last_row:?}, not [0, 0, 0, 1]")?;

@@ -34,7 +34,7 @@ const MOST_THREADS: i64 = 1024;
 /// answer. With `--penetrates` meeting means that the interiors of both meet, so that parts that touch are clear.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The first mesh: OBJ, STL, PLY, OFF, glTF, GLB or 3MF
+    /// The first mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF or baked
     a: PathBuf,
     /// The second mesh
     b: PathBuf,

@@ -1,6 +1,7 @@
 //! The command as its users meet it: exit codes, the two streams and the files that it writes.
 
 mod answers;
+mod bake;
 mod distances;
 mod errors;
 mod files;

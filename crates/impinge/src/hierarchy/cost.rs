@@ -159,7 +159,7 @@ impl WideTree {
 
 impl Node {
     /// The box of one lane.
-    fn lane_bounds(&self, lane: usize) -> Aabb {
+    pub(super) fn lane_bounds(&self, lane: usize) -> Aabb {
         Aabb {
             min: std::array::from_fn(|axis| self.min[axis][lane]),
             max: std::array::from_fn(|axis| self.max[axis][lane]),
@@ -167,7 +167,7 @@ impl Node {
     }
 
     /// The box of all lanes.
-    fn bounds(&self) -> Aabb {
+    pub(super) fn bounds(&self) -> Aabb {
         (0..self.count()).fold(Aabb::EMPTY, |bounds, lane| bounds.union(self.lane_bounds(lane)))
     }
 }

@@ -3,6 +3,7 @@
 //! A builder orders the boxes and emits one neutral [`BinaryTree`]; one collapse turns it into the [`WideTree`] that
 //! every query descends.
 
+mod aging;
 mod area;
 mod binary;
 mod boxes;
@@ -15,11 +16,14 @@ mod generic;
 mod lanes;
 mod morton;
 mod radix;
+mod refit;
 mod slab;
+mod soundness;
 #[cfg(test)]
 mod tests;
 mod wide;
 
+pub(crate) use aging::{Aged, Origin};
 pub use binary::{BinaryNode, BinaryTree, LEAF_CAPACITY, MAX_DEPTH, NODE_OF_LEAVES};
 pub(crate) use boxes::Boxes;
 pub use build::{Builder, DynamicTree, optimise};
@@ -32,6 +36,7 @@ pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, overlapping, overlapping_each
 pub use morton::build_morton;
 pub(crate) use morton::build_over;
 pub(crate) use radix::scatter;
+pub(crate) use refit::{Patch, Patches};
 pub use slab::Slab;
 pub(crate) use slab::SlabMap;
 pub use wide::{Child, Node, WideTree};

@@ -23,6 +23,10 @@ pub enum Child {
     Leaf(u32),
 }
 
+/// The most leaves of a patch, a subtree whose nodes have slabs: those of three levels. Larger ones are too curved for a
+/// slab to be thin.
+pub(super) const PATCH: usize = LANES * LANES * LANES;
+
 /// Marks the reference to a leaf.
 const LEAF_BIT: u32 = 1 << 31;
 
@@ -35,17 +39,17 @@ pub struct Node {
     pub min: [[f32; LANES]; 3],
     /// `max[axis][lane]`: the greatest coordinate of the child's box.
     pub max: [[f32; LANES]; 3],
-    references: [u32; LANES],
+    pub(super) references: [u32; LANES],
     /// Holds everything below.
     pub slab: Slab,
-    count: u32,
+    pub(super) count: u32,
     /// How far all that is below reaches along the axis on which it reaches farthest.
     pub(crate) extent: f32,
-    reserved: u32,
+    pub(super) reserved: u32,
 }
 
 impl Node {
-    const EMPTY: Self = Self {
+    pub(super) const EMPTY: Self = Self {
         min: [[f32::INFINITY; LANES]; 3],
         max: [[f32::NEG_INFINITY; LANES]; 3],
         references: [0; LANES],
@@ -82,11 +86,20 @@ impl Node {
         Child::from_reference(self.references[lane])
     }
 
-    fn set(&mut self, lane: usize, bounds: &Aabb, child: Child) {
+    pub(super) fn set_bounds(&mut self, lane: usize, bounds: &Aabb) {
         for axis in 0..3 {
             self.min[axis][lane] = bounds.min[axis];
             self.max[axis][lane] = bounds.max[axis];
         }
+    }
+
+    /// To be called once the bounds of all lanes are set.
+    pub(super) fn set_extent(&mut self) {
+        let Aabb { min, max } = self.bounds();
+        self.extent = (0..3).fold(0.0, |extent, axis| extent.max(max[axis] - min[axis]));
+    }
+
+    pub(super) fn set_child(&mut self, lane: usize, child: Child) {
         self.references[lane] = child.reference();
     }
 }
@@ -128,8 +141,6 @@ impl WideTree {
 
     /// Gives each node of the lower levels the slab about what its leaves, a range of them, hold.
     pub fn set_slabs(&mut self, slab: impl Fn(Range<usize>) -> Slab + Sync) {
-        /// The leaves of three levels: larger patches are too curved for a slab to be thin.
-        const MOST_LEAVES: usize = LANES * LANES * LANES;
         let nodes = self.nodes.to_mut();
         // Children come after their parents and their leaves stand side by side.
         let mut ranges = vec![0..0; nodes.len()];
@@ -137,8 +148,17 @@ impl WideTree {
             let [first, last] = [0, node.count().saturating_sub(1)].map(|lane| node.index(lane) as usize);
             ranges[at] = if node.holds_leaves() { first..last + 1 } else { ranges[first].start..ranges[last].end };
         }
-        let patches = nodes.par_iter_mut().zip(ranges).filter(|(_, range)| range.len() <= MOST_LEAVES);
+        let patches = nodes.par_iter_mut().zip(ranges).filter(|(_, range)| range.len() <= PATCH);
         patches.for_each(|(node, range)| node.slab = slab(range));
+    }
+
+    /// The tree of these nodes, whatever they say.
+    pub(crate) fn from_nodes(nodes: Buffer<Node>) -> Self {
+        Self { nodes }
+    }
+
+    pub(crate) fn nodes_mut(&mut self) -> &mut [Node] {
+        self.nodes.to_mut()
     }
 
     /// The nodes in preorder, the root first; none where there are no boxes.
@@ -184,10 +204,10 @@ impl Collapse<'_> {
             } else {
                 Child::Inner(self.node(child))
             };
-            node.set(lane, &self.binary.nodes[child.root as usize].bounds, wide);
+            node.set_bounds(lane, &self.binary.nodes[child.root as usize].bounds);
+            node.set_child(lane, wide);
         }
-        let Aabb { min, max } = &self.binary.nodes[subtree.root as usize].bounds;
-        node.extent = (0..3).fold(0.0, |extent, axis| extent.max(max[axis] - min[axis]));
+        node.set_extent();
         self.nodes[at] = node;
         at as u32
     }

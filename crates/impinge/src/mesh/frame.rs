@@ -1,11 +1,14 @@
 //! The frame in which a mesh's boxes and packets are kept: near the origin and about one unit large, whatever the
 //! mesh's own unit is and however far out it lies, so that single precision serves meshes of every size alike.
 
-use crate::mesh::Positions;
+use rayon::prelude::*;
+
+use super::positions::{Vertex, VertexSlice};
 use crate::simd::by_axis;
 
 /// `packed = (local − origin) · scale`, with a power of two for the scale, which rounds nothing.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Zeroable, bytemuck::Pod)]
+#[repr(C)]
 pub(crate) struct PackedFrame {
     pub(crate) origin: [f64; 3],
     pub(crate) scale: f64,
@@ -19,21 +22,13 @@ pub(crate) const REACH: f64 = 1.0 + 1e-6;
 pub(crate) const PACKING_ERROR: f64 = 1.0 / (1_u64 << 51) as f64;
 
 impl PackedFrame {
-    /// A frame in which all the positions are at most [`REACH`] in magnitude.
-    pub(crate) fn of(positions: &Positions) -> Self {
-        let mut min = [f64::INFINITY; 3];
-        let mut max = [f64::NEG_INFINITY; 3];
-        let mut grow = |vertex: [f64; 3]| {
-            for axis in 0..3 {
-                min[axis] = min[axis].min(vertex[axis]);
-                max[axis] = max[axis].max(vertex[axis]);
-            }
+    /// A frame in which all the vertices are at most [`REACH`] in magnitude.
+    pub(super) fn of(vertices: VertexSlice<'_>) -> Self {
+        let [min, max] = match vertices {
+            VertexSlice::F32(vertices) => extremes(vertices),
+            VertexSlice::F64(vertices) => extremes(vertices),
         };
-        match positions {
-            Positions::F32(vertices) => vertices.iter().for_each(|v| grow(v.map(f64::from))),
-            Positions::F64(vertices) => vertices.iter().for_each(|v| grow(*v)),
-        }
-        if positions.is_empty() {
+        if vertices.len() == 0 {
             return Self { origin: [0.0; 3], scale: 1.0 };
         }
         let origin: [f64; 3] = std::array::from_fn(|axis| min[axis] + (max[axis] - min[axis]) / 2.0);
@@ -45,6 +40,18 @@ impl PackedFrame {
     pub(crate) fn pack(&self, vertex: [f64; 3]) -> [f64; 3] {
         by_axis!(axis => (vertex[axis] - self.origin[axis]) * self.scale)
     }
+}
+
+/// The least and the greatest coordinates.
+fn extremes<V: Vertex>(vertices: &[V]) -> [[f64; 3]; 2] {
+    /// Vertices that are one task.
+    const CHUNK: usize = 1 << 14;
+    let nothing = || [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    let both = |[min, max]: [[f64; 3]; 2], [low, high]: [[f64; 3]; 2]| {
+        [by_axis!(axis => low[axis].min(min[axis])), by_axis!(axis => high[axis].max(max[axis]))]
+    };
+    let of_chunk = |vertices: &[V]| vertices.iter().fold(nothing(), |all, v| both(all, [v.widened(); 2]));
+    vertices.par_chunks(CHUNK).map(of_chunk).reduce(nothing, both)
 }
 
 /// The power of two that takes `extent` into (1/2, 1], as far as powers of two go in double precision with room for
@@ -69,7 +76,7 @@ mod tests {
     fn packed_positions_stay_within_reach() {
         for (offset, size) in [(0.0, 1.0), (1e7, 1e-3), (-1e30, 1e30), (0.0, 1e-310), (3.0, 0.0), (1e38, 2e38)] {
             let corners = [[offset; 3], [offset + size; 3], [offset, offset - size, offset]];
-            let frame = PackedFrame::of(&Positions::F64(corners.to_vec()));
+            let frame = PackedFrame::of(VertexSlice::F64(&corners));
             for corner in corners {
                 for packed in frame.pack(corner) {
                     assert!(packed.abs() <= REACH, "{corner:?} packs to {packed}");

@@ -1,5 +1,6 @@
 //! Triangle meshes: judged once, packed, with their hierarchy, and the one descent of two meshes.
 
+mod aging;
 mod crossings;
 mod descent;
 mod distance;
@@ -14,8 +15,10 @@ mod large_leaf;
 mod metric;
 mod nearest;
 mod packet;
+mod parts;
 mod positions;
 mod rays;
+mod refit;
 mod relation;
 mod self_descent;
 mod solid_angle;
@@ -28,13 +31,15 @@ use std::sync::{Arc, OnceLock};
 use fearless_simd::dispatch;
 use rayon::prelude::*;
 
+pub use aging::Aging;
 pub(crate) use descent::collect_intersecting;
 pub use descent::{HostChoice, Options};
 pub(crate) use distance::{nearest, within};
 pub use health::Health;
 pub use nearest::ClosestPoint;
+pub use parts::{Flaw, Parts};
 pub use positions::Positions;
-use positions::Vertex;
+use positions::{Vertex, VertexSlice, Vertices};
 pub use rays::{Ray, RayHit};
 pub(crate) use self_descent::{Wanted, collect_self_intersecting};
 pub(crate) use walls::{Wall, Walls};
@@ -45,7 +50,7 @@ use crate::exact::Corners;
 use crate::hierarchy::{BinaryTree, Boxes, Builder, Slab, WideTree, build_over};
 use crate::input::InputError;
 use crate::math::Pose;
-use crate::simd::{best_level, prefetch};
+use crate::simd::{Level, best_level, prefetch};
 use crate::storage::{Buffer, Pages};
 use crate::volume::Aabb;
 use face_boxes::FaceBoxes;
@@ -72,11 +77,14 @@ pub struct Mesh(Arc<Data>);
 
 #[derive(Debug)]
 struct Data {
-    positions: Positions,
-    faces: Vec<[u32; 3]>,
+    vertices: Vertices,
+    /// Shared by all meshes that were refitted from one.
+    faces: Arc<Buffer<[u32; 3]>>,
     frame: PackedFrame,
     tree: WideTree,
     packets: Buffer<Packet>,
+    /// What each subtree cost when it was built, noted when it is first refitted.
+    costs_as_built: OnceLock<Arc<[f64]>>,
     /// Made when a question about solids first needs it.
     topology: OnceLock<Topology>,
     /// Made when a winding number first needs it.
@@ -107,21 +115,17 @@ impl Mesh {
     /// # Complexity
     /// As [`Builder::build`].
     pub fn with_builder(positions: Positions, faces: Vec<[u32; 3]>, builder: Builder) -> Result<Self, InputError> {
-        judge::judge(&positions, &faces)?;
-        let positions = positions.narrowed();
-        let frame = PackedFrame::of(&positions);
-        let (tree, packets) = match &positions {
-            Positions::F32(vertices) => hierarchy(vertices, &faces, &frame, builder),
-            Positions::F64(vertices) => hierarchy(vertices, &faces, &frame, builder),
-        };
-        let (topology, far_field) = (OnceLock::new(), OnceLock::new());
-        Ok(Self(Arc::new(Data { positions, faces, frame, tree, packets, topology, far_field })))
+        judge::judge(positions.slice(), &faces)?;
+        let vertices = Vertices::Given(positions.narrowed());
+        let frame = PackedFrame::of(vertices.slice());
+        let (tree, packets) = built(vertices.slice(), &faces, &frame, builder);
+        Ok(Self(Arc::new(Data::new(vertices, Arc::new(faces.into()), frame, tree, packets))))
     }
 
     /// The positions, in the mesh's own frame.
     #[must_use]
     pub fn positions(&self) -> &Positions {
-        &self.0.positions
+        self.0.vertices.positions()
     }
 
     /// The faces as given.
@@ -137,7 +141,7 @@ impl Mesh {
     #[inline]
     #[must_use]
     pub fn corners(&self, face: u32) -> Corners {
-        self.0.faces[face as usize].map(|vertex| self.0.positions.get(vertex as usize))
+        self.0.faces[face as usize].map(|vertex| self.0.vertices.get(vertex as usize))
     }
 
     /// The mesh placed in the world, for a query.
@@ -151,9 +155,9 @@ impl Mesh {
         let slot = &self.0.topology;
         // Not while the slot is locked: a thread that waits for its sorting may take up a task that needs the slot too.
         if slot.get().is_none() {
-            let _ = slot.set(Topology::of(&self.0.positions, &self.0.faces));
+            let _ = slot.set(Topology::of(self.positions(), &self.0.faces));
         }
-        slot.get_or_init(|| Topology::of(&self.0.positions, &self.0.faces))
+        slot.get_or_init(|| Topology::of(self.positions(), &self.0.faces))
     }
 
     /// The moments of the faces below each node.
@@ -165,11 +169,23 @@ impl Mesh {
     #[must_use]
     pub fn memory(&self) -> usize {
         let data = &*self.0;
-        let positions = match &data.positions {
-            Positions::F32(vertices) => size_of_val(&vertices[..]),
-            Positions::F64(vertices) => size_of_val(&vertices[..]),
-        };
-        positions + size_of_val(&data.faces[..]) + size_of_val(data.tree.nodes()) + size_of_val(&data.packets[..])
+        data.vertices.slice().into_bytes().len()
+            + size_of_val(&data.faces[..])
+            + size_of_val(data.tree.nodes())
+            + size_of_val(&data.packets[..])
+    }
+}
+
+impl Data {
+    fn new(
+        vertices: Vertices,
+        faces: Arc<Buffer<[u32; 3]>>,
+        frame: PackedFrame,
+        tree: WideTree,
+        packets: Buffer<Packet>,
+    ) -> Self {
+        let (costs_as_built, topology, far_field) = Default::default();
+        Self { vertices, faces, frame, tree, packets, costs_as_built, topology, far_field }
     }
 }
 
@@ -193,6 +209,18 @@ impl<'a> From<&'a Mesh> for Placed<'a> {
 const CHUNK: usize = 512;
 
 /// The tree of the faces and the packets of its leaves.
+fn built(
+    vertices: VertexSlice<'_>,
+    faces: &[[u32; 3]],
+    frame: &PackedFrame,
+    builder: Builder,
+) -> (WideTree, Buffer<Packet>) {
+    match vertices {
+        VertexSlice::F32(vertices) => hierarchy(vertices, faces, frame, builder),
+        VertexSlice::F64(vertices) => hierarchy(vertices, faces, frame, builder),
+    }
+}
+
 fn hierarchy<V: Vertex>(
     vertices: &[V],
     faces: &[[u32; 3]],
@@ -210,7 +238,7 @@ fn hierarchy<V: Vertex>(
     };
     let (mut tree, leaves) = WideTree::collapse(&binary);
     let packets = pack(&binary, &leaves, frame, vertices, faces);
-    tree.set_slabs(|leaves| slab(&packets[leaves]));
+    tree.set_slabs(|leaves| slab(best_level(), &packets[leaves]));
     (tree, packets)
 }
 
@@ -247,7 +275,7 @@ fn pack<V: Vertex>(
 }
 
 /// The slab about the packets.
-fn slab(packets: &[Packet]) -> Slab {
+fn slab(level: Level, packets: &[Packet]) -> Slab {
     let mut sum = [0.0_f32; 3];
     for packet in packets {
         let facing = packet.normal();
@@ -260,7 +288,7 @@ fn slab(packets: &[Packet]) -> Slab {
         return Slab::ALL;
     }
     let normal = sum.map(|x| x / largest);
-    dispatch!(best_level(), simd => {
+    dispatch!(level, simd => {
         let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
         for packet in packets {
             let [low, high] = packet.heights_along(simd, normal);

@@ -50,8 +50,6 @@ impl Packet {
 
     /// The packet of these faces, at least one and at most eight, whose packed boxes `bounds` holds, of all `faces`
     /// over `vertices`.
-    ///
-    /// No operation is fused, so that the bits are the same on every vector unit.
     #[inline(always)]
     pub(super) fn new<S: Simd, V: Vertex>(
         simd: S,
@@ -61,25 +59,91 @@ impl Packet {
         vertices: &[V],
         faces: &[[u32; 3]],
     ) -> Self {
-        let mut lanes = [held[0]; LANES];
-        lanes[..held.len()].copy_from_slice(held);
-        let mut local = [[[0.0_f64; LANES]; 3]; 3];
+        let layout = Self::holding(held);
+        layout.about(simd, bounds, &layout.packed(frame, vertices, faces))
+    }
+
+    /// The layout of a packet: which faces it holds, at least one and at most eight. All else follows from where they are.
+    pub(super) fn holding(held: &[u32]) -> Self {
+        let mut faces = [held[0]; LANES];
+        faces[..held.len()].copy_from_slice(held);
+        Self { count: held.len() as u16, faces, ..bytemuck::Zeroable::zeroed() }
+    }
+
+    /// The faces that it holds; the first one where it says that it holds none.
+    pub(super) fn held(&self) -> &[u32] {
+        &self.faces[..usize::from(self.count).clamp(1, LANES)]
+    }
+
+    /// Whether lanes that hold no face of their own repeat the first, and no other does.
+    pub(super) fn is_layout_sound(&self) -> bool {
+        (1..=LANES).contains(&usize::from(self.count))
+            && (1..LANES).all(|lane| (self.faces[lane] == self.faces[0]) == (lane >= usize::from(self.count)))
+    }
+
+    /// The packet of the same faces where their vertices are now, and bounds of them as a builder is given them (see
+    /// [`FaceBoxes`](super::face_boxes::FaceBoxes)): with the vertices that it was made from, the same bits.
+    #[inline(always)]
+    pub(super) fn refitted<S: Simd, V: Vertex>(
+        &self,
+        simd: S,
+        frame: &PackedFrame,
+        vertices: &[V],
+        faces: &[[u32; 3]],
+    ) -> (Self, Aabb) {
+        let packed = self.packed(frame, vertices, faces);
+        let mut bounds = Aabb::EMPTY;
+        for axis in 0..3 {
+            let mut rounded = [[0.0_f32; LANES]; 3];
+            for corner in 0..3 {
+                for lane in 0..LANES {
+                    rounded[corner][lane] = packed[corner][axis][lane] as f32;
+                }
+            }
+            let [p, q, r] = load3(simd, &rounded);
+            bounds.min[axis] = p.min(q).min(r).reduce_min();
+            bounds.max[axis] = p.max(q).max(r).reduce_max();
+        }
+        let bounds = bounds.next_outward();
+        (self.about(simd, &bounds, &packed), bounds)
+    }
+
+    /// The corners of the faces, `[corner][axis][lane]`, in the packed frame.
+    #[inline(always)]
+    fn packed<V: Vertex>(&self, frame: &PackedFrame, vertices: &[V], faces: &[[u32; 3]]) -> [[[f64; LANES]; 3]; 3] {
+        let mut packed = [[[0.0_f64; LANES]; 3]; 3];
         for lane in 0..LANES {
-            let face = &faces[lanes[lane] as usize];
+            let face = &faces[self.faces[lane] as usize];
             for corner in 0..3 {
                 let vertex = vertices[face[corner] as usize].widened();
                 for axis in 0..3 {
-                    local[corner][axis][lane] = vertex[axis];
+                    packed[corner][axis][lane] = vertex[axis];
                 }
             }
         }
+        for corner in 0..3 {
+            for axis in 0..3 {
+                let origin = frame.origin[axis];
+                for lane in 0..LANES {
+                    packed[corner][axis][lane] = (packed[corner][axis][lane] - origin) * frame.scale;
+                }
+            }
+        }
+        packed
+    }
+
+    /// The packet of the same faces with these corners, which are within `bounds`.
+    ///
+    /// No operation is fused, so that the bits are the same on every vector unit.
+    #[inline(always)]
+    fn about<S: Simd>(&self, simd: S, bounds: &Aabb, packed: &[[[f64; LANES]; 3]; 3]) -> Self {
         let anchor = by_axis!(axis => 0.5 * (bounds.min[axis] + bounds.max[axis]));
         let mut relative = [[[0.0_f32; LANES]; 3]; 3];
         for corner in 0..3 {
             for axis in 0..3 {
-                let (origin, anchor) = (frame.origin[axis], f64::from(anchor[axis]));
+                let anchor = f64::from(anchor[axis]);
                 for lane in 0..LANES {
-                    relative[corner][axis][lane] = ((local[corner][axis][lane] - origin) * frame.scale - anchor) as f32;
+                    relative[corner][axis][lane] = (packed[corner][axis][lane] - anchor) as f32;
                 }
             }
         }
@@ -92,9 +156,8 @@ impl Packet {
         }
         let radius = largest.reduce_max();
         let normal = direction(&corners);
-        let [low, high] = heights(simd, &corners, by_axis!(axis => f32::from(normal[axis]) * NORMAL_STEP), radius);
-        let count = held.len() as u16;
-        Self { corners: relative, anchor, radius, heights: [low, high], normal, count, faces: lanes }
+        let heights = heights(simd, &corners, by_axis!(axis => f32::from(normal[axis]) * NORMAL_STEP), radius);
+        Self { corners: relative, anchor, radius, heights, normal, ..*self }
     }
 
     /// The least and the greatest height of all that the packet stands for along a direction no component of which is
@@ -149,7 +212,7 @@ mod tests {
     use impinge_testkit::generate::Rng;
 
     use super::*;
-    use crate::mesh::Positions;
+    use crate::mesh::positions::VertexSlice;
     use crate::simd::{Level, levels};
 
     #[test]
@@ -160,8 +223,7 @@ mod tests {
             let (centre, size) = ([0; 3].map(|_| rng.uniform(-9.0, 9.0)), 2.0_f64.powi(-(round % 20)));
             let vertices: Vec<[f64; 3]> =
                 (0..24).map(|_| std::array::from_fn(|axis| centre[axis] + rng.uniform(-size, size))).collect();
-            let positions = Positions::F64([&vertices[..], &[[-10.0; 3], [10.0; 3]]].concat());
-            let frame = PackedFrame::of(&positions);
+            let frame = PackedFrame::of(VertexSlice::F64(&[&vertices[..], &[[-10.0; 3], [10.0; 3]]].concat()));
             let faces: Vec<[u32; 3]> = (0..8).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
             let held: Vec<u32> = (0..count as u32).rev().collect();
             let packed = |face: u32, corner: usize| frame.pack(vertices[faces[face as usize][corner] as usize]);
@@ -169,7 +231,14 @@ mod tests {
                 bounds.union(Aabb::of_points([0, 1, 2].map(|corner| packed(face, corner).map(|x| x as f32))))
             });
             let packets = levels().into_iter().map(|(name, level)| {
-                (name, dispatch!(level, simd => Packet::new(simd, &held, &bounds.next_outward(), &frame, &vertices, &faces)))
+                let bounds = bounds.next_outward();
+                let packet = dispatch!(level, simd => Packet::new(simd, &held, &bounds, &frame, &vertices, &faces));
+                let layout = Packet::holding(&held);
+                let refitted = dispatch!(level, simd => layout.refitted(simd, &frame, &vertices, &faces));
+                assert_eq!(bytemuck::bytes_of(&refitted.0), bytemuck::bytes_of(&packet), "{name}: other bits");
+                assert_eq!(refitted.1, bounds, "{name}");
+                assert_eq!(packet.held(), held);
+                (name, packet)
             });
             let packets: Vec<(&str, Packet)> = packets.collect();
             let (_, packet) = packets[0];

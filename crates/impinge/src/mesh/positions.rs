@@ -1,6 +1,9 @@
 //! The vertices of a mesh, kept in the precision that they were given in.
 
+use std::sync::OnceLock;
+
 use crate::simd::by_axis;
+use crate::storage::Buffer;
 
 /// Vertex positions in the mesh's own frame and unit; a stored coordinate is the real number that its float is.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,6 +12,24 @@ pub enum Positions {
     F32(Vec<[f32; 3]>),
     /// Double precision, kept as given.
     F64(Vec<[f64; 3]>),
+}
+
+/// Vertices as a mesh keeps them: as they were given, or in bytes that somebody else keeps.
+#[derive(Debug)]
+pub(super) enum Vertices {
+    /// Owned.
+    Given(Positions),
+    /// Borrowed, and a copy for those who ask for [`Positions`].
+    BorrowedF32(Buffer<[f32; 3]>, OnceLock<Positions>),
+    /// Likewise.
+    BorrowedF64(Buffer<[f64; 3]>, OnceLock<Positions>),
+}
+
+/// Vertices, whoever keeps them.
+#[derive(Clone, Copy)]
+pub(super) enum VertexSlice<'a> {
+    F32(&'a [[f32; 3]]),
+    F64(&'a [[f64; 3]]),
 }
 
 /// A vertex in either precision.
@@ -31,7 +52,66 @@ impl Vertex for [f64; 3] {
     }
 }
 
+impl Vertices {
+    #[inline(always)]
+    pub(super) fn get(&self, index: usize) -> [f64; 3] {
+        match self {
+            Self::Given(positions) => positions.get(index),
+            Self::BorrowedF32(vertices, _) => vertices[index].map(f64::from),
+            Self::BorrowedF64(vertices, _) => vertices[index],
+        }
+    }
+
+    pub(super) fn slice(&self) -> VertexSlice<'_> {
+        match self {
+            Self::Given(positions) => positions.slice(),
+            Self::BorrowedF32(vertices, _) => VertexSlice::F32(vertices),
+            Self::BorrowedF64(vertices, _) => VertexSlice::F64(vertices),
+        }
+    }
+
+    /// The vertices as they were given; a copy, made once, where they are borrowed.
+    pub(super) fn positions(&self) -> &Positions {
+        match self {
+            Self::Given(positions) => positions,
+            Self::BorrowedF32(vertices, copy) => copy.get_or_init(|| Positions::F32(vertices.to_vec())),
+            Self::BorrowedF64(vertices, copy) => copy.get_or_init(|| Positions::F64(vertices.to_vec())),
+        }
+    }
+}
+
+impl<'a> VertexSlice<'a> {
+    pub(super) fn len(self) -> usize {
+        match self {
+            Self::F32(vertices) => vertices.len(),
+            Self::F64(vertices) => vertices.len(),
+        }
+    }
+
+    pub(super) fn get(self, index: usize) -> [f64; 3] {
+        match self {
+            Self::F32(vertices) => vertices[index].widened(),
+            Self::F64(vertices) => vertices[index],
+        }
+    }
+
+    /// The numbers as bytes.
+    pub(super) fn into_bytes(self) -> &'a [u8] {
+        match self {
+            Self::F32(vertices) => bytemuck::cast_slice(vertices),
+            Self::F64(vertices) => bytemuck::cast_slice(vertices),
+        }
+    }
+}
+
 impl Positions {
+    pub(super) fn slice(&self) -> VertexSlice<'_> {
+        match self {
+            Self::F32(vertices) => VertexSlice::F32(vertices),
+            Self::F64(vertices) => VertexSlice::F64(vertices),
+        }
+    }
+
     /// How many vertices there are.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -1,0 +1,70 @@
+//! `impinge bake`: baked files take the place of meshes.
+
+use std::fs;
+
+use crate::Folder;
+
+#[test]
+fn a_baked_mesh_answers_like_the_mesh() {
+    let folder = Folder::new();
+    for (mesh, baked) in [("cube.obj", "cube.impinge"), ("big.obj", "BIG.IMPINGE")] {
+        let run = folder.run(&format!("bake {mesh} -o {baked}"));
+        assert_eq!((run.code, run.stderr.as_str()), (0, ""));
+        assert!(run.stdout.starts_with(&format!("{baked}: 12 triangles, ")), "{}", run.stdout);
+    }
+    let check = |a: &str, b: &str, more: &str| folder.run(&format!("check {a} {b} --pose-b 0.5,2.5,0.25 {more}"));
+    for (a, b) in [("cube.impinge", "BIG.IMPINGE"), ("cube.impinge", "big.obj"), ("cube.obj", "BIG.IMPINGE")] {
+        for more in ["--pairs pairs.csv", "--distance", "--solid --penetrates --clearance 0.5"] {
+            let expected = check("cube.obj", "big.obj", more);
+            let pairs = more.starts_with("--pairs").then(|| folder.read("pairs.csv"));
+            let run = check(a, b, more);
+            assert_eq!((run.code, run.stderr), (expected.code, expected.stderr), "{a} {b} {more}");
+            assert_eq!(more.starts_with("--pairs").then(|| folder.read("pairs.csv")), pairs, "{a} {b}");
+        }
+    }
+    assert_eq!(check("cube.impinge", "BIG.IMPINGE", "").code, 1);
+    // The parts and polygons of the original are there.
+    check("cube.impinge", "BIG.IMPINGE", "--pairs pairs.csv");
+    assert!(folder.read("pairs.csv").lines().nth(1).is_some_and(|line| line.ends_with(",cube,big")));
+    let health = |mesh: &str| {
+        let run = folder.run(&format!("inspect {mesh} --json"));
+        let object: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+        (object["health"].clone(), object["hierarchy"].clone())
+    };
+    assert_eq!(health("cube.impinge"), health("cube.obj"));
+    // Baked again, byte for byte.
+    assert_eq!(folder.run("bake cube.impinge -o again.impinge").code, 0);
+    assert!(fs::read(folder.path("again.impinge")).unwrap() == fs::read(folder.path("cube.impinge")).unwrap());
+    assert_eq!(folder.run("bake cube.obj -o tight.impinge --hierarchy tight").code, 0);
+    assert_eq!(check("tight.impinge", "big.obj", "").code, 1);
+}
+
+#[test]
+fn a_program_is_told_what_was_baked() {
+    let folder = Folder::new();
+    let run = folder.run("bake cube.obj -o cube.impinge --json");
+    let object: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!((&object["schema"], &object["triangles"]), (&"impinge.bake/1".into(), &12.into()));
+    assert_eq!(object["bytes"], fs::metadata(folder.path("cube.impinge")).unwrap().len());
+    assert!(["load", "build", "write"].iter().all(|phase| object["seconds"][phase].as_f64().unwrap() >= 0.0));
+}
+
+#[test]
+fn n34_a_spoiled_file_is_no_answer() {
+    let folder = Folder::new();
+    folder.run("bake cube.obj -o cube.impinge");
+    let whole = fs::read(folder.path("cube.impinge")).unwrap();
+    for (at, kind) in [(0, "syntax"), (12, "unsupported-feature"), (70, "corrupt"), (700, "corrupt"), (1500, "corrupt")]
+    {
+        let mut spoiled = whole.clone();
+        spoiled[at] ^= 0x55;
+        fs::write(folder.path("spoiled.impinge"), &spoiled).unwrap();
+        let run = folder.run("check spoiled.impinge big.obj --json");
+        let object: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+        assert_eq!((run.code, &object["error"]["kind"]), (2, &kind.into()), "byte {at}: {}", run.stdout);
+        assert_eq!(object["error"]["file"], "spoiled.impinge");
+    }
+    assert_eq!(folder.run("bake cube.obj -o cube.ply").code, 2, "not the name of a baked file");
+    assert_eq!(folder.run("bake cube.impinge -o cube.impinge").code, 2, "would overwrite what it reads");
+    assert_eq!(fs::read(folder.path("cube.impinge")).unwrap(), whole);
+}

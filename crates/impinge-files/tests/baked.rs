@@ -1,0 +1,213 @@
+//! Baked files: what comes back is what was baked, and no file is believed (N34).
+
+use std::{fs, path::PathBuf};
+
+use impinge::{Mesh, Positions, query};
+use impinge_files::{Baked, Format, LoadErrorKind, Provenance, Unit, write_baked};
+use tempfile::TempDir;
+
+/// A small generator of numbers: every run asks the same.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as usize % n
+    }
+}
+
+/// A sheet of hills, n quads along each side.
+fn hills(n: u32, height: f64) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let vertices = (0..=n).flat_map(|y| {
+        (0..=n).map(move |x| [f64::from(x), f64::from(y), height * f64::from((x * x + 3 * x * y + y) % 7)])
+    });
+    let quads = (0..n).flat_map(|y| (0..n).map(move |x| y * (n + 1) + x));
+    let faces = quads.flat_map(|a| [[a, a + 1, a + n + 1], [a + n + 2, a + n + 1, a + 1]]);
+    (vertices.collect(), faces.collect())
+}
+
+fn mesh(height: f64) -> Mesh {
+    let (vertices, faces) = hills(9, height);
+    Mesh::new(Positions::F64(vertices), faces).expect("a legal mesh")
+}
+
+fn provenance(faces: usize) -> Provenance {
+    Provenance {
+        sources: (0..faces as u32).map(|face| face / 2).collect(),
+        part_of: (0..faces as u32).map(|face| u32::from(face > 20)).collect(),
+        parts: vec!["rim".to_owned(), String::new()],
+        unit: Some(Unit::Inch),
+    }
+}
+
+fn bytes_of(mesh: &Mesh) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    write_baked(mesh, &provenance(mesh.faces().len()), &mut bytes).expect("room");
+    bytes
+}
+
+/// A file for one question.
+struct File(TempDir);
+
+impl File {
+    fn new() -> Self {
+        Self(TempDir::new().expect("a folder"))
+    }
+
+    fn write(&self, bytes: &[u8]) -> PathBuf {
+        let path = self.0.path().join("mesh.impinge");
+        // Anew, as a map of the last one may still be there.
+        let _ = fs::remove_file(&path);
+        fs::write(&path, bytes).expect("room");
+        path
+    }
+}
+
+#[test]
+fn what_was_baked_comes_back() {
+    let file = File::new();
+    let other = mesh(0.25);
+    // Doubles, singles, nothing.
+    let empty = Mesh::new(Positions::F32(Vec::new()), Vec::new()).expect("a legal mesh");
+    for original in [mesh(0.1), mesh(0.5), empty] {
+        let path = file.write(&bytes_of(&original));
+        let baked = Baked::open(&path).expect("a baked file");
+        for opened in [baked.mesh().expect("a mesh"), baked.trusted_mesh().expect("a mesh")] {
+            assert!(opened.parts() == original.parts() && opened.positions() == original.positions());
+            assert_eq!(query::intersecting_pairs(&opened, &other), query::intersecting_pairs(&original, &other));
+        }
+        assert_eq!(baked.provenance(), Ok(provenance(original.faces().len())));
+        // The mesh outlives the file and what opened it.
+        let opened = baked.mesh().expect("a mesh");
+        drop(baked);
+        fs::remove_file(&path).expect("it is there");
+        assert_eq!(query::intersecting_pairs(&opened, &other), query::intersecting_pairs(&original, &other));
+        // And is the same again when it is baked again.
+        assert_eq!(bytes_of(&opened), bytes_of(&original));
+    }
+}
+
+#[test]
+fn any_reader_of_meshes_takes_the_triangles_of_a_baked_file() {
+    let file = File::new();
+    let original = mesh(0.1);
+    let bytes = bytes_of(&original);
+    for model in [impinge_files::load(file.write(&bytes)), impinge_files::parse(&bytes, Format::Obj)] {
+        let model = model.expect("a model");
+        assert_eq!((&model.positions, &model.faces[..]), (original.positions(), original.faces()));
+        let Provenance { sources, part_of, parts, unit } = provenance(original.faces().len());
+        assert_eq!((model.sources, model.part_of, model.parts, model.unit), (sources, part_of, parts, unit));
+        assert_eq!(model.format, Format::Baked);
+    }
+}
+
+#[test]
+fn what_is_no_baked_file_says_so() {
+    let file = File::new();
+    let whole = bytes_of(&mesh(0.1));
+    let kind = |bytes: &[u8]| Baked::open(file.write(bytes)).map(|_| ()).map_err(|e| e.kind().name());
+    assert_eq!(kind(&whole), Ok(()));
+    assert_eq!(kind(&[]), Err("truncated"));
+    assert_eq!(kind(&whole[..100]), Err("truncated"));
+    assert_eq!(kind(&whole[..whole.len() - 1]), Err("truncated"));
+    assert_eq!(kind(&[&whole[..], &[0]].concat()), Err("truncated"));
+    assert_eq!(kind(&[b"o cube\n".as_slice(), &whole].concat()), Err("syntax"));
+    let with = |at: usize, bytes: &[u8]| {
+        let mut changed = whole.clone();
+        changed[at..at + bytes.len()].copy_from_slice(bytes);
+        kind(&changed)
+    };
+    assert_eq!(with(8, &[1, 2, 3, 4]), Err("unsupported-feature"), "the other byte order");
+    assert_eq!(with(12, &[2]), Err("unsupported-feature"), "a later form");
+    assert_eq!(with(16, &[0]), Err("unsupported-feature"), "earlier arrays");
+    assert_eq!(with(24, &[2]), Err("corrupt"), "another unit than the checksum is of");
+    let missing = Baked::open(file.0.path().join("none.impinge")).map(|_| ()).map_err(|e| e.kind().clone());
+    assert!(matches!(missing, Err(LoadErrorKind::Io { .. })), "{missing:?}");
+    let incomplete = Provenance { sources: vec![0], ..provenance(162) };
+    assert!(write_baked(&mesh(0.1), &incomplete, &mut Vec::new()).is_err());
+}
+
+/// Makes the checksums right again, as somebody with ill intent would.
+fn with_right_checksums(bytes: &mut [u8]) {
+    let number = |bytes: &[u8], at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight")) as usize;
+    for entry in (64..256).step_by(24) {
+        let (start, length) = (number(bytes, entry + 8), number(bytes, entry + 16));
+        if let Some(section) = bytes.get(start..start.saturating_add(length)) {
+            let checksum = crc32fast::hash(section).to_le_bytes();
+            bytes[entry + 4..entry + 8].copy_from_slice(&checksum);
+        }
+    }
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&bytes[..60]);
+    hasher.update(&bytes[64..256]);
+    bytes[60..64].copy_from_slice(&hasher.finalize().to_le_bytes());
+}
+
+#[test]
+fn n34_a_thousand_corrupted_copies_are_refused_or_harmless() {
+    let file = File::new();
+    let (original, other) = (mesh(0.1), mesh(0.25));
+    let whole = bytes_of(&original);
+    let expected = query::intersecting_pairs(&original, &other);
+    assert!(expected.len() > 30, "{}", expected.len());
+    let mut random = Random(34);
+    let (mut refused, mut harmless, mut in_the_arrays) = (0, 0, 0);
+    for copy in 0..1_500 {
+        let mut bytes = whole.clone();
+        for _ in 0..1 + random.below(3) {
+            let at = match copy % 4 {
+                // The head alone.
+                0 => random.below(256),
+                _ => random.below(bytes.len()),
+            };
+            match random.below(4) {
+                0 => bytes[at] ^= 1 << random.below(8),
+                1 => bytes[at] = random.below(256) as u8,
+                2 => {
+                    // A word that an index, a count or a float may be.
+                    let words = [0_u32, 1, u32::MAX, 1 << 31, 0x7f80_0000, 0x7fc0_0000, 8, 162];
+                    let at = at.min(bytes.len() - 4) & !3;
+                    bytes[at..at + 4].copy_from_slice(&words[random.below(words.len())].to_le_bytes());
+                }
+                _ => {
+                    let (from, length) = (random.below(bytes.len() - 64), 1 + random.below(64));
+                    let at = at.min(bytes.len() - length);
+                    bytes.copy_within(from..from + length, at);
+                }
+            }
+        }
+        if copy % 3 > 0 {
+            with_right_checksums(&mut bytes);
+        }
+        let path = file.write(&bytes);
+        // The triangles alone are triangles, whatever happened.
+        if let Ok(model) = impinge_files::load(&path) {
+            let _ = Mesh::new(model.positions, model.faces);
+        }
+        let Ok(baked) = Baked::open(&path) else {
+            refused += 1;
+            continue;
+        };
+        let _ = baked.provenance();
+        match baked.mesh() {
+            Err(_) => {
+                refused += 1;
+                in_the_arrays += 1;
+            }
+            // What is told of a mesh that is proved to be one is the truth about it.
+            Ok(mesh) => {
+                harmless += 1;
+                let anew = Mesh::new(mesh.positions().clone(), mesh.faces().to_vec()).expect("proved to be a mesh");
+                let found = query::intersecting_pairs(&mesh, &other);
+                assert_eq!(found, query::intersecting_pairs(&anew, &other), "copy {copy}");
+                if bytes[256..] == whole[256..] || copy % 3 == 0 {
+                    assert_eq!(found, expected, "copy {copy}");
+                }
+            }
+        }
+    }
+    assert!(
+        refused > 900 && in_the_arrays > 300 && harmless > 50,
+        "{refused} refused ({in_the_arrays}), {harmless} harmless"
+    );
+}

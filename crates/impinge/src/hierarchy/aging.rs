@@ -1,0 +1,190 @@
+//! How trees age: a refit keeps who is whose sibling, and boxes of things that have moved apart overlap. Which subtrees
+//! have aged, and a tree in which they are replaced.
+//!
+//! Source: Lauterbach, Yoon, Tuft, Manocha, *RT-DEFORM: interactive ray tracing of dynamic scenes using BVHs*, RT 2006, for
+//! judging a tree by its areas now and as it was built. Ours judges by the surface area heuristic, and replaces the
+//! smallest subtrees that bring the rest back to what it was.
+
+use std::ops::Range;
+
+use super::area::half_area;
+use super::refit::Patch;
+use super::wide::{Child, Node, WideTree};
+
+/// A subtree that has aged: its nodes and its leaves.
+pub(crate) type Aged = Patch;
+
+/// A tree with subtrees replaced, its boxes and slabs still to be refitted.
+pub(crate) struct Renewal {
+    pub(crate) tree: WideTree,
+    /// What each of its leaves was: a leaf of the old tree, or of a replacement by its number among them.
+    pub(crate) leaves: Vec<Origin>,
+    /// The old tree's node that each of its nodes was.
+    pub(crate) nodes: Vec<Option<u32>>,
+}
+
+/// Where a leaf comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Origin {
+    Kept(u32),
+    Replaced { replacement: u32, leaf: u32 },
+}
+
+impl WideTree {
+    /// For each node the sum of the areas of all boxes below and its own over its own: what a descent that meets the node
+    /// may expect to meet, by the surface area heuristic. One where a node has no area. That of the root is the
+    /// [`sah`](super::TreeStatistics::sah) of the tree.
+    pub(crate) fn subtree_costs(&self) -> Vec<f64> {
+        let mut below = vec![0.0; self.nodes().len()];
+        let mut costs = vec![1.0; below.len()];
+        // Children come after their parents.
+        for (at, node) in self.nodes().iter().enumerate().rev() {
+            let area = half_area(&node.bounds());
+            below[at] = area + sum_below(node, |child| below[child as usize]);
+            costs[at] = cost(below[at], area);
+        }
+        costs
+    }
+
+    /// The smallest subtrees, in preorder, without which no cost would exceed `most` times what it was when built, if they
+    /// cost again what they did.
+    pub(crate) fn aged_subtrees(&self, as_built: &[f64], most: f64) -> Vec<Aged> {
+        let nodes = self.nodes();
+        let mut below = vec![0.0; nodes.len()];
+        let mut is_aged = vec![false; nodes.len()];
+        let mut subtrees = vec![Patch { nodes: 0..0, leaves: 0..0 }; nodes.len()];
+        for (at, node) in nodes.iter().enumerate().rev() {
+            let area = half_area(&node.bounds());
+            below[at] = area + sum_below(node, |child| below[child as usize]);
+            if cost(below[at], area) > most * as_built[at] {
+                is_aged[at] = true;
+                below[at] = as_built[at] * area;
+            }
+            let ends = [0, node.count().saturating_sub(1)].map(|lane| node.index(lane) as usize);
+            subtrees[at] = if node.holds_leaves() {
+                Patch { nodes: at..at + 1, leaves: ends[0]..ends[1] + 1 }
+            } else {
+                let [first, last] = ends.map(|child| &subtrees[child]);
+                Patch { nodes: at..last.nodes.end, leaves: first.leaves.start..last.leaves.end }
+            };
+        }
+        let mut aged = Vec::new();
+        let mut at = 0;
+        while at < nodes.len() {
+            if is_aged[at] {
+                aged.push(subtrees[at].clone());
+                at = subtrees[at].nodes.end;
+            } else {
+                at += 1;
+            }
+        }
+        aged
+    }
+
+    /// The most nodes on a way from the root to a leaf.
+    pub(crate) fn depth(&self) -> usize {
+        let mut depths = vec![1; self.nodes().len()];
+        for (at, node) in self.nodes().iter().enumerate() {
+            for lane in 0..if node.holds_leaves() { 0 } else { node.count() } {
+                depths[node.index(lane) as usize] = depths[at] + 1;
+            }
+        }
+        depths.into_iter().max().unwrap_or(0)
+    }
+
+    /// The tree with each of `aged`, which stand in preorder and hold none of each other, replaced by a tree.
+    pub(crate) fn renewed(&self, aged: &[Aged], replacements: &[Self]) -> Renewal {
+        let old = self.nodes();
+        let mut renewed = Vec::with_capacity(old.len());
+        let (mut leaves, mut origins) = (Vec::new(), Vec::new());
+        let mut moved_to = vec![0_u32; old.len()];
+        let mut pending = aged.iter().zip(replacements).zip(0..).peekable();
+        let mut at = 0;
+        while at < old.len() {
+            moved_to[at] = renewed.len() as u32;
+            if let Some(((subtree, replacement), number)) =
+                pending.next_if(|((subtree, _), _)| subtree.nodes.start == at)
+            {
+                let (first_node, first_leaf) = (renewed.len() as u32, leaves.len() as u32);
+                for node in replacement.nodes() {
+                    let lanes = 0..if node.holds_leaves() { node.count() as u32 } else { 0 };
+                    leaves.extend(
+                        lanes.map(|lane| Origin::Replaced { replacement: number, leaf: node.index(lane as usize) }),
+                    );
+                    renewed.push(node.with_children(|child| match child {
+                        Child::Inner(node) => Child::Inner(first_node + node),
+                        Child::Leaf(leaf) => Child::Leaf(first_leaf + leaf),
+                    }));
+                    origins.push(None);
+                }
+                at = subtree.nodes.end;
+                continue;
+            }
+            let mut node = old[at];
+            if node.holds_leaves() {
+                let first_leaf = leaves.len() as u32;
+                leaves.extend((0..node.count()).map(|lane| Origin::Kept(node.index(lane))));
+                let before = node.index(0);
+                node = node.with_children(|child| match child {
+                    Child::Leaf(leaf) => Child::Leaf(leaf - before + first_leaf),
+                    inner @ Child::Inner(_) => inner,
+                });
+            }
+            renewed.push(node);
+            origins.push(Some(at as u32));
+            at += 1;
+        }
+        for (node, _) in
+            renewed.iter_mut().zip(&origins).filter(|(node, origin)| origin.is_some() && !node.holds_leaves())
+        {
+            *node = node.with_children(|child| match child {
+                Child::Inner(child) => Child::Inner(moved_to[child as usize]),
+                leaf @ Child::Leaf(_) => leaf,
+            });
+        }
+        Renewal { tree: Self::from_nodes(renewed.into()), leaves, nodes: origins }
+    }
+}
+
+impl Renewal {
+    /// What each subtree cost when it was built, by what the old tree's cost; where anything below is new, what it costs now.
+    pub(crate) fn costs_as_built(&self, before: &[f64]) -> Vec<f64> {
+        let mut costs = self.tree.subtree_costs();
+        let mut is_old = vec![true; costs.len()];
+        for (at, node) in self.tree.nodes().iter().enumerate().rev() {
+            let below = 0..if node.holds_leaves() { 0 } else { node.count() };
+            match self.nodes[at] {
+                Some(old) if below.clone().all(|lane| is_old[node.index(lane) as usize]) => {
+                    costs[at] = before[old as usize]
+                }
+                _ => is_old[at] = false,
+            }
+        }
+        costs
+    }
+}
+
+impl Node {
+    /// The node with other references in the lanes that are in use.
+    fn with_children(mut self, other: impl Fn(Child) -> Child) -> Self {
+        for lane in 0..self.count() {
+            self.set_child(lane, other(self.child(lane)));
+        }
+        self
+    }
+}
+
+/// What the children of a node add up to: leaves by their areas.
+fn sum_below(node: &Node, inner: impl Fn(u32) -> f64) -> f64 {
+    let lanes: Range<usize> = 0..node.count();
+    lanes
+        .map(|lane| match node.child(lane) {
+            Child::Inner(child) => inner(child),
+            Child::Leaf(_) => half_area(&node.lane_bounds(lane)),
+        })
+        .sum()
+}
+
+fn cost(below: f64, area: f64) -> f64 {
+    if area > 0.0 { below / area } else { 1.0 }
+}

@@ -1,0 +1,188 @@
+//! The arrays that a mesh consists of, to be stored somewhere, and a mesh over such arrays that somebody else keeps.
+
+use std::fmt;
+use std::ops::Range;
+use std::sync::Arc;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use rayon::prelude::*;
+
+use super::frame::PackedFrame;
+use super::packet::Packet;
+use super::positions::{VertexSlice, Vertices};
+use super::refit::Moved;
+use super::{Data, Mesh, judge};
+use crate::hierarchy::{Node, Patch, Patches, WideTree};
+use crate::input::InputError;
+use crate::simd::best_level;
+use crate::storage::{Buffer, SharedBytes};
+
+/// One of something for each array that a mesh consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parts<T> {
+    /// How the packed frame lies in the mesh's own.
+    pub frame: T,
+    /// Three numbers a vertex, of the precision that goes with them.
+    pub positions: T,
+    /// Three vertices a face, 32 bits each.
+    pub faces: T,
+    /// The nodes of the hierarchy.
+    pub nodes: T,
+    /// The packets of its leaves.
+    pub packets: T,
+}
+
+/// Why arrays are not a mesh.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Flaw {
+    /// An array lies outside the bytes, is not a whole number of elements, or is not aligned for them.
+    Shape {
+        /// Which array, by the name of its field in [`Parts`].
+        part: &'static str,
+    },
+    /// The vertices or the faces would be refused by [`Mesh::new`].
+    Input(InputError),
+    /// The frame is not that of the vertices.
+    Frame,
+    /// The nodes are no tree over the packets, or too deep.
+    Tree,
+    /// A packet holds a face that there is not, or that another one holds.
+    Faces,
+    /// A box, slab or packet is not what it is for these vertices.
+    Bounds {
+        /// The node from which on it was found.
+        node: usize,
+    },
+}
+
+impl Mesh {
+    /// The version of the form that [`parts`](Self::parts) have, which is one on all machines whose numbers are
+    /// little-endian: it changes whenever a build makes other bits of the same arrays.
+    pub const PARTS_VERSION: u32 = 1;
+
+    /// No array needs a larger alignment, in bytes.
+    pub const PARTS_ALIGNMENT: usize = align_of::<Node>();
+
+    /// The arrays that the mesh consists of, as they are in memory.
+    #[must_use]
+    pub fn parts(&self) -> Parts<&[u8]> {
+        let data = &*self.0;
+        Parts {
+            frame: bytemuck::bytes_of(&data.frame),
+            positions: data.vertices.slice().into_bytes(),
+            faces: bytemuck::cast_slice(&data.faces[..]),
+            nodes: bytemuck::cast_slice(data.tree.nodes()),
+            packets: bytemuck::cast_slice(&data.packets[..]),
+        }
+    }
+
+    /// Whether the vertices are kept in single precision: four bytes a coordinate, else eight.
+    #[must_use]
+    pub fn is_single_precision(&self) -> bool {
+        matches!(self.0.vertices.slice(), VertexSlice::F32(_))
+    }
+
+    /// A mesh over arrays in somebody's bytes, which are not copied, nor looked at except for the frame's.
+    ///
+    /// The bytes are believed: where they are not what [`parts`](Self::parts) gave, answers may be wrong, and questions may panic
+    /// or go on without end. Nothing is ever read or written outside them. [`validate`](Self::validate) removes all doubt.
+    ///
+    /// # Errors
+    /// An array that does not fit.
+    ///
+    /// # Complexity
+    /// O(1).
+    pub fn borrow(bytes: &SharedBytes, is_single_precision: bool, parts: &Parts<Range<usize>>) -> Result<Self, Flaw> {
+        let vertices = if is_single_precision {
+            Vertices::BorrowedF32(part(bytes, &parts.positions, "positions")?, OnceLock::new())
+        } else {
+            Vertices::BorrowedF64(part(bytes, &parts.positions, "positions")?, OnceLock::new())
+        };
+        let frame: Buffer<PackedFrame> = part(bytes, &parts.frame, "frame")?;
+        let &[frame] = &frame[..] else { return Err(Flaw::Shape { part: "frame" }) };
+        let faces = Arc::new(part(bytes, &parts.faces, "faces")?);
+        let tree = WideTree::from_nodes(part(bytes, &parts.nodes, "nodes")?);
+        let packets = part(bytes, &parts.packets, "packets")?;
+        Ok(Self(Arc::new(Data::new(vertices, faces, frame, tree, packets))))
+    }
+
+    /// Whether the mesh is one: its vertices and faces are such as [`new`](Self::new) takes, its nodes are a tree of bounded depth,
+    /// each face is in one leaf, and all boxes, slabs and packets are to the bit those that a [`refit`](Self::refit) to the same
+    /// vertices would make. A mesh that was not [borrowed](Self::borrow) always is.
+    ///
+    /// # Errors
+    /// What is wrong first.
+    ///
+    /// # Complexity
+    /// Linear whatever the arrays hold, on all cores of the current rayon pool; hardly more than a refit.
+    pub fn validate(&self) -> Result<(), Flaw> {
+        let data = &*self.0;
+        judge::judge(data.vertices.slice(), &data.faces).map_err(Flaw::Input)?;
+        // Bits, as zeros compare equal whatever their sign.
+        let frame = PackedFrame::of(data.vertices.slice());
+        if bytemuck::bytes_of(&frame) != bytemuck::bytes_of(&data.frame) {
+            return Err(Flaw::Frame);
+        }
+        if !data.tree.is_sound(data.packets.len()) {
+            return Err(Flaw::Tree);
+        }
+        each_face_once(&data.packets, data.faces.len())?;
+        let patches = Patches::of(&data.tree, data.packets.len());
+        let moved = Moved { vertices: data.vertices.slice(), faces: &data.faces, frame: &frame };
+        let unfit = patches.patches.par_iter().find_first(|patch| !data.is_fitted(&moved, patch));
+        match unfit {
+            Some(patch) => Err(Flaw::Bounds { node: patch.nodes.start }),
+            None if !patches.are_fitted_above(data.tree.nodes()) => Err(Flaw::Bounds { node: 0 }),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Data {
+    /// Whether a refit would not change a bit of a patch.
+    fn is_fitted(&self, moved: &Moved<'_>, patch: &Patch) -> bool {
+        let (nodes, packets) = (&self.tree.nodes()[patch.nodes.clone()], &self.packets[patch.leaves.clone()]);
+        let (mut refitted_nodes, mut refitted_packets) = (nodes.to_vec(), packets.to_vec());
+        moved.refit_patch(best_level(), patch, &mut refitted_nodes, &mut refitted_packets);
+        bytemuck::cast_slice::<_, u8>(&refitted_nodes) == bytemuck::cast_slice::<_, u8>(nodes)
+            && bytemuck::cast_slice::<_, u8>(&refitted_packets) == bytemuck::cast_slice::<_, u8>(packets)
+    }
+}
+
+fn part<T: bytemuck::Pod>(bytes: &SharedBytes, range: &Range<usize>, part: &'static str) -> Result<Buffer<T>, Flaw> {
+    Buffer::borrow(bytes.clone(), range.clone()).ok_or(Flaw::Shape { part })
+}
+
+/// Each of this many faces is in one packet, which has no other.
+fn each_face_once(packets: &[Packet], faces: usize) -> Result<(), Flaw> {
+    let seen: Vec<AtomicU32> = (0..faces.div_ceil(32)).map(|_| AtomicU32::new(0)).collect();
+    let is_new = |&face: &u32| {
+        let bit = 1 << (face % 32);
+        // What is seen twice is seen twice in any order.
+        (face as usize) < faces && seen[face as usize / 32].fetch_or(bit, Ordering::Relaxed) & bit == 0
+    };
+    let is_good = |packet: &Packet| packet.is_layout_sound() && packet.held().iter().all(is_new);
+    // As many as there are and none twice is each of them.
+    let held: usize = packets.par_iter().with_min_len(super::CHUNK).map(|packet| packet.held().len()).sum();
+    let is_each = held == faces && packets.par_iter().with_min_len(super::CHUNK).all(is_good);
+    if is_each { Ok(()) } else { Err(Flaw::Faces) }
+}
+
+impl fmt::Display for Flaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Shape { part } => write!(f, "the array of {part} does not fit"),
+            Self::Input(error) => error.fmt(f),
+            Self::Frame => write!(f, "the packed frame is not that of the vertices"),
+            Self::Tree => write!(f, "the nodes are not a tree over the packets"),
+            Self::Faces => write!(f, "the packets do not hold each face once"),
+            Self::Bounds { node } => {
+                write!(f, "boxes, slabs or packets below node {node} are not those of the vertices")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Flaw {}

@@ -1,0 +1,143 @@
+//! Refitting: the same faces where their vertices are now, without building anew.
+//!
+//! Of a hierarchy only the *layout* is chosen: which node is whose child, and which face is in which lane. All its numbers, the
+//! boxes, packets and slabs, follow from the layout and the vertices, by the same operations in a build and here, so that
+//! a refit to the vertices that a mesh was built from changes not one bit (docs/proof.md, L26).
+
+use std::sync::Arc;
+
+use fearless_simd::dispatch;
+use rayon::prelude::*;
+
+use super::frame::PackedFrame;
+use super::packet::Packet;
+use super::positions::{Positions, Vertex, VertexSlice, Vertices};
+use super::{Aging, Data, Mesh, judge, slab};
+use crate::hierarchy::{Node, Patch, Patches, WideTree};
+use crate::input::InputError;
+use crate::simd::{Level, best_level, prefetch};
+use crate::storage::{Buffer, Pages};
+use crate::volume::Aabb;
+
+impl Mesh {
+    /// Moves the vertices, of which there are as many as before; faces keep their numbers. Whoever holds a clone keeps
+    /// the mesh as it was. Returns how the hierarchy has aged, which costs time and never an answer.
+    ///
+    /// ```
+    /// use impinge::{Mesh, Positions};
+    ///
+    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let mut mesh = Mesh::new(Positions::F32(corners), vec![[0, 1, 2]])?;
+    /// let before = mesh.clone();
+    /// let aging = mesh.refit(Positions::F32(vec![[0.0, 0.0, 9.0], [1.0, 0.0, 9.0], [0.0, 1.0, 9.0]]))?;
+    /// assert_eq!((mesh.corners(0)[1], before.corners(0)[1]), ([1.0, 0.0, 9.0], [1.0, 0.0, 0.0]));
+    /// assert!(!aging.is_worth_rebuilding());
+    /// assert!(mesh.refit(Positions::F32(vec![[f32::NAN; 3]; 3])).is_err() && mesh.corners(0)[1] == [1.0, 0.0, 9.0]);
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Another number of vertices, a coordinate that is not finite or not below 2^128 in magnitude. The mesh is then what
+    /// it was.
+    ///
+    /// # Complexity
+    /// Linear, on all cores of the current rayon pool; nothing is allocated in proportion to the mesh unless there are
+    /// clones, who keep the old hierarchy.
+    pub fn refit(&mut self, positions: Positions) -> Result<Aging, InputError> {
+        let positions = self.judged(positions)?;
+        match Arc::get_mut(&mut self.0) {
+            Some(data) => data.refit(positions),
+            None => self.0 = Arc::new(self.0.refitted(positions)),
+        }
+        Ok(self.aging())
+    }
+
+    /// A mesh of the same faces with its vertices moved; this one stays where it is.
+    ///
+    /// # Errors
+    /// As [`refit`](Self::refit).
+    ///
+    /// # Complexity
+    /// As [`refit`](Self::refit), and the memory of another hierarchy; the faces are shared.
+    pub fn refitted(&self, positions: Positions) -> Result<Self, InputError> {
+        let positions = self.judged(positions)?;
+        Ok(Self(Arc::new(self.0.refitted(positions))))
+    }
+
+    fn judged(&self, positions: Positions) -> Result<Positions, InputError> {
+        judge::judge_moved(positions.slice(), self.0.vertices.slice().len())?;
+        // Before the tree is no longer as it was built.
+        self.0.costs_as_built();
+        Ok(positions.narrowed())
+    }
+}
+
+impl Data {
+    fn refit(&mut self, positions: Positions) {
+        self.vertices = Vertices::Given(positions);
+        self.topology.take();
+        self.far_field.take();
+        self.frame = PackedFrame::of(self.vertices.slice());
+        let moved = Moved { vertices: self.vertices.slice(), faces: &self.faces, frame: &self.frame };
+        moved.refit(&mut self.tree, self.packets.to_mut());
+    }
+
+    fn refitted(&self, positions: Positions) -> Self {
+        let mut packets: Buffer<Packet> = Pages::zeroed(self.packets.len());
+        let layouts = packets.to_mut().par_iter_mut().zip(&self.packets[..]).with_min_len(super::CHUNK);
+        layouts.for_each(|(packet, old)| *packet = Packet::holding(old.held()));
+        let tree = WideTree::from_nodes(self.tree.nodes().to_vec().into());
+        let mut data =
+            Self::new(Vertices::Given(Positions::F32(Vec::new())), self.faces.clone(), self.frame, tree, packets);
+        data.costs_as_built = self.costs_as_built.clone();
+        data.refit(positions);
+        data
+    }
+}
+
+/// Where everything is now.
+#[derive(Clone, Copy)]
+pub(super) struct Moved<'a> {
+    pub(super) vertices: VertexSlice<'a>,
+    pub(super) faces: &'a [[u32; 3]],
+    pub(super) frame: &'a PackedFrame,
+}
+
+impl Moved<'_> {
+    /// Gives the nodes of a sound tree and the packets of its leaves all their numbers.
+    pub(super) fn refit(&self, tree: &mut WideTree, packets: &mut [Packet]) {
+        let patches = Patches::of(tree, packets.len());
+        let nodes = tree.nodes_mut();
+        let work = patches.split(nodes, packets);
+        work.into_par_iter().for_each(|work| self.refit_patch(best_level(), &work.patch, work.nodes, work.leaves));
+        patches.refit_above(nodes);
+    }
+
+    /// Likewise of one patch of it.
+    pub(super) fn refit_patch(&self, level: Level, patch: &Patch, nodes: &mut [Node], packets: &mut [Packet]) {
+        let bounds = match self.vertices {
+            VertexSlice::F32(vertices) => self.refit_packets(level, vertices, packets),
+            VertexSlice::F64(vertices) => self.refit_packets(level, vertices, packets),
+        };
+        patch.refit(nodes, &bounds, |leaves| slab(level, &packets[leaves]));
+    }
+
+    /// Returns the bounds of each packet.
+    fn refit_packets<V: Vertex>(&self, level: Level, vertices: &[V], packets: &mut [Packet]) -> Vec<Aabb> {
+        let mut bounds = Vec::with_capacity(packets.len());
+        dispatch!(level, simd => {
+            for at in 0..packets.len() {
+                // The vertices of a leaf lie anywhere: they are asked for one leaf ahead.
+                for &face in packets.get(at + 1).map_or(&[][..], Packet::held) {
+                    for vertex in self.faces[face as usize] {
+                        prefetch(&vertices[vertex as usize]);
+                    }
+                }
+                let (packet, bound) = packets[at].refitted(simd, self.frame, vertices, self.faces);
+                packets[at] = packet;
+                bounds.push(bound);
+            }
+        });
+        bounds
+    }
+}

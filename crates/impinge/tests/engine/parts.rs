@@ -1,0 +1,171 @@
+//! Meshes over borrowed arrays: the same answers, and no flaw that `validate` does not see.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use impinge::mesh::{Flaw, Parts};
+use impinge::storage::SharedBytes;
+use impinge::{Mesh, Positions, query};
+use impinge_testkit::generate::Rng;
+use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
+use impinge_testkit::generate::solids::grid_soup;
+use memmap2::MmapMut;
+
+/// The arrays of a mesh one after the other, and where they are.
+#[derive(Clone)]
+struct Stored {
+    bytes: Vec<u8>,
+    parts: Parts<Range<usize>>,
+    is_single_precision: bool,
+}
+
+impl Stored {
+    fn of(mesh: &Mesh) -> Self {
+        let mut bytes = Vec::new();
+        let mut place = |part: &[u8]| {
+            bytes.resize(bytes.len().next_multiple_of(Mesh::PARTS_ALIGNMENT), 0);
+            let start = bytes.len();
+            bytes.extend(part);
+            start..bytes.len()
+        };
+        let parts = mesh.parts();
+        let parts = Parts {
+            frame: place(parts.frame),
+            positions: place(parts.positions),
+            faces: place(parts.faces),
+            nodes: place(parts.nodes),
+            packets: place(parts.packets),
+        };
+        Self { bytes, parts, is_single_precision: mesh.is_single_precision() }
+    }
+
+    fn borrow(&self) -> Result<Mesh, Flaw> {
+        // Pages of their own are aligned for everything.
+        let mut map = MmapMut::map_anon(self.bytes.len()).expect("memory");
+        map.copy_from_slice(&self.bytes);
+        let bytes: SharedBytes = Arc::new(map);
+        Mesh::borrow(&bytes, self.is_single_precision, &self.parts)
+    }
+
+    fn flaw(&self) -> Option<Flaw> {
+        self.borrow().and_then(|mesh| mesh.validate()).err()
+    }
+}
+
+fn meshes() -> [Mesh; 3] {
+    let soup = grid_soup(&mut Rng::new(5), 700, 9, 2);
+    let knot = torus_knot(120, 30, TREFOIL);
+    let single = soup.vertices.iter().map(|v| v.map(|x| x as f32)).collect();
+    [
+        Mesh::new(Positions::F32(single), soup.faces).expect("a legal mesh"),
+        Mesh::new(Positions::F64(knot.vertices), knot.faces).expect("a legal mesh"),
+        Mesh::new(Positions::F32(Vec::new()), Vec::new()).expect("a legal mesh"),
+    ]
+}
+
+#[test]
+fn borrowed_meshes_answer_and_move_like_their_originals() {
+    let meshes = meshes();
+    for mesh in &meshes {
+        assert_eq!(mesh.validate(), Ok(()));
+        let mut borrowed = Stored::of(mesh).borrow().expect("arrays that fit");
+        assert_eq!(borrowed.validate(), Ok(()));
+        assert!(borrowed.parts() == mesh.parts() && borrowed.positions() == mesh.positions());
+        assert_eq!(borrowed.memory(), mesh.memory());
+        for other in &meshes {
+            assert_eq!(query::intersecting_pairs(&borrowed, other), query::intersecting_pairs(mesh, other));
+            assert_eq!(query::distance(&borrowed, other), query::distance(mesh, other));
+        }
+        let snapshot = borrowed.clone();
+        let moved =
+            Positions::F64((0..mesh.positions().len()).map(|v| mesh.positions().get(v).map(|x| x * 3.0)).collect());
+        let expected = mesh.refitted(moved.clone()).expect("as many vertices");
+        assert_eq!(borrowed.refit(moved.clone()).expect("as many vertices").ratio(), 1.0);
+        assert!(borrowed.parts() == expected.parts() && snapshot.parts() == mesh.parts());
+        drop(snapshot);
+        borrowed = Stored::of(mesh).borrow().expect("arrays that fit");
+        borrowed.refit(moved).expect("as many vertices");
+        assert!(borrowed.parts() == expected.parts());
+    }
+}
+
+#[test]
+fn n34_every_bit_of_the_hierarchy_is_proved() {
+    let mut rng = Rng::new(34);
+    for mesh in &meshes()[..2] {
+        let stored = Stored::of(mesh);
+        let spoil = |at: usize, bit: u32| {
+            let mut spoiled = stored.clone();
+            spoiled.bytes[at] ^= 1 << bit;
+            spoiled.flaw()
+        };
+        let Parts { frame, nodes, packets, faces, positions } = &stored.parts;
+        for (part, range, times) in [("frame", frame, 100), ("nodes", nodes, 400), ("packets", packets, 400)] {
+            for _ in 0..times {
+                let at = rng.integer(range.start as i64, range.end as i64 - 1) as usize;
+                let bit = rng.integer(0, 7) as u32;
+                assert!(spoil(at, bit).is_some(), "bit {bit} of byte {} of {part} is not seen", at - range.start);
+            }
+        }
+        // Another vertex or another face makes another mesh, whose hierarchy this is not; but a vertex may move by less than
+        // boxes and packets show, and a face may get a vertex that is at the same place.
+        for (part, range) in [("faces", faces), ("positions", positions)] {
+            let mut seen = 0;
+            for _ in 0..100 {
+                let at = rng.integer(range.start as i64, range.end as i64 - 1) as usize;
+                seen += usize::from(spoil(at, 7).is_some());
+            }
+            assert!(seen > 50, "{seen} of 100 changes of {part} are seen");
+        }
+    }
+}
+
+#[test]
+fn n34_arrays_that_do_not_fit_are_refused() {
+    let mesh = &meshes()[1];
+    let stored = Stored::of(mesh);
+    let flaw = |change: &dyn Fn(&mut Stored)| {
+        let mut spoiled = stored.clone();
+        change(&mut spoiled);
+        spoiled.flaw()
+    };
+    let changes: [(&str, fn(&mut Stored)); 8] = [
+        ("nodes", |s| s.parts.nodes.end += 1),
+        ("nodes", |s| s.parts.nodes = 32..288),
+        ("packets", |s| s.parts.packets.end = usize::MAX),
+        ("packets", |s| s.parts.packets = 64..0),
+        ("faces", |s| s.parts.faces.start = 1),
+        ("positions", |s| s.parts.positions.end -= 8),
+        ("frame", |s| s.parts.frame.end += 32),
+        ("frame", |s| s.parts.frame.end = s.parts.frame.start),
+    ];
+    for (part, change) in changes {
+        assert_eq!(flaw(&change), Some(Flaw::Shape { part }), "{part}");
+    }
+    // Whole elements fewer, and another mesh's.
+    assert_eq!(flaw(&|s| s.parts.packets.end -= 352), Some(Flaw::Tree));
+    assert_eq!(flaw(&|s| s.parts.nodes.end -= 256), Some(Flaw::Tree));
+    assert_eq!(flaw(&|s| s.parts.nodes.end = s.parts.nodes.start), Some(Flaw::Tree));
+    assert_eq!(flaw(&|s| s.parts.faces.end -= 12), Some(Flaw::Faces));
+    assert!(matches!(flaw(&|s| s.parts.positions.end -= 24 * 100), Some(Flaw::Input(_))));
+    assert!(flaw(&|s| s.is_single_precision = true).is_some());
+}
+
+/// The first bytes of the SHA-256 of all arrays.
+fn digest(mesh: &Mesh) -> String {
+    use sha2::{Digest, Sha256};
+    let parts = mesh.parts();
+    let mut sha = Sha256::new();
+    for part in [parts.frame, parts.positions, parts.faces, parts.nodes, parts.packets] {
+        sha.update(part);
+    }
+    sha.finalize().iter().take(8).map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[test]
+fn the_bytes_are_those_of_this_version_on_every_machine() {
+    let digests: Vec<String> = meshes().iter().map(digest).collect();
+    // Where a build has come to make other bits, raise `Mesh::PARTS_VERSION` with these, so that no file of the old ones is
+    // taken for one of the new ones.
+    assert_eq!((Mesh::PARTS_VERSION, &digests[..]), (1, &["".to_owned(), "".to_owned(), "".to_owned()][..]));
+}
