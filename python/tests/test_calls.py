@@ -46,7 +46,8 @@ def test_progress_is_one_line_that_goes_away(capsys):
         lambda: impinge.distance(TORUS, TORUS, poses[:4_000], progress=True),
         lambda: scene.check({"a": poses}, stop="all", progress=True),
     ):
-        ask()
+        with impinge.threads(1):
+            ask()
         out, err = capsys.readouterr()
         assert out == ""
         shown = err.split("\r")

@@ -130,7 +130,6 @@ fn judge_many(count: usize) {
         };
         judge(&mut rng, gap, &mut seen);
     }
-    println!("{seen:?}");
     assert!(seen.meeting > count / 5 && seen.apart > count / 5 && seen.near > count / 10, "{seen:?}");
 }
 
