@@ -8,25 +8,31 @@
 //! of a, face of b) of all pairs. A pair is left out only where it is proved to be worse, or to be no better and later.
 //! So neither the order of the descent nor the vector unit can be seen in the answer.
 
+mod answer;
+mod at_hand;
 mod bounds;
 mod leaf;
 mod profile;
 mod remote;
+mod task;
 
-use std::ops::ControlFlow::{self, Break, Continue};
+use std::ops::ControlFlow::{self, Continue};
 
 use fearless_simd::{Simd, dispatch};
 
 use super::metric::Metric;
-use super::{Mesh, Options, Placed};
-use crate::exact::{Placement, triangles_intersect, triangles_within};
+use super::{Options, Placed};
+use crate::exact::Placement;
 use crate::hierarchy::{BoxLanes, Child, Node, bits};
-use crate::primitive::{Vector, Witness, common_point, separation, triangle_triangle};
-use crate::simd::{LANES, by_axis};
+use crate::primitive::Vector;
+use crate::simd::by_axis;
 use crate::volume::Aabb;
+use answer::{Answer, MOST_VALUES, Scene};
+use at_hand::AtHand;
 use bounds::Bounds;
 use leaf::{Facing, Leaf};
 use profile::Profiles;
+use task::{Slot, Sorted, Task};
 
 /// The nearest points of two meshes, in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,11 +74,6 @@ pub(crate) fn within(
     search.answer.kept
 }
 
-/// How many pairs of faces get a value at most, before only such are looked for as are nearer by more than what values may
-/// be off by. Only meshes of which millions of pairs are equally near reach it, such as flat ones far apart; the
-/// interval stays proved. A value takes about a microsecond.
-const MOST_VALUES: usize = 1 << 24;
-
 /// Children whose boxes differ in size by more than this are not opened together: the larger one alone comes nearer to
 /// the other's size.
 const OPENED_TOGETHER: f32 = 4.0;
@@ -82,57 +83,6 @@ const LEAVES_AT_HAND: usize = 128;
 
 /// Guest nodes whose boxes are kept carried over; a power of two.
 const CARRIED_AT_HAND: usize = 32;
-
-/// A pair of faces with its value, in metric units.
-#[derive(Clone, Copy, Debug)]
-struct Valued {
-    value: f64,
-    faces: [u32; 2],
-    witness: Witness,
-}
-
-impl Valued {
-    fn precedes(&self, other: &Self) -> bool {
-        self.value < other.value || (self.value == other.value && self.faces < other.faces)
-    }
-}
-
-/// What does not change during a search.
-struct Scene<'a> {
-    meshes: [&'a Mesh; 2],
-    metric: Metric,
-    placement: Placement,
-    bounds: Bounds,
-    /// The clearance that is asked for, in world units; infinite where the nearest points are.
-    clearance: f64,
-}
-
-/// What is known so far.
-struct Answer {
-    best: Option<Valued>,
-    /// Faces that are within the clearance.
-    kept: Option<[u32; 2]>,
-    /// What is farther than this, in metric units, does not matter; the same in single precision; and for nodes.
-    cut: f64,
-    limit: f32,
-    node_limit: f32,
-    values_left: usize,
-}
-
-/// A child of a node.
-#[derive(Clone, Copy, Debug)]
-struct Slot {
-    node: u32,
-    lane: u8,
-}
-
-/// Two children whose triangles are still to be compared, and a bound of their distance.
-#[derive(Clone, Copy, Debug)]
-struct Task {
-    bound: f32,
-    host: Slot,
-    guest: Slot,
-}
 
 struct Search<'a> {
     scene: Scene<'a>,
@@ -349,94 +299,6 @@ impl<'a> Search<'a> {
     }
 }
 
-impl Answer {
-    fn cut(&mut self, scene: &Scene<'_>, metric: f64) {
-        self.cut = metric;
-        self.limit = (metric as f32).next_up();
-        self.node_limit = scene.bounds.limit(metric);
-    }
-
-    /// Gives a pair its value, and keeps it where it is better; breaks off where there is nothing more to know.
-    #[inline(never)]
-    fn meet(&mut self, scene: &Scene<'_>, faces: [u32; 2], corners: &[[Vector; 3]; 2]) -> ControlFlow<()> {
-        // Where faces meet already, only earlier ones that meet are better.
-        if self.best.is_some_and(|best| best.value == 0.0 && best.faces <= faces) {
-            return Continue(());
-        }
-        let error = scene.metric.error;
-        let witness = triangle_triangle(&corners[0], &corners[1]);
-        let value = witness.squared.sqrt().max(f64::MIN_POSITIVE);
-        let are_separated = separation(&corners[0], &corners[1], &witness) > error;
-        if scene.clearance < f64::INFINITY {
-            let valued = Valued { value, faces, witness };
-            self.best = Some(self.best.filter(|best| best.precedes(&valued)).unwrap_or(valued));
-            // What the value leaves open is decided exactly, and so is everything about triangles that may cross.
-            let is_open = !(are_separated && scene.lower(value) > scene.clearance);
-            if is_open && (scene.upper(value) <= scene.clearance || scene.within(faces)) {
-                self.kept = Some(faces);
-                return Break(());
-            }
-            return Continue(());
-        }
-        let value = if !are_separated && scene.intersects(faces) { 0.0 } else { value };
-        let valued = Valued { value, faces, witness };
-        self.values_left = self.values_left.saturating_sub(1);
-        if self.best.is_none_or(|best| valued.precedes(&best)) || self.values_left == 0 {
-            let best = self.best.filter(|best| best.precedes(&valued)).unwrap_or(valued);
-            self.best = Some(best);
-            let doubt = if self.values_left == 0 { -4.0 } else { 2.0 };
-            self.cut(scene, (best.value + doubt * error).max(2.0 * error));
-        }
-        Continue(())
-    }
-}
-
-impl Scene<'_> {
-    /// Which mesh is the host, and which the guest.
-    #[inline(always)]
-    fn sides(&self) -> [usize; 2] {
-        if self.bounds.swapped { [1, 0] } else { [0, 1] }
-    }
-
-    fn corners(&self, faces: [u32; 2]) -> [[Vector; 3]; 2] {
-        [0, 1].map(|m| self.meshes[m].corners(faces[m]).map(|corner| self.metric.maps[m].apply(corner)))
-    }
-
-    fn intersects(&self, faces: [u32; 2]) -> bool {
-        let [a, b] = [0, 1].map(|m| self.meshes[m].corners(faces[m]));
-        triangles_intersect(&self.placement, &a, &b)
-    }
-
-    fn within(&self, faces: [u32; 2]) -> bool {
-        let [a, b] = [0, 1].map(|m| self.meshes[m].corners(faces[m]));
-        triangles_within(&self.placement, &a, &b, self.clearance)
-    }
-
-    /// No less than the distance of triangles of this value, in world units.
-    fn upper(&self, value: f64) -> f64 {
-        ((value * (1.0 + 4.0 * f64::EPSILON) + self.metric.error) / self.metric.scale).next_up()
-    }
-
-    /// No more than the distance of any two triangles where none has a smaller value.
-    fn lower(&self, value: f64) -> f64 {
-        ((value * (1.0 - 4.0 * f64::EPSILON) - self.metric.error) / self.metric.scale).next_down().max(0.0)
-    }
-
-    /// The answer, of a value that may be above the least one by `doubt`.
-    fn finish(&self, best: &Valued, doubt: f64) -> Nearest {
-        let faces = best.faces;
-        let Witness { on_a, on_b, .. } = best.witness;
-        if best.value > 0.0 {
-            let lower = self.lower(best.value - doubt);
-            let points = [on_a, on_b].map(|point| self.metric.to_world(point));
-            return Nearest { lower, upper: self.upper(best.value), points, faces };
-        }
-        let [a, b] = [0, 1].map(|m| self.meshes[m].corners(faces[m]));
-        let common = common_point(&self.placement, &a, &b).unwrap_or_else(|| self.metric.to_world(on_a));
-        Nearest { lower: 0.0, upper: 0.0, points: [common; 2], faces }
-    }
-}
-
 /// The greatest extent of a box.
 #[inline(always)]
 fn size(bounds: &Aabb) -> f32 {
@@ -447,83 +309,4 @@ fn size(bounds: &Aabb) -> f32 {
 #[inline(always)]
 fn carried(at_hand: &mut AtHand<Carried>, node: u32, carry: impl FnOnce() -> BoxLanes) -> &BoxLanes {
     &at_hand.get(node, |kept| kept.node, |node| Carried { node, boxes: carry() }).boxes
-}
-
-/// The last few of many things that are dear to make, by number.
-struct AtHand<T> {
-    /// One more than the place of the thing whose number ends in this index.
-    places: Vec<u16>,
-    kept: Vec<T>,
-}
-
-impl<T> AtHand<T> {
-    fn new(most: usize) -> Self {
-        Self { places: vec![0; most], kept: Vec::new() }
-    }
-
-    /// The thing of this number, made where it is not at hand.
-    #[inline(always)]
-    fn get(&mut self, number: u32, number_of: impl Fn(&T) -> u32, make: impl FnOnce(u32) -> T) -> &T {
-        self.get_current(number, |kept| number_of(kept) == number, make)
-    }
-
-    /// The thing of this number, made where what is at hand in its place is another or no longer right.
-    #[inline(always)]
-    fn get_current(&mut self, number: u32, is_current: impl Fn(&T) -> bool, make: impl FnOnce(u32) -> T) -> &T {
-        let index = number as usize % self.places.len();
-        let place = match self.places[index] {
-            0 => {
-                self.kept.push(make(number));
-                self.places[index] = self.kept.len() as u16;
-                self.kept.len() - 1
-            }
-            place => {
-                let place = usize::from(place) - 1;
-                if !is_current(&self.kept[place]) {
-                    self.kept[place] = make(number);
-                }
-                place
-            }
-        };
-        &self.kept[place]
-    }
-}
-
-/// Pairs of children by their bounds.
-struct Sorted {
-    keys: [u64; LANES * LANES],
-    count: usize,
-}
-
-impl Sorted {
-    #[inline(always)]
-    fn new() -> Self {
-        Self { keys: [0; LANES * LANES], count: 0 }
-    }
-
-    #[inline(always)]
-    fn add_below(&mut self, limit: f32, bound: f32, host_lane: usize, guest_lane: usize) {
-        // A bound that is not a number proves nothing.
-        if bound > limit {
-            return;
-        }
-        // Floats order like integers once those of negative ones are turned over.
-        let ordered = bound.to_bits() ^ (((bound.to_bits() as i32 >> 31) as u32) | 1 << 31);
-        self.keys[self.count] = u64::from(ordered) << 32 | (host_lane * LANES + guest_lane) as u64;
-        self.count += 1;
-    }
-
-    /// Appends tasks, the nearest last.
-    #[inline(always)]
-    fn push(&mut self, tasks: &mut Vec<Task>, slots: impl Fn(u8, u8) -> (Slot, Slot)) {
-        let keys = &mut self.keys[..self.count];
-        keys.sort_unstable_by(|x, y| y.cmp(x));
-        tasks.extend(keys.iter().map(|&key| {
-            let ordered = (key >> 32) as u32;
-            let bits = ordered ^ ((!(ordered as i32 >> 31)) as u32 | 1 << 31);
-            let lanes = key as u8;
-            let (host, guest) = slots(lanes / LANES as u8, lanes % LANES as u8);
-            Task { bound: f32::from_bits(bits), host, guest }
-        }));
-    }
 }

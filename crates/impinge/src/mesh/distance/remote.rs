@@ -4,7 +4,7 @@
 //! to e² / 2g: what a point to the side of them adds. Beyond [`REMOTE`] that is below 2^-48 g, less than values are off by in
 //! any case. So the faces that reach farthest are taken, the first among equals, after one pass over each mesh.
 
-use super::{Scene, Valued};
+use super::answer::{Scene, Valued};
 use crate::mesh::Mesh;
 use crate::mesh::metric::MetricMap;
 use crate::primitive::{Vector, dot, length, sub, triangle_triangle};
