@@ -36,7 +36,7 @@ pub(crate) fn separation(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
 fn separation_in_order(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
     let pair = Pair::new(a, b);
     let (mut gap, mut exact) = (gap(&pair), None);
-    if gap.upper - gap.lower > LOOSE * gap.upper {
+    if gap.upper - gap.lower > LOOSE * gap.upper && !holds_origin(&pair, &gap) {
         exact = least_distance(&pair, &gap.simplex);
         if let Some(least) = &exact {
             [gap.lower, gap.upper] = least.bounds(pair.unit);

@@ -136,7 +136,7 @@ fn judge_many(count: usize) {
 /// Touching, nearly touching and slightly overlapping hulls of one to nine points.
 #[test]
 fn n22_n23_near_hulls_are_decided_and_their_distance_is_in_its_interval() {
-    judge_many(3_000);
+    judge_many(5_000);
 }
 
 #[test]
