@@ -1,6 +1,8 @@
 //! A cloth that falls over a ball, between two frames of a recorded simulation: every pair of its features that
 //! touches is found. Skipped without the folder of data.
 
+#![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
+
 use std::path::PathBuf;
 
 use impinge::sweep::{Deforming, Features, edge_edge, vertex_face};
@@ -87,12 +89,9 @@ fn every_pair_that_touches_between_two_frames_is_found() {
         }
     });
     expected.sort_unstable();
-    let start = std::time::Instant::now();
     let cloth = Deforming::new(&faces, &t0, &t1).expect("legal");
     let contacts = cloth.self_contacts();
-    let seconds = start.elapsed().as_secs_f64();
-    eprintln!("{} contacts of {asked} pairs of boxes, in {seconds:.3} s", contacts.len());
     let found: Vec<_> = contacts.iter().map(|contact| contact.features).collect();
     assert!(found == expected, "{} found, {} expected", found.len(), expected.len());
-    assert!(!found.is_empty());
+    assert!(found.len() > 1000 && found.len() < asked / 10, "{} of {asked}", found.len());
 }

@@ -30,7 +30,9 @@ pub struct Deforming<'m> {
     /// For each face, which of its vertices (bits 0 to 2) and of its edges (bits 3 to 5) it stands for: those of which
     /// it is the first face.
     stands_for: Vec<u8>,
-    /// Of the faces' boxes over the whole motion.
+    /// The faces' boxes over the whole motion.
+    boxes: Vec<Aabb>,
+    /// Of the boxes.
     tree: GenericTree<Aabb, 8>,
 }
 
@@ -94,7 +96,7 @@ impl<'m> Deforming<'m> {
         let tree = GenericTree::new(&binary, points_of, Enclosure::Layered);
         // Finite points always have a box.
         let tree = tree.ok_or_else(|| InputError::new(InputErrorKind::Empty { what: "points" }))?;
-        Ok(Self { faces, t0, t1, stands_for: stands_for(faces), tree })
+        Ok(Self { faces, t0, t1, stands_for: stands_for(faces), boxes, tree })
     }
 
     /// Every pair of a vertex and a face, or of two edges, of this and of another surface that touch, sorted, without
@@ -123,7 +125,11 @@ impl<'m> Deforming<'m> {
     #[must_use]
     pub fn contacts(&self, other: &Deforming<'_>) -> Vec<SweptContact> {
         let mut pairs = Vec::new();
-        self.tree.pairs(&other.tree, &Pose::IDENTITY, |a, b| pairs.push([a, b]));
+        self.tree.pairs(&other.tree, &Pose::IDENTITY, |a, b| {
+            if overlap(&self.boxes[a as usize], &other.boxes[b as usize]) {
+                pairs.push([a, b]);
+            }
+        });
         sorted(pairs.into_par_iter().flat_map_iter(|[a, b]| {
             let mut found = Vec::new();
             for vertex in self.vertices_of(a) {
@@ -152,7 +158,11 @@ impl<'m> Deforming<'m> {
     #[must_use]
     pub fn self_contacts(&self) -> Vec<SweptContact> {
         let mut pairs = Vec::new();
-        self.tree.self_pairs(|a, b| pairs.push([a, b]));
+        self.tree.self_pairs(|a, b| {
+            if overlap(&self.boxes[a as usize], &self.boxes[b as usize]) {
+                pairs.push([a, b]);
+            }
+        });
         sorted(pairs.into_par_iter().flat_map_iter(|[a, b]| {
             let mut found = Vec::new();
             for (own, face) in [(a, b), (b, a)] {
@@ -187,6 +197,10 @@ impl<'m> Deforming<'m> {
     fn ends(&self, vertex: u32) -> [[f64; 3]; 2] {
         [self.t0[vertex as usize], self.t1[vertex as usize]]
     }
+}
+
+fn overlap(a: &Aabb, b: &Aabb) -> bool {
+    (0..3).all(|axis| a.min[axis] <= b.max[axis] && b.min[axis] <= a.max[axis])
 }
 
 fn vertex_against(of: &Deforming<'_>, vertex: u32, other: &Deforming<'_>, face: u32) -> Impact {
