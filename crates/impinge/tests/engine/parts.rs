@@ -52,6 +52,9 @@ impl Stored {
     }
 }
 
+/// A part, and how to make it one that does not fit.
+type Change = (&'static str, fn(&mut Stored));
+
 fn meshes() -> [Mesh; 3] {
     let soup = grid_soup(&mut Rng::new(5), 700, 9, 2);
     let knot = torus_knot(120, 30, TREFOIL);
@@ -130,11 +133,11 @@ fn n34_arrays_that_do_not_fit_are_refused() {
         change(&mut spoiled);
         spoiled.flaw()
     };
-    let changes: [(&str, fn(&mut Stored)); 8] = [
+    let changes: [Change; 8] = [
         ("nodes", |s| s.parts.nodes.end += 1),
         ("nodes", |s| s.parts.nodes = 32..288),
         ("packets", |s| s.parts.packets.end = usize::MAX),
-        ("packets", |s| s.parts.packets = 64..0),
+        ("packets", |s| (s.parts.packets.start, s.parts.packets.end) = (64, 0)),
         ("faces", |s| s.parts.faces.start = 1),
         ("positions", |s| s.parts.positions.end -= 8),
         ("frame", |s| s.parts.frame.end += 32),
