@@ -108,23 +108,23 @@ impl Patch {
         let mut held = vec![0..0; nodes.len()];
         for at in (0..nodes.len()).rev() {
             let mut node = nodes[at];
-            let mut range = usize::MAX..0;
+            let (mut first, mut end) = (usize::MAX, 0);
             for lane in 0..node.count() {
                 let below = node.index(lane) as usize;
                 if node.holds_leaves() {
                     let leaf = below - self.leaves.start;
                     node.set_bounds(lane, &bounds[leaf]);
-                    range = range.start.min(leaf)..leaf + 1;
+                    (first, end) = (first.min(leaf), leaf + 1);
                 } else {
                     let child = below - self.nodes.start;
                     node.set_bounds(lane, &nodes[child].bounds());
-                    range = range.start.min(held[child].start)..held[child].end;
+                    (first, end) = (first.min(held[child].start), held[child].end);
                 }
             }
             node.set_extent();
-            node.slab = slab(range.clone());
+            node.slab = slab(first..end);
             nodes[at] = node;
-            held[at] = range;
+            held[at] = first..end;
         }
     }
 }

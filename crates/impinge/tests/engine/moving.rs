@@ -183,11 +183,11 @@ fn loose_knot() -> impinge_testkit::Mesh {
     impinge_testkit::Mesh { vertices, faces }
 }
 
-/// Every so many faces in a third of the mesh mixed up, so that none stays beside its neighbours.
+/// The first twelfth of the faces mixed up, so that none stays beside its neighbours.
 fn mixed_in_part(mesh: &impinge_testkit::Mesh) -> Vec<[f64; 3]> {
     let mut rng = Rng::new(7);
     let mut vertices = mesh.vertices.clone();
-    for face in (1..mesh.faces.len() / 3).rev() {
+    for face in (1..mesh.faces.len() / 12).rev() {
         let other = rng.integer(0, face as i64) as usize;
         for corner in 0..3 {
             vertices.swap(3 * face + corner, 3 * other + corner);
@@ -225,12 +225,13 @@ fn a_tree_that_has_aged_knows_it_and_grows_young() {
     });
     let rebuilt = on_threads(1, || partly.rebuild_aged());
     assert!(on_two == (rebuilt, bits(&partly)), "threads show");
-    assert!((knot.faces.len() / 4..knot.faces.len()).contains(&rebuilt), "{rebuilt} faces");
+    // What was mixed up lies on both sides of the root's own cut.
+    assert_eq!(rebuilt, knot.faces.len(), "{aging:?}");
     wholly.rebuild(Builder::default());
     assert!(bits(&wholly) == bits(&fresh));
     for (name, young) in [("in part", &mut partly), ("as a whole", &mut wholly)] {
         assert_eq!(young.validate(), Ok(()), "{name}");
-        assert!(young.aging().cost < aging.cost / Aging::WORTH_REBUILDING, "{name}: {:?}", young.aging());
+        assert!(young.aging().cost < aging.cost / Aging::WORTH_REBUILDING, "{name}: {:?}, {aging:?}", young.aging());
         assert_eq!((young.aging().ratio(), young.rebuild_aged()), (1.0, 0), "{name}: {:?}", young.aging());
         assert_eq!(query::intersecting_pairs(&*young, &built), expected, "{name}");
     }

@@ -52,6 +52,9 @@ impl Stored {
     }
 }
 
+/// A part, and how to make it one that does not fit.
+type Change = (&'static str, fn(&mut Stored));
+
 fn meshes() -> [Mesh; 3] {
     let soup = grid_soup(&mut Rng::new(5), 700, 9, 2);
     let knot = torus_knot(120, 30, TREFOIL);
@@ -80,7 +83,8 @@ fn borrowed_meshes_answer_and_move_like_their_originals() {
         let moved =
             Positions::F64((0..mesh.positions().len()).map(|v| mesh.positions().get(v).map(|x| x * 3.0)).collect());
         let expected = mesh.refitted(moved.clone()).expect("as many vertices");
-        assert_eq!(borrowed.refit(moved.clone()).expect("as many vertices").ratio(), 1.0);
+        let aging = borrowed.refit(moved.clone()).expect("as many vertices");
+        assert!((aging.ratio() - 1.0).abs() < 1e-3, "{aging:?}");
         assert!(borrowed.parts() == expected.parts() && snapshot.parts() == mesh.parts());
         drop(snapshot);
         borrowed = Stored::of(mesh).borrow().expect("arrays that fit");
@@ -129,11 +133,11 @@ fn n34_arrays_that_do_not_fit_are_refused() {
         change(&mut spoiled);
         spoiled.flaw()
     };
-    let changes: [(&str, fn(&mut Stored)); 8] = [
+    let changes: [Change; 8] = [
         ("nodes", |s| s.parts.nodes.end += 1),
         ("nodes", |s| s.parts.nodes = 32..288),
         ("packets", |s| s.parts.packets.end = usize::MAX),
-        ("packets", |s| s.parts.packets = 64..0),
+        ("packets", |s| (s.parts.packets.start, s.parts.packets.end) = (64, 0)),
         ("faces", |s| s.parts.faces.start = 1),
         ("positions", |s| s.parts.positions.end -= 8),
         ("frame", |s| s.parts.frame.end += 32),
@@ -167,5 +171,8 @@ fn the_bytes_are_those_of_this_version_on_every_machine() {
     let digests: Vec<String> = meshes().iter().map(digest).collect();
     // Where a build has come to make other bits, raise `Mesh::PARTS_VERSION` with these, so that no file of the old ones is
     // taken for one of the new ones.
-    assert_eq!((Mesh::PARTS_VERSION, &digests[..]), (1, &["".to_owned(), "".to_owned(), "".to_owned()][..]));
+    assert_eq!(
+        (Mesh::PARTS_VERSION, digests.join(" ").as_str()),
+        (1, "d0512054eaaafe0b f8d347f3cb00ee94 ae2cc60d29de85c7")
+    );
 }
