@@ -201,12 +201,7 @@ impl Pairs<'_> {
         self.count -= 1;
         let (guest_leaf, guest) = &self.guests[guest];
         let mut verdicts = [Verdict::default(); LANES];
-        let host = &self.host_packets[host_leaf as usize];
-        let met = outlined(
-            simd,
-            #[inline(always)]
-            || guest.meet(simd, host, ALL_LANES, &mut verdicts),
-        );
+        let met = guest.meet(simd, &self.host_packets[host_leaf as usize], ALL_LANES, &mut verdicts);
         let guest_leaf = *guest_leaf;
         if met == 0 { ControlFlow::Continue(()) } else { self.report([host_leaf, guest_leaf], met, &verdicts, false) }
     }
@@ -254,12 +249,7 @@ impl LeafVisitor for Pairs<'_> {
             self.is_awaited = false;
             let (leaf, guest) = &mut self.guests[self.last];
             *leaf = guest_leaf;
-            let (packet, relation, back) = (&self.guest_packets[guest_leaf as usize], self.relation, self.back);
-            outlined(
-                simd,
-                #[inline(always)]
-                || guest.take_up(simd, packet, relation, back),
-            );
+            guest.take_up(simd, &self.guest_packets[guest_leaf as usize], self.relation, self.back);
         }
         self.guests[self.last].1.bounds
     }

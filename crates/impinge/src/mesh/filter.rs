@@ -23,7 +23,7 @@ use fearless_simd::{Simd, f32x8, mask32x8};
 use super::packet::Packet;
 use super::relation::{CornerError, GROWN, Relation};
 use crate::hierarchy::{BoxLanes, HALF_ULP, each_byte, overlapping_each, spread_to_bytes};
-use crate::simd::{LANES, Lanes3, by_axis, cross, dot, load, load3, store3, sub};
+use crate::simd::{LANES, Lanes3, by_axis, cross, dot, load, load3, outlined, store3, sub};
 use crate::volume::Aabb;
 
 /// The bits of the lanes of a host packet that a guest triangle is proved to meet, and of those that are left open.
@@ -76,6 +76,15 @@ impl Guest {
     /// Turns a packet; `back` relates the meshes the other way round.
     #[inline(always)]
     pub(crate) fn take_up<S: Simd>(&mut self, simd: S, packet: &Packet, relation: &Relation, back: &Relation) {
+        outlined(
+            simd,
+            #[inline(always)]
+            || self.turn(simd, packet, relation, back),
+        );
+    }
+
+    #[inline(always)]
+    fn turn<S: Simd>(&mut self, simd: S, packet: &Packet, relation: &Relation, back: &Relation) {
         let linear: [Lanes3<S>; 3] =
             by_axis!(row => by_axis!(column => f32x8::splat(simd, relation.linear[row][column] as f32)));
         let corners: [Lanes3<S>; 3] = by_axis!(corner => {
@@ -118,6 +127,15 @@ impl Guest {
     /// bits returned are set, nothing for the others.
     #[inline(always)]
     pub(crate) fn meet<S: Simd>(&self, simd: S, host: &Packet, lanes: u32, verdicts: &mut [Verdict; LANES]) -> u32 {
+        outlined(
+            simd,
+            #[inline(always)]
+            || self.judge(simd, host, lanes, verdicts),
+        )
+    }
+
+    #[inline(always)]
+    fn judge<S: Simd>(&self, simd: S, host: &Packet, lanes: u32, verdicts: &mut [Verdict; LANES]) -> u32 {
         let offset: [f32; 3] = by_axis!(axis => (self.anchor[axis] - f64::from(host.anchor[axis])) as f32);
         // Of the host's corners: their own rounding, and two of sums with an offset of up to the host's radius.
         let error = self.error + 4.0 * HALF_ULP as f32 * host.radius;
