@@ -12,7 +12,7 @@
 //!
 //! The last is what is left where all four are on one line and every area is zero. Each of the three is strict, so it
 //! holds about t too, and it shows in the Bernstein coefficients of a short enough interval about t: halving intervals
-//! disproves contact in finitely many steps wherever there is none (docs/proof.md, L20).
+//! disproves contact in finitely many steps wherever there is none (docs/proof.md, L23).
 
 use std::ops::{Add, Mul, Sub};
 
