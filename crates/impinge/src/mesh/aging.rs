@@ -27,8 +27,8 @@ pub struct Aging {
 
 impl Aging {
     /// Beyond this ratio of the costs a rebuild is worth its time for those who ask the mesh more than once between
-    /// moves. A round figure: less makes rebuilds that gain little, more leaves queries slower than they need be. The benchmark
-    /// `refit` prints what a query takes as a mesh ages.
+    /// moves. Less makes rebuilds that gain little, more leaves queries slower than they need be: `docs/hierarchies.md` has the
+    /// measurement.
     pub const WORTH_REBUILDING: f64 = 1.5;
 
     /// How many times what it cost when built it costs now; one for a new one, and less where moving made it better.
