@@ -200,8 +200,8 @@ impl Descent<'_> {
         visitor.finish(simd)
     }
 
-    /// Two nodes, both opened at once; where one of them holds leaves and the other nodes, that one stays as it is, so
-    /// that leaves come to meet leaves. The tasks of one guest child are left side by side, so that it is carried over
+    /// Two nodes, both opened at once, or the much larger one alone. Where one of them holds leaves and the other nodes of
+    /// like size, that one stays as it is, so that leaves come to meet leaves. The tasks of one guest child are left side by side, so that it is carried over
     /// once for all of them.
     #[inline(always)]
     fn open<S: Simd, V: LeafVisitor>(
@@ -306,7 +306,8 @@ impl Descent<'_> {
     }
 }
 
-/// Opens the larger of two nodes alone: its children that are near the other one, as bits.
+/// Opens the larger of two nodes alone: the children whose bits say that they are `near` the other one become tasks, or
+/// meet all below it.
 #[inline(always)]
 fn open_larger(
     node: &Node,
