@@ -69,12 +69,9 @@ fn ways(name: &str, points: &[[f32; 3]], turns: usize, exact_points: usize) -> R
     // The boxes that all others are compared with, and these with the exact ones.
     let mut reference = TightHull::new(&hull);
     let tight = poses.each_ref().map(|poses| poses.iter().map(|pose| reference.realign(pose)).collect::<Vec<_>>());
-    for (poses, tight) in poses.iter().zip(&tight) {
-        for (pose, tight) in poses.iter().zip(tight).step_by((turns / exact.max(1)).max(1)) {
-            let found = tight_box(&wide, &Affine::new(*pose.linear(), *pose.translation()));
-            ensure!((found.low, found.high) == (tight.min(), tight.max()), "not the exact box at {pose:?}");
-        }
-    }
+    let every = (turns / exact.max(1)).max(1);
+    let chosen = poses.iter().zip(&tight).flat_map(|(poses, tight)| poses.iter().zip(tight).step_by(every));
+    compare_with_exact(&distinct(wide), &chosen.collect::<Vec<_>>())?;
     let pivot = MinMax::of(points)?;
     let middle = std::array::from_fn(|k| 0.5 * (pivot.min()[k] + pivot.max()[k]));
     let mut measure = |label: &str, way: &mut dyn Realign, is_tight: bool| -> Result<()> {
@@ -103,6 +100,30 @@ fn ways(name: &str, points: &[[f32; 3]], turns: usize, exact_points: usize) -> R
     measure("(d) rotated original", &mut RotatedBox::new(&pivot), false)?;
     println!("{table}compared with the exact boxes at {exact} turns of each kind\n");
     Ok(())
+}
+
+/// Each point once, as what is there twice changes no box.
+fn distinct(mut points: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
+    points.sort_unstable_by_key(|point| point.map(f64::to_bits));
+    points.dedup();
+    points
+}
+
+/// That these are the exact boxes, by brute force on all cores: it takes minutes for millions of points.
+fn compare_with_exact(points: &[[f64; 3]], boxes: &[(&Pose, &MinMax)]) -> Result<()> {
+    let is_exact = |&(pose, tight): &(&Pose, &MinMax)| {
+        let found = tight_box(points, &Affine::new(*pose.linear(), *pose.translation()));
+        ensure!((found.low, found.high) == (tight.min(), tight.max()), "not the exact box at {pose:?}");
+        Ok(())
+    };
+    let threads = std::thread::available_parallelism()?.get();
+    std::thread::scope(|scope| {
+        let mut shares = Vec::new();
+        for share in boxes.chunks(boxes.len().div_ceil(threads).max(1)) {
+            shares.push(scope.spawn(move || share.iter().try_for_each(is_exact)));
+        }
+        shares.into_iter().try_for_each(|share| share.join().map_err(|_| anyhow::anyhow!("the brute force failed"))?)
+    })
 }
 
 /// The least time of a turn over runs of all poses, as many as there is time for, and over parts of one where there is not.

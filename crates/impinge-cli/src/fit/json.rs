@@ -35,6 +35,8 @@ struct HullSummary {
     volume: f64,
     surface_area: f64,
     build_seconds: f64,
+    overlap_seconds: f64,
+    follow_seconds: f64,
 }
 
 #[derive(Serialize)]
@@ -90,6 +92,8 @@ pub(super) fn object(outcome: &Outcome) -> String {
             volume: hull.volume,
             surface_area: hull.surface_area,
             build_seconds: hull.build,
+            overlap_seconds: hull.overlap,
+            follow_seconds: hull.follow,
         },
         volumes: volumes.collect(),
         advice: advised.map(|a| (a.key, Advised { volume: a.name, sentence: a.sentence })).collect(),

@@ -1,9 +1,12 @@
 //! The volumes, fitted and timed.
 
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::Instant;
 
 use impinge::hull::{Hull, HullKind};
+use impinge::query::shapes;
+use impinge::shape::Shape;
 use impinge::volume::fit::{self, FittedSphere};
 use impinge::volume::{
     BoundingSphere, BoundingVolume, Capsule, CentreRadius, Kdop14, Kdop18, Kdop26, Lozenge, MinMax, MinWidths, Obb,
@@ -42,6 +45,10 @@ pub(super) struct HullRow {
     pub(super) surface_area: f64,
     /// Seconds to build it.
     pub(super) build: f64,
+    /// Seconds of one exact test of two of them, posed; over pairs of which some overlap.
+    pub(super) overlap: f64,
+    /// Seconds to pose it: its corners stay where they are.
+    pub(super) follow: f64,
 }
 
 /// Poses that a volume is turned and moved by; the same for all.
@@ -101,7 +108,14 @@ pub(super) fn rows(points: &[[f64; 3]]) -> Result<Vec<Row>, InputError> {
 /// # Errors
 /// Where the points are out of range.
 pub(super) fn hull(points: &[[f64; 3]]) -> Result<HullRow, InputError> {
-    let (hull, build) = timed_build(&|| Hull::new(points))?;
+    /// Of the poses, as a test of two hulls takes a thousand times one of two boxes.
+    const TESTED: usize = 8;
+    let (hull, build) = timed_build(&|| Hull::new(points).map(Arc::new))?;
+    let poses = poses(&MinMax::of(points)?);
+    let shape = Shape::hull(Arc::clone(&hull));
+    let placed = poses.spread.iter().take(TESTED).map(|&pose| shape.at(pose)).collect::<Result<Vec<_>, _>>()?;
+    let overlap = overlap_time(&placed, shapes::intersects);
+    let follow = follow_time(&poses, |pose| shape.at(*pose));
     let (mut six_volumes, mut two_areas) = (0.0, 0.0);
     // About a point of the hull, as far from the origin it would cancel.
     let origin = points[hull.vertices()[0] as usize];
@@ -118,7 +132,7 @@ pub(super) fn hull(points: &[[f64; 3]]) -> Result<HullRow, InputError> {
     // What is flat has no volume, whatever rounding says.
     let volume = if hull.kind() == HullKind::Solid { (six_volumes / 6.0).max(0.0) } else { 0.0 };
     let vertices = hull.vertices().len();
-    Ok(HullRow { vertices, bytes: hull.memory(), volume, surface_area: 0.5 * two_areas, build })
+    Ok(HullRow { vertices, bytes: hull.memory(), volume, surface_area: 0.5 * two_areas, build, overlap, follow })
 }
 
 fn cross(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
@@ -173,24 +187,34 @@ fn packed(points: &[[f64; 3]], poses: &Poses) -> Vec<Row> {
 fn measure<V: Clone>(kind: &Kind<V>, poses: &Poses) -> Result<Row, InputError> {
     let (volume, build) = timed_build(kind.build)?;
     let moved: Vec<V> = poses.spread.iter().map(|pose| (kind.follow)(&volume, pose)).collect::<Result<_, _>>()?;
-    let overlap = least_time(moved.len() * moved.len(), || {
-        let mut met = 0_usize;
-        for a in &moved {
-            for b in &moved {
-                met += usize::from((kind.overlap)(black_box(a), b));
-            }
-        }
-        black_box(met);
-    });
-    let follow = least_time(poses.turning.len(), || {
-        for pose in &poses.turning {
-            // Judged above for the same maps; a failure costs no less.
-            let _ = black_box((kind.follow)(black_box(&volume), pose));
-        }
-    });
+    let overlap = overlap_time(&moved, kind.overlap);
+    let follow = follow_time(poses, |pose| (kind.follow)(&volume, pose));
     let [cubic, square] = (kind.measures)(&volume);
     let bytes = size_of::<V>();
     Ok(Row { name: kind.name, bytes, volume: cubic, surface_area: square, radius: None, build, overlap, follow })
+}
+
+/// Seconds of one overlap test, over all pairs.
+fn overlap_time<V>(moved: &[V], overlap: impl Fn(&V, &V) -> bool) -> f64 {
+    least_time(moved.len() * moved.len(), || {
+        let mut met = 0_usize;
+        for a in moved {
+            for b in moved {
+                met += usize::from(overlap(black_box(a), b));
+            }
+        }
+        black_box(met);
+    })
+}
+
+/// Seconds to follow one rotation.
+fn follow_time<V>(poses: &Poses, follow: impl Fn(&Pose) -> Result<V, InputError>) -> f64 {
+    least_time(poses.turning.len(), || {
+        for pose in &poses.turning {
+            // The same maps were judged before; a failure costs no less.
+            let _ = black_box(follow(black_box(pose)));
+        }
+    })
 }
 
 /// Builds a few times, or once where that takes long; the least time.

@@ -38,7 +38,7 @@ pub(super) fn text(outcome: &Outcome) -> String {
     }
     let _ = writeln!(
         text,
-        "\n{FAINT}size and area are in those of the convex hull; test and turn are one overlap test and following one rotation{FAINT:#}\n"
+        "\n{FAINT}size and area are in those of the convex hull; test and turn are one overlap test and following one rotation (of hulls: an exact test, and posing one){FAINT:#}\n"
     );
     for advice in advice(&outcome.hull, &outcome.rows) {
         let _ = writeln!(text, "{FAINT}{:<13}{FAINT:#}{}", advice.label, advice.sentence);
@@ -48,7 +48,8 @@ pub(super) fn text(outcome: &Outcome) -> String {
 
 fn hull_cells(hull: &HullRow) -> [String; 7] {
     let [size, area] = [hull.volume, hull.surface_area].map(|own| relative(own, own));
-    ["convex hull".to_owned(), size, area, hull.bytes.to_string(), short_time(hull.build), String::new(), String::new()]
+    let [build, test, turn] = [hull.build, hull.overlap, hull.follow].map(short_time);
+    ["convex hull".to_owned(), size, area, hull.bytes.to_string(), build, test, turn]
 }
 
 fn cells(row: &Row, hull: &HullRow) -> [String; 7] {

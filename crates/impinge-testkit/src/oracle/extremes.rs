@@ -15,23 +15,34 @@ use crate::Affine;
 /// # Panics
 /// Where there are no points, a number is not finite, or a bound is not a normal number or zero.
 pub fn tight_box(points: &[[f64; 3]], world_from_local: &Affine) -> WorldBox {
-    let rounded: Vec<_> = points.iter().map(|&point| image_and_reach(world_from_local, point)).collect();
+    // On either side of an axis, low and high: what some point is proved to reach.
+    let mut certain = [[f64::NEG_INFINITY; 2]; 3];
+    for &point in points {
+        let (image, reach) = image_and_reach(world_from_local, point);
+        for axis in 0..3 {
+            certain[axis][0] = certain[axis][0].max(-image[axis] - reach[axis]);
+            certain[axis][1] = certain[axis][1].max(image[axis] - reach[axis]);
+        }
+    }
+    // One float for the rounding of that sum, and one for that of the sum it is compared with.
+    let certain = certain.map(|sides| sides.map(|side| side.next_down().next_down()));
+    let mut rivals: [[Vec<[f64; 3]>; 2]; 3] = Default::default();
+    for &point in points {
+        let (image, reach) = image_and_reach(world_from_local, point);
+        for axis in 0..3 {
+            for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
+                if sign * image[axis] + reach[axis] >= certain[axis][side] {
+                    rivals[axis][side].push(point);
+                }
+            }
+        }
+    }
     let mut bounds = WorldBox { low: [0.0; 3], high: [0.0; 3] };
     for axis in 0..3 {
-        for is_high in [false, true] {
-            let sign = if is_high { 1.0 } else { -1.0 };
-            let certain = rounded.iter().fold(f64::NEG_INFINITY, |most, (image, reach)| {
-                most.max((sign * image[axis] - reach[axis]).next_down())
-            });
-            let rivals: Vec<[f64; 3]> = points
-                .iter()
-                .zip(&rounded)
-                .filter(|(_, (image, reach))| (sign * image[axis] + reach[axis]).next_up() >= certain)
-                .map(|(&point, _)| point)
-                .collect();
-            let (exact, scale) = images(&rivals, world_from_local);
+        for (side, rivals) in rivals[axis].iter().enumerate() {
+            let (exact, scale) = images(rivals, world_from_local);
             let values = exact.into_iter().map(|[x, y, z]| [x, y, z].into_iter().nth(axis).expect("three axes"));
-            if is_high {
+            if side == 1 {
                 bounds.high[axis] = round(&values.max().expect("some point"), scale, true);
             } else {
                 bounds.low[axis] = round(&values.min().expect("some point"), scale, false);

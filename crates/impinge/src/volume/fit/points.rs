@@ -1,5 +1,7 @@
 //! Points as they are given, judged once.
 
+use std::ops::{Add, Sub};
+
 use super::super::MinMax;
 use crate::input::{InputError, InputErrorKind};
 
@@ -10,7 +12,12 @@ mod sealed {
 }
 
 /// A coordinate in single or double precision: the real number that the float is.
-pub trait Coordinate: sealed::Sealed + Copy + PartialOrd + Send + Sync + Into<f64> + 'static {
+pub trait Coordinate:
+    sealed::Sealed + Copy + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Send + Sync + Into<f64> + 'static
+{
+    /// Zero.
+    const ZERO: Self;
+
     /// Positive infinity.
     const INFINITE: Self;
 
@@ -20,6 +27,7 @@ pub trait Coordinate: sealed::Sealed + Copy + PartialOrd + Send + Sync + Into<f6
 }
 
 impl Coordinate for f32 {
+    const ZERO: Self = 0.0;
     const INFINITE: Self = Self::INFINITY;
 
     #[inline(always)]
@@ -29,6 +37,7 @@ impl Coordinate for f32 {
 }
 
 impl Coordinate for f64 {
+    const ZERO: Self = 0.0;
     const INFINITE: Self = Self::INFINITY;
 
     #[inline(always)]
@@ -43,29 +52,32 @@ pub(in super::super) fn widen<T: Coordinate>(point: [T; 3]) -> [f64; 3] {
     point.map(Into::into)
 }
 
-/// Coordinates looked at side by side: eight points, so that every lane stays on one axis and no lane has to move.
-const LANES: usize = 24;
+/// Coordinates looked at side by side: four points, so that every lane stays on one axis, no lane has to move and the bounds
+/// stay in registers.
+const LANES: usize = 12;
+
+/// Coordinates are below this.
+const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 
 /// The box of the points, exactly, zeros being positive.
 ///
 /// # Errors
 /// Without points, or where one is not finite or not below 2^128.
 pub(in super::super) fn judge<T: Coordinate>(points: &[[T; 3]]) -> Result<MinMax, InputError> {
-    const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
-    if points.is_empty() {
-        return Err(InputError::new(InputErrorKind::Empty { what: "points" }));
-    }
+    bounds(points).ok_or_else(|| first_bad(points))
+}
+
+/// As [`judge`], with nothing said of what is wrong.
+pub(super) fn bounds<T: Coordinate>(points: &[[T; 3]]) -> Option<MinMax> {
     let (mut min, mut max) = ([T::INFINITE; LANES], [T::INFINITE.negated(); LANES]);
     let flat = points.as_flattened();
     let (groups, rest) = flat.as_chunks::<LANES>();
-    // NaN fails every comparison, so that it is kept out of the bounds; the sum of what is equal to itself finds it.
-    let mut unequal = [0_u32; LANES];
+    // NaN fails every comparison, so that it is kept out of the bounds; what is not zero when taken from itself finds it.
+    let mut poison = [T::ZERO; LANES];
     let mut look = |lane: usize, x: T| {
         min[lane] = if x < min[lane] { x } else { min[lane] };
         max[lane] = if x > max[lane] { x } else { max[lane] };
-        #[allow(clippy::eq_op, reason = "false for NaN alone")]
-        let equal = x == x;
-        unequal[lane] |= u32::from(!equal);
+        poison[lane] = poison[lane] + (x - x);
     };
     for group in groups {
         for (lane, &x) in group.iter().enumerate() {
@@ -80,21 +92,19 @@ pub(in super::super) fn judge<T: Coordinate>(points: &[[T; 3]]) -> Result<MinMax
         std::array::from_fn(|axis| on_axis(axis).map(|lane| min[lane].into()).fold(f64::INFINITY, f64::min) + 0.0);
     let high: [f64; 3] =
         std::array::from_fn(|axis| on_axis(axis).map(|lane| max[lane].into()).fold(f64::NEG_INFINITY, f64::max) + 0.0);
+    // Without points the bounds are infinite.
     let in_range = low.iter().chain(&high).all(|x| x.abs() < LIMIT);
-    if !in_range || unequal.iter().any(|&bits| bits != 0) {
-        return Err(first_bad(points, LIMIT));
-    }
-    Ok(MinMax::from_ordered(low, high))
+    (in_range && poison.iter().all(|&sum| sum == T::ZERO)).then(|| MinMax::from_ordered(low, high))
 }
 
-/// The error for the first point that is not finite or out of range; there is one.
-fn first_bad<T: Coordinate>(points: &[[T; 3]], limit: f64) -> InputError {
+/// The error for points without bounds: the first that is not finite or out of range.
+fn first_bad<T: Coordinate>(points: &[[T; 3]]) -> InputError {
     for (index, &point) in points.iter().enumerate() {
         for x in widen(point) {
             if !x.is_finite() {
                 return InputError::new(InputErrorKind::NonFinite { what: "vertex", index });
             }
-            if x.abs() >= limit {
+            if x.abs() >= LIMIT {
                 return InputError::new(InputErrorKind::OutOfRange { what: "vertex", index, limit: "2^128" });
             }
         }
