@@ -34,7 +34,7 @@ pub(crate) use descent::{
 pub use generic::{Enclosure, GenericTree, NodeVolume};
 pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, overlapping, overlapping_each};
 pub use morton::build_morton;
-pub(crate) use morton::build_over;
+pub(crate) use morton::{build_over, space_for};
 pub(crate) use radix::scatter;
 pub(crate) use refit::{Patch, Patches};
 pub use slab::Slab;

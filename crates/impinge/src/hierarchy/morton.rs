@@ -18,7 +18,7 @@ use super::cluster::{self, CLUSTER};
 use super::curve::{Curve, Key, code, index};
 use super::radix;
 use crate::simd::best_level;
-use crate::storage::Pages;
+use crate::storage::{Room, Space};
 use crate::volume::Aabb;
 
 /// Depth from which ranges are halved whatever the codes say: 2^32 boxes halved 23 times leave one cluster, which is at
@@ -37,18 +37,23 @@ const CHUNK: usize = 1 << 14;
 /// O(n log n), depth at most [`MAX_DEPTH`](super::MAX_DEPTH) for any input: equal, nested or sorted boxes included.
 #[must_use]
 pub fn build_morton(boxes: &[Aabb]) -> BinaryTree {
-    build_over(boxes)
+    build_over(boxes, &mut Room::new(space_for(boxes.len()), 0).space())
 }
 
-/// As [`build_morton`], for whatever has boxes.
-pub(crate) fn build_over<B: Boxes + ?Sized>(boxes: &B) -> BinaryTree {
+/// Bytes that [`build_over`] needs in passing.
+pub(crate) fn space_for(boxes: usize) -> usize {
+    2 * Space::of::<Key>(boxes)
+}
+
+/// As [`build_morton`], for whatever has boxes, with room for its keys.
+pub(crate) fn build_over<B: Boxes + ?Sized>(boxes: &B, space: &mut Space<'_>) -> BinaryTree {
     let len = boxes.len();
     if len == 0 {
         return BinaryTree::default();
     }
-    let mut keys = Pages::zeroed(len);
+    let (unsorted, keys) = (space.take::<Key>(len), space.take::<Key>(len));
     let curve = Curve::over(&boxes.twice_centres());
-    keys.to_mut().par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, keys)| {
+    unsorted.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, keys)| {
         for (at, key) in keys.iter_mut().enumerate() {
             *key = (chunk * CHUNK + at) as Key;
         }
@@ -56,12 +61,12 @@ pub(crate) fn build_over<B: Boxes + ?Sized>(boxes: &B) -> BinaryTree {
             dispatch!(best_level(), simd => curve.assign(simd, boxes, keys));
         }
     });
-    let mut keys = radix::sort(keys);
+    radix::sort(unsorted, keys);
     let mut order = vec![0; len];
     let mut blocks = Vec::new();
     let task = if rayon::current_num_threads() == 1 { len } else { LONGEST_TASK };
     let builder = Builder { boxes, task };
-    builder.subtree(Range { keys: keys.to_mut(), order: &mut order, first: 0, depth: 0 }, &mut blocks);
+    builder.subtree(Range { keys, order: &mut order, first: 0, depth: 0 }, &mut blocks);
     let nodes = if blocks.len() == 1 { blocks.swap_remove(0) } else { blocks.concat() };
     BinaryTree { nodes, order }
 }

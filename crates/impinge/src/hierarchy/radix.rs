@@ -7,7 +7,6 @@ use rayon::prelude::*;
 
 use super::cluster::CLUSTER;
 use super::curve::{CODE_BITS, Key, code};
-use crate::storage::{Buffer, Pages};
 
 /// Bits of a digit; three make a code.
 const DIGIT_BITS: u32 = CODE_BITS / 3;
@@ -20,16 +19,16 @@ fn digit(key: Key, place: u32) -> usize {
 }
 
 /// Sorts keys by their codes as far as it matters to a builder: keys with the same leading digit stay in the order in
-/// which they came where they are too few to be more than a cluster, and so do equal codes.
-pub(crate) fn sort(mut keys: Buffer<Key>) -> Buffer<Key> {
-    let mut starts = starts::<DIGITS, Key>(&keys, |key| digit(key, 2)).to_vec();
+/// which they came where they are too few to be more than a cluster, and so do equal codes. They end up in `dealt`, which
+/// is as long.
+pub(crate) fn sort(keys: &mut [Key], dealt: &mut [Key]) {
+    let mut starts = starts::<DIGITS, Key>(keys, |key| digit(key, 2)).to_vec();
     starts.push(keys.len() as u32);
-    let mut dealt = Pages::zeroed(keys.len());
     let threads = rayon::current_num_threads();
     let share = keys.len().div_ceil(threads).max(1);
     // Each thread looks for the keys of its own run of deals.
     let mut runs = Vec::new();
-    let (mut rest, mut first) = (dealt.to_mut(), 0);
+    let (mut rest, mut first) = (&mut *dealt, 0);
     while first < DIGITS {
         let end = (first + 1..DIGITS).find(|&end| (starts[end] - starts[first]) as usize >= share).unwrap_or(DIGITS);
         let (run, after) = rest.split_at_mut((starts[end] - starts[first]) as usize);
@@ -50,7 +49,7 @@ pub(crate) fn sort(mut keys: Buffer<Key>) -> Buffer<Key> {
         }
     });
     let mut long = Vec::new();
-    let (mut rest, mut spare) = (dealt.to_mut(), keys.to_mut());
+    let (mut rest, mut spare) = (dealt, keys);
     for ends in starts.windows(2) {
         let len = (ends[1] - ends[0]) as usize;
         let (deal, after) = rest.split_at_mut(len);
@@ -64,7 +63,6 @@ pub(crate) fn sort(mut keys: Buffer<Key>) -> Buffer<Key> {
         scatter::<DIGITS, Key>(deal, room, |key| digit(key, 0));
         scatter::<DIGITS, Key>(room, deal, |key| digit(key, 1));
     });
-    dealt
 }
 
 /// Where the elements with each digit start when they are sorted by it; digits are below `DIGITS`.
@@ -107,7 +105,8 @@ mod tests {
                 (0..len).map(|index| (rng.integer(0, codes as i64 - 1) as u64 * step) << 32 | index).collect();
             let mut expected = keys.clone();
             expected.sort_by_key(|&key| code(key));
-            let sorted: Vec<Key> = sort(keys.into()).to_vec();
+            let mut sorted = vec![0; keys.len()];
+            sort(&mut keys.clone(), &mut sorted);
             for (at, window) in sorted.windows(2).enumerate() {
                 assert!(digit(window[0], 2) <= digit(window[1], 2), "{codes} codes: dealt wrongly at {at}");
             }

@@ -8,7 +8,6 @@ use super::frame::{PackedFrame, REACH};
 use super::positions::Vertex;
 use crate::hierarchy::Boxes;
 use crate::simd::by_axis;
-use crate::storage::{Buffer, Pages};
 use crate::volume::Aabb;
 
 /// Vertices that are one task.
@@ -33,16 +32,14 @@ impl<'a> FaceBoxes<'a> {
     }
 }
 
-/// The vertices in the packed frame, rounded to single precision.
-pub(super) fn pack<V: Vertex>(vertices: &[V], frame: &PackedFrame) -> Buffer<[f32; 4]> {
-    let mut packed = Pages::zeroed(vertices.len());
-    packed.to_mut().par_chunks_mut(CHUNK).zip(vertices.par_chunks(CHUNK)).for_each(|(packed, vertices)| {
+/// Puts the vertices into the packed frame, rounded to single precision.
+pub(super) fn pack<V: Vertex>(vertices: &[V], frame: &PackedFrame, packed: &mut [[f32; 4]]) {
+    packed.par_chunks_mut(CHUNK).zip(vertices.par_chunks(CHUNK)).for_each(|(packed, vertices)| {
         for (packed, vertex) in packed.iter_mut().zip(vertices) {
             let [x, y, z] = frame.pack(vertex.widened());
             *packed = [x as f32, y as f32, z as f32, 0.0_f32];
         }
     });
-    packed
 }
 
 impl Boxes for FaceBoxes<'_> {

@@ -47,11 +47,11 @@ pub(crate) use winding::Judge;
 pub use winding::{Containment, WindingNumber};
 
 use crate::exact::Corners;
-use crate::hierarchy::{BinaryTree, Boxes, Builder, Slab, WideTree, build_over};
+use crate::hierarchy::{BinaryTree, Boxes, Builder, Slab, WideTree, build_over, space_for};
 use crate::input::InputError;
 use crate::math::Pose;
-use crate::simd::{Level, best_level, prefetch};
-use crate::storage::{Buffer, Pages};
+use crate::simd::{LANES, Level, best_level, prefetch};
+use crate::storage::{Buffer, Room, Space};
 use crate::volume::Aabb;
 use face_boxes::FaceBoxes;
 use far_field::FarField;
@@ -227,17 +227,23 @@ fn hierarchy<V: Vertex>(
     frame: &PackedFrame,
     builder: Builder,
 ) -> (WideTree, Buffer<Packet>) {
+    let passing = Space::of::<[f32; 4]>(vertices.len()) + space_for(faces.len());
+    // Nearly all leaves are full; an eighth more is more than there ever are.
+    let mut room = Room::new(passing, size_of::<Packet>() * (faces.len() / LANES + faces.len() / (8 * LANES) + 1));
     let binary = {
-        let packed = face_boxes::pack(vertices, frame);
-        let boxes = FaceBoxes::new(&packed, faces);
+        let mut space = room.space();
+        let packed = space.take(vertices.len());
+        face_boxes::pack(vertices, frame, packed);
+        let boxes = FaceBoxes::new(packed, faces);
         match builder {
             // The one that needs no list of boxes.
-            Builder::Morton => build_over(&boxes),
+            Builder::Morton => build_over(&boxes, &mut space),
             _ => builder.build(&listed(&boxes)),
         }
     };
     let (mut tree, leaves) = WideTree::collapse(&binary);
-    let packets = pack(&binary, &leaves, frame, vertices, faces);
+    let mut packets = room.into_buffer(leaves.len());
+    pack(&binary, &leaves, frame, vertices, faces, packets.to_mut());
     tree.set_slabs(|leaves| slab(best_level(), &packets[leaves]));
     (tree, packets)
 }
@@ -248,16 +254,16 @@ fn listed(boxes: &FaceBoxes<'_>) -> Vec<Aabb> {
     chunks.map(|face| dispatch!(best_level(), simd => boxes.bounds(simd, &[face]))).collect()
 }
 
-/// The packets of the leaves.
+/// Fills the packets of the leaves.
 fn pack<V: Vertex>(
     binary: &BinaryTree,
     leaves: &[u32],
     frame: &PackedFrame,
     vertices: &[V],
     faces: &[[u32; 3]],
-) -> Buffer<Packet> {
-    let mut packets = Pages::zeroed(leaves.len());
-    packets.to_mut().par_chunks_mut(CHUNK).zip(leaves.par_chunks(CHUNK)).for_each(|(packets, leaves)| {
+    packets: &mut [Packet],
+) {
+    packets.par_chunks_mut(CHUNK).zip(leaves.par_chunks(CHUNK)).for_each(|(packets, leaves)| {
         dispatch!(best_level(), simd => {
             for (at, (packet, &leaf)) in packets.iter_mut().zip(leaves).enumerate() {
                 // The vertices of a leaf lie anywhere: they are asked for one leaf ahead.
@@ -271,7 +277,6 @@ fn pack<V: Vertex>(
             }
         });
     });
-    packets
 }
 
 /// The slab about the packets.

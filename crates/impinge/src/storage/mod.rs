@@ -3,6 +3,8 @@
 //! Nodes and packed triangles live behind [`Buffer`], so that a baked file in a memory map, or memory shared between
 //! processes, serves a query without a copy.
 
+mod room;
+
 use std::fmt;
 use std::marker::PhantomData;
 use std::ops::{Deref, Range};
@@ -11,6 +13,8 @@ use std::sync::Arc;
 use bytemuck::Pod;
 use memmap2::MmapMut;
 
+pub(crate) use room::{Room, Space};
+
 /// Bytes that outlive every [`Buffer`] that borrows them: a vector, a memory map.
 pub type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
 
@@ -18,6 +22,7 @@ pub type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
 /// megabytes otherwise waits for the tables of small pages, and a build for each of them to be handed out.
 pub struct Pages<T> {
     map: MmapMut,
+    len: usize,
     of: PhantomData<T>,
 }
 
@@ -34,9 +39,22 @@ impl<T: Pod> Pages<T> {
             // A wish, without which everything works and takes longer.
             #[cfg(target_os = "linux")]
             let _ = map.advise(memmap2::Advice::HugePage);
-            return Buffer::Paged(Self { map, of: PhantomData });
+            return Buffer::Paged(Self { map, len, of: PhantomData });
         }
         Buffer::Owned(vec![T::zeroed(); len])
+    }
+
+    /// The same memory as elements of another kind, with whatever was left there; as many zeros elsewhere where they do not
+    /// fit. Pages are aligned for any kind.
+    fn cast<U: Pod>(self, len: usize) -> Buffer<U> {
+        if len.saturating_mul(size_of::<U>()) > self.map.len() {
+            return Pages::zeroed(len);
+        }
+        Buffer::Paged(Pages { map: self.map, len, of: PhantomData })
+    }
+
+    fn bytes(&self) -> usize {
+        self.len * size_of::<T>()
     }
 }
 
@@ -69,7 +87,10 @@ impl<T: Pod> Buffer<T> {
         }
         match self {
             Self::Owned(elements) => elements,
-            Self::Paged(pages) => bytemuck::cast_slice_mut(&mut pages.map),
+            Self::Paged(pages) => {
+                let bytes = pages.bytes();
+                bytemuck::cast_slice_mut(&mut pages.map[..bytes])
+            }
             Self::Borrowed(..) => unreachable!("made its own above"),
         }
     }
@@ -82,7 +103,7 @@ impl<T: Pod> Deref for Buffer<T> {
     fn deref(&self) -> &[T] {
         match self {
             Self::Owned(elements) => elements,
-            Self::Paged(pages) => bytemuck::cast_slice(&pages.map),
+            Self::Paged(pages) => bytemuck::cast_slice(&pages.map[..pages.bytes()]),
             Self::Borrowed(bytes, range) => bytemuck::cast_slice(&(**bytes).as_ref()[range.clone()]),
         }
     }
