@@ -1,24 +1,22 @@
 //! The bottom of a tree: a cluster of at most a few hundred boxes, split at medians into whole nodes and whole leaves.
 //!
-//! Source: Ericson, *Real-Time Collision Detection*, 6.2.2, the median cut. Ours departs in that it never sorts: boxes are
-//! counted into bins along the widest axis, and those that share the bin of the median are told apart by their order
-//! alone, which costs no tightness that can be measured and a fifth of the time.
+//! Source: Ericson, *Real-Time Collision Detection*, 6.2.2, the median cut. Ours departs in that it never sorts: the widest
+//! axis is halved five times about the median, by counting, and the boxes that are left between are told apart by their
+//! order alone, which costs no tightness that can be measured.
 
 use std::num::NonZeroU32;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4};
+use fearless_simd::{Simd, f32x4, f32x8};
 
 use super::binary::{BinaryNode, LEAF_CAPACITY, NODE_OF_LEAVES};
 use super::boxes::Boxes;
+use crate::simd::LANES;
 use crate::volume::Aabb;
 
 /// The most boxes of a cluster. Each level of a cluster costs a pass over it; twice as many cost a seventh more time and
 /// gain nothing that can be measured.
 pub(crate) const CLUSTER: usize = 8 * NODE_OF_LEAVES;
-
-/// Bins along an axis; a power of two.
-const BINS: usize = 32;
 
 /// Twice the centre of a box.
 #[derive(Clone, Copy, bytemuck::Zeroable, bytemuck::Pod)]
@@ -43,7 +41,7 @@ pub(crate) fn emit<S: Simd, B: Boxes + ?Sized>(
     let len = order.len();
     let mut centres: [Centre; CLUSTER] = bytemuck::Zeroable::zeroed();
     let mut spare = centres;
-    let mut bins = [0; CLUSTER];
+    let mut along = [0.0; CLUSTER];
     for (centre, &index) in centres.iter_mut().zip(order.iter()) {
         boxes.twice_centre(simd, index).store_slice(bytemuck::cast_mut::<Centre, [f32; 4]>(centre));
         centre.index = index;
@@ -66,7 +64,7 @@ pub(crate) fn emit<S: Simd, B: Boxes + ?Sized>(
         }
         let whole = if len > NODE_OF_LEAVES { NODE_OF_LEAVES } else { LEAF_CAPACITY };
         let low = len.div_ceil(whole).div_ceil(2) * whole;
-        split(simd, &mut centres[start..start + len], &mut spare[..len], &mut bins[..len], low);
+        split(simd, &mut centres[start..start + len], &mut spare[..len], &mut along, low);
         // All leaves of the lower part are full, so that its nodes are known before they are there.
         let right = NonZeroU32::new(2 * low.div_ceil(LEAF_CAPACITY) as u32);
         nodes.push(BinaryNode { bounds: Aabb::EMPTY, first: at, count: held, right });
@@ -82,41 +80,60 @@ pub(crate) fn emit<S: Simd, B: Boxes + ?Sized>(
     nodes[root].bounds
 }
 
-/// Moves the `low` centres that come first along the widest axis to the front.
+/// Moves the `low` centres that come first along the widest axis to the front. `along` is room for a number for each, and for
+/// whole lanes.
 #[inline(always)]
-fn split<S: Simd>(simd: S, centres: &mut [Centre], spare: &mut [Centre], bins: &mut [u8], low: usize) {
-    /// Added to a small positive number, leaves its nearest integer in the lowest bits.
-    const ROUND: f32 = (1 << 23) as f32;
-    let Some((axis, least, extent)) = widest_axis(simd, centres) else { return };
-    let scale = (BINS - 1) as f32 / extent;
-    if !(extent.is_finite() && scale.is_finite()) {
-        return;
+fn split<S: Simd>(simd: S, centres: &mut [Centre], spare: &mut [Centre], along: &mut [f32], low: usize) {
+    let Some((axis, least, greatest)) = widest_axis(simd, centres) else { return };
+    for (along, centre) in along.iter_mut().zip(centres.iter()) {
+        *along = centre.twice[axis];
     }
-    let mut held = [0_u16; BINS];
-    for (bin, centre) in bins.iter_mut().zip(centres.iter()) {
-        *bin = (((centre.twice[axis] - least) * scale + ROUND).to_bits() as usize % BINS) as u8;
-        held[usize::from(*bin) % BINS] += 1;
-    }
-    let (mut middle, mut below) = (0, 0);
-    while middle < BINS - 1 && below + usize::from(held[middle]) <= low {
-        below += usize::from(held[middle]);
-        middle += 1;
-    }
-    let mut wanted_of_middle = low - below;
-    let (mut front, mut back) = (0, low);
-    for (&bin, centre) in bins.iter().zip(centres.iter()) {
-        let is_wanted = usize::from(usize::from(bin) == middle && wanted_of_middle > 0);
-        wanted_of_middle -= is_wanted;
-        let is_low = usize::from(usize::from(bin) < middle) | is_wanted;
-        spare[if is_low == 1 { front } else { back }] = *centre;
+    let whole = centres.len().next_multiple_of(LANES);
+    along[centres.len()..whole].fill(f32::INFINITY);
+    let (from, to, below) = median(simd, &along[..whole], [least, greatest], low);
+    let mut wanted = low - below;
+    let (mut front, mut back) = (0, 0);
+    for at in 0..centres.len() {
+        let (centre, along) = (centres[at], along[at]);
+        let is_wanted = usize::from((along >= from) & (along < to) & (wanted > 0));
+        wanted -= is_wanted;
+        let is_low = usize::from(along < from) | is_wanted;
+        // To either side, and the next one over the one that is not kept.
+        centres[front] = centre;
+        spare[back] = centre;
         front += is_low;
         back += 1 - is_low;
     }
-    centres.copy_from_slice(spare);
+    centres[low..].copy_from_slice(&spare[..back]);
 }
 
-/// The axis along which the centres spread most, where they begin on it and how far they reach; none where they
-/// coincide.
+/// An interval, as short as halving makes it, such that at most `low` numbers are below it and at least as many are
+/// below its end; and how many are below it.
+#[inline(always)]
+fn median<S: Simd>(simd: S, along: &[f32], [least, greatest]: [f32; 2], low: usize) -> (f32, f32, usize) {
+    /// Each halves the interval.
+    const ROUNDS: usize = 5;
+    let (one, zero) = (f32x8::splat(simd, 1.0), f32x8::splat(simd, 0.0));
+    let (mut from, mut to, mut below) = (least, f32::INFINITY, 0);
+    let mut end = greatest;
+    for _ in 0..ROUNDS {
+        let middle = from + 0.5 * (end - from);
+        let (lanes, pivot) = (along.as_chunks::<LANES>().0, f32x8::splat(simd, middle));
+        let mut counts = zero;
+        for lanes in lanes {
+            counts += f32x8::from_slice(simd, lanes).simd_lt(pivot).select(one, zero);
+        }
+        let count = counts.as_slice().iter().sum::<f32>() as usize;
+        if count <= low {
+            (from, below) = (middle, count);
+        } else {
+            (to, end) = (middle, middle);
+        }
+    }
+    (from, to, below)
+}
+
+/// The axis along which the centres spread most, and from where to where; none where they coincide or reach too far.
 #[inline(always)]
 fn widest_axis<S: Simd>(simd: S, centres: &[Centre]) -> Option<(usize, f32, f32)> {
     let first = f32x4::from_slice(simd, bytemuck::cast_ref::<Centre, [f32; 4]>(&centres[0]));
@@ -133,5 +150,5 @@ fn widest_axis<S: Simd>(simd: S, centres: &[Centre]) -> Option<(usize, f32, f32)
             widest = axis;
         }
     }
-    (extent[widest] > 0.0).then_some((widest, min[widest], extent[widest]))
+    (extent[widest] > 0.0 && extent[widest].is_finite()).then_some((widest, min[widest], max[widest]))
 }

@@ -85,7 +85,7 @@ mod tests {
             assert!(taken_words.iter().all(|&word| word == [1.0; 4]));
             let mut lasting = room.into_buffer::<[u16; 48]>(passing / 64);
             assert_eq!(lasting.len(), passing / 64);
-            let reused = lasting[0][0] != 0;
+            let reused = lasting[0] != [0; 48];
             assert_eq!(reused, scale > 1, "small rooms are not worth it");
             lasting.to_mut().fill([7; 48]);
             assert!(lasting.iter().all(|element| element == &[7; 48]));
