@@ -2,8 +2,11 @@
 
 use std::ops::{Add, Sub};
 
+use fearless_simd::{Simd, dispatch};
+
 use super::super::MinMax;
 use crate::input::{InputError, InputErrorKind};
+use crate::simd::best_level;
 
 mod sealed {
     pub trait Sealed {}
@@ -69,23 +72,23 @@ pub(in super::super) fn judge<T: Coordinate>(points: &[[T; 3]]) -> Result<MinMax
 
 /// As [`judge`], with nothing said of what is wrong.
 pub(super) fn bounds<T: Coordinate>(points: &[[T; 3]]) -> Option<MinMax> {
+    dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || bounds_by_lanes(points)))
+}
+
+#[inline(always)]
+fn bounds_by_lanes<T: Coordinate>(points: &[[T; 3]]) -> Option<MinMax> {
     let (mut min, mut max) = ([T::INFINITE; LANES], [T::INFINITE.negated(); LANES]);
     let flat = points.as_flattened();
     let (groups, rest) = flat.as_chunks::<LANES>();
     // NaN fails every comparison, so that it is kept out of the bounds; what is not zero when taken from itself finds it.
     let mut poison = [T::ZERO; LANES];
-    let mut look = |lane: usize, x: T| {
-        min[lane] = if x < min[lane] { x } else { min[lane] };
-        max[lane] = if x > max[lane] { x } else { max[lane] };
-        poison[lane] = poison[lane] + (x - x);
-    };
     for group in groups {
         for (lane, &x) in group.iter().enumerate() {
-            look(lane, x);
+            look(&mut min[lane], &mut max[lane], &mut poison[lane], x);
         }
     }
     for (lane, &x) in rest.iter().enumerate() {
-        look(lane, x);
+        look(&mut min[lane], &mut max[lane], &mut poison[lane], x);
     }
     let on_axis = |axis: usize| (axis..LANES).step_by(3);
     let low: [f64; 3] =
@@ -95,6 +98,13 @@ pub(super) fn bounds<T: Coordinate>(points: &[[T; 3]]) -> Option<MinMax> {
     // Without points the bounds are infinite.
     let in_range = low.iter().chain(&high).all(|x| x.abs() < LIMIT);
     (in_range && poison.iter().all(|&sum| sum == T::ZERO)).then(|| MinMax::from_ordered(low, high))
+}
+
+#[inline(always)]
+fn look<T: Coordinate>(min: &mut T, max: &mut T, poison: &mut T, x: T) {
+    *min = if x < *min { x } else { *min };
+    *max = if x > *max { x } else { *max };
+    *poison = *poison + (x - x);
 }
 
 /// The error for points without bounds: the first that is not finite or out of range.

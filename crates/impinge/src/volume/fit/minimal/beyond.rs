@@ -1,5 +1,6 @@
 //! The points that may be on the sphere: those beyond a distance that nearly all of them keep.
 
+use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 
 use super::super::super::rounding::{add_up, length_up};
@@ -9,6 +10,7 @@ use super::super::points::{Coordinate, bounds, judge, widen};
 use super::exact::ExactBall;
 use super::{Frame, approximate};
 use crate::input::InputError;
+use crate::simd::best_level;
 
 /// Points that are not nearer to a centre than a distance, which is in the scale of a frame.
 pub(super) struct Beyond {
@@ -89,7 +91,7 @@ impl Guess {
     /// From a sample: all but about one in 256 points keep the distance. None where the sample is one point, or not to be
     /// used.
     fn of<T: Coordinate>(points: &[[T; 3]]) -> Option<Self> {
-        const SAMPLE: usize = 1 << 12;
+        const SAMPLE: usize = 1 << 11;
         const KEPT: usize = SAMPLE / 256;
         let sample: Vec<[f64; 3]> = (0..SAMPLE).map(|i| widen(points[i * (points.len() / SAMPLE)])).collect();
         let bounds = bounds(&sample).filter(|bounds| bounds.min() != bounds.max())?;
@@ -104,6 +106,11 @@ impl Guess {
 
     /// The points at least this far from the centre.
     fn beyond<T: Coordinate>(&self, points: &[[T; 3]]) -> Vec<[f64; 3]> {
+        dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || self.beyond_by_lanes(points)))
+    }
+
+    #[inline(always)]
+    fn beyond_by_lanes<T: Coordinate>(&self, points: &[[T; 3]]) -> Vec<[f64; 3]> {
         const GROUP: usize = 8;
         /// Coordinates of a group, each in a lane of its own.
         const LANES: usize = 3 * GROUP;
