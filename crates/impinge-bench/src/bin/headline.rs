@@ -1,4 +1,4 @@
-//! The headline benchmark: build, all intersecting pairs and first hit of two knots of two million triangles.
+//! The headline benchmark: build, refit, all intersecting pairs and first hit of two knots of two million triangles.
 //!
 //! `cargo run --release -p impinge-bench --bin headline`
 
@@ -7,13 +7,13 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use impinge::mesh::Options;
 use impinge::simd::{Level, levels};
 use impinge::{Mesh, Pose};
 use impinge_bench::questions::{Asked, ask_impinge};
-use impinge_bench::samples::Samples;
+use impinge_bench::samples::{Samples, timed};
 use impinge_bench::scene::{Choice, Standing, Surface, parse_pose};
 use impinge_bench::table::{Table, spread};
 
@@ -51,7 +51,10 @@ struct Arguments {
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
     rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global()?;
-    let (mesh, build) = arguments.mesh.surface()?.build(arguments.repeats.clamp(1, MOST_BUILDS))?;
+    let builds = arguments.repeats.clamp(1, MOST_BUILDS);
+    let surface = arguments.mesh.surface()?;
+    let (mut mesh, build) = surface.build(builds)?;
+    let refit = refits(&mut mesh, &surface, builds)?;
     let other = match &arguments.other {
         Some(path) => Surface::load(path)?.build(1)?.0,
         None => mesh.clone(),
@@ -69,10 +72,10 @@ fn main() -> Result<()> {
     }
     if arguments.json {
         for (_, asked) in &answers {
-            println!("{}", json(&build, asked));
+            println!("{}", json(&build, &refit, asked));
         }
     } else {
-        print_table(&mesh, &build, &answers);
+        print_table(&mesh, [("build", &build), ("refit", &refit)], &answers);
     }
     Ok(())
 }
@@ -97,22 +100,35 @@ fn parse_level(name: &str) -> Result<Level, String> {
     })
 }
 
+/// Times of refits to the same places, which must leave the tree as it is.
+fn refits(mesh: &mut Mesh, surface: &Surface, repeats: usize) -> Result<Samples> {
+    Samples::take(repeats, || {
+        let positions = surface.positions.clone();
+        let (seconds, aging) = timed(|| mesh.refit(positions));
+        ensure!(aging?.ratio() == 1.0, "the same places are another tree");
+        Ok(seconds)
+    })
+}
+
 /// What `bench/rivals.py` reads.
-fn json(build: &Samples, asked: &Asked) -> serde_json::Value {
+fn json(build: &Samples, refit: &Samples, asked: &Asked) -> serde_json::Value {
     serde_json::json!({
         "pairs": asked.pairs.len(),
         "build_seconds": build.seconds(),
+        "refit_seconds": refit.seconds(),
         "all_pairs_seconds": asked.all_pairs.seconds(),
         "first_hit_seconds": asked.first_hit.seconds(),
     })
 }
 
-fn print_table(mesh: &Mesh, build: &Samples, answers: &[(Standing, Asked)]) {
+fn print_table(mesh: &Mesh, preparations: [(&str, &Samples); 2], answers: &[(Standing, Asked)]) {
     let faces = mesh.faces().len();
     println!("{faces} triangles, {:.1} bytes each", mesh.memory() as f64 / faces.max(1) as f64);
     let mut table = Table::new(["", "pairs", "min", "median"]);
-    let [min, median] = spread(build);
-    table.row(["build".to_owned(), String::new(), min, median]);
+    for (name, samples) in preparations {
+        let [min, median] = spread(samples);
+        table.row([name.to_owned(), String::new(), min, median]);
+    }
     for (standing, asked) in answers {
         for (question, samples) in [("all pairs", &asked.all_pairs), ("first hit", &asked.first_hit)] {
             let [min, median] = spread(samples);

@@ -1,0 +1,90 @@
+"""impinge beside Embree on the two headline meshes in one run, one thread each: build, refit, and pairs.
+
+    apt install g++ libembree-dev
+    .venv/bin/python bench/rivals_embree.py
+
+Embree's pairs are those of faces whose boxes overlap in one common frame, by rtcCollide: it stops where impinge begins to
+decide triangles. Its trees are of medium quality; it gets its vertices in single precision.
+"""
+
+import argparse
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+from rivals import ROOT, Mesh, Pose, circumstances, output, poses, ratio, spread
+from torus_knot import torus_knot, write_ply
+
+FOLDER = ROOT / "target" / "rivals"
+KEYS = ("build_seconds", "refit_seconds", "pairs_seconds")
+
+
+def program() -> Path:
+    """The rival, compiled where its source is newer."""
+    source, binary = ROOT / "bench" / "embree" / "embree.cpp", FOLDER / "embree"
+    if not binary.exists() or binary.stat().st_mtime < source.stat().st_mtime:
+        subprocess.run(["g++", "-O3", "-march=native", str(source), "-o", str(binary), "-lembree3"], check=True)
+    return binary
+
+
+def measure_embree(mesh: Mesh, pose: Pose, repeats: int) -> dict[str, object]:
+    vertices, faces = mesh
+    moved = vertices @ pose.rotation().T + pose.translation
+    paths = [FOLDER / name for name in ("vertices_a.f32", "vertices_b.f32", "faces.u32")]
+    for path, array in zip(paths, (vertices.astype("<f4"), moved.astype("<f4"), faces.astype("<u4")), strict=True):
+        array.tofile(path)
+    answer = json.loads(output(str(program()), *map(str, paths), str(repeats)))
+    return {**answer, "pairs": answer["box_pairs"], "pairs_seconds": answer["collide_seconds"]}
+
+
+def measure_impinge(path: Path, pose: Pose, repeats: int) -> dict[str, object]:
+    numbers = ",".join(repr(x) for x in (*pose.translation, *pose.quaternion))
+    command = ["cargo", "run", "--quiet", "--release", "-p", "impinge-bench", "--bin", "headline", "--"]
+    arguments = ["--mesh", str(path), "--pose-b", numbers, "--threads", "1", "--json", "--repeats", str(repeats)]
+    answer = json.loads(output(*command, *arguments))
+    return {**answer, "pairs_seconds": answer["all_pairs_seconds"]}
+
+
+def table(timings: list[dict[str, object]]) -> str:
+    rows = ["| pose | engine | pairs | build, ms | ratio | refit, ms | ratio | pairs, ms | ratio |", "|" + "---|" * 9]
+    for ours, theirs in zip(timings[::2], timings[1::2], strict=True):
+        for timing in (ours, theirs):
+            cells = [timing["pose"], timing["engine"], str(timing["pairs"])]
+            for key in KEYS:
+                cells += [spread(timing[key], 1e3), ratio(timing[key], ours[key])]
+            rows.append("| " + " | ".join(map(str, cells)) + " |")
+    return "\n".join(rows)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--nu", type=int, default=2000, help="quads along the knot")
+    parser.add_argument("--nv", type=int, default=500, help="quads round its tube")
+    parser.add_argument("--repeats", type=int, default=9, help="runs of each")
+    parser.add_argument("--record", type=Path, default=ROOT / "bench" / "record", help="folder of the dated records")
+    options = parser.parse_args()
+
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    about = circumstances()
+    mesh = torus_knot(options.nu, options.nv)
+    path = FOLDER / f"torus_knot_{len(mesh[1])}.ply"
+    write_ply(path, *mesh)
+    timings = []
+    for pose in poses():
+        timings.append({"pose": pose.name, "engine": "impinge", **measure_impinge(path, pose, options.repeats)})
+        timings.append({"pose": pose.name, "engine": "Embree", **measure_embree(mesh, pose, options.repeats)})
+        # A box holds its triangle, so that no pair of triangles may be missing among those of boxes.
+        assert timings[-1]["pairs"] >= timings[-2]["pairs"], f"{pose.name}: Embree finds fewer pairs of boxes than there are of triangles"
+    found = table(timings)
+    print(found)
+    record = options.record / f"{about['date']}-embree.md"
+    lines = [f"# impinge beside Embree, {about['date']}", ""]
+    lines += [f"- {name}: `{value}`" for name, value in about.items() if name != "date"]
+    lines += ["", "One thread; median (minimum) of the runs; a ratio is the engine's median over impinge's. Embree's pairs are", "pairs of boxes in one frame, impinge's are pairs of triangles under any pose, exactly.", ""]
+    record.write_text("\n".join([*lines, found]) + "\n")
+    print(f"recorded in {record}")
+
+
+if __name__ == "__main__":
+    main()
