@@ -3,8 +3,8 @@
     apt install g++ libembree-dev
     .venv/bin/python bench/rivals_embree.py
 
-Embree's pairs are those of faces whose boxes overlap in one common frame, by rtcCollide: it stops where impinge begins to
-decide triangles. Its trees are of medium quality; it gets its vertices in single precision.
+Embree's pairs are those of faces whose boxes overlap in one common frame, by rtcCollide: it stops where impinge begins
+to decide triangles. Its trees are of medium quality; it gets its vertices in single precision.
 """
 
 import argparse
@@ -75,13 +75,14 @@ def main() -> None:
         timings.append({"pose": pose.name, "engine": "impinge", **measure_impinge(path, pose, options.repeats)})
         timings.append({"pose": pose.name, "engine": "Embree", **measure_embree(mesh, pose, options.repeats)})
         # A box holds its triangle, so that no pair of triangles may be missing among those of boxes.
-        assert timings[-1]["pairs"] >= timings[-2]["pairs"], f"{pose.name}: Embree finds fewer pairs of boxes than there are of triangles"
+        assert timings[-1]["pairs"] >= timings[-2]["pairs"], f"{pose.name}: Embree finds fewer pairs than impinge"
     found = table(timings)
     print(found)
     record = options.record / f"{about['date']}-embree.md"
     lines = [f"# impinge beside Embree, {about['date']}", ""]
     lines += [f"- {name}: `{value}`" for name, value in about.items() if name != "date"]
-    lines += ["", "One thread; median (minimum) of the runs; a ratio is the engine's median over impinge's. Embree's pairs are", "pairs of boxes in one frame, impinge's are pairs of triangles under any pose, exactly.", ""]
+    lines += ["", "One thread; median (minimum) of the runs; a ratio is the engine's median over impinge's. Embree's pairs are"]
+    lines += ["pairs of boxes in one frame, impinge's are pairs of triangles under any pose, exactly.", ""]
     record.write_text("\n".join([*lines, found]) + "\n")
     print(f"recorded in {record}")
 

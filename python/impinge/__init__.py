@@ -9,7 +9,7 @@ A pose is a (4, 4) matrix, world from local, for column vectors. Arrays of poses
 on all cores. `impinge.trimesh` and `impinge.fcl` stand in for the collision parts of the libraries of those names.
 """
 
-from impinge import fit
+from impinge import ccd, fit
 from impinge._distances import Distance, distance, within
 from impinge._errors import InputError, LoadWarning, Status
 from impinge._impinge import __version__
@@ -23,6 +23,7 @@ from impinge._intersections import (
 )
 from impinge._load import load
 from impinge._mesh import Mesh
+from impinge._motion import Impact, Motion, time_of_impact
 from impinge._origin import Origin
 from impinge._pairs import Pairs
 from impinge._points import ClosestPoint, RayHit, RayHits
@@ -37,9 +38,11 @@ __all__ = [
     "Distance",
     "Health",
     "Hull",
+    "Impact",
     "InputError",
     "LoadWarning",
     "Mesh",
+    "Motion",
     "Origin",
     "Pairs",
     "RayHit",
@@ -50,6 +53,7 @@ __all__ = [
     "Status",
     "TreeStatistics",
     "__version__",
+    "ccd",
     "convex_hull",
     "distance",
     "fit",
@@ -63,5 +67,6 @@ __all__ = [
     "self_intersecting_pairs",
     "show",
     "threads",
+    "time_of_impact",
     "within",
 ]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 __all__ = [
     "MeshBase",
     "Model",
+    "MotionBase",
     "__version__",
     "after_fork",
     "check_scene",
@@ -17,6 +18,7 @@ __all__ = [
     "contains",
     "convex_hull",
     "distance",
+    "edge_edge",
     "fit_volume",
     "health",
     "intersecting_pairs",
@@ -27,7 +29,9 @@ __all__ = [
     "ray_cast_all",
     "self_intersecting_pairs",
     "signed_distance",
+    "time_of_impact",
     "tree_statistics",
+    "vertex_face",
     "winding_number",
     "within",
 ]
@@ -48,6 +52,10 @@ class MeshBase:
     def memory(self) -> int: ...
     @property
     def is_closed(self) -> bool: ...
+    @property
+    def aging(self) -> float: ...
+    def move_vertices(self, vertices: Any) -> None: ...
+    def rebuild(self) -> None: ...
 
 @final
 class Model:
@@ -64,6 +72,12 @@ class Model:
     def part_of(self) -> NDArray[np.uint32]: ...
     @property
     def warnings(self) -> list[str]: ...
+
+class MotionBase:
+    def __new__(cls, pose_t0: Any, pose_t1: Any, screw: tuple[Any, Any, Any] | None) -> Self: ...
+    @property
+    def shape(self) -> list[int]: ...
+    def poses_at(self, t: float) -> NDArray[np.float64]: ...
 
 _Question: TypeAlias = tuple[Any, Any, Any, Any, Any, bool]
 """Meshes a and b, their poses, `on_error` and `progress`."""
@@ -82,6 +96,11 @@ def contact_points(question: _Question, pairs: NDArray[np.uint32]) -> tuple[NDAr
 def check_scene(
     parts: list[tuple[str, Any, Any]], pairs: list[tuple[int, int]], first: bool, on_error: Any, progress: bool
 ) -> Any: ...
+def time_of_impact(
+    moving: tuple[Any, Any, Any, Any, Any, bool],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def vertex_face(t0: Any, t1: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def edge_edge(t0: Any, t1: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def self_intersecting_pairs(mesh: Any) -> NDArray[np.uint32]: ...
 def closest_point(
     mesh: Any, points: Any

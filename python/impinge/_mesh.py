@@ -28,7 +28,7 @@ class HasTriangles(Protocol):
 
 @final
 class Mesh(_impinge.MeshBase):
-    """A triangle mesh with its hierarchy: judged once, immutable, for any number of questions and threads.
+    """A triangle mesh with its hierarchy: judged once, for any number of questions and threads.
 
     A mesh is its surface, the union of its closed triangles. A triangle without area is the segment or the point that
     it spans, and counts like any other. Face ``i`` is row ``i`` of what was given.
@@ -125,6 +125,68 @@ class Mesh(_impinge.MeshBase):
     def tree_statistics(self) -> TreeStatistics:
         """Return what can be read off the hierarchy."""
         return TreeStatistics(**_impinge.tree_statistics(self))
+
+    def refit(self, vertices: ArrayLike) -> None:
+        """Move the vertices; the faces stay as they are.
+
+        The hierarchy keeps its shape and takes in the new places, several times quicker than it is built. Calls that
+        run meanwhile are answered about the mesh as it was. No answer depends on the shape; how much slower the
+        questions have become is `aging`, and `rebuild` makes them quick again.
+
+        Parameters
+        ----------
+        vertices : (n, 3) array_like of float32 or float64
+            As many as before, in the mesh's own frame.
+
+        Raises
+        ------
+        InputError
+            If an array has another shape or type, or a coordinate is not finite or out of range. The mesh is then as it
+            was.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> mesh = impinge.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> mesh.refit([[0, 0, 5], [1, 0, 5], [0, 1, 5]])
+        >>> mesh.vertices[0], mesh.aging
+        (array([0., 0., 5.]), 1.0)
+        """
+        self.move_vertices(_arrays.plain_cloud(vertices, "vertices"))
+
+    def refitted(self, vertices: ArrayLike) -> Mesh:
+        """Return another mesh of the same faces with its vertices moved; this one stays as it is.
+
+        Parameters
+        ----------
+        vertices : (n, 3) array_like of float32 or float64
+            As for `refit`.
+
+        Returns
+        -------
+        Mesh
+            Its hierarchy has the shape of this one's.
+
+        Raises
+        ------
+        InputError
+            As for `refit`.
+        """
+        moved = super().__new__(Mesh, _arrays.plain_cloud(vertices, "vertices"), self)
+        moved._origin = self._origin
+        return moved
+
+    @property
+    def aging(self) -> float:
+        """What a question costs in the hierarchy by the surface area heuristic, over what it did when it was built.
+
+        It is 1 for a new one. Above 1.5 or so, `rebuild` pays for itself within some dozens of questions.
+        """
+        return super().aging
+
+    def rebuild(self) -> None:
+        """Build the hierarchy anew from where the vertices are. No answer changes."""
+        super().rebuild()
 
     def closest_point(self, points: ArrayLike) -> ClosestPoint:
         """Return the points of the mesh that are nearest to given ones.

@@ -67,6 +67,7 @@ pub(crate) fn kind_and_place(error: &InputError) -> (&'static str, Vec<usize>) {
         InputErrorKind::NonFinite { what, index } => ("non-finite", place(what, index)),
         InputErrorKind::OutOfRange { what, index, .. } => ("out-of-range", place(what, index)),
         InputErrorKind::IndexOutOfBounds { face, .. } => ("index-out-of-bounds", vec![face]),
+        InputErrorKind::OtherCount { .. } => ("shape", Vec::new()),
         InputErrorKind::TooMany { .. } => ("too-many", Vec::new()),
         InputErrorKind::NotAffine { .. } => ("not-affine", vec![3]),
         InputErrorKind::Singular => ("singular", Vec::new()),

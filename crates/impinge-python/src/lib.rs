@@ -8,6 +8,7 @@ mod errors;
 mod inspection;
 mod mesh;
 mod model;
+mod motions;
 mod points;
 mod poses;
 mod question;
@@ -28,6 +29,8 @@ mod _impinge {
     use super::mesh::MeshBase;
     #[pymodule_export]
     use super::model::Model;
+    #[pymodule_export]
+    use super::motions::{MotionBase, edge_edge, time_of_impact, vertex_face};
     #[pymodule_export]
     use super::points::{closest_point, contains, signed_distance, winding_number};
     #[pymodule_export]

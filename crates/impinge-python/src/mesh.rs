@@ -1,5 +1,8 @@
 //! The mesh as Python holds it.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
+use impinge::hierarchy::Builder;
 use impinge::{Mesh, Positions};
 use numpy::{Element, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -10,22 +13,48 @@ use crate::errors::{Fault, kind_and_place, message};
 use crate::model::Model;
 use crate::workers;
 
-/// What `impinge.Mesh` inherits: the mesh, and its arrays once somebody has asked for them.
+/// What `impinge.Mesh` inherits: the mesh as it is now, and the array of its faces once somebody has asked for it.
 #[pyclass(subclass, frozen, module = "impinge._impinge")]
 pub(crate) struct MeshBase {
+    /// Held for no longer than it takes to read or replace what is in it.
+    state: Mutex<State>,
+    faces: PyOnceLock<Py<PyAny>>,
+}
+
+/// A mesh with its vertices where they are.
+#[derive(Clone)]
+struct State {
     mesh: Mesh,
     /// Whether the vertices came in double precision, and are to be shown so.
     is_double: bool,
-    vertices: PyOnceLock<Py<PyAny>>,
-    faces: PyOnceLock<Py<PyAny>>,
+    /// The array of the vertices, once somebody has asked for it.
+    vertices: Arc<PyOnceLock<Py<PyAny>>>,
+}
+
+impl State {
+    fn new(mesh: Mesh, is_double: bool) -> Self {
+        Self { mesh, is_double, vertices: Arc::new(PyOnceLock::new()) }
+    }
+}
+
+impl MeshBase {
+    /// The mesh as it is now; what becomes of it later does not reach whoever holds this.
+    fn state(&self) -> State {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
 }
 
 #[pymethods]
 impl MeshBase {
-    /// Of a `Model`, or of arrays as `impinge._arrays` makes them: (n, 3) f32 or f64, and (m, 3) integers.
+    /// Of a `Model`, or of arrays as `impinge._arrays` makes them: (n, 3) f32 or f64, and (m, 3) integers. Or of the array and
+    /// a mesh whose faces they are to be.
     #[new]
     fn new(source: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<Self> {
         let py = source.py();
+        if let Ok(base) = faces.cast::<Self>() {
+            let state = refitted(&base.get().state().mesh, source)?;
+            return Ok(Self { state: Mutex::new(state), faces: PyOnceLock::new() });
+        }
         let (positions, faces, count) = match source.cast::<Model>() {
             Ok(model) => {
                 let (positions, faces) = model.get().triangles();
@@ -45,18 +74,44 @@ impl MeshBase {
             let argument = if names_faces { "faces" } else { "vertices" };
             Fault::new(kind, argument, message(&error)).at(at).hint(error.hint()).raised(py)
         })?;
-        Ok(Self { mesh, is_double, vertices: PyOnceLock::new(), faces: PyOnceLock::new() })
+        Ok(Self { state: Mutex::new(State::new(mesh, is_double)), faces: PyOnceLock::new() })
+    }
+
+    /// Moves the vertices; whoever asks a question meanwhile is answered about the mesh as it was.
+    fn move_vertices(&self, vertices: &Bound<'_, PyAny>) -> PyResult<()> {
+        let state = refitted(&self.state().mesh, vertices)?;
+        *self.state.lock().unwrap_or_else(PoisonError::into_inner) = state;
+        Ok(())
+    }
+
+    /// Builds the hierarchy anew; what a move of the vertices meanwhile puts in its place stays.
+    fn rebuild(&self, py: Python<'_>) -> PyResult<()> {
+        let State { mut mesh, is_double, vertices } = self.state();
+        let mesh = workers::run(py, move |_| {
+            mesh.rebuild(Builder::default());
+            mesh
+        })?;
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        if Arc::ptr_eq(&state.vertices, &vertices) {
+            *state = State { mesh, is_double, vertices };
+        }
+        Ok(())
+    }
+
+    /// What the hierarchy costs, in parts of what it cost when it was built.
+    #[getter]
+    fn aging(&self) -> f64 {
+        self.state().mesh.aging().ratio()
     }
 
     /// Read-only; made when first asked for.
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let made = self.vertices.get_or_try_init(py, || {
-            let lead = [self.mesh.positions().len()];
-            let made = match self.mesh.positions() {
-                Positions::F32(v) if self.is_double => {
-                    row_array(py, v.iter().map(|v| v.map(f64::from)).collect(), &lead)?
-                }
+        let State { mesh, is_double, vertices } = self.state();
+        let made = vertices.get_or_try_init(py, || {
+            let lead = [mesh.positions().len()];
+            let made = match mesh.positions() {
+                Positions::F32(v) if is_double => row_array(py, v.iter().map(|v| v.map(f64::from)).collect(), &lead)?,
                 Positions::F32(v) => row_array(py, v.clone(), &lead)?,
                 Positions::F64(v) => row_array(py, v.clone(), &lead)?,
             };
@@ -68,8 +123,9 @@ impl MeshBase {
     /// Read-only; made when first asked for.
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mesh = self.state().mesh;
         let made = self.faces.get_or_try_init(py, || {
-            let faces = self.mesh.faces();
+            let faces = mesh.faces();
             read_only(row_array(py, faces.to_vec(), &[faces.len()])?)
         })?;
         Ok(made.bind(py).clone())
@@ -77,25 +133,40 @@ impl MeshBase {
 
     #[getter]
     fn vertex_count(&self) -> usize {
-        self.mesh.positions().len()
+        self.state().mesh.positions().len()
     }
 
     #[getter]
     fn face_count(&self) -> usize {
-        self.mesh.faces().len()
+        self.state().mesh.faces().len()
     }
 
     #[getter]
     fn is_closed(&self, py: Python<'_>) -> PyResult<bool> {
-        let mesh = self.mesh.clone();
+        let mesh = self.state().mesh;
         workers::run(py, move |_| mesh.is_closed())
     }
 
     /// Bytes, beside the arrays that were asked for.
     #[getter]
     fn memory(&self) -> usize {
-        self.mesh.memory()
+        self.state().mesh.memory()
     }
+}
+
+/// The mesh with its vertices where an array says, (n, 3) f32 or f64.
+///
+/// # Errors
+/// `InputError` where there are more or fewer than before, or one is not in range.
+fn refitted(mesh: &Mesh, vertices: &Bound<'_, PyAny>) -> PyResult<State> {
+    let positions = read_positions(vertices)?;
+    let is_double = matches!(positions, Positions::F64(_));
+    let mesh = mesh.clone();
+    let moved = workers::run(vertices.py(), move |_| mesh.refitted(positions))?.map_err(|error| {
+        let (kind, at) = kind_and_place(&error);
+        Fault::new(kind, "vertices", message(&error)).at(at).hint(error.hint()).raised(vertices.py())
+    })?;
+    Ok(State::new(moved, is_double))
 }
 
 /// The mesh that an argument is.
@@ -104,7 +175,7 @@ impl MeshBase {
 /// `InputError` where it is something else.
 pub(crate) fn mesh_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Mesh> {
     match value.cast::<MeshBase>() {
-        Ok(base) => Ok(base.get().mesh.clone()),
+        Ok(base) => Ok(base.get().state().mesh),
         Err(_) => {
             let message = format!("must be an impinge.Mesh, not {}", value.get_type().qualname()?);
             let hint = Some("impinge.Mesh(...) makes one of arrays or of a trimesh.Trimesh, once for many questions");

@@ -100,7 +100,9 @@ fn bounds_by_lanes<T: Coordinate>(points: &[[T; 3]]) -> Option<MinMax> {
     (in_range && poison.iter().all(|&sum| sum == T::ZERO)).then(|| MinMax::from_ordered(low, high))
 }
 
+/// Takes one coordinate into the bounds of its lane.
 #[inline(always)]
+#[allow(clippy::eq_op, reason = "zero for what is finite and for nothing else")]
 fn look<T: Coordinate>(min: &mut T, max: &mut T, poison: &mut T, x: T) {
     *min = if x < *min { x } else { *min };
     *max = if x > *max { x } else { *max };

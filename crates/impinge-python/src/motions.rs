@@ -1,0 +1,193 @@
+//! Motions of bodies, and when they first touch.
+
+use impinge::sweep::{self, Impact, Motion, time_of_impact_of_solids};
+use impinge::{InputError, Pose};
+use pyo3::prelude::*;
+
+use crate::arrays::array;
+use crate::broadcast::Broadcast;
+use crate::errors::{Fault, kind_and_place, message};
+use crate::mesh::mesh_of;
+use crate::points::Points;
+use crate::poses::{OnError, Poses};
+use crate::question::SolidOption;
+use crate::workers::{self, Rows};
+
+/// The magnitude that poses allow a translation: 2 to this.
+const EXPONENT: i32 = 300;
+
+/// The most motions of single features that the caller's own thread takes.
+const MOST_BRIEF_FEATURES: usize = 256;
+
+/// What `impinge.Motion` inherits: motions, judged, with their leading axes.
+#[pyclass(subclass, frozen, module = "impinge._impinge")]
+pub(crate) struct MotionBase {
+    shape: Vec<usize>,
+    motions: Vec<Motion>,
+}
+
+/// Linear and angular velocity, and the pivot or `None`.
+type Screw<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+#[pymethods]
+impl MotionBase {
+    /// To another pose, or by a screw; all arrays have the same leading axes.
+    #[new]
+    fn new(pose_t0: &Bound<'_, PyAny>, pose_t1: &Bound<'_, PyAny>, screw: Option<Screw<'_>>) -> PyResult<Self> {
+        let from = Poses::read(pose_t0, "pose_t0", OnError::Raise)?;
+        let made: Vec<Result<Motion, InputError>> = if let Some((linear, angular, pivot)) = screw {
+            let linear = Points::read(&linear, "linear", EXPONENT)?.rows;
+            let angular = Points::read(&angular, "angular", EXPONENT)?.rows;
+            let pivots = if pivot.is_none() { None } else { Some(Points::read(&pivot, "pivot", EXPONENT)?.rows) };
+            let velocities = linear.into_iter().zip(angular).enumerate();
+            let screws = from.poses.iter().zip(velocities);
+            screws
+                .map(|(&pose, (row, (linear, angular)))| {
+                    let pivot = pivots.as_ref().map(|pivots| pivots[row]);
+                    Motion::screw(pose, linear, angular, pivot)
+                })
+                .collect()
+        } else {
+            let to = Poses::read(pose_t1, "pose_t1", OnError::Raise)?;
+            from.poses.iter().zip(to.poses).map(|(&from, to)| Motion::between(from, to)).collect()
+        };
+        let mut motions = Vec::with_capacity(made.len());
+        for (row, motion) in made.into_iter().enumerate() {
+            motions.push(motion.map_err(|error| {
+                let at = Broadcast::place(&from.shape, row);
+                Fault::new(kind_and_place(&error).0, "motion", message(&error))
+                    .at(at)
+                    .hint(error.hint())
+                    .raised(pose_t0.py())
+            })?);
+        }
+        Ok(Self { shape: from.shape, motions })
+    }
+
+    #[getter]
+    fn shape(&self) -> Vec<usize> {
+        self.shape.clone()
+    }
+
+    /// (..., 4, 4) poses at one time.
+    fn poses_at<'py>(&self, py: Python<'py>, t: f64) -> PyResult<Bound<'py, PyAny>> {
+        let matrices = self.motions.iter().flat_map(|motion| matrix(&motion.at(t))).collect();
+        array(py, matrices, &[&self.shape[..], &[4, 4]].concat())
+    }
+}
+
+fn matrix(pose: &Pose) -> [f64; 16] {
+    let mut numbers = [0.0; 16];
+    for row in 0..3 {
+        numbers[4 * row..4 * row + 3].copy_from_slice(&pose.linear()[row]);
+        numbers[4 * row + 3] = pose.translation()[row];
+    }
+    numbers[15] = 1.0;
+    numbers
+}
+
+/// The motions of an argument; a body that rests at the origin for `None`.
+fn motions_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<usize>, Vec<Motion>)> {
+    if value.is_none() {
+        return Ok((Vec::new(), vec![Motion::default()]));
+    }
+    match value.cast::<MotionBase>() {
+        Ok(base) => Ok((base.get().shape.clone(), base.get().motions.clone())),
+        Err(_) => {
+            let message = format!("must be an impinge.Motion, not {}", value.get_type().qualname()?);
+            let hint = Some("impinge.Motion(pose_t0, pose_t1), or impinge.Motion.screw(...)");
+            Err(Fault::new("type", name, message).hint(hint).raised(value.py()))
+        }
+    }
+}
+
+/// The meshes a and b, their motions, which of them are solid, and whether to show how far the call is.
+type Moving<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, SolidOption, bool);
+
+/// The two bounds of the time, in two arrays.
+#[pyfunction]
+pub(crate) fn time_of_impact<'py>(py: Python<'py>, moving: Moving<'py>) -> PyResult<Bound<'py, PyAny>> {
+    let (a, b, motion_a, motion_b, SolidOption(solid), progress) = moving;
+    let (mesh_a, mesh_b) = (mesh_of(&a, "a")?, mesh_of(&b, "b")?);
+    let (shape_a, motions_a) = motions_of(&motion_a, "motion_a")?;
+    let (shape_b, motions_b) = motions_of(&motion_b, "motion_b")?;
+    let Some(rows) = Broadcast::new(&shape_a, &shape_b) else {
+        let message = format!("leading axes {shape_b:?} do not broadcast with {shape_a:?}, those of motion_a");
+        return Err(Fault::new("shape", "motion_b", message).raised(py));
+    };
+    let shape = rows.shape.clone();
+    let asked = Rows { count: rows.rows, brief: false, progress };
+    let impacts = workers::rows(
+        py,
+        asked,
+        SAFE,
+        || (),
+        move |(), row| {
+            let [at_a, at_b] = rows.sources(row);
+            time_of_impact_of_solids(&mesh_a, &mesh_b, &motions_a[at_a], &motions_b[at_b], solid)
+        },
+    )?;
+    bounds(py, &impacts, &shape)
+}
+
+/// What nothing was proved about.
+const SAFE: Impact = Impact { t_lower: 0.0, t_upper: f64::INFINITY };
+
+fn bounds<'py>(py: Python<'py>, impacts: &[Impact], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+    let of = |bound: fn(&Impact) -> f64| array(py, impacts.iter().map(bound).collect(), shape);
+    Ok((of(|impact| impact.t_lower)?, of(|impact| impact.t_upper)?).into_pyobject(py)?.into_any())
+}
+
+/// A vertex and a face, (..., 4, 3) corners at both ends of a linear motion: the two bounds of the time.
+#[pyfunction]
+pub(crate) fn vertex_face<'py>(t0: &Bound<'py, PyAny>, t1: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    features(t0, t1, sweep::vertex_face)
+}
+
+/// Two edges, likewise.
+#[pyfunction]
+pub(crate) fn edge_edge<'py>(t0: &Bound<'py, PyAny>, t1: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    features(t0, t1, sweep::edge_edge)
+}
+
+type Corners = [[f64; 3]; 4];
+
+fn features<'py>(
+    t0: &Bound<'py, PyAny>,
+    t1: &Bound<'py, PyAny>,
+    ask: fn(&Corners, &Corners) -> Result<Impact, InputError>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = t0.py();
+    let (shape_t0, corners_t0) = corners(t0, "t0")?;
+    let (shape_t1, corners_t1) = corners(t1, "t1")?;
+    let Some(rows) = Broadcast::new(&shape_t0, &shape_t1) else {
+        let message = format!("leading axes {shape_t1:?} do not broadcast with {shape_t0:?}, those of t0");
+        return Err(Fault::new("shape", "t1", message).raised(py));
+    };
+    let shape = rows.shape.clone();
+    let asked = Rows { count: rows.rows, brief: rows.rows <= MOST_BRIEF_FEATURES, progress: false };
+    let impacts = workers::rows(
+        py,
+        asked,
+        SAFE,
+        || (),
+        move |(), row| {
+            let [at_t0, at_t1] = rows.sources(row);
+            // Judged when they were read.
+            ask(&corners_t0[at_t0], &corners_t1[at_t1]).unwrap_or(SAFE)
+        },
+    )?;
+    bounds(py, &impacts, &shape)
+}
+
+/// Rows of four corners with their leading axes.
+fn corners(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<usize>, Vec<Corners>)> {
+    /// The magnitude below which the proofs hold: 2 to this.
+    const EXPONENT: i32 = 128;
+    let Points { mut shape, rows } = Points::read(value, name, EXPONENT)?;
+    if shape.pop() != Some(4) {
+        let message = "four corners are expected, (4, 3) or (..., 4, 3): a vertex and a face, or two edges";
+        return Err(Fault::new("shape", name, message).raised(value.py()));
+    }
+    Ok((shape, rows.as_chunks::<4>().0.to_vec()))
+}
