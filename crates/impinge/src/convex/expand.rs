@@ -14,7 +14,7 @@
 use super::facet::Facet;
 use super::posed::{Difference, Pair};
 use super::simplex;
-use crate::primitive::dot;
+use crate::primitive::{dot, length};
 
 /// The most points of the polytope. Boxes and small hulls end with some 10; round cores keep the interval that they have by then,
 /// and each one costs a look at all triangles.
@@ -23,6 +23,9 @@ const MOST_POINTS: usize = 320;
 /// How far a point must be above a triangle's plane for the triangle to see it, in the common unit: 2^-50. Less would make
 /// slivers of points that are in the plane but for rounding.
 const ABOVE: f64 = 4.0 * f64::EPSILON;
+
+/// A triangle without area is farther from the origin than this, in the common unit, or nothing is proved: 2^-20.
+const FAR: f64 = 1.0 / (1 << 20) as f64;
 
 /// A closed list of triangles about the origin.
 pub(super) struct Polytope {
@@ -36,7 +39,8 @@ pub(super) struct Polytope {
 struct Triangle {
     corners: [u32; 3],
     direction: [f64; 3],
-    /// How far below the plane the origin is at least; infinite for a triangle without area, which bounds nothing.
+    /// How far below the plane the origin is at least; infinite for a triangle without area, which bounds nothing, and negative
+    /// infinity where that may hold the origin.
     lower: f64,
     /// The height of the plane along the direction, which has no length of 1.
     height: f64,
@@ -120,7 +124,12 @@ impl Polytope {
         let [a, b, c] = corners.map(|corner| self.points[corner as usize].vector);
         let triangle = match Facet::of(&a, &b, &c) {
             Some(Facet { direction, lower }) => Triangle { corners, direction, lower, height: dot(&direction, &a) },
-            None => Triangle { corners, direction: [0.0; 3], lower: f64::INFINITY, height: f64::INFINITY },
+            // Far from the origin it covers no direction of its own; near, nothing is proved any more.
+            None => {
+                let away = length(&simplex::nearest(&[a, b, c]).vector);
+                let lower = if away > FAR { f64::INFINITY } else { f64::NEG_INFINITY };
+                Triangle { corners, direction: [0.0; 3], lower, height: f64::INFINITY }
+            }
         };
         self.triangles.push(triangle);
     }

@@ -30,7 +30,7 @@ mod surface;
 mod surface_contacts;
 
 pub(crate) use depth::{Depth, depth};
-pub(crate) use distance::{Separation, nearness, separation};
+pub(crate) use distance::{Coherence, Separation, nearness, nearness_from, separation};
 pub(crate) use facets::Facets;
 pub(crate) use half_space::HalfSpace;
 pub(crate) use manifold::{Contact, Contacts, Faceted, contacts};

@@ -120,6 +120,10 @@ impl Swept<'_> {
     /// Which of two shapes comes first in the arithmetic, whichever was named first, so that swapping them changes no digit:
     /// the one with the lesser numbers. Shapes in one place that no number here tells apart are taken as they come.
     pub(super) fn is_before(&self, other: &Self) -> bool {
+        let (here, there) = (self.pose.translation(), other.pose.translation());
+        if let Some(order) = here.iter().zip(there).map(|(x, y)| x.total_cmp(y)).find(|order| order.is_ne()) {
+            return order.is_le();
+        }
         let order =
             self.numbers().iter().zip(other.numbers()).map(|(x, y)| x.total_cmp(&y)).find(|order| order.is_ne());
         let order = order.or_else(|| {
@@ -174,6 +178,22 @@ impl<'a> Pair<'a> {
             vertex: Cell::new(0),
         };
         Self { a: posed(a, [0.0; 3]), b: posed(b, offset), unit, extent: world.map(|extent| extent / unit) }
+    }
+
+    /// Lets climbs over hulls start here; no answer depends on it.
+    pub(super) fn start_at(&self, vertices: [u32; 2]) {
+        for (set, vertex) in [&self.a, &self.b].into_iter().zip(vertices) {
+            if let Core::Hull(hull) = set.core
+                && (vertex as usize) < hull.positions().len()
+            {
+                set.vertex.set(vertex);
+            }
+        }
+    }
+
+    /// Where the last climbs ended.
+    pub(super) fn vertices(&self) -> [u32; 2] {
+        [self.a.vertex.get(), self.b.vertex.get()]
     }
 
     /// The difference that is farthest along a direction from A to B.

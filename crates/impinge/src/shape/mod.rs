@@ -328,6 +328,11 @@ impl PlacedShape {
         self.bounds
     }
 
+    /// Whether the shape is or has a half-space.
+    pub(crate) fn is_unbounded(&self) -> bool {
+        self.parts().iter().any(|part| matches!(part.kind, Kind::HalfSpace { .. }))
+    }
+
     /// The parts that verbs are asked of: this shape, or those of a compound.
     pub(crate) fn parts(&self) -> &[Self] {
         match self.kind {

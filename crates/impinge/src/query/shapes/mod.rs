@@ -10,9 +10,13 @@ mod contacts;
 mod search;
 mod table;
 
-use crate::shape::PlacedShape;
+use crate::convex::{self, Coherence};
+use crate::shape::{Form, PlacedShape};
 pub use crate::volume::Proximity;
 pub use contacts::{ContactId, ContactOptions, ContactPoint, Feature, Manifold, contacts, contacts_with};
+
+/// Beyond this, 2^320 world units, everything is nearer, and sums stay in range below it.
+const FAR: f64 = f64::from_bits((1023 + 320) << 52);
 
 /// How far apart two shapes are, with what was proved about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,9 +91,45 @@ pub fn within(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> bool {
     if clearance.is_nan() || clearance < 0.0 {
         return false;
     }
-    // Beyond 2^320 everything is nearer, and sums stay in range.
-    const FAR: f64 = f64::from_bits((1023 + 320) << 52);
     clearance > FAR || table::nearness(a, b, clearance) != Proximity::Apart
+}
+
+/// What was found when two shapes were last asked about; the caller keeps one for each two shapes.
+///
+/// It makes the next answer faster where they have moved little, and never another.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ShapeCache(Coherence);
+
+/// [`within`], from where the shapes were last; with a clearance of zero [`intersects`].
+///
+/// ```
+/// use impinge::{Pose, query::shapes::{self, ShapeCache}, shape::Shape};
+///
+/// let unit = Shape::cuboid([0.5; 3])?;
+/// let here = unit.at(Pose::IDENTITY)?;
+/// let mut cache = ShapeCache::default();
+/// for step in 0..8 {
+///     let there = unit.at(Pose::from_translation([1.75 - 0.125 * f64::from(step), 0.0, 0.0])?)?;
+///     assert_eq!(shapes::within_with(&here, &there, 0.0, &mut cache), step >= 6);
+/// }
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+///
+/// # Complexity
+/// One support of either shape where two convex ones are still apart along the last direction, by hill climbing from the last
+/// vertex; else as there. Of anything else the cache keeps nothing.
+#[must_use]
+pub fn within_with(a: &PlacedShape, b: &PlacedShape, clearance: f64, cache: &mut ShapeCache) -> bool {
+    let is_plain = (0.0..=FAR).contains(&clearance);
+    match (a.parts(), b.parts()) {
+        ([part_a], [part_b]) if is_plain => {
+            if let (Form::Convex(a), Form::Convex(b)) = (part_a.form(), part_b.form()) {
+                return convex::nearness_from(&a, &b, clearance, &mut cache.0) != Proximity::Apart;
+            }
+            within(a, b, clearance)
+        }
+        _ => within(a, b, clearance),
+    }
 }
 
 /// The distance of two shapes.
