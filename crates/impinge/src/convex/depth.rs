@@ -30,6 +30,29 @@ const PUSHED: usize = 16;
 /// The width of an interval, in the common unit, that is not worth another round: 2^-46.
 const NARROW: f64 = 64.0 * f64::EPSILON;
 
+/// An interval of polytopes that is wider than this, in the common unit, was left by a polytope that rounding has bent: 2^-38.
+const BENT: f64 = 1.0 / (1_u64 << 38) as f64;
+
+/// When an interval is good enough.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Effort {
+    /// The width, in the common unit, that is not worth another step.
+    narrow: f64,
+    /// The most points of the expanding polytope. Boxes and small hulls end with some 10; round cores keep the interval that they
+    /// have by then.
+    most_points: usize,
+    /// Whether exact hulls go on where the polytope of round cores has proved nothing.
+    is_thorough: bool,
+}
+
+impl Effort {
+    /// For a depth.
+    const DEPTH: Self = Self { narrow: NARROW, most_points: 320, is_thorough: true };
+
+    /// For the normal of a contact, which the next step of a simulation finds anew.
+    pub(super) const CONTACT: Self = Self { narrow: 1.0 / (1 << 24) as f64, most_points: 64, is_thorough: false };
+}
+
 /// What is proved of the depth of two shapes that meet, in world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Depth {
@@ -49,20 +72,20 @@ pub(super) struct CoreWitness {
 /// The depth of two shapes; meaningful for any two, and zero at the lower end where they may be apart.
 pub(crate) fn depth(a: &Swept<'_>, b: &Swept<'_>) -> Depth {
     if a.is_before(b) {
-        return depth_in_order(&Pair::new(a, b), a, b).depth;
+        return depth_in_order(&Pair::new(a, b), a, b, Effort::DEPTH).depth;
     }
-    let mut found = depth_in_order(&Pair::new(b, a), b, a).depth;
+    let mut found = depth_in_order(&Pair::new(b, a), b, a, Effort::DEPTH).depth;
     found.points.swap(0, 1);
     found.normal = found.normal.map(|x| 0.0 - x);
     found
 }
 
-pub(super) fn depth_in_order(pair: &Pair<'_>, a: &Swept<'_>, b: &Swept<'_>) -> CoreWitness {
+pub(super) fn depth_in_order(pair: &Pair<'_>, a: &Swept<'_>, b: &Swept<'_>, effort: Effort) -> CoreWitness {
     let gap = gap(pair);
     let sum = |end: usize| a.radius[end] + b.radius[end];
     let [_, gap_above] = world_bounds(&gap, pair);
     let apart = below(below(sum(0)) - gap_above).max(0.0);
-    let core = if gap.lower > 0.5 * gap.upper { of_apart(pair, &gap) } else { expand(pair, &gap) };
+    let core = if gap.lower > 0.5 * gap.upper { of_apart(pair, &gap) } else { expand(pair, &gap, effort) };
     let [inside, height] = [core.lower * pair.unit, core.upper * pair.unit];
     let lower = if inside > 0.0 { below(inside + below(sum(0))) } else { apart };
     let normal = to_unit_length(core.direction);
@@ -110,33 +133,38 @@ struct Candidate {
     face: Option<[usize; 3]>,
 }
 
-fn expand(pair: &Pair<'_>, gap: &Gap) -> CoreDepth {
+fn expand(pair: &Pair<'_>, gap: &Gap, effort: Effort) -> CoreDepth {
     let mut best = CoreDepth { lower: 0.0, upper: f64::INFINITY, direction: [1.0, 0.0, 0.0], points: gap.points };
     let mut known: Vec<Difference> = gap.simplex.clone();
     for direction in both_ways(&AXES) {
         offer(pair, &mut best, &mut known, &Candidate { lower: 0.0, direction, face: None });
     }
-    if best.lower < best.upper
-        && let Some(polytope) = about_origin(pair, &gap.simplex)
-    {
-        grow(pair, polytope, &mut best);
+    let polytope = about_origin(pair, &gap.simplex);
+    let is_flat = polytope.is_none();
+    if let Some(polytope) = polytope {
+        grow(pair, polytope, &mut best, effort);
     }
-    if best.lower == 0.0 && best.upper > NARROW {
+    let is_open = match (pair.a.corners(), pair.b.corners()) {
+        (Some(_), Some(_)) => best.upper - best.lower > BENT,
+        _ => best.lower == 0.0 && best.upper > NARROW && (is_flat || effort.is_thorough),
+    };
+    if is_open {
         by_hulls(pair, known, &mut best);
     }
     best
 }
 
 /// Grows a polytope until its nearest facet is one of the set's, or no more is to be gained.
-fn grow(pair: &Pair<'_>, mut polytope: Polytope, best: &mut CoreDepth) {
+fn grow(pair: &Pair<'_>, mut polytope: Polytope, best: &mut CoreDepth, effort: Effort) {
     while let Some(nearest) = polytope.nearest() {
-        best.lower = (nearest.lower - pair.point_error()).max(0.0);
+        // What an earlier polytope held, the set holds.
+        best.lower = best.lower.max(nearest.lower - pair.point_error());
         let push = Push::along(pair, nearest.direction);
         if push.height < best.upper {
             (best.upper, best.direction) = (push.height, nearest.direction);
             best.points = polytope.foot(&nearest);
         }
-        if best.upper - best.lower <= NARROW || !polytope.grow(&nearest, push.farthest) {
+        if best.upper - best.lower <= effort.narrow || !polytope.grow(&nearest, push.farthest, effort.most_points) {
             break;
         }
     }
@@ -165,7 +193,8 @@ fn by_hulls(pair: &Pair<'_>, mut known: Vec<Difference>, best: &mut CoreDepth) {
         let Ok(hull) = Hull::new(&vectors) else { break };
         let mut candidates = candidates(&hull, &vectors);
         candidates.sort_by(|x, y| x.lower.total_cmp(&y.lower));
-        best.lower = candidates.first().map_or(0.0, |nearest| (nearest.lower - pair.point_error()).max(0.0));
+        best.lower =
+            candidates.first().map_or(best.lower, |nearest| best.lower.max(nearest.lower - pair.point_error()));
         if best.upper - best.lower <= NARROW {
             break;
         }

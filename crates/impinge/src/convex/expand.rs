@@ -16,13 +16,9 @@ use super::posed::{Difference, Pair};
 use super::simplex;
 use crate::primitive::{dot, length};
 
-/// The most points of the polytope. Boxes and small hulls end with some 10; round cores keep the interval that they have by then,
-/// and each one costs a look at all triangles.
-const MOST_POINTS: usize = 320;
-
-/// How far a point must be above a triangle's plane for the triangle to see it, in the common unit: 2^-50. Less would make
-/// slivers of points that are in the plane but for rounding.
-const ABOVE: f64 = 4.0 * f64::EPSILON;
+/// How far below a triangle's plane a point may be for the triangle to see it still, in the common unit: 2^-48. What is in the plane
+/// but for rounding is replaced with the rest: were it kept, cones over it would have triangles without area.
+const IN_PLANE: f64 = 16.0 * f64::EPSILON;
 
 /// A triangle without area is farther from the origin than this, in the common unit, or nothing is proved: 2^-20.
 const FAR: f64 = 1.0 / (1 << 20) as f64;
@@ -87,9 +83,10 @@ impl Polytope {
         triangle.lower.is_finite().then_some(Nearest { lower: triangle.lower, direction: triangle.direction, at })
     }
 
-    /// Grows to a point that is beyond the plane of a triangle. False where it is a corner already, or there are as many as may be.
-    pub(super) fn grow(&mut self, beyond: &Nearest, point: Difference) -> bool {
-        if self.points.len() >= MOST_POINTS || self.points.iter().any(|known| known.vector == point.vector) {
+    /// Grows to a point that is beyond the plane of a triangle. False where it is a corner already, or there are as many as may be:
+    /// each one costs a look at all triangles.
+    pub(super) fn grow(&mut self, beyond: &Nearest, point: Difference, most_points: usize) -> bool {
+        if self.points.len() >= most_points || self.points.iter().any(|known| known.vector == point.vector) {
             return false;
         }
         let number = self.points.len() as u32;
@@ -97,7 +94,7 @@ impl Polytope {
         let mut border = std::mem::take(&mut self.border);
         let mut at = 0..;
         self.triangles.retain(|triangle| {
-            let is_seen = dot(&triangle.direction, &point.vector) - triangle.height > ABOVE;
+            let is_seen = dot(&triangle.direction, &point.vector) - triangle.height >= -IN_PLANE;
             let is_removed = at.next() == Some(beyond.at) || is_seen;
             if is_removed {
                 let [p, q, r] = triangle.corners;
@@ -199,7 +196,7 @@ mod tests {
             // On the grid, so that many are in planes of facets.
             let digit = |at: u32| f64::from((step * 7 + at * step) % 5) - 2.0;
             let Some(nearest) = polytope.nearest() else { break };
-            grown += u32::from(polytope.grow(&nearest, difference([digit(1), digit(3), digit(5)])));
+            grown += u32::from(polytope.grow(&nearest, difference([digit(1), digit(3), digit(5)]), 64));
             let mut edges: Vec<[u32; 2]> = Vec::new();
             for triangle in &polytope.triangles {
                 let [p, q, r] = triangle.corners;

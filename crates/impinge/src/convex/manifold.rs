@@ -9,7 +9,7 @@
 //! Ours departs in that both shapes count alike, that points are means of corners, which gives each depth an interval
 //! (docs/proof.md, L28), and that the deepest points of the depth itself are added where clipping has none as deep.
 
-use super::depth::depth_in_order;
+use super::depth::{Effort, depth_in_order};
 use super::distance::{above, below};
 use super::facets::Facets;
 use super::facing::facing;
@@ -67,7 +67,7 @@ impl Contacts {
             while self.contacts.len() < most.max(1) && !rest.is_empty() {
                 let worth = |contact: &Contact| self.worth(contact);
                 let best = (0..rest.len()).max_by(|&i, &j| {
-                    worth(&rest[i]).total_cmp(&worth(&rest[j])).then(rest[j].features.cmp(&rest[i].features))
+                    worth(&rest[i]).total_cmp(&worth(&rest[j])).then(unordered(&rest[j]).cmp(&unordered(&rest[i])))
                 });
                 let contact = rest.swap_remove(best.unwrap_or(0));
                 self.contacts.push(contact);
@@ -76,27 +76,39 @@ impl Contacts {
         self.contacts.sort_by_key(|contact| contact.features);
     }
 
-    /// What a contact would add to those that are kept.
+    /// What a contact would add to those that are kept; the same for the shapes in either order.
     fn worth(&self, contact: &Contact) -> f64 {
-        let from = |kept: &Contact| sub(&contact.points[0], &kept.points[0]);
+        // Twice the middle of the two points.
+        let middle =
+            |contact: &Contact| -> [f64; 3] { std::array::from_fn(|k| contact.points[0][k] + contact.points[1][k]) };
+        let at = middle(contact);
         match &self.contacts[..] {
             [] => contact.upper,
-            [first] => dot(&from(first), &from(first)),
-            [first, second] => dot(&cross(&from(first), &from(second)), &self.normal).abs(),
+            [first] => {
+                let from = sub(&at, &middle(first));
+                dot(&from, &from)
+            }
+            [first, second] => {
+                let (p, q) = (middle(first), middle(second));
+                dot(&cross(&sub(&at, &p), &sub(&at, &q)), &self.normal).abs()
+            }
             [first, second, third, ..] => {
                 // How far beyond the side of the triangle that it is farthest beyond.
-                let turn = dot(
-                    &cross(&sub(&second.points[0], &first.points[0]), &sub(&third.points[0], &first.points[0])),
-                    &self.normal,
-                );
-                let sides = [[first, second], [second, third], [third, first]];
-                let beyond = sides.map(|[p, q]| {
-                    -turn.signum() * dot(&cross(&sub(&q.points[0], &p.points[0]), &from(p)), &self.normal)
-                });
-                beyond.into_iter().fold(f64::NEG_INFINITY, f64::max)
+                let corners = [first, second, third].map(middle);
+                let side = |i: usize| sub(&corners[(i + 1) % 3], &corners[i]);
+                let turn = dot(&cross(&side(0), &sub(&corners[2], &corners[0])), &self.normal).signum();
+                let beyond = |i: usize| -turn * dot(&cross(&side(i), &sub(&at, &corners[i])), &self.normal);
+                beyond(0).max(beyond(1)).max(beyond(2))
             }
         }
     }
+}
+
+/// A contact's features, the lesser first.
+fn unordered(contact: &Contact) -> [Feature; 2] {
+    let mut features = contact.features;
+    features.sort();
+    features
 }
 
 /// The contacts of two shapes along a direction of length 1 from the first to the second, where their facing sides lie over each
@@ -118,7 +130,7 @@ fn overlapping(pair: &Pair<'_>, shapes: [&Faceted<'_>; 2], normal: [f64; 3], mar
 
 fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts {
     let pair = Pair::new(&a.swept, &b.swept);
-    let found = depth_in_order(&pair, &a.swept, &b.swept);
+    let found = depth_in_order(&pair, &a.swept, &b.swept, Effort::CONTACT);
     let normal = found.depth.normal;
     let facing_a = facing(&pair.a, a.facets, normal);
     let facing_b = facing(&pair.b, b.facets, normal.map(|x| -x));

@@ -16,7 +16,7 @@
 
 use super::Proximity;
 use super::table::separation;
-use crate::convex::{Core, Depth, Surface, Swept, depth};
+use crate::convex::{self, Core, Depth, Surface, Swept, depth};
 use crate::math::Pose;
 use crate::shape::{Form, PlacedShape};
 
@@ -298,23 +298,23 @@ fn ball_in_both(a: &PlacedShape, b: &PlacedShape, points: &[Vector; 2], upper: f
             None => step *= 0.5,
         }
     }
-    best * (1.0 - 8.0 * f64::EPSILON)
+    if best > 0.0 && best.is_finite() { best * (1.0 - 8.0 * f64::EPSILON) } else { 0.0 }
 }
 
-/// The radius of a ball about a point of the world that is in a part of a shape; zero where there is none.
+/// The radius of a ball about a point of the world that is in a part of a shape; negative infinity where the point is not proved to
+/// be in the shape.
 fn depth_of_point(shape: &PlacedShape, point: &Vector) -> f64 {
     let corner = [*point];
     let point = Swept { core: Core::Points(&corner), pose: &Pose::IDENTITY, radius: [0.0; 2] };
     let radius = |part: &PlacedShape| match part.form() {
-        Form::Convex(shape) => depth(&shape, &point).lower,
-        Form::HalfSpace(plane) => plane.depth(&point).lower,
-        Form::Surface(surface) if surface.is_solid && surface.nearness(&point, 0.0) == Proximity::Meets => {
+        Form::Convex(shape) if convex::nearness(&shape, &point, 0.0) == Proximity::Meets => depth(&shape, &point).lower,
+        Form::HalfSpace(plane) if plane.nearness(&point, 0.0) == Proximity::Meets => plane.depth(&point).lower,
+        Form::Surface(surface) if surface.nearness(&point, 0.0) == Proximity::Meets => {
             Surface { is_solid: false, ..surface }.separation(&point).lower
         }
-        Form::Surface(_) => 0.0,
+        _ => f64::NEG_INFINITY,
     };
-    let greatest = shape.parts().iter().map(radius).fold(0.0, f64::max);
-    if greatest.is_finite() { greatest } else { 0.0 }
+    shape.parts().iter().map(radius).fold(f64::NEG_INFINITY, f64::max)
 }
 
 fn moved(shape: &PlacedShape, by: &Vector) -> Option<PlacedShape> {
