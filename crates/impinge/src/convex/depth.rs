@@ -5,15 +5,15 @@
 //! origin as large as its nearest facet is far: the lower bound. Facets are pushed outwards, those first that are nearest,
 //! until both meet.
 //!
-//! The inscribed polytope is a [`Hull`], built anew for each round from all the points so far. That is exact for any points,
-//! so nothing can be inverted or left open however flat it is; and it has a kind, so a set that has grown to a
-//! segment only, or has no volume at all, is searched across itself.
+//! The inscribed polytope is that of `expand`, as long as the origin is inside. Else it is a [`Hull`], built anew for each round
+//! from all the points so far. That is exact for any points, so nothing can be inverted or left open however flat it is; and it
+//! has a kind, so a set that has grown to a segment only, or has no volume at all, is searched across itself.
 //!
 //! # Source
-//! The expanding polytope is van den Bergen's (*Proximity queries and penetration depth computation on 3D game objects*, GDC
-//! 2001). Ours departs in the exact hull, in pushing several facets a round, and in the interval.
+//! See `expand`. Ours departs in the exact hull where floats do not do, and in the interval.
 
 use super::distance::{above, below, world_bounds};
+use super::expand::{Polytope, about_origin};
 use super::facet::Facet;
 use super::gjk::{Gap, gap, means};
 use super::posed::{Difference, Pair, Swept, to_unit_entries, to_unit_length};
@@ -21,7 +21,7 @@ use super::simplex;
 use crate::hull::{Hull, HullKind};
 use crate::primitive::{dot, length};
 
-/// The most rounds. Polytopes need some 3 to 8; round cores keep the interval that they have by then.
+/// The most hulls that are built. Those of polytopes without a volume need some 3 to 8.
 const ROUNDS: usize = 24;
 
 /// Facets that are pushed in one round: those nearest, of which each costs two supports while the round costs a hull.
@@ -29,6 +29,29 @@ const PUSHED: usize = 16;
 
 /// The width of an interval, in the common unit, that is not worth another round: 2^-46.
 const NARROW: f64 = 64.0 * f64::EPSILON;
+
+/// An interval of polytopes that is wider than this, in the common unit, was left by a polytope that rounding has bent: 2^-38.
+const BENT: f64 = 1.0 / (1_u64 << 38) as f64;
+
+/// When an interval is good enough.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Effort {
+    /// The width, in the common unit, that is not worth another step.
+    narrow: f64,
+    /// The most points of the expanding polytope. Boxes and small hulls end with some 10; round cores keep the interval that they
+    /// have by then.
+    most_points: usize,
+    /// Whether exact hulls go on where the polytope of round cores has proved nothing.
+    is_thorough: bool,
+}
+
+impl Effort {
+    /// For a depth.
+    const DEPTH: Self = Self { narrow: NARROW, most_points: 320, is_thorough: true };
+
+    /// For the normal of a contact, which the next step of a simulation finds anew.
+    pub(super) const CONTACT: Self = Self { narrow: 1.0 / (1 << 24) as f64, most_points: 64, is_thorough: false };
+}
 
 /// What is proved of the depth of two shapes that meet, in world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,24 +63,29 @@ pub(crate) struct Depth {
     pub(crate) points: [[f64; 3]; 2],
 }
 
+/// A depth, and the points of the cores, in the common frame, whose difference it is nearly.
+pub(super) struct CoreWitness {
+    pub(super) depth: Depth,
+    pub(super) core: [[f64; 3]; 2],
+}
+
 /// The depth of two shapes; meaningful for any two, and zero at the lower end where they may be apart.
 pub(crate) fn depth(a: &Swept<'_>, b: &Swept<'_>) -> Depth {
     if a.is_before(b) {
-        return depth_in_order(a, b);
+        return depth_in_order(&Pair::new(a, b), a, b, Effort::DEPTH).depth;
     }
-    let mut found = depth_in_order(b, a);
+    let mut found = depth_in_order(&Pair::new(b, a), b, a, Effort::DEPTH).depth;
     found.points.swap(0, 1);
     found.normal = found.normal.map(|x| 0.0 - x);
     found
 }
 
-fn depth_in_order(a: &Swept<'_>, b: &Swept<'_>) -> Depth {
-    let pair = Pair::new(a, b);
-    let gap = gap(&pair);
+pub(super) fn depth_in_order(pair: &Pair<'_>, a: &Swept<'_>, b: &Swept<'_>, effort: Effort) -> CoreWitness {
+    let gap = gap(pair);
     let sum = |end: usize| a.radius[end] + b.radius[end];
-    let [_, gap_above] = world_bounds(&gap, &pair);
+    let [_, gap_above] = world_bounds(&gap, pair);
     let apart = below(below(sum(0)) - gap_above).max(0.0);
-    let core = if gap.lower > 0.5 * gap.upper { of_apart(&pair, &gap) } else { expand(&pair, &gap) };
+    let core = if gap.lower > 0.5 * gap.upper { of_apart(pair, &gap) } else { expand(pair, &gap, effort) };
     let [inside, height] = [core.lower * pair.unit, core.upper * pair.unit];
     let lower = if inside > 0.0 { below(inside + below(sum(0))) } else { apart };
     let normal = to_unit_length(core.direction);
@@ -66,7 +94,8 @@ fn depth_in_order(a: &Swept<'_>, b: &Swept<'_>) -> Depth {
         std::array::from_fn(|k| world[0][k] + normal[k] * a.radius[0]),
         std::array::from_fn(|k| world[1][k] - normal[k] * b.radius[0]),
     ];
-    Depth { lower, upper: above(height + above(sum(1))).max(lower), normal, points }
+    let depth = Depth { lower, upper: above(height + above(sum(1))).max(lower), normal, points };
+    CoreWitness { depth, core: core.points }
 }
 
 /// What is proved of the cores, in the common unit; negative where they are apart.
@@ -104,32 +133,68 @@ struct Candidate {
     face: Option<[usize; 3]>,
 }
 
-fn expand(pair: &Pair<'_>, gap: &Gap) -> CoreDepth {
-    let mut known: Vec<Difference> = gap.simplex.clone();
+fn expand(pair: &Pair<'_>, gap: &Gap, effort: Effort) -> CoreDepth {
     let mut best = CoreDepth { lower: 0.0, upper: f64::INFINITY, direction: [1.0, 0.0, 0.0], points: gap.points };
-    let offer = |best: &mut CoreDepth, known: &mut Vec<Difference>, candidate: &Candidate| {
-        let push = Push::along(pair, candidate.direction);
-        if push.height < best.upper {
-            (best.upper, best.direction) = (push.height, candidate.direction);
-            let corners: Vec<Difference> = match candidate.face {
-                Some(face) => face.map(|corner| known[corner]).to_vec(),
-                None => vec![push.farthest],
-            };
-            best.points = foot(&corners);
-        }
-        if !known.iter().any(|difference| difference.vector == push.farthest.vector) {
-            known.push(push.farthest);
-        }
-    };
+    let mut known: Vec<Difference> = gap.simplex.clone();
     for direction in both_ways(&AXES) {
-        offer(&mut best, &mut known, &Candidate { lower: 0.0, direction, face: None });
+        offer(pair, &mut best, &mut known, &Candidate { lower: 0.0, direction, face: None });
     }
+    let polytope = about_origin(pair, &gap.simplex);
+    let is_flat = polytope.is_none();
+    if let Some(polytope) = polytope {
+        grow(pair, polytope, &mut best, effort);
+    }
+    let is_open = match (pair.a.corners(), pair.b.corners()) {
+        (Some(_), Some(_)) => best.upper - best.lower > BENT,
+        _ => best.lower == 0.0 && best.upper > NARROW && (is_flat || effort.is_thorough),
+    };
+    if is_open {
+        by_hulls(pair, known, &mut best);
+    }
+    best
+}
+
+/// Grows a polytope until its nearest facet is one of the set's, or no more is to be gained.
+fn grow(pair: &Pair<'_>, mut polytope: Polytope, best: &mut CoreDepth, effort: Effort) {
+    while let Some(nearest) = polytope.nearest() {
+        // What an earlier polytope held, the set holds.
+        best.lower = best.lower.max(nearest.lower - pair.point_error());
+        let push = Push::along(pair, nearest.direction);
+        if push.height < best.upper {
+            (best.upper, best.direction) = (push.height, nearest.direction);
+            best.points = polytope.foot(&nearest);
+        }
+        if best.upper - best.lower <= effort.narrow || !polytope.grow(&nearest, push.farthest, effort.most_points) {
+            break;
+        }
+    }
+}
+
+/// Looks along a direction, and keeps what it finds.
+fn offer(pair: &Pair<'_>, best: &mut CoreDepth, known: &mut Vec<Difference>, candidate: &Candidate) {
+    let push = Push::along(pair, candidate.direction);
+    if push.height < best.upper {
+        (best.upper, best.direction) = (push.height, candidate.direction);
+        let corners: Vec<Difference> = match candidate.face {
+            Some(face) => face.map(|corner| known[corner]).to_vec(),
+            None => vec![push.farthest],
+        };
+        best.points = foot(&corners);
+    }
+    if !known.iter().any(|difference| difference.vector == push.farthest.vector) {
+        known.push(push.farthest);
+    }
+}
+
+/// Grows exact hulls of all points so far, which have a kind, and so are grown across themselves where they have no volume.
+fn by_hulls(pair: &Pair<'_>, mut known: Vec<Difference>, best: &mut CoreDepth) {
     for _ in 0..ROUNDS {
         let vectors: Vec<[f64; 3]> = known.iter().map(|difference| difference.vector).collect();
         let Ok(hull) = Hull::new(&vectors) else { break };
         let mut candidates = candidates(&hull, &vectors);
         candidates.sort_by(|x, y| x.lower.total_cmp(&y.lower));
-        best.lower = candidates.first().map_or(0.0, |nearest| (nearest.lower - pair.point_error()).max(0.0));
+        best.lower =
+            candidates.first().map_or(best.lower, |nearest| best.lower.max(nearest.lower - pair.point_error()));
         if best.upper - best.lower <= NARROW {
             break;
         }
@@ -138,13 +203,12 @@ fn expand(pair: &Pair<'_>, gap: &Gap) -> CoreDepth {
         for candidate in
             candidates.iter().filter(|candidate| candidate.lower < best.upper).take(PUSHED).collect::<Vec<_>>()
         {
-            offer(&mut best, &mut known, candidate);
+            offer(pair, best, &mut known, candidate);
         }
         if known.len() == before {
             break;
         }
     }
-    best
 }
 
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -63,6 +63,52 @@ pub(crate) fn nearness(a: &Swept<'_>, b: &Swept<'_>, clearance: f64) -> Proximit
     judge(&pair, [a.radius, b.radius], &gap(&pair), None, clearance)
 }
 
+/// What is known from an earlier question about the same two shapes: a direction from A to B along which they were apart, and the
+/// vertices at which climbs over their hulls ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Coherence {
+    direction: [f64; 3],
+    vertices: [u32; 2],
+}
+
+impl Coherence {
+    fn turned(self) -> Self {
+        Self { direction: self.direction.map(|x| 0.0 - x), vertices: [self.vertices[1], self.vertices[0]] }
+    }
+}
+
+/// [`nearness`], from what was known last. A gap along the last direction that is not small ends the question; a small one is left to
+/// the iteration, which would find a gap too, so that no answer depends on what was known.
+pub(crate) fn nearness_from(a: &Swept<'_>, b: &Swept<'_>, clearance: f64, known: &mut Coherence) -> Proximity {
+    /// Next to the sizes: 2^-20.
+    const NOT_SMALL: f64 = 1.0 / (1 << 20) as f64;
+    let is_turned = !a.is_before(b);
+    if is_turned {
+        *known = known.turned();
+    }
+    let [first, second] = if is_turned { [b, a] } else { [a, b] };
+    let pair = Pair::new(first, second);
+    pair.start_at(known.vertices);
+    let radii = above(first.radius[1] + second.radius[1] + clearance);
+    let is_apart = known.direction != [0.0; 3] && {
+        let farthest = pair.support(known.direction);
+        let lower = super::gjk::separation(&pair, known.direction, &farthest);
+        (lower - NOT_SMALL * (1.0 + lower)) * pair.unit > radii
+    };
+    let answer = if is_apart {
+        Proximity::Apart
+    } else {
+        let gap = gap(&pair);
+        known.direction = if gap.lower > 0.0 { gap.direction } else { [0.0; 3] };
+        judge(&pair, [first.radius, second.radius], &gap, None, clearance)
+    };
+    known.vertices = pair.vertices();
+    if is_turned {
+        *known = known.turned();
+    }
+    answer
+}
+
 /// Whether the shapes are within `clearance`, from what is known of their cores; `exact`, if it is there, is about the
 /// same ones.
 fn judge(pair: &Pair<'_>, [a, b]: [[f64; 2]; 2], gap: &Gap, exact: Option<LeastDistance>, clearance: f64) -> Proximity {

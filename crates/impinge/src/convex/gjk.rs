@@ -85,7 +85,7 @@ pub(super) fn means(differences: &[Difference], weights: &[f64]) -> [[f64; 3]; 2
 }
 
 /// By how much the cores are certainly apart along a direction from A to B; zero where that is not certain.
-fn separation(pair: &Pair<'_>, direction: [f64; 3], farthest: &Difference) -> f64 {
+pub(super) fn separation(pair: &Pair<'_>, direction: [f64; 3], farthest: &Difference) -> f64 {
     let height = dot(&direction, &farthest.a.point) - dot(&direction, &farthest.b.point);
     let apart = -height - pair.height_error(direction);
     // Compared so that NaN proves nothing.

@@ -95,6 +95,17 @@ impl Core<'_> {
         }
     }
 
+    /// A point of the core, in its own frame.
+    pub(super) fn point(&self) -> [f64; 3] {
+        match self {
+            Self::Curved(set) => {
+                let (found, reach) = (set.support([1.0, 0.0, 0.0]), set.reach());
+                std::array::from_fn(|k| if found[k].is_nan() { 0.0 } else { found[k].clamp(-reach[k], reach[k]) })
+            }
+            _ => self.corners().and_then(|corners| corners.first().copied()).unwrap_or([0.0; 3]),
+        }
+    }
+
     /// The corners, where the core is a polytope.
     pub(super) fn corners(&self) -> Option<&[[f64; 3]]> {
         match self {
@@ -109,6 +120,10 @@ impl Swept<'_> {
     /// Which of two shapes comes first in the arithmetic, whichever was named first, so that swapping them changes no digit:
     /// the one with the lesser numbers. Shapes in one place that no number here tells apart are taken as they come.
     pub(super) fn is_before(&self, other: &Self) -> bool {
+        let (here, there) = (self.pose.translation(), other.pose.translation());
+        if let Some(order) = here.iter().zip(there).map(|(x, y)| x.total_cmp(y)).find(|order| order.is_ne()) {
+            return order.is_le();
+        }
         let order =
             self.numbers().iter().zip(other.numbers()).map(|(x, y)| x.total_cmp(&y)).find(|order| order.is_ne());
         let order = order.or_else(|| {
@@ -119,6 +134,20 @@ impl Swept<'_> {
             }))
         });
         order.is_none_or(Ordering::is_le)
+    }
+
+    /// A box of the world that holds the shape.
+    pub(crate) fn world_bounds(&self) -> [[f64; 3]; 2] {
+        let origin = Swept { core: Core::Points(&[[0.0; 3]]), pose: self.pose, radius: [0.0; 2] };
+        let pair = Pair::new(&origin, self);
+        let end = |k: usize, sign: f64| {
+            let direction = std::array::from_fn(|j| if j == k { sign } else { 0.0 });
+            let height = sign * pair.b.support(direction).point[k] + pair.height_error(direction);
+            let reach = (height * pair.unit + self.radius[1]).next_up().next_up();
+            let at = self.pose.translation()[k] + sign * reach;
+            if sign < 0.0 { at.next_down() } else { at.next_up() }
+        };
+        [std::array::from_fn(|k| end(k, -1.0)), std::array::from_fn(|k| end(k, 1.0))]
     }
 
     fn numbers(&self) -> Vec<f64> {
@@ -149,6 +178,22 @@ impl<'a> Pair<'a> {
             vertex: Cell::new(0),
         };
         Self { a: posed(a, [0.0; 3]), b: posed(b, offset), unit, extent: world.map(|extent| extent / unit) }
+    }
+
+    /// Lets climbs over hulls start here; no answer depends on it.
+    pub(super) fn start_at(&self, vertices: [u32; 2]) {
+        for (set, vertex) in [&self.a, &self.b].into_iter().zip(vertices) {
+            if let Core::Hull(hull) = set.core
+                && (vertex as usize) < hull.positions().len()
+            {
+                set.vertex.set(vertex);
+            }
+        }
+    }
+
+    /// Where the last climbs ended.
+    pub(super) fn vertices(&self) -> [u32; 2] {
+        [self.a.vertex.get(), self.b.vertex.get()]
     }
 
     /// The difference that is farthest along a direction from A to B.
@@ -201,10 +246,18 @@ impl Posed<'_> {
 
     /// A point that is farthest along a direction of the common frame.
     pub(super) fn support(&self, direction: [f64; 3]) -> Spot {
+        self.spot(self.farthest_local(self.turned(direction)))
+    }
+
+    /// A direction of the common frame in the set's own, its greatest entry at ±1.
+    pub(super) fn turned(&self, direction: [f64; 3]) -> [f64; 3] {
         let linear = self.pose.linear();
-        let turned = std::array::from_fn(|j| (0..3).map(|k| linear[k][j] * direction[k]).sum::<f64>());
-        let along = to_unit_entries(turned);
-        let local = match self.core {
+        to_unit_entries(std::array::from_fn(|j| (0..3).map(|k| linear[k][j] * direction[k]).sum::<f64>()))
+    }
+
+    /// A point that is farthest along a direction, both in the set's own frame.
+    pub(super) fn farthest_local(&self, along: [f64; 3]) -> [f64; 3] {
+        match self.core {
             Core::Points(points) => {
                 let height = |point: &[f64; 3]| along[0] * point[0] + along[1] * point[1] + along[2] * point[2];
                 let mut best = (f64::NEG_INFINITY, [0.0; 3]);
@@ -225,8 +278,25 @@ impl Posed<'_> {
                 let (found, reach) = (set.support(along), set.reach());
                 std::array::from_fn(|k| if found[k].is_nan() { 0.0 } else { found[k].clamp(-reach[k], reach[k]) })
             }
-        };
-        self.spot(local)
+        }
+    }
+
+    /// The vertex of a hull that is farthest along a direction of the common frame; of anything else the first.
+    pub(super) fn farthest_vertex(&self, direction: [f64; 3]) -> u32 {
+        match self.core {
+            Core::Hull(hull) => hull.support_from(self.turned(direction), self.vertex.get()),
+            _ => 0,
+        }
+    }
+
+    pub(super) fn core(&self) -> Core<'_> {
+        self.core
+    }
+
+    /// A bound of the greatest magnitude of a coordinate of the set in its own frame, in the common unit as far as the pose is
+    /// rigid.
+    pub(super) fn reach(&self) -> f64 {
+        self.core.reach().into_iter().fold(0.0, f64::max) * self.scale
     }
 
     /// The corners, where the core is a polytope.
@@ -242,7 +312,7 @@ pub(super) fn to_unit_entries(vector: [f64; 3]) -> [f64; 3] {
 }
 
 /// A vector of length 1 along another; along an axis where that has no direction.
-pub(super) fn to_unit_length(vector: [f64; 3]) -> [f64; 3] {
+pub(crate) fn to_unit_length(vector: [f64; 3]) -> [f64; 3] {
     let scaled = to_unit_entries(vector);
     let length = (scaled[0] * scaled[0] + scaled[1] * scaled[1] + scaled[2] * scaled[2]).sqrt();
     if length > 0.0 { scaled.map(|x| x / length) } else { [1.0, 0.0, 0.0] }

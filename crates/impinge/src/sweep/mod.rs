@@ -8,6 +8,7 @@ mod linear;
 mod motion;
 mod polynomials;
 mod rigid;
+mod shapes;
 mod solids;
 
 pub use deforming::{Deforming, Features, SweptContact};
@@ -15,4 +16,5 @@ pub use impact::Impact;
 pub use linear::{edge_edge, vertex_face};
 pub use motion::Motion;
 pub use rigid::time_of_impact;
+pub use shapes::time_of_impact_of_shapes;
 pub use solids::time_of_impact_of_solids;

@@ -14,10 +14,10 @@ use crate::query::{WitnessCache, distance_with, intersects};
 const STEPS: usize = 1024;
 
 /// Meshes nearer than this share of their sizes count as touching where no more can be proved: 2^-38.
-const TOUCHING: f64 = 1.0 / (1_u64 << 38) as f64;
+pub(super) const TOUCHING: f64 = 1.0 / (1_u64 << 38) as f64;
 
 /// More than a length whose square vanishes.
-const VANISHING: f64 = 1e-150;
+pub(super) const VANISHING: f64 = 1e-150;
 
 /// When the surfaces of two meshes first touch while each moves rigidly.
 ///
@@ -62,24 +62,46 @@ pub fn time_of_impact(a: &Mesh, b: &Mesh, motion_a: &Motion, motion_b: &Motion) 
     let error = motion_a.error(reach_a) + motion_b.error(reach_b);
     let touching = TOUCHING * (reach_a + reach_b);
     let (options, mut cache) = (Options::default(), WitnessCache::default());
-    let mut t = 0.0_f64;
-    for _ in 0..STEPS {
-        let distance = distance_with(a.at(motion_a.at(t)), b.at(motion_b.at(t)), &mut cache, &options);
-        let gap = distance.lower - if t == 0.0 { 0.0 } else { error };
-        if gap > speed * (1.0 - t) * (1.0 + 1e-12) {
-            return Impact::NEVER;
-        }
-        let next = (t + gap / speed * (1.0 - 1e-12)).next_down();
-        if next.is_nan() || next <= t || gap <= touching {
-            break;
-        }
-        t = next.min(1.0);
-    }
+    let course = Course { speed, error, touching };
+    let found =
+        course.first_contact(|t| distance_with(a.at(motion_a.at(t)), b.at(motion_b.at(t)), &mut cache, &options).lower);
+    let Some(t) = found else { return Impact::NEVER };
     Impact { t_lower: t, t_upper: contact_after(t, |t| intersects(a.at(motion_a.at(t)), b.at(motion_b.at(t)))) }
 }
 
+/// How two bodies approach each other.
+pub(super) struct Course {
+    /// No two of their points approach each other faster.
+    pub(super) speed: f64,
+    /// What rounded poses add to or take from a distance at most, but at the start.
+    pub(super) error: f64,
+    /// A distance that counts as none.
+    pub(super) touching: f64,
+}
+
+impl Course {
+    /// A time before which nothing touches, where the bodies nearly do or the steps were spent; none where they stay apart. The
+    /// distance at a time is not above the true one.
+    pub(super) fn first_contact(&self, mut distance: impl FnMut(f64) -> f64) -> Option<f64> {
+        let Self { speed, error, touching } = *self;
+        let mut t = 0.0_f64;
+        for _ in 0..STEPS {
+            let gap = distance(t) - if t == 0.0 { 0.0 } else { error };
+            if gap > speed * (1.0 - t) * (1.0 + 1e-12) {
+                return None;
+            }
+            let next = (t + gap / speed * (1.0 - 1e-12)).next_down();
+            if next.is_nan() || next <= t || gap <= touching {
+                break;
+            }
+            t = next.min(1.0);
+        }
+        Some(t)
+    }
+}
+
 /// A time from `t` on at which the meshes intersect, looked for in growing steps.
-fn contact_after(t: f64, intersect: impl Fn(f64) -> bool) -> f64 {
+pub(super) fn contact_after(t: f64, intersect: impl Fn(f64) -> bool) -> f64 {
     let steps = (0..13).map(|k| 16.0 * TOUCHING * (1_u64 << (2 * k)) as f64);
     std::iter::once(0.0).chain(steps).map(|step| (t + step).min(1.0)).find(|&t| intersect(t)).unwrap_or(f64::INFINITY)
 }

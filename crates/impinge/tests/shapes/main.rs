@@ -1,7 +1,10 @@
 //! Questions about two shapes, against rationals, closed forms and laws.
 
 mod boxes;
+mod coherence;
+mod contacts;
 mod degenerate;
 mod hulls;
 mod pairs;
 mod support;
+mod surfaces;

@@ -4,3 +4,4 @@ mod corners;
 mod deforming;
 mod recorded;
 mod rigid;
+mod shapes;

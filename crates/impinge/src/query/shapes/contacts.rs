@@ -1,0 +1,139 @@
+//! Where two shapes touch or overlap, as a solver of contacts wants it.
+
+use super::search::depth_by_search;
+use super::table::{self, placed};
+pub use crate::convex::Feature;
+use crate::convex::{Contact, Contacts, Depth, Surface, to_unit_length as unit};
+use crate::query::{self, contacts_of_patches};
+use crate::shape::PlacedShape;
+
+/// The contacts of two shapes, or of a part of each, that have one normal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Manifold {
+    /// A direction of length 1 from the first shape to the second, in the world frame.
+    pub normal: [f64; 3],
+    /// At least one, in the order of their ids.
+    pub points: Vec<ContactPoint>,
+}
+
+/// A point of each of two shapes, one over the other along the normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPoint {
+    /// On the first shape's side, in the world frame, rounded.
+    pub point_a: [f64; 3],
+    /// On the second shape's side, in the world frame, rounded.
+    pub point_b: [f64; 3],
+    /// The first shape reaches beyond the second here, along the normal, by at least this, in world units; negative where they
+    /// are apart here.
+    pub lower: f64,
+    /// And by at most this.
+    pub upper: f64,
+    /// What the point is of.
+    pub id: ContactId,
+}
+
+/// What a contact is of: the same from one time to the next as long as it is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ContactId {
+    /// The part of the first shape, 0 where it has but one.
+    pub part_a: u32,
+    /// The part of the second shape, 0 where it has but one.
+    pub part_b: u32,
+    /// The corner, edge or face of that part of the first shape.
+    pub feature_a: Feature,
+    /// The corner, edge or face of that part of the second shape.
+    pub feature_b: Feature,
+}
+
+/// Which contacts are wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactOptions {
+    /// Points that are at most this far apart are contacts too, in world units. Zero, the default, asks for those that touch; so
+    /// do negative numbers and NaN.
+    pub margin: f64,
+    /// How many points a manifold may have, at least one: the deepest, the farthest from it, and then each time the one that
+    /// adds the most area. Four, the default, hold a face as firmly as more do.
+    pub most_points: usize,
+}
+
+impl Default for ContactOptions {
+    fn default() -> Self {
+        Self { margin: 0.0, most_points: 4 }
+    }
+}
+
+/// The contacts of two shapes; none exactly where [`intersects`](super::intersects) is false.
+///
+/// ```
+/// use impinge::{Pose, query::shapes, shape::Shape};
+///
+/// let crate_ = Shape::cuboid([0.5; 3])?;
+/// let (below, above) = (crate_.at(Pose::IDENTITY)?, crate_.at(Pose::from_translation([0.25, 0.25, 0.75])?)?);
+/// let manifolds = shapes::contacts(&below, &above);
+/// assert_eq!((manifolds.len(), manifolds[0].normal), (1, [0.0, 0.0, 1.0]));
+/// assert_eq!(manifolds[0].points.len(), 4); // the corners of the square that they share
+/// assert!(manifolds[0].points.iter().all(|point| point.lower <= 0.25 && 0.25 <= point.upper));
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+#[must_use]
+pub fn contacts(a: &PlacedShape, b: &PlacedShape) -> Vec<Manifold> {
+    contacts_with(a, b, &ContactOptions::default())
+}
+
+/// [`contacts`], of what the options ask for; with a margin none exactly where [`within`](super::within) the margin is false.
+///
+/// Two convex shapes have one manifold, with the normal of [`penetration`](super::penetration), of round ones to within 2^-12. A mesh and a convex shape have
+/// one for each normal: the faces' manifolds, put together where their normals are within 2.5 degrees. Two meshes have one for
+/// each region in which their surfaces meet ([`contact_patches`](crate::query::contact_patches)). Compounds have those of their
+/// parts.
+///
+/// # Accuracy
+/// Near each of the two points, as far as rounding goes, there is a point of its shape such that these are as deep along the normal as the
+/// interval says (docs/proof.md, L28). No translation along the normal that is shorter than `lower` parts the shapes.
+/// Round shapes that are not spheres or capsules have up to eight points about what they turn to the other shape, which may
+/// be less deep than others beside them by 2^-13 of the size.
+///
+/// # Complexity
+/// That of `penetration` for each two parts, and for each face of a mesh that is near, and the product of the corners of the two
+/// facing polygons.
+#[must_use]
+pub fn contacts_with(a: &PlacedShape, b: &PlacedShape, options: &ContactOptions) -> Vec<Manifold> {
+    let margin = options.margin.max(0.0);
+    let found = table::contacts(a, b, margin).into_iter().map(|(parts, mut contacts)| {
+        contacts.keep(options.most_points);
+        manifold(parts, &contacts)
+    });
+    found.collect()
+}
+
+/// The one contact of shapes of which one is in the other without touching its surface: the deepest points of the depth.
+pub(super) fn of_contained(a: &PlacedShape, b: &PlacedShape) -> Vec<Contacts> {
+    let Depth { lower, upper, normal, points } = depth_by_search(a, b);
+    let features = [Feature::Face(0); 2];
+    vec![Contacts { normal, contacts: vec![Contact { points, lower, upper, features }] }]
+}
+
+/// The contacts of two meshes: those of the regions in which their surfaces meet, or where they are nearest.
+pub(super) fn of_surfaces(a: &Surface<'_>, b: &Surface<'_>, margin: f64) -> Vec<Contacts> {
+    let (a, b) = (placed(a), placed(b));
+    let found = contacts_of_patches(a, b);
+    if !found.is_empty() {
+        return found;
+    }
+    let distance = query::distance(a, b);
+    let Some(witness) = distance.witness.filter(|_| distance.lower <= margin) else { return Vec::new() };
+    let between: [f64; 3] = std::array::from_fn(|k| witness.point_b[k] - witness.point_a[k]);
+    let features = [Feature::Face(witness.face_a), Feature::Face(witness.face_b)];
+    let points = [witness.point_a, witness.point_b];
+    let contact = Contact { points, lower: -distance.upper, upper: -distance.lower, features };
+    vec![Contacts { normal: unit(between), contacts: vec![contact] }]
+}
+
+fn manifold([part_a, part_b]: [u32; 2], found: &Contacts) -> Manifold {
+    let points = found.contacts.iter().map(|contact| {
+        let ([point_a, point_b], [feature_a, feature_b]) = (contact.points, contact.features);
+        let id = ContactId { part_a, part_b, feature_a, feature_b };
+        ContactPoint { point_a, point_b, lower: contact.lower, upper: contact.upper, id }
+    });
+    Manifold { normal: found.normal, points: points.collect() }
+}
