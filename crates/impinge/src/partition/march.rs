@@ -80,6 +80,14 @@ impl Best {
         }
     }
 
+    /// As [`offer`](Self::offer), for a box that may have been offered before.
+    #[inline]
+    pub(super) fn offer_once(&mut self, key: u32, distance_squared: f64) {
+        if distance_squared <= self.limit() && self.heap.iter().all(|found| found.0.key != key) {
+            self.offer(key, distance_squared);
+        }
+    }
+
     pub(super) fn into_sorted(self) -> Vec<Neighbour> {
         self.heap.into_sorted_vec().into_iter().map(|found| found.0).collect()
     }

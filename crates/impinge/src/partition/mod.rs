@@ -12,6 +12,10 @@
 //! | [`UniformGrid`] | disjoint cells in a block | yes | boxes of like size that fill a known space |
 //! | [`HashedGrid`] | disjoint cells without an end | yes | boxes of like size anywhere |
 //! | [`HierarchicalGrid`] | disjoint cells of many sizes | yes | boxes of unlike sizes, of which few move |
+//! | [`Octree`] | disjoint cubes in cubes | yes | scenes that are dense here and empty there, boxes of unlike sizes |
+//! | [`LooseOctree`] | loose cubes in cubes | yes | the same, where boxes lie across the middles of cells |
+//! | [`KdTree`] | disjoint cells | no | points and small boxes that stand, and what is nearest |
+//! | [`BspTree`] | disjoint cells, planes of the boxes' own | no | rooms and walls that stand |
 //! | [`SweepOneAxis`], [`SweepThreeAxes`] | an order along axes | yes | few boxes, or such as move little in long scenes |
 //!
 //! Touching counts everywhere. Boxes are judged when they are made ([`MinMax::new`]), so that no question has errors; no
@@ -45,18 +49,24 @@
 //! ```
 
 mod box_tree;
+mod bsp_tree;
 mod changes;
 mod column_sweep;
 mod grid;
 mod items;
+mod kd_tree;
 mod march;
+mod octree;
 mod ray;
 mod sort_and_sweep;
 
 pub use box_tree::BoxTree;
+pub use bsp_tree::BspTree;
 pub use changes::{Changes, Move};
 pub use column_sweep::ColumnSweep;
 pub use grid::{HashedGrid, HierarchicalGrid, UniformGrid};
+pub use kd_tree::KdTree;
+pub use octree::{LooseOctree, Octree};
 pub use ray::Ray;
 pub use sort_and_sweep::{Axis, SweepOneAxis, SweepThreeAxes};
 
@@ -71,7 +81,8 @@ pub type Visitor<'v> = dyn FnMut(u32) -> ControlFlow<()> + 'v;
 /// What a kind of partition does to space, and so where a box can be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cells {
-    /// Cells that share no inner point: a point is in one of them, a box in as many as it reaches into.
+    /// Cells that share no inner point: a point is in one of them. A box is in each that it reaches into, or in the smallest
+    /// that holds it, or at the plane that parts it.
     Disjoint,
     /// Cells that are enlarged until each box fits into one; neighbours overlap by what was added.
     Loose,

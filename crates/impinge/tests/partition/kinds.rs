@@ -1,7 +1,8 @@
 //! Every kind of partition that boxes come to and go from, by name.
 
 use impinge::partition::{
-    Axis, BoxTree, Dynamic, HashedGrid, HierarchicalGrid, SweepOneAxis, SweepThreeAxes, UniformGrid,
+    Axis, BoxTree, BspTree, Dynamic, HashedGrid, HierarchicalGrid, KdTree, LooseOctree, Octree, Partition,
+    SweepOneAxis, SweepThreeAxes, UniformGrid,
 };
 use impinge::volume::MinMax;
 
@@ -13,6 +14,8 @@ pub fn dynamic(scene: Scene) -> Vec<(&'static str, Box<dyn Dynamic>)> {
     let cells = MinMax::new(origin, origin.map(|x| x + size)).expect("in range");
     vec![
         ("uniform grid", Box::new(UniformGrid::over(&cells, 0.15 * size).expect("few cells"))),
+        ("octree", Box::new(Octree::over(&cells))),
+        ("loose octree", Box::new(LooseOctree::over(&cells))),
         ("hashed grid", Box::new(HashedGrid::new(2.0).expect("a size"))),
         ("small hashed grid", Box::new(HashedGrid::new(0.3).expect("a size"))),
         ("hierarchical grid", Box::new(HierarchicalGrid::new(1.0).expect("a size"))),
@@ -22,5 +25,16 @@ pub fn dynamic(scene: Scene) -> Vec<(&'static str, Box<dyn Dynamic>)> {
         ("one axis", Box::new(SweepOneAxis::along(Axis::X))),
         ("one axis, y", Box::new(SweepOneAxis::along(Axis::Y))),
         ("three axes", Box::new(SweepThreeAxes::new())),
+    ]
+}
+
+/// One of each kind that is built, over these boxes.
+pub fn built(boxes: &[MinMax]) -> Vec<(&'static str, Box<dyn Partition>)> {
+    vec![
+        ("k-d tree", Box::new(KdTree::build(boxes))),
+        ("BSP tree", Box::new(BspTree::build(boxes))),
+        ("built tree", Box::new(BoxTree::build(boxes))),
+        ("built sweep of one axis", Box::new(SweepOneAxis::build(Axis::Z, boxes))),
+        ("built sweep of three axes", Box::new(SweepThreeAxes::build(boxes))),
     ]
 }

@@ -1,6 +1,7 @@
 //! Space partitions against brute force: every kind, every question, over thousands of random steps with churn.
 
 mod brute;
+mod built;
 mod churn;
 mod columns;
 mod hostile;
