@@ -7,13 +7,13 @@ use impinge::partition::{Partition, Ray};
 use impinge::volume::MinMax;
 
 /// Boxes by key.
-pub type Boxes = BTreeMap<u32, MinMax>;
+pub(crate) type Boxes = BTreeMap<u32, MinMax>;
 
-pub fn meet(a: &MinMax, b: &MinMax) -> bool {
+pub(crate) fn meet(a: &MinMax, b: &MinMax) -> bool {
     (0..3).all(|k| a.min()[k] <= b.max()[k] && b.min()[k] <= a.max()[k])
 }
 
-pub fn pairs(boxes: &Boxes) -> Vec<[u32; 2]> {
+pub(crate) fn pairs(boxes: &Boxes) -> Vec<[u32; 2]> {
     let mut pairs = Vec::new();
     for (&one, a) in boxes {
         pairs.extend(boxes.range(one + 1..).filter(|(_, b)| meet(a, b)).map(|(&other, _)| [one, other]));
@@ -21,26 +21,26 @@ pub fn pairs(boxes: &Boxes) -> Vec<[u32; 2]> {
     pairs
 }
 
-pub fn pairs_between(ones: &Boxes, others: &Boxes) -> Vec<[u32; 2]> {
+pub(crate) fn pairs_between(ones: &Boxes, others: &Boxes) -> Vec<[u32; 2]> {
     let with = |(&one, a)| others.iter().filter(move |(_, b)| meet(a, b)).map(move |(&other, _)| [one, other]);
     ones.iter().flat_map(with).collect()
 }
 
-pub fn overlapping(boxes: &Boxes, bounds: &MinMax) -> Vec<u32> {
+pub(crate) fn overlapping(boxes: &Boxes, bounds: &MinMax) -> Vec<u32> {
     boxes.iter().filter(|(_, b)| meet(b, bounds)).map(|(&key, _)| key).collect()
 }
 
-pub fn at(boxes: &Boxes, point: [f64; 3]) -> Vec<u32> {
+pub(crate) fn at(boxes: &Boxes, point: [f64; 3]) -> Vec<u32> {
     let holds = |b: &MinMax| (0..3).all(|k| b.min()[k] <= point[k] && point[k] <= b.max()[k]);
     boxes.iter().filter(|(_, b)| holds(b)).map(|(&key, _)| key).collect()
 }
 
 /// Each box that the ray enters, by the public predicate on single boxes, whose own truth is tested beside it.
-pub fn ray(boxes: &Boxes, ray: &Ray) -> Vec<(u32, f64)> {
+pub(crate) fn ray(boxes: &Boxes, ray: &Ray) -> Vec<(u32, f64)> {
     boxes.iter().filter_map(|(&key, b)| ray.enters(b).map(|t| (key, t))).collect()
 }
 
-pub fn nearest(boxes: &Boxes, point: [f64; 3], count: usize) -> Vec<(u32, f64)> {
+pub(crate) fn nearest(boxes: &Boxes, point: [f64; 3], count: usize) -> Vec<(u32, f64)> {
     let squared = |b: &MinMax| -> f64 {
         let gap = |k: usize| (b.min()[k] - point[k]).max(point[k] - b.max()[k]).max(0.0);
         gap(0) * gap(0) + gap(1) * gap(1) + gap(2) * gap(2)
@@ -52,7 +52,7 @@ pub fn nearest(boxes: &Boxes, point: [f64; 3], count: usize) -> Vec<(u32, f64)> 
 }
 
 /// What a partition finds, sorted; each key once.
-pub fn found(search: impl FnOnce(&mut dyn FnMut(u32) -> ControlFlow<()>) -> ControlFlow<()>) -> Vec<u32> {
+pub(crate) fn found(search: impl FnOnce(&mut dyn FnMut(u32) -> ControlFlow<()>) -> ControlFlow<()>) -> Vec<u32> {
     let mut keys = Vec::new();
     let flow = search(&mut |key| {
         keys.push(key);
@@ -67,7 +67,7 @@ pub fn found(search: impl FnOnce(&mut dyn FnMut(u32) -> ControlFlow<()>) -> Cont
 }
 
 /// Asks a partition everything at once; returns how many boxes the questions found.
-pub fn compare(partition: &dyn Partition, boxes: &Boxes, questions: &Questions, name: &str) -> usize {
+pub(crate) fn compare(partition: &dyn Partition, boxes: &Boxes, questions: &Questions, name: &str) -> usize {
     let mut hits = 0;
     assert_eq!(partition.len(), boxes.len(), "{name}");
     let mut all = Vec::new();
@@ -110,8 +110,8 @@ pub fn compare(partition: &dyn Partition, boxes: &Boxes, questions: &Questions, 
 
 /// What is asked of each partition.
 #[derive(Default)]
-pub struct Questions {
-    pub boxes: Vec<MinMax>,
-    pub points: Vec<[f64; 3]>,
-    pub rays: Vec<Ray>,
+pub(crate) struct Questions {
+    pub(crate) boxes: Vec<MinMax>,
+    pub(crate) points: Vec<[f64; 3]>,
+    pub(crate) rays: Vec<Ray>,
 }

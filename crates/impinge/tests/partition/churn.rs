@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use impinge::partition::{Changes, ColumnSweep, Dynamic, Move, Work};
+use impinge::partition::{Changes, ColumnSweep, Move, Work};
 use impinge::volume::MinMax;
 use impinge_testkit::generate::Rng;
 

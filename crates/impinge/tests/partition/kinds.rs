@@ -9,7 +9,7 @@ use impinge::volume::MinMax;
 use crate::scenes::Scene;
 
 /// One of each kind, empty, as suits the scene or does not.
-pub fn dynamic(scene: Scene) -> Vec<(&'static str, Box<dyn Dynamic>)> {
+pub(crate) fn dynamic(scene: Scene) -> Vec<(&'static str, Box<dyn Dynamic>)> {
     let (origin, size) = scene.place();
     let cells = MinMax::new(origin, origin.map(|x| x + size)).expect("in range");
     vec![
@@ -29,7 +29,7 @@ pub fn dynamic(scene: Scene) -> Vec<(&'static str, Box<dyn Dynamic>)> {
 }
 
 /// One of each kind that is built, over these boxes.
-pub fn built(boxes: &[MinMax]) -> Vec<(&'static str, Box<dyn Partition>)> {
+pub(crate) fn built(boxes: &[MinMax]) -> Vec<(&'static str, Box<dyn Partition>)> {
     vec![
         ("k-d tree", Box::new(KdTree::build(boxes))),
         ("BSP tree", Box::new(BspTree::build(boxes))),

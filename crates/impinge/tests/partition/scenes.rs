@@ -8,7 +8,7 @@ use crate::brute::Questions;
 
 /// How boxes are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Scene {
+pub(crate) enum Scene {
     /// Corners on a grid of whole numbers: faces touch, boxes repeat, some are flat, lines or points.
     Grid,
     /// Sizes about one, anywhere.
@@ -23,11 +23,12 @@ pub enum Scene {
     Outliers,
 }
 
-pub const ALL: [Scene; 6] = [Scene::Grid, Scene::Spread, Scene::Sizes, Scene::Far, Scene::Coincident, Scene::Outliers];
+pub(crate) const ALL: [Scene; 6] =
+    [Scene::Grid, Scene::Spread, Scene::Sizes, Scene::Far, Scene::Coincident, Scene::Outliers];
 
 impl Scene {
     /// The origin of the scene and about how far it goes from there.
-    pub fn place(self) -> ([f64; 3], f64) {
+    pub(crate) fn place(self) -> ([f64; 3], f64) {
         match self {
             Self::Grid => ([0.0; 3], 12.0),
             Self::Spread | Self::Outliers => ([0.0; 3], 16.0),
@@ -37,7 +38,7 @@ impl Scene {
         }
     }
 
-    pub fn draw(self, rng: &mut Rng) -> MinMax {
+    pub(crate) fn draw(self, rng: &mut Rng) -> MinMax {
         let (origin, size) = self.place();
         let corners = |low: [f64; 3], extent: [f64; 3]| {
             MinMax::new(low, std::array::from_fn(|k| low[k] + extent[k])).expect("in range")
@@ -67,7 +68,7 @@ impl Scene {
     }
 
     /// A box a little away from another one, and a little larger or smaller.
-    pub fn nudge(self, bounds: &MinMax, rng: &mut Rng) -> MinMax {
+    pub(crate) fn nudge(self, bounds: &MinMax, rng: &mut Rng) -> MinMax {
         let step = match self {
             Self::Grid | Self::Coincident => 1.0,
             _ => 0.1,
@@ -79,10 +80,10 @@ impl Scene {
         MinMax::new(low, high).expect("in range")
     }
 
-    pub fn questions(self, rng: &mut Rng, count: usize) -> Questions {
+    pub(crate) fn questions(self, rng: &mut Rng, count: usize) -> Questions {
         let (origin, size) = self.place();
         let mut questions = Questions::default();
-        let mut place = |rng: &mut Rng| -> [f64; 3] {
+        let place = |rng: &mut Rng| -> [f64; 3] {
             std::array::from_fn(|k| {
                 let x = rng.uniform(-0.6 * size, 1.2 * size);
                 origin[k] + if rng.one_in(2) { x.round() } else { x }

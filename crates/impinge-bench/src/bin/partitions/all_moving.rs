@@ -13,7 +13,7 @@ use parry3d::partitioning::{Bvh, BvhWorkspace};
 use crate::scenes::{for_parry, moved};
 
 /// Boxes above which our tree, which is not made for this, is left out.
-const MOST_FOR_TREE: usize = 100_000;
+const MOST_FOR_TREE: usize = 10_000;
 
 /// Times the sweep of columns and parry's tree on the same frames.
 pub(crate) fn compare(

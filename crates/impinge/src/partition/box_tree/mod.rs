@@ -88,7 +88,7 @@ impl BoxTree {
     /// is none, and one beyond 2^320 is that.
     #[must_use]
     pub fn with_margin(margin: f64) -> Self {
-        Self { margin: margin.max(0.0).min(super::march::LIMIT), ..Self::default() }
+        Self { margin: margin.clamp(0.0, super::march::LIMIT), ..Self::default() }
     }
 
     /// Steps from the root to the deepest leaf, at most 48; zero for fewer than two boxes.

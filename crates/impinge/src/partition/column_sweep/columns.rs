@@ -1,6 +1,9 @@
 //! Columns in memory: each a chain of blocks, so that boxes find their places in one pass.
 
+use fearless_simd::{Simd, dispatch};
+
 use super::frame::{Frame, Record};
+use crate::simd::best_level;
 use crate::volume::MinMax;
 
 /// Copies in a block: 2 KiB, so that what is left empty in the last block of a column is little, and few links are followed.
@@ -25,16 +28,19 @@ impl Columns {
         self.links.clear();
         self.next.clear();
         self.next.resize(frame.len(), 0);
-        for (at, bounds) in boxes.iter().enumerate() {
-            let record = frame.image(bounds, first + at as u32);
-            frame.each_copy(record, |column, copy| self.push(column, copy));
-        }
+        // Conversions and comparisons are quicker with the instructions of a vector unit, one at a time or not.
+        dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || {
+            for (at, bounds) in boxes.iter().enumerate() {
+                let record = frame.image(bounds, first + at as u32);
+                frame.each_copy(record, #[inline(always)] |column, copy| self.push(column, copy));
+            }
+        }));
     }
 
     #[inline(always)]
     fn push(&mut self, column: usize, record: Record) {
         let mut at = self.next[column];
-        if at as usize % BLOCK == 0 {
+        if at.is_multiple_of(BLOCK as u32) {
             at = self.open(at);
         }
         self.records[at as usize] = record;

@@ -13,7 +13,7 @@ mod lanes;
 
 use std::ops::Range;
 
-use fearless_simd::dispatch;
+use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 
 use crate::simd::best_level;
@@ -80,6 +80,10 @@ impl ColumnSweep {
     fn sort_into_columns(&mut self, frame: &Frame, boxes: &[MinMax]) {
         let run = boxes.len().div_ceil(rayon::current_num_threads()).max(SHORTEST_RUN);
         self.runs.resize_with(boxes.len().div_ceil(run), Columns::default);
+        if let [columns] = self.runs.as_mut_slice() {
+            // A pool that is not needed is not woken either, which would take longer than a thousand boxes.
+            return columns.fill(frame, boxes, 0);
+        }
         self.runs.par_iter_mut().zip(boxes.par_chunks(run)).enumerate().for_each(|(at, (columns, boxes))| {
             columns.fill(frame, boxes, (at * run) as u32);
         });
@@ -128,17 +132,17 @@ impl ColumnSweep {
         }
         for level in 1..LEVELS {
             let own = &coarse[level - 1];
-            let found: Vec<Vec<[u32; 2]>> = own
-                .starts
-                .par_windows(2)
-                .filter(|ends| ends[0] < ends[1])
-                .fold(Vec::new, |mut found, ends| {
-                    let range = ends[0] as usize..ends[1] as usize;
-                    Bucket { frame, boxes, level, lanes: &own.lanes, range }.sweep(&coarse[level..], &mut found);
-                    found
-                })
-                .collect();
-            found.iter().for_each(|part| self.found.extend_from_slice(part));
+            let sweep = |mut found: Vec<[u32; 2]>, ends: &[u32]| {
+                let range = ends[0] as usize..ends[1] as usize;
+                Bucket { frame, boxes, level, lanes: &own.lanes, range }.sweep(&coarse[level..], &mut found);
+                found
+            };
+            if runs.len() == 1 {
+                self.found = own.starts.windows(2).fold(std::mem::take(&mut self.found), sweep);
+            } else if !own.is_empty() {
+                let parts: Vec<Vec<[u32; 2]>> = own.starts.par_windows(2).fold(Vec::new, sweep).collect();
+                parts.iter().for_each(|part| self.found.extend_from_slice(part));
+            }
         }
     }
 }
@@ -167,6 +171,11 @@ impl Bucket<'_> {
     }
 
     fn sweep_against(&self, coarse: &Coarse, above: usize, found: &mut Vec<[u32; 2]>) {
+        dispatch!(best_level(), simd => self.sweep_against_in(simd, coarse, above, found));
+    }
+
+    #[inline(always)]
+    fn sweep_against_in<S: Simd>(&self, simd: S, coarse: &Coarse, above: usize, found: &mut Vec<[u32; 2]>) {
         let level = self.level + above;
         let mut last = (usize::MAX, 0);
         for at in self.range.clone() {
@@ -183,9 +192,13 @@ impl Bucket<'_> {
                 cursor += 1;
             }
             last = (bucket, cursor);
-            dispatch!(best_level(), simd => {
-                coarse.lanes.sweep_one(simd, cursor..range.end, &one, #[inline(always)] |other| self.meet(at, coarse.lanes.record(other), above, found));
-            });
+            coarse.lanes.sweep_one(
+                simd,
+                cursor..range.end,
+                &one,
+                #[inline(always)]
+                |other| self.meet(at, coarse.lanes.record(other), above, found),
+            );
         }
     }
 
@@ -222,17 +235,12 @@ fn sort_pairs(from: &mut [[u32; 2]], to: &mut Vec<[u32; 2]>, len: usize) {
     let deal = |pair: [u32; 2]| (pair[0] >> shift) as usize;
     to.resize(from.len(), [0; 2]);
     crate::hierarchy::scatter::<DEALS, [u32; 2]>(from, to, deal);
-    let mut rest = to.as_mut_slice();
-    let mut deals = Vec::new();
-    while let Some(&first) = rest.first() {
-        // A deal ends where the next begins; few are long.
-        let end = rest.iter().position(|&pair| deal(pair) != deal(first)).unwrap_or(rest.len());
-        let (own, after) = rest.split_at_mut(end);
-        deals.push(own);
-        rest = after;
+    // A deal ends where the next begins; few are long.
+    let sort = |deal: &mut [[u32; 2]]| deal.sort_unstable_by_key(|pair| u64::from(pair[0]) << 32 | u64::from(pair[1]));
+    if rayon::current_num_threads() == 1 {
+        to.chunk_by_mut(|one, other| deal(*one) == deal(*other)).for_each(sort);
+    } else {
+        let deals: Vec<_> = to.chunk_by_mut(|one, other| deal(*one) == deal(*other)).collect();
+        deals.into_par_iter().with_min_len(64).for_each(sort);
     }
-    deals
-        .into_par_iter()
-        .with_min_len(64)
-        .for_each(|deal| deal.sort_unstable_by_key(|pair| u64::from(pair[0]) << 32 | u64::from(pair[1])));
 }
