@@ -1,0 +1,44 @@
+//! Space partitions beside parry3d's `Bvh`, kiddo and rstar, in one run on one thread, every answer checked.
+//!
+//! `cargo run --release -p impinge-bench --bin partitions`
+//!
+//! Boxes have coordinates that single precision holds, so that parry3d gets the same ones. Times are of the processor, the
+//! least and the median of the steps; a step starts with all new boxes and ends with a list of pairs, sorted for ours.
+
+#![forbid(unsafe_code)]
+#![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
+
+mod all_moving;
+mod few_moving;
+mod questions;
+mod scenes;
+
+use anyhow::Result;
+use clap::Parser;
+
+/// Times space partitions, and checks every answer
+#[derive(Parser)]
+struct Arguments {
+    /// Numbers of boxes that all move
+    #[arg(long, value_name = "N", value_delimiter = ',', default_values_t = [1_000, 10_000, 100_000, 1_000_000])]
+    counts: Vec<usize>,
+    /// Steps of each
+    #[arg(long, value_name = "N", default_value_t = 9)]
+    steps: usize,
+    /// Boxes of which one in a thousand moves
+    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
+    many: usize,
+    /// Boxes and points that are asked for
+    #[arg(long, value_name = "N", default_value_t = 100_000)]
+    asked: usize,
+}
+
+fn main() -> Result<()> {
+    let Arguments { counts, steps, many, asked } = Arguments::parse();
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
+    all_moving::compare("sizes 0.5 to 1.5 at mean spacing 2", scenes::like, &counts, steps)?;
+    let spread: Vec<usize> = counts.iter().copied().filter(|&count| count <= 100_000).collect();
+    all_moving::compare("sizes of a Pareto distribution over a ratio of 1,000", scenes::pareto, &spread, steps)?;
+    few_moving::compare(many, steps)?;
+    questions::compare(asked)
+}
