@@ -59,6 +59,13 @@ struct Apart {
     distance: f64,
     lower: f64,
     upper: f64,
+    /// Absent where one lies inside the other.
+    #[serde(flatten)]
+    nearest: Option<Nearest>,
+}
+
+#[derive(Serialize)]
+struct Nearest {
     /// In the common frame and unit.
     point_a: [f64; 3],
     point_b: [f64; 3],
@@ -111,10 +118,12 @@ pub(super) fn object(outcome: &Outcome) -> String {
     })
 }
 
+/// What is finite: nothing is near an empty mesh.
 fn apart(distance: &Distance) -> Option<Apart> {
     let Distance { lower, upper, witness } = *distance;
-    let Witness { point_a, point_b, face_a, face_b } = witness?;
-    Some(Apart { distance: upper, lower, upper, point_a, point_b, face_a, face_b })
+    let nearest =
+        witness.map(|Witness { point_a, point_b, face_a, face_b }| Nearest { point_a, point_b, face_a, face_b });
+    upper.is_finite().then_some(Apart { distance: upper, lower, upper, nearest })
 }
 
 /// The names of what holds.

@@ -67,8 +67,8 @@ pub(crate) struct Arguments {
     /// Write the curves in which the meshes meet, to an .obj file
     #[arg(long, value_name = "OUT")]
     curves: Option<PathBuf>,
-    /// Tell how far apart they are, with nearest points and faces; 0 where they meet. Between surfaces: not with `--solid`
-    #[arg(long, conflicts_with = "solid")]
+    /// Tell how far apart they are, with nearest points and faces; 0 where they meet, as solids where `--solid` says so
+    #[arg(long)]
     distance: bool,
     /// Whether they come within this distance of each other, decided exactly; at it is within it
     ///
@@ -228,7 +228,9 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
         let curves = arguments.wants_curves().then(|| query::curves_of_pairs(a, b, &pairs));
         let solid = arguments.solid.map(|side| query::solid_intersection_of_pairs(a, b, side.into(), &pairs));
         let penetrates = arguments.penetrates.then(|| query::penetrates_of_pairs(a, b, &pairs));
-        let distance = arguments.distance.then(|| query::distance(a, b));
+        let is_inside = pairs.is_empty() && solid.is_some_and(|solid| solid.intersects);
+        let inside = Distance { lower: 0.0, upper: 0.0, witness: None };
+        let distance = arguments.distance.then(|| if is_inside { inside } else { query::distance(a, b) });
         let clearance = arguments.clearance.map(|required| {
             let is_violated = solid.is_some_and(|solid| solid.intersects) || query::within(a, b, required);
             Clearance { required, is_violated }

@@ -96,7 +96,10 @@ fn describe(body: &Body, bounds: Option<&Bounds>) -> [String; 5] {
 
 /// How far apart, and where.
 fn apart(outcome: &Outcome, distance: &Distance, unit: &str) -> String {
-    let Some(witness) = distance.witness else { return "infinite: a mesh is empty".to_owned() };
+    let Some(witness) = distance.witness else {
+        let is_inside = distance.upper == 0.0;
+        return if is_inside { "0: one lies inside the other" } else { "infinite: a mesh is empty" }.to_owned();
+    };
     let mut text = format!("{}{unit}", length(distance.upper));
     let ends = [(0, "A", witness.face_a, witness.point_a), (1, "B", witness.face_b, witness.point_b)];
     for (side, name, face, point) in ends {

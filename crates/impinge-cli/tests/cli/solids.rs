@@ -47,6 +47,25 @@ fn contained_is_named_in_the_json_and_absent_otherwise() {
     assert_eq!(part("one.obj two.obj --solid"), contained("both"));
 }
 
+#[test]
+fn the_distance_of_solids_is_zero_where_they_meet() {
+    let folder = Folder::new();
+    let distance = |arguments: &str| {
+        let run = folder.run(&format!("check {arguments} --distance --json"));
+        let object: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+        object["distance"].clone()
+    };
+    let inside = distance("cube.obj big.obj --solid");
+    assert_eq!(inside, serde_json::json!({ "distance": 0.0, "lower": 0.0, "upper": 0.0 }));
+    // Of which the inner one alone is solid, the surfaces are apart.
+    for arguments in ["cube.obj big.obj", "cube.obj big.obj --solid=a", "big.obj cube.obj --solid --pose-b 90,0,0"] {
+        let apart = distance(arguments);
+        assert!(apart["distance"].as_f64().unwrap() > 0.1 && apart["face_a"].is_u64(), "{arguments}: {apart}");
+    }
+    let text = folder.run("check cube.obj big.obj --solid --distance");
+    assert!(text.stdout.contains("0: one lies inside the other"));
+}
+
 /// A cube of edge 5 about one place and one of edge 1 about another, both along the x axis.
 fn pair_of_cubes(large_at: f64, small_at: f64) -> String {
     let mut text = String::new();
