@@ -147,7 +147,7 @@ fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts 
     Contacts { normal, contacts }
 }
 
-/// Points over each other as contacts, the deepest first, without those in one place.
+/// Points over each other as contacts, the deepest first; of those in one place, or of the same features, the deepest alone.
 fn measured(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3], over: Vec<Over>) -> Vec<Contact> {
     let height = |over: &Over| dot(normal, &over.points[0]) - dot(normal, &over.points[1]);
     let error = heights_error(pair);
@@ -157,7 +157,8 @@ fn measured(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3], over:
     let mut places: Vec<[f64; 3]> = Vec::new();
     let mut contacts = Vec::new();
     for (height, Over { points, features }) in sorted {
-        if places.iter().any(|place| is_one_place(place, &points[0])) {
+        let is_named = contacts.iter().any(|contact: &Contact| contact.features == features);
+        if is_named || places.iter().any(|place| is_one_place(place, &points[0])) {
             continue;
         }
         places.push(points[0]);

@@ -72,7 +72,7 @@ pub struct PlacedShape {
 /// What a verb makes of a placed shape, or of a part of a compound: one of the three representations.
 pub(crate) enum Form<'a> {
     Convex(Swept<'a>),
-    HalfSpace(HalfSpace<'a>),
+    HalfSpace(Box<HalfSpace<'a>>),
     Surface(Surface<'a>),
 }
 
@@ -355,7 +355,9 @@ impl PlacedShape {
         let core = match &self.kind {
             Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.core(),
             Kind::Round { core: RoundCore::Curved(set), .. } => Core::Curved(&**set),
-            Kind::HalfSpace { normal, level } => return Form::HalfSpace(HalfSpace::new(*normal, *level, pose)),
+            Kind::HalfSpace { normal, level } => {
+                return Form::HalfSpace(Box::new(HalfSpace::new(*normal, *level, pose)));
+            }
             Kind::Mesh { mesh, is_solid } => return Form::Surface(Surface { mesh, pose, is_solid: *is_solid }),
             Kind::Compound(_) => return self.parts[0].form(),
         };

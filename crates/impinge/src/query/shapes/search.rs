@@ -276,8 +276,17 @@ fn on_three([p, q, r]: [&(Vector, f64); 3]) -> Option<Vector> {
 /// The greatest sum found of the radii of two balls about one point, one in each shape.
 fn ball_in_both(a: &PlacedShape, b: &PlacedShape, points: &[Vector; 2], upper: f64) -> f64 {
     let sum = |point: &Vector| depth_of_point(a, point) + depth_of_point(b, point);
-    let mut at: Vector = std::array::from_fn(|k| 0.5 * points[0][k] + 0.5 * points[1][k]);
+    let middle = |p: &Vector, q: &Vector| -> Vector { std::array::from_fn(|k| 0.5 * p[k] + 0.5 * q[k]) };
+    let mut at = middle(&points[0], &points[1]);
     let mut best = sum(&at);
+    // Where one shape is all inside the other the middle may be in but one of them.
+    for [min, max] in [a, b].into_iter().filter_map(PlacedShape::bounds) {
+        let centre = middle(&min, &max);
+        let value = sum(&centre);
+        if value > best {
+            (best, at) = (value, centre);
+        }
+    }
     let mut step = 0.25 * upper;
     for _ in 0..BALL_STEPS {
         if best >= upper * (1.0 - 1e-9) {
