@@ -7,6 +7,7 @@ pub mod hull;
 pub mod input;
 pub mod math;
 pub mod mesh;
+pub mod partition;
 pub mod primitive;
 pub mod query;
 pub mod shape;

@@ -65,7 +65,7 @@ impl MinMax {
     }
 
     /// Between corners that are known to be in order and finite.
-    pub(super) const fn from_ordered(min: [f64; 3], max: [f64; 3]) -> Self {
+    pub(crate) const fn from_ordered(min: [f64; 3], max: [f64; 3]) -> Self {
         Self { min, max }
     }
 

@@ -1,0 +1,58 @@
+//! All pairs by a simultaneous descent: the tree against itself, or against another tree.
+//!
+//! Source: Ericson, 6.3.2; a node meets itself in its children, each with itself and one with the other.
+
+use super::{BoxTree, MinMax};
+use crate::volume::BoundingVolume;
+
+impl BoxTree {
+    pub(super) fn own_pairs(&self) -> Vec<[u32; 2]> {
+        let mut pairs = Vec::new();
+        let mut selves: Vec<u32> = self.root.into_iter().collect();
+        let mut waiting = Vec::new();
+        while let Some(at) = selves.pop() {
+            let node = self.node(at);
+            if !node.is_leaf() {
+                let [one, other] = node.children;
+                selves.extend([one, other]);
+                waiting.push([one, other]);
+                self.descend(self, &mut waiting, |[one, other]| pairs.push([one.min(other), one.max(other)]));
+            }
+        }
+        pairs.sort_unstable();
+        pairs
+    }
+
+    /// What [`Partition::pairs_with`](super::super::Partition::pairs_with) answers, by opening both trees at once.
+    #[must_use]
+    pub fn pairs_with_tree(&self, other: &Self) -> Vec<[u32; 2]> {
+        let (Some(root), Some(other_root)) = (self.root, other.root) else { return Vec::new() };
+        let mut pairs = Vec::new();
+        self.descend(other, &mut vec![[root, other_root]], |pair| pairs.push(pair));
+        pairs.sort_unstable();
+        pairs
+    }
+
+    /// Opens pairs of nodes that overlap, the higher one of the two, down to leaves.
+    fn descend(&self, other: &Self, waiting: &mut Vec<[u32; 2]>, mut meet: impl FnMut([u32; 2])) {
+        while let Some([one, two]) = waiting.pop() {
+            let (a, b) = (self.node(one), other.node(two));
+            if !a.bounds.overlaps(&b.bounds) {
+                continue;
+            }
+            match (a.is_leaf(), b.is_leaf()) {
+                (true, true) => {
+                    let thin = !self.is_fat() && !other.is_fat();
+                    let exact: [MinMax; 2] = [self.exact(a), other.exact(b)];
+                    if thin || exact[0].overlaps(&exact[1]) {
+                        meet([a.children[0], b.children[0]]);
+                    }
+                }
+                (false, is_leaf) if is_leaf || a.height >= b.height => {
+                    waiting.extend(a.children.map(|child| [child, two]));
+                }
+                _ => waiting.extend(b.children.map(|child| [one, child])),
+            }
+        }
+    }
+}

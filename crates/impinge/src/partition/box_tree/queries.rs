@@ -1,0 +1,144 @@
+//! Searches of one box, point or ray.
+
+use std::ops::ControlFlow;
+
+use super::super::march::{Best, distance_squared, in_range};
+use super::super::{Cells, Neighbour, Partition, Ray, RayVisit, Visitor, Work};
+use super::{BoxTree, DEEPEST, MinMax, Node};
+use crate::volume::BoundingVolume;
+
+/// Nodes that wait in a search down from the root: one for each step, and two at the last.
+pub(super) struct Stack<T> {
+    waiting: [T; DEEPEST as usize + 2],
+    len: usize,
+}
+
+impl<T: Copy> Stack<T> {
+    #[inline]
+    pub(super) fn of(first: T) -> Self {
+        Self { waiting: [first; DEEPEST as usize + 2], len: 1 }
+    }
+
+    #[inline]
+    pub(super) fn push(&mut self, node: T) {
+        self.waiting[self.len] = node;
+        self.len += 1;
+    }
+
+    #[inline]
+    pub(super) fn pop(&mut self) -> Option<T> {
+        self.len = self.len.checked_sub(1)?;
+        Some(self.waiting[self.len])
+    }
+}
+
+impl BoxTree {
+    /// The exact box of a leaf.
+    #[inline]
+    pub(super) fn exact(&self, leaf: &Node) -> MinMax {
+        if self.is_fat() { *self.items.get(leaf.children[0]).unwrap_or(&leaf.bounds) } else { leaf.bounds }
+    }
+}
+
+impl Partition for BoxTree {
+    fn cells(&self) -> Cells {
+        Cells::Volumes
+    }
+
+    fn len(&self) -> usize {
+        self.items.len()
+    }
+
+    fn get(&self, key: u32) -> Option<MinMax> {
+        self.items.get(key).copied()
+    }
+
+    fn bounds(&self) -> Option<MinMax> {
+        self.root.map(|root| self.node(root).bounds)
+    }
+
+    fn each(&self, visit: &mut dyn FnMut(u32, &MinMax)) {
+        self.items.iter().for_each(|(key, bounds)| visit(key, bounds));
+    }
+
+    fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {
+        let Some(root) = self.root else { return ControlFlow::Continue(()) };
+        let mut stack = Stack::of(root);
+        while let Some(at) = stack.pop() {
+            let node = self.node(at);
+            work.nodes += 1;
+            if !node.bounds.overlaps(bounds) {
+                continue;
+            }
+            if node.is_leaf() {
+                work.boxes += 1;
+                if !self.is_fat() || self.exact(node).overlaps(bounds) {
+                    visit(node.children[0])?;
+                }
+            } else {
+                stack.push(node.children[1]);
+                stack.push(node.children[0]);
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The nearer child first, so that a reach that shrinks prunes.
+    fn ray(&self, ray: &Ray, visit: &mut dyn FnMut(RayVisit) -> f64) {
+        let mut reach = ray.reach();
+        let enters = |node: u32| ray.enters(&self.node(node).bounds).map(|t| (t, node));
+        let Some(mut stack) = self.root.and_then(enters).map(Stack::of) else { return };
+        while let Some((t, at)) = stack.pop() {
+            if t > reach {
+                continue;
+            }
+            let node = self.node(at);
+            if node.is_leaf() {
+                let exact = if self.is_fat() { ray.enters(&self.exact(node)) } else { Some(t) };
+                if let Some(t) = exact.filter(|&t| t <= reach) {
+                    reach = reach.min(visit(RayVisit { key: node.children[0], t, reach }));
+                }
+                if reach < 0.0 {
+                    return;
+                }
+                continue;
+            }
+            match node.children.map(enters) {
+                [Some(one), Some(other)] => {
+                    let (near, far) = if one.0 <= other.0 { (one, other) } else { (other, one) };
+                    stack.push(far);
+                    stack.push(near);
+                }
+                [Some(one), None] | [None, Some(one)] => stack.push(one),
+                [None, None] => {}
+            }
+        }
+    }
+
+    /// Depth first, the nearer child before the other.
+    fn nearest(&self, point: [f64; 3], count: usize) -> Vec<Neighbour> {
+        let mut best = Best::new(count);
+        let Some(root) = self.root.filter(|_| in_range(&point) && count > 0) else { return Vec::new() };
+        let distance = |node: u32| (distance_squared(&point, &self.node(node).bounds), node);
+        let mut stack = Stack::of(distance(root));
+        while let Some((near, at)) = stack.pop() {
+            if near > best.limit() {
+                continue;
+            }
+            let node = self.node(at);
+            if node.is_leaf() {
+                best.offer(node.children[0], distance_squared(&point, &self.exact(node)));
+                continue;
+            }
+            let [one, other] = node.children.map(distance);
+            let (near, far) = if one.0 <= other.0 { (one, other) } else { (other, one) };
+            stack.push(far);
+            stack.push(near);
+        }
+        best.into_sorted()
+    }
+
+    fn pairs(&self) -> Vec<[u32; 2]> {
+        self.own_pairs()
+    }
+}
