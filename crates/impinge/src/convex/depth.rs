@@ -40,24 +40,29 @@ pub(crate) struct Depth {
     pub(crate) points: [[f64; 3]; 2],
 }
 
+/// A depth, and the points of the cores, in the common frame, whose difference it is nearly.
+pub(super) struct CoreWitness {
+    pub(super) depth: Depth,
+    pub(super) core: [[f64; 3]; 2],
+}
+
 /// The depth of two shapes; meaningful for any two, and zero at the lower end where they may be apart.
 pub(crate) fn depth(a: &Swept<'_>, b: &Swept<'_>) -> Depth {
     if a.is_before(b) {
-        return depth_in_order(a, b);
+        return depth_in_order(&Pair::new(a, b), a, b).depth;
     }
-    let mut found = depth_in_order(b, a);
+    let mut found = depth_in_order(&Pair::new(b, a), b, a).depth;
     found.points.swap(0, 1);
     found.normal = found.normal.map(|x| 0.0 - x);
     found
 }
 
-fn depth_in_order(a: &Swept<'_>, b: &Swept<'_>) -> Depth {
-    let pair = Pair::new(a, b);
-    let gap = gap(&pair);
+pub(super) fn depth_in_order(pair: &Pair<'_>, a: &Swept<'_>, b: &Swept<'_>) -> CoreWitness {
+    let gap = gap(pair);
     let sum = |end: usize| a.radius[end] + b.radius[end];
-    let [_, gap_above] = world_bounds(&gap, &pair);
+    let [_, gap_above] = world_bounds(&gap, pair);
     let apart = below(below(sum(0)) - gap_above).max(0.0);
-    let core = if gap.lower > 0.5 * gap.upper { of_apart(&pair, &gap) } else { expand(&pair, &gap) };
+    let core = if gap.lower > 0.5 * gap.upper { of_apart(pair, &gap) } else { expand(pair, &gap) };
     let [inside, height] = [core.lower * pair.unit, core.upper * pair.unit];
     let lower = if inside > 0.0 { below(inside + below(sum(0))) } else { apart };
     let normal = to_unit_length(core.direction);
@@ -66,7 +71,8 @@ fn depth_in_order(a: &Swept<'_>, b: &Swept<'_>) -> Depth {
         std::array::from_fn(|k| world[0][k] + normal[k] * a.radius[0]),
         std::array::from_fn(|k| world[1][k] - normal[k] * b.radius[0]),
     ];
-    Depth { lower, upper: above(height + above(sum(1))).max(lower), normal, points }
+    let depth = Depth { lower, upper: above(height + above(sum(1))).max(lower), normal, points };
+    CoreWitness { depth, core: core.points }
 }
 
 /// What is proved of the cores, in the common unit; negative where they are apart.

@@ -7,6 +7,9 @@
 use super::depth::Depth;
 use super::distance::{Separation, above, below};
 use super::facet::rounded_direction;
+use super::facing::facing;
+use super::manifold::{Contact, Contacts, Faceted};
+use super::overlap::Feature;
 use super::posed::{Pair, Swept, to_unit_length};
 use crate::exact::world_point;
 use crate::math::dyadic::{self, Dyadic};
@@ -57,12 +60,7 @@ impl<'a> HalfSpace<'a> {
         let origin = Swept { core: super::posed::Core::Points(&[[0.0; 3]]), pose: self.pose, radius: [0.0; 2] };
         let pair = Pair::new(&origin, shape);
         let deepest = pair.b.support(self.direction.map(|x| -x));
-        let across = length(&self.direction);
-        let height = dot(&self.direction, &deepest.point) - self.rounded_level / pair.unit;
-        let level_error = 4.0 * UNIT_ROUNDOFF * (self.rounded_level / pair.unit).abs() + f64::MIN_POSITIVE;
-        let error = (pair.height_error(self.direction) + level_error) / across;
-        let [mut lower, mut upper] =
-            [below(height / across - error) * pair.unit, above(height / across + error) * pair.unit];
+        let [mut lower, mut upper] = self.height(&pair, &deepest.point);
         if let Some(least) = self.least_height(shape).filter(|_| upper - lower > 1e-11 * upper.abs()) {
             let sign = least.sign();
             let [near, far] = root_bounds(&[least, dyadic::dot(&self.normal, &self.normal)]);
@@ -79,6 +77,45 @@ impl<'a> HalfSpace<'a> {
             upper: above(upper - shape.radius[0]),
             point: std::array::from_fn(|k| point[k] - unit[k] * shape.radius[0]),
         }
+    }
+
+    /// How far a point of the common frame is above the plane, in world units.
+    fn height(&self, pair: &Pair<'_>, point: &[f64; 3]) -> [f64; 2] {
+        let across = length(&self.direction);
+        let height = dot(&self.direction, point) - self.rounded_level / pair.unit;
+        let level_error = 4.0 * UNIT_ROUNDOFF * (self.rounded_level / pair.unit).abs() + f64::MIN_POSITIVE;
+        let error = (pair.height_error(self.direction) + level_error) / across;
+        [below(height / across - error) * pair.unit, above(height / across + error) * pair.unit]
+    }
+
+    /// The corners of what a shape turns to the plane, as far as they are in the half-space or at most `margin` above; the lowest
+    /// in any case. The first point of each is on the plane.
+    pub(crate) fn contacts(&self, shape: &Faceted<'_>, margin: f64) -> Contacts {
+        let origin = Swept { core: super::posed::Core::Points(&[[0.0; 3]]), pose: self.pose, radius: [0.0; 2] };
+        let pair = Pair::new(&origin, &shape.swept);
+        let normal = to_unit_length(self.direction);
+        let radius = shape.swept.radius;
+        let mut contacts: Vec<Contact> = facing(&pair.b, shape.facets, normal.map(|x| -x))
+            .corners
+            .iter()
+            .map(|corner| {
+                let [low, high] = self.height(&pair, &corner.point);
+                let [lower, upper] = [below(radius[0] - high), above(radius[1] - low)];
+                let core = pair.world(corner.point);
+                let point = std::array::from_fn(|k| core[k] - normal[k] * radius[0]);
+                let points = [self.moved(point, 0.5 * (lower + upper)), point];
+                Contact { points, lower, upper, features: [Feature::Face(0), Feature::Vertex(corner.number)] }
+            })
+            .collect();
+        let deepest = contacts.iter().map(|contact| contact.upper).fold(f64::NEG_INFINITY, f64::max);
+        contacts.retain(|contact| contact.upper >= -margin || contact.upper == deepest);
+        Contacts { normal, contacts }
+    }
+
+    /// The contact of two half-spaces, of which one is enough: their planes have no corners.
+    pub(crate) fn contact_of_half_spaces(&self, other: &HalfSpace<'_>) -> Contacts {
+        let Depth { lower, upper, normal, points } = self.depth_of_half_spaces(other);
+        Contacts { normal, contacts: vec![Contact { points, lower, upper, features: [Feature::Face(0); 2] }] }
     }
 
     /// The least of m·(x - t) less the level over the core, where that is a polytope.

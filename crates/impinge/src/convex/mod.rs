@@ -7,21 +7,29 @@
 //! - `gjk` finds an interval that holds the distance, and decides nothing;
 //! - `min_norm` finds the least distance of polytopes exactly, where the interval does not do;
 //! - `depth` finds an interval for the depth, with a normal that is valid whatever else went wrong;
-//! - `half_space` compares shapes to planes.
+//! - `half_space` compares shapes to planes;
+//! - `manifold` finds the points of a contact, from `facets` of polytopes, what is `facing` along the normal, and the `overlap`.
 //!
-//! The errors are derived in docs/proof.md, L20 to L22.
+//! The errors are derived in docs/proof.md, L20 to L22 and L28.
 
 mod depth;
 mod distance;
 mod facet;
+mod facets;
+mod facing;
 mod gjk;
 mod half_space;
+mod manifold;
 mod min_norm;
+mod overlap;
 mod posed;
 mod simplex;
 
 pub(crate) use depth::depth;
 pub(crate) use distance::{nearness, separation};
+pub(crate) use facets::Facets;
 pub(crate) use half_space::HalfSpace;
+pub(crate) use manifold::{Contacts, Faceted, contacts};
+pub use overlap::Feature;
 pub use posed::Support;
 pub(crate) use posed::{Core, Swept};

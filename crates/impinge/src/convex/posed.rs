@@ -201,10 +201,18 @@ impl Posed<'_> {
 
     /// A point that is farthest along a direction of the common frame.
     pub(super) fn support(&self, direction: [f64; 3]) -> Spot {
+        self.spot(self.farthest_local(self.turned(direction)))
+    }
+
+    /// A direction of the common frame in the set's own, its greatest entry at ±1.
+    pub(super) fn turned(&self, direction: [f64; 3]) -> [f64; 3] {
         let linear = self.pose.linear();
-        let turned = std::array::from_fn(|j| (0..3).map(|k| linear[k][j] * direction[k]).sum::<f64>());
-        let along = to_unit_entries(turned);
-        let local = match self.core {
+        to_unit_entries(std::array::from_fn(|j| (0..3).map(|k| linear[k][j] * direction[k]).sum::<f64>()))
+    }
+
+    /// A point that is farthest along a direction, both in the set's own frame.
+    pub(super) fn farthest_local(&self, along: [f64; 3]) -> [f64; 3] {
+        match self.core {
             Core::Points(points) => {
                 let height = |point: &[f64; 3]| along[0] * point[0] + along[1] * point[1] + along[2] * point[2];
                 let mut best = (f64::NEG_INFINITY, [0.0; 3]);
@@ -225,8 +233,25 @@ impl Posed<'_> {
                 let (found, reach) = (set.support(along), set.reach());
                 std::array::from_fn(|k| if found[k].is_nan() { 0.0 } else { found[k].clamp(-reach[k], reach[k]) })
             }
-        };
-        self.spot(local)
+        }
+    }
+
+    /// The vertex of a hull that is farthest along a direction of the common frame; of anything else the first.
+    pub(super) fn farthest_vertex(&self, direction: [f64; 3]) -> u32 {
+        match self.core {
+            Core::Hull(hull) => hull.support_from(self.turned(direction), self.vertex.get()),
+            _ => 0,
+        }
+    }
+
+    pub(super) fn core(&self) -> Core<'_> {
+        self.core
+    }
+
+    /// A bound of the greatest magnitude of a coordinate of the set in its own frame, in the common unit as far as the pose is
+    /// rigid.
+    pub(super) fn reach(&self) -> f64 {
+        self.core.reach().into_iter().fold(0.0, f64::max) * self.scale
     }
 
     /// The corners, where the core is a polytope.

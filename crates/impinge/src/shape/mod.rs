@@ -4,15 +4,17 @@
 //! a support function, swept by a ball, and a half-space. A sphere is a point and a radius, a capsule a segment and one; all
 //! others have no radius.
 
+mod corners;
 mod round;
 
 use std::sync::Arc;
 
-use crate::convex::{Core, Support, Swept};
+use crate::convex::{Core, Faceted, Support, Swept};
 use crate::hull::Hull;
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 use crate::volume::stretch;
+use corners::Corners;
 use round::{Cone, Cylinder, Ellipsoid};
 
 /// Coordinates and lengths stay below this magnitude: the range of the proofs, that of meshes.
@@ -44,14 +46,8 @@ enum Kind {
 }
 
 #[derive(Clone, Debug)]
-enum Corners {
-    Few(Arc<[[f64; 3]]>),
-    Hull(Arc<Hull>),
-}
-
-#[derive(Clone, Debug)]
 enum RoundCore {
-    Few(Arc<[[f64; 3]]>),
+    Few(Corners),
     Curved(Arc<dyn Support>),
 }
 
@@ -79,7 +75,7 @@ impl Shape {
     pub fn sphere(centre: [f64; 3], radius: f64) -> Result<Self, InputError> {
         judge_points("centre", &[centre])?;
         judge_lengths("radius", &[radius])?;
-        Ok(Self(Kind::Round { core: RoundCore::Few(Arc::new([centre])), radius }))
+        Ok(Self(Kind::Round { core: RoundCore::Few(Corners::few(&[centre])), radius }))
     }
 
     /// The points within `radius` of a segment, whose ends may be equal.
@@ -89,7 +85,7 @@ impl Shape {
     pub fn capsule(start: [f64; 3], end: [f64; 3], radius: f64) -> Result<Self, InputError> {
         judge_points("capsule end", &[start, end])?;
         judge_lengths("radius", &[radius])?;
-        Ok(Self(Kind::Round { core: RoundCore::Few(Arc::new([start, end])), radius }))
+        Ok(Self(Kind::Round { core: RoundCore::Few(Corners::few(&[start, end])), radius }))
     }
 
     /// The box about the origin that reaches as far along each axis as its half-extent says, which may be zero.
@@ -99,7 +95,7 @@ impl Shape {
     pub fn cuboid(half_extents: [f64; 3]) -> Result<Self, InputError> {
         judge_lengths("half-extent", &half_extents)?;
         let corner = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 1 { half_extents[k] } else { -half_extents[k] });
-        Ok(Self(Kind::Polytope(Corners::Few((0..8).map(corner).collect()))))
+        Self::few("corner", &[0, 1, 2, 3, 4, 5, 6, 7].map(corner))
     }
 
     /// The cylinder about the z axis, from -`half_height` to `half_height`.
@@ -137,7 +133,7 @@ impl Shape {
     /// A convex hull.
     #[must_use]
     pub fn hull(hull: Arc<Hull>) -> Self {
-        Self(Kind::Polytope(Corners::Hull(hull)))
+        Self(Kind::Polytope(Corners::hull(hull)))
     }
 
     /// A point.
@@ -227,7 +223,7 @@ impl Shape {
 
     fn few(what: &'static str, points: &[[f64; 3]]) -> Result<Self, InputError> {
         judge_points(what, points)?;
-        Ok(Self(Kind::Polytope(Corners::Few(points.into()))))
+        Ok(Self(Kind::Polytope(Corners::few(points))))
     }
 
     fn curved(set: Arc<dyn Support>) -> Self {
@@ -245,14 +241,20 @@ impl PlacedShape {
     pub(crate) fn form(&self) -> Form<'_> {
         let pose = &self.world_from_local;
         let core = match &self.kind {
-            Kind::Polytope(Corners::Few(points)) | Kind::Round { core: RoundCore::Few(points), .. } => {
-                Core::Points(points)
-            }
-            Kind::Polytope(Corners::Hull(hull)) => Core::Hull(hull),
+            Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.core(),
             Kind::Round { core: RoundCore::Curved(set), .. } => Core::Curved(&**set),
             Kind::HalfSpace { normal, level } => return Form::HalfSpace { normal: *normal, level: *level, pose },
         };
         Form::Convex(Swept { core, pose, radius: self.radius })
+    }
+
+    /// A swept core of this shape with its facets, where it is a polytope.
+    pub(crate) fn faceted<'a>(&'a self, swept: Swept<'a>) -> Faceted<'a> {
+        let facets = match &self.kind {
+            Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.facets(),
+            Kind::Round { core: RoundCore::Curved(_), .. } | Kind::HalfSpace { .. } => None,
+        };
+        Faceted { swept, facets }
     }
 }
 

@@ -14,14 +14,14 @@ use crate::hulls::pose;
 use crate::support::{Known, dot};
 
 /// A known shape in the world.
-struct Placed<'k> {
-    known: &'k Known,
-    place: Affine,
-    shape: PlacedShape,
+pub(crate) struct Placed<'k> {
+    pub(crate) known: &'k Known,
+    pub(crate) place: Affine,
+    pub(crate) shape: PlacedShape,
 }
 
 impl<'k> Placed<'k> {
-    fn new(known: &'k Known, place: Affine) -> Self {
+    pub(crate) fn new(known: &'k Known, place: Affine) -> Self {
         Self { known, place, shape: known.shape().at(pose(&place)).expect("rigid") }
     }
 
@@ -45,12 +45,12 @@ impl<'k> Placed<'k> {
 
 /// What lies between the heights of two shapes along a direction from the first to the second; the greatest of that over all
 /// directions is how far they are apart.
-fn gap_along(a: &Placed, b: &Placed, n: &[f64; 3]) -> f64 {
+pub(crate) fn gap_along(a: &Placed, b: &Placed, n: &[f64; 3]) -> f64 {
     -b.height(&n.map(|x| -x)) - a.height(n)
 }
 
 /// The directions along which heights are finite: those of planes, else some.
-fn directions(a: &Placed, b: &Placed) -> Vec<[f64; 3]> {
+pub(crate) fn directions(a: &Placed, b: &Placed) -> Vec<[f64; 3]> {
     let unit = |n: [f64; 3]| n.map(|x| x / dot(&n, &n).sqrt());
     let mut rng = Rng::new(5);
     match (a.plane(), b.plane()) {
@@ -62,7 +62,7 @@ fn directions(a: &Placed, b: &Placed) -> Vec<[f64; 3]> {
 }
 
 /// Whether no direction tells a point from those of a shape.
-fn holds(shape: &Placed, point: &[f64; 3], directions: &[[f64; 3]]) -> bool {
+pub(crate) fn holds(shape: &Placed, point: &[f64; 3], directions: &[[f64; 3]]) -> bool {
     match shape.plane() {
         Some((n, level)) => dot(&n, point) <= level + 1e-9,
         None => directions.iter().all(|n| dot(n, point) <= shape.height(n) + 1e-9),

@@ -6,9 +6,12 @@
 //! boolean is the truth wherever floats prove it; shapes that touch to within rounding count as hits, and
 //! [`proximity`] says so.
 
+mod contacts;
+
 use crate::convex::{self, HalfSpace};
 use crate::shape::{Form, PlacedShape};
 pub use crate::volume::Proximity;
+pub use contacts::{ContactId, ContactOptions, ContactPoint, Feature, Manifold, contacts, contacts_with};
 
 /// How far apart two shapes are, with what was proved about it.
 #[derive(Clone, Copy, Debug, PartialEq)]

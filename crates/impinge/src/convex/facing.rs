@@ -1,0 +1,110 @@
+//! The part of a core that faces along a direction: a corner, an edge or a facet of a polytope, or such a polygon of a round
+//! core's points.
+
+use super::facets::Facets;
+use super::posed::{Core, Posed, to_unit_entries, to_unit_length};
+use crate::primitive::{dot, length, sub};
+
+/// A facet counts as facing a direction, and an edge as across it, where the sine of the angle that it is off is at most this:
+/// some 14 degrees. More makes contacts of what only leans; less takes corners from what rocks.
+const LEANING: f64 = 0.25;
+
+/// How far directions are tilted to find the border of what a round core turns to a plane, smallest first: the least that sees
+/// more than one place is the most accurate.
+const TILTS: [f64; 3] = [1.0 / 65_536.0, 1.0 / 2_048.0, 1.0 / 64.0];
+
+/// Places on a round core that are nearer to each other than this, next to its reach, are one.
+const ONE_PLACE: f64 = 1.0 / 16.0;
+
+/// A corner of what faces a direction: its number, and where it is in the common frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Corner {
+    pub(super) number: u32,
+    pub(super) point: [f64; 3],
+}
+
+/// What faces a direction: a convex polygon, a segment or a point, by its corners in turn.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Facing {
+    pub(super) corners: Vec<Corner>,
+    /// The number of the facet, where there are more than two corners.
+    pub(super) facet: u32,
+}
+
+/// What faces a direction of length 1 in the common frame. Facets are wanted for polytopes.
+pub(super) fn facing(set: &Posed<'_>, facets: Option<&Facets>, direction: [f64; 3]) -> Facing {
+    match facets {
+        Some(facets) if !facets.corners.is_empty() => of_polytope(set, facets, direction),
+        _ => of_round(set, direction),
+    }
+}
+
+fn of_polytope(set: &Posed<'_>, facets: &Facets, direction: [f64; 3]) -> Facing {
+    let point = |corner: u32| set.spot(facets.corners[corner as usize].1).point;
+    let corner = |corner: u32| Corner { number: facets.corners[corner as usize].0, point: point(corner) };
+    let farthest = match set.core() {
+        Core::Hull(_) => set.farthest_vertex(direction),
+        _ => {
+            let height = |&corner: &u32| dot(&direction, &point(corner));
+            (0..facets.corners.len() as u32).max_by(|x, y| height(x).total_cmp(&height(y)).then(y.cmp(x))).unwrap_or(0)
+        }
+    };
+    let facet = facets.facets_at.list(farthest).iter().map(|&facet| {
+        let outline: Vec<[f64; 3]> = facets.outlines.list(facet).iter().map(|&corner| point(corner)).collect();
+        let outward = if set.pose().mirrors() { -1.0 } else { 1.0 };
+        (outward * dot(&direction, &to_unit_length(vector_area(&outline))), facet)
+    });
+    let facet = facet.max_by(|x, y| x.0.total_cmp(&y.0).then(y.1.cmp(&x.1)));
+    if let Some((cosine, facet)) = facet
+        && cosine * cosine >= 1.0 - LEANING * LEANING
+        && cosine > 0.0
+    {
+        return Facing { corners: facets.outlines.list(facet).iter().map(|&at| corner(at)).collect(), facet };
+    }
+    let sine = |other: u32| dot(&direction, &to_unit_length(sub(&point(other), &point(farthest)))).abs();
+    let edge = facets.neighbours.list(farthest).iter().map(|&other| (sine(other), other));
+    let edge = edge.min_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1))).filter(|edge| edge.0 <= LEANING);
+    let corners = std::iter::once(corner(farthest)).chain(edge.map(|(_, other)| corner(other))).collect();
+    Facing { corners, facet: 0 }
+}
+
+/// The corners are the farthest points along eight directions about the given one, numbered by those, where they are in more
+/// than one place; else there is one, of number 8.
+fn of_round(set: &Posed<'_>, direction: [f64; 3]) -> Facing {
+    const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
+    const TURNS: [[f64; 2]; 8] =
+        [[1.0, 0.0], [HALF, HALF], [0.0, 1.0], [-HALF, HALF], [-1.0, 0.0], [-HALF, -HALF], [0.0, -1.0], [HALF, -HALF]];
+    let along = set.turned(direction);
+    let axis = (0..3).max_by(|&i, &j| along[i].abs().total_cmp(&along[j].abs()).then(j.cmp(&i))).unwrap_or(0);
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    let near = ONE_PLACE * set.reach();
+    for tilt in TILTS {
+        let mut corners: Vec<Corner> = Vec::with_capacity(8);
+        for (number, turn) in (0..).zip(TURNS) {
+            let mut tilted = along;
+            tilted[i] += tilt * turn[0];
+            tilted[j] += tilt * turn[1];
+            let point = set.spot(set.farthest_local(to_unit_entries(tilted))).point;
+            if corners.iter().all(|known| length(&sub(&known.point, &point)) > near) {
+                corners.push(Corner { number, point });
+            }
+        }
+        if corners.len() > 1 {
+            return Facing { corners, facet: 0 };
+        }
+    }
+    Facing { corners: vec![Corner { number: 8, point: set.support(direction).point }], facet: 0 }
+}
+
+/// Twice the area of a polygon as a vector.
+fn vector_area(outline: &[[f64; 3]]) -> [f64; 3] {
+    let mut area = [0.0; 3];
+    for pair in outline[1..].windows(2) {
+        let (e, f) = (sub(&pair[0], &outline[0]), sub(&pair[1], &outline[0]));
+        area = std::array::from_fn(|k| {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            area[k] + (e[i] * f[j] - e[j] * f[i])
+        });
+    }
+    area
+}

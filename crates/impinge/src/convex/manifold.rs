@@ -1,0 +1,153 @@
+//! Where two convex shapes touch or overlap: points on both, a normal, and how deep each is.
+//!
+//! The normal is that of the depth, or of the distance where the shapes are apart; the points are where what faces along it, on
+//! either side, lies over each other. So two boxes that lie flat have up to eight points, crossed edges have one, and a
+//! capsule on the ground has two.
+//!
+//! # Source
+//! Clipping facing polygons is the way of all engines (Gregorius, *Robust Contact Creation for Physics Simulations*, GDC 2015).
+//! Ours departs in that both shapes count alike, that points are means of corners, which gives each depth an interval
+//! (docs/proof.md, L28), and that the deepest points of the depth itself are added where clipping has none as deep.
+
+use super::depth::depth_in_order;
+use super::distance::{above, below};
+use super::facets::Facets;
+use super::facing::facing;
+use super::overlap::{Feature, Over, is_one_place, overlap};
+use super::posed::{Pair, Swept};
+use crate::math::relative::UNIT_ROUNDOFF;
+use crate::primitive::{cross, dot, sub};
+
+/// A swept core, and the facets of the core where that is a polytope.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Faceted<'a> {
+    pub(crate) swept: Swept<'a>,
+    pub(crate) facets: Option<&'a Facets>,
+}
+
+/// A contact in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Contact {
+    pub(crate) points: [[f64; 3]; 2],
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+    pub(crate) features: [Feature; 2],
+}
+
+/// The contacts along one normal, which leads from the first shape to the second and has length 1; never none.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Contacts {
+    pub(crate) normal: [f64; 3],
+    pub(crate) contacts: Vec<Contact>,
+}
+
+/// The contacts of two shapes that are at most `margin` apart.
+pub(crate) fn contacts(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts {
+    if a.swept.is_before(&b.swept) {
+        return contacts_in_order(a, b, margin);
+    }
+    contacts_in_order(b, a, margin).swapped()
+}
+
+impl Contacts {
+    pub(crate) fn swapped(mut self) -> Self {
+        self.normal = self.normal.map(|x| 0.0 - x);
+        for contact in &mut self.contacts {
+            contact.points.swap(0, 1);
+            contact.features.swap(0, 1);
+        }
+        self
+    }
+
+    /// Leaves at most so many contacts, which is at least one: the deepest, the farthest from it, and then each time the one
+    /// that adds the most area.
+    pub(crate) fn keep(&mut self, most: usize) {
+        if self.contacts.len() > most {
+            let mut rest = std::mem::take(&mut self.contacts);
+            while self.contacts.len() < most.max(1) && !rest.is_empty() {
+                let worth = |contact: &Contact| self.worth(contact);
+                let best = (0..rest.len()).max_by(|&i, &j| {
+                    worth(&rest[i]).total_cmp(&worth(&rest[j])).then(rest[j].features.cmp(&rest[i].features))
+                });
+                let contact = rest.swap_remove(best.unwrap_or(0));
+                self.contacts.push(contact);
+            }
+        }
+        self.contacts.sort_by_key(|contact| contact.features);
+    }
+
+    /// What a contact would add to those that are kept.
+    fn worth(&self, contact: &Contact) -> f64 {
+        let from = |kept: &Contact| sub(&contact.points[0], &kept.points[0]);
+        match &self.contacts[..] {
+            [] => contact.upper,
+            [first] => dot(&from(first), &from(first)),
+            [first, second] => dot(&cross(&from(first), &from(second)), &self.normal).abs(),
+            [first, second, third, ..] => {
+                // How far beyond the side of the triangle that it is farthest beyond.
+                let turn = dot(
+                    &cross(&sub(&second.points[0], &first.points[0]), &sub(&third.points[0], &first.points[0])),
+                    &self.normal,
+                );
+                let sides = [[first, second], [second, third], [third, first]];
+                let beyond = sides.map(|[p, q]| {
+                    -turn.signum() * dot(&cross(&sub(&q.points[0], &p.points[0]), &from(p)), &self.normal)
+                });
+                beyond.into_iter().fold(f64::NEG_INFINITY, f64::max)
+            }
+        }
+    }
+}
+
+fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts {
+    let pair = Pair::new(&a.swept, &b.swept);
+    let found = depth_in_order(&pair, &a.swept, &b.swept);
+    let normal = found.depth.normal;
+    let facing_b = facing(&pair.b, b.facets, normal.map(|x| -x));
+    let facing_a = facing(&pair.a, a.facets, normal);
+    let mut over = overlap(&facing_a, &facing_b, &normal);
+    let height = |over: &Over| dot(&normal, &over.points[0]) - dot(&normal, &over.points[1]);
+    let witness = Over { points: found.core, features: [facing_a.feature(), facing_b.feature()] };
+    let error = heights_error(&pair);
+    let deepest = over.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
+    // Written so that NaN adds it.
+    if !(deepest >= height(&witness) - WITNESS_SLACK) {
+        over.push(witness);
+    }
+    let mut kept: Vec<(f64, Over)> = over.into_iter().map(|over| (height(&over), over)).collect();
+    kept.sort_by(|x, y| y.0.total_cmp(&x.0).then(rank(&x.1).cmp(&rank(&y.1))));
+    let radii = [a.swept.radius, b.swept.radius];
+    let mut contacts: Vec<Contact> = Vec::new();
+    let mut places: Vec<[f64; 3]> = Vec::new();
+    for (height, over) in kept {
+        let interval = [below(height - error), above(height + error)].map(|end| end * pair.unit);
+        let lower = below(interval[0] + below(radii[0][0] + radii[1][0]));
+        let upper = above(interval[1] + above(radii[0][1] + radii[1][1]));
+        let is_known = places.iter().any(|place| is_one_place(place, &over.points[0]));
+        if (upper < -margin && !contacts.is_empty()) || is_known {
+            continue;
+        }
+        places.push(over.points[0]);
+        let [p, q] = over.points.map(|point| pair.world(point));
+        let points = [
+            std::array::from_fn(|k| p[k] + normal[k] * radii[0][0]),
+            std::array::from_fn(|k| q[k] - normal[k] * radii[1][0]),
+        ];
+        contacts.push(Contact { points, lower, upper, features: over.features });
+    }
+    Contacts { normal, contacts }
+}
+
+/// How much deeper than any point of the clipped polygons the witness must be to be one more, in the common unit: 2^-20.
+const WITNESS_SLACK: f64 = 1.0 / (1 << 20) as f64;
+
+/// How far the height of a mean of corners over another may be off that of points of the sets, in the common unit
+/// (docs/proof.md, L28).
+fn heights_error(pair: &Pair<'_>) -> f64 {
+    2.0 * pair.point_error() + 16.0 * UNIT_ROUNDOFF * pair.extent.iter().sum::<f64>()
+}
+
+/// Corners come before crossings, where both are in one place.
+fn rank(over: &Over) -> (bool, [Feature; 2]) {
+    (matches!(over.features, [Feature::Edge(..), Feature::Edge(..)]), over.features)
+}

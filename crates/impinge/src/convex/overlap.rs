@@ -1,0 +1,195 @@
+//! Where two facing polygons lie over each other, seen along a normal: the corners of either over the other, and where edges
+//! cross.
+//!
+//! These are the corners of the intersection of the polygons' shadows, that is what clipping one against the other (Sutherland,
+//! Hodgman, *Reentrant polygon clipping*, 1974) leaves. All pairs of edges are tried instead, which is as much work, knows what
+//! each corner comes from, and does the same for both. Segments and points are polygons here.
+//!
+//! Every point is a mean of corners by weights that are not negative, so that it is in the core up to rounding, whatever the
+//! shadows look like.
+
+use super::facing::{Corner, Facing};
+use crate::primitive::{dot, length, sub};
+
+/// What is nearer than this in the shadows, in the common unit, lies over each other: 2^-30. It keeps corners that touch borders.
+const SLACK: f64 = 1.0 / (1 << 30) as f64;
+
+/// A corner, an edge or a facet of a shape: a number, or the two of an edge, ascending.
+///
+/// Numbers stay the same however a shape moves. Those of corners are the numbers of the points that the shape was made of; a
+/// box has eight, where bit k is set on the positive side of axis k; a hull has its vertices' own. A facet's is one of the
+/// shape's own choice. What a cylinder, a cone, an ellipsoid or a custom set turns to the other shape is a polygon of up to
+/// eight of its points, numbered by direction, or the one point 8.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Feature {
+    /// A corner, or the centre of a sphere, or the end of a capsule's axis.
+    Vertex(u32),
+    /// The edge between two corners.
+    Edge(u32, u32),
+    /// A facet, a half-space's plane, or the face of a mesh.
+    Face(u32),
+}
+
+/// A point of each facing polygon, one over the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Over {
+    pub(super) points: [[f64; 3]; 2],
+    pub(super) features: [Feature; 2],
+}
+
+/// Where two facing polygons lie over each other along a normal of length 1.
+pub(super) fn overlap(a: &Facing, b: &Facing, normal: &[f64; 3]) -> Vec<Over> {
+    let axes = across(normal);
+    let (a, b) = (Shadow::new(a, &axes), Shadow::new(b, &axes));
+    let mut found = Vec::new();
+    for (at, corner) in a.at.iter().zip(&a.facing.corners) {
+        if let Some(point) = b.point_at(at) {
+            let features = [Feature::Vertex(corner.number), b.facing.feature()];
+            found.push(Over { points: [corner.point, point], features });
+        }
+    }
+    for (at, corner) in b.at.iter().zip(&b.facing.corners) {
+        if let Some(point) = a.point_at(at) {
+            let features = [a.facing.feature(), Feature::Vertex(corner.number)];
+            found.push(Over { points: [point, corner.point], features });
+        }
+    }
+    for edge_a in a.edges() {
+        for edge_b in b.edges() {
+            if let Some(weights) = crossing(edge_a.map(|i| a.at[i]), edge_b.map(|i| b.at[i])) {
+                let points = [a.on_edge(edge_a, weights[0]), b.on_edge(edge_b, weights[1])];
+                found.push(Over { points, features: [a.edge(edge_a), b.edge(edge_b)] });
+            }
+        }
+    }
+    found
+}
+
+impl Facing {
+    /// What faces as a whole.
+    pub(super) fn feature(&self) -> Feature {
+        match self.corners[..] {
+            [only] => Feature::Vertex(only.number),
+            [from, to] => edge_between(from, to),
+            _ => Feature::Face(self.facet),
+        }
+    }
+}
+
+/// A facing polygon seen along the normal.
+struct Shadow<'f> {
+    facing: &'f Facing,
+    at: Vec<[f64; 2]>,
+}
+
+impl<'f> Shadow<'f> {
+    fn new(facing: &'f Facing, [x, y]: &[[f64; 3]; 2]) -> Self {
+        let at = facing.corners.iter().map(|corner| [dot(x, &corner.point), dot(y, &corner.point)]).collect();
+        Self { facing, at }
+    }
+
+    /// The point of the polygon over a place of the plane; none where there is none.
+    fn point_at(&self, place: &[f64; 2]) -> Option<[f64; 3]> {
+        let corner = |i: usize| self.facing.corners[i].point;
+        let mean = |corners: [usize; 3], weights: [f64; 3]| {
+            let [p, q, r] = corners.map(corner);
+            std::array::from_fn(|k| weights[0] * p[k] + weights[1] * q[k] + weights[2] * r[k])
+        };
+        match self.at.len() {
+            0 => None,
+            1 => near(place, &self.at[0]).then(|| corner(0)),
+            2 => {
+                let weight = share_along(place, &self.at[0], &self.at[1]);
+                let foot: [f64; 2] = std::array::from_fn(|k| (1.0 - weight) * self.at[0][k] + weight * self.at[1][k]);
+                near(place, &foot).then(|| self.on_edge([0, 1], weight))
+            }
+            count => {
+                // The outermost of the triangles of a fan that have the place on their inner side.
+                let turn = self.doubled_area().signum();
+                let is_outside = |from: usize, to: usize| {
+                    let [p, q] = [self.at[from], self.at[to]];
+                    let edge = [q[0] - p[0], q[1] - p[1]];
+                    turn * wedge(edge, [place[0] - p[0], place[1] - p[1]]) < -SLACK * (edge[0].abs() + edge[1].abs())
+                };
+                if self.edges().iter().any(|&[from, to]| is_outside(from, to)) {
+                    return None;
+                }
+                let weights = |i: usize| {
+                    let part = |p: [f64; 2], q: [f64; 2]| {
+                        turn * wedge([p[0] - place[0], p[1] - place[1]], [q[0] - place[0], q[1] - place[1]])
+                    };
+                    let [p, q, r] = [self.at[0], self.at[i], self.at[i + 1]];
+                    [part(q, r), part(r, p), part(p, q)]
+                };
+                let least = |i: &usize| weights(*i).into_iter().fold(f64::INFINITY, f64::min);
+                let best = (1..count - 1).max_by(|i, j| least(i).total_cmp(&least(j)))?;
+                let shares = weights(best).map(|share| share.max(0.0));
+                let total: f64 = shares.iter().sum();
+                (total > 0.0).then(|| mean([0, best, best + 1], shares.map(|share| share / total)))
+            }
+        }
+    }
+
+    fn edges(&self) -> Vec<[usize; 2]> {
+        match self.at.len() {
+            0 | 1 => Vec::new(),
+            2 => vec![[0, 1]],
+            count => (0..count).map(|i| [i, (i + 1) % count]).collect(),
+        }
+    }
+
+    fn edge(&self, [from, to]: [usize; 2]) -> Feature {
+        edge_between(self.facing.corners[from], self.facing.corners[to])
+    }
+
+    fn on_edge(&self, [from, to]: [usize; 2], weight: f64) -> [f64; 3] {
+        let (p, q) = (self.facing.corners[from].point, self.facing.corners[to].point);
+        std::array::from_fn(|k| (1.0 - weight) * p[k] + weight * q[k])
+    }
+
+    fn doubled_area(&self) -> f64 {
+        self.edges().iter().map(|&[from, to]| wedge(self.at[from], self.at[to])).sum()
+    }
+}
+
+fn edge_between(from: Corner, to: Corner) -> Feature {
+    Feature::Edge(from.number.min(to.number), from.number.max(to.number))
+}
+
+/// Where segments cross inside of both, as the weight of either's end.
+fn crossing([p, q]: [[f64; 2]; 2], [r, s]: [[f64; 2]; 2]) -> Option<[f64; 2]> {
+    let (e, f, between) = ([q[0] - p[0], q[1] - p[1]], [s[0] - r[0], s[1] - r[1]], [r[0] - p[0], r[1] - p[1]]);
+    let turn = wedge(e, f);
+    let weights = [wedge(between, f) / turn, wedge(between, e) / turn];
+    weights.iter().all(|weight| 0.0 < *weight && *weight < 1.0).then_some(weights)
+}
+
+/// What the end of a segment counts for in its point that is nearest to a place.
+fn share_along(place: &[f64; 2], from: &[f64; 2], to: &[f64; 2]) -> f64 {
+    let edge = [to[0] - from[0], to[1] - from[1]];
+    let share =
+        ((place[0] - from[0]) * edge[0] + (place[1] - from[1]) * edge[1]) / (edge[0] * edge[0] + edge[1] * edge[1]);
+    if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
+}
+
+fn near(p: &[f64; 2], q: &[f64; 2]) -> bool {
+    (p[0] - q[0]).abs() <= SLACK && (p[1] - q[1]).abs() <= SLACK
+}
+
+fn wedge(p: [f64; 2], q: [f64; 2]) -> f64 {
+    p[0] * q[1] - p[1] * q[0]
+}
+
+/// Two directions of length 1 across a direction and each other.
+pub(super) fn across(normal: &[f64; 3]) -> [[f64; 3]; 2] {
+    let least = (0..3).min_by(|&i, &j| normal[i].abs().total_cmp(&normal[j].abs()).then(i.cmp(&j))).unwrap_or(0);
+    let axis = std::array::from_fn(|k| f64::from(u8::from(k == least)) - normal[k] * normal[least]);
+    let scale = 1.0 / length(&axis);
+    let x = axis.map(|entry| entry * scale);
+    [x, crate::primitive::cross(normal, &x)]
+}
+
+/// Whether two points are one as far as the shadows can tell.
+pub(super) fn is_one_place(p: &[f64; 3], q: &[f64; 3]) -> bool {
+    sub(p, q).iter().all(|x| x.abs() <= 16.0 * SLACK)
+}

@@ -1,0 +1,51 @@
+//! The corners of a polytope, and what contacts want to know about them, which is found when it is first asked for.
+
+use std::sync::{Arc, OnceLock};
+
+use crate::convex::{Core, Facets};
+use crate::hull::Hull;
+
+/// A few points, or a hull; cheap to clone.
+#[derive(Clone, Debug)]
+pub(super) enum Corners {
+    Few(Arc<Faceted<Box<[[f64; 3]]>>>),
+    Hull(Arc<Faceted<Arc<Hull>>>),
+}
+
+/// Corners with their facets.
+#[derive(Debug)]
+pub(super) struct Faceted<T> {
+    corners: T,
+    facets: OnceLock<Option<Facets>>,
+}
+
+impl<T> Faceted<T> {
+    fn new(corners: T) -> Self {
+        Self { corners, facets: OnceLock::new() }
+    }
+}
+
+impl Corners {
+    /// Points that were judged.
+    pub(super) fn few(points: &[[f64; 3]]) -> Self {
+        Self::Few(Arc::new(Faceted::new(points.into())))
+    }
+
+    pub(super) fn hull(hull: Arc<Hull>) -> Self {
+        Self::Hull(Arc::new(Faceted::new(hull)))
+    }
+
+    pub(super) fn core(&self) -> Core<'_> {
+        match self {
+            Self::Few(few) => Core::Points(&few.corners),
+            Self::Hull(hull) => Core::Hull(&hull.corners),
+        }
+    }
+
+    pub(super) fn facets(&self) -> Option<&Facets> {
+        match self {
+            Self::Few(few) => few.facets.get_or_init(|| Facets::of_points(&few.corners)).as_ref(),
+            Self::Hull(hull) => hull.facets.get_or_init(|| Some(Facets::of_hull(&hull.corners))).as_ref(),
+        }
+    }
+}
