@@ -2,9 +2,8 @@
 
 use super::State;
 use super::body::BodyId;
-use super::contact::Contact;
 use super::pairs::Entry;
-use crate::query::shapes::Proximity;
+use crate::query::shapes::{Manifold, Proximity};
 
 /// Two bodies: the first has the lesser tag or, where tags are equal, the lesser handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -26,8 +25,10 @@ pub struct Pair<'w> {
     pub key: PairKey,
     /// How sure it is that they meet; always [`Meets`](Proximity::Meets) among meshes, boxes and hulls.
     pub proximity: Proximity,
-    /// Where they meet; none where the world was not asked for contacts.
-    pub contacts: &'w [Contact],
+    /// Where they meet; none where the world was not asked for contacts, and where one solid is inside another. Two convex
+    /// shapes have one manifold, a mesh has one for each face, or pair of faces, that meets: its number is the `part` of the
+    /// [id](crate::query::shapes::ContactId).
+    pub manifolds: &'w [Manifold],
 }
 
 /// What changed at a step; each list is sorted, and no pair is in both.
@@ -72,6 +73,6 @@ impl State {
     /// A pair, where it meets.
     pub(super) fn pair<'w>(&self, entry: &'w Entry) -> Option<Pair<'w>> {
         let meeting = entry.meeting.as_ref()?;
-        Some(Pair { key: self.key(entry.bodies)?, proximity: meeting.proximity, contacts: &meeting.contacts })
+        Some(Pair { key: self.key(entry.bodies)?, proximity: meeting.proximity, manifolds: &meeting.manifolds })
     }
 }

@@ -18,22 +18,22 @@
 
 mod body;
 mod broad;
-mod contact;
 mod error;
 mod events;
 mod filter;
 mod geometry;
+mod mesh_contacts;
 mod narrow;
 mod outline;
 mod pairs;
 mod plane;
 mod queries;
+mod rays;
 mod slots;
 mod step;
 
 pub use body::{Body, BodyId, Kind, Layers, Traits};
 pub use broad::BroadPhase;
-pub use contact::Contact;
 pub use error::WorldError;
 pub use events::{Events, Pair, PairKey, Work};
 pub use filter::PairFilter;
@@ -41,6 +41,7 @@ pub use geometry::Geometry;
 pub use narrow::NarrowPhase;
 pub use outline::Realignment;
 pub use queries::BodyHit;
+pub use rays::BodyRayHit;
 pub use step::Phase;
 
 use std::sync::Arc;
@@ -77,7 +78,7 @@ pub struct Options {
 ///
 /// world.step(&[(moving, Pose::from_translation([1.5, 0.0, 0.0])?)])?;
 /// let pair = world.pair(still, moving)?.expect("they meet");
-/// assert!((pair.contacts[0].depth - 0.5).abs() < 1e-12);
+/// assert!((pair.manifolds[0].points[0].upper - 0.5).abs() < 1e-12);
 ///
 /// world.remove(moving)?;
 /// assert_eq!(world.step(&[])?.ended.len(), 1);
@@ -129,7 +130,9 @@ struct Resident {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Change {
     No,
-    /// Its pose or its shape.
+    /// A step moved it.
+    Moved,
+    /// Its pose or its shape, by something else than a step; or it moved and no box bounds it.
     Place,
     /// Whom it meets.
     Traits,
@@ -446,13 +449,14 @@ impl State {
         }
     }
 
-    /// Takes a pair out, and notes for the next report that it ended where its bodies met.
-    fn part(&mut self, pair: u32) {
-        if let Some(entry) = self.pairs.remove(pair)
-            && entry.meeting.is_some()
+    /// Takes a pair out, and notes for the next report that it ended where its bodies met; whether it was there.
+    fn part(&mut self, pair: u32) -> bool {
+        let Some(entry) = self.pairs.remove(pair) else { return false };
+        if entry.meeting.is_some()
             && let Some(key) = self.key(entry.bodies)
         {
             self.departed.push(key);
         }
+        true
     }
 }

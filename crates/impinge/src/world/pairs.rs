@@ -1,6 +1,6 @@
 //! The pairs that the broad phase left, each with what the narrow phase made of it, found from either body.
 
-use super::contact::Meeting;
+use super::narrow::Meeting;
 
 /// Pairs by number, and the numbers of the pairs of each body.
 #[derive(Clone, Debug, Default)]

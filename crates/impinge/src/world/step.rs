@@ -3,13 +3,14 @@
 use rayon::prelude::*;
 
 use super::body::{BodyId, Kind};
-use super::contact::Meeting;
+use super::narrow::Meeting;
 use super::error::WorldError;
 use super::events::{Events, Work};
 use super::geometry::Placed;
 use super::outline::{Bounds, Extremes};
 use super::{Change, Resident, World, refused};
 use crate::math::Pose;
+use crate::partition::{Changes, Move};
 
 /// Bodies, or pairs, that are one task at least: less work than this is done sooner than handed over.
 const LEAST_SHARED: usize = 64;
@@ -67,16 +68,20 @@ impl World {
         let taken = self.judge(moves)?;
         let moved = self.take(moves, taken);
         observe(Phase::Judge);
-        self.realign(&moved);
+        let told = self.realign(&moved);
         let changed = self.changed();
         observe(Phase::Realign);
         let mut work = Work { changed: changed.len(), ..Work::default() };
-        let (lost, found) = self.recandidates(&changed);
-        (work.lost, work.gained) = (lost.len(), found.len());
-        lost.into_iter().for_each(|pair| self.state.part(pair));
+        let (lost, found) = self.recandidates(&changed, told.as_ref());
+        for pair in lost {
+            work.lost += usize::from(self.state.part(pair));
+        }
         for [one, other] in found {
-            let bodies = if self.is_before(one, other) { [one, other] } else { [other, one] };
-            self.state.pairs.add(bodies);
+            if self.state.pairs.find(one, other).is_none() {
+                let bodies = if self.is_before(one, other) { [one, other] } else { [other, one] };
+                self.state.pairs.add(bodies);
+                work.gained += 1;
+            }
         }
         work.candidates = self.state.pairs.len();
         observe(Phase::Broad);
@@ -124,15 +129,15 @@ impl World {
             };
             resident.placed = placed;
             moved.push(*body);
-            self.state.mark(*body, Change::Place);
+            self.state.mark(*body, Change::Moved);
         }
         moved.sort_unstable();
         moved.dedup();
         moved
     }
 
-    /// Lets the boxes follow the bodies.
-    fn realign(&mut self, moved: &[BodyId]) {
+    /// Lets the boxes follow the bodies; the pairs that this changes, where the broad phase says.
+    fn realign(&mut self, moved: &[BodyId]) -> Option<Changes> {
         let followed: Vec<(Bounds, Extremes)> = moved
             .par_iter()
             .with_min_len(LEAST_SHARED)
@@ -142,14 +147,23 @@ impl World {
                 (resident.outline.bounds(&resident.placed, &mut extremes), extremes)
             })
             .collect();
+        let mut moves = Vec::with_capacity(moved.len());
         for (&body, (now, extremes)) in moved.iter().zip(followed) {
             let Some(resident) = self.state.residents.get_mut(body) else { continue };
             resident.extremes = extremes;
             let before = std::mem::replace(&mut resident.bounds, now.clone());
-            if before != now {
-                self.state.shift(body.index() as u32, &before, &now);
+            match (&before, &now) {
+                _ if before == now => {}
+                (Bounds::Box(_), Bounds::Box(bounds)) => {
+                    moves.push(Move { key: body.index() as u32, to: Some(*bounds) });
+                }
+                _ => {
+                    self.state.shift(body.index() as u32, &before, &now);
+                    self.state.mark(body, Change::Place);
+                }
             }
         }
+        self.state.broad.step(&moves)
     }
 
     /// The places of the bodies that changed since the last step, in order.
@@ -163,61 +177,28 @@ impl World {
         changed
     }
 
-    /// Pairs of boxes that ceased to overlap, and that came to.
-    fn recandidates(&self, changed: &[u32]) -> (Vec<u32>, Vec<[u32; 2]>) {
+    /// Pairs of boxes that ceased to overlap, and that came to; perhaps more than once.
+    fn recandidates(&self, changed: &[u32], told: Option<&Changes>) -> (Vec<u32>, Vec<[u32; 2]>) {
+        let search = Search { world: self, is_told: told.is_some() };
         let (lost, found): (Vec<Vec<u32>>, Vec<Vec<[u32; 2]>>) = changed
             .par_chunks(LEAST_SHARED)
             .map(|changed| {
                 let (mut lost, mut found) = (Vec::new(), Vec::new());
                 for &index in changed {
-                    if let Some((id, resident)) = self.state.residents.at(index) {
-                        self.recandidates_of(index, (id, resident), &mut lost, &mut found);
-                    }
+                    search.of(index, &mut lost, &mut found);
                 }
                 (lost, found)
             })
             .unzip();
-        (lost.concat(), found.concat())
-    }
-
-    /// Of two bodies that both changed, the one in the lesser place sees to the pair.
-    fn recandidates_of(
-        &self,
-        index: u32,
-        own: (BodyId, &Resident),
-        lost: &mut Vec<u32>,
-        found: &mut Vec<[u32; 2]>,
-    ) {
-        let state = &self.state;
-        let is_others = |other_index: u32, other: &Resident| other.change != Change::No && other_index < index;
-        for link in state.pairs.of(index) {
-            let Some((id, other)) = state.residents.at(link.other) else { continue };
-            let asks_again = own.1.change.max(other.change) == Change::Traits;
-            if !is_others(link.other, other)
-                && (!own.1.bounds.overlap(&other.bounds) || asks_again && !self.may_meet(own, (id, other)))
-            {
-                lost.push(link.pair);
-            }
+        let (lost, mut found) = (lost.concat(), found.concat());
+        if let Some(changes) = told {
+            let state = &self.state;
+            found.extend(changes.began().iter().filter(|&&[one, other]| {
+                let (one, other) = (state.residents.at(one), state.residents.at(other));
+                one.zip(other).is_some_and(|(one, other)| self.may_meet(one, other))
+            }));
         }
-        let mut meet = |other_index: u32| {
-            let Some((id, other)) = state.residents.at(other_index) else { return };
-            if other_index != index
-                && !is_others(other_index, other)
-                && own.1.bounds.overlap(&other.bounds)
-                && self.may_meet(own, (id, other))
-                && state.pairs.find(index, other_index).is_none()
-            {
-                found.push([index, other_index]);
-            }
-        };
-        match &own.1.bounds {
-            Bounds::Nowhere => {}
-            Bounds::Box(bounds) => {
-                state.broad.for_each_overlapping(bounds, &mut meet);
-                state.unbounded.iter().for_each(|&other| meet(other));
-            }
-            Bounds::Behind(_) => state.residents.iter().for_each(|(id, _)| meet(id.index() as u32)),
-        }
+        (lost, found)
     }
 
     fn may_meet(&self, one: (BodyId, &Resident), other: (BodyId, &Resident)) -> bool {
@@ -283,5 +264,58 @@ impl World {
         events.began.sort_unstable();
         events.ended.sort_unstable();
         state.events = events;
+    }
+}
+
+/// Who looks for the pairs of whom.
+struct Search<'w> {
+    world: &'w World,
+    /// Whether the broad phase told which pairs of boxes changed by the moves of this step.
+    is_told: bool,
+}
+
+impl Search<'_> {
+    /// Whether pairs are to be looked for about this body; else its moves were told.
+    fn asks(&self, resident: &Resident) -> bool {
+        resident.change > Change::Moved || resident.change == Change::Moved && !self.is_told
+    }
+
+    /// Of two bodies that ask, the one in the lesser place sees to their pair; of one that asks and one that does not, the
+    /// first; of two that do not, the broad phase, unless no box bounds one of them.
+    fn of(&self, index: u32, lost: &mut Vec<u32>, found: &mut Vec<[u32; 2]>) {
+        let state = &self.world.state;
+        let Some(own) = state.residents.at(index) else { return };
+        let asks = self.asks(own.1);
+        let is_others = |other_index: u32, other: &Resident| self.asks(other) && (!asks || other_index < index);
+        for link in state.pairs.of(index) {
+            let Some((id, other)) = state.residents.at(link.other) else { continue };
+            let is_filtered = own.1.change.max(other.change) == Change::Traits;
+            if !is_others(link.other, other)
+                && (!own.1.bounds.overlap(&other.bounds) || is_filtered && !self.world.may_meet(own, (id, other)))
+            {
+                lost.push(link.pair);
+            }
+        }
+        let mut meet = |other_index: u32| {
+            let Some((id, other)) = state.residents.at(other_index) else { return };
+            if other_index != index
+                && !is_others(other_index, other)
+                && own.1.bounds.overlap(&other.bounds)
+                && self.world.may_meet(own, (id, other))
+                && state.pairs.find(index, other_index).is_none()
+            {
+                found.push([index, other_index]);
+            }
+        };
+        match &own.1.bounds {
+            Bounds::Nowhere => {}
+            Bounds::Box(bounds) => {
+                if asks {
+                    state.broad.for_each_overlapping(bounds, &mut meet);
+                }
+                state.unbounded.iter().for_each(|&other| meet(other));
+            }
+            Bounds::Behind(_) => state.residents.iter().for_each(|(id, _)| meet(id.index() as u32)),
+        }
     }
 }

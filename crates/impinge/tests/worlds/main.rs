@@ -3,6 +3,7 @@
 mod boxes;
 mod events;
 mod laws;
+mod rays;
 mod shapes;
 
 use impinge::Pose;
@@ -10,7 +11,7 @@ use impinge::world::BroadPhase;
 use impinge_testkit::generate::{Rng, poses};
 
 /// Every way of finding pairs of boxes.
-const BROAD_PHASES: [BroadPhase; 2] = [BroadPhase::Auto, BroadPhase::Every];
+const BROAD_PHASES: [BroadPhase; 3] = [BroadPhase::Auto, BroadPhase::Every, BroadPhase::Tree];
 
 /// A rotation, and a translation within `reach`; one in four is on a grid, so that boxes touch.
 fn pose(rng: &mut Rng, reach: f64) -> Pose {

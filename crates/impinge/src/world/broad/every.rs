@@ -1,6 +1,7 @@
 //! No structure: every box is looked at. What the other kinds are measured against, and the quickest for a few bodies.
 
 use super::NONE;
+use crate::partition::Ray;
 use crate::volume::{BoundingVolume, MinMax};
 
 /// Boxes side by side.
@@ -36,6 +37,15 @@ impl Every {
         for (own, body) in &self.boxes {
             if own.overlaps(bounds) {
                 visit(*body);
+            }
+        }
+    }
+
+    pub(super) fn along(&self, ray: &Ray, visit: &mut dyn FnMut(u32) -> f64) {
+        let mut reach = ray.reach();
+        for (own, body) in &self.boxes {
+            if ray.enters(own).is_some_and(|enter| enter <= reach) {
+                reach = reach.min(visit(*body));
             }
         }
     }

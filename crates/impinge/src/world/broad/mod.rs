@@ -2,6 +2,9 @@
 
 mod every;
 
+use std::ops::ControlFlow;
+
+use crate::partition::{BoxTree, Changes, Dynamic, Move, Partition, Ray};
 use crate::volume::MinMax;
 use every::Every;
 
@@ -16,33 +19,88 @@ pub enum BroadPhase {
     Auto,
     /// Every box is compared with every box that moved.
     Every,
+    /// The dynamic bounding-volume tree, [`BoxTree`].
+    Tree,
 }
 
 /// The boxes of the bodies.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Broad {
     choice: BroadPhase,
-    every: Every,
+    structure: Structure,
+}
+
+/// What is at work.
+#[derive(Clone, Debug)]
+enum Structure {
+    Every(Every),
+    Tree(Box<BoxTree>),
+}
+
+impl Default for Broad {
+    fn default() -> Self {
+        Self::new(BroadPhase::Auto)
+    }
 }
 
 impl Broad {
     pub(super) fn new(choice: BroadPhase) -> Self {
-        Self { choice, ..Self::default() }
+        let structure = match choice {
+            BroadPhase::Auto | BroadPhase::Every => Structure::Every(Every::default()),
+            BroadPhase::Tree => Structure::Tree(Box::default()),
+        };
+        Self { choice, structure }
     }
 
     pub(super) fn insert(&mut self, body: u32, bounds: &MinMax) {
-        self.every.insert(body, bounds);
+        match &mut self.structure {
+            Structure::Every(every) => every.insert(body, bounds),
+            Structure::Tree(tree) => _ = tree.insert(body, *bounds),
+        }
     }
 
     pub(super) fn update(&mut self, body: u32, bounds: &MinMax) {
-        self.every.update(body, bounds);
+        match &mut self.structure {
+            Structure::Every(every) => every.update(body, bounds),
+            Structure::Tree(tree) => _ = tree.insert(body, *bounds),
+        }
     }
 
     pub(super) fn remove(&mut self, body: u32) {
-        self.every.remove(body);
+        match &mut self.structure {
+            Structure::Every(every) => every.remove(body),
+            Structure::Tree(tree) => _ = tree.remove(body),
+        }
     }
 
-    pub(super) fn for_each_overlapping(&self, bounds: &MinMax, visit: impl FnMut(u32)) {
-        self.every.for_each_overlapping(bounds, visit);
+    /// Moves boxes; the pairs that began and ended by that, where the structure knows them sooner than they are found by
+    /// asking about each box.
+    pub(super) fn step(&mut self, moves: &[Move]) -> Option<Changes> {
+        for step in moves {
+            if let Some(bounds) = &step.to {
+                self.update(step.key, bounds);
+            }
+        }
+        None
+    }
+
+    pub(super) fn for_each_overlapping(&self, bounds: &MinMax, mut visit: impl FnMut(u32)) {
+        match &self.structure {
+            Structure::Every(every) => every.for_each_overlapping(bounds, visit),
+            Structure::Tree(tree) => {
+                let _ = tree.overlapping(bounds, &mut |body| {
+                    visit(body);
+                    ControlFlow::Continue(())
+                });
+            }
+        }
+    }
+
+    /// Visits the bodies whose boxes a ray meets before what `visit` last returned.
+    pub(super) fn along(&self, ray: &Ray, visit: &mut dyn FnMut(u32) -> f64) {
+        match &self.structure {
+            Structure::Every(every) => every.along(ray, visit),
+            Structure::Tree(tree) => tree.ray(ray, &mut |met| visit(met.key)),
+        }
     }
 }
