@@ -10,7 +10,6 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use impinge::world::{BroadPhase, NarrowPhase, Options, World, WorldError};
-use impinge::InputError;
 
 use crate::failure::Failure;
 use crate::progress::Bar;
@@ -177,7 +176,7 @@ fn measure(arguments: &Arguments) -> Result<Outcome, WorldError> {
     let mut pairs = 0;
     let bar = Bar::begin("stepping", arguments.steps.into());
     let mut one = |step: usize| -> Result<Step, WorldError> {
-        let moves = if step == 0 { Vec::new() } else { scene.moves(step).map_err(|error: InputError| error)? };
+        let moves = if step == 0 { Vec::new() } else { scene.moves(step)? };
         let mut seconds = [0.0; PHASES.len()];
         let mut last = Instant::now();
         let events = world.step_observed(&moves, &mut |phase| {

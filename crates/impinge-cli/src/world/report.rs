@@ -17,9 +17,9 @@ pub(super) fn text(outcome: &Outcome) -> String {
     // Writing to a String cannot fail.
     let _ = writeln!(
         text,
-        "{STRONG}{:?}{STRONG:#}: {}, {:?} in size; {}, {:?}, {:?}, {}\n",
+        "{STRONG}{:?}{STRONG:#}: {} bodies, {:?} in size; {}, {:?}, {:?}, {}\n",
         recipe.motion,
-        counted(recipe.bodies, "body").replace("bodys", "bodies"),
+        count(recipe.bodies),
         recipe.sizes,
         counted(outcome.steps.len(), "step"),
         outcome.options.broad_phase,

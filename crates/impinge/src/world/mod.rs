@@ -440,7 +440,7 @@ impl State {
 
     fn shift(&mut self, index: u32, before: &Bounds, now: &Bounds) {
         match (before, now) {
-            (Bounds::Box(_), Bounds::Box(bounds)) => self.broad.update(index, bounds),
+            (Bounds::Box(_), Bounds::Box(bounds)) => self.broad.insert(index, bounds),
             (Bounds::Behind(_), Bounds::Behind(_)) => {}
             _ => {
                 self.leave(index, before);

@@ -68,6 +68,7 @@ impl World {
         let taken = self.judge(moves)?;
         let moved = self.take(moves, taken);
         observe(Phase::Judge);
+        self.state.broad.adapt();
         let told = self.realign(&moved);
         let changed = self.changed();
         observe(Phase::Realign);

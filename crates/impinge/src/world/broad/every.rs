@@ -13,16 +13,23 @@ pub(super) struct Every {
 }
 
 impl Every {
+    pub(super) fn boxes(&self) -> &[(MinMax, u32)] {
+        &self.boxes
+    }
+
+    /// A new box, or another one for a body that has one.
     pub(super) fn insert(&mut self, body: u32, bounds: &MinMax) {
         if self.places.len() <= body as usize {
             self.places.resize(body as usize + 1, NONE);
         }
-        self.places[body as usize] = self.boxes.len() as u32;
-        self.boxes.push((*bounds, body));
-    }
-
-    pub(super) fn update(&mut self, body: u32, bounds: &MinMax) {
-        self.boxes[self.places[body as usize] as usize].0 = *bounds;
+        let place = &mut self.places[body as usize];
+        match self.boxes.get_mut(*place as usize) {
+            Some((own, _)) => *own = *bounds,
+            None => {
+                *place = self.boxes.len() as u32;
+                self.boxes.push((*bounds, body));
+            }
+        }
     }
 
     pub(super) fn remove(&mut self, body: u32) {
@@ -33,7 +40,7 @@ impl Every {
         }
     }
 
-    pub(super) fn for_each_overlapping(&self, bounds: &MinMax, mut visit: impl FnMut(u32)) {
+    pub(super) fn for_each_overlapping(&self, bounds: &MinMax, visit: &mut dyn FnMut(u32)) {
         for (own, body) in &self.boxes {
             if own.overlaps(bounds) {
                 visit(*body);

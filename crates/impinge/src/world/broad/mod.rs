@@ -8,10 +8,14 @@ use crate::partition::{BoxTree, Changes, Dynamic, Move, Partition, Ray};
 use crate::volume::MinMax;
 use every::Every;
 
+/// More boxes than this are found sooner through a tree, and fewer than half of it are looked at one by one again: in between
+/// both take as long, and going back and forth would take longer than either (`docs/worlds.md`).
+const MOST_FOR_EVERY: usize = 64;
+
 /// No place.
 const NONE: u32 = u32::MAX;
 
-/// How pairs of boxes are found. No answer depends on it.
+/// How pairs of boxes are found. No answer depends on it; `docs/worlds.md` says which is the quickest when.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BroadPhase {
     /// What suits the number of bodies, how many of them move and how their sizes spread.
@@ -52,16 +56,29 @@ impl Broad {
         Self { choice, structure }
     }
 
-    pub(super) fn insert(&mut self, body: u32, bounds: &MinMax) {
-        match &mut self.structure {
-            Structure::Every(every) => every.insert(body, bounds),
-            Structure::Tree(tree) => _ = tree.insert(body, *bounds),
+    /// Takes up the structure that suits what there is now, where the choice is left to it.
+    pub(super) fn adapt(&mut self) {
+        if self.choice != BroadPhase::Auto {
+            return;
+        }
+        match &self.structure {
+            Structure::Every(every) if every.boxes().len() > MOST_FOR_EVERY => {
+                let boxes = every.boxes().iter().map(|&(bounds, body)| (body, bounds));
+                self.structure = Structure::Tree(Box::new(boxes.collect()));
+            }
+            Structure::Tree(tree) if tree.len() < MOST_FOR_EVERY / 2 => {
+                let mut every = Every::default();
+                tree.each(&mut |body, bounds| every.insert(body, bounds));
+                self.structure = Structure::Every(every);
+            }
+            _ => {}
         }
     }
 
-    pub(super) fn update(&mut self, body: u32, bounds: &MinMax) {
+    /// A new box, or another one for a body that has one.
+    pub(super) fn insert(&mut self, body: u32, bounds: &MinMax) {
         match &mut self.structure {
-            Structure::Every(every) => every.update(body, bounds),
+            Structure::Every(every) => every.insert(body, bounds),
             Structure::Tree(tree) => _ = tree.insert(body, *bounds),
         }
     }
@@ -78,13 +95,13 @@ impl Broad {
     pub(super) fn step(&mut self, moves: &[Move]) -> Option<Changes> {
         for step in moves {
             if let Some(bounds) = &step.to {
-                self.update(step.key, bounds);
+                self.insert(step.key, bounds);
             }
         }
         None
     }
 
-    pub(super) fn for_each_overlapping(&self, bounds: &MinMax, mut visit: impl FnMut(u32)) {
+    pub(super) fn for_each_overlapping(&self, bounds: &MinMax, visit: &mut dyn FnMut(u32)) {
         match &self.structure {
             Structure::Every(every) => every.for_each_overlapping(bounds, visit),
             Structure::Tree(tree) => {
