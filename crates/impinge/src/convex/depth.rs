@@ -5,15 +5,15 @@
 //! origin as large as its nearest facet is far: the lower bound. Facets are pushed outwards, those first that are nearest,
 //! until both meet.
 //!
-//! The inscribed polytope is a [`Hull`], built anew for each round from all the points so far. That is exact for any points,
-//! so nothing can be inverted or left open however flat it is; and it has a kind, so a set that has grown to a
-//! segment only, or has no volume at all, is searched across itself.
+//! The inscribed polytope is that of `expand`, as long as the origin is inside. Else it is a [`Hull`], built anew for each round
+//! from all the points so far. That is exact for any points, so nothing can be inverted or left open however flat it is; and it
+//! has a kind, so a set that has grown to a segment only, or has no volume at all, is searched across itself.
 //!
 //! # Source
-//! The expanding polytope is van den Bergen's (*Proximity queries and penetration depth computation on 3D game objects*, GDC
-//! 2001). Ours departs in the exact hull, in pushing several facets a round, and in the interval.
+//! See `expand`. Ours departs in the exact hull where floats do not do, and in the interval.
 
 use super::distance::{above, below, world_bounds};
+use super::expand::{Polytope, about_origin};
 use super::facet::Facet;
 use super::gjk::{Gap, gap, means};
 use super::posed::{Difference, Pair, Swept, to_unit_entries, to_unit_length};
@@ -21,7 +21,7 @@ use super::simplex;
 use crate::hull::{Hull, HullKind};
 use crate::primitive::{dot, length};
 
-/// The most rounds. Polytopes need some 3 to 8; round cores keep the interval that they have by then.
+/// The most hulls that are built. Those of polytopes without a volume need some 3 to 8.
 const ROUNDS: usize = 24;
 
 /// Facets that are pushed in one round: those nearest, of which each costs two supports while the round costs a hull.
@@ -111,25 +111,55 @@ struct Candidate {
 }
 
 fn expand(pair: &Pair<'_>, gap: &Gap) -> CoreDepth {
-    let mut known: Vec<Difference> = gap.simplex.clone();
     let mut best = CoreDepth { lower: 0.0, upper: f64::INFINITY, direction: [1.0, 0.0, 0.0], points: gap.points };
-    let offer = |best: &mut CoreDepth, known: &mut Vec<Difference>, candidate: &Candidate| {
-        let push = Push::along(pair, candidate.direction);
-        if push.height < best.upper {
-            (best.upper, best.direction) = (push.height, candidate.direction);
-            let corners: Vec<Difference> = match candidate.face {
-                Some(face) => face.map(|corner| known[corner]).to_vec(),
-                None => vec![push.farthest],
-            };
-            best.points = foot(&corners);
-        }
-        if !known.iter().any(|difference| difference.vector == push.farthest.vector) {
-            known.push(push.farthest);
-        }
-    };
+    let mut known: Vec<Difference> = gap.simplex.clone();
     for direction in both_ways(&AXES) {
-        offer(&mut best, &mut known, &Candidate { lower: 0.0, direction, face: None });
+        offer(pair, &mut best, &mut known, &Candidate { lower: 0.0, direction, face: None });
     }
+    if best.lower < best.upper
+        && let Some(polytope) = about_origin(pair, &gap.simplex)
+    {
+        grow(pair, polytope, &mut best);
+    }
+    if best.lower == 0.0 && best.upper > NARROW {
+        by_hulls(pair, known, &mut best);
+    }
+    best
+}
+
+/// Grows a polytope until its nearest facet is one of the set's, or no more is to be gained.
+fn grow(pair: &Pair<'_>, mut polytope: Polytope, best: &mut CoreDepth) {
+    while let Some(nearest) = polytope.nearest() {
+        best.lower = (nearest.lower - pair.point_error()).max(0.0);
+        let push = Push::along(pair, nearest.direction);
+        if push.height < best.upper {
+            (best.upper, best.direction) = (push.height, nearest.direction);
+            best.points = polytope.foot(&nearest);
+        }
+        if best.upper - best.lower <= NARROW || !polytope.grow(&nearest, push.farthest) {
+            break;
+        }
+    }
+}
+
+/// Looks along a direction, and keeps what it finds.
+fn offer(pair: &Pair<'_>, best: &mut CoreDepth, known: &mut Vec<Difference>, candidate: &Candidate) {
+    let push = Push::along(pair, candidate.direction);
+    if push.height < best.upper {
+        (best.upper, best.direction) = (push.height, candidate.direction);
+        let corners: Vec<Difference> = match candidate.face {
+            Some(face) => face.map(|corner| known[corner]).to_vec(),
+            None => vec![push.farthest],
+        };
+        best.points = foot(&corners);
+    }
+    if !known.iter().any(|difference| difference.vector == push.farthest.vector) {
+        known.push(push.farthest);
+    }
+}
+
+/// Grows exact hulls of all points so far, which have a kind, and so are grown across themselves where they have no volume.
+fn by_hulls(pair: &Pair<'_>, mut known: Vec<Difference>, best: &mut CoreDepth) {
     for _ in 0..ROUNDS {
         let vectors: Vec<[f64; 3]> = known.iter().map(|difference| difference.vector).collect();
         let Ok(hull) = Hull::new(&vectors) else { break };
@@ -144,13 +174,12 @@ fn expand(pair: &Pair<'_>, gap: &Gap) -> CoreDepth {
         for candidate in
             candidates.iter().filter(|candidate| candidate.lower < best.upper).take(PUSHED).collect::<Vec<_>>()
         {
-            offer(&mut best, &mut known, candidate);
+            offer(pair, best, &mut known, candidate);
         }
         if known.len() == before {
             break;
         }
     }
-    best
 }
 
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

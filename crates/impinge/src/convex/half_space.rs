@@ -7,7 +7,7 @@
 use super::depth::Depth;
 use super::distance::{Separation, above, below};
 use super::facet::rounded_direction;
-use super::facing::facing;
+use super::facing::{Corner, facing};
 use super::manifold::{Contact, Contacts, Faceted};
 use super::overlap::Feature;
 use super::posed::{Pair, Swept, to_unit_length};
@@ -57,8 +57,7 @@ impl<'a> HalfSpace<'a> {
     }
 
     fn start(&self, shape: &Swept<'_>) -> Start {
-        let origin = Swept { core: super::posed::Core::Points(&[[0.0; 3]]), pose: self.pose, radius: [0.0; 2] };
-        let pair = Pair::new(&origin, shape);
+        let pair = self.pair(shape);
         let deepest = pair.b.support(self.direction.map(|x| -x));
         let [mut lower, mut upper] = self.height(&pair, &deepest.point);
         if let Some(least) = self.least_height(shape).filter(|_| upper - lower > 1e-11 * upper.abs()) {
@@ -80,7 +79,7 @@ impl<'a> HalfSpace<'a> {
     }
 
     /// How far a point of the common frame is above the plane, in world units.
-    fn height(&self, pair: &Pair<'_>, point: &[f64; 3]) -> [f64; 2] {
+    pub(super) fn height(&self, pair: &Pair<'_>, point: &[f64; 3]) -> [f64; 2] {
         let across = length(&self.direction);
         let height = dot(&self.direction, point) - self.rounded_level / pair.unit;
         let level_error = 4.0 * UNIT_ROUNDOFF * (self.rounded_level / pair.unit).abs() + f64::MIN_POSITIVE;
@@ -91,25 +90,52 @@ impl<'a> HalfSpace<'a> {
     /// The corners of what a shape turns to the plane, as far as they are in the half-space or at most `margin` above; the lowest
     /// in any case. The first point of each is on the plane.
     pub(crate) fn contacts(&self, shape: &Faceted<'_>, margin: f64) -> Contacts {
-        let origin = Swept { core: super::posed::Core::Points(&[[0.0; 3]]), pose: self.pose, radius: [0.0; 2] };
-        let pair = Pair::new(&origin, &shape.swept);
+        let pair = self.pair(&shape.swept);
         let normal = to_unit_length(self.direction);
-        let radius = shape.swept.radius;
-        let mut contacts: Vec<Contact> = facing(&pair.b, shape.facets, normal.map(|x| -x))
-            .corners
-            .iter()
-            .map(|corner| {
-                let [low, high] = self.height(&pair, &corner.point);
-                let [lower, upper] = [below(radius[0] - high), above(radius[1] - low)];
-                let core = pair.world(corner.point);
-                let point = std::array::from_fn(|k| core[k] - normal[k] * radius[0]);
-                let points = [self.moved(point, 0.5 * (lower + upper)), point];
-                Contact { points, lower, upper, features: [Feature::Face(0), Feature::Vertex(corner.number)] }
-            })
-            .collect();
+        let facing = facing(&pair.b, shape.facets, normal.map(|x| -x));
+        let contact = |corner: &Corner| self.contact(&pair, shape.swept.radius, corner);
+        let mut contacts: Vec<Contact> = facing.corners.iter().map(contact).collect();
         let deepest = contacts.iter().map(|contact| contact.upper).fold(f64::NEG_INFINITY, f64::max);
         contacts.retain(|contact| contact.upper >= -margin || contact.upper == deepest);
         Contacts { normal, contacts }
+    }
+
+    /// The corners of a polytope that are in the half-space or at most `margin` above, numbered in their order.
+    pub(super) fn contacts_of_corners(&self, shape: &Swept<'_>, margin: f64) -> Contacts {
+        let pair = self.pair(shape);
+        let corners = (0..).zip(shape.core.corners().unwrap_or_default());
+        let mut contacts: Vec<Contact> = corners
+            .map(|(number, &corner)| {
+                self.contact(&pair, shape.radius, &Corner { number, point: pair.b.spot(corner).point })
+            })
+            .collect();
+        contacts.retain(|contact| contact.upper >= -margin);
+        Contacts { normal: to_unit_length(self.direction), contacts }
+    }
+
+    fn contact(&self, pair: &Pair<'_>, radius: [f64; 2], corner: &Corner) -> Contact {
+        let normal = to_unit_length(self.direction);
+        let [low, high] = self.height(pair, &corner.point);
+        let [lower, upper] = [below(radius[0] - high), above(radius[1] - low)];
+        let core = pair.world(corner.point);
+        let point = std::array::from_fn(|k| core[k] - normal[k] * radius[0]);
+        let points = [self.moved(point, 0.5 * (lower + upper)), point];
+        Contact { points, lower, upper, features: [Feature::Face(0), Feature::Vertex(corner.number)] }
+    }
+
+    /// The frame in which heights above the plane are taken.
+    pub(super) fn pair<'p>(&'p self, shape: &Swept<'p>) -> Pair<'p> {
+        let origin = Swept { core: super::posed::Core::Points(&[[0.0; 3]]), pose: self.pose, radius: [0.0; 2] };
+        Pair::new(&origin, shape)
+    }
+
+    /// Out of the half-space, in the world, of length 1 but for rounding.
+    pub(crate) fn unit_normal(&self) -> [f64; 3] {
+        to_unit_length(self.direction)
+    }
+
+    pub(super) fn direction(&self) -> [f64; 3] {
+        self.direction
     }
 
     /// The contact of two half-spaces, of which one is enough: their planes have no corners.

@@ -99,43 +99,67 @@ impl Contacts {
     }
 }
 
+/// The contacts of two shapes along a direction of length 1 from the first to the second, where their facing sides lie over each
+/// other and are at most `margin` apart; none where they do not.
+pub(super) fn contacts_along(a: &Faceted<'_>, b: &Faceted<'_>, normal: [f64; 3], margin: f64) -> Contacts {
+    if a.swept.is_before(&b.swept) {
+        return overlapping(&Pair::new(&a.swept, &b.swept), [a, b], normal, margin);
+    }
+    overlapping(&Pair::new(&b.swept, &a.swept), [b, a], normal.map(|x| 0.0 - x), margin).swapped()
+}
+
+fn overlapping(pair: &Pair<'_>, shapes: [&Faceted<'_>; 2], normal: [f64; 3], margin: f64) -> Contacts {
+    let facing_a = facing(&pair.a, shapes[0].facets, normal);
+    let facing_b = facing(&pair.b, shapes[1].facets, normal.map(|x| -x));
+    let mut contacts = measured(pair, shapes, &normal, overlap(&facing_a, &facing_b, &normal));
+    contacts.retain(|contact| contact.upper >= -margin);
+    Contacts { normal, contacts }
+}
+
 fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts {
     let pair = Pair::new(&a.swept, &b.swept);
     let found = depth_in_order(&pair, &a.swept, &b.swept);
     let normal = found.depth.normal;
-    let facing_b = facing(&pair.b, b.facets, normal.map(|x| -x));
     let facing_a = facing(&pair.a, a.facets, normal);
+    let facing_b = facing(&pair.b, b.facets, normal.map(|x| -x));
     let mut over = overlap(&facing_a, &facing_b, &normal);
     let height = |over: &Over| dot(&normal, &over.points[0]) - dot(&normal, &over.points[1]);
     let witness = Over { points: found.core, features: [facing_a.feature(), facing_b.feature()] };
-    let error = heights_error(&pair);
     let deepest = over.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
-    // Written so that NaN adds it.
-    if !(deepest >= height(&witness) - WITNESS_SLACK) {
+    if deepest.is_nan() || deepest < height(&witness) - WITNESS_SLACK {
         over.push(witness);
     }
-    let mut kept: Vec<(f64, Over)> = over.into_iter().map(|over| (height(&over), over)).collect();
-    kept.sort_by(|x, y| y.0.total_cmp(&x.0).then(rank(&x.1).cmp(&rank(&y.1))));
-    let radii = [a.swept.radius, b.swept.radius];
-    let mut contacts: Vec<Contact> = Vec::new();
+    let mut contacts = measured(&pair, [a, b], &normal, over);
+    let deepest = contacts.iter().map(|contact| contact.upper).fold(f64::NEG_INFINITY, f64::max);
+    contacts.retain(|contact| contact.upper >= -margin || contact.upper == deepest);
+    Contacts { normal, contacts }
+}
+
+/// Points over each other as contacts, the deepest first, without those in one place.
+fn measured(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3], over: Vec<Over>) -> Vec<Contact> {
+    let height = |over: &Over| dot(normal, &over.points[0]) - dot(normal, &over.points[1]);
+    let error = heights_error(pair);
+    let mut sorted: Vec<(f64, Over)> = over.into_iter().map(|over| (height(&over), over)).collect();
+    sorted.sort_by(|x, y| y.0.total_cmp(&x.0).then(rank(&x.1).cmp(&rank(&y.1))));
+    let (radius_a, radius_b) = (a.swept.radius, b.swept.radius);
     let mut places: Vec<[f64; 3]> = Vec::new();
-    for (height, over) in kept {
-        let interval = [below(height - error), above(height + error)].map(|end| end * pair.unit);
-        let lower = below(interval[0] + below(radii[0][0] + radii[1][0]));
-        let upper = above(interval[1] + above(radii[0][1] + radii[1][1]));
-        let is_known = places.iter().any(|place| is_one_place(place, &over.points[0]));
-        if (upper < -margin && !contacts.is_empty()) || is_known {
+    let mut contacts = Vec::new();
+    for (height, Over { points, features }) in sorted {
+        if places.iter().any(|place| is_one_place(place, &points[0])) {
             continue;
         }
-        places.push(over.points[0]);
-        let [p, q] = over.points.map(|point| pair.world(point));
+        places.push(points[0]);
+        let [low, high] = [below(height - error), above(height + error)].map(|end| end * pair.unit);
+        let lower = below(low + below(radius_a[0] + radius_b[0]));
+        let upper = above(high + above(radius_a[1] + radius_b[1]));
+        let [p, q] = points.map(|point| pair.world(point));
         let points = [
-            std::array::from_fn(|k| p[k] + normal[k] * radii[0][0]),
-            std::array::from_fn(|k| q[k] - normal[k] * radii[1][0]),
+            std::array::from_fn(|k| p[k] + normal[k] * radius_a[0]),
+            std::array::from_fn(|k| q[k] - normal[k] * radius_b[0]),
         ];
-        contacts.push(Contact { points, lower, upper, features: over.features });
+        contacts.push(Contact { points, lower, upper, features });
     }
-    Contacts { normal, contacts }
+    contacts
 }
 
 /// How much deeper than any point of the clipped polygons the witness must be to be one more, in the common unit: 2^-20.

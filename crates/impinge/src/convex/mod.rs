@@ -10,26 +10,31 @@
 //! - `half_space` compares shapes to planes;
 //! - `manifold` finds the points of a contact, from `facets` of polytopes, what is `facing` along the normal, and the `overlap`.
 //!
-//! The errors are derived in docs/proof.md, L20 to L22 and L28.
+//! The errors are derived in docs/proof.md, L20 to L22, L28 and L29.
 
 mod depth;
 mod distance;
+mod expand;
 mod facet;
 mod facets;
 mod facing;
 mod gjk;
 mod half_space;
+mod half_space_surface;
 mod manifold;
 mod min_norm;
 mod overlap;
 mod posed;
 mod simplex;
+mod surface;
+mod surface_contacts;
 
-pub(crate) use depth::depth;
-pub(crate) use distance::{nearness, separation};
+pub(crate) use depth::{Depth, depth};
+pub(crate) use distance::{Separation, nearness, separation};
 pub(crate) use facets::Facets;
 pub(crate) use half_space::HalfSpace;
-pub(crate) use manifold::{Contacts, Faceted, contacts};
+pub(crate) use manifold::{Contact, Contacts, Faceted, contacts};
 pub use overlap::Feature;
 pub use posed::Support;
-pub(crate) use posed::{Core, Swept};
+pub(crate) use posed::{Core, Swept, to_unit_length};
+pub(crate) use surface::Surface;

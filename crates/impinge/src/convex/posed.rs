@@ -95,6 +95,17 @@ impl Core<'_> {
         }
     }
 
+    /// A point of the core, in its own frame.
+    pub(super) fn point(&self) -> [f64; 3] {
+        match self {
+            Self::Curved(set) => {
+                let (found, reach) = (set.support([1.0, 0.0, 0.0]), set.reach());
+                std::array::from_fn(|k| if found[k].is_nan() { 0.0 } else { found[k].clamp(-reach[k], reach[k]) })
+            }
+            _ => self.corners().and_then(|corners| corners.first().copied()).unwrap_or([0.0; 3]),
+        }
+    }
+
     /// The corners, where the core is a polytope.
     pub(super) fn corners(&self) -> Option<&[[f64; 3]]> {
         match self {
@@ -119,6 +130,20 @@ impl Swept<'_> {
             }))
         });
         order.is_none_or(Ordering::is_le)
+    }
+
+    /// A box of the world that holds the shape.
+    pub(crate) fn world_bounds(&self) -> [[f64; 3]; 2] {
+        let origin = Swept { core: Core::Points(&[[0.0; 3]]), pose: self.pose, radius: [0.0; 2] };
+        let pair = Pair::new(&origin, self);
+        let end = |k: usize, sign: f64| {
+            let direction = std::array::from_fn(|j| if j == k { sign } else { 0.0 });
+            let height = sign * pair.b.support(direction).point[k] + pair.height_error(direction);
+            let reach = (height * pair.unit + self.radius[1]).next_up().next_up();
+            let at = self.pose.translation()[k] + sign * reach;
+            if sign < 0.0 { at.next_down() } else { at.next_up() }
+        };
+        [std::array::from_fn(|k| end(k, -1.0)), std::array::from_fn(|k| end(k, 1.0))]
     }
 
     fn numbers(&self) -> Vec<f64> {
@@ -267,7 +292,7 @@ pub(super) fn to_unit_entries(vector: [f64; 3]) -> [f64; 3] {
 }
 
 /// A vector of length 1 along another; along an axis where that has no direction.
-pub(super) fn to_unit_length(vector: [f64; 3]) -> [f64; 3] {
+pub(crate) fn to_unit_length(vector: [f64; 3]) -> [f64; 3] {
     let scaled = to_unit_entries(vector);
     let length = (scaled[0] * scaled[0] + scaled[1] * scaled[1] + scaled[2] * scaled[2]).sqrt();
     if length > 0.0 { scaled.map(|x| x / length) } else { [1.0, 0.0, 0.0] }

@@ -4,6 +4,7 @@
 mod curves;
 mod distance;
 mod pair_order;
+mod patches;
 mod penetrates;
 mod self_intersection;
 pub mod shapes;
@@ -11,6 +12,8 @@ mod solid;
 
 pub use curves::{Curves, curves_of_pairs, intersection_curves};
 pub use distance::{Distance, Witness, WitnessCache, distance, distance_with, within, within_with};
+pub(crate) use patches::contacts_of_patches;
+pub use patches::{ContactPatch, contact_patches};
 pub use penetrates::{Penetrates, penetrates, penetrates_of_pairs};
 pub use self_intersection::self_intersecting_pairs;
 pub use solid::{

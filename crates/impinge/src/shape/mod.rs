@@ -1,18 +1,19 @@
-//! Convex shapes and half-spaces, in their own frames and placed in the world.
+//! Shapes in their own frames and placed in the world: convex ones, half-spaces, meshes, and compounds of these.
 //!
-//! There are two representations, so that any two shapes can be asked anything without a routine for each pair: a *core* with
-//! a support function, swept by a ball, and a half-space. A sphere is a point and a radius, a capsule a segment and one; all
-//! others have no radius.
+//! There are three representations, so that any two shapes can be asked anything without a routine for each pair: a *core*
+//! with a support function, swept by a ball; a half-space; a mesh. A sphere is a point and a radius, a capsule a segment and
+//! one; all other convex shapes have no radius. A compound is asked part by part.
 
 mod corners;
 mod round;
 
 use std::sync::Arc;
 
-use crate::convex::{Core, Faceted, Support, Swept};
+use crate::convex::{Core, Faceted, HalfSpace, Support, Surface, Swept};
 use crate::hull::Hull;
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
+use crate::mesh::Mesh;
 use crate::volume::stretch;
 use corners::Corners;
 use round::{Cone, Cylinder, Ellipsoid};
@@ -20,7 +21,7 @@ use round::{Cone, Cylinder, Ellipsoid};
 /// Coordinates and lengths stay below this magnitude: the range of the proofs, that of meshes.
 const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 
-/// A convex shape or a half-space, in its own frame; cheap to clone.
+/// A shape in its own frame; cheap to clone.
 ///
 /// ```
 /// use impinge::{Pose, query::shapes, shape::Shape};
@@ -43,6 +44,10 @@ enum Kind {
     Round { core: RoundCore, radius: f64 },
     /// {v : normal·v ≤ level}.
     HalfSpace { normal: [f64; 3], level: f64 },
+    /// Triangles, and what they wind round if it is solid.
+    Mesh { mesh: Mesh, is_solid: bool },
+    /// Shapes that are none of these themselves, and where they are.
+    Compound(Arc<[(Shape, Pose)]>),
 }
 
 #[derive(Clone, Debug)]
@@ -58,12 +63,17 @@ pub struct PlacedShape {
     world_from_local: Pose,
     /// The radius of a ball that is in the image of the shape's, and of one that holds it.
     radius: [f64; 2],
+    /// The parts of a compound.
+    parts: Arc<[PlacedShape]>,
+    /// Holds the shape, where that is finite.
+    bounds: Option<[[f64; 3]; 2]>,
 }
 
-/// What a verb makes of a placed shape: one of the two representations.
+/// What a verb makes of a placed shape, or of a part of a compound: one of the three representations.
 pub(crate) enum Form<'a> {
     Convex(Swept<'a>),
-    HalfSpace { normal: [f64; 3], level: f64, pose: &'a Pose },
+    HalfSpace(HalfSpace<'a>),
+    Surface(Surface<'a>),
 }
 
 impl Shape {
@@ -208,17 +218,90 @@ impl Shape {
         Ok(Self::curved(set))
     }
 
+    /// A mesh as its surface; the mesh is shared by all shapes that are made of it.
+    #[must_use]
+    pub fn mesh(mesh: &Mesh) -> Self {
+        Self(Kind::Mesh { mesh: mesh.clone(), is_solid: false })
+    }
+
+    /// A mesh with all that it winds round more than half.
+    ///
+    /// ```
+    /// use impinge::{Mesh, Pose, Positions, query::shapes, shape::Shape};
+    ///
+    /// let corners = vec![[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [0.0, 0.0, 8.0]];
+    /// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
+    /// let marble = Shape::sphere([1.0; 3], 0.5)?.at(Pose::IDENTITY)?;
+    /// assert!(!shapes::intersects(&Shape::mesh(&mesh).at(Pose::IDENTITY)?, &marble));
+    /// assert!(shapes::intersects(&Shape::solid(&mesh).at(Pose::IDENTITY)?, &marble));
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    #[must_use]
+    pub fn solid(mesh: &Mesh) -> Self {
+        Self(Kind::Mesh { mesh: mesh.clone(), is_solid: true })
+    }
+
+    /// All of some shapes, each at its place in the frame of the compound. Contacts name parts by their row here; the parts of
+    /// a compound among them count one by one.
+    ///
+    /// ```
+    /// use impinge::{Pose, query::shapes, shape::Shape};
+    ///
+    /// let end = Shape::sphere([0.0; 3], 0.5)?;
+    /// let bar = Shape::cuboid([1.0, 0.125, 0.125])?;
+    /// let at = |x| Pose::from_translation([x, 0.0, 0.0]);
+    /// let dumbbell = Shape::compound(&[(end.clone(), at(-1.0)?), (bar, at(0.0)?), (end, at(1.0)?)])?.at(Pose::IDENTITY)?;
+    /// let between = Shape::point([0.0, 0.25, 0.0])?.at(Pose::IDENTITY)?;
+    /// assert!(!shapes::intersects(&dumbbell, &between));
+    /// assert_eq!(shapes::distance(&dumbbell, &between).upper, 0.125);
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    ///
+    /// # Accuracy
+    /// A part's place in the world is the product of its pose and the compound's, rounded ([`Pose::compose`]); what is said of
+    /// the compound is said of its parts there.
+    ///
+    /// # Errors
+    /// [`Empty`](InputErrorKind::Empty) without shapes; where poses of compounds in compounds cannot be composed.
+    pub fn compound(parts: &[(Self, Pose)]) -> Result<Self, InputError> {
+        if parts.is_empty() {
+            return Err(InputError::new(InputErrorKind::Empty { what: "parts" }));
+        }
+        let mut single = Vec::with_capacity(parts.len());
+        for (shape, compound_from_part) in parts {
+            match &shape.0 {
+                Kind::Compound(inner) => {
+                    for (shape, part_from_inner) in &**inner {
+                        single.push((shape.clone(), compound_from_part.compose(part_from_inner)?));
+                    }
+                }
+                _ => single.push((shape.clone(), *compound_from_part)),
+            }
+        }
+        Ok(Self(Kind::Compound(single.into())))
+    }
+
     /// This shape in the world.
     ///
     /// # Errors
     /// [`NotRigid`](InputErrorKind::NotRigid) where a pose is more than 1e-4 from a rigid motion, for spheres, capsules,
-    /// cylinders, cones, ellipsoids and custom sets. All others are at home under any affine map.
+    /// cylinders, cones, ellipsoids and custom sets. All others are at home under any affine map. For a compound, where its pose
+    /// cannot be composed with a part's.
     pub fn at(&self, world_from_local: Pose) -> Result<PlacedShape, InputError> {
-        let radius = match &self.0 {
-            Kind::Round { radius, .. } => images_of_radius(*radius, &world_from_local)?,
-            Kind::Polytope(_) | Kind::HalfSpace { .. } => [0.0; 2],
-        };
-        Ok(PlacedShape { kind: self.0.clone(), world_from_local, radius })
+        let (mut radius, mut parts) = ([0.0; 2], Vec::new());
+        match &self.0 {
+            Kind::Round { radius: own, .. } => radius = images_of_radius(*own, &world_from_local)?,
+            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. } => {}
+            Kind::Compound(shapes) => {
+                for (shape, compound_from_part) in &**shapes {
+                    parts.push(shape.at(world_from_local.compose(compound_from_part)?)?);
+                }
+            }
+        }
+        let kind = self.0.clone();
+        let mut placed = PlacedShape { kind, world_from_local, radius, parts: parts.into(), bounds: None };
+        placed.bounds = placed.world_bounds();
+        Ok(placed)
     }
 
     fn few(what: &'static str, points: &[[f64; 3]]) -> Result<Self, InputError> {
@@ -238,12 +321,38 @@ impl PlacedShape {
         &self.world_from_local
     }
 
+    /// A box in the world frame, its least corner and its greatest, that holds the shape; none where the shape is or has a
+    /// half-space, and where there is nothing to hold.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
+        self.bounds
+    }
+
+    /// The parts that verbs are asked of: this shape, or those of a compound.
+    pub(crate) fn parts(&self) -> &[Self] {
+        match self.kind {
+            Kind::Compound(_) => &self.parts,
+            _ => std::slice::from_ref(self),
+        }
+    }
+
+    /// This shape elsewhere.
+    ///
+    /// # Errors
+    /// As [`Shape::at`].
+    pub(crate) fn moved_to(&self, world_from_local: Pose) -> Result<Self, InputError> {
+        Shape(self.kind.clone()).at(world_from_local)
+    }
+
+    /// What a part is; a compound, which is asked part by part, counts as its first.
     pub(crate) fn form(&self) -> Form<'_> {
         let pose = &self.world_from_local;
         let core = match &self.kind {
             Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.core(),
             Kind::Round { core: RoundCore::Curved(set), .. } => Core::Curved(&**set),
-            Kind::HalfSpace { normal, level } => return Form::HalfSpace { normal: *normal, level: *level, pose },
+            Kind::HalfSpace { normal, level } => return Form::HalfSpace(HalfSpace::new(*normal, *level, pose)),
+            Kind::Mesh { mesh, is_solid } => return Form::Surface(Surface { mesh, pose, is_solid: *is_solid }),
+            Kind::Compound(_) => return self.parts[0].form(),
         };
         Form::Convex(Swept { core, pose, radius: self.radius })
     }
@@ -252,9 +361,26 @@ impl PlacedShape {
     pub(crate) fn faceted<'a>(&'a self, swept: Swept<'a>) -> Faceted<'a> {
         let facets = match &self.kind {
             Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.facets(),
-            Kind::Round { core: RoundCore::Curved(_), .. } | Kind::HalfSpace { .. } => None,
+            _ => None,
         };
         Faceted { swept, facets }
+    }
+
+    fn world_bounds(&self) -> Option<[[f64; 3]; 2]> {
+        let mut all: Option<[[f64; 3]; 2]> = None;
+        for part in self.parts() {
+            let [min, max] = match part.form() {
+                Form::Convex(swept) => swept.world_bounds(),
+                Form::Surface(surface) => match surface.world_bounds() {
+                    Some(bounds) => bounds,
+                    None => continue,
+                },
+                Form::HalfSpace(_) => return None,
+            };
+            let [low, high] = all.unwrap_or([min, max]);
+            all = Some([std::array::from_fn(|k| low[k].min(min[k])), std::array::from_fn(|k| high[k].max(max[k]))]);
+        }
+        all
     }
 }
 

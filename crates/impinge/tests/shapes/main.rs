@@ -1,6 +1,7 @@
 //! Questions about two shapes, against rationals, closed forms and laws.
 
 mod boxes;
+mod contacts;
 mod degenerate;
 mod hulls;
 mod pairs;

@@ -1,9 +1,11 @@
 //! Where two shapes touch or overlap, as a solver of contacts wants it.
 
-use super::within;
+use super::search::depth_by_search;
+use super::table::{self, placed};
 pub use crate::convex::Feature;
-use crate::convex::{self, Contacts, HalfSpace};
-use crate::shape::{Form, PlacedShape};
+use crate::convex::{Contact, Contacts, Depth, Surface, to_unit_length as unit};
+use crate::query::{self, contacts_of_patches};
+use crate::shape::PlacedShape;
 
 /// The contacts of two shapes, or of a part of each, that have one normal.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,9 +80,12 @@ pub fn contacts(a: &PlacedShape, b: &PlacedShape) -> Vec<Manifold> {
     contacts_with(a, b, &ContactOptions::default())
 }
 
-/// [`contacts`], of what the options ask for; with a margin none exactly where [`within`] the margin is false.
+/// [`contacts`], of what the options ask for; with a margin none exactly where [`within`](super::within) the margin is false.
 ///
-/// Two convex shapes have one manifold, with the normal of [`penetration`](super::penetration).
+/// Two convex shapes have one manifold, with the normal of [`penetration`](super::penetration). A mesh and a convex shape have
+/// one for each normal: the faces' manifolds, put together where their normals are within 2.5 degrees. Two meshes have one for
+/// each region in which their surfaces meet ([`contact_patches`](crate::query::contact_patches)). Compounds have those of their
+/// parts.
 ///
 /// # Accuracy
 /// Near each of the two points, as far as rounding goes, there is a point of its shape such that these are as deep along the normal as the
@@ -89,39 +94,45 @@ pub fn contacts(a: &PlacedShape, b: &PlacedShape) -> Vec<Manifold> {
 /// be less deep than others beside them by 2^-13 of the size.
 ///
 /// # Complexity
-/// That of `penetration`, and the product of the corners of the two facing polygons.
+/// That of `penetration` for each two parts, and for each face of a mesh that is near, and the product of the corners of the two
+/// facing polygons.
 #[must_use]
 pub fn contacts_with(a: &PlacedShape, b: &PlacedShape, options: &ContactOptions) -> Vec<Manifold> {
     let margin = options.margin.max(0.0);
-    if !within(a, b, margin) {
-        return Vec::new();
-    }
-    let mut found = match (a.form(), b.form()) {
-        (Form::Convex(swept_a), Form::Convex(swept_b)) => {
-            convex::contacts(&a.faceted(swept_a), &b.faceted(swept_b), margin)
-        }
-        (Form::HalfSpace { normal, level, pose }, Form::Convex(swept)) => {
-            HalfSpace::new(normal, level, pose).contacts(&b.faceted(swept), margin)
-        }
-        (Form::Convex(swept), Form::HalfSpace { normal, level, pose }) => {
-            HalfSpace::new(normal, level, pose).contacts(&a.faceted(swept), margin).swapped()
-        }
-        (
-            Form::HalfSpace { normal, level, pose },
-            Form::HalfSpace { normal: normal_b, level: level_b, pose: pose_b },
-        ) => {
-            let (a, b) = (HalfSpace::new(normal, level, pose), HalfSpace::new(normal_b, level_b, pose_b));
-            a.contact_of_half_spaces(&b)
-        }
-    };
-    found.keep(options.most_points);
-    vec![manifold(&found)]
+    let found = table::contacts(a, b, margin).into_iter().map(|(parts, mut contacts)| {
+        contacts.keep(options.most_points);
+        manifold(parts, &contacts)
+    });
+    found.collect()
 }
 
-fn manifold(found: &Contacts) -> Manifold {
+/// The one contact of shapes of which one is in the other without touching its surface: the deepest points of the depth.
+pub(super) fn of_contained(a: &PlacedShape, b: &PlacedShape) -> Vec<Contacts> {
+    let Depth { lower, upper, normal, points } = depth_by_search(a, b);
+    let features = [Feature::Face(0); 2];
+    vec![Contacts { normal, contacts: vec![Contact { points, lower, upper, features }] }]
+}
+
+/// The contacts of two meshes: those of the regions in which their surfaces meet, or where they are nearest.
+pub(super) fn of_surfaces(a: &Surface<'_>, b: &Surface<'_>, margin: f64) -> Vec<Contacts> {
+    let (a, b) = (placed(a), placed(b));
+    let found = contacts_of_patches(a, b);
+    if !found.is_empty() {
+        return found;
+    }
+    let distance = query::distance(a, b);
+    let Some(witness) = distance.witness.filter(|_| distance.lower <= margin) else { return Vec::new() };
+    let between: [f64; 3] = std::array::from_fn(|k| witness.point_b[k] - witness.point_a[k]);
+    let features = [Feature::Face(witness.face_a), Feature::Face(witness.face_b)];
+    let points = [witness.point_a, witness.point_b];
+    let contact = Contact { points, lower: -distance.upper, upper: -distance.lower, features };
+    vec![Contacts { normal: unit(between), contacts: vec![contact] }]
+}
+
+fn manifold([part_a, part_b]: [u32; 2], found: &Contacts) -> Manifold {
     let points = found.contacts.iter().map(|contact| {
         let ([point_a, point_b], [feature_a, feature_b]) = (contact.points, contact.features);
-        let id = ContactId { part_a: 0, part_b: 0, feature_a, feature_b };
+        let id = ContactId { part_a, part_b, feature_a, feature_b };
         ContactPoint { point_a, point_b, lower: contact.lower, upper: contact.upper, id }
     });
     Manifold { normal: found.normal, points: points.collect() }

@@ -1,15 +1,16 @@
 //! The questions one asks of two shapes: spheres, capsules, boxes, cylinders, cones, ellipsoids, hulls, triangles,
-//! half-spaces, and whatever has a support function.
+//! half-spaces, whatever has a support function, meshes, and compounds of these.
 //!
-//! What is said of polytopes (points, segments, triangles, boxes, hulls) and half-spaces is the truth about their real images
-//! under the given poses. So it is of spheres and capsules among these, where the poses are exactly orthogonal. Of all else a
-//! boolean is the truth wherever floats prove it; shapes that touch to within rounding count as hits, and
-//! [`proximity`] says so.
+//! What is said of polytopes (points, segments, triangles, boxes, hulls), meshes and half-spaces is the truth about their real
+//! images under the given poses. So it is of spheres and capsules among these, where the poses are exactly orthogonal. Of all
+//! else a boolean is the truth wherever floats prove it; shapes that touch to within rounding count as hits, and
+//! [`proximity`] says so. A mesh is its surface, or a solid ([`Shape::solid`](crate::shape::Shape::solid)).
 
 mod contacts;
+mod search;
+mod table;
 
-use crate::convex::{self, HalfSpace};
-use crate::shape::{Form, PlacedShape};
+use crate::shape::PlacedShape;
 pub use crate::volume::Proximity;
 pub use contacts::{ContactId, ContactOptions, ContactPoint, Feature, Manifold, contacts, contacts_with};
 
@@ -20,7 +21,8 @@ pub struct ShapeDistance {
     pub lower: f64,
     /// Some two points are no farther apart than this; zero where a common point is proved.
     pub upper: f64,
-    /// A point of the first shape that is nearest to the second, in the world frame, rounded.
+    /// A point of the first shape that is nearest to the second, in the world frame, rounded. Of two meshes one of which lies in
+    /// the other, which is solid, it is nearest to the other's surface, and so it is for the other.
     pub point_a: [f64; 3],
     /// A point of the second shape that is nearest to the first, in the world frame, rounded.
     pub point_b: [f64; 3],
@@ -54,11 +56,11 @@ impl ShapeDistance {
 /// Whether two shapes have a common point, as far as that is proved; touching counts.
 ///
 /// # Complexity
-/// Some 10 supports of either shape; where they nearly touch and are polytopes, some microseconds of exact arithmetic for each
+/// Some 10 supports of either convex shape; for a mesh those of each face whose boxes are near; where shapes nearly touch and are polytopes, some microseconds of exact arithmetic for each
 /// of a few vertices.
 #[must_use]
 pub fn proximity(a: &PlacedShape, b: &PlacedShape) -> Proximity {
-    nearness(a, b, 0.0)
+    table::nearness(a, b, 0.0)
 }
 
 /// Whether two shapes are not proved apart.
@@ -87,7 +89,7 @@ pub fn within(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> bool {
     }
     // Beyond 2^320 everything is nearer, and sums stay in range.
     const FAR: f64 = f64::from_bits((1023 + 320) << 52);
-    clearance > FAR || nearness(a, b, clearance) != Proximity::Apart
+    clearance > FAR || table::nearness(a, b, clearance) != Proximity::Apart
 }
 
 /// The distance of two shapes.
@@ -111,24 +113,7 @@ pub fn within(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> bool {
 /// See [`convex`].
 #[must_use]
 pub fn distance(a: &PlacedShape, b: &PlacedShape) -> ShapeDistance {
-    let found = match (a.form(), b.form()) {
-        (Form::Convex(a), Form::Convex(b)) => convex::separation(&a, &b),
-        (Form::HalfSpace { normal, level, pose }, Form::Convex(b)) => {
-            HalfSpace::new(normal, level, pose).separation(&b)
-        }
-        (Form::Convex(a), Form::HalfSpace { normal, level, pose }) => {
-            let mut found = HalfSpace::new(normal, level, pose).separation(&a);
-            found.points.swap(0, 1);
-            found
-        }
-        (
-            Form::HalfSpace { normal, level, pose },
-            Form::HalfSpace { normal: normal_b, level: level_b, pose: pose_b },
-        ) => {
-            let (a, b) = (HalfSpace::new(normal, level, pose), HalfSpace::new(normal_b, level_b, pose_b));
-            a.separation_of_half_spaces(&b)
-        }
-    };
+    let found = table::separation(a, b);
     let [point_a, point_b] = found.points;
     ShapeDistance { lower: found.lower, upper: found.upper, point_a, point_b, proximity: found.proximity }
 }
@@ -152,48 +137,18 @@ pub fn distance(a: &PlacedShape, b: &PlacedShape) -> ShapeDistance {
 /// other it is what the work allows: the tests assert 1e-3 of the sizes, and 1e-2 for a cone in its own place
 /// (`tests/shapes`).
 ///
+/// For compounds, and for meshes but with half-spaces, the upper end is that of a search, at the end of which the second shape was
+/// moved and proved to be apart; there may be shorter ways. The lower end comes from two balls about one point, one in
+/// each shape: a mesh that is no solid holds none. Two spheres of ever smaller triangles have depths that close in on the spheres'.
+///
 /// # Complexity
-/// Some 5 convex hulls of some 50 points for boxes and small hulls; up to 24 hulls of 400 for round ones.
+/// Some 10 to 30 supports and as many facets for boxes and small hulls, up to 320 for round ones. A search takes some hundred distances.
 #[must_use]
 pub fn penetration(a: &PlacedShape, b: &PlacedShape) -> Option<Penetration> {
     if !intersects(a, b) {
         return None;
     }
-    let found = match (a.form(), b.form()) {
-        (Form::Convex(a), Form::Convex(b)) => convex::depth(&a, &b),
-        (Form::HalfSpace { normal, level, pose }, Form::Convex(b)) => HalfSpace::new(normal, level, pose).depth(&b),
-        (Form::Convex(a), Form::HalfSpace { normal, level, pose }) => {
-            let mut found = HalfSpace::new(normal, level, pose).depth(&a);
-            found.points.swap(0, 1);
-            found.normal = found.normal.map(|x| 0.0 - x);
-            found
-        }
-        (
-            Form::HalfSpace { normal, level, pose },
-            Form::HalfSpace { normal: normal_b, level: level_b, pose: pose_b },
-        ) => {
-            let (a, b) = (HalfSpace::new(normal, level, pose), HalfSpace::new(normal_b, level_b, pose_b));
-            a.depth_of_half_spaces(&b)
-        }
-    };
+    let found = table::depth(a, b).unwrap_or_else(|| search::depth_by_search(a, b));
     let [point_a, point_b] = found.points;
     Some(Penetration { lower: found.lower, upper: found.upper, normal: found.normal, point_a, point_b })
-}
-
-/// Whether two shapes are within a clearance that is finite and not negative.
-fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proximity {
-    match (a.form(), b.form()) {
-        (Form::Convex(a), Form::Convex(b)) => convex::nearness(&a, &b, clearance),
-        (Form::HalfSpace { normal, level, pose }, Form::Convex(shape))
-        | (Form::Convex(shape), Form::HalfSpace { normal, level, pose }) => {
-            HalfSpace::new(normal, level, pose).nearness(&shape, clearance)
-        }
-        (
-            Form::HalfSpace { normal, level, pose },
-            Form::HalfSpace { normal: normal_b, level: level_b, pose: pose_b },
-        ) => {
-            let (a, b) = (HalfSpace::new(normal, level, pose), HalfSpace::new(normal_b, level_b, pose_b));
-            a.nearness_of_half_spaces(&b, clearance)
-        }
-    }
 }

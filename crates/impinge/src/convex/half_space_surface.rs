@@ -1,0 +1,125 @@
+//! A mesh and a half-space: the faces that reach lowest, found through the mesh's tree.
+
+use std::ops::ControlFlow::{self, Continue};
+
+use super::HalfSpace;
+use super::depth::Depth;
+use super::distance::Separation;
+use super::manifold::Contacts;
+use super::posed::{Core, Pair, Swept};
+use super::surface::{Surface, corners_of_box};
+use crate::mesh::FaceSearch;
+use crate::primitive::length;
+use crate::volume::Proximity;
+
+impl HalfSpace<'_> {
+    /// Whether a mesh is within a distance of this half-space, which is finite and not negative; exact.
+    pub(crate) fn nearness_of_surface(&self, surface: &Surface<'_>, clearance: f64) -> Proximity {
+        let mut answer = Proximity::Apart;
+        self.search(surface, clearance, |face, cut| {
+            if self.nearness(face, clearance) == Proximity::Meets {
+                answer = Proximity::Meets;
+                return f64::NEG_INFINITY;
+            }
+            cut
+        });
+        answer
+    }
+
+    /// The distance of a mesh.
+    pub(crate) fn separation_of_surface(&self, surface: &Surface<'_>) -> Separation {
+        let mut best: Option<Separation> = None;
+        self.search(surface, f64::INFINITY, |face, cut| {
+            let found = self.separation(face);
+            let lower = best.map_or(found.lower, |best| best.lower.min(found.lower));
+            if best.is_none_or(|best| found.upper < best.upper) {
+                best = Some(found);
+            }
+            if let Some(best) = &mut best {
+                best.lower = lower;
+            }
+            cut.min(found.upper)
+        });
+        let nothing = [f64::INFINITY; 2];
+        best.unwrap_or(Separation {
+            lower: nothing[0],
+            upper: nothing[1],
+            points: [[0.0; 3]; 2],
+            proximity: Proximity::Apart,
+        })
+    }
+
+    /// How deep a mesh is in this half-space; the normal is the half-space's. None where the mesh has no faces.
+    pub(crate) fn depth_of_surface(&self, surface: &Surface<'_>) -> Option<Depth> {
+        let mut best: Option<Depth> = None;
+        self.search(surface, 0.0, |face, cut| {
+            let found = self.depth(face);
+            let lower = best.map_or(found.lower, |best| best.lower.max(found.lower));
+            if best.is_none_or(|best| found.upper > best.upper) {
+                best = Some(found);
+            }
+            if let Some(best) = &mut best {
+                best.lower = lower;
+            }
+            cut.min(-found.lower)
+        });
+        best
+    }
+
+    /// The corners of a mesh that are in the half-space, or at most `margin` above it, by face.
+    pub(crate) fn contacts_of_surface(&self, surface: &Surface<'_>, margin: f64) -> Vec<(u32, Contacts)> {
+        let mut found = Vec::new();
+        self.faces(surface, margin, |number, face, cut| {
+            let contacts = self.contacts_of_corners(face, margin);
+            if !contacts.contacts.is_empty() {
+                found.push((number, contacts));
+            }
+            cut
+        });
+        found.sort_by_key(|found| found.0);
+        found
+    }
+
+    fn search(&self, surface: &Surface<'_>, cut: f64, mut visit: impl FnMut(&Swept<'_>, f64) -> f64) {
+        self.faces(surface, cut, |_, face, cut| visit(face, cut));
+    }
+
+    /// Shows the faces that may start below the cut, which is how far above the plane they do; each answers with the new cut.
+    fn faces(&self, surface: &Surface<'_>, cut: f64, visit: impl FnMut(u32, &Swept<'_>, f64) -> f64) {
+        let Some(corners) = surface.mesh.local_bounds().map(corners_of_box) else { return };
+        let bounds = Swept { core: Core::Points(&corners), pose: surface.pose, radius: [0.0; 2] };
+        let pair = self.pair(&bounds);
+        surface.mesh.search(&mut Lowest { half_space: self, surface, pair: &pair, cut, visit });
+    }
+}
+
+struct Lowest<'q, V> {
+    half_space: &'q HalfSpace<'q>,
+    surface: &'q Surface<'q>,
+    pair: &'q Pair<'q>,
+    cut: f64,
+    visit: V,
+}
+
+impl<V: FnMut(u32, &Swept<'_>, f64) -> f64> FaceSearch for Lowest<'_, V> {
+    fn bound(&self, centre: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
+        let direction = self.half_space.direction();
+        let [lower, _] = self.half_space.height(self.pair, &self.pair.b.spot(*centre).point);
+        let linear = self.surface.pose.linear();
+        let reach: f64 = (0..3)
+            .map(|j| (0..3).map(|k| linear[k][j] * direction[k]).sum::<f64>().abs() * half_extents[j])
+            .sum::<f64>()
+            / length(&direction);
+        lower - reach * (1.0 + 1e-12)
+    }
+
+    fn cut(&self) -> f64 {
+        self.cut
+    }
+
+    fn visit(&mut self, face: u32) -> ControlFlow<()> {
+        let corners = self.surface.mesh.corners(face);
+        self.cut = (self.visit)(face, &self.surface.face(&corners), self.cut);
+        Continue(())
+    }
+}

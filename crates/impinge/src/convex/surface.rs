@@ -1,0 +1,293 @@
+//! A mesh and a convex set: the faces that are near the set, each of which is one more convex set.
+//!
+//! The mesh's tree is descended by what is proved of its boxes: the gap between their images' boxes and the set's, and the gap
+//! along the direction from the nearest face so far. What a face says is what `distance` says of a triangle, so a boolean about
+//! a polytope is exact, and where a face leaves it open that is passed on.
+
+use std::cell::Cell;
+use std::ops::ControlFlow::{self, Break, Continue};
+
+use super::distance::{Separation, above, below, nearness, separation};
+use super::posed::{Core, Pair, Swept, to_unit_length};
+use crate::exact::{Placement, PosedPoint, Spot};
+use crate::math::Pose;
+use crate::mesh::{Containment, FaceSearch, Judge, Mesh};
+use crate::primitive::{dot, length, sub};
+use crate::volume::Proximity;
+
+/// A mesh in the world: its surface, or all that it winds round too.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surface<'a> {
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) pose: &'a Pose,
+    pub(crate) is_solid: bool,
+}
+
+impl<'a> Surface<'a> {
+    /// A face as a convex set; its corners are to be kept by the caller.
+    pub(super) fn face<'c>(&'c self, corners: &'c [[f64; 3]; 3]) -> Swept<'c> {
+        Swept { core: Core::Points(corners), pose: self.pose, radius: [0.0; 2] }
+    }
+
+    /// A box of the world that holds the mesh; none where it has no faces.
+    pub(crate) fn world_bounds(&self) -> Option<[[f64; 3]; 2]> {
+        let corners = self.mesh.local_bounds().map(corners_of_box)?;
+        Some(Swept { core: Core::Points(&corners), pose: self.pose, radius: [0.0; 2] }.world_bounds())
+    }
+
+    /// Whether the mesh and a convex set are within a distance of each other, which is finite and not negative.
+    pub(crate) fn nearness(&self, shape: &Swept<'_>, clearance: f64) -> Proximity {
+        let mut search = Nearness { surface: self, shape, clearance, answer: Proximity::Apart };
+        self.search(shape, |beside| Bounded { beside, search: &mut search });
+        match search.answer {
+            Proximity::Meets => Proximity::Meets,
+            answer => match self.containment(shape) {
+                Containment::Outside => answer,
+                Containment::Undecided => Proximity::Undecided,
+                Containment::Inside | Containment::Surface => Proximity::Meets,
+            },
+        }
+    }
+
+    /// The distance of a convex set.
+    pub(crate) fn separation(&self, shape: &Swept<'_>) -> Separation {
+        let mut search = Separating {
+            surface: self,
+            shape,
+            best: Separation {
+                lower: f64::INFINITY,
+                upper: f64::INFINITY,
+                points: [[0.0; 3]; 2],
+                proximity: Proximity::Apart,
+            },
+            face: u32::MAX,
+            direction: None,
+        };
+        self.search(shape, |beside| Bounded { beside, search: &mut search });
+        let mut best = search.best;
+        if best.proximity != Proximity::Meets {
+            let contained = self.containment(shape);
+            if contained.is_contained() {
+                let point = self.inner_point(shape);
+                (best.points, best.lower) = ([point; 2], 0.0);
+                best.proximity =
+                    if contained == Containment::Undecided { Proximity::Undecided } else { Proximity::Meets };
+                best.upper = if best.proximity == Proximity::Meets { 0.0 } else { best.upper };
+            }
+        }
+        best
+    }
+
+    /// The faces that are not proved farther than `margin` from a convex set, ascending.
+    pub(crate) fn faces_within(&self, shape: &Swept<'_>, margin: f64) -> Vec<u32> {
+        let mut search = Within { surface: self, shape, margin, faces: Vec::new() };
+        self.search(shape, |beside| Bounded { beside, search: &mut search });
+        search.faces.sort_unstable();
+        search.faces
+    }
+
+    /// Where a point of the set's core is to the mesh, if that is solid. Where no face meets the core, it tells for all of it.
+    fn containment(&self, shape: &Swept<'_>) -> Containment {
+        if !self.is_solid {
+            return Containment::Outside;
+        }
+        let local = shape.core.point();
+        let placement = Placement::new(self.pose, shape.pose);
+        Judge::new(self.mesh).containment(&PosedPoint::new(&placement, Spot::At(local)))
+    }
+
+    fn inner_point(&self, shape: &Swept<'_>) -> [f64; 3] {
+        shape.pose.apply(shape.core.point())
+    }
+
+    fn search<'s, S: Search + 's>(&self, shape: &Swept<'_>, bounded: impl FnOnce(Beside<'_>) -> Bounded<'_, 's, S>)
+    where
+        Self: 's,
+    {
+        let Some(corners) = self.mesh.local_bounds().map(corners_of_box) else { return };
+        let bounds = Swept { core: Core::Points(&corners), pose: self.pose, radius: [0.0; 2] };
+        let pair = Pair::new(&bounds, shape);
+        let mut search = bounded(Beside::new(&pair, shape.radius[1]));
+        self.mesh.search(&mut search);
+    }
+}
+
+pub(super) fn corners_of_box(bounds: [[f64; 3]; 2]) -> [[f64; 3]; 8] {
+    std::array::from_fn(|i| std::array::from_fn(|k| bounds[i >> k & 1][k]))
+}
+
+/// A convex set in a frame that is common with a mesh, as the mesh's boxes see it.
+struct Beside<'p> {
+    pair: &'p Pair<'p>,
+    /// The set's box, in the common frame.
+    bounds: [[f64; 2]; 3],
+    radius: f64,
+    error: f64,
+    /// A direction of length 1 from the mesh to the set, and the set's least height along it.
+    plane: Cell<Option<([f64; 3], f64)>>,
+}
+
+impl<'p> Beside<'p> {
+    fn new(pair: &'p Pair<'p>, radius: f64) -> Self {
+        let radius = above(radius / pair.unit);
+        let error = pair.point_error();
+        let bounds = std::array::from_fn(|k| {
+            let end = |sign: f64| {
+                let direction = std::array::from_fn(|j| if j == k { sign } else { 0.0 });
+                sign * (pair.b.support(direction).point[k] * sign + pair.height_error(direction) + radius)
+            };
+            [end(-1.0), end(1.0)]
+        });
+        Self { pair, bounds, radius, error, plane: Cell::new(None) }
+    }
+
+    /// Looks along a direction of the world from the mesh to the set from now on.
+    fn look_along(&self, direction: [f64; 3]) {
+        let direction = to_unit_length(direction);
+        let against = direction.map(|x| -x);
+        let lowest = dot(&direction, &self.pair.b.support(against).point);
+        self.plane.set(Some((direction, lowest - self.pair.height_error(against) - self.radius)));
+    }
+
+    /// How far from the set, in world units, a box of the mesh's frame is at least.
+    fn bound(&self, centre: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
+        let at = self.pair.a.spot(*centre).point;
+        let linear = self.pair.a.pose().linear();
+        let scale = 1.0 / self.pair.unit;
+        let gaps: [f64; 3] = std::array::from_fn(|k| {
+            let reach = (0..3).map(|j| linear[k][j].abs() * half_extents[j]).sum::<f64>() * scale;
+            f64::max(self.bounds[k][0] - (at[k] + reach), at[k] - reach - self.bounds[k][1]).max(0.0)
+        });
+        let mut gap = length(&gaps);
+        if let Some((direction, lowest)) = self.plane.get() {
+            let reach: f64 = (0..3)
+                .map(|j| (0..3).map(|k| linear[k][j] * direction[k]).sum::<f64>().abs() * half_extents[j])
+                .sum::<f64>()
+                * scale;
+            gap = gap.max(lowest - (dot(&direction, &at) + reach));
+        }
+        (below(gap) - 8.0 * self.error) * self.pair.unit
+    }
+}
+
+/// What is asked of the faces.
+trait Search {
+    fn cut(&self) -> f64;
+
+    /// Looks at a face; a direction from the mesh to the set in which others may be told to be far.
+    fn visit(&mut self, face: u32) -> ControlFlow<(), Option<[f64; 3]>>;
+}
+
+struct Bounded<'p, 's, S> {
+    beside: Beside<'p>,
+    search: &'s mut S,
+}
+
+impl<S: Search> FaceSearch for Bounded<'_, '_, S> {
+    fn bound(&self, centre: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
+        self.beside.bound(centre, half_extents)
+    }
+
+    fn cut(&self) -> f64 {
+        self.search.cut()
+    }
+
+    fn visit(&mut self, face: u32) -> ControlFlow<()> {
+        match self.search.visit(face) {
+            Break(()) => Break(()),
+            Continue(None) => Continue(()),
+            Continue(Some(direction)) => {
+                self.beside.look_along(direction);
+                Continue(())
+            }
+        }
+    }
+}
+
+struct Nearness<'a, 'q> {
+    surface: &'q Surface<'a>,
+    shape: &'q Swept<'q>,
+    clearance: f64,
+    answer: Proximity,
+}
+
+impl Search for Nearness<'_, '_> {
+    fn cut(&self) -> f64 {
+        self.clearance
+    }
+
+    fn visit(&mut self, face: u32) -> ControlFlow<(), Option<[f64; 3]>> {
+        let corners = self.surface.mesh.corners(face);
+        match nearness(&self.surface.face(&corners), self.shape, self.clearance) {
+            Proximity::Meets => {
+                self.answer = Proximity::Meets;
+                return Break(());
+            }
+            Proximity::Undecided => self.answer = Proximity::Undecided,
+            Proximity::Apart => {}
+        }
+        Continue(None)
+    }
+}
+
+struct Separating<'a, 'q> {
+    surface: &'q Surface<'a>,
+    shape: &'q Swept<'q>,
+    best: Separation,
+    face: u32,
+    direction: Option<[f64; 3]>,
+}
+
+impl Search for Separating<'_, '_> {
+    fn cut(&self) -> f64 {
+        self.best.upper
+    }
+
+    fn visit(&mut self, face: u32) -> ControlFlow<(), Option<[f64; 3]>> {
+        // Nothing is nearer than a common point, and among those the first face counts.
+        if self.best.proximity == Proximity::Meets && face > self.face {
+            return Continue(None);
+        }
+        let corners = self.surface.mesh.corners(face);
+        let found = separation(&self.surface.face(&corners), self.shape);
+        let lower = self.best.lower.min(found.lower);
+        let rank = |separation: &Separation| (separation.proximity != Proximity::Meets, separation.upper);
+        let is_better = match rank(&found).partial_cmp(&rank(&self.best)) {
+            Some(std::cmp::Ordering::Less) => true,
+            Some(std::cmp::Ordering::Equal) => face < self.face,
+            _ => false,
+        };
+        let was_undecided = self.best.proximity == Proximity::Undecided || found.proximity == Proximity::Undecided;
+        if is_better {
+            (self.best, self.face) = (found, face);
+            let between = sub(&found.points[1], &found.points[0]);
+            self.direction = (between != [0.0; 3]).then_some(between);
+        }
+        self.best.lower = lower;
+        if was_undecided && self.best.proximity == Proximity::Apart {
+            self.best.proximity = Proximity::Undecided;
+        }
+        Continue(self.direction.filter(|_| is_better))
+    }
+}
+
+struct Within<'a, 'q> {
+    surface: &'q Surface<'a>,
+    shape: &'q Swept<'q>,
+    margin: f64,
+    faces: Vec<u32>,
+}
+
+impl Search for Within<'_, '_> {
+    fn cut(&self) -> f64 {
+        self.margin
+    }
+
+    fn visit(&mut self, face: u32) -> ControlFlow<(), Option<[f64; 3]>> {
+        let corners = self.surface.mesh.corners(face);
+        if nearness(&self.surface.face(&corners), self.shape, self.margin) != Proximity::Apart {
+            self.faces.push(face);
+        }
+        Continue(None)
+    }
+}

@@ -1,0 +1,198 @@
+//! The table of pairs: what each verb makes of two parts, by what they are.
+//!
+//! Three representations make six pairs. A compound is asked part by part, and parts whose boxes are too far apart are passed over.
+
+use super::Proximity;
+use crate::convex::{self, Contacts, Depth, Separation, Surface};
+use crate::query::{self, Solid};
+use crate::shape::{Form, PlacedShape};
+
+/// Whether two shapes are within a clearance that is finite and not negative.
+pub(super) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proximity {
+    let mut answer = Proximity::Apart;
+    for [part_a, part_b] in pairs(a, b) {
+        if gap_of_boxes(part_a, part_b) > clearance {
+            continue;
+        }
+        match nearness_of_parts(part_a, part_b, clearance) {
+            Proximity::Meets => return Proximity::Meets,
+            Proximity::Undecided => answer = Proximity::Undecided,
+            Proximity::Apart => {}
+        }
+    }
+    answer
+}
+
+fn nearness_of_parts(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proximity {
+    match (a.form(), b.form()) {
+        (Form::Convex(a), Form::Convex(b)) => convex::nearness(&a, &b, clearance),
+        (Form::HalfSpace(plane), Form::Convex(shape)) | (Form::Convex(shape), Form::HalfSpace(plane)) => {
+            plane.nearness(&shape, clearance)
+        }
+        (Form::HalfSpace(a), Form::HalfSpace(b)) => a.nearness_of_half_spaces(&b, clearance),
+        (Form::Surface(surface), Form::Convex(shape)) | (Form::Convex(shape), Form::Surface(surface)) => {
+            surface.nearness(&shape, clearance)
+        }
+        (Form::Surface(surface), Form::HalfSpace(plane)) | (Form::HalfSpace(plane), Form::Surface(surface)) => {
+            plane.nearness_of_surface(&surface, clearance)
+        }
+        (Form::Surface(a), Form::Surface(b)) => {
+            if query::within(placed(&a), placed(&b), clearance) {
+                return Proximity::Meets;
+            }
+            contained(&a, &b)
+        }
+    }
+}
+
+/// The distance of two shapes: the least of their parts'.
+pub(super) fn separation(a: &PlacedShape, b: &PlacedShape) -> Separation {
+    let nothing =
+        Separation { lower: f64::INFINITY, upper: f64::INFINITY, points: [[0.0; 3]; 2], proximity: Proximity::Apart };
+    let mut best = nothing;
+    for [part_a, part_b] in pairs(a, b) {
+        if gap_of_boxes(part_a, part_b) > best.upper {
+            continue;
+        }
+        let found = separation_of_parts(part_a, part_b);
+        let lower = best.lower.min(found.lower);
+        let is_open = best.proximity == Proximity::Undecided || found.proximity == Proximity::Undecided;
+        if found.proximity == Proximity::Meets {
+            return found;
+        }
+        if found.upper < best.upper {
+            best = found;
+        }
+        best.lower = lower;
+        if is_open {
+            best.proximity = Proximity::Undecided;
+        }
+    }
+    best
+}
+
+fn separation_of_parts(a: &PlacedShape, b: &PlacedShape) -> Separation {
+    match (a.form(), b.form()) {
+        (Form::Convex(a), Form::Convex(b)) => convex::separation(&a, &b),
+        (Form::HalfSpace(plane), Form::Convex(shape)) => plane.separation(&shape),
+        (Form::Convex(shape), Form::HalfSpace(plane)) => swapped(plane.separation(&shape)),
+        (Form::HalfSpace(a), Form::HalfSpace(b)) => a.separation_of_half_spaces(&b),
+        (Form::Surface(surface), Form::Convex(shape)) => surface.separation(&shape),
+        (Form::Convex(shape), Form::Surface(surface)) => swapped(surface.separation(&shape)),
+        (Form::HalfSpace(plane), Form::Surface(surface)) => plane.separation_of_surface(&surface),
+        (Form::Surface(surface), Form::HalfSpace(plane)) => swapped(plane.separation_of_surface(&surface)),
+        (Form::Surface(a), Form::Surface(b)) => {
+            let found = query::distance(placed(&a), placed(&b));
+            let points = found.witness.map_or([[0.0; 3]; 2], |witness| [witness.point_a, witness.point_b]);
+            let proximity = if found.upper == 0.0 { Proximity::Meets } else { contained(&a, &b) };
+            let [lower, upper] = match proximity {
+                Proximity::Apart => [found.lower, found.upper],
+                Proximity::Undecided => [0.0, found.upper],
+                Proximity::Meets => [0.0; 2],
+            };
+            Separation { lower, upper, points, proximity }
+        }
+    }
+}
+
+/// How deep two shapes are in each other, in closed form or by an expanding polytope; none where that takes a search: for
+/// compounds, and for meshes but with half-spaces.
+pub(super) fn depth(a: &PlacedShape, b: &PlacedShape) -> Option<Depth> {
+    let ([a], [b]) = (a.parts(), b.parts()) else { return None };
+    match (a.form(), b.form()) {
+        (Form::Convex(a), Form::Convex(b)) => Some(convex::depth(&a, &b)),
+        (Form::HalfSpace(plane), Form::Convex(shape)) => Some(plane.depth(&shape)),
+        (Form::Convex(shape), Form::HalfSpace(plane)) => Some(turned(plane.depth(&shape))),
+        (Form::HalfSpace(a), Form::HalfSpace(b)) => Some(a.depth_of_half_spaces(&b)),
+        (Form::HalfSpace(plane), Form::Surface(surface)) => plane.depth_of_surface(&surface),
+        (Form::Surface(surface), Form::HalfSpace(plane)) => plane.depth_of_surface(&surface).map(turned),
+        (Form::Surface(_), Form::Convex(_) | Form::Surface(_)) | (Form::Convex(_), Form::Surface(_)) => None,
+    }
+}
+
+/// The contacts of two shapes within a margin, with the parts that they are of.
+pub(super) fn contacts(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<([u32; 2], Contacts)> {
+    let mut found = Vec::new();
+    for (number_a, part_a) in (0..).zip(a.parts()) {
+        for (number_b, part_b) in (0..).zip(b.parts()) {
+            let is_far = gap_of_boxes(part_a, part_b) > margin;
+            if !is_far && nearness_of_parts(part_a, part_b, margin) != Proximity::Apart {
+                let of_parts = contacts_of_parts(part_a, part_b, margin);
+                found.extend(of_parts.into_iter().map(|contacts| ([number_a, number_b], contacts)));
+            }
+        }
+    }
+    found
+}
+
+fn contacts_of_parts(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<Contacts> {
+    match (a.form(), b.form()) {
+        (Form::Convex(swept_a), Form::Convex(swept_b)) => {
+            vec![convex::contacts(&a.faceted(swept_a), &b.faceted(swept_b), margin)]
+        }
+        (Form::HalfSpace(plane), Form::Convex(swept)) => vec![plane.contacts(&b.faceted(swept), margin)],
+        (Form::Convex(swept), Form::HalfSpace(plane)) => vec![plane.contacts(&a.faceted(swept), margin).swapped()],
+        (Form::HalfSpace(a), Form::HalfSpace(b)) => vec![a.contact_of_half_spaces(&b)],
+        (Form::Surface(surface), Form::Convex(swept)) => {
+            let found = surface.contacts(&b.faceted(swept), margin);
+            if found.is_empty() { super::contacts::of_contained(a, b) } else { found }
+        }
+        (Form::Convex(swept), Form::Surface(surface)) => {
+            let found = surface.contacts(&a.faceted(swept), margin);
+            if found.is_empty() {
+                return super::contacts::of_contained(a, b);
+            }
+            found.into_iter().map(Contacts::swapped).collect()
+        }
+        (Form::HalfSpace(plane), Form::Surface(surface)) => surface.contacts_with_half_space(&plane, margin),
+        (Form::Surface(surface), Form::HalfSpace(plane)) => {
+            surface.contacts_with_half_space(&plane, margin).into_iter().map(Contacts::swapped).collect()
+        }
+        (Form::Surface(surface_a), Form::Surface(surface_b)) => {
+            let found = super::contacts::of_surfaces(&surface_a, &surface_b, margin);
+            if found.is_empty() { super::contacts::of_contained(a, b) } else { found }
+        }
+    }
+}
+
+fn pairs<'s>(a: &'s PlacedShape, b: &'s PlacedShape) -> impl Iterator<Item = [&'s PlacedShape; 2]> {
+    a.parts().iter().flat_map(|part_a| b.parts().iter().map(move |part_b| [part_a, part_b]))
+}
+
+/// How far apart the boxes of two parts are at least; zero where one has none.
+fn gap_of_boxes(a: &PlacedShape, b: &PlacedShape) -> f64 {
+    let (Some([min_a, max_a]), Some([min_b, max_b])) = (a.bounds(), b.bounds()) else { return 0.0 };
+    let gap = |k: usize| f64::max(min_b[k] - max_a[k], min_a[k] - max_b[k]).next_down();
+    (0..3).map(gap).fold(0.0, f64::max)
+}
+
+pub(super) fn placed<'a>(surface: &Surface<'a>) -> crate::mesh::Placed<'a> {
+    surface.mesh.at(*surface.pose)
+}
+
+/// Whether one of two meshes, whose surfaces are apart, is in the other one, which is solid.
+fn contained(a: &Surface<'_>, b: &Surface<'_>) -> Proximity {
+    let solid = match (a.is_solid, b.is_solid) {
+        (false, false) => return Proximity::Apart,
+        (true, false) => Solid::A,
+        (false, true) => Solid::B,
+        (true, true) => Solid::Both,
+    };
+    let found = query::solid_intersection_of_pairs(placed(a), placed(b), solid, &[]);
+    match (found.contained, found.undecided) {
+        (None, _) => Proximity::Apart,
+        (Some(_), true) => Proximity::Undecided,
+        (Some(_), _) => Proximity::Meets,
+    }
+}
+
+fn swapped(mut found: Separation) -> Separation {
+    found.points.swap(0, 1);
+    found
+}
+
+fn turned(mut found: Depth) -> Depth {
+    found.points.swap(0, 1);
+    found.normal = found.normal.map(|x| 0.0 - x);
+    found
+}
