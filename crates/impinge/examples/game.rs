@@ -19,7 +19,7 @@ fn main() -> Result<(), WorldError> {
     let corners = vec![[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0], [-9.0, 9.0, 0.0]];
     let floor = Mesh::new(Positions::F32(corners), vec![[0, 1, 2], [0, 2, 3]])?;
     let scenery = Layers { on: SCENERY, meets: u32::MAX };
-    world.insert(Body::new(floor).kind(Kind::Static).layers(scenery))?;
+    world.insert(Body::new(Shape::mesh(&floor)).kind(Kind::Static).layers(scenery))?;
     let door = world.insert(
         Body::new(Shape::cuboid([1.0, 0.1, 2.0])?).kind(Kind::Kinematic).layers(scenery).at(at([0.0, 3.0, 2.0])?),
     )?;

@@ -124,11 +124,11 @@ fn meshes(count: usize, steps: usize, filled: f64) -> Result<()> {
     let reach = 0.5 * (count as f64 * 4.18879 / filled).cbrt();
     println!("{count} bodies of {} triangles in a box of {:.1}, {steps} steps", meshes[0].faces().len(), 2.0 * reach);
     let mut table = Table::new(["boxes", "finds", "median", "realign", "broad", "narrow", "examined", "pairs", "contacts"]);
-    for (way, name) in [(Realignment::Rotated, "rotated"), (Realignment::Climbing, "climbing")] {
+    for (way, name) in [(Realignment::Own, "own"), (Realignment::Climbing, "climbing")] {
         for narrow_phase in [NarrowPhase::Intersections, NarrowPhase::Contacts] {
             let options = Options { narrow_phase, ..Options::default() };
             let bodies: Vec<Body> =
-                meshes.iter().map(|mesh| Ok(Body::new(mesh).realigned_by(way)?)).collect::<Result<_>>()?;
+                meshes.iter().map(|mesh| Ok(Body::new(Shape::mesh(mesh)).realigned_by(way)?)).collect::<Result<_>>()?;
             let mut rng = Rng::new(7);
             let mut world = World::with_options(options);
             let mut tumbling = Tumbling { reach, bodies: Vec::new() };

@@ -4,9 +4,9 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::outline::{Outline, Realignment};
-use super::geometry::Geometry;
 use crate::input::InputError;
 use crate::math::Pose;
+use crate::shape::Shape;
 
 /// The name of a body in its world. It never comes to mean another body: once that is removed, whatever takes the handle says
 /// that it is stale.
@@ -120,7 +120,7 @@ pub struct Traits {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Body {
-    pub(super) geometry: Geometry,
+    pub(super) shape: Shape,
     pub(super) outline: Arc<Outline>,
     pub(super) world_from_body: Pose,
     pub(super) traits: Traits,
@@ -128,14 +128,10 @@ pub struct Body {
 
 impl Body {
     /// A moving body of this shape, where its own frame is the world.
-    ///
-    /// # Complexity
-    /// One pass over the vertices; clone the body to share it.
     #[must_use]
-    pub fn new(geometry: impl Into<Geometry>) -> Self {
-        let geometry = geometry.into();
-        let outline = Arc::new(Outline::new(&geometry));
-        Self { geometry, outline, world_from_body: Pose::IDENTITY, traits: Traits::default() }
+    pub fn new(shape: Shape) -> Self {
+        let (outline, traits) = (Arc::new(Outline::new()), Traits::default());
+        Self { shape, outline, world_from_body: Pose::IDENTITY, traits }
     }
 
     /// The same body elsewhere; whether its shape stands the pose is judged where it is inserted.
@@ -179,9 +175,9 @@ impl Body {
     /// As [`Hull::new`](crate::hull::Hull::new), for the ways that need a hull.
     ///
     /// # Complexity
-    /// That of a convex hull of the vertices, for those ways.
+    /// One pass over the vertices, and their convex hull for those ways; clone the body to share it.
     pub fn realigned_by(mut self, way: Realignment) -> Result<Self, InputError> {
-        self.outline = Arc::new(Outline::by(&self.geometry, way)?);
+        self.outline = Arc::new(Outline::by(&self.shape, way)?);
         Ok(self)
     }
 }

@@ -25,9 +25,7 @@ pub struct Pair<'w> {
     pub key: PairKey,
     /// How sure it is that they meet; always [`Meets`](Proximity::Meets) among meshes, boxes and hulls.
     pub proximity: Proximity,
-    /// Where they meet; none where the world was not asked for contacts, and where one solid is inside another. Two convex
-    /// shapes have one manifold, a mesh has one for each face, or pair of faces, that meets: its number is the `part` of the
-    /// [id](crate::query::shapes::ContactId).
+    /// Where they meet, as [`contacts`](crate::query::shapes::contacts) says; none where the world was not asked for contacts.
     pub manifolds: &'w [Manifold],
 }
 

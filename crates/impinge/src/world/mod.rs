@@ -13,7 +13,7 @@
 //! depends on the [broad phase](BroadPhase), on the number of threads or on the order in which bodies came: reports are sorted by
 //! the bodies' [tags](Traits::tag), then by their handles. Nothing is ever dropped: there are no capacities.
 //!
-//! What counts as meeting is what [`query`](crate::query) says of the two geometries in their poses: exact for meshes, boxes and
+//! What counts as meeting is what [`query`](crate::query) says of the two shapes in their poses: exact for meshes, boxes and
 //! hulls, with touching counted.
 
 mod body;
@@ -21,11 +21,10 @@ mod broad;
 mod error;
 mod events;
 mod filter;
-mod geometry;
-mod mesh_contacts;
 mod narrow;
 mod outline;
 mod pairs;
+mod placed;
 mod plane;
 mod queries;
 mod rays;
@@ -37,7 +36,6 @@ pub use broad::BroadPhase;
 pub use error::WorldError;
 pub use events::{Events, Pair, PairKey, Work};
 pub use filter::PairFilter;
-pub use geometry::Geometry;
 pub use narrow::NarrowPhase;
 pub use outline::Realignment;
 pub use queries::BodyHit;
@@ -49,11 +47,12 @@ use std::sync::Arc;
 use crate::input::InputError;
 use crate::math::Pose;
 use crate::mesh::{Aging, Positions};
+use crate::shape::Shape;
 use broad::Broad;
 use events::sorted;
-use geometry::Placed;
 use outline::{Bounds, Extremes, Outline};
 use pairs::{Link, Pairs};
+use placed::Placed;
 use slots::Slots;
 
 /// How a world works.
@@ -94,7 +93,7 @@ pub struct World {
 
 /// All of a world that steps change; what [`World::save`] returned.
 ///
-/// It costs a copy of the bodies' records and of the broad phase, while the geometries are shared.
+/// It costs a copy of the bodies' records and of the broad phase, while the shapes are shared.
 #[derive(Clone, Debug)]
 pub struct Snapshot(State);
 
@@ -179,7 +178,7 @@ impl World {
     /// # Errors
     /// [`Input`](WorldError::Input) where the shape does not stand the pose, [`Full`](WorldError::Full).
     pub fn insert(&mut self, body: Body) -> Result<BodyId, WorldError> {
-        let placed = Placed::new(&body.geometry, body.world_from_body)?;
+        let placed = Placed::new(&body.shape, body.world_from_body)?;
         let mut extremes = Extremes::default();
         let bounds = body.outline.bounds(&placed, &mut extremes);
         let resident =
@@ -238,7 +237,7 @@ impl World {
     pub fn bounds(&self, body: BodyId) -> Result<Option<crate::volume::MinMax>, WorldError> {
         Ok(match self.resident(body)?.bounds {
             Bounds::Box(bounds) => Some(bounds),
-            Bounds::Nowhere | Bounds::Behind(_) => None,
+            Bounds::Nowhere | Bounds::Behind(_) | Bounds::Anywhere => None,
         })
     }
 
@@ -265,33 +264,32 @@ impl World {
         Ok(())
     }
 
-    /// Gives a body another geometry: a mesh that was deformed, a pose of a character. Its box follows it in the same way as
+    /// Gives a body another shape: a mesh that was deformed, a pose of a character. Its box follows it in the same way as
     /// before.
     ///
     /// # Errors
-    /// [`Stale`](WorldError::Stale), and [`Input`](WorldError::Input) where the geometry does not stand the pose.
+    /// [`Stale`](WorldError::Stale), and [`Input`](WorldError::Input) where the shape does not stand the pose.
     ///
     /// # Complexity
     /// One pass over the vertices, and their convex hull for the ways of realigning that need one.
-    pub fn set_geometry(&mut self, body: BodyId, geometry: impl Into<Geometry>) -> Result<(), WorldError> {
-        let geometry = geometry.into();
+    pub fn set_shape(&mut self, body: BodyId, shape: &Shape) -> Result<(), WorldError> {
         let resident = self.resident(body)?;
-        let outline = Outline::by(&geometry, resident.outline.realignment()).map_err(|error| refused(body, error))?;
-        let placed = Placed::new(&geometry, *resident.placed.world_from_body()).map_err(|error| refused(body, error))?;
+        let outline = Outline::by(shape, resident.outline.realignment()).map_err(|error| refused(body, error))?;
+        let placed = Placed::new(shape, *resident.placed.world_from_body()).map_err(|error| refused(body, error))?;
         self.state.replace(body, placed, Some(Arc::new(outline)));
         Ok(())
     }
 
-    /// Moves the vertices of a body that is a mesh, by [`Mesh::refit`](crate::Mesh::refit): in place where no other body and
-    /// no snapshot has the mesh.
+    /// Moves the vertices of a body that is a mesh, by [`Mesh::refitted`](crate::Mesh::refitted); other bodies of the mesh keep
+    /// it as it is. Whoever deforms one mesh for many bodies refits it and calls [`set_shape`](Self::set_shape) for each.
     ///
     /// ```
-    /// use impinge::{Mesh, Positions, world::{Body, World}};
+    /// use impinge::{Mesh, Positions, shape::Shape, world::{Body, World}};
     ///
     /// let flag = Mesh::new(Positions::F32(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), vec![[0, 1, 2]])?;
-    /// let pole = Mesh::new(Positions::F32(vec![[0.0, 0.0, 1.0], [0.0, 0.0, 2.0], [0.0; 3]]), vec![[0, 1, 1]])?;
+    /// let pole = Shape::segment([[0.0, 0.0, 1.0], [0.0, 0.0, 2.0]])?;
     /// let mut world = World::new();
-    /// let (flag, _) = (world.insert(Body::new(flag))?, world.insert(Body::new(pole))?);
+    /// let (flag, _) = (world.insert(Body::new(Shape::mesh(&flag)))?, world.insert(Body::new(pole))?);
     /// assert_eq!(world.step(&[])?.began.len(), 0);
     /// world.refit(flag, Positions::F32(vec![[0.0, 0.0, 1.5], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))?;
     /// assert_eq!(world.step(&[])?.began.len(), 1);
@@ -301,15 +299,11 @@ impl World {
     /// # Errors
     /// [`Stale`](WorldError::Stale), [`NotAMesh`](WorldError::NotAMesh), and [`Input`](WorldError::Input) as the refit.
     pub fn refit(&mut self, body: BodyId, positions: Positions) -> Result<Aging, WorldError> {
-        let resident = self.resident_mut(body)?;
-        let Placed::Mesh { mesh, .. } = &mut resident.placed else { return Err(WorldError::NotAMesh { body }) };
-        let aging = mesh.refit(positions).map_err(|error| refused(body, error))?;
-        let geometry = resident.placed.geometry();
-        let outline =
-            Outline::by(&geometry, resident.outline.realignment()).unwrap_or_else(|_| Outline::new(&geometry));
-        let placed = resident.placed.clone();
-        self.state.replace(body, placed, Some(Arc::new(outline)));
-        Ok(aging)
+        let (placed, is_solid) = self.resident(body)?.placed.mesh().ok_or(WorldError::NotAMesh { body })?;
+        let mesh = placed.mesh.refitted(positions).map_err(|error| refused(body, error))?;
+        let shape = if is_solid { Shape::solid(&mesh) } else { Shape::mesh(&mesh) };
+        self.set_shape(body, &shape)?;
+        Ok(mesh.aging())
     }
 
     /// Asks this filter about every pair that layers and owners admit, from the next step on; all pairs are asked for anew.
@@ -388,7 +382,7 @@ fn refused(body: BodyId, error: InputError) -> WorldError {
 impl Resident {
     fn into_body(self) -> Body {
         Body {
-            geometry: self.placed.geometry(),
+            shape: self.placed.shape().clone(),
             outline: self.outline,
             world_from_body: *self.placed.world_from_body(),
             traits: self.traits,
@@ -425,7 +419,7 @@ impl State {
         match bounds {
             Bounds::Nowhere => {}
             Bounds::Box(bounds) => self.broad.insert(index, bounds),
-            Bounds::Behind(_) => self.unbounded.push(index),
+            Bounds::Behind(_) | Bounds::Anywhere => self.unbounded.push(index),
         }
     }
 
@@ -434,7 +428,7 @@ impl State {
         match bounds {
             Bounds::Nowhere => {}
             Bounds::Box(_) => self.broad.remove(index),
-            Bounds::Behind(_) => self.unbounded.retain(|&other| other != index),
+            Bounds::Behind(_) | Bounds::Anywhere => self.unbounded.retain(|&other| other != index),
         }
     }
 

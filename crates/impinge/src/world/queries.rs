@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use super::body::{BodyId, Traits};
-use super::geometry::{Geometry, Placed};
 use super::narrow::proximity;
 use super::outline::{Bounds, Extremes, Outline};
+use super::placed::Placed;
 use super::{Resident, World};
 use crate::input::InputError;
 use crate::math::Pose;
@@ -33,7 +33,7 @@ impl World {
         hits(found.into_iter())
     }
 
-    /// The bodies that meet a geometry in a pose, sorted; each that is `wanted`. Decided as for pairs of bodies.
+    /// The bodies that meet a shape in a pose, sorted; each that is `wanted`. Decided as for pairs of bodies.
     ///
     /// ```
     /// use impinge::{Pose, shape::Shape, world::{Body, Layers, World}};
@@ -41,22 +41,21 @@ impl World {
     /// let mut world = World::new();
     /// let ball = world.insert(Body::new(Shape::sphere([0.0; 3], 1.0)?))?;
     /// let probe = Shape::capsule([0.0; 3], [0.0, 0.0, 3.0], 0.25)?;
-    /// let found = world.overlapping(probe, Pose::from_translation([0.0, 0.0, 1.0])?, |traits| traits.layers.on & 1 != 0)?;
+    /// let found = world.overlapping(&probe, Pose::from_translation([0.0, 0.0, 1.0])?, |traits| traits.layers.on & 1 != 0)?;
     /// assert_eq!(found[0].body, ball);
     /// # Ok::<(), impinge::world::WorldError>(())
     /// ```
     ///
     /// # Errors
-    /// Where the geometry does not stand the pose.
+    /// Where the shape does not stand the pose.
     pub fn overlapping(
         &self,
-        geometry: impl Into<Geometry>,
-        world_from_geometry: Pose,
+        shape: &Shape,
+        world_from_shape: Pose,
         mut wanted: impl FnMut(&Traits) -> bool,
     ) -> Result<Vec<BodyHit>, InputError> {
-        let geometry = geometry.into();
-        let placed = Placed::new(&geometry, world_from_geometry)?;
-        let bounds = Outline::new(&geometry).bounds(&placed, &mut Extremes::default());
+        let placed = Placed::new(shape, world_from_shape)?;
+        let bounds = Outline::new().bounds(&placed, &mut Extremes::default());
         let mut near = self.near(&bounds);
         near.retain(|&(_, resident)| wanted(&resident.traits));
         let found: Vec<(BodyId, &Resident)> = near
@@ -71,7 +70,7 @@ impl World {
     /// # Errors
     /// Where a coordinate is not finite or not below 2^128.
     pub fn at_point(&self, point: [f64; 3], wanted: impl FnMut(&Traits) -> bool) -> Result<Vec<BodyHit>, InputError> {
-        self.overlapping(Shape::point(point)?, Pose::IDENTITY, wanted)
+        self.overlapping(&Shape::point(point)?, Pose::IDENTITY, wanted)
     }
 
     /// The bodies whose boxes overlap.
@@ -87,7 +86,7 @@ impl World {
                 state.broad.for_each_overlapping(bounds, &mut look);
                 state.unbounded.iter().for_each(|&index| look(index));
             }
-            Bounds::Behind(_) => state.residents.iter().for_each(|(id, _)| look(id.index() as u32)),
+            Bounds::Behind(_) | Bounds::Anywhere => state.residents.iter().for_each(|(id, _)| look(id.index() as u32)),
         }
         found
     }

@@ -2,14 +2,15 @@
 
 use super::World;
 use super::body::{BodyId, Traits};
-use super::geometry::Placed;
 use super::outline::Bounds;
+use super::placed::Placed;
+use crate::convex::Surface;
 use crate::math::Pose;
-use crate::mesh::{self, Mesh};
+use crate::mesh;
 use crate::partition::Ray;
 use crate::primitive::{cross, dot, length, sub};
 use crate::query::shapes::{self, Proximity};
-use crate::shape::{PlacedShape, Shape};
+use crate::shape::{Form, PlacedShape, Shape};
 
 /// Where a ray meets a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,23 +115,20 @@ fn meets(placed: &Placed, bounds: &Bounds, ray: &Ray) -> Option<(f64, Option<u32
     let enter = match bounds {
         Bounds::Nowhere => return None,
         Bounds::Box(bounds) => ray.enters(bounds)?,
-        Bounds::Behind(_) => 0.0,
+        Bounds::Behind(_) | Bounds::Anywhere => 0.0,
     };
-    match placed {
-        Placed::Shape(_, shape) => Some((meets_shape(shape, ray, enter)?, None)),
-        Placed::Mesh { mesh, is_solid, world_from_mesh } => meets_mesh(mesh, *is_solid, world_from_mesh, ray, enter),
-    }
+    let meets = |part: &PlacedShape| match part.form() {
+        Form::Surface(surface) => meets_mesh(&surface, ray, enter),
+        Form::Convex(_) | Form::HalfSpace(_) => Some((meets_shape(part, ray, enter)?, None)),
+    };
+    let parts = placed.in_world().parts().iter().filter_map(meets);
+    parts.min_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)))
 }
 
 /// The ray is carried into the mesh's frame, where parameters are the same. What floats cannot carry counts as met where the ray
 /// enters the box.
-fn meets_mesh(
-    mesh: &Mesh,
-    is_solid: bool,
-    world_from_mesh: &Pose,
-    ray: &Ray,
-    enter: f64,
-) -> Option<(f64, Option<u32>)> {
+fn meets_mesh(surface: &Surface<'_>, ray: &Ray, enter: f64) -> Option<(f64, Option<u32>)> {
+    let &Surface { mesh, pose: world_from_mesh, is_solid } = surface;
     let inverse = Inverse::of(world_from_mesh);
     let origin = inverse.apply(sub(&ray.origin(), world_from_mesh.translation()));
     let Ok(local) = mesh::Ray::new(origin, inverse.apply(ray.direction())) else { return Some((enter, None)) };

@@ -6,8 +6,8 @@ use super::body::{BodyId, Kind};
 use super::narrow::Meeting;
 use super::error::WorldError;
 use super::events::{Events, Work};
-use super::geometry::Placed;
 use super::outline::{Bounds, Extremes};
+use super::placed::Placed;
 use super::{Change, Resident, World, refused};
 use crate::math::Pose;
 use crate::partition::{Changes, Move};
@@ -316,7 +316,7 @@ impl Search<'_> {
                 }
                 state.unbounded.iter().for_each(|&other| meet(other));
             }
-            Bounds::Behind(_) => state.residents.iter().for_each(|(id, _)| meet(id.index() as u32)),
+            Bounds::Behind(_) | Bounds::Anywhere => state.residents.iter().for_each(|(id, _)| meet(id.index() as u32)),
         }
     }
 }

@@ -119,7 +119,7 @@ fn stale_handles_are_errors_everywhere() {
     assert_eq!(world.pairs_of(body).err(), Some(stale.clone()));
     assert_eq!(world.set_traits(body, Traits::default()).unwrap_err(), stale);
     assert_eq!(world.set_pose(body, at(1.0)).unwrap_err(), stale);
-    assert_eq!(world.set_geometry(body, Shape::cuboid([1.0; 3]).unwrap()).unwrap_err(), stale);
+    assert_eq!(world.set_shape(body, &Shape::cuboid([1.0; 3]).unwrap()).unwrap_err(), stale);
     assert_eq!(world.refit(body, Positions::F32(Vec::new())).unwrap_err(), stale);
     assert_eq!(world.step(&[(next, at(9.0)), (body, at(1.0))]).unwrap_err(), stale);
     assert_eq!(world.pose(next).unwrap(), &Pose::IDENTITY, "the step was refused as a whole");
@@ -167,7 +167,7 @@ fn a_refused_refit_changes_nothing() {
     let mut world = World::new();
     let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let mesh = Mesh::new(Positions::F32(corners.clone()), vec![[0, 1, 2]]).unwrap();
-    let (body, cube) = (world.insert(Body::new(mesh)).unwrap(), world.insert(unit()).unwrap());
+    let (body, cube) = (world.insert(Body::new(Shape::mesh(&mesh))).unwrap(), world.insert(unit()).unwrap());
     world.step(&[]).unwrap();
     let error = world.refit(body, Positions::F32(vec![[0.0; 3], [f32::NAN; 3], [0.0; 3]])).unwrap_err();
     assert!(matches!(error, WorldError::Input { body: Some(b), .. } if b == body));

@@ -19,7 +19,7 @@ fn bodies() -> Vec<Body> {
         Body::new(Shape::cuboid([0.6, 0.5, 0.4]).unwrap()),
         Body::new(Shape::sphere([0.1, 0.0, 0.0], 0.6).unwrap()),
         Body::new(Shape::cylinder(0.5, 0.5).unwrap()),
-        Body::new(mesh),
+        Body::new(Shape::mesh(&mesh)),
         Body::new(Shape::capsule([0.0, 0.0, -0.5], [0.0, 0.0, 0.5], 0.3).unwrap()),
     ];
     let mut rng = Rng::new(95);

@@ -2,7 +2,7 @@
 
 use impinge::partition::Ray;
 use impinge::shape::Shape;
-use impinge::world::{Body, BodyId, BodyRayHit, Geometry, Options, World};
+use impinge::world::{Body, BodyId, BodyRayHit, Options, World};
 use impinge::{Mesh, Pose, Positions};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::solids::icosphere;
@@ -69,11 +69,11 @@ fn meshes_are_met_where_they_are() {
     for solid in [false, true] {
         let mut rng = Rng::new(102);
         let mut world = World::new();
-        let geometry = if solid { Geometry::Solid(mesh.clone()) } else { Geometry::Surface(mesh.clone()) };
+        let shape = if solid { Shape::solid(&mesh) } else { Shape::mesh(&mesh) };
         let bodies: Vec<(BodyId, [f64; 3])> = (0..20)
             .map(|_| {
                 let pose = pose(&mut rng, 4.0);
-                (world.insert(Body::new(geometry.clone()).at(pose)).unwrap(), *pose.translation())
+                (world.insert(Body::new(shape.clone()).at(pose)).unwrap(), *pose.translation())
             })
             .collect();
         let (mut hits, mut inside) = (0, 0);
