@@ -8,6 +8,10 @@
 //! | kind | space | boxes come and go | made for |
 //! |---|---|---|---|
 //! | [`BoxTree`] | volumes that may overlap | yes | anything; the fewest surprises |
+//! | [`ColumnSweep`] | columns, made anew each time | no: all pairs and nothing else | scenes in which most boxes move |
+//! | [`UniformGrid`] | disjoint cells in a block | yes | boxes of like size that fill a known space |
+//! | [`HashedGrid`] | disjoint cells without an end | yes | boxes of like size anywhere |
+//! | [`HierarchicalGrid`] | disjoint cells of many sizes | yes | boxes of unlike sizes, of which few move |
 //! | [`SweepOneAxis`], [`SweepThreeAxes`] | an order along axes | yes | few boxes, or such as move little in long scenes |
 //!
 //! Touching counts everywhere. Boxes are judged when they are made ([`MinMax::new`]), so that no question has errors; no
@@ -42,13 +46,19 @@
 
 mod box_tree;
 mod changes;
+mod column_sweep;
+mod grid;
 mod items;
 mod march;
 mod ray;
+mod sort_and_sweep;
 
 pub use box_tree::BoxTree;
 pub use changes::{Changes, Move};
+pub use column_sweep::ColumnSweep;
+pub use grid::{HashedGrid, HierarchicalGrid, UniformGrid};
 pub use ray::Ray;
+pub use sort_and_sweep::{Axis, SweepOneAxis, SweepThreeAxes};
 
 use std::ops::ControlFlow;
 

@@ -126,9 +126,6 @@ mod tests {
         assert_eq!(kind([0.0; 3], [0.0, -0.0, 1e-200], 1.0), InputErrorKind::ZeroDirection { index: 0 });
         assert_eq!(kind([0.0; 3], [1.0; 3], f64::NAN), InputErrorKind::NonFinite { what: "ray reach", index: 0 });
         assert_eq!(kind([0.0; 3], [1.0; 3], -1.0), InputErrorKind::Negative { what: "ray reach", index: 0 });
-        assert_eq!(
-            kind([f64::NAN; 3], [1.0; 3], 1.0),
-            InputErrorKind::NonFinite { what: "ray origin", index: 0 }
-        );
+        assert_eq!(kind([f64::NAN; 3], [1.0; 3], 1.0), InputErrorKind::NonFinite { what: "ray origin", index: 0 });
     }
 }

@@ -1,0 +1,8 @@
+//! Space partitions against brute force: every kind, every question, over thousands of random steps with churn.
+
+mod brute;
+mod churn;
+mod columns;
+mod hostile;
+mod kinds;
+mod scenes;
