@@ -68,6 +68,10 @@ enum BroadPhaseArgument {
     Auto,
     Every,
     Tree,
+    Columns,
+    Grid,
+    OneAxis,
+    ThreeAxes,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -86,6 +90,10 @@ impl BroadPhaseArgument {
             Self::Auto => BroadPhase::Auto,
             Self::Every => BroadPhase::Every,
             Self::Tree => BroadPhase::Tree,
+            Self::Columns => BroadPhase::Columns,
+            Self::Grid => BroadPhase::Grid,
+            Self::OneAxis => BroadPhase::OneAxis,
+            Self::ThreeAxes => BroadPhase::ThreeAxes,
         }
     }
 }

@@ -32,7 +32,7 @@ fn every_scene_finds_the_same_pairs_in_every_way() {
                 assert!(pairs == *now && now <= candidates);
             }
             assert!(found.iter().map(|step| step[3]).sum::<u64>() > 20, "{scene} {sizes}: {found:?}");
-            for way in ["every", "tree"] {
+            for way in ["every", "tree", "columns", "grid"] {
                 let other = object(&folder, &format!("{arguments} --broad-phase {way} --threads 1"));
                 assert_eq!(counts(&other), found, "{scene} {sizes} {way}");
                 assert_eq!(other["broad_phase"], way);

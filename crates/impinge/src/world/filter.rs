@@ -9,7 +9,8 @@ use super::{Resident, World};
 /// admit.
 ///
 /// It has to give the same answer whenever it is asked about the same two bodies, until [`World::set_filter`] or
-/// [`World::set_traits`] is called; it is asked from many threads, once when the boxes come to overlap. Functions of two bodies are filters.
+/// [`World::set_traits`] is called; it is asked from many threads, when the boxes come to overlap
+/// and, about pairs that it refused, perhaps again. Functions of two bodies are filters.
 pub trait PairFilter: Send + Sync {
     /// Whether these two may meet; the first has the lesser tag, or handle.
     fn admits(&self, a: (BodyId, &Traits), b: (BodyId, &Traits)) -> bool;

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::body::{BodyId, Kind};
+use super::broad::Told;
 use super::narrow::Meeting;
 use super::error::WorldError;
 use super::events::{Events, Work};
@@ -10,7 +11,7 @@ use super::outline::{Bounds, Extremes};
 use super::placed::Placed;
 use super::{Change, Resident, World, refused};
 use crate::math::Pose;
-use crate::partition::{Changes, Move};
+use crate::partition::Move;
 
 /// Bodies, or pairs, that are one task at least: less work than this is done sooner than handed over.
 const LEAST_SHARED: usize = 64;
@@ -68,12 +69,12 @@ impl World {
         let taken = self.judge(moves)?;
         let moved = self.take(moves, taken);
         observe(Phase::Judge);
-        self.state.broad.adapt();
+        self.state.broad.adapt(moved.len());
         let told = self.realign(&moved);
         let changed = self.changed();
         observe(Phase::Realign);
         let mut work = Work { changed: changed.len(), ..Work::default() };
-        let (lost, found) = self.recandidates(&changed, told.as_ref());
+        let (lost, found) = self.recandidates(&changed, &told);
         for pair in lost {
             work.lost += usize::from(self.state.part(pair));
         }
@@ -137,8 +138,8 @@ impl World {
         moved
     }
 
-    /// Lets the boxes follow the bodies; the pairs that this changes, where the broad phase says.
-    fn realign(&mut self, moved: &[BodyId]) -> Option<Changes> {
+    /// Lets the boxes follow the bodies; what the broad phase says about pairs then.
+    fn realign(&mut self, moved: &[BodyId]) -> Told {
         let followed: Vec<(Bounds, Extremes)> = moved
             .par_iter()
             .with_min_len(LEAST_SHARED)
@@ -164,7 +165,8 @@ impl World {
                 }
             }
         }
-        self.state.broad.step(&moves)
+        // Where nothing changed there is nothing to tell.
+        if self.state.changed.is_empty() { Told::Nothing } else { self.state.broad.step(&moves) }
     }
 
     /// The places of the bodies that changed since the last step, in order.
@@ -179,8 +181,8 @@ impl World {
     }
 
     /// Pairs of boxes that ceased to overlap, and that came to; perhaps more than once.
-    fn recandidates(&self, changed: &[u32], told: Option<&Changes>) -> (Vec<u32>, Vec<[u32; 2]>) {
-        let search = Search { world: self, is_told: told.is_some() };
+    fn recandidates(&self, changed: &[u32], told: &Told) -> (Vec<u32>, Vec<[u32; 2]>) {
+        let search = Search { world: self, told };
         let (lost, found): (Vec<Vec<u32>>, Vec<Vec<[u32; 2]>>) = changed
             .par_chunks(LEAST_SHARED)
             .map(|changed| {
@@ -192,13 +194,20 @@ impl World {
             })
             .unzip();
         let (lost, mut found) = (lost.concat(), found.concat());
-        if let Some(changes) = told {
-            let state = &self.state;
-            found.extend(changes.began().iter().filter(|&&[one, other]| {
-                let (one, other) = (state.residents.at(one), state.residents.at(other));
-                one.zip(other).is_some_and(|(one, other)| self.may_meet(one, other))
-            }));
-        }
+        let told = match told {
+            Told::Nothing => &[],
+            Told::Changes(changes) => changes.began(),
+            Told::All(pairs) => &pairs[..],
+        };
+        let is_new = |&&[one, other]: &&[u32; 2]| {
+            let (Some(one), Some(other)) = (self.state.residents.at(one), self.state.residents.at(other)) else {
+                return false;
+            };
+            one.1.change.max(other.1.change) != Change::No
+                && self.state.pairs.find(one.0.index() as u32, other.0.index() as u32).is_none()
+                && self.may_meet(one, other)
+        };
+        found.par_extend(told.par_iter().with_min_len(LEAST_SHARED).filter(is_new));
         (lost, found)
     }
 
@@ -271,14 +280,17 @@ impl World {
 /// Who looks for the pairs of whom.
 struct Search<'w> {
     world: &'w World,
-    /// Whether the broad phase told which pairs of boxes changed by the moves of this step.
-    is_told: bool,
+    told: &'w Told,
 }
 
 impl Search<'_> {
-    /// Whether pairs are to be looked for about this body; else its moves were told.
+    /// Whether pairs are to be looked for about this body; else the broad phase told of them.
     fn asks(&self, resident: &Resident) -> bool {
-        resident.change > Change::Moved || resident.change == Change::Moved && !self.is_told
+        match self.told {
+            Told::Nothing => resident.change > Change::No,
+            Told::Changes(_) => resident.change > Change::Moved,
+            Told::All(_) => false,
+        }
     }
 
     /// Of two bodies that ask, the one in the lesser place sees to their pair; of one that asks and one that does not, the

@@ -11,7 +11,15 @@ use impinge::world::BroadPhase;
 use impinge_testkit::generate::{Rng, poses};
 
 /// Every way of finding pairs of boxes.
-const BROAD_PHASES: [BroadPhase; 3] = [BroadPhase::Auto, BroadPhase::Every, BroadPhase::Tree];
+const BROAD_PHASES: [BroadPhase; 7] = [
+    BroadPhase::Auto,
+    BroadPhase::Every,
+    BroadPhase::Tree,
+    BroadPhase::Columns,
+    BroadPhase::Grid,
+    BroadPhase::OneAxis,
+    BroadPhase::ThreeAxes,
+];
 
 /// A rotation, and a translation within `reach`; one in four is on a grid, so that boxes touch.
 fn pose(rng: &mut Rng, reach: f64) -> Pose {
