@@ -123,7 +123,8 @@ fn meshes(count: usize, steps: usize, filled: f64) -> Result<()> {
     // Balls of radius 1.
     let reach = 0.5 * (count as f64 * 4.18879 / filled).cbrt();
     println!("{count} bodies of {} triangles in a box of {:.1}, {steps} steps", meshes[0].faces().len(), 2.0 * reach);
-    let mut table = Table::new(["boxes", "finds", "median", "realign", "broad", "narrow", "examined", "pairs", "contacts"]);
+    let mut table =
+        Table::new(["boxes", "finds", "median", "realign", "broad", "narrow", "examined", "pairs", "contacts"]);
     for (way, name) in [(Realignment::Own, "own"), (Realignment::Climbing, "climbing")] {
         for narrow_phase in [NarrowPhase::Intersections, NarrowPhase::Contacts] {
             let options = Options { narrow_phase, ..Options::default() };
@@ -161,7 +162,9 @@ fn meshes(count: usize, steps: usize, filled: f64) -> Result<()> {
             let total: Vec<f64> = (0..steps).map(|step| phases.iter().map(|phase| phase[step]).sum()).collect();
             let median = |seconds: &[f64]| -> Result<String> {
                 let mut left = seconds.iter();
-                Ok(time(Samples::take(seconds.len(), || left.next().copied().ok_or(anyhow::anyhow!("too few")))?.median()))
+                Ok(time(
+                    Samples::take(seconds.len(), || left.next().copied().ok_or(anyhow::anyhow!("too few")))?.median(),
+                ))
             };
             table.row([
                 name.to_owned(),
@@ -200,7 +203,8 @@ fn boxed(rng: &mut Rng, size: f64, reach: f64) -> Result<Body> {
 }
 
 fn churn(count: usize, steps: usize) -> Result<()> {
-    let mut table = Table::new(["kind", "work, median", "99.9 %", "ratio", "time, median", "99.9 %", "most pairs held"]);
+    let mut table =
+        Table::new(["kind", "work, median", "99.9 %", "ratio", "time, median", "99.9 %", "most pairs held"]);
     for broad_phase in [BroadPhase::Auto, BroadPhase::Tree] {
         let mut rng = Rng::new(8);
         let reach = (count as f64).cbrt();
@@ -274,7 +278,19 @@ const KINDS: [(BroadPhase, &str); 7] = [
 ];
 
 fn kinds(most: usize) -> Result<()> {
-    let mut table = Table::new(["bodies", "moving", "sizes", "auto", "every", "tree", "columns", "grid", "one axis", "three axes", "pairs"]);
+    let mut table = Table::new([
+        "bodies",
+        "moving",
+        "sizes",
+        "auto",
+        "every",
+        "tree",
+        "columns",
+        "grid",
+        "one axis",
+        "three axes",
+        "pairs",
+    ]);
     let counts = [10, 30, 100, 300, 1000, 10_000, 100_000, 1_000_000];
     for count in counts.into_iter().filter(|&count| count <= most) {
         for (share, share_name) in [(1.0, "all"), (0.1, "a tenth"), (0.001, "a thousandth")] {

@@ -42,8 +42,9 @@ struct StepObject {
 pub(super) fn object(outcome: &Outcome) -> String {
     let lower = |name: String| name.to_lowercase();
     let phases = PHASES.iter().enumerate();
-    let mut seconds: BTreeMap<&'static str, Summary> =
-        phases.map(|(at, &name)| (name, Summary::of(outcome.steps.iter().map(|step| step.seconds[at]).collect()))).collect();
+    let mut seconds: BTreeMap<&'static str, Summary> = phases
+        .map(|(at, &name)| (name, Summary::of(outcome.steps.iter().map(|step| step.seconds[at]).collect())))
+        .collect();
     seconds.insert("step", Summary::of(outcome.steps.iter().map(Step::total).collect()));
     console::to_line(&Object {
         schema: "impinge.world/1",

@@ -173,10 +173,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
 fn measure(arguments: &Arguments) -> Result<Outcome, WorldError> {
     let &Arguments { scene: motion, sizes, mix, seed, .. } = arguments;
     let recipe = Recipe { motion, sizes, mix, bodies: arguments.bodies as usize, seed };
-    let options = Options {
-        broad_phase: arguments.broad_phase.kind(),
-        narrow_phase: arguments.narrow_phase.kind(),
-    };
+    let options = Options { broad_phase: arguments.broad_phase.kind(), narrow_phase: arguments.narrow_phase.kind() };
     let start = Instant::now();
     let mut world = World::with_options(options);
     let mut scene = Scene::new(&recipe, &mut world)?;
@@ -195,7 +192,15 @@ fn measure(arguments: &Arguments) -> Result<Outcome, WorldError> {
         bar.advance();
         let (began, ended) = (events.began.len(), events.ended.len());
         let work = events.work;
-        Ok(Step { seconds, moved: moves.len(), candidates: work.candidates, examined: work.examined, pairs, began, ended })
+        Ok(Step {
+            seconds,
+            moved: moves.len(),
+            candidates: work.candidates,
+            examined: work.examined,
+            pairs,
+            began,
+            ended,
+        })
     };
     let first = one(0)?;
     let steps = (1..=arguments.steps as usize).map(&mut one).collect::<Result<_, _>>()?;

@@ -58,7 +58,8 @@ pub(super) fn text(outcome: &Outcome) -> String {
 
 fn line(text: &mut String, name: &str, seconds: Vec<f64>) {
     let summary = Summary::of(seconds);
-    let [median, mean, high, most] = [summary.median, summary.mean, summary.percentile_99, summary.most].map(short_time);
+    let [median, mean, high, most] =
+        [summary.median, summary.mean, summary.percentile_99, summary.most].map(short_time);
     let _ = writeln!(text, "{name:<9}{median:>10}{mean:>10}{high:>10}{most:>10}");
 }
 

@@ -53,7 +53,10 @@ fn the_report_and_the_plot_tell_of_every_phase() {
     assert!(run.stdout.contains("50 bodies") && plot.starts_with("<svg") && plot.trim_end().ends_with("</svg>"));
     assert!(!plot.contains("NaN"));
     let object = object(&folder, "world -n 50 --steps 5 --json");
-    assert_eq!((&object["schema"], &object["bodies"], &object["threads"]), (&"impinge.world/1".into(), &50.into(), &object["threads"]));
+    assert_eq!(
+        (&object["schema"], &object["bodies"], &object["threads"]),
+        (&"impinge.world/1".into(), &50.into(), &object["threads"])
+    );
     assert!(object["seconds"]["step"]["median"].as_f64().unwrap() > 0.0);
 }
 

@@ -351,7 +351,8 @@ impl World {
     /// [`Stale`](WorldError::Stale).
     pub fn pairs_of(&self, body: BodyId) -> Result<impl Iterator<Item = Pair<'_>>, WorldError> {
         self.resident(body)?;
-        let entries = self.state.pairs.of(body.index() as u32).iter().filter_map(|link| self.state.pairs.get(link.pair));
+        let entries =
+            self.state.pairs.of(body.index() as u32).iter().filter_map(|link| self.state.pairs.get(link.pair));
         Ok(sorted(entries.filter_map(|entry| self.state.pair(entry)).collect()).into_iter())
     }
 

@@ -41,8 +41,7 @@ impl NarrowPhase {
         if proximity == Proximity::Apart {
             return None;
         }
-        let manifolds =
-            if self == Self::Contacts { shapes::contacts(a.in_world(), b.in_world()) } else { Vec::new() };
+        let manifolds = if self == Self::Contacts { shapes::contacts(a.in_world(), b.in_world()) } else { Vec::new() };
         Some(Meeting { proximity, manifolds })
     }
 }

@@ -112,7 +112,9 @@ impl Bounds {
         match (self, other) {
             (Self::Nowhere, _) | (_, Self::Nowhere) => false,
             (Self::Box(a), Self::Box(b)) => a.overlaps(b),
-            (Self::Box(bounds), Self::Behind(plane)) | (Self::Behind(plane), Self::Box(bounds)) => plane.reaches(bounds),
+            (Self::Box(bounds), Self::Behind(plane)) | (Self::Behind(plane), Self::Box(bounds)) => {
+                plane.reaches(bounds)
+            }
             (Self::Behind(_), Self::Behind(_)) | (Self::Anywhere, _) | (_, Self::Anywhere) => true,
         }
     }

@@ -139,7 +139,9 @@ mod tests {
             let wanted = expected.iter().filter(|key| key.contains(&body));
             assert_eq!(others, wanted.map(|key| key[0] + key[1] - body).collect::<Vec<_>>());
         }
-        assert!(pairs.iter().all(|entry| expected.contains(&[entry.bodies[0].min(entry.bodies[1]), entry.bodies[0].max(entry.bodies[1])])));
+        assert!(pairs.iter().all(|entry| {
+            expected.contains(&[entry.bodies[0].min(entry.bodies[1]), entry.bodies[0].max(entry.bodies[1])])
+        }));
         assert!(expected.len() > 100 && pairs.entries.len() < 450);
     }
 }

@@ -80,7 +80,12 @@ mod tests {
             } else {
                 clear += 1;
                 // The cuboid may be a rounding larger than the box.
-                assert!(!meets || size > 0.0 && shapes::penetration(&shape, &half_space).is_some_and(|p| p.lower < 1e-12 * size), "{normal:?} {level} {pose:?} {bounds:?}");
+                assert!(
+                    !meets
+                        || size > 0.0
+                            && shapes::penetration(&shape, &half_space).is_some_and(|p| p.lower < 1e-12 * size),
+                    "{normal:?} {level} {pose:?} {bounds:?}"
+                );
             }
         }
         assert!(clear > 500 && doubtful < 200, "{clear} {doubtful}");

@@ -75,19 +75,12 @@ impl World {
             hits.push(hit);
             f64::INFINITY
         });
-        hits.sort_by(|one, other| {
-            one.t.total_cmp(&other.t).then((one.tag, one.body).cmp(&(other.tag, other.body)))
-        });
+        hits.sort_by(|one, other| one.t.total_cmp(&other.t).then((one.tag, one.body).cmp(&(other.tag, other.body))));
         hits
     }
 
     /// Shows the hits that are no farther than what `meet` last returned, in no order.
-    fn along(
-        &self,
-        ray: &Ray,
-        wanted: &mut dyn FnMut(&Traits) -> bool,
-        meet: &mut dyn FnMut(BodyRayHit) -> f64,
-    ) {
+    fn along(&self, ray: &Ray, wanted: &mut dyn FnMut(&Traits) -> bool, meet: &mut dyn FnMut(BodyRayHit) -> f64) {
         let mut reach = ray.reach();
         let mut look = |index: u32| {
             if let Some((body, resident)) = self.state.residents.at(index)

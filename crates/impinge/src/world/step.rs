@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use super::body::{BodyId, Kind};
 use super::broad::Told;
-use super::narrow::Meeting;
 use super::error::WorldError;
 use super::events::{Events, Work};
+use super::narrow::Meeting;
 use super::outline::{Bounds, Extremes};
 use super::placed::Placed;
 use super::{Change, Resident, World, refused};
@@ -172,9 +172,8 @@ impl World {
     /// The places of the bodies that changed since the last step, in order.
     fn changed(&mut self) -> Vec<u32> {
         let mut changed = std::mem::take(&mut self.state.changed);
-        changed.retain(|&index| {
-            self.state.residents.at(index).is_some_and(|(_, resident)| resident.change != Change::No)
-        });
+        changed
+            .retain(|&index| self.state.residents.at(index).is_some_and(|(_, resident)| resident.change != Change::No));
         changed.sort_unstable();
         changed.dedup();
         changed

@@ -83,12 +83,8 @@ fn churned(broad_phase: BroadPhase, seed: u64, churn: &Churn) {
 #[test]
 fn boxes_of_like_size_are_paired_as_by_brute_force() {
     for broad_phase in BROAD_PHASES {
-        let churn = Churn {
-            steps: 2000,
-            most: 120,
-            size: |rng| rng.uniform(0.25, 0.75),
-            place: |rng| rng.uniform(-5.0, 5.0),
-        };
+        let churn =
+            Churn { steps: 2000, most: 120, size: |rng| rng.uniform(0.25, 0.75), place: |rng| rng.uniform(-5.0, 5.0) };
         churned(broad_phase, 81, &churn);
     }
 }

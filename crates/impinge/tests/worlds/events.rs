@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use impinge::shape::Shape;
-use impinge::world::{Body, BodyId, Kind, Layers, Options, PairKey, Traits, World, WorldError};
+use impinge::world::{Body, BodyId, Kind, Layers, NarrowPhase, Options, PairKey, Traits, World, WorldError};
 use impinge::{InputErrorKind, Mesh, Pose, Positions};
 use impinge_testkit::generate::Rng;
 
@@ -22,7 +22,7 @@ fn at(x: f64) -> Pose {
 fn events_balance() {
     for broad_phase in BROAD_PHASES {
         let mut rng = Rng::new(91);
-        let mut world = World::with_options(Options { broad_phase, ..Options::default() });
+        let mut world = World::with_options(Options { broad_phase, narrow_phase: NarrowPhase::Intersections });
         let shapes = [
             Shape::cuboid([0.6, 0.5, 0.4]).unwrap(),
             Shape::sphere([0.0; 3], 0.6).unwrap(),
@@ -31,10 +31,11 @@ fn events_balance() {
         let mut alive: Vec<BodyId> = Vec::new();
         let mut present: BTreeSet<PairKey> = BTreeSet::new();
         let (mut began, mut ended) = (0, 0);
-        for _ in 0..400 {
+        for _ in 0..150 {
             if alive.len() < 40 {
                 let owner = rng.integer(0, 5) as u64;
-                let mut body = Body::new(rng.choose(&[&shapes[0], &shapes[1], &shapes[2]]).clone()).at(pose(&mut rng, 2.0));
+                let mut body =
+                    Body::new(rng.choose(&[&shapes[0], &shapes[1], &shapes[2]]).clone()).at(pose(&mut rng, 2.0));
                 if owner < 2 {
                     body = body.owner(owner);
                 }
@@ -44,7 +45,9 @@ fn events_balance() {
                 let gone = alive.swap_remove(rng.integer(0, alive.len() as i64 - 1) as usize);
                 world.remove(gone).unwrap();
             }
-            if let Some(&body) = alive.first() && rng.one_in(4) {
+            if let Some(&body) = alive.first()
+                && rng.one_in(4)
+            {
                 let kind = rng.choose(&[Kind::Static, Kind::Moving, Kind::Moving]);
                 let layers = rng.choose(&[Layers::ALL, Layers { on: 1, meets: 2 }]);
                 world.set_traits(body, Traits { kind, layers, ..*world.traits(body).unwrap() }).unwrap();
@@ -71,7 +74,7 @@ fn events_balance() {
             }
             (began, ended) = (began + events.began.len(), ended + events.ended.len());
         }
-        assert!(began > 300 && ended > 300, "{began} {ended}");
+        assert!(began > 100 && ended > 100, "{began} {ended}");
     }
 }
 
@@ -145,10 +148,9 @@ fn a_bad_pose_names_the_body_and_loses_nothing() {
     world.step(&[]).unwrap();
     let before: Vec<PairKey> = world.pairs().map(|pair| pair.key).collect();
     assert_eq!(before.len(), 1);
-    for error in [
-        world.step(&[(cube, at(9.0)), (ball, stretched)]).unwrap_err(),
-        world.set_pose(ball, stretched).unwrap_err(),
-    ] {
+    for error in
+        [world.step(&[(cube, at(9.0)), (ball, stretched)]).unwrap_err(), world.set_pose(ball, stretched).unwrap_err()]
+    {
         let WorldError::Input { body: Some(body), error } = error else { panic!("{error}") };
         assert!(body == ball && matches!(error.kind(), InputErrorKind::NotRigid { .. }));
     }

@@ -13,7 +13,8 @@ use super::{BROAD_PHASES, pose};
 fn on_ball(ray: &Ray, centre: [f64; 3], radius: f64) -> Option<f64> {
     let from: [f64; 3] = std::array::from_fn(|k| ray.origin()[k] - centre[k]);
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let (a, b, c) = (dot(ray.direction(), ray.direction()), dot(from, ray.direction()), dot(from, from) - radius * radius);
+    let (a, b, c) =
+        (dot(ray.direction(), ray.direction()), dot(from, ray.direction()), dot(from, from) - radius * radius);
     if c <= 0.0 {
         return Some(0.0);
     }
@@ -49,7 +50,10 @@ fn balls_are_met_where_the_closed_form_says() {
                 .collect();
             expected.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
             let found = world.ray_cast_all(&ray, |_| true);
-            assert_eq!(found.iter().map(|hit| hit.tag).collect::<Vec<_>>(), expected.iter().map(|hit| hit.1).collect::<Vec<_>>());
+            assert_eq!(
+                found.iter().map(|hit| hit.tag).collect::<Vec<_>>(),
+                expected.iter().map(|hit| hit.1).collect::<Vec<_>>()
+            );
             for (hit, (t, _)) in found.iter().zip(&expected) {
                 assert!((hit.t - t).abs() < 1e-7 && hit.face.is_none(), "{hit:?} {t}");
             }
