@@ -1,6 +1,8 @@
 //! A game's collision loop: crates and balls fall onto a floor, a door opens, a ghost passes through it all, and a shot is
 //! taken back. `cargo run --release --example game`
 
+#![allow(clippy::print_stdout, reason = "what an example prints is what it is for")]
+
 use impinge::shape::Shape;
 use impinge::world::{Body, BodyId, Kind, Layers, World, WorldError};
 use impinge::{Mesh, Pose, Positions};

@@ -9,11 +9,11 @@ use impinge_testkit::generate::solids::icosphere;
 
 use super::{BROAD_PHASES, pose};
 
-const BODIES: u64 = 40;
+const BODIES: u64 = 24;
 
 /// Bodies of all kinds, with tags of their own.
 fn bodies() -> Vec<Body> {
-    let ball = icosphere(2);
+    let ball = icosphere(1);
     let mesh = Mesh::new(Positions::F64(ball.vertices), ball.faces).unwrap();
     let shapes = [
         Body::new(Shape::cuboid([0.6, 0.5, 0.4]).unwrap()),
@@ -23,7 +23,7 @@ fn bodies() -> Vec<Body> {
         Body::new(Shape::capsule([0.0, 0.0, -0.5], [0.0, 0.0, 0.5], 0.3).unwrap()),
     ];
     let mut rng = Rng::new(95);
-    (0..BODIES).map(|tag| shapes[tag as usize % 5].clone().tag(tag).at(pose(&mut rng, 2.5))).collect()
+    (0..BODIES).map(|tag| shapes[tag as usize % 5].clone().tag(tag).at(pose(&mut rng, 2.0))).collect()
 }
 
 /// The moves of a step, by tag.
@@ -32,7 +32,7 @@ fn moves(step: u64) -> Vec<(u64, Pose)> {
     let mut moves = Vec::new();
     for tag in 0..BODIES {
         if rng.one_in(3) {
-            moves.push((tag, pose(&mut rng, 2.5)));
+            moves.push((tag, pose(&mut rng, 2.0)));
         }
     }
     moves
