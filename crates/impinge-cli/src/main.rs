@@ -18,6 +18,7 @@ mod output;
 mod pose;
 mod progress;
 mod units;
+mod world;
 
 use std::env;
 use std::process::ExitCode;
@@ -41,6 +42,7 @@ enum Command {
     Check(check::Arguments),
     Fit(fit::Arguments),
     Inspect(inspect::Arguments),
+    World(world::Arguments),
 }
 
 /// What a question was answered with; its value is the exit code.
@@ -63,6 +65,7 @@ fn main() -> ExitCode {
             Command::Check(arguments) => check::run(&arguments),
             Command::Fit(arguments) => fit::run(&arguments),
             Command::Inspect(arguments) => inspect::run(&arguments),
+            Command::World(arguments) => world::run(&arguments),
         },
         Err(error)
             if matches!(error.kind(), DisplayHelp | DisplayVersion | DisplayHelpOnMissingArgumentOrSubcommand) =>

@@ -36,6 +36,32 @@ impl Phase {
     }
 }
 
+/// Something whose steps are counted; its bar goes when this is dropped.
+pub(crate) struct Bar(ProgressBar);
+
+impl Bar {
+    /// Begins what `doing` names. Nothing is ever shown where standard error is no terminal.
+    pub(crate) fn begin(doing: &'static str, steps: u64) -> Self {
+        let bar = ProgressBar::new(steps).with_message(doing);
+        bar.set_style(
+            ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} ({eta})")
+                .unwrap_or_else(|_| ProgressStyle::default_bar()),
+        );
+        Self(bar)
+    }
+
+    /// One more step is done.
+    pub(crate) fn advance(&self) {
+        self.0.inc(1);
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
 impl Drop for Phase {
     fn drop(&mut self) {
         if let Some((done, shows)) = self.0.take() {

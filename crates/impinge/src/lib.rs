@@ -15,6 +15,7 @@ pub mod simd;
 pub mod storage;
 pub mod sweep;
 pub mod volume;
+pub mod world;
 
 pub use input::{InputError, InputErrorKind};
 pub use math::Pose;

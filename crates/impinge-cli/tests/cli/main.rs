@@ -11,6 +11,7 @@ mod interrupt;
 mod solids;
 mod streams;
 mod units;
+mod world;
 
 use std::ffi::OsStr;
 use std::fs;

@@ -56,6 +56,12 @@ impl<'a> HalfSpace<'a> {
         Self { rounded_level: scale * direction[greatest], normal, level, direction, pose }
     }
 
+    /// The normal in units of its greatest entry, the point that heights are measured from, and the height of the plane along
+    /// that normal; every number is the exact one rounded once.
+    pub(crate) fn rounded(&self) -> ([f64; 3], [f64; 3], f64) {
+        (self.direction, *self.pose.translation(), self.rounded_level)
+    }
+
     fn start(&self, shape: &Swept<'_>) -> Start {
         let pair = self.pair(shape);
         let deepest = pair.b.support(self.direction.map(|x| -x));

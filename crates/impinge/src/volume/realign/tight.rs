@@ -86,6 +86,20 @@ impl<'h> ClimbingHull<'h> {
     pub fn new(hull: &'h Hull) -> Self {
         Self { hull, last: [[0; 2]; 3] }
     }
+
+    /// For what has this hull, from where an earlier climb ended: [`extremes`](Self::extremes), which may be kept where the
+    /// hull cannot be borrowed. Vertices that there are not count as the first.
+    #[must_use]
+    pub fn resume(hull: &'h Hull, last: [[u32; 2]; 3]) -> Self {
+        let count = hull.positions().len() as u32;
+        Self { hull, last: last.map(|ends| ends.map(|end| if end < count { end } else { 0 })) }
+    }
+
+    /// The least and the greatest vertex along each axis of the world, when last asked.
+    #[must_use]
+    pub fn extremes(&self) -> [[u32; 2]; 3] {
+        self.last
+    }
 }
 
 impl Realign for ClimbingHull<'_> {

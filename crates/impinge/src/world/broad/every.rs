@@ -1,0 +1,59 @@
+//! No structure: every box is looked at. What the other kinds are measured against, and the quickest for a few bodies.
+
+use super::NONE;
+use crate::partition::Ray;
+use crate::volume::{BoundingVolume, MinMax};
+
+/// Boxes side by side.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Every {
+    boxes: Vec<(MinMax, u32)>,
+    /// Where the box of each body is; [`NONE`] where it has none.
+    places: Vec<u32>,
+}
+
+impl Every {
+    pub(super) fn boxes(&self) -> &[(MinMax, u32)] {
+        &self.boxes
+    }
+
+    /// A new box, or another one for a body that has one.
+    pub(super) fn insert(&mut self, body: u32, bounds: &MinMax) {
+        if self.places.len() <= body as usize {
+            self.places.resize(body as usize + 1, NONE);
+        }
+        let place = &mut self.places[body as usize];
+        match self.boxes.get_mut(*place as usize) {
+            Some((own, _)) => *own = *bounds,
+            None => {
+                *place = self.boxes.len() as u32;
+                self.boxes.push((*bounds, body));
+            }
+        }
+    }
+
+    pub(super) fn remove(&mut self, body: u32) {
+        let place = std::mem::replace(&mut self.places[body as usize], NONE);
+        self.boxes.swap_remove(place as usize);
+        if let Some((_, moved)) = self.boxes.get(place as usize) {
+            self.places[*moved as usize] = place;
+        }
+    }
+
+    pub(super) fn for_each_overlapping(&self, bounds: &MinMax, visit: &mut dyn FnMut(u32)) {
+        for (own, body) in &self.boxes {
+            if own.overlaps(bounds) {
+                visit(*body);
+            }
+        }
+    }
+
+    pub(super) fn along(&self, ray: &Ray, visit: &mut dyn FnMut(u32) -> f64) {
+        let mut reach = ray.reach();
+        for (own, body) in &self.boxes {
+            if ray.enters(own).is_some_and(|enter| enter <= reach) {
+                reach = reach.min(visit(*body));
+            }
+        }
+    }
+}

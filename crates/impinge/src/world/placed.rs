@@ -1,0 +1,59 @@
+//! The shape of a body in its place.
+
+use crate::input::InputError;
+use crate::math::Pose;
+use crate::mesh::{self, Mesh};
+use crate::shape::{Form, PlacedShape, Shape};
+
+/// A shape in the world, and what it was made of.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    shape: Shape,
+    in_world: PlacedShape,
+    /// The one mesh that the shape is, and whether it is solid.
+    mesh: Option<(Mesh, bool)>,
+}
+
+impl Placed {
+    /// # Errors
+    /// As [`Shape::at`].
+    pub(super) fn new(shape: &Shape, world_from_body: Pose) -> Result<Self, InputError> {
+        let in_world = shape.at(world_from_body)?;
+        let mesh = match in_world.parts() {
+            [part] => match part.form() {
+                Form::Surface(surface) => Some((surface.mesh.clone(), surface.is_solid)),
+                Form::Convex(_) | Form::HalfSpace(_) => None,
+            },
+            _ => None,
+        };
+        // A compound of one mesh is at the place of its part.
+        let mesh = mesh.filter(|_| in_world.parts()[0].world_from_local() == &world_from_body);
+        Ok(Self { shape: shape.clone(), in_world, mesh })
+    }
+
+    /// The same elsewhere.
+    ///
+    /// # Errors
+    /// As [`Shape::at`].
+    pub(super) fn moved(&self, world_from_body: Pose) -> Result<Self, InputError> {
+        Self::new(&self.shape, world_from_body)
+    }
+
+    pub(super) fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    pub(super) fn in_world(&self) -> &PlacedShape {
+        &self.in_world
+    }
+
+    pub(super) fn world_from_body(&self) -> &Pose {
+        self.in_world.world_from_local()
+    }
+
+    /// The mesh that the shape is, if it is one, and whether it is solid.
+    pub(super) fn mesh(&self) -> Option<(mesh::Placed<'_>, bool)> {
+        let (mesh, is_solid) = self.mesh.as_ref()?;
+        Some((mesh.at(*self.world_from_body()), *is_solid))
+    }
+}

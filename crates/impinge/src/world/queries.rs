@@ -1,0 +1,99 @@
+//! Questions to a world that is at rest: what a ray meets, what is in a box, about a point, or in the way of a shape.
+
+use rayon::prelude::*;
+
+use super::body::{BodyId, Traits};
+use super::narrow::proximity;
+use super::outline::{Bounds, Extremes, Outline};
+use super::placed::Placed;
+use super::{Resident, World};
+use crate::input::InputError;
+use crate::math::Pose;
+use crate::query::shapes::Proximity;
+use crate::shape::Shape;
+use crate::volume::MinMax;
+
+/// A body that a query found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BodyHit {
+    /// Its tag, by which hits are sorted first.
+    pub tag: u64,
+    /// Its handle.
+    pub body: BodyId,
+}
+
+impl World {
+    /// The bodies whose boxes overlap a box, sorted, those of half-spaces that it reaches among them; each that is `wanted`.
+    ///
+    /// Queries see bodies where they are: inserted, moved by the last step or put elsewhere since.
+    #[must_use]
+    pub fn overlapping_boxes(&self, bounds: &MinMax, mut wanted: impl FnMut(&Traits) -> bool) -> Vec<BodyHit> {
+        let mut found = self.near(&Bounds::Box(*bounds));
+        found.retain(|&(_, resident)| wanted(&resident.traits));
+        hits(found.into_iter())
+    }
+
+    /// The bodies that meet a shape in a pose, sorted; each that is `wanted`. Decided as for pairs of bodies.
+    ///
+    /// ```
+    /// use impinge::{Pose, shape::Shape, world::{Body, Layers, World}};
+    ///
+    /// let mut world = World::new();
+    /// let ball = world.insert(Body::new(Shape::sphere([0.0; 3], 1.0)?))?;
+    /// let probe = Shape::capsule([0.0; 3], [0.0, 0.0, 3.0], 0.25)?;
+    /// let found = world.overlapping(&probe, Pose::from_translation([0.0, 0.0, 1.0])?, |traits| traits.layers.on & 1 != 0)?;
+    /// assert_eq!(found[0].body, ball);
+    /// # Ok::<(), impinge::world::WorldError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where the shape does not stand the pose.
+    pub fn overlapping(
+        &self,
+        shape: &Shape,
+        world_from_shape: Pose,
+        mut wanted: impl FnMut(&Traits) -> bool,
+    ) -> Result<Vec<BodyHit>, InputError> {
+        let placed = Placed::new(shape, world_from_shape)?;
+        let bounds = Outline::new().bounds(&placed, &mut Extremes::default());
+        let mut near = self.near(&bounds);
+        near.retain(|&(_, resident)| wanted(&resident.traits));
+        let found: Vec<(BodyId, &Resident)> = near
+            .into_par_iter()
+            .filter(|(_, resident)| proximity(&placed, &resident.placed) != Proximity::Apart)
+            .collect();
+        Ok(hits(found.into_iter()))
+    }
+
+    /// The bodies that hold a point, sorted; each that is `wanted`. The surface of a mesh holds what is on it.
+    ///
+    /// # Errors
+    /// Where a coordinate is not finite or not below 2^128.
+    pub fn at_point(&self, point: [f64; 3], wanted: impl FnMut(&Traits) -> bool) -> Result<Vec<BodyHit>, InputError> {
+        self.overlapping(&Shape::point(point)?, Pose::IDENTITY, wanted)
+    }
+
+    /// The bodies whose boxes overlap.
+    fn near(&self, bounds: &Bounds) -> Vec<(BodyId, &Resident)> {
+        let state = &self.state;
+        let mut found = Vec::new();
+        let mut look = |index: u32| {
+            found.extend(state.residents.at(index).filter(|(_, resident)| resident.bounds.overlap(bounds)));
+        };
+        match bounds {
+            Bounds::Nowhere => {}
+            Bounds::Box(bounds) => {
+                state.broad.for_each_overlapping(bounds, &mut look);
+                state.unbounded.iter().for_each(|&index| look(index));
+            }
+            Bounds::Behind(_) | Bounds::Anywhere => state.residents.iter().for_each(|(id, _)| look(id.index() as u32)),
+        }
+        found
+    }
+}
+
+fn hits<'w>(found: impl Iterator<Item = (BodyId, &'w Resident)>) -> Vec<BodyHit> {
+    let mut hits: Vec<BodyHit> = found.map(|(body, resident)| BodyHit { tag: resident.traits.tag, body }).collect();
+    hits.sort_unstable();
+    hits
+}

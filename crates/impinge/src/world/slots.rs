@@ -1,0 +1,112 @@
+//! Places for bodies, used again and again, and handles that tell the bodies in one place from each other.
+
+use super::body::BodyId;
+
+/// Values by handle.
+#[derive(Clone, Debug)]
+pub(super) struct Slots<T> {
+    slots: Vec<Slot<T>>,
+    /// Places out of use, the last one freed on top.
+    free: Vec<u32>,
+    count: usize,
+}
+
+#[derive(Clone, Debug)]
+struct Slot<T> {
+    /// Odd while the place is in use. A place whose numbers are spent is never used again.
+    generation: u32,
+    value: Option<T>,
+}
+
+impl<T> Default for Slots<T> {
+    fn default() -> Self {
+        Self { slots: Vec::new(), free: Vec::new(), count: 0 }
+    }
+}
+
+impl<T> Slots<T> {
+    /// Puts a value into a place; none where there are no more.
+    pub(super) fn insert(&mut self, value: T) -> Option<BodyId> {
+        if let Some(index) = self.free.pop() {
+            let slot = &mut self.slots[index as usize];
+            slot.generation += 1;
+            slot.value = Some(value);
+            self.count += 1;
+            return Some(BodyId::new(index, slot.generation));
+        }
+        let index = u32::try_from(self.slots.len()).ok().filter(|&index| index != u32::MAX)?;
+        self.slots.push(Slot { generation: 1, value: Some(value) });
+        self.count += 1;
+        Some(BodyId::new(index, 1))
+    }
+
+    pub(super) fn remove(&mut self, id: BodyId) -> Option<T> {
+        self.get(id)?;
+        let slot = &mut self.slots[id.index()];
+        let value = slot.value.take();
+        self.count -= 1;
+        // The last number is odd: a place that has had it is not freed.
+        if let Some(next) = slot.generation.checked_add(1) {
+            slot.generation = next;
+            self.free.push(id.index() as u32);
+        }
+        value
+    }
+
+    pub(super) fn get(&self, id: BodyId) -> Option<&T> {
+        let slot = self.slots.get(id.index()).filter(|slot| slot.generation == id.generation())?;
+        slot.value.as_ref()
+    }
+
+    pub(super) fn get_mut(&mut self, id: BodyId) -> Option<&mut T> {
+        let slot = self.slots.get_mut(id.index()).filter(|slot| slot.generation == id.generation())?;
+        slot.value.as_mut()
+    }
+
+    /// The value in a place, and its handle.
+    pub(super) fn at(&self, index: u32) -> Option<(BodyId, &T)> {
+        let slot = self.slots.get(index as usize)?;
+        Some((BodyId::new(index, slot.generation), slot.value.as_ref()?))
+    }
+
+    pub(super) fn at_mut(&mut self, index: u32) -> Option<&mut T> {
+        self.slots.get_mut(index as usize)?.value.as_mut()
+    }
+
+    /// Everything that is in a place, by place.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (BodyId, &T)> {
+        (0..self.slots.len() as u32).filter_map(|index| self.at(index))
+    }
+
+    /// How many values there are.
+    pub(super) fn len(&self) -> usize {
+        self.count
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_handle_never_comes_to_mean_another_value() {
+        let mut slots = Slots::default();
+        let first = slots.insert('a').unwrap();
+        assert_eq!(slots.remove(first), Some('a'));
+        let second = slots.insert('b').unwrap();
+        assert_eq!((first.index(), slots.len()), (second.index(), 1));
+        assert!(slots.get(first).is_none() && slots.remove(first).is_none() && slots.get(second) == Some(&'b'));
+    }
+
+    #[test]
+    fn a_place_whose_numbers_are_spent_is_left() {
+        let mut slots = Slots::default();
+        let first = slots.insert(0).unwrap();
+        slots.slots[0].generation = u32::MAX;
+        let last = BodyId::new(0, u32::MAX);
+        assert!(slots.get(first).is_none());
+        assert_eq!(slots.remove(last), Some(0));
+        assert!(slots.get(last).is_none());
+        assert_eq!(slots.insert(1).unwrap().index(), 1);
+    }
+}

@@ -1,0 +1,31 @@
+//! Worlds: that they find what is there, whatever came, went and moved, and in whatever way they look for it.
+
+mod boxes;
+mod events;
+mod laws;
+mod rays;
+mod shapes;
+
+use impinge::Pose;
+use impinge::world::BroadPhase;
+use impinge_testkit::generate::{Rng, poses};
+
+/// Every way of finding pairs of boxes.
+const BROAD_PHASES: [BroadPhase; 7] = [
+    BroadPhase::Auto,
+    BroadPhase::Every,
+    BroadPhase::Tree,
+    BroadPhase::Columns,
+    BroadPhase::Grid,
+    BroadPhase::OneAxis,
+    BroadPhase::ThreeAxes,
+];
+
+/// A rotation, and a translation within `reach`; one in four is on a grid, so that boxes touch.
+fn pose(rng: &mut Rng, reach: f64) -> Pose {
+    if rng.one_in(4) {
+        return Pose::from_translation([0; 3].map(|_| (rng.uniform(-reach, reach)).round())).unwrap();
+    }
+    let turn = poses::rotation(rng);
+    Pose::new(turn.linear, turn.translation.map(|x| x * reach * 0.1)).unwrap()
+}

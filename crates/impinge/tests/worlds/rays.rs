@@ -1,0 +1,121 @@
+//! Rays through worlds beside closed forms and beside all bodies asked in turn.
+
+use impinge::partition::Ray;
+use impinge::shape::Shape;
+use impinge::world::{Body, BodyId, BodyRayHit, Options, World};
+use impinge::{Mesh, Pose, Positions};
+use impinge_testkit::generate::Rng;
+use impinge_testkit::generate::solids::icosphere;
+
+use super::{BROAD_PHASES, pose};
+
+/// Where a ray first meets a ball, by the quadratic.
+fn on_ball(ray: &Ray, centre: [f64; 3], radius: f64) -> Option<f64> {
+    let from: [f64; 3] = std::array::from_fn(|k| ray.origin()[k] - centre[k]);
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let (a, b, c) =
+        (dot(ray.direction(), ray.direction()), dot(from, ray.direction()), dot(from, from) - radius * radius);
+    if c <= 0.0 {
+        return Some(0.0);
+    }
+    let root = b * b - a * c;
+    (root >= 0.0 && b < 0.0).then(|| (-b - root.sqrt()) / a).filter(|&t| t <= ray.reach())
+}
+
+fn random_ray(rng: &mut Rng) -> Ray {
+    let origin = [0; 3].map(|_| rng.uniform(-6.0, 6.0));
+    let to = [0; 3].map(|_| rng.uniform(-3.0, 3.0));
+    let reach = if rng.one_in(3) { rng.uniform(0.0, 1.0) } else { f64::INFINITY };
+    Ray::new(origin, std::array::from_fn(|k| to[k] - origin[k]), reach).unwrap()
+}
+
+#[test]
+fn balls_are_met_where_the_closed_form_says() {
+    for broad_phase in BROAD_PHASES {
+        let mut rng = Rng::new(101);
+        let mut world = World::with_options(Options { broad_phase, ..Options::default() });
+        let balls: Vec<([f64; 3], f64)> =
+            (0..40).map(|_| ([0; 3].map(|_| rng.uniform(-3.0, 3.0)), rng.uniform(0.1, 0.8))).collect();
+        for (tag, &(centre, radius)) in balls.iter().enumerate() {
+            let ball = Body::new(Shape::sphere([0.0; 3], radius).unwrap()).tag(tag as u64);
+            world.insert(ball.at(Pose::from_translation(centre).unwrap())).unwrap();
+        }
+        let (mut hits, mut misses) = (0, 0);
+        for _ in 0..500 {
+            let ray = random_ray(&mut rng);
+            let mut expected: Vec<(f64, u64)> = balls
+                .iter()
+                .enumerate()
+                .filter_map(|(tag, &(centre, radius))| Some((on_ball(&ray, centre, radius)?, tag as u64)))
+                .collect();
+            expected.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
+            let found = world.ray_cast_all(&ray, |_| true);
+            assert_eq!(
+                found.iter().map(|hit| hit.tag).collect::<Vec<_>>(),
+                expected.iter().map(|hit| hit.1).collect::<Vec<_>>()
+            );
+            for (hit, (t, _)) in found.iter().zip(&expected) {
+                assert!((hit.t - t).abs() < 1e-7 && hit.face.is_none(), "{hit:?} {t}");
+            }
+            assert_eq!(world.ray_cast(&ray, |_| true), found.first().copied());
+            let odd = world.ray_cast(&ray, |traits| traits.tag % 2 == 1);
+            assert_eq!(odd, found.iter().find(|hit| hit.tag % 2 == 1).copied());
+            if found.is_empty() { misses += 1 } else { hits += 1 }
+        }
+        assert!(hits > 150 && misses > 50, "{hits} {misses}");
+    }
+}
+
+#[test]
+fn meshes_are_met_where_they_are() {
+    let ball = icosphere(3);
+    let mesh = Mesh::new(Positions::F64(ball.vertices), ball.faces).unwrap();
+    for solid in [false, true] {
+        let mut rng = Rng::new(102);
+        let mut world = World::new();
+        let shape = if solid { Shape::solid(&mesh) } else { Shape::mesh(&mesh) };
+        let bodies: Vec<(BodyId, [f64; 3])> = (0..20)
+            .map(|_| {
+                let pose = pose(&mut rng, 4.0);
+                (world.insert(Body::new(shape.clone()).at(pose)).unwrap(), *pose.translation())
+            })
+            .collect();
+        let (mut hits, mut inside) = (0, 0);
+        for _ in 0..300 {
+            let ray = random_ray(&mut rng);
+            let found = world.ray_cast_all(&ray, |_| true);
+            for (body, centre) in &bodies {
+                let hit: Option<&BodyRayHit> = found.iter().find(|hit| hit.body == *body);
+                // The mesh lies between two balls.
+                let (inner, outer) = (on_ball(&ray, *centre, 0.98), on_ball(&ray, *centre, 1.0 + 1e-12));
+                if let Some(hit) = hit {
+                    assert!(outer.is_some(), "{hit:?}");
+                    let starts_inside = hit.t == 0.0;
+                    inside += u32::from(starts_inside);
+                    assert!(hit.face.is_none() == starts_inside && (!starts_inside || solid));
+                    hits += 1;
+                } else if solid {
+                    assert!(inner.is_none());
+                } else {
+                    assert!(inner.is_none_or(|t| t == 0.0));
+                }
+            }
+        }
+        assert!(hits > 300 && (inside > 10) == solid, "{hits} {inside}");
+    }
+}
+
+#[test]
+fn a_floor_is_met_from_above() {
+    let mut world = World::new();
+    let floor = world.insert(Body::new(Shape::half_space([0.0, 0.0, 2.0], 2.0).unwrap())).unwrap();
+    let down = Ray::new([3.0, 4.0, 5.0], [0.0, 0.0, -2.0], f64::INFINITY).unwrap();
+    let hit = world.ray_cast(&down, |_| true).unwrap();
+    assert!(hit.body == floor && (hit.t - 2.0).abs() < 1e-9 && (hit.point[2] - 1.0).abs() < 1e-9);
+    let up = Ray::new([3.0, 4.0, 5.0], [0.0, 0.0, 2.0], f64::INFINITY).unwrap();
+    assert!(world.ray_cast(&up, |_| true).is_none());
+    let below = Ray::new([3.0, 4.0, -5.0], [0.0, 0.0, 2.0], f64::INFINITY).unwrap();
+    assert_eq!(world.ray_cast(&below, |_| true).unwrap().t, 0.0);
+    let short = Ray::new([3.0, 4.0, 5.0], [0.0, 0.0, -2.0], 1.5).unwrap();
+    assert!(world.ray_cast(&short, |_| true).is_none());
+}
