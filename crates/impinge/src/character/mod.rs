@@ -4,15 +4,27 @@
 //! A [`Rig`] is plain data: a [`Skeleton`], the [`Skin`] over it and its [`Animation`]s.
 
 mod animation;
+mod body;
 mod error;
+mod fit;
+mod motion_bound;
+mod names;
+mod plan;
 mod rig;
+mod samples;
 mod skeleton;
 mod skin;
 mod transform;
+mod vector;
+mod volume;
 
 pub use animation::{Animation, Channel, Interpolation, Target};
+pub use body::{Character, Leak};
 pub use error::{RigError, RigErrorKind, RigPlace};
+pub use fit::{HitPart, Mode};
+pub use plan::{PartPlan, Plan};
 pub use rig::{Rig, RigPose};
 pub use skeleton::{Bone, PlacedBone, Skeleton};
 pub use skin::{Influence, Joint, Morph, Skin};
 pub use transform::Transform;
+pub use volume::{Frame, HitHull, HitVolume, VolumeKind};
