@@ -49,10 +49,26 @@ pub struct HitPart {
     pub bones: Vec<u32>,
     /// The bone whose frame the volume is in.
     pub anchor: u32,
-    /// The volume.
-    pub volume: HitVolume,
-    /// The area of the volume in areas of a convex hull about the same: 1 is as tight as convex volumes are.
+    pub(super) volume: HitVolume,
+    /// The area of the volume in areas of a convex hull about what it was fitted to: 1 is as tight as convex volumes are.
     pub looseness: f64,
+    /// A sphere about the volume.
+    pub(super) sphere: (Vector, f64),
+}
+
+impl HitPart {
+    /// A part with a volume that somebody else found.
+    #[must_use]
+    pub fn new(name: String, bones: Vec<u32>, anchor: u32, volume: HitVolume, looseness: f64) -> Self {
+        let sphere = volume.bounding_sphere();
+        Self { name, bones, anchor, volume, looseness, sphere }
+    }
+
+    /// The volume, in the frame of the anchor.
+    #[must_use]
+    pub fn volume(&self) -> &HitVolume {
+        &self.volume
+    }
 }
 
 /// Fits one volume to each part of a plan that has faces; the parts, and the part of each face.
@@ -79,11 +95,10 @@ pub(super) fn parts(rig: &Rig, plan: &Plan, mode: Mode) -> Result<(Vec<HitPart>,
     };
     let mut parts = Vec::new();
     for (planned, candidates) in kept.into_iter().zip(clouds) {
-        let hull_area = candidates.hull_area();
         let best = candidates.best(planned.kind);
-        let looseness = if hull_area > 0.0 { best.surface_area() / hull_area } else { 1.0 };
+        let looseness = candidates.looseness(&best);
         let (bones, anchor) = (planned.bones.clone(), planned.anchor);
-        parts.push(HitPart { name: planned.name.clone(), bones, anchor, volume: best, looseness });
+        parts.push(HitPart::new(planned.name.clone(), bones, anchor, best, looseness));
     }
     Ok((parts, part_of_face))
 }
@@ -143,6 +158,8 @@ struct Candidates {
     obb: Obb,
     lozenge: Lozenge,
     hull: HitHull,
+    /// Of a convex hull about the points that were fitted to.
+    area: f64,
 }
 
 impl Candidates {
@@ -154,6 +171,7 @@ impl Candidates {
             obb: fit::obb(points)?.obb,
             lozenge: fit::lozenge(points)?,
             hull: HitHull::new(hull_points)?,
+            area: HitVolume::Hull(HitHull::new(points)?).surface_area(),
         })
     }
 
@@ -167,17 +185,17 @@ impl Candidates {
         }
     }
 
-    fn hull_area(&self) -> f64 {
-        self.volume(VolumeKind::Hull).surface_area()
+    /// The area of a volume in areas of a hull.
+    fn looseness(&self, volume: &HitVolume) -> f64 {
+        if self.area > 0.0 { volume.surface_area() / self.area } else { 1.0 }
     }
 
     /// The one of a given kind, or the one that costs least.
     fn best(&self, kind: Option<VolumeKind>) -> HitVolume {
-        let hull_area = self.hull_area();
         let cost = |at: usize| {
-            let area = self.volume(VolumeKind::ALL[at]).surface_area();
+            let looseness = self.looseness(&self.volume(VolumeKind::ALL[at]));
             let faces = if VolumeKind::ALL[at] == VolumeKind::Hull { self.hull.planes().len() as f64 } else { 1.0 };
-            RAY_COSTS[at] * faces + FALSE_STRIKE * if hull_area > 0.0 { area / hull_area - 1.0 } else { 0.0 }
+            RAY_COSTS[at] * faces + FALSE_STRIKE * (looseness - 1.0)
         };
         let chosen = kind.unwrap_or_else(|| {
             VolumeKind::ALL[(0..5).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(0)]
