@@ -12,6 +12,7 @@ mod check;
 mod console;
 mod failure;
 mod fit;
+mod hits;
 mod inspect;
 mod numerals;
 mod output;
@@ -40,6 +41,7 @@ enum Command {
     Bake(bake::Arguments),
     Check(check::Arguments),
     Fit(fit::Arguments),
+    Hits(hits::Arguments),
     Inspect(inspect::Arguments),
 }
 
@@ -62,6 +64,7 @@ fn main() -> ExitCode {
             Command::Bake(arguments) => bake::run(&arguments),
             Command::Check(arguments) => check::run(&arguments),
             Command::Fit(arguments) => fit::run(&arguments),
+            Command::Hits(arguments) => hits::run(&arguments),
             Command::Inspect(arguments) => inspect::run(&arguments),
         },
         Err(error)

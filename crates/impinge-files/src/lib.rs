@@ -29,6 +29,7 @@
 //! file, but not without limit. A file without triangles is a valid, empty one, unless it has no bytes at all.
 
 mod baked;
+mod character_file;
 mod error;
 mod format;
 mod gltf;
@@ -47,6 +48,7 @@ mod weld;
 
 use std::{fs::File, io::Read, path::Path};
 
+pub use character_file::{character_text, load_character, load_plan, parse_character, parse_plan};
 pub use baked::{Baked, Provenance, write_baked};
 pub use error::{LoadError, LoadErrorKind, Place};
 pub use format::Format;

@@ -2,7 +2,7 @@
 
 use super::error::RigError;
 use super::fit::{self, HitPart, Mode, places};
-use super::plan::{Plan, some_poses};
+use super::plan::{PartPlan, Plan, bones_of_faces, some_poses};
 use super::rig::{Rig, RigPose};
 use super::samples::Held;
 use super::vector::length;
@@ -42,6 +42,22 @@ impl Character {
     /// each of its keys.
     pub fn fit(rig: &Rig, plan: &Plan, mode: Mode) -> Result<Self, RigError> {
         let (parts, part_of_face) = fit::parts(rig, plan, mode)?;
+        Ok(Self { parts, part_of_face })
+    }
+
+    /// A character whose parts somebody else found, as when they were saved: every face goes to the part of its bone.
+    ///
+    /// # Errors
+    /// No parts, bones that do not exist, or a rig without faces.
+    pub fn of_parts(rig: &Rig, parts: Vec<HitPart>) -> Result<Self, RigError> {
+        let plans = parts.iter().map(|part| PartPlan {
+            name: part.name.clone(),
+            bones: part.bones.clone(),
+            anchor: part.anchor,
+            kind: None,
+        });
+        let part_of_bone = Plan { parts: plans.collect() }.part_of_bones(rig)?;
+        let part_of_face = bones_of_faces(rig).into_iter().map(|bone| part_of_bone[bone as usize]).collect();
         Ok(Self { parts, part_of_face })
     }
 

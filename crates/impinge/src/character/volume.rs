@@ -199,6 +199,25 @@ impl HitVolume {
         }
     }
 
+    /// The point of the volume that is farthest along a direction, rounded; the direction needs no length of 1.
+    #[must_use]
+    pub fn support(&self, direction: [f64; 3]) -> [f64; 3] {
+        let out = |radius: f64| unit(direction).map_or([0.0; 3], |direction| scale(direction, radius));
+        match self {
+            Self::Sphere(sphere) => add(sphere.centre(), out(sphere.radius())),
+            Self::Capsule(capsule) => {
+                let [a, b] = capsule.ends();
+                add(if dot(sub(b, a), direction) > 0.0 { b } else { a }, out(capsule.radius()))
+            }
+            Self::Box(obb) => (0..3).fold(obb.centre(), |at, k| {
+                let axis = obb.axes()[k];
+                add(at, scale(axis, obb.half_extents()[k].copysign(dot(axis, direction))))
+            }),
+            Self::Lozenge(lozenge) => RoundedPlate(*lozenge).support(direction),
+            Self::Hull(HitHull { hull, .. }) => hull.positions()[hull.support(direction) as usize],
+        }
+    }
+
     /// How far a point is outside, and below zero how far it is inside, up to rounding. For points outside of a hull it may be
     /// less than the distance, but not zero.
     #[must_use]
