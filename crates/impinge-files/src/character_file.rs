@@ -85,10 +85,20 @@ pub fn character_text(rig: &Rig, character: &Character) -> String {
     toml::to_string(&file).unwrap_or_default()
 }
 
-/// The only bone of a name.
+/// The only bone of a name, of those that are joints, or else of all: nodes of meshes often have the names of joints.
 fn find(rig: &Rig, name: &str) -> Option<u32> {
-    let mut found = (0..).zip(rig.skeleton().bones()).filter(|(_, bone)| bone.name == name && !name.is_empty());
-    found.next().map(|(at, _)| at).filter(|_| found.next().is_none())
+    let bones = rig.skeleton().bones();
+    let named = |bone: &u32| bones[*bone as usize].name == name && !name.is_empty();
+    let only = |mut found: Vec<u32>| {
+        found.sort_unstable();
+        found.dedup();
+        match found[..] {
+            [one] => Some(one),
+            _ => None,
+        }
+    };
+    let joints = rig.skin().joints().iter().map(|joint| joint.bone).filter(named).collect();
+    only(joints).or_else(|| only((0..bones.len() as u32).filter(named).collect()))
 }
 
 /// Reads which bones make the parts of a rig, and what else a person says about these.

@@ -1,7 +1,7 @@
 //! A character ready to be struck: parts with their volumes, and one pose of it.
 
 use super::error::RigError;
-use super::fit::{self, HitPart, Mode, places};
+use super::fit::{self, HitPart, Mode, Piece, places};
 use super::plan::{PartPlan, Plan, bones_of_faces, some_poses};
 use super::rig::{Rig, RigPose};
 use super::samples::Held;
@@ -13,6 +13,10 @@ use super::volume::Frame;
 pub struct Character {
     parts: Vec<HitPart>,
     part_of_face: Vec<u32>,
+    /// By part; empty unless the character was refined.
+    pub(super) pieces: Vec<Piece>,
+    /// The bones that pieces are fixed to, each once.
+    pub(super) piece_anchors: Vec<u32>,
 }
 
 /// What of a surface is outside of the volumes.
@@ -42,7 +46,30 @@ impl Character {
     /// each of its keys.
     pub fn fit(rig: &Rig, plan: &Plan, mode: Mode) -> Result<Self, RigError> {
         let (parts, part_of_face) = fit::parts(rig, plan, mode)?;
-        Ok(Self { parts, part_of_face })
+        Ok(Self { parts, part_of_face, pieces: Vec::new(), piece_anchors: Vec::new() })
+    }
+
+    /// Opens the volumes into hulls about groups of at most `faces` faces that go with one bone, which conservatively hold them.
+    /// Rays that enter a volume then go on to these, so that what they strike is what they would strike on the surface far
+    /// more often. All other questions are still asked of the parts' volumes.
+    ///
+    /// # Errors
+    /// As [`fit`](Self::fit).
+    ///
+    /// # Complexity
+    /// As [`fit`](Self::fit).
+    pub fn refine(&mut self, rig: &Rig, faces: usize) -> Result<(), RigError> {
+        self.pieces = fit::pieces(rig, &self.part_of_face, faces)?;
+        self.piece_anchors = self.pieces.iter().map(|piece| piece.anchor).collect();
+        self.piece_anchors.sort_unstable();
+        self.piece_anchors.dedup();
+        Ok(())
+    }
+
+    /// How many hulls the volumes are opened into; none unless the character was [refined](Self::refine).
+    #[must_use]
+    pub fn piece_count(&self) -> usize {
+        self.pieces.len()
     }
 
     /// A character whose parts somebody else found, as when they were saved: every face goes to the part of its bone.
@@ -58,7 +85,7 @@ impl Character {
         });
         let part_of_bone = Plan { parts: plans.collect() }.part_of_bones(rig)?;
         let part_of_face = bones_of_faces(rig).into_iter().map(|bone| part_of_bone[bone as usize]).collect();
-        Ok(Self { parts, part_of_face })
+        Ok(Self { parts, part_of_face, pieces: Vec::new(), piece_anchors: Vec::new() })
     }
 
     /// The parts.

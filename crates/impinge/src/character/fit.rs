@@ -1,6 +1,6 @@
 //! Volumes about the parts of a plan: of each kind, and the kind that is best.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 use rayon::prelude::*;
 
@@ -15,7 +15,7 @@ use super::samples::{Held, Sample, Samples, rounding};
 use super::skin::blended;
 use super::transform::{Matrix, Vector, apply_transposed, matrix, times};
 use super::vector::{add, dot, length, scale, sub};
-use super::volume::{HitHull, HitVolume, VolumeKind, cube_about};
+use super::volume::{HitHull, HitVolume, VolumeKind, box_of, cube_about};
 
 /// Whether volumes hold everything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -101,6 +101,56 @@ pub(super) fn parts(rig: &Rig, plan: &Plan, mode: Mode) -> Result<(Vec<HitPart>,
         parts.push(HitPart::new(planned.name.clone(), bones, anchor, best, looseness));
     }
     Ok((parts, part_of_face))
+}
+
+/// A convex piece of a part's surface: what the part's volume is opened into for rays.
+#[derive(Clone, Debug)]
+pub(super) struct Piece {
+    pub(super) part: u32,
+    pub(super) anchor: u32,
+    pub(super) volume: HitVolume,
+}
+
+/// Hulls about groups of faces that go with one bone, of at most `faces` each; conservative, as the faces of a part are all in
+/// some piece.
+pub(super) fn pieces(rig: &Rig, part_of_face: &[u32], faces: usize) -> Result<Vec<Piece>, RigError> {
+    let mut vertices = Vec::new();
+    rig.skin().skinned(&rig.rest_pose()?, &mut vertices);
+    let middle = |face: &u32| {
+        let corners = rig.skin().faces()[*face as usize];
+        corners.iter().fold([0.0; 3], |sum, &corner| add(sum, vertices[corner as usize]))
+    };
+    let mut groups: BTreeMap<(u32, u32), Vec<u32>> = BTreeMap::new();
+    for ((face, bone), &part) in (0..).zip(bones_of_faces(rig)).zip(part_of_face) {
+        groups.entry((part, bone)).or_default().push(face);
+    }
+    let (mut owners, mut held) = (Vec::new(), Vec::new());
+    let mut pending: Vec<((u32, u32), Vec<u32>)> = groups.into_iter().rev().collect();
+    while let Some((owner, mut group)) = pending.pop() {
+        if group.len() > faces.max(1) {
+            // Halves along the longest axis, by rank, so that this ends.
+            let [low, high] = box_of(&group.iter().map(middle).collect::<Vec<_>>());
+            let axis = (0..3).max_by(|&i, &j| (high[i] - low[i]).total_cmp(&(high[j] - low[j]))).unwrap_or(0);
+            group.sort_by(|a, b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b)));
+            let upper = group.split_off(group.len() / 2);
+            pending.push((owner, upper));
+            pending.push((owner, group));
+            continue;
+        }
+        let mut vertices: Vec<u32> = group.iter().flat_map(|&face| rig.skin().faces()[face as usize]).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        keep_different(rig, &mut vertices);
+        owners.push(owner.0);
+        held.push(Held { anchor: owner.1, vertices });
+    }
+    let fitted = conservative(rig, &held)?;
+    let piece = |((part, held), candidates): ((u32, &Held), Candidates)| Piece {
+        part,
+        anchor: held.anchor,
+        volume: candidates.best(Some(VolumeKind::Hull)),
+    };
+    Ok(owners.into_iter().zip(&held).zip(fitted).map(piece).collect())
 }
 
 fn held(rig: &Rig, part_of_face: &[u32], anchors: &[u32]) -> Vec<Held> {

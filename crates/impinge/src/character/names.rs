@@ -37,16 +37,18 @@ pub(super) fn name(rig: &Rig, plan: &mut Plan) -> Result<(), RigError> {
         let mut known: Vec<(f64, &str)> =
             part.bones.iter().map(|&bone| (shapes.area_of_bone[bone as usize], &*bones[bone as usize].name)).collect();
         known.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let name = match &known[..] {
-            [(_, only)] if region(only).is_some() => (*only).to_owned(),
-            several => by_regions(several).unwrap_or_else(|| shapes.name(at)),
-        };
+        let name = by_regions(&known).unwrap_or_else(|| shapes.name(at));
         names.push(name);
     }
     for (at, part) in plan.parts.iter_mut().enumerate() {
         let earlier = names[..at].iter().filter(|name| **name == names[at]).count();
         let again = names.iter().filter(|name| **name == names[at]).count() > 1;
-        part.name = if again { format!("{} {}", names[at], earlier + 1) } else { names[at].clone() };
+        let only = &*rig.skeleton().bones()[part.anchor as usize].name;
+        part.name = match part.bones.len() {
+            _ if !again => names[at].clone(),
+            1 if region(only).is_some() => only.to_owned(),
+            _ => format!("{} {}", names[at], earlier + 1),
+        };
     }
     Ok(())
 }

@@ -20,7 +20,9 @@ pub struct Posed<'c> {
     frames: Vec<Frame>,
     /// About each part, in the world.
     spheres: Vec<(Vector, f64)>,
-    /// About all of them.
+    /// Of the bones that pieces are fixed to.
+    piece_frames: Vec<Frame>,
+    /// About all parts.
     outer: [Vector; 2],
 }
 
@@ -64,7 +66,7 @@ impl<'c> Posed<'c> {
     /// A character in a pose of its rig.
     #[must_use]
     pub fn new(character: &'c Character, pose: &RigPose) -> Self {
-        let mut posed = Self { character, frames: Vec::new(), spheres: Vec::new(), outer: [[0.0; 3]; 2] };
+        let mut posed = Self { character, frames: Vec::new(), spheres: Vec::new(), piece_frames: Vec::new(), outer: [[0.0; 3]; 2] };
         posed.set(pose);
         posed
     }
@@ -90,6 +92,11 @@ impl<'c> Posed<'c> {
             self.spheres.push((centre, radius));
         }
         self.outer = outer;
+        self.piece_frames.clear();
+        self.piece_frames.extend(self.character.piece_anchors.iter().map(|&anchor| {
+            let bone = &pose.bones()[anchor as usize];
+            Frame::new(bone.rotation_wxyz, bone.origin)
+        }));
     }
 
     /// The character.
@@ -145,9 +152,9 @@ impl<'c> Posed<'c> {
             return None;
         }
         for (at, part, frame, sphere) in self.parts() {
-            let Some(crossing) = crossing(part, frame, sphere, ray) else { continue };
+            let Some(crossing) = self.crossing(at, part, frame, sphere, ray) else { continue };
             if first.is_none_or(|best| crossing.t[0] < best.t) {
-                first = Some(self.hit(at, frame, ray, &crossing));
+                first = Some(self.hit(at, ray, &crossing));
             }
         }
         first
@@ -160,23 +167,54 @@ impl<'c> Posed<'c> {
             return Vec::new();
         }
         let hits = self.parts().filter_map(|(at, part, frame, sphere)| {
-            crossing(part, frame, sphere, ray).map(|crossing| self.hit(at, frame, ray, &crossing))
+            self.crossing(at, part, frame, sphere, ray).map(|crossing| self.hit(at, ray, &crossing))
         });
         let mut hits: Vec<PartHit> = hits.collect();
         hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
         hits
     }
 
-    fn hit(&self, part: u32, frame: &Frame, ray: &Ray, crossing: &Crossing) -> PartHit {
+    fn hit(&self, part: u32, ray: &Ray, crossing: &Crossing) -> PartHit {
         let [enter, leave] = crossing.t;
         PartHit {
             part,
             bone: self.character.parts()[part as usize].anchor,
             t: enter,
             point: ray.at(enter),
-            normal: apply(&frame.rotation, crossing.normal),
+            normal: crossing.normal,
             depth: (leave - enter) * length(ray.direction()),
         }
+    }
+
+    /// Where a ray is in a part, the normal in the world frame: in its volume, or where that is opened in the first of its pieces.
+    fn crossing(
+        &self,
+        at: u32,
+        part: &HitPart,
+        frame: &Frame,
+        sphere: &(Vector, f64),
+        ray: &Ray,
+    ) -> Option<Crossing> {
+        let through = |volume: &HitVolume, frame: &Frame| {
+            let direction = apply_transposed(&frame.rotation, ray.direction());
+            let crossing = volume.crossing(frame.local(ray.origin()), direction)?;
+            Some(Crossing { normal: apply(&frame.rotation, crossing.normal), ..crossing })
+        };
+        if misses(sphere, ray) {
+            return None;
+        }
+        let whole = through(&part.volume, frame)?;
+        let all = &self.character.pieces;
+        if all.is_empty() {
+            return Some(whole);
+        }
+        let first = all.partition_point(|piece| piece.part < at);
+        let pieces = all[first..].iter().take_while(|piece| piece.part == at);
+        let crossings = pieces.filter_map(|piece| {
+            let anchor = self.character.piece_anchors.binary_search(&piece.anchor).ok()?;
+            through(&piece.volume, &self.piece_frames[anchor])
+        });
+        crossings.reduce(|best, next| if next.t[0] < best.t[0] { next } else { best })
     }
 
     /// Whether a ray surely misses the box about all.
@@ -306,18 +344,14 @@ impl<'c> Posed<'c> {
     }
 }
 
-fn crossing(part: &HitPart, frame: &Frame, sphere: &(Vector, f64), ray: &Ray) -> Option<Crossing> {
-    // The sphere about the part, by the distance of its centre to the line.
+/// Whether a ray surely misses a sphere, by the distance of its centre to the line.
+fn misses(sphere: &(Vector, f64), ray: &Ray) -> bool {
     let direction = ray.direction();
     let offset = sub(sphere.0, ray.origin());
     let squared = dot(direction, direction);
     let across = sub(offset, scale(direction, dot(direction, offset) / squared));
     let reach = sphere.1 + ROUNDING * (length(offset) + length(ray.origin()) + length(sphere.0));
-    if dot(across, across) > reach * reach * (1.0 + 1e-12) {
-        return None;
-    }
-    let direction = apply_transposed(&frame.rotation, direction);
-    part.volume.crossing(frame.local(ray.origin()), direction)
+    dot(across, across) > reach * reach * (1.0 + 1e-12)
 }
 
 /// Whether two volumes are not proved apart.
