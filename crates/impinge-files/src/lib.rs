@@ -48,8 +48,8 @@ mod weld;
 
 use std::{fs::File, io::Read, path::Path};
 
-pub use character_file::{character_text, load_character, load_plan, parse_character, parse_plan};
 pub use baked::{Baked, Provenance, write_baked};
+pub use character_file::{character_text, load_character, load_plan, parse_character, parse_plan};
 pub use error::{LoadError, LoadErrorKind, Place};
 pub use format::Format;
 pub use model::{Model, Warning, WarningKind};

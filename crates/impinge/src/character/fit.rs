@@ -74,8 +74,7 @@ impl HitPart {
 /// Fits one volume to each part of a plan that has faces; the parts, and the part of each face.
 pub(super) fn parts(rig: &Rig, plan: &Plan, mode: Mode) -> Result<(Vec<HitPart>, Vec<u32>), RigError> {
     let part_of_bone = plan.part_of_bones(rig)?;
-    let mut part_of_face: Vec<u32> =
-        bones_of_faces(rig).into_iter().map(|bone| part_of_bone[bone as usize]).collect();
+    let mut part_of_face: Vec<u32> = bones_of_faces(rig).into_iter().map(|bone| part_of_bone[bone as usize]).collect();
     if part_of_face.is_empty() {
         return Err(RigError::new(RigErrorKind::Empty, RigPlace::Rig));
     }
@@ -247,9 +246,8 @@ impl Candidates {
             let faces = if VolumeKind::ALL[at] == VolumeKind::Hull { self.hull.planes().len() as f64 } else { 1.0 };
             RAY_COSTS[at] * faces + FALSE_STRIKE * (looseness - 1.0)
         };
-        let chosen = kind.unwrap_or_else(|| {
-            VolumeKind::ALL[(0..5).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(0)]
-        });
+        let chosen =
+            kind.unwrap_or_else(|| VolumeKind::ALL[(0..5).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(0)]);
         self.volume(chosen)
     }
 }

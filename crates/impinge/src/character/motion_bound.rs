@@ -25,11 +25,7 @@ impl Jet {
     }
 
     fn plus(self, other: Self) -> Self {
-        Self {
-            value: self.value + other.value,
-            first: self.first + other.first,
-            second: self.second + other.second,
-        }
+        Self { value: self.value + other.value, first: self.first + other.first, second: self.second + other.second }
     }
 
     /// That of a product of two.

@@ -147,16 +147,16 @@ impl Shapes {
         let part_of_bone = plan.part_of_bones(rig)?;
         let mut area_of_bone = vec![0.0; part_of_bone.len()];
         let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; plan.parts.len()];
-        let place = |corner: u32| {
-            blended(&palette, rig.skin().influences(corner), rig.skin().positions()[corner as usize])
-        };
+        let place =
+            |corner: u32| blended(&palette, rig.skin().influences(corner), rig.skin().positions()[corner as usize]);
         for (face, bone) in rig.skin().faces().iter().zip(super::plan::bones_of_faces(rig)) {
             let [a, b, c] = face.map(place);
             let across = super::vector::cross(super::vector::sub(b, a), super::vector::sub(c, a));
             area_of_bone[bone as usize] += super::vector::length(across);
             let bounds = &mut boxes[part_of_bone[bone as usize] as usize];
             for point in [a, b, c] {
-                *bounds = [[0, 1, 2].map(|k| bounds[0][k].min(point[k])), [0, 1, 2].map(|k| bounds[1][k].max(point[k]))];
+                *bounds =
+                    [[0, 1, 2].map(|k| bounds[0][k].min(point[k])), [0, 1, 2].map(|k| bounds[1][k].max(point[k]))];
             }
         }
         let size = |b: &[Vector; 2]| (0..3).map(|k| (b[1][k] - b[0][k]).max(0.0)).product::<f64>();
@@ -211,9 +211,7 @@ mod tests {
 
     #[test]
     fn several_bones_have_the_name_of_what_they_make() {
-        let name = |bones: &[&str]| {
-            by_regions(&bones.iter().map(|bone| (1.0, *bone)).collect::<Vec<_>>())
-        };
+        let name = |bones: &[&str]| by_regions(&bones.iter().map(|bone| (1.0, *bone)).collect::<Vec<_>>());
         assert_eq!(name(&["LowerArm.L", "Palm1.L", "UpperArm.L"]).as_deref(), Some("left arm"));
         assert_eq!(name(&["Palm1.R", "Thumb.R"]).as_deref(), Some("right hand"));
         assert_eq!(name(&["LowerLeg.R", "Foot.R"]).as_deref(), Some("right leg"));

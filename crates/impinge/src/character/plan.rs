@@ -168,7 +168,14 @@ impl Clusters {
             vertices.iter().for_each(|&vertex| needed[vertex as usize] = true);
             let anchor = bone as u32;
             let limb = names::limb(&rig.skeleton().bones()[bone].name);
-            clusters.list.push(Some(Cluster { bones: vec![anchor], anchor, vertices, area: 0.0, middle: [0.0; 3], limb }));
+            clusters.list.push(Some(Cluster {
+                bones: vec![anchor],
+                anchor,
+                vertices,
+                area: 0.0,
+                middle: [0.0; 3],
+                limb,
+            }));
         }
         let mut morphed = Vec::new();
         for pose in &poses {
@@ -191,9 +198,8 @@ impl Clusters {
     }
 
     fn middle(&self, vertices: &[u32]) -> Vector {
-        let [low, high] = super::volume::box_of(
-            &vertices.iter().map(|&vertex| self.places[0][vertex as usize]).collect::<Vec<_>>(),
-        );
+        let [low, high] =
+            super::volume::box_of(&vertices.iter().map(|&vertex| self.places[0][vertex as usize]).collect::<Vec<_>>());
         [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]))
     }
 

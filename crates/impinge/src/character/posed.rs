@@ -9,7 +9,7 @@ use crate::volume::{MinMax, Proximity};
 use super::body::Character;
 use super::fit::HitPart;
 use super::rig::RigPose;
-use super::transform::{Vector, apply_transposed, apply};
+use super::transform::{Vector, apply, apply_transposed};
 use super::vector::{add, dot, length, scale, sub, unit};
 use super::volume::{Crossing, Frame, HitVolume};
 
@@ -66,7 +66,8 @@ impl<'c> Posed<'c> {
     /// A character in a pose of its rig.
     #[must_use]
     pub fn new(character: &'c Character, pose: &RigPose) -> Self {
-        let mut posed = Self { character, frames: Vec::new(), spheres: Vec::new(), piece_frames: Vec::new(), outer: [[0.0; 3]; 2] };
+        let mut posed =
+            Self { character, frames: Vec::new(), spheres: Vec::new(), piece_frames: Vec::new(), outer: [[0.0; 3]; 2] };
         posed.set(pose);
         posed
     }
@@ -126,9 +127,10 @@ impl<'c> Posed<'c> {
     }
 
     fn parts(&self) -> impl Iterator<Item = (u32, &'c HitPart, &Frame, &(Vector, f64))> {
-        (0..).zip(self.character.parts()).zip(self.frames.iter().zip(&self.spheres)).map(|((at, part), (frame, sphere))| {
-            (at, part, frame, sphere)
-        })
+        (0..)
+            .zip(self.character.parts())
+            .zip(self.frames.iter().zip(&self.spheres))
+            .map(|((at, part), (frame, sphere))| (at, part, frame, sphere))
     }
 
     /// The part whose volume a ray enters first; of several at once the first in order.
@@ -187,14 +189,7 @@ impl<'c> Posed<'c> {
     }
 
     /// Where a ray is in a part, the normal in the world frame: in its volume, or where that is opened in the first of its pieces.
-    fn crossing(
-        &self,
-        at: u32,
-        part: &HitPart,
-        frame: &Frame,
-        sphere: &(Vector, f64),
-        ray: &Ray,
-    ) -> Option<Crossing> {
+    fn crossing(&self, at: u32, part: &HitPart, frame: &Frame, sphere: &(Vector, f64), ray: &Ray) -> Option<Crossing> {
         let through = |volume: &HitVolume, frame: &Frame| {
             let direction = apply_transposed(&frame.rotation, ray.direction());
             let crossing = volume.crossing(frame.local(ray.origin()), direction)?;
@@ -247,7 +242,14 @@ impl<'c> Posed<'c> {
             let placed = part.volume.placed(frame.pose()?)?;
             if let Some(found) = shapes::penetration(shape, &placed) {
                 let point = scale(add(found.point_a, found.point_b), 0.5);
-                hits.push(PartHit { part: at, bone: part.anchor, t: 0.0, point, normal: found.normal, depth: found.upper });
+                hits.push(PartHit {
+                    part: at,
+                    bone: part.anchor,
+                    t: 0.0,
+                    point,
+                    normal: found.normal,
+                    depth: found.upper,
+                });
             }
         }
         Ok(hits)
@@ -273,9 +275,7 @@ impl<'c> Posed<'c> {
             for (b, part_b, frame_b, sphere_b) in other.parts() {
                 let between = sub(sphere_b.0, sphere_a.0);
                 let reach = (sphere_a.1 + sphere_b.1) * (1.0 + 1e-14);
-                if dot(between, between) <= reach * reach
-                    && meet(&part_a.volume, frame_a, &part_b.volume, frame_b)?
-                {
+                if dot(between, between) <= reach * reach && meet(&part_a.volume, frame_a, &part_b.volume, frame_b)? {
                     visit(a, b);
                 }
             }
@@ -397,8 +397,18 @@ fn core(volume: &HitVolume) -> (Vec<Vector>, Vec<[u32; 3]>) {
         }
         HitVolume::Box(obb) => {
             const FACES: [[u32; 3]; 12] = [
-                [0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
-                [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
+                [0, 2, 1],
+                [1, 2, 3],
+                [4, 5, 6],
+                [5, 7, 6],
+                [0, 1, 4],
+                [1, 5, 4],
+                [2, 6, 3],
+                [3, 6, 7],
+                [0, 4, 2],
+                [2, 4, 6],
+                [1, 3, 5],
+                [3, 7, 5],
             ];
             (obb.corners().to_vec(), FACES.to_vec())
         }
