@@ -28,10 +28,10 @@ pub enum Mode {
 
 /// What a ray costs against a volume of each kind, in nanoseconds, in the order of [`VolumeKind::ALL`]; for a hull it is for each
 /// of its faces. Measured by `characters` of the benchmarks; what matters are the ratios.
-const RAY_COSTS: [f64; 5] = [20.0, 45.0, 30.0, 110.0, 2.0];
+const RAY_COSTS: [f64; 5] = [60.0, 80.0, 90.0, 190.0, 3.0];
 
-/// What it costs to find out that a strike on a volume was in vain, in nanoseconds: to ask the skinned mesh. The more it is,
-/// the tighter are the volumes that win.
+/// What a strike on a volume that is in vain costs, in nanoseconds: a choice, of about what it takes to ask the skinned mesh of
+/// some thousand faces. The more it is, the tighter are the volumes that win.
 const FALSE_STRIKE: f64 = 400.0;
 
 /// The share of a part's vertices that a snug volume may leave out.

@@ -277,7 +277,10 @@ mod tests {
     fn seen_from(pose: &RigPose, from: u32, to: u32, point: Vector) -> Vector {
         let (from, to) = (&pose.bones()[from as usize], &pose.bones()[to as usize]);
         let x = from.apply(point);
-        super::super::transform::apply_transposed(&to.rotation(), [0, 1, 2].map(|k| x[k] - to.origin[k]))
+        super::super::transform::apply_transposed(
+            &super::super::transform::matrix(to.rotation_wxyz),
+            [0, 1, 2].map(|k| x[k] - to.origin[k]),
+        )
     }
 
     #[test]

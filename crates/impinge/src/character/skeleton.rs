@@ -1,7 +1,7 @@
 //! Bones that hang on each other, and where a pose puts them.
 
 use super::error::{RigError, RigErrorKind, RigPlace};
-use super::transform::{Matrix, Transform, Vector, apply, matrix, normalised, product, times};
+use super::transform::{Transform, Vector, apply, matrix, nearly_unit, product, times};
 
 /// A bone: a node of the skeleton, whether vertices follow it or not.
 #[derive(Clone, Debug, PartialEq)]
@@ -159,13 +159,8 @@ impl PlacedBone {
         Self {
             linear: times(&self.linear, &child.linear),
             origin: [0, 1, 2].map(|k| self.origin[k] + offset[k]),
-            rotation_wxyz: normalised(turned).unwrap_or(self.rotation_wxyz),
+            rotation_wxyz: nearly_unit(turned),
         }
-    }
-
-    /// The rotation as a matrix.
-    pub(super) fn rotation(&self) -> Matrix {
-        matrix(self.rotation_wxyz)
     }
 
     /// Where a point of the bone's own frame is in the world, scales included.

@@ -110,16 +110,33 @@ pub(super) fn slerp(a: [f64; 4], b: [f64; 4], t: f64) -> [f64; 4] {
     let (b, cosine) = if cosine < 0.0 { (b.map(|x| -x), -cosine) } else { (b, cosine) };
     let y = cosine.min(1.0) - 1.0;
     let (of_a, of_b) = (sine_ratio(1.0 - t, y), sine_ratio(t, y));
-    let mixed = [0, 1, 2, 3].map(|k| of_a * a[k] + of_b * b[k]);
-    normalised(mixed).unwrap_or(a)
+    nearly_unit([0, 1, 2, 3].map(|k| of_a * a[k] + of_b * b[k]))
 }
+
+/// A quaternion whose length is 1 but for rounding, with less of that: a step of Newton's for the reciprocal root, which leaves
+/// the square of what it is off by.
+#[inline(always)]
+pub(super) fn nearly_unit(q: [f64; 4]) -> [f64; 4] {
+    let by = 1.5 - 0.5 * (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    q.map(|x| x * by)
+}
+
+/// What t² is multiplied with and what is taken off in each term of [`sine_ratio`]: 1 / (i (2i + 1)) and i / (2i + 1).
+const FACTORS: [[f64; 2]; 63] = {
+    let (mut factors, mut at) = ([[0.0; 2]; 63], 0);
+    while at < 63 {
+        let i = at as f64 + 1.0;
+        factors[at] = [1.0 / (i * (2.0 * i + 1.0)), i / (2.0 * i + 1.0)];
+        at += 1;
+    }
+    factors
+};
 
 /// sin tθ / sin θ for t from 0 to 1 and y = cos θ - 1 from -1 to 0.
 fn sine_ratio(t: f64, y: f64) -> f64 {
     let (mut term, mut sum, square) = (t, t, t * t);
-    for i in 1..64 {
-        let i = f64::from(i);
-        term *= (square - i * i) / (i * (2.0 * i + 1.0)) * y;
+    for [of_square, constant] in FACTORS {
+        term *= (of_square * square - constant) * y;
         let next = sum + term;
         if next == sum {
             break;
