@@ -44,9 +44,9 @@ pub(super) fn name(rig: &Rig, plan: &mut Plan) -> Result<(), RigError> {
         let earlier = names[..at].iter().filter(|name| **name == names[at]).count();
         let again = names.iter().filter(|name| **name == names[at]).count() > 1;
         let only = &*rig.skeleton().bones()[part.anchor as usize].name;
-        part.name = match part.bones.len() {
-            _ if !again => names[at].clone(),
-            1 if region(only).is_some() => only.to_owned(),
+        part.name = match again {
+            false => names[at].clone(),
+            _ if region(only).is_some() => only.to_owned(),
             _ => format!("{} {}", names[at], earlier + 1),
         };
     }

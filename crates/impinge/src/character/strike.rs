@@ -102,7 +102,7 @@ impl Posed<'_> {
     ///
     /// # Accuracy
     /// Times are never later than the true first contact of the volumes, and in conservative volumes never later than that of
-    /// the surface where its frames move so (`tests/characters/strikes.rs`).
+    /// the surface where its frames move so (`impinge-files/tests/characters.rs`).
     ///
     /// # Panics
     /// Where `to` is a pose of a character with fewer parts.
