@@ -197,6 +197,18 @@ fn rays_strike_the_part_that_the_mesh_says() {
     assert!(rights[0] > 0.7 && rights[1] >= 0.95, "{rights:?}");
 }
 
+#[test]
+fn some_bones_are_posed_as_all_are() {
+    let rig = robot();
+    let character = fitted(&rig, 6, Mode::Snug);
+    let bones = character.bones(&rig);
+    let mut pose = rig.rest_pose().unwrap();
+    for animation in 0..rig.animations().len() {
+        rig.pose_bones_into(animation, 0.37, &bones, &mut pose).unwrap();
+        assert_eq!(character.frames(&pose), character.frames(&rig.pose_at(animation, 0.37).unwrap()));
+    }
+}
+
 /// A rig of one bone that stands still, and a face.
 fn still() -> Rig {
     use impinge::character::{Bone, Influence, Joint, Skeleton, Skin, Transform};

@@ -113,6 +113,7 @@ fn crowd(rig: &Rig, character: &Character, count: usize, repeats: usize) -> Resu
             Ok((pose, posed))
         })
         .collect::<Result<_>>()?;
+    let bones = character.bones(rig);
     let mut phases = vec![Vec::new(); 5];
     let (mut pairs_of_bodies, mut pairs_of_parts, mut hits) = (0, 0, 0);
     for frame in 0..repeats.max(1) {
@@ -121,7 +122,7 @@ fn crowd(rig: &Rig, character: &Character, count: usize, repeats: usize) -> Resu
             posed.par_iter_mut().zip(&members).try_for_each(|((pose, posed), member)| {
                 let [start, end] = rig.animations()[member.animation].span();
                 let at = start + (now + member.offset) % (end - start);
-                rig.pose_into(member.animation, at, pose)?;
+                rig.pose_bones_into(member.animation, at, &bones, pose)?;
                 posed.set_at(pose, member.place);
                 anyhow::Ok(())
             })

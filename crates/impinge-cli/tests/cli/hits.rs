@@ -11,7 +11,8 @@ fn a_robot() {
     let folder = Folder::new();
     let run = folder.run(&format!("hits {ROBOT} --save robot.toml --picture robot.png"));
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
-    let parts = ["head", "torso", "left arm", "right arm", "left leg", "right leg", "6 volumes", "14 animations", "none"];
+    let parts =
+        ["head", "torso", "left arm", "right arm", "left leg", "right leg", "6 volumes", "14 animations", "none"];
     for part in parts {
         assert!(run.stdout.contains(part), "{part} is not in\n{}", run.stdout);
     }

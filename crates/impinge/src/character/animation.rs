@@ -1,6 +1,7 @@
 //! Keys over time, and what lies between them (glTF 2.0 specification, appendix C).
 
 use super::error::{RigError, RigErrorKind, RigPlace, judge};
+use super::skeleton::BoneSet;
 use super::transform::{Transform, normalised, slerp};
 
 /// What a channel moves.
@@ -177,8 +178,15 @@ impl Animation {
         &self.timelines[track.timeline]
     }
 
-    /// Moves what the channels move to where it is at a time.
-    pub(super) fn sample(&self, time: f64, side: Side, locals: &mut [Transform], morph_weights: &mut [f64]) {
+    /// Moves what the channels move to where it is at a time: all of it, or the bones of a set.
+    pub(super) fn sample(
+        &self,
+        time: f64,
+        side: Side,
+        set: Option<&BoneSet>,
+        locals: &mut [Transform],
+        morph_weights: &mut [f64],
+    ) {
         let mut places = [Place { key: 0, share: 0.0, seconds: 0.0 }; 8];
         let many: Vec<Place>;
         let places: &[Place] = if self.timelines.len() <= places.len() {
@@ -192,7 +200,10 @@ impl Animation {
         };
         for track in &self.tracks {
             let place = places[track.timeline];
+            let is_in = |bone: u32| set.is_none_or(|set| set.is_in[bone as usize]);
             match track.target {
+                Target::Translation(bone) | Target::Rotation(bone) | Target::Scale(bone) if !is_in(bone) => {}
+                Target::MorphWeight(_) if set.is_some() => {}
                 Target::Translation(bone) => locals[bone as usize].translation = track.values_at::<3>(place),
                 Target::Scale(bone) => locals[bone as usize].scale = track.values_at::<3>(place),
                 Target::Rotation(bone) => locals[bone as usize].rotation_wxyz = track.rotation_at(place),
@@ -270,7 +281,7 @@ mod tests {
         let channels = vec![channel(Target::Translation(0), interpolation, &[1.0, 3.0], values)];
         let animation = Animation::new(String::new(), channels, 0).unwrap();
         let mut locals = [Transform::IDENTITY];
-        animation.sample(time, side, &mut locals, &mut []);
+        animation.sample(time, side, None, &mut locals, &mut []);
         locals[0].translation[0]
     }
 
@@ -296,7 +307,7 @@ mod tests {
         let channels = vec![channel(Target::Rotation(0), Interpolation::CubicSpline, &[0.0, 1.0], &values)];
         let animation = Animation::new(String::new(), channels, 0).unwrap();
         let mut locals = [Transform::IDENTITY];
-        animation.sample(0.5, Side::After, &mut locals, &mut []);
+        animation.sample(0.5, Side::After, None, &mut locals, &mut []);
         let half = 0.5_f64.sqrt();
         assert!((locals[0].rotation_wxyz[0] - half).abs() < 1e-15 && (locals[0].rotation_wxyz[1] - half).abs() < 1e-15);
     }

@@ -5,6 +5,7 @@ use super::fit::{self, HitPart, Mode, Piece, places};
 use super::plan::{PartPlan, Plan, bones_of_faces, some_poses};
 use super::rig::{Rig, RigPose};
 use super::samples::Held;
+use super::skeleton::BoneSet;
 use super::vector::length;
 use super::volume::Frame;
 
@@ -92,6 +93,13 @@ impl Character {
     #[must_use]
     pub fn parts(&self) -> &[HitPart] {
         &self.parts
+    }
+
+    /// The bones that its volumes are fixed to, and all that these hang on.
+    #[must_use]
+    pub fn bones(&self, rig: &Rig) -> BoneSet {
+        let anchors = self.parts.iter().map(|part| part.anchor);
+        rig.skeleton().bone_set(anchors.chain(self.piece_anchors.iter().copied()))
     }
 
     /// The part of each face of the skin.

@@ -1,7 +1,11 @@
 //! Characters: a rigged body, hit volumes fitted to its bones, and the part that was struck (*Notes on Real Time Collision
 //! Detection*, chapter 3).
 //!
-//! A [`Rig`] is plain data: a [`Skeleton`], the [`Skin`] over it and its [`Animation`]s.
+//! A [`Rig`] is plain data: a [`Skeleton`], the [`Skin`] over it and its [`Animation`]s. A [`Plan`] says which bones make a part,
+//! [`Character::fit`] finds the volumes of these, and [`Posed`] answers which of them a ray, a moving volume, a shape, a mesh or
+//! another character strikes; [`Surface`] confirms it on the skinned mesh.
+//!
+//! Nothing here depends on the platform's mathematics library or on the number of threads: the same rig gives the same volumes.
 
 mod animation;
 mod body;
@@ -29,7 +33,7 @@ pub use fit::{HitPart, Mode};
 pub use plan::{PartPlan, Plan};
 pub use posed::{PartHit, PartPair, Posed};
 pub use rig::{Rig, RigPose};
-pub use skeleton::{Bone, PlacedBone, Skeleton};
+pub use skeleton::{Bone, BoneSet, PlacedBone, Skeleton};
 pub use skin::{Influence, Joint, Morph, Skin};
 pub use strike::Strike;
 pub use surface::{Surface, SurfaceHit};

@@ -2,7 +2,7 @@
 
 use super::animation::{Animation, Side, Target};
 use super::error::{RigError, RigErrorKind, RigPlace};
-use super::skeleton::{PlacedBone, Skeleton};
+use super::skeleton::{BoneSet, PlacedBone, Skeleton};
 use super::skin::Skin;
 use super::transform::Transform;
 
@@ -109,7 +109,7 @@ impl Rig {
     pub fn rest_pose(&self) -> Result<RigPose, RigError> {
         let mut pose = RigPose::default();
         self.reset(&mut pose);
-        self.skeleton.place(&pose.locals, &mut pose.bones)?;
+        self.skeleton.place(&pose.locals, None, &mut pose.bones)?;
         Ok(pose)
     }
 
@@ -128,7 +128,22 @@ impl Rig {
     /// # Errors
     /// As [`pose_at`](Self::pose_at).
     pub fn pose_into(&self, animation: usize, time: f64, pose: &mut RigPose) -> Result<(), RigError> {
-        self.pose_on_side(animation, time, Side::After, pose)
+        self.pose_on_side(animation, time, Side::After, None, pose)
+    }
+
+    /// [`pose_into`](Self::pose_into) for the bones of a set alone: the others, and the weights of morph targets, are where the
+    /// pose had them or anywhere. What a crowd needs to follow its hit volumes (see [`Character::bones`](super::Character::bones)).
+    ///
+    /// # Errors
+    /// As [`pose_at`](Self::pose_at).
+    pub fn pose_bones_into(
+        &self,
+        animation: usize,
+        time: f64,
+        set: &BoneSet,
+        pose: &mut RigPose,
+    ) -> Result<(), RigError> {
+        self.pose_on_side(animation, time, Side::After, Some(set), pose)
     }
 
     pub(super) fn pose_on_side(
@@ -136,6 +151,7 @@ impl Rig {
         animation: usize,
         time: f64,
         side: Side,
+        set: Option<&BoneSet>,
         pose: &mut RigPose,
     ) -> Result<(), RigError> {
         let Some(motion) = self.animations.get(animation) else {
@@ -145,8 +161,8 @@ impl Rig {
         self.reset(pose);
         // No time at all is the start.
         let time = if time.is_nan() { motion.span()[0] } else { time };
-        motion.sample(time, side, &mut pose.locals, &mut pose.morph_weights);
-        self.skeleton.place(&pose.locals, &mut pose.bones)
+        motion.sample(time, side, set, &mut pose.locals, &mut pose.morph_weights);
+        self.skeleton.place(&pose.locals, set, &mut pose.bones)
     }
 
     fn reset(&self, pose: &mut RigPose) {

@@ -26,7 +26,7 @@ pub(super) struct Sample {
 impl Sample {
     pub(super) fn pose(&self, rig: &Rig, pose: &mut RigPose) -> Result<(), RigError> {
         match self.motion {
-            Some((animation, time, side)) => rig.pose_on_side(animation, time, side, pose),
+            Some((animation, time, side)) => rig.pose_on_side(animation, time, side, None, pose),
             None => {
                 *pose = rig.rest_pose()?;
                 Ok(())

@@ -14,6 +14,14 @@ pub struct Bone {
     pub rest: Transform,
 }
 
+/// Some bones of a skeleton and all that these hang on: what a pose need not go beyond where nothing else is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoneSet {
+    /// Parents before children.
+    pub(super) order: Vec<u32>,
+    pub(super) is_in: Vec<bool>,
+}
+
 /// Bones without cycles. Several may be roots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skeleton {
@@ -49,6 +57,16 @@ impl Skeleton {
         &self.bones
     }
 
+    /// Some bones and all that they hang on; numbers that no bone has are left out.
+    #[must_use]
+    pub fn bone_set(&self, bones: impl IntoIterator<Item = u32>) -> BoneSet {
+        let mut is_in = vec![false; self.bones.len()];
+        for bone in bones.into_iter().filter(|&bone| (bone as usize) < self.bones.len()) {
+            self.ancestry(bone).for_each(|above| is_in[above as usize] = true);
+        }
+        BoneSet { order: self.order.iter().copied().filter(|&bone| is_in[bone as usize]).collect(), is_in }
+    }
+
     /// How many bones lie above a bone, itself included.
     pub(super) fn depth(&self, bone: u32) -> u32 {
         self.depths[bone as usize]
@@ -78,18 +96,22 @@ impl Skeleton {
         None
     }
 
-    /// Where all bones are, their transforms being given.
+    /// Where all bones are, or those of a set, their transforms being given.
     ///
     /// # Errors
     /// Where composing leaves the range: scales of scales beyond 2^100.
     ///
     /// # Complexity
     /// Linear.
-    pub(super) fn place(&self, locals: &[Transform], placed: &mut Vec<PlacedBone>) -> Result<(), RigError> {
+    pub(super) fn place(
+        &self,
+        locals: &[Transform],
+        set: Option<&BoneSet>,
+        placed: &mut Vec<PlacedBone>,
+    ) -> Result<(), RigError> {
         const LIMIT: f64 = (1_u128 << 100) as f64;
-        placed.clear();
         placed.resize(self.bones.len(), PlacedBone::ORIGIN);
-        for &at in &self.order {
+        for &at in set.map_or(&self.order, |set| &set.order) {
             let at = at as usize;
             let own = PlacedBone::of(&locals[at]);
             let bone = match self.bones[at].parent {
@@ -190,7 +212,7 @@ mod tests {
         .unwrap();
         let mut placed = Vec::new();
         let locals: Vec<Transform> = skeleton.bones().iter().map(|b| b.rest).collect();
-        skeleton.place(&locals, &mut placed).unwrap();
+        skeleton.place(&locals, None, &mut placed).unwrap();
         assert_eq!(placed[1].apply([0.0, 0.0, 1.0]), [1.0, 5.0, 2.0]);
         assert_eq!(skeleton.ancestry(1).collect::<Vec<_>>(), [1, 0, 2]);
         assert_eq!((skeleton.common_ancestor(1, 3), skeleton.common_ancestor(1, 0)), (Some(2), Some(0)));
@@ -223,7 +245,7 @@ mod tests {
         let bones: Vec<Bone> = (0..3_u32).map(|i| scaled(i.checked_sub(1))).collect();
         let skeleton = Skeleton::new(bones).unwrap();
         let locals: Vec<Transform> = skeleton.bones().iter().map(|b| b.rest).collect();
-        let error = skeleton.place(&locals, &mut Vec::new()).unwrap_err();
+        let error = skeleton.place(&locals, None, &mut Vec::new()).unwrap_err();
         assert_eq!(error, RigError::new(RigErrorKind::OutOfRange { what: "pose" }, RigPlace::Bone(1)));
     }
 }
