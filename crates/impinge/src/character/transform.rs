@@ -109,7 +109,7 @@ pub(super) fn slerp(a: [f64; 4], b: [f64; 4], t: f64) -> [f64; 4] {
     let cosine: f64 = (0..4).map(|k| a[k] * b[k]).sum();
     let (b, cosine) = if cosine < 0.0 { (b.map(|x| -x), -cosine) } else { (b, cosine) };
     let y = cosine.min(1.0) - 1.0;
-    let (of_a, of_b) = (sine_ratio(1.0 - t, y), sine_ratio(t, y));
+    let [of_a, of_b] = sine_ratios([1.0 - t, t], y);
     nearly_unit([0, 1, 2, 3].map(|k| of_a * a[k] + of_b * b[k]))
 }
 
@@ -121,7 +121,7 @@ pub(super) fn nearly_unit(q: [f64; 4]) -> [f64; 4] {
     q.map(|x| x * by)
 }
 
-/// What t² is multiplied with and what is taken off in each term of [`sine_ratio`]: 1 / (i (2i + 1)) and i / (2i + 1).
+/// What t² is multiplied with and what is taken off in each term of [`sine_ratios`]: 1 / (i (2i + 1)) and i / (2i + 1).
 const FACTORS: [[f64; 2]; 63] = {
     let (mut factors, mut at) = ([[0.0; 2]; 63], 0);
     while at < 63 {
@@ -132,18 +132,20 @@ const FACTORS: [[f64; 2]; 63] = {
     factors
 };
 
-/// sin tθ / sin θ for t from 0 to 1 and y = cos θ - 1 from -1 to 0.
-fn sine_ratio(t: f64, y: f64) -> f64 {
-    let (mut term, mut sum, square) = (t, t, t * t);
+/// sin tθ / sin θ for two t from 0 to 1, side by side, and y = cos θ - 1 from -1 to 0.
+fn sine_ratios(t: [f64; 2], y: f64) -> [f64; 2] {
+    let (mut terms, mut sums, squares) = (t, t, t.map(|t| t * t));
     for [of_square, constant] in FACTORS {
-        term *= (of_square * square - constant) * y;
-        let next = sum + term;
-        if next == sum {
+        let before = sums;
+        for k in 0..2 {
+            terms[k] *= (of_square * squares[k] - constant) * y;
+            sums[k] += terms[k];
+        }
+        if sums == before {
             break;
         }
-        sum = next;
     }
-    sum
+    sums
 }
 
 #[cfg(test)]
