@@ -12,6 +12,7 @@ mod check;
 mod console;
 mod failure;
 mod fit;
+mod hits;
 mod inspect;
 mod numerals;
 mod output;
@@ -41,6 +42,7 @@ enum Command {
     Bake(bake::Arguments),
     Check(check::Arguments),
     Fit(fit::Arguments),
+    Hits(hits::Arguments),
     Inspect(inspect::Arguments),
     World(world::Arguments),
 }
@@ -64,6 +66,7 @@ fn main() -> ExitCode {
             Command::Bake(arguments) => bake::run(&arguments),
             Command::Check(arguments) => check::run(&arguments),
             Command::Fit(arguments) => fit::run(&arguments),
+            Command::Hits(arguments) => hits::run(&arguments),
             Command::Inspect(arguments) => inspect::run(&arguments),
             Command::World(arguments) => world::run(&arguments),
         },

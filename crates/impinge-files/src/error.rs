@@ -5,6 +5,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use impinge::character::RigErrorKind;
+
 use crate::format::Format;
 
 /// A file that could not be loaded: which file, where in it, what is wrong and what to do.
@@ -96,6 +98,11 @@ pub enum LoadErrorKind {
         /// What is wrong with it.
         what: String,
     },
+    /// A character cannot be animated.
+    BrokenRig {
+        /// What is wrong with its bones, weights or keys.
+        kind: RigErrorKind,
+    },
     /// A file names another file that lies outside its own folder.
     OutsideFolder {
         /// The name.
@@ -186,7 +193,7 @@ impl LoadError {
 
 impl LoadErrorKind {
     /// A short stable name: `io`, `unsupported-format`, `unsupported-feature`, `empty`, `wrong-content`, `truncated`,
-    /// `syntax`, `non-finite`, `index-out-of-bounds`, `too-many`, `corrupt` or `outside-folder`.
+    /// `syntax`, `non-finite`, `index-out-of-bounds`, `too-many`, `corrupt`, `broken-rig` or `outside-folder`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -201,6 +208,7 @@ impl LoadErrorKind {
             Self::IndexOutOfBounds { .. } => "index-out-of-bounds",
             Self::TooMany { .. } => "too-many",
             Self::Corrupt { .. } => "corrupt",
+            Self::BrokenRig { .. } => "broken-rig",
             Self::OutsideFolder { .. } => "outside-folder",
         }
     }
@@ -239,6 +247,7 @@ impl fmt::Display for LoadErrorKind {
                 write!(f, "{count} {what} are more than the {limit} that are allowed")
             }
             Self::Corrupt { what } => f.write_str(what),
+            Self::BrokenRig { kind } => write!(f, "{kind}"),
             Self::OutsideFolder { uri } => write!(f, "{uri:?} is not a file inside this file's folder"),
         }
     }

@@ -29,6 +29,7 @@
 //! file, but not without limit. A file without triangles is a valid, empty one, unless it has no bytes at all.
 
 mod baked;
+mod character_file;
 mod error;
 mod format;
 mod gltf;
@@ -48,12 +49,14 @@ mod weld;
 use std::{fs::File, io::Read, path::Path};
 
 pub use baked::{Baked, Provenance, write_baked};
+pub use character_file::{character_text, load_character, load_plan, parse_character, parse_plan};
 pub use error::{LoadError, LoadErrorKind, Place};
 pub use format::Format;
 pub use model::{Model, Warning, WarningKind};
 pub use ply::write_ply;
 pub use unit::{Unit, UnknownUnit};
 
+use impinge::character::Rig;
 use model::Warnings;
 
 /// Loads the triangles of a file.
@@ -75,6 +78,44 @@ fn load_file(path: &Path) -> Result<Model, LoadError> {
     let mut bytes = Vec::new();
     file.read_to_end(&mut bytes).map_err(|e| LoadError::io(&e))?;
     read(&bytes, format, path.parent())
+}
+
+/// Loads the rigged character of a glTF or GLB file: its skeleton, its skin with morph targets, and its animations.
+///
+/// ```no_run
+/// let rig = impinge_files::load_rig("robot.glb")?;
+/// println!("{} bones, {} animations", rig.skeleton().bones().len(), rig.animations().len());
+/// # Ok::<(), impinge_files::LoadError>(())
+/// ```
+///
+/// # Errors
+/// As [`load`], for another format, and [`BrokenRig`](LoadErrorKind::BrokenRig) for what cannot be animated: it names the
+/// node or the accessor.
+pub fn load_rig(path: impl AsRef<Path>) -> Result<Rig, LoadError> {
+    let path = path.as_ref();
+    let read = || {
+        let bytes = std::fs::read(path).map_err(|e| LoadError::io(&e))?;
+        read_rig(&bytes, path.parent())
+    };
+    read().map_err(|e| e.in_file(path))
+}
+
+/// Reads the rigged character of the bytes of a glTF or GLB file. Other files that it names are not read.
+///
+/// # Errors
+/// As [`load_rig`]; the error's path is empty.
+pub fn parse_rig(bytes: &[u8]) -> Result<Rig, LoadError> {
+    read_rig(bytes, None)
+}
+
+fn read_rig(bytes: &[u8], folder: Option<&Path>) -> Result<Rig, LoadError> {
+    if bytes.is_empty() {
+        return Err(LoadError::new(LoadErrorKind::Empty));
+    }
+    match Format::of_content(bytes).unwrap_or(Format::Gltf) {
+        format @ (Format::Gltf | Format::Glb) => gltf::rig::read(bytes, format, folder),
+        other => Err(LoadError::unsupported(format!("a rig in a file of format {other}"))),
+    }
 }
 
 /// Reads the triangles of a file's bytes, which should be of this format. Other files that they name are not read.

@@ -1,5 +1,6 @@
 //! Exact, fast collision detection for triangle meshes.
 
+pub mod character;
 pub mod convex;
 pub mod exact;
 pub mod hierarchy;

@@ -1,7 +1,7 @@
 //! `impinge inspect`: the hierarchy of a mesh, the mesh's health, and a picture of the boxes of one level.
 
 mod json;
-mod picture;
+pub(crate) mod picture;
 mod report;
 
 use std::path::PathBuf;

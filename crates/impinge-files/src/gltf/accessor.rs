@@ -15,12 +15,12 @@ pub(super) struct Source<'a> {
 }
 
 /// Types of components by their OpenGL numbers.
-const I8: u32 = 5120;
-const U8: u32 = 5121;
-const I16: u32 = 5122;
-const U16: u32 = 5123;
+pub(super) const I8: u32 = 5120;
+pub(super) const U8: u32 = 5121;
+pub(super) const I16: u32 = 5122;
+pub(super) const U16: u32 = 5123;
 const U32: u32 = 5125;
-const F32: u32 = 5126;
+pub(super) const F32: u32 = 5126;
 
 impl Source<'_> {
     /// How many elements an accessor has.
@@ -55,6 +55,16 @@ impl Source<'_> {
             Err(in_accessor(LoadError::new(kind), accessor))
         });
         checked.collect()
+    }
+
+    /// The elements of an accessor that is to have this shape and one of these types, in f64; they may be NaN.
+    pub(super) fn numbers<const N: usize>(
+        &self,
+        accessor: u32,
+        shape: &str,
+        types: &[u32],
+    ) -> Result<Vec<[f64; N]>, LoadError> {
+        self.elements::<N>(accessor, shape, types).map_err(|e| in_accessor(e, accessor))
     }
 
     fn elements<const N: usize>(&self, index: u32, shape: &str, types: &[u32]) -> Result<Vec<[f64; N]>, LoadError> {

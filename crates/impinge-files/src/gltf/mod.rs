@@ -13,6 +13,7 @@ mod accessor;
 mod buffer;
 mod container;
 mod document;
+pub(crate) mod rig;
 mod scene;
 #[cfg(test)]
 mod tests;

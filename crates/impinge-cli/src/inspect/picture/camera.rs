@@ -1,7 +1,7 @@
 //! Where the picture is taken from: in parallel projection, from a little above and to the side.
 
 /// A parallel projection to pixels.
-pub(super) struct Camera {
+pub(crate) struct Camera {
     /// Right, down and away from the viewer, as unit vectors of the mesh's frame.
     axes: [[f64; 3]; 3],
     /// The point that is seen in the middle.
@@ -12,14 +12,14 @@ pub(super) struct Camera {
 }
 
 /// A point as it is seen: pixels to the right and down, and how far away in pixels.
-pub(super) type Seen = [f64; 3];
+pub(crate) type Seen = [f64; 3];
 
 /// The part of the picture that is left free on each side.
 const MARGIN: f64 = 0.04;
 
 impl Camera {
     /// Sees all of the boxes, given by their (least, greatest) corners; the longer side of the picture has this many pixels.
-    pub(super) fn around(boxes: &[[[f64; 3]; 2]], up: usize, longer_side: u32) -> Self {
+    pub(crate) fn around(boxes: &[[[f64; 3]; 2]], up: usize, longer_side: u32) -> Self {
         // From the front right, turned by less than half a right angle, so that no two edges of a box hide each other.
         let mut away = [0.0; 3];
         away[up] = -0.42;
@@ -59,19 +59,24 @@ impl Camera {
         camera
     }
 
+    /// The directions that point right and down in the picture.
+    pub(crate) fn right_and_down(&self) -> [[f64; 3]; 2] {
+        [self.axes[0], self.axes[1]]
+    }
+
     /// Width and height in pixels.
-    pub(super) fn size(&self) -> [u32; 2] {
+    pub(crate) fn size(&self) -> [u32; 2] {
         self.size
     }
 
     /// Where a point is seen.
-    pub(super) fn project(&self, point: [f64; 3]) -> Seen {
+    pub(crate) fn project(&self, point: [f64; 3]) -> Seen {
         let seen = self.along_axes(std::array::from_fn(|axis| (point[axis] - self.centre[axis]) * self.scale));
         [seen[0] + 0.5 * f64::from(self.size[0]), seen[1] + 0.5 * f64::from(self.size[1]), seen[2]]
     }
 
     /// How bright a triangle looks from both sides: 0 where it is seen edge on, 1 where the light falls on it upright.
-    pub(super) fn shade(&self, corners: &[[f64; 3]; 3]) -> f64 {
+    pub(crate) fn shade(&self, corners: &[[f64; 3]; 3]) -> f64 {
         let [a, b, c] = corners.map(|corner| self.project(corner));
         let from_a = |p: Seen| [0, 1, 2].map(|axis| p[axis] - a[axis]);
         let normal = cross(from_a(b), from_a(c));
@@ -88,7 +93,7 @@ impl Camera {
 }
 
 /// The eight corners of a box: bit k of a corner's number says whether it has the greatest k-th coordinate.
-pub(super) fn corners([min, max]: &[[f64; 3]; 2]) -> [[f64; 3]; 8] {
+pub(crate) fn corners([min, max]: &[[f64; 3]; 2]) -> [[f64; 3]; 8] {
     std::array::from_fn(|corner| {
         std::array::from_fn(|axis| if corner >> axis & 1 == 1 { max[axis] } else { min[axis] })
     })

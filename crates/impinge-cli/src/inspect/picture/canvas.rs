@@ -12,7 +12,7 @@ const SAMPLES: usize = 2;
 const MESH: [[f64; 3]; 2] = [[96.0, 102.0, 112.0], [226.0, 229.0, 233.0]];
 
 /// A picture in the making.
-pub(super) struct Canvas {
+pub(crate) struct Canvas {
     size: [u32; 2],
     /// Samples to a row.
     width: usize,
@@ -23,19 +23,19 @@ pub(super) struct Canvas {
 }
 
 impl Canvas {
-    pub(super) fn new(size: [u32; 2]) -> Self {
+    pub(crate) fn new(size: [u32; 2]) -> Self {
         let [width, height] = size.map(|side| side as usize * SAMPLES);
         let colours = vec![[255; 3]; width * height];
         Self { size, width, height, colours, depths: vec![f32::INFINITY; width * height] }
     }
 
     /// Width and height in pixels.
-    pub(super) fn size(&self) -> [u32; 2] {
+    pub(crate) fn size(&self) -> [u32; 2] {
         self.size
     }
 
     /// Fills a triangle, given by where its corners are seen.
-    pub(super) fn fill(&mut self, corners: [Seen; 3], brightness: f64) {
+    pub(crate) fn fill(&mut self, corners: [Seen; 3], brightness: f64) {
         let [a, b, c] = corners.map(|[x, y, z]| [x * SAMPLES as f64, y * SAMPLES as f64, z]);
         let area = turn(a, b, c);
         if area == 0.0 || !area.is_finite() {
@@ -64,14 +64,37 @@ impl Canvas {
         }
     }
 
+    /// Tints the inside of a convex polygon, given by its corners in pixels, whatever lies there.
+    pub(crate) fn tint(&mut self, corners: &[[f64; 2]], colour: [u8; 3], opacity: f64) {
+        let corners: Vec<[f64; 2]> = corners.iter().map(|corner| corner.map(|x| x * SAMPLES as f64)).collect();
+        let top = corners.iter().fold(f64::INFINITY, |top, corner| top.min(corner[1])).max(0.0);
+        let bottom = corners.iter().fold(0.0_f64, |bottom, corner| bottom.max(corner[1])).min(self.height as f64);
+        // Casts saturate.
+        for row in top.ceil() as usize..bottom as usize {
+            let y = row as f64 + 0.5;
+            let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+            for (at, a) in corners.iter().enumerate() {
+                let b = corners[(at + 1) % corners.len()];
+                if (a[1] <= y) != (b[1] <= y) {
+                    let x = a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+                    (left, right) = (left.min(x), right.max(x));
+                }
+            }
+            let stroke = Stroke { ends: [[0.0; 2]; 2], colour, opacity, width: 0.0 };
+            for column in left.max(0.0).ceil() as usize..right.clamp(0.0, self.width as f64) as usize {
+                self.blend(column as i64, row as i64, &stroke);
+            }
+        }
+    }
+
     /// Whether a point is seen, and not behind the mesh; `tolerance` pixels of depth count as nothing.
-    pub(super) fn sees(&self, [x, y, z]: Seen, tolerance: f64) -> bool {
+    pub(crate) fn sees(&self, [x, y, z]: Seen, tolerance: f64) -> bool {
         let [column, row] = [x, y].map(|at| (at * SAMPLES as f64) as usize);
         column >= self.width || row >= self.height || z - tolerance <= f64::from(self.depths[row * self.width + column])
     }
 
     /// Lays a line over what is there.
-    pub(super) fn line(&mut self, stroke: &Stroke) {
+    pub(crate) fn line(&mut self, stroke: &Stroke) {
         let [from, to] = stroke.ends.map(|end| end.map(|x| x * SAMPLES as f64));
         let along = usize::from((to[1] - from[1]).abs() > (to[0] - from[0]).abs());
         let length = to[along] - from[along];
@@ -104,7 +127,7 @@ impl Canvas {
     ///
     /// # Errors
     /// Where a side is zero pixels long.
-    pub(super) fn png(&self) -> io::Result<Vec<u8>> {
+    pub(crate) fn png(&self) -> io::Result<Vec<u8>> {
         let mut file = Vec::new();
         let mut encoder = png::Encoder::new(&mut file, self.size[0], self.size[1]);
         encoder.set_color(png::ColorType::Rgb);
@@ -154,6 +177,15 @@ mod tests {
     }
 
     #[test]
+    fn a_polygon_is_tinted_to_its_border() {
+        let mut canvas = Canvas::new([10, 10]);
+        canvas.tint(&[[2.0, 2.0], [8.0, 2.0], [8.0, 8.0], [2.0, 8.0]], [0, 0, 255], 0.5);
+        let pixels = canvas.pixels();
+        assert_eq!(pixels.iter().filter(|pixel| **pixel == [128, 128, 255]).count(), 36);
+        assert_eq!((pixels[5 * 10 + 5], pixels[9 * 10 + 9]), ([128, 128, 255], [255; 3]));
+    }
+
+    #[test]
     fn lines_are_laid_over() {
         let mut canvas = Canvas::new([10, 10]);
         canvas.line(&Stroke { ends: [[0.0, 5.0], [10.0, 5.0]], colour: [0; 3], opacity: 1.0, width: 1.0 });
@@ -162,6 +194,7 @@ mod tests {
         // Far outside, nothing happens.
         canvas.line(&Stroke { ends: [[-50.0, -5.0], [-10.0, -5.0]], colour: [0; 3], opacity: 1.0, width: 1.0 });
         canvas.fill([[f64::NAN; 3]; 3], 1.0);
+        canvas.tint(&[[f64::NAN; 2]; 3], [0; 3], 1.0);
         assert_eq!(canvas.pixels().iter().filter(|pixel| pixel[0] < 200).count(), dark);
     }
 }

@@ -1,9 +1,9 @@
 //! A picture of a mesh in grey with boxes over it: a small software renderer, for PNG, and the same with the boxes as
 //! vectors, for SVG.
 
-mod camera;
-mod canvas;
-mod strokes;
+pub(crate) mod camera;
+pub(crate) mod canvas;
+pub(crate) mod strokes;
 mod svg;
 
 use std::io::{self, Write};

@@ -5,11 +5,11 @@ use super::canvas::Canvas;
 
 /// A line on the picture, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stroke {
-    pub(super) ends: [[f64; 2]; 2],
-    pub(super) colour: [u8; 3],
-    pub(super) opacity: f64,
-    pub(super) width: f64,
+pub(crate) struct Stroke {
+    pub(crate) ends: [[f64; 2]; 2],
+    pub(crate) colour: [u8; 3],
+    pub(crate) opacity: f64,
+    pub(crate) width: f64,
 }
 
 /// Pixels between two looks at whether an edge is hidden.
@@ -19,11 +19,11 @@ const STEP: f64 = 1.5;
 const TOLERANCE: f64 = 1.5;
 
 /// Colours that neighbours are told apart by (Okabe, Ito, *Color universal design*, 2008, without yellow and black).
-const COLOURS: [[u8; 3]; 6] =
+pub(crate) const COLOURS: [[u8; 3]; 6] =
     [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [230, 159, 0]];
 
 /// The edges of all boxes: those that are hidden first, so that the others lie over them.
-pub(super) fn of_boxes(boxes: &[[[f64; 3]; 2]], camera: &Camera, canvas: &Canvas) -> Vec<Stroke> {
+pub(crate) fn of_boxes(boxes: &[[[f64; 3]; 2]], camera: &Camera, canvas: &Canvas) -> Vec<Stroke> {
     let width = if boxes.len() > 40 { 1.5 } else { 2.0 };
     let mut strokes = Vec::new();
     for (number, bounds) in boxes.iter().enumerate() {

@@ -1,0 +1,218 @@
+//! A thousand animated characters, all against all, and a thousand rays, each frame; and what rays cost against each kind of volume.
+//!
+//! `cargo run --release -p impinge-bench --bin characters`
+
+#![forbid(unsafe_code)]
+#![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
+
+use std::hint::black_box;
+use std::path::Path;
+
+use anyhow::{Result, ensure};
+use clap::Parser;
+use impinge::character::{Character, Mode, Plan, Posed, Rig, RigPose, VolumeKind};
+use impinge::mesh::Ray;
+use impinge_bench::samples::{Samples, timed};
+use impinge_bench::table::{Table, time};
+use impinge_testkit::generate::Rng;
+use rayon::prelude::*;
+
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
+/// Times crowds of animated characters, and checks them against all pairs
+#[derive(Parser)]
+struct Arguments {
+    /// Frames of each crowd
+    #[arg(long, value_name = "N", default_value_t = 30)]
+    repeats: usize,
+    /// Threads
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    threads: usize,
+    /// Volumes of a character
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    volumes: usize,
+    /// Crowds of up to so many
+    #[arg(long, value_name = "N", default_value_t = 10_000)]
+    most: usize,
+}
+
+fn main() -> Result<()> {
+    let Arguments { repeats, threads, volumes, most } = Arguments::parse();
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+    let rig = impinge_files::load_rig(Path::new(ROOT).join("data/robot.glb"))?;
+    kinds(&rig)?;
+    let character = Character::fit(&rig, &Plan::automatic(&rig, volumes)?, Mode::Conservative)?;
+    println!("\nA frame of characters of {} volumes on {threads} threads, and 1,000 rays", character.parts().len());
+    let mut table = Table::new(["", "pose", "sweep", "parts", "rays", "all", "pairs", "of parts", "hits"]);
+    for count in [100, 300, 1000, 3000, 10_000].into_iter().filter(|&count| count <= most) {
+        table.row(crowd(&rig, &character, count, repeats)?);
+    }
+    print!("{table}");
+    Ok(())
+}
+
+/// What a ray costs against a part of each kind, over all parts and poses of a robot.
+fn kinds(rig: &Rig) -> Result<()> {
+    println!("A ray against one part, from everywhere");
+    let mut table = Table::new(["", "time", "struck"]);
+    let mut random = Rng::new(1);
+    let mut unit = || random.uniform(-1.0, 1.0);
+    let rays = (0..10_000).map(|_| {
+        let [from, to] = [8.0, 1.5].map(|reach| [0, 1, 2].map(|k| reach * unit() + [0.0, 2.0, 0.0][k]));
+        Ray::new(from, [0, 1, 2].map(|k| to[k] - from[k]))
+    });
+    let rays: Vec<Ray> = rays.collect::<Result<_, _>>()?;
+    let pose = rig.pose_at(0, 0.5)?;
+    for kind in VolumeKind::ALL {
+        let mut plan = Plan::automatic(rig, 1)?;
+        plan.parts[0].kind = Some(kind);
+        let character = Character::fit(rig, &plan, Mode::Conservative)?;
+        let posed = Posed::new(&character, &pose);
+        let mut struck = 0;
+        let samples = Samples::take(9, || {
+            let (seconds, hits) = timed(|| rays.iter().filter(|ray| posed.ray_cast(black_box(ray)).is_some()).count());
+            struck = hits;
+            anyhow::Ok(seconds / rays.len() as f64)
+        })?;
+        table.row([kind.name().to_owned(), time(samples.min()), struck.to_string()]);
+    }
+    print!("{table}");
+    Ok(())
+}
+
+/// A character of a crowd: it stands still and plays an animation.
+struct Member {
+    animation: usize,
+    offset: f64,
+    place: [f64; 3],
+}
+
+fn crowd(rig: &Rig, character: &Character, count: usize, repeats: usize) -> Result<[String; 9]> {
+    let mut random = Rng::new(3);
+    // Some four square metres each: many touch one other, few more.
+    let side = (40.0 * count as f64).sqrt();
+    let mut share = || random.unit();
+    let members: Vec<Member> = (0..count)
+        .map(|_| Member {
+            animation: (share() * rig.animations().len() as f64) as usize,
+            offset: 10.0 * share(),
+            place: [side * share(), 0.0, side * share()],
+        })
+        .collect();
+    let rays: Vec<([f64; 3], [f64; 3])> = (0..1000)
+        .map(|_| {
+            let from = [side * share(), 1.0 + 2.0 * share(), side * share()];
+            (from, [20.0 * (share() - 0.5), share() - 0.5, 20.0 * (share() - 0.5)])
+        })
+        .collect();
+    let mut posed: Vec<(RigPose, Posed<'_>)> = members
+        .iter()
+        .map(|member| {
+            let pose = rig.pose_at(member.animation, 0.0)?;
+            let posed = Posed::new(character, &pose);
+            Ok((pose, posed))
+        })
+        .collect::<Result<_>>()?;
+    let bones = character.bones(rig);
+    let mut phases = vec![Vec::new(); 5];
+    let (mut pairs_of_bodies, mut pairs_of_parts, mut hits) = (0, 0, 0);
+    for frame in 0..repeats.max(1) {
+        let now = frame as f64 / 60.0;
+        let (pose_seconds, posing) = timed(|| {
+            posed.par_iter_mut().zip(&members).try_for_each(|((pose, posed), member)| {
+                let [start, end] = rig.animations()[member.animation].span();
+                let at = start + (now + member.offset) % (end - start);
+                rig.pose_bones_into(member.animation, at, &bones, pose)?;
+                posed.set_at(pose, member.place);
+                anyhow::Ok(())
+            })
+        });
+        posing?;
+        let (sweep_seconds, (bodies, shots)) = timed(|| sweep(&posed, &rays));
+        let (parts_seconds, found) = timed(|| {
+            bodies
+                .par_iter()
+                .map(|&(a, b)| {
+                    let mut found = 0_usize;
+                    posed[a as usize].1.pairs_with(&posed[b as usize].1, &mut |_, _| found += 1)?;
+                    anyhow::Ok(found)
+                })
+                .try_reduce(|| 0, |a, b| Ok(a + b))
+        });
+        let (rays_seconds, struck) = timed(|| {
+            shots
+                .par_iter()
+                .map(|&(ray, body)| {
+                    let (from, direction) = rays[ray as usize];
+                    let ray = Ray::new(from, direction)?;
+                    let hit = posed[body as usize].1.ray_cast(&ray);
+                    anyhow::Ok(usize::from(hit.is_some_and(|hit| hit.t <= 1.0)))
+                })
+                .try_reduce(|| 0, |a, b| Ok(a + b))
+        });
+        pairs_of_bodies = bodies.len();
+        (pairs_of_parts, hits) = (found?, struck?);
+        let all = pose_seconds + sweep_seconds + parts_seconds + rays_seconds;
+        let seconds = [pose_seconds, sweep_seconds, parts_seconds, rays_seconds, all];
+        phases.iter_mut().zip(seconds).for_each(|(phase, seconds)| phase.push(seconds));
+    }
+    if count <= 1000 {
+        check(&posed, &rays, pairs_of_parts, hits)?;
+    }
+    let least = |phase: usize| time(phases[phase].iter().copied().fold(f64::INFINITY, f64::min));
+    let counts = [pairs_of_bodies, pairs_of_parts, hits].map(|n| n.to_string());
+    let [bodies, parts, hits] = counts;
+    Ok([count.to_string(), least(0), least(1), least(2), least(3), least(4), bodies, parts, hits])
+}
+
+/// Pairs of characters whose boxes overlap, and of rays and characters, by sorting the lower ends along x.
+fn sweep(posed: &[(RigPose, Posed<'_>)], rays: &[([f64; 3], [f64; 3])]) -> (Vec<(u32, u32)>, Vec<(u32, u32)>) {
+    let bodies = posed.len() as u32;
+    let of_body = |body: &(RigPose, Posed<'_>)| body.1.outer();
+    let of_ray = |(from, by): &([f64; 3], [f64; 3])| {
+        let to = [0, 1, 2].map(|k| from[k] + by[k]);
+        [[0, 1, 2].map(|k| from[k].min(to[k])), [0, 1, 2].map(|k| from[k].max(to[k]))]
+    };
+    let boxes: Vec<[[f64; 3]; 2]> = posed.iter().map(of_body).chain(rays.iter().map(of_ray)).collect();
+    let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+    order.par_sort_unstable_by(|&a, &b| boxes[a as usize][0][0].total_cmp(&boxes[b as usize][0][0]).then(a.cmp(&b)));
+    let sorted: Vec<(u32, [[f64; 3]; 2])> = order.into_iter().map(|at| (at, boxes[at as usize])).collect();
+    let found: Vec<Vec<(u32, u32)>> = sorted
+        .par_iter()
+        .enumerate()
+        .with_min_len(64)
+        .map(|(at, (a, bounds))| {
+            let mut found = Vec::new();
+            for (b, other) in &sorted[at + 1..] {
+                if other[0][0] > bounds[1][0] {
+                    break;
+                }
+                let overlap = |k: usize| bounds[0][k] <= other[1][k] && other[0][k] <= bounds[1][k];
+                if (*a < bodies || *b < bodies) && overlap(2) && overlap(1) {
+                    found.push(((*a).min(*b), (*a).max(*b)));
+                }
+            }
+            found
+        })
+        .collect();
+    let (pairs, shots): (Vec<_>, Vec<_>) = found.into_iter().flatten().partition(|pair| pair.1 < bodies);
+    (pairs, shots.into_iter().map(|(body, ray)| (ray - bodies, body)).collect())
+}
+
+/// Against all pairs of characters, and all rays against all.
+fn check(posed: &[(RigPose, Posed<'_>)], rays: &[([f64; 3], [f64; 3])], pairs: usize, hits: usize) -> Result<()> {
+    let mut all = 0;
+    for (at, (_, a)) in posed.iter().enumerate() {
+        for (_, b) in &posed[..at] {
+            a.pairs_with(b, &mut |_, _| all += 1)?;
+        }
+    }
+    ensure!(all == pairs, "{pairs} pairs of parts, where all against all finds {all}");
+    let mut struck = 0;
+    for &(from, direction) in rays {
+        let ray = Ray::new(from, direction)?;
+        struck += posed.iter().filter(|(_, p)| p.ray_cast(&ray).is_some_and(|hit| hit.t <= 1.0)).count();
+    }
+    ensure!(struck == hits, "{hits} hits, where all rays against all find {struck}");
+    Ok(())
+}

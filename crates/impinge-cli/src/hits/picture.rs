@@ -1,0 +1,119 @@
+//! The contact sheet: frames side by side, the mesh in grey, and over it each volume by its outline and a tint of its colour.
+
+use std::io;
+use std::path::Path;
+
+use impinge::character::{Character, Posed, Rig, RigPose};
+
+use crate::failure::Failure;
+use crate::inspect::picture::camera::Camera;
+use crate::inspect::picture::canvas::Canvas;
+use crate::inspect::picture::strokes::{COLOURS, Stroke};
+
+/// Frames of one animation, and the most of several.
+const FRAMES: usize = 8;
+
+/// Frames to a row.
+const COLUMNS: usize = 4;
+
+/// The side of a frame, in pixels.
+const SIDE: u32 = 480;
+
+/// Corners of an outline.
+const OUTLINE: usize = 96;
+
+/// How colours are called in the report, in the order in which parts get them.
+pub(super) const NAMES: [&str; 6] = ["blue", "red", "green", "pink", "sky", "orange"];
+
+/// The poses of a sheet: some of one animation, or rest and the middle of the others.
+///
+/// # Errors
+/// An animation that does not exist, or poses out of range.
+pub(super) fn poses(rig: &Rig, animation: Option<&str>, path: &Path) -> Result<Vec<RigPose>, Failure> {
+    let broken = |error: impinge::character::RigError| Failure::new("rig", error.to_string()).in_file(path);
+    let at = |animation: usize, share: f64| {
+        let [start, end] = rig.animations()[animation].span();
+        rig.pose_at(animation, start + share * (end - start)).map_err(broken)
+    };
+    let Some(name) = animation else {
+        let mut poses = vec![rig.rest_pose().map_err(broken)?];
+        for animation in 0..rig.animations().len().min(FRAMES - 1) {
+            poses.push(at(animation, 0.5)?);
+        }
+        return Ok(poses);
+    };
+    let Some(found) = rig.animations().iter().position(|animation| animation.name() == name) else {
+        let known: Vec<&str> = rig.animations().iter().map(|animation| animation.name()).collect();
+        let failure = Failure::new("no-animation", format!("there is no animation {name:?}")).in_file(path);
+        return Err(failure.hint(format!("it has {}", known.join(", "))));
+    };
+    (0..FRAMES).map(|frame| at(found, frame as f64 / (FRAMES - 1) as f64)).collect()
+}
+
+/// The picture.
+pub(super) struct Sheet(Canvas);
+
+impl Sheet {
+    pub(super) fn draw(rig: &Rig, character: &Character, poses: &[RigPose]) -> Self {
+        let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        for pose in poses {
+            let [low, high] = Posed::new(character, pose).outer();
+            bounds = [[0, 1, 2].map(|k| bounds[0][k].min(low[k])), [0, 1, 2].map(|k| bounds[1][k].max(high[k]))];
+        }
+        let camera = Camera::around(&[bounds], 1, SIDE);
+        let (columns, rows) = (poses.len().clamp(1, COLUMNS), poses.len().div_ceil(COLUMNS).max(1));
+        let [width, height] = camera.size();
+        let mut canvas = Canvas::new([width * columns as u32, height * rows as u32]);
+        let mut vertices = Vec::new();
+        for (at, pose) in poses.iter().enumerate() {
+            let corner = [(at % columns) as f64 * f64::from(width), (at / columns) as f64 * f64::from(height)];
+            rig.skin().skinned(pose, &mut vertices);
+            for face in rig.skin().faces() {
+                let corners = face.map(|vertex| vertices[vertex as usize]);
+                let seen = corners.map(|point| {
+                    let [x, y, z] = camera.project(point);
+                    [x + corner[0], y + corner[1], z]
+                });
+                canvas.fill(seen, camera.shade(&corners));
+            }
+            volumes(&mut canvas, &camera, corner, character, pose);
+        }
+        Self(canvas)
+    }
+
+    /// # Errors
+    /// Where a side is zero pixels long.
+    pub(super) fn png(&self) -> io::Result<Vec<u8>> {
+        self.0.png()
+    }
+}
+
+/// Those that are nearer over those that are farther.
+fn volumes(canvas: &mut Canvas, camera: &Camera, corner: [f64; 2], character: &Character, pose: &RigPose) {
+    let posed = Posed::new(character, pose);
+    let [right, down] = camera.right_and_down();
+    let depth = |part: usize| {
+        let (centre, _) = character.parts()[part].volume().bounding_sphere();
+        camera.project(posed.frames()[part].apply(centre))[2]
+    };
+    let mut order: Vec<usize> = (0..character.parts().len()).collect();
+    order.sort_by(|&a, &b| depth(b).total_cmp(&depth(a)));
+    for part in order {
+        let frame = &posed.frames()[part];
+        let colour = COLOURS[part % COLOURS.len()];
+        let outline: Vec<[f64; 2]> = (0..OUTLINE)
+            .map(|step| {
+                let (sine, cosine) = (std::f64::consts::TAU * step as f64 / OUTLINE as f64).sin_cos();
+                let direction = [0, 1, 2].map(|k| cosine * right[k] + sine * down[k]);
+                let origin = frame.apply([0.0; 3]);
+                let local = frame.local([0, 1, 2].map(|k| origin[k] + direction[k]));
+                let [x, y, _] = camera.project(frame.apply(character.parts()[part].volume().support(local)));
+                [x + corner[0], y + corner[1]]
+            })
+            .collect();
+        canvas.tint(&outline, colour, 0.28);
+        for (at, &from) in outline.iter().enumerate() {
+            canvas.line(&Stroke { ends: [from, outline[(at + 1) % OUTLINE]], colour, opacity: 1.0, width: 2.0 });
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! The parts of a character as a text to be edited, and read back: TOML, one table a part.
+//!
+//! ```toml
+//! [[part]]
+//! name = "left arm"
+//! bones = ["LowerArm.L", "UpperArm.L"]
+//! anchor = "UpperArm.L"
+//! kind = "capsule"
+//! ```
+//! Of each part only the bones are needed. `kind` says which volume to fit; without it the best is chosen. What `--save` adds,
+//! the numbers of a fitted volume, is taken as it is by [`load_character`] and ignored by [`load_plan`].
+
+use std::path::Path;
+
+use impinge::character::{Character, HitHull, HitPart, HitVolume, PartPlan, Plan, Rig, VolumeKind};
+use impinge::volume::{BoundingSphere, Capsule, Lozenge, Obb};
+use serde::{Deserialize, Serialize};
+
+use crate::error::{LoadError, Place};
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    part: Vec<Part>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Part {
+    name: Option<String>,
+    /// By name, or by number where a name is empty or not the only one.
+    bones: Vec<BoneName>,
+    anchor: Option<BoneName>,
+    kind: Option<String>,
+    looseness: Option<f64>,
+    radius: Option<f64>,
+    half_extents: Option<[f64; 3]>,
+    /// Centre, ends, corner or corners.
+    points: Option<Vec<[f64; 3]>>,
+    /// Axes or edges.
+    vectors: Option<Vec<[f64; 3]>>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum BoneName {
+    Name(String),
+    Number(u32),
+}
+
+/// The parts of a fitted character, with the numbers of their volumes to the last bit.
+#[must_use]
+pub fn character_text(rig: &Rig, character: &Character) -> String {
+    let name = |bone: u32| {
+        let name = &rig.skeleton().bones()[bone as usize].name;
+        match find(rig, name) {
+            Some(found) if found == bone => BoneName::Name(name.clone()),
+            _ => BoneName::Number(bone),
+        }
+    };
+    let part = |part: &HitPart| {
+        let (radius, half_extents, points, vectors) = match part.volume() {
+            HitVolume::Sphere(sphere) => (Some(sphere.radius()), None, vec![sphere.centre()], None),
+            HitVolume::Capsule(capsule) => (Some(capsule.radius()), None, capsule.ends().to_vec(), None),
+            HitVolume::Box(obb) => (None, Some(obb.half_extents()), vec![obb.centre()], Some(obb.axes().to_vec())),
+            HitVolume::Lozenge(plate) => {
+                (Some(plate.radius()), None, vec![plate.corner()], Some(plate.edges().to_vec()))
+            }
+            HitVolume::Hull(hull) => (None, None, hull.hull().positions().to_vec(), None),
+        };
+        Part {
+            name: Some(part.name.clone()),
+            bones: part.bones.iter().map(|&bone| name(bone)).collect(),
+            anchor: Some(name(part.anchor)),
+            kind: Some(part.volume().kind().name().to_owned()),
+            looseness: Some(part.looseness),
+            radius,
+            half_extents,
+            points: Some(points),
+            vectors,
+        }
+    };
+    let file = File { part: character.parts().iter().map(part).collect() };
+    // Plain structs of text and finite numbers always serialise.
+    toml::to_string(&file).unwrap_or_default()
+}
+
+/// The only bone of a name, of those that are joints, or else of all: nodes of meshes often have the names of joints.
+fn find(rig: &Rig, name: &str) -> Option<u32> {
+    let bones = rig.skeleton().bones();
+    let named = |bone: &u32| bones[*bone as usize].name == name && !name.is_empty();
+    let only = |mut found: Vec<u32>| {
+        found.sort_unstable();
+        found.dedup();
+        match found[..] {
+            [one] => Some(one),
+            _ => None,
+        }
+    };
+    let joints = rig.skin().joints().iter().map(|joint| joint.bone).filter(named).collect();
+    only(joints).or_else(|| only((0..bones.len() as u32).filter(named).collect()))
+}
+
+/// Reads which bones make the parts of a rig, and what else a person says about these.
+///
+/// # Errors
+/// Where the file cannot be read or is no such text; bones, or kinds of volumes, that do not exist.
+pub fn load_plan(path: impl AsRef<Path>, rig: &Rig) -> Result<Plan, LoadError> {
+    let path = path.as_ref();
+    let text = std::fs::read_to_string(path).map_err(|e| LoadError::io(&e).in_file(path))?;
+    parse_plan(&text, rig).map_err(|e| e.in_file(path))
+}
+
+/// Reads a plan from text.
+///
+/// # Errors
+/// As [`load_plan`]; the error's path is empty.
+pub fn parse_plan(text: &str, rig: &Rig) -> Result<Plan, LoadError> {
+    let parts = read(text)?;
+    let of_part = |(at, part): (usize, &Part)| plan(rig, part, at);
+    Ok(Plan { parts: parts.iter().enumerate().map(of_part).collect::<Result<_, _>>()? })
+}
+
+/// Reads a fitted character that was saved, without fitting anything.
+///
+/// # Errors
+/// As [`load_plan`]; a part without a volume, or whose numbers make none.
+pub fn load_character(path: impl AsRef<Path>, rig: &Rig) -> Result<Character, LoadError> {
+    let path = path.as_ref();
+    let text = std::fs::read_to_string(path).map_err(|e| LoadError::io(&e).in_file(path))?;
+    parse_character(&text, rig).map_err(|e| e.in_file(path))
+}
+
+/// Reads a fitted character from text.
+///
+/// # Errors
+/// As [`load_character`]; the error's path is empty.
+pub fn parse_character(text: &str, rig: &Rig) -> Result<Character, LoadError> {
+    let mut parts = Vec::new();
+    for (at, part) in read(text)?.iter().enumerate() {
+        let PartPlan { name, bones, anchor, kind } = plan(rig, part, at)?;
+        let volume = kind.and_then(|kind| volume(part, kind));
+        let volume = volume.ok_or_else(|| in_part(LoadError::syntax("the numbers of a volume", b""), at))?;
+        parts.push(HitPart::new(name, bones, anchor, volume, part.looseness.unwrap_or(1.0)));
+    }
+    Character::of_parts(rig, parts).map_err(|e| LoadError::syntax("parts of this rig", e.to_string().as_bytes()))
+}
+
+fn read(text: &str) -> Result<Vec<Part>, LoadError> {
+    let line = |offset: usize| 1 + text.as_bytes()[..offset.min(text.len())].iter().filter(|b| **b == b'\n').count();
+    toml::from_str::<File>(text).map(|file| file.part).map_err(|e| {
+        let error = LoadError::syntax("a table [[part]] for each part", e.message().as_bytes());
+        match e.span() {
+            Some(span) => error.at(Place::Line(line(span.start) as u64)),
+            None => error,
+        }
+    })
+}
+
+fn in_part(error: LoadError, part: usize) -> LoadError {
+    error.at(Place::Entry(format!("part {part}")))
+}
+
+fn plan(rig: &Rig, part: &Part, at: usize) -> Result<PartPlan, LoadError> {
+    let bone = |name: &BoneName| {
+        let (found, text) = match name {
+            BoneName::Name(name) => (find(rig, name), name.clone()),
+            BoneName::Number(number) => {
+                (Some(*number).filter(|&n| (n as usize) < rig.skeleton().bones().len()), number.to_string())
+            }
+        };
+        found.ok_or_else(|| in_part(LoadError::syntax("a bone of the rig", text.as_bytes()), at))
+    };
+    let bones = part.bones.iter().map(bone).collect::<Result<Vec<u32>, _>>()?;
+    let anchor = match (&part.anchor, bones.first()) {
+        (Some(anchor), _) => bone(anchor)?,
+        (None, Some(&first)) => first,
+        (None, None) => return Err(in_part(LoadError::syntax("a bone", b""), at)),
+    };
+    let kind = match part.kind.as_deref() {
+        None => None,
+        Some(name) => {
+            let known = || in_part(LoadError::syntax("sphere, capsule, box, lozenge or hull", name.as_bytes()), at);
+            Some(VolumeKind::from_name(name).ok_or_else(known)?)
+        }
+    };
+    let name = part.name.clone().unwrap_or_else(|| rig.skeleton().bones()[anchor as usize].name.clone());
+    Ok(PartPlan { name, bones, anchor, kind })
+}
+
+fn volume(part: &Part, kind: VolumeKind) -> Option<HitVolume> {
+    let points = part.points.as_deref()?;
+    let vectors = part.vectors.as_deref().unwrap_or_default();
+    Some(match (kind, points, vectors) {
+        (VolumeKind::Sphere, &[centre], []) => HitVolume::Sphere(BoundingSphere::new(centre, part.radius?).ok()?),
+        (VolumeKind::Capsule, &[from, to], []) => HitVolume::Capsule(Capsule::new(from, to, part.radius?).ok()?),
+        (VolumeKind::Lozenge, &[corner], &[u, v]) => {
+            HitVolume::Lozenge(Lozenge::new(corner, [u, v], part.radius?).ok()?)
+        }
+        (VolumeKind::Box, &[centre], &[x, y, z]) => {
+            HitVolume::Box(Obb::new(centre, [x, y, z], part.half_extents?).ok()?)
+        }
+        (VolumeKind::Hull, corners, []) => HitVolume::Hull(HitHull::new(corners).ok()?),
+        _ => return None,
+    })
+}

@@ -1,0 +1,383 @@
+//! Rigged characters from glTF 2.0: skins, joints, weights, morph targets and animations.
+//!
+//! - Every node is a bone, in the order of the file. A node with a matrix is taken apart into translation, rotation and
+//!   scale, which glTF wants to be possible.
+//! - The surface is that of the scene which is loaded: all its meshes in one. A mesh with a skin follows its joints and not its
+//!   own node; one without follows its node whole.
+//! - Channels that move no node, or something else of it than its transform and its morph weights, are left out.
+
+mod document;
+mod motion;
+
+use std::path::Path;
+
+use impinge::character::{
+    Bone, Influence, Joint, Morph, Rig, RigError, RigErrorKind, RigPlace, Skeleton, Skin, Transform,
+};
+
+use super::{
+    Reader,
+    accessor::{F32, I8, I16, Source, U8, U16, missing},
+    buffer::Buffers,
+    container,
+    document::{Document, Node},
+    read_document,
+    scene::{self, Instance},
+};
+use crate::{
+    error::{LoadError, LoadErrorKind, Place},
+    format::Format,
+    instance::Budget,
+    model::Faces,
+    text::name,
+};
+use document::{RigDocument, RigMesh, RigPrimitive};
+
+/// Reads the rig of a document whose external buffers lie in `folder`.
+pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Rig, LoadError> {
+    let mut warnings = crate::model::Warnings::default();
+    let (json, chunk) = match format {
+        Format::Glb => container::split(bytes, &mut warnings)?,
+        _ => (bytes, None),
+    };
+    let document = read_document(json, format)?;
+    let extra: RigDocument = serde_json::from_slice(crate::text::without_bom(json)).map_err(|e| {
+        let error = LoadErrorKind::Syntax { expected: "a rigged glTF document".into(), found: e.to_string() };
+        LoadError::new(error).at(Place::Entry(format!("line {} column {}", e.line(), e.column())))
+    })?;
+    let buffers = Buffers::load(&document.buffers, chunk, folder)?;
+    let source = Source { document: &document, buffers: &buffers };
+    let instances = scene::instances(&document)?;
+    let budget = Budget::for_bytes(bytes.len() as u64 + buffers.total_len());
+    let mut reader = RigReader::new(source, &extra, budget);
+    for instance in &instances {
+        reader.instance(instance)?;
+    }
+    reader.into_rig()
+}
+
+/// What the joints of a skin, or of a node, became.
+struct JointRange {
+    skin: Option<u32>,
+    node: Option<u32>,
+    first: u32,
+}
+
+/// Where vertices came from, for errors.
+struct VertexRange {
+    first: usize,
+    place: String,
+}
+
+struct RigReader<'a> {
+    reader: Reader<'a>,
+    extra: &'a RigDocument,
+    budget: Budget,
+    /// How many numbers of each kind were stored.
+    stored: u64,
+    positions: Vec<[f64; 3]>,
+    influences: Vec<Vec<Influence>>,
+    joints: Vec<Joint>,
+    joint_ranges: Vec<JointRange>,
+    vertex_ranges: Vec<VertexRange>,
+    morphs: Vec<Morph>,
+    /// The first morph target of each node that has any.
+    morphs_of_node: Vec<Option<u32>>,
+}
+
+impl<'a> RigReader<'a> {
+    fn new(source: Source<'a>, extra: &'a RigDocument, budget: Budget) -> Self {
+        Self {
+            reader: Reader { source, positions: Vec::new(), parts: Vec::new(), faces: Faces::default() },
+            extra,
+            budget,
+            stored: 0,
+            positions: Vec::new(),
+            influences: Vec::new(),
+            joints: Vec::new(),
+            joint_ranges: Vec::new(),
+            vertex_ranges: Vec::new(),
+            morphs: Vec::new(),
+            morphs_of_node: vec![None; source.document.nodes.len()],
+        }
+    }
+
+    fn document(&self) -> &'a Document {
+        self.reader.source.document
+    }
+
+    /// Counts what is about to be read, over all meshes and animations: what entries name again and again would otherwise
+    /// take any amount of memory.
+    fn count(&mut self, what: &'static str, more: u64) -> Result<(), LoadError> {
+        self.stored = self.stored.saturating_add(more);
+        self.budget.check(what, self.stored)
+    }
+
+    fn instance(&mut self, instance: &Instance) -> Result<(), LoadError> {
+        let document = self.document();
+        let mesh = &document.meshes[instance.mesh];
+        let node = instance.node.map(|i| &document.nodes[i]);
+        let skin = node.and_then(|node| node.skin);
+        let first_joint = match (skin, instance.node) {
+            (Some(skin), Some(node)) => {
+                self.joints_of_skin(skin).map_err(|e| e.at(Place::Entry(format!("skin {skin} of node {node}"))))?
+            }
+            (_, node) => self.joint_of_node(node),
+        };
+        let extra = &self.extra.meshes[instance.mesh];
+        let first_morph = self.morphs.len();
+        let targets = targets_of(extra);
+        self.count("morph targets", targets as u64)?;
+        let own = instance.node.and_then(|i| self.extra.nodes[i].weights.as_ref()).or(extra.weights.as_ref());
+        let weight = |at: usize| own.and_then(|weights| weights.get(at)).copied().unwrap_or(0.0);
+        self.morphs.extend((0..targets).map(|at| Morph { weight: weight(at), offsets: Vec::new() }));
+        if let (Some(node), 1..) = (instance.node, targets) {
+            self.morphs_of_node[node] = Some(first_morph as u32);
+        }
+        for (primitive, rigged) in mesh.primitives.iter().zip(&extra.primitives) {
+            let mode = primitive.mode.unwrap_or(4);
+            let Some(accessor) = primitive.attributes.position.filter(|_| mode >= 4) else { continue };
+            self.count("vertices", self.reader.source.count(accessor)?)?;
+            // Draco leaves accessors without data, which would all be at the origin.
+            if primitive.extensions.draco.is_some() {
+                return Err(super::lacking("KHR_draco_mesh_compression"));
+            }
+            let first = self.positions.len();
+            let positions = self.reader.source.positions(accessor)?;
+            let len = positions.len();
+            self.positions.extend(positions);
+            self.weights(rigged, len, first_joint, skin.is_some())?;
+            self.targets(rigged, first, len, first_morph)?;
+            let corners = match primitive.indices {
+                Some(indices) => {
+                    self.count("corners of triangles", self.reader.source.count(indices)?)?;
+                    self.reader.source.indices(indices, len)?
+                }
+                None => (0..len as u32).collect(),
+            };
+            self.reader.triangles(mode, &corners, first as u32, false)?;
+        }
+        Ok(())
+    }
+
+    /// The joints of a skin, read once for all meshes that follow it; the number of the first.
+    fn joints_of_skin(&mut self, skin: u32) -> Result<u32, LoadError> {
+        if let Some(known) = self.joint_ranges.iter().find(|range| range.skin == Some(skin)) {
+            return Ok(known.first);
+        }
+        let entry = self.extra.skins.get(skin as usize).ok_or_else(|| missing("skin", skin))?;
+        let nodes = self.document().nodes.len();
+        if let Some(&joint) = entry.joints.iter().find(|&&joint| joint as usize >= nodes) {
+            return Err(missing("joint node", joint));
+        }
+        let count = entry.joints.len();
+        self.count("joints", count as u64)?;
+        let binds = match entry.inverse_bind_matrices {
+            Some(accessor) => {
+                self.count("inverse bind matrices", self.reader.source.count(accessor)?)?;
+                let matrices = self.reader.source.numbers::<16>(accessor, "MAT4", &[F32])?;
+                if matrices.len() < count {
+                    let found = matrices.len() as u64;
+                    return Err(LoadError::truncated("inverse bind matrices", count as u64, found));
+                }
+                matrices.iter().map(|m| [0, 1, 2].map(|i| [m[i], m[4 + i], m[8 + i], m[12 + i]])).collect()
+            }
+            None => vec![IDENTITY; count],
+        };
+        let first = self.joints.len() as u32;
+        self.joint_ranges.push(JointRange { skin: Some(skin), node: None, first });
+        self.joints.extend(entry.joints.iter().zip(binds).map(|(&bone, inverse_bind)| Joint { bone, inverse_bind }));
+        Ok(first)
+    }
+
+    /// A joint for what follows a node whole. Meshes without a node follow none, so the first bone, which stands still.
+    fn joint_of_node(&mut self, node: Option<usize>) -> u32 {
+        let first = self.joints.len() as u32;
+        let bone = node.unwrap_or(0) as u32;
+        self.joint_ranges.push(JointRange { skin: None, node: Some(bone), first });
+        self.joints.push(Joint { bone, inverse_bind: IDENTITY });
+        first
+    }
+
+    /// The influences of the next `len` vertices.
+    fn weights(&mut self, primitive: &RigPrimitive, len: usize, joint: u32, skinned: bool) -> Result<(), LoadError> {
+        let first = self.influences.len();
+        if !skinned {
+            self.influences.resize(first + len, vec![Influence { joint, weight: 1.0 }]);
+            return Ok(());
+        }
+        self.influences.resize(first + len, Vec::new());
+        let mut place = "a primitive without joints and weights".to_owned();
+        for (set, (joints, weights)) in primitive.attributes.sets().into_iter().enumerate() {
+            let (Some(joints), Some(weights)) = (joints, weights) else { continue };
+            if set == 0 {
+                place = format!("accessor {weights}");
+            }
+            self.count("weights", self.reader.source.count(joints)?.saturating_mul(4))?;
+            let names = self.reader.source.numbers::<4>(joints, "VEC4", &[U8, U16])?;
+            let shares = self.reader.source.numbers::<4>(weights, "VEC4", &[F32, U8, U16])?;
+            for (accessor, found) in [(joints, names.len()), (weights, shares.len())] {
+                if found < len {
+                    let error = LoadError::truncated("vertices", len as u64, found as u64);
+                    return Err(error.at(Place::Entry(format!("accessor {accessor}"))));
+                }
+            }
+            for (vertex, (names, shares)) in names.iter().zip(&shares).take(len).enumerate() {
+                // Names were read from integers of 16 bits. Weights of exactly zero name nothing.
+                let used = (0..4).filter(|&k| shares[k] != 0.0);
+                let influence = |k: usize| Influence { joint: joint + names[k] as u32, weight: shares[k] };
+                self.influences[first + vertex].extend(used.map(influence));
+            }
+        }
+        self.vertex_ranges.push(VertexRange { first, place });
+        let joints = self.joints.len() as u32;
+        let end = self.joint_ranges.iter().map(|range| range.first).filter(|&other| other > joint).min();
+        let end = end.unwrap_or(joints);
+        let beyond = |influence: &Influence| influence.joint >= end;
+        match self.influences[first..].iter().position(|list| list.iter().any(beyond)) {
+            None => Ok(()),
+            Some(vertex) => {
+                let index = self.influences[first + vertex].iter().map(|i| i.joint - joint).max().unwrap_or(0);
+                let kind = RigErrorKind::Missing { what: "joint", index: index as usize, len: (end - joint) as usize };
+                Err(self.error(&RigError::new(kind, RigPlace::Vertex(first + vertex))))
+            }
+        }
+    }
+
+    /// The offsets of morph targets of vertices from `first` on.
+    fn targets(&mut self, primitive: &RigPrimitive, first: usize, len: usize, morph: usize) -> Result<(), LoadError> {
+        for (at, target) in primitive.targets.iter().enumerate() {
+            let Some(accessor) = target.position else { continue };
+            self.count("offsets of morph targets", self.reader.source.count(accessor)?)?;
+            let offsets = self.reader.source.numbers::<3>(accessor, "VEC3", &[F32, I8, I16, U8, U16])?;
+            if offsets.len() < len {
+                let error = LoadError::truncated("offsets", len as u64, offsets.len() as u64);
+                return Err(error.at(Place::Entry(format!("accessor {accessor}"))));
+            }
+            if let Some(vertex) = offsets.iter().position(|offset| !offset.iter().all(|x| x.is_finite())) {
+                let error = LoadError::new(LoadErrorKind::NonFinite { vertex: vertex as u64 });
+                return Err(error.at(Place::Entry(format!("accessor {accessor}"))));
+            }
+            let moved = offsets.iter().take(len).enumerate().filter(|(_, offset)| **offset != [0.0; 3]);
+            self.morphs[morph + at].offsets.extend(moved.map(|(vertex, offset)| ((first + vertex) as u32, *offset)));
+        }
+        Ok(())
+    }
+
+    fn into_rig(mut self) -> Result<Rig, LoadError> {
+        let mut bones = self.bones()?;
+        if bones.is_empty() {
+            bones.push(Bone { name: String::new(), parent: None, rest: Transform::IDENTITY });
+        }
+        let skeleton = Skeleton::new(bones).map_err(|e| self.error(&e))?;
+        let animations = motion::animations(&mut self)?;
+        let positions = std::mem::take(&mut self.positions);
+        let faces = std::mem::take(&mut self.reader.faces.faces);
+        let (joints, morphs) = (self.joints.clone(), std::mem::take(&mut self.morphs));
+        let influences = std::mem::take(&mut self.influences);
+        let skin = Skin::new(positions, faces, joints, &influences, morphs).map_err(|e| self.error(&e))?;
+        Rig::new(skeleton, skin, animations).map_err(|e| self.error(&e))
+    }
+
+    fn bones(&self) -> Result<Vec<Bone>, LoadError> {
+        let nodes = &self.document().nodes;
+        let mut parents = vec![None; nodes.len()];
+        for (parent, node) in nodes.iter().enumerate() {
+            for &child in &node.children {
+                let place = || Place::Entry(format!("node {parent}"));
+                let slot = parents.get_mut(child as usize).ok_or_else(|| missing("node", child).at(place()))?;
+                if slot.replace(parent as u32).is_some() {
+                    let error = LoadError::syntax("nodes with one parent each", b"one with two");
+                    return Err(error.at(Place::Entry(format!("node {child}"))));
+                }
+            }
+        }
+        let bone = |(index, (node, parent)): (usize, (&Node, Option<u32>))| {
+            let rest = transform(node).map_err(|e| e.at(Place::Entry(format!("node {index}"))))?;
+            Ok(Bone { name: name(node.name.as_deref().unwrap_or_default().as_bytes()), parent, rest })
+        };
+        nodes.iter().zip(parents).enumerate().map(bone).collect()
+    }
+
+    /// What is wrong with the rig, in terms of the file.
+    fn error(&self, error: &RigError) -> LoadError {
+        let place = match error.place() {
+            RigPlace::Bone(node) => Some(format!("node {node}")),
+            RigPlace::Joint(joint) => {
+                let range = self.joint_ranges.iter().rev().find(|range| range.first as usize <= joint);
+                range.map(|range| match (range.skin, range.node) {
+                    (Some(skin), _) => format!("skin {skin}, joint {}", joint - range.first as usize),
+                    (None, node) => format!("node {}", node.unwrap_or(0)),
+                })
+            }
+            RigPlace::Vertex(vertex) => {
+                let range = self.vertex_ranges.iter().rev().find(|range| range.first <= vertex);
+                range.map(|range| format!("{}, vertex {}", range.place, vertex - range.first))
+            }
+            other => Some(other.to_string()),
+        };
+        broken(error.kind().clone(), place)
+    }
+}
+
+fn broken(kind: RigErrorKind, place: Option<String>) -> LoadError {
+    let error = LoadError::new(LoadErrorKind::BrokenRig { kind });
+    match place {
+        Some(place) => error.at(Place::Entry(place)),
+        None => error,
+    }
+}
+
+const IDENTITY: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+/// Where a node stands, its matrix taken apart where it has one.
+fn transform(node: &Node) -> Result<Transform, LoadError> {
+    let Some(m) = node.matrix.as_deref() else {
+        let [x, y, z, w] = node.rotation.as_deref().copied().unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        return Ok(Transform {
+            translation: node.translation.as_deref().copied().unwrap_or([0.0; 3]),
+            rotation_wxyz: [w, x, y, z],
+            scale: node.scale.as_deref().copied().unwrap_or([1.0; 3]),
+        });
+    };
+    // More than rounding to single precision takes, far less than what anybody shears.
+    const SHEAR: f64 = 1e-3;
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let columns = [0, 1, 2].map(|k| [m[4 * k], m[4 * k + 1], m[4 * k + 2]]);
+    let mut scale = columns.map(|column| dot(column, column).sqrt());
+    if scale.contains(&0.0) {
+        return Err(broken(RigErrorKind::ZeroScale, None));
+    }
+    let mut axes = [0, 1, 2].map(|k| columns[k].map(|x| x / scale[k]));
+    let [x, y, z] = axes;
+    let is_sheared = [dot(x, y), dot(y, z), dot(z, x)].iter().any(|cosine| cosine.abs() > SHEAR || cosine.is_nan());
+    if is_sheared || [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0] {
+        return Err(LoadError::syntax("a matrix of translation, rotation and scale", format!("{m:?}").as_bytes()));
+    }
+    let across = [y[1] * z[2] - y[2] * z[1], y[2] * z[0] - y[0] * z[2], y[0] * z[1] - y[1] * z[0]];
+    if dot(x, across) < 0.0 {
+        scale[0] = -scale[0];
+        axes[0] = x.map(|x| -x);
+    }
+    Ok(Transform { translation: [m[12], m[13], m[14]], rotation_wxyz: quaternion(&axes), scale })
+}
+
+/// The quaternion (w, x, y, z), of any length, of a rotation by its columns: the longest of four expressions for it.
+fn quaternion([x, y, z]: &[[f64; 3]; 3]) -> [f64; 4] {
+    let (a, b, c) = (y[2] - z[1], z[0] - x[2], x[1] - y[0]);
+    let (d, e, f) = (x[1] + y[0], y[2] + z[1], z[0] + x[2]);
+    let (p, q, r) = (x[0], y[1], z[2]);
+    let candidates = [
+        [1.0 + p + q + r, a, b, c],
+        [a, 1.0 + p - q - r, d, f],
+        [b, d, 1.0 - p + q - r, e],
+        [c, f, e, 1.0 - p - q + r],
+    ];
+    let size = |i: usize| candidates[i][i];
+    candidates[(0..4).max_by(|&i, &j| size(i).total_cmp(&size(j))).unwrap_or(0)]
+}
+
+/// How many morph targets a mesh has: as many as the primitive that has most.
+fn targets_of(mesh: &RigMesh) -> usize {
+    mesh.primitives.iter().map(|primitive| primitive.targets.len()).max().unwrap_or(0)
+}

@@ -1,0 +1,334 @@
+//! Keys over time, and what lies between them (glTF 2.0 specification, appendix C).
+
+use super::error::{RigError, RigErrorKind, RigPlace, judge};
+use super::skeleton::BoneSet;
+use super::transform::{Transform, normalised, slerp};
+
+/// What a channel moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Target {
+    /// The translation of a bone: three values a key.
+    Translation(u32),
+    /// The rotation of a bone: four values a key, (w, x, y, z).
+    Rotation(u32),
+    /// The scale of a bone: three values a key.
+    Scale(u32),
+    /// The weight of a morph target: one value a key.
+    MorphWeight(u32),
+}
+
+impl Target {
+    /// How many values a key has.
+    pub(super) fn width(self) -> usize {
+        match self {
+            Self::Translation(_) | Self::Scale(_) => 3,
+            Self::Rotation(_) => 4,
+            Self::MorphWeight(_) => 1,
+        }
+    }
+}
+
+/// What lies between two keys.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Interpolation {
+    /// The value of the earlier key.
+    Step,
+    /// Even motion; rotations take the shorter arc.
+    Linear,
+    /// A cubic Hermite spline: each key has the slope before it, its value and the slope after it. Rotations are made of
+    /// length 1 again.
+    CubicSpline,
+}
+
+/// One channel as it is given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// What it moves.
+    pub target: Target,
+    /// What lies between its keys.
+    pub interpolation: Interpolation,
+    /// The times of its keys in seconds, increasing. Before the first the first value holds, after the last the last.
+    pub times: Vec<f64>,
+    /// The values, key by key: as many as the target has; three times as many for splines.
+    pub values: Vec<f64>,
+}
+
+/// A motion of a rig: channels that play together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Animation {
+    name: String,
+    /// Different lists of times; most rigs have few.
+    timelines: Vec<Vec<f64>>,
+    tracks: Vec<Track>,
+}
+
+/// A channel over a timeline.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Track {
+    pub(super) target: Target,
+    pub(super) interpolation: Interpolation,
+    pub(super) timeline: usize,
+    pub(super) values: Vec<f64>,
+}
+
+/// Which of the two values a jump has at its own time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    /// That from which it comes.
+    Before,
+    /// That to which it goes, which is the one that counts.
+    After,
+}
+
+/// A place between two keys.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    key: usize,
+    /// From 0 at this key to 1 at the next.
+    share: f64,
+    seconds: f64,
+}
+
+impl Animation {
+    /// Judges channels; `index` is the number of the animation in its rig, for errors.
+    ///
+    /// # Errors
+    /// Keys that are not finite, out of range, no rotation, of scale zero, or whose times do not increase; other counts of
+    /// values than the keys need; each names the channel or the key.
+    pub fn new(name: String, channels: Vec<Channel>, index: usize) -> Result<Self, RigError> {
+        let mut animation = Self { name, timelines: Vec::new(), tracks: Vec::new() };
+        for (at, channel) in channels.into_iter().enumerate() {
+            animation.add(channel, index, at)?;
+        }
+        Ok(animation)
+    }
+
+    fn add(&mut self, channel: Channel, animation: usize, at: usize) -> Result<(), RigError> {
+        let Channel { target, interpolation, times, mut values } = channel;
+        let place = RigPlace::Channel { animation, channel: at };
+        let key = |key: usize| RigPlace::Key { animation, channel: at, key };
+        let expected = times.len() * values_per_key(target, interpolation);
+        if values.len() != expected || times.is_empty() {
+            let kind = RigErrorKind::OtherCount { what: "values", count: values.len(), expected: expected.max(1) };
+            return Err(RigError::new(kind, place));
+        }
+        for (i, &time) in times.iter().enumerate() {
+            judge(&[time], "time", key(i))?;
+            if i > 0 && time <= times[i - 1] {
+                return Err(RigError::new(RigErrorKind::TimesNotIncreasing, key(i)));
+            }
+        }
+        let width = target.width();
+        for (i, all) in values.chunks_mut(values_per_key(target, interpolation)).enumerate() {
+            judge(all, "key", key(i))?;
+            let start = if interpolation == Interpolation::CubicSpline { width } else { 0 };
+            let own = &mut all[start..start + width];
+            match target {
+                Target::Scale(_) if own.contains(&0.0) => {
+                    return Err(RigError::new(RigErrorKind::ZeroScale, key(i)));
+                }
+                Target::Rotation(_) => {
+                    let zero = || RigError::new(RigErrorKind::ZeroRotation, key(i));
+                    let unit = normalised([own[0], own[1], own[2], own[3]]).ok_or_else(zero)?;
+                    if interpolation != Interpolation::CubicSpline {
+                        own.copy_from_slice(&unit);
+                    }
+                }
+                _ => {}
+            }
+        }
+        let known = self.timelines.iter().position(|known| *known == times);
+        let timeline = known.unwrap_or_else(|| {
+            self.timelines.push(times);
+            self.timelines.len() - 1
+        });
+        self.tracks.push(Track { target, interpolation, timeline, values });
+        Ok(())
+    }
+
+    /// The name; empty where the rig has none.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// From the first key to the last, in seconds; both zero where there are no channels.
+    #[must_use]
+    pub fn span(&self) -> [f64; 2] {
+        let start = self.timelines.iter().map(|times| times[0]).fold(f64::INFINITY, f64::min);
+        let end = self.timelines.iter().map(|times| times[times.len() - 1]).fold(f64::NEG_INFINITY, f64::max);
+        if start <= end { [start, end] } else { [0.0; 2] }
+    }
+
+    /// The times of all keys of all channels, increasing, each once.
+    #[must_use]
+    pub fn key_times(&self) -> Vec<f64> {
+        let mut times: Vec<f64> = self.timelines.concat();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+
+    pub(super) fn tracks(&self) -> &[Track] {
+        &self.tracks
+    }
+
+    /// The timeline of a track.
+    pub(super) fn times(&self, track: &Track) -> &[f64] {
+        &self.timelines[track.timeline]
+    }
+
+    /// Moves what the channels move to where it is at a time: all of it, or the bones of a set.
+    pub(super) fn sample(
+        &self,
+        time: f64,
+        side: Side,
+        set: Option<&BoneSet>,
+        locals: &mut [Transform],
+        morph_weights: &mut [f64],
+    ) {
+        let mut places = [Place { key: 0, share: 0.0, seconds: 0.0 }; 8];
+        let many: Vec<Place>;
+        let places: &[Place] = if self.timelines.len() <= places.len() {
+            for (place, times) in places.iter_mut().zip(&self.timelines) {
+                *place = find(times, time, side);
+            }
+            &places
+        } else {
+            many = self.timelines.iter().map(|times| find(times, time, side)).collect();
+            &many
+        };
+        for track in &self.tracks {
+            let place = places[track.timeline];
+            let is_in = |bone: u32| set.is_none_or(|set| set.is_in[bone as usize]);
+            match track.target {
+                Target::Translation(bone) | Target::Rotation(bone) | Target::Scale(bone) if !is_in(bone) => {}
+                Target::MorphWeight(_) if set.is_some() => {}
+                Target::Translation(bone) => locals[bone as usize].translation = track.values_at::<3>(place),
+                Target::Scale(bone) => locals[bone as usize].scale = track.values_at::<3>(place),
+                Target::Rotation(bone) => locals[bone as usize].rotation_wxyz = track.rotation_at(place),
+                Target::MorphWeight(morph) => [morph_weights[morph as usize]] = track.values_at::<1>(place),
+            }
+        }
+    }
+}
+
+fn values_per_key(target: Target, interpolation: Interpolation) -> usize {
+    target.width() * if interpolation == Interpolation::CubicSpline { 3 } else { 1 }
+}
+
+/// Where a time lies among others.
+fn find(times: &[f64], time: f64, side: Side) -> Place {
+    let after = match side {
+        Side::After => times.partition_point(|&key| key <= time),
+        Side::Before => times.partition_point(|&key| key < time),
+    };
+    if after == 0 {
+        return Place { key: 0, share: 0.0, seconds: 0.0 };
+    }
+    let key = after - 1;
+    let Some(&next) = times.get(after) else { return Place { key, share: 0.0, seconds: 0.0 } };
+    let seconds = next - times[key];
+    Place { key, share: ((time - times[key]) / seconds).clamp(0.0, 1.0), seconds }
+}
+
+impl Track {
+    /// The value of a key, and for splines the slopes before and after it.
+    pub(super) fn key<const N: usize>(&self, key: usize) -> [[f64; N]; 3] {
+        let part = |at: usize| -> [f64; N] { std::array::from_fn(|k| self.values[at * N + k]) };
+        match self.interpolation {
+            Interpolation::CubicSpline => [part(3 * key), part(3 * key + 1), part(3 * key + 2)],
+            _ => [[0.0; N], part(key), [0.0; N]],
+        }
+    }
+
+    fn values_at<const N: usize>(&self, Place { key, share: s, seconds }: Place) -> [f64; N] {
+        let [_, from, slope_from] = self.key::<N>(key);
+        if s == 0.0 || self.interpolation == Interpolation::Step {
+            return from;
+        }
+        let [slope_to, to, _] = self.key::<N>(key + 1);
+        if self.interpolation == Interpolation::Linear {
+            return std::array::from_fn(|k| from[k] + s * (to[k] - from[k]));
+        }
+        let (s2, s3) = (s * s, s * s * s);
+        let (a, b, c, d) = (2.0 * s3 - 3.0 * s2 + 1.0, s3 - 2.0 * s2 + s, 3.0 * s2 - 2.0 * s3, s3 - s2);
+        std::array::from_fn(|k| a * from[k] + b * seconds * slope_from[k] + c * to[k] + d * seconds * slope_to[k])
+    }
+
+    fn rotation_at(&self, place: Place) -> [f64; 4] {
+        let from = self.key::<4>(place.key)[1];
+        match self.interpolation {
+            Interpolation::Linear if place.share > 0.0 => slerp(from, self.key::<4>(place.key + 1)[1], place.share),
+            Interpolation::CubicSpline => {
+                // A spline through zero has no rotation there; that of its key will do.
+                normalised(self.values_at::<4>(place)).or_else(|| normalised(from)).unwrap_or([1.0, 0.0, 0.0, 0.0])
+            }
+            _ => from,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn channel(target: Target, interpolation: Interpolation, times: &[f64], values: &[f64]) -> Channel {
+        Channel { target, interpolation, times: times.to_vec(), values: values.to_vec() }
+    }
+
+    fn translation_at(interpolation: Interpolation, values: &[f64], time: f64, side: Side) -> f64 {
+        let channels = vec![channel(Target::Translation(0), interpolation, &[1.0, 3.0], values)];
+        let animation = Animation::new(String::new(), channels, 0).unwrap();
+        let mut locals = [Transform::IDENTITY];
+        animation.sample(time, side, None, &mut locals, &mut []);
+        locals[0].translation[0]
+    }
+
+    #[test]
+    fn every_interpolation() {
+        let linear = [2.0, 0.0, 0.0, 6.0, 0.0, 0.0];
+        let at = |interpolation, time| translation_at(interpolation, &linear, time, Side::After);
+        assert_eq!([0.0, 1.0, 1.5, 3.0, 9.0].map(|t| at(Interpolation::Linear, t)), [2.0, 2.0, 3.0, 6.0, 6.0]);
+        assert_eq!([0.0, 2.9, 3.0].map(|t| at(Interpolation::Step, t)), [2.0, 2.0, 6.0]);
+        assert_eq!(translation_at(Interpolation::Step, &linear, 3.0, Side::Before), 2.0);
+        // x³ from 1 to 3: slopes 3 and 27.
+        let cubic = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 3.0, 0.0, 0.0, 27.0, 0.0, 0.0, 27.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        for t in [1.0, 1.25, 2.0, 2.875, 3.0] {
+            let x = translation_at(Interpolation::CubicSpline, &cubic, t, Side::After);
+            assert!((x - t * t * t).abs() < 1e-13, "{t} {x}");
+        }
+    }
+
+    #[test]
+    fn rotations_of_splines_have_length_one() {
+        let mut values = vec![0.0; 24];
+        (values[4], values[17]) = (1.0, 1.0);
+        let channels = vec![channel(Target::Rotation(0), Interpolation::CubicSpline, &[0.0, 1.0], &values)];
+        let animation = Animation::new(String::new(), channels, 0).unwrap();
+        let mut locals = [Transform::IDENTITY];
+        animation.sample(0.5, Side::After, None, &mut locals, &mut []);
+        let half = 0.5_f64.sqrt();
+        assert!((locals[0].rotation_wxyz[0] - half).abs() < 1e-15 && (locals[0].rotation_wxyz[1] - half).abs() < 1e-15);
+    }
+
+    #[test]
+    fn broken_keys_are_named() {
+        let error = |target, interpolation, times: &[f64], values: &[f64]| {
+            Animation::new(String::new(), vec![channel(target, interpolation, times, values)], 7).unwrap_err()
+        };
+        let (linear, bone) = (Interpolation::Linear, 0);
+        let key = |key| RigPlace::Key { animation: 7, channel: 0, key };
+        let nan = error(Target::MorphWeight(0), linear, &[0.0, 1.0], &[0.0, f64::NAN]);
+        assert_eq!(nan, RigError::new(RigErrorKind::NonFinite { what: "key" }, key(1)));
+        let back = error(Target::MorphWeight(0), linear, &[0.0, 0.0], &[0.0, 1.0]);
+        assert_eq!(back, RigError::new(RigErrorKind::TimesNotIncreasing, key(1)));
+        let time = error(Target::MorphWeight(0), linear, &[f64::NAN], &[0.0]);
+        assert_eq!(time, RigError::new(RigErrorKind::NonFinite { what: "time" }, key(0)));
+        let few = error(Target::Rotation(bone), linear, &[0.0], &[0.0; 3]);
+        assert_eq!(few.kind(), &RigErrorKind::OtherCount { what: "values", count: 3, expected: 4 });
+        assert_eq!(error(Target::Rotation(bone), linear, &[0.0], &[0.0; 4]).kind(), &RigErrorKind::ZeroRotation);
+        assert_eq!(error(Target::Scale(bone), linear, &[0.0], &[1.0, 0.0, 1.0]).kind(), &RigErrorKind::ZeroScale);
+        assert!(matches!(error(Target::Scale(bone), linear, &[], &[]).kind(), RigErrorKind::OtherCount { .. }));
+    }
+}

@@ -1,0 +1,545 @@
+//! Volumes about the parts of a plan: of each kind, and the kind that is best.
+
+use std::collections::{BTreeMap, HashSet};
+
+use rayon::prelude::*;
+
+use crate::hull::Hull;
+use crate::input::InputError;
+use crate::volume::{BoundingSphere, BoundingVolume, Capsule, Lozenge, Obb, fit};
+
+use super::error::{RigError, RigErrorKind, RigPlace};
+use super::plan::{Plan, bones_of_faces, some_poses};
+use super::rig::{Rig, RigPose};
+use super::samples::{Held, Sample, Samples, rounding};
+use super::skin::blended;
+use super::transform::{Matrix, Vector, apply_transposed, matrix, times};
+use super::vector::{add, dot, length, scale, sub};
+use super::volume::{HitHull, HitVolume, VolumeKind, box_of, cube_about};
+
+/// Whether volumes hold everything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Mode {
+    /// No point of the skinned surface is ever outside, at rest and at every time of every animation of the rig.
+    Conservative,
+    /// The outermost twentieth of a part's vertices may stick out, so that strikes hit what looks hit.
+    Snug,
+}
+
+/// What a ray costs against a volume of each kind, in nanoseconds, in the order of [`VolumeKind::ALL`]; for a hull it is for each
+/// of its faces. Measured by `characters` of the benchmarks; what matters are the ratios.
+const RAY_COSTS: [f64; 5] = [60.0, 80.0, 90.0, 190.0, 3.0];
+
+/// What a strike on a volume that is in vain costs, in nanoseconds: a choice, of about what it takes to ask the skinned mesh of
+/// some thousand faces. The more it is, the tighter are the volumes that win.
+const FALSE_STRIKE: f64 = 400.0;
+
+/// The share of a part's vertices that a snug volume may leave out.
+const TRIMMED: f64 = 0.05;
+
+/// Poses by which snug volumes are fitted and leaks are measured.
+const POSES: usize = 96;
+
+/// A part of a character: the volume that stands for it, in the rigid frame of a bone.
+#[derive(Clone, Debug)]
+pub struct HitPart {
+    /// What it is called.
+    pub name: String,
+    /// The bones whose faces it has.
+    pub bones: Vec<u32>,
+    /// The bone whose frame the volume is in.
+    pub anchor: u32,
+    pub(super) volume: HitVolume,
+    /// The area of the volume in areas of a convex hull about what it was fitted to: 1 is as tight as convex volumes are.
+    pub looseness: f64,
+    /// A sphere about the volume.
+    pub(super) sphere: (Vector, f64),
+}
+
+impl HitPart {
+    /// A part with a volume that somebody else found.
+    #[must_use]
+    pub fn new(name: String, bones: Vec<u32>, anchor: u32, volume: HitVolume, looseness: f64) -> Self {
+        let sphere = volume.bounding_sphere();
+        Self { name, bones, anchor, volume, looseness, sphere }
+    }
+
+    /// The volume, in the frame of the anchor.
+    #[must_use]
+    pub fn volume(&self) -> &HitVolume {
+        &self.volume
+    }
+}
+
+/// Fits one volume to each part of a plan that has faces; the parts, and the part of each face.
+pub(super) fn parts(rig: &Rig, plan: &Plan, mode: Mode) -> Result<(Vec<HitPart>, Vec<u32>), RigError> {
+    let part_of_bone = plan.part_of_bones(rig)?;
+    let mut part_of_face: Vec<u32> = bones_of_faces(rig).into_iter().map(|bone| part_of_bone[bone as usize]).collect();
+    if part_of_face.is_empty() {
+        return Err(RigError::new(RigErrorKind::Empty, RigPlace::Rig));
+    }
+    let mut number = vec![u32::MAX; plan.parts.len()];
+    let mut kept = Vec::new();
+    for (part, planned) in plan.parts.iter().enumerate() {
+        if part_of_face.contains(&(part as u32)) {
+            number[part] = kept.len() as u32;
+            kept.push(planned);
+        }
+    }
+    part_of_face.iter_mut().for_each(|part| *part = number[*part as usize]);
+    let held = held(rig, &part_of_face, &kept.iter().map(|planned| planned.anchor).collect::<Vec<_>>());
+    let clouds = match mode {
+        Mode::Conservative => conservative(rig, &held)?,
+        Mode::Snug => snug(rig, &held, &part_of_bone, &number)?,
+    };
+    let mut parts = Vec::new();
+    for (planned, candidates) in kept.into_iter().zip(clouds) {
+        let best = candidates.best(planned.kind);
+        let looseness = candidates.looseness(&best);
+        let (bones, anchor) = (planned.bones.clone(), planned.anchor);
+        parts.push(HitPart::new(planned.name.clone(), bones, anchor, best, looseness));
+    }
+    Ok((parts, part_of_face))
+}
+
+/// A convex piece of a part's surface: what the part's volume is opened into for rays.
+#[derive(Clone, Debug)]
+pub(super) struct Piece {
+    pub(super) part: u32,
+    pub(super) anchor: u32,
+    pub(super) volume: HitVolume,
+}
+
+/// Hulls about groups of faces that go with one bone, of at most `faces` each; conservative, as the faces of a part are all in
+/// some piece.
+pub(super) fn pieces(rig: &Rig, part_of_face: &[u32], faces: usize) -> Result<Vec<Piece>, RigError> {
+    let mut vertices = Vec::new();
+    rig.skin().skinned(&rig.rest_pose()?, &mut vertices);
+    let middle = |face: &u32| {
+        let corners = rig.skin().faces()[*face as usize];
+        corners.iter().fold([0.0; 3], |sum, &corner| add(sum, vertices[corner as usize]))
+    };
+    let mut groups: BTreeMap<(u32, u32), Vec<u32>> = BTreeMap::new();
+    for ((face, bone), &part) in (0..).zip(bones_of_faces(rig)).zip(part_of_face) {
+        groups.entry((part, bone)).or_default().push(face);
+    }
+    let (mut owners, mut held) = (Vec::new(), Vec::new());
+    let mut pending: Vec<((u32, u32), Vec<u32>)> = groups.into_iter().rev().collect();
+    while let Some((owner, mut group)) = pending.pop() {
+        if group.len() > faces.max(1) {
+            // Halves along the longest axis, by rank, so that this ends.
+            let [low, high] = box_of(&group.iter().map(middle).collect::<Vec<_>>());
+            let axis = (0..3).max_by(|&i, &j| (high[i] - low[i]).total_cmp(&(high[j] - low[j]))).unwrap_or(0);
+            group.sort_by(|a, b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b)));
+            let upper = group.split_off(group.len() / 2);
+            pending.push((owner, upper));
+            pending.push((owner, group));
+            continue;
+        }
+        let mut vertices: Vec<u32> = group.iter().flat_map(|&face| rig.skin().faces()[face as usize]).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        keep_different(rig, &mut vertices);
+        owners.push(owner.0);
+        held.push(Held { anchor: owner.1, vertices });
+    }
+    let fitted = conservative(rig, &held)?;
+    let piece = |((part, held), candidates): ((u32, &Held), Candidates)| Piece {
+        part,
+        anchor: held.anchor,
+        volume: candidates.best(Some(VolumeKind::Hull)),
+    };
+    Ok(owners.into_iter().zip(&held).zip(fitted).map(piece).collect())
+}
+
+fn held(rig: &Rig, part_of_face: &[u32], anchors: &[u32]) -> Vec<Held> {
+    let mut held: Vec<Held> = anchors.iter().map(|&anchor| Held { anchor, vertices: Vec::new() }).collect();
+    for (face, &part) in rig.skin().faces().iter().zip(part_of_face) {
+        held[part as usize].vertices.extend(face);
+    }
+    for part in &mut held {
+        part.vertices.sort_unstable();
+        part.vertices.dedup();
+        keep_different(rig, &mut part.vertices);
+    }
+    held
+}
+
+/// Leaves out vertices that are always where another is, as along the seams of textures.
+fn keep_different(rig: &Rig, vertices: &mut Vec<u32>) {
+    let skin = rig.skin();
+    if !skin.morphs().is_empty() {
+        return;
+    }
+    let mut seen = HashSet::new();
+    vertices.retain(|&vertex| {
+        let influences = skin.influences(vertex).iter().map(|i| (i.joint, i.weight.to_bits()));
+        seen.insert((skin.positions()[vertex as usize].map(f64::to_bits), influences.collect::<Vec<_>>()))
+    });
+}
+
+/// Shows where the vertices of parts are, each in the frame of its part.
+pub(super) fn places(rig: &Rig, pose: &RigPose, held: &[Held], mut show: impl FnMut(usize, u32, Vector)) {
+    let palette = rig.skin().palette(pose.bones());
+    let mut morphed = Vec::new();
+    rig.skin().morphed(pose.morph_weights(), &mut morphed);
+    for (at, part) in held.iter().enumerate() {
+        let bone = &pose.bones()[part.anchor as usize];
+        let local = local_palette(&palette, &matrix(bone.rotation_wxyz), bone.origin);
+        for &vertex in &part.vertices {
+            show(at, vertex, blended(&local, rig.skin().influences(vertex), morphed[vertex as usize]));
+        }
+    }
+}
+
+fn local_palette(palette: &[(Matrix, Vector)], rotation: &Matrix, origin: Vector) -> Vec<(Matrix, Vector)> {
+    let transposed = [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation[j][i]));
+    let local = |(linear, offset): &(Matrix, Vector)| {
+        (times(&transposed, linear), apply_transposed(rotation, sub(*offset, origin)))
+    };
+    palette.iter().map(local).collect()
+}
+
+/// A volume of each kind about one part.
+struct Candidates {
+    sphere: BoundingSphere,
+    capsule: Capsule,
+    obb: Obb,
+    lozenge: Lozenge,
+    hull: HitHull,
+    /// Of a convex hull about the points that were fitted to.
+    area: f64,
+}
+
+impl Candidates {
+    /// About some points.
+    fn about(points: &[Vector], hull_points: &[Vector]) -> Result<Self, InputError> {
+        Ok(Self {
+            sphere: fit::minimal_sphere(points)?.sphere,
+            capsule: fit::capsule(points)?,
+            obb: fit::obb(points)?.obb,
+            lozenge: fit::lozenge(points)?,
+            hull: HitHull::new(hull_points)?,
+            area: HitVolume::Hull(HitHull::new(points)?).surface_area(),
+        })
+    }
+
+    fn volume(&self, kind: VolumeKind) -> HitVolume {
+        match kind {
+            VolumeKind::Sphere => HitVolume::Sphere(self.sphere),
+            VolumeKind::Capsule => HitVolume::Capsule(self.capsule),
+            VolumeKind::Box => HitVolume::Box(self.obb),
+            VolumeKind::Lozenge => HitVolume::Lozenge(self.lozenge),
+            VolumeKind::Hull => HitVolume::Hull(self.hull.clone()),
+        }
+    }
+
+    /// The area of a volume in areas of a hull.
+    fn looseness(&self, volume: &HitVolume) -> f64 {
+        if self.area > 0.0 { volume.surface_area() / self.area } else { 1.0 }
+    }
+
+    /// The one of a given kind, or the one that costs least.
+    fn best(&self, kind: Option<VolumeKind>) -> HitVolume {
+        let cost = |at: usize| {
+            let looseness = self.looseness(&self.volume(VolumeKind::ALL[at]));
+            let faces = if VolumeKind::ALL[at] == VolumeKind::Hull { self.hull.planes().len() as f64 } else { 1.0 };
+            RAY_COSTS[at] * faces + FALSE_STRIKE * (looseness - 1.0)
+        };
+        let chosen =
+            kind.unwrap_or_else(|| VolumeKind::ALL[(0..5).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(0)]);
+        self.volume(chosen)
+    }
+}
+
+/// What volumes need to be so that they hold all that was shown to them.
+#[derive(Clone)]
+struct Needs {
+    sphere: f64,
+    capsule: f64,
+    lozenge: f64,
+    /// The least and greatest coordinate along each axis of the box, from its centre.
+    obb: [[f64; 2]; 3],
+    /// For each face of the hull the point that is farthest out of it.
+    out: Vec<(f64, Vector)>,
+}
+
+impl Needs {
+    fn new(candidates: &Candidates) -> Self {
+        let out = vec![(0.0, [0.0; 3]); candidates.hull.planes().len()];
+        Self { sphere: 0.0, capsule: 0.0, lozenge: 0.0, obb: [[f64::INFINITY, f64::NEG_INFINITY]; 3], out }
+    }
+
+    fn show(&mut self, candidates: &Candidates, volumes: &[HitVolume; 3], point: Vector) {
+        let reach = |volume: &HitVolume| length(sub(point, volume.closest_on_core(point)));
+        self.sphere = self.sphere.max(reach(&volumes[0]));
+        self.capsule = self.capsule.max(reach(&volumes[1]));
+        self.lozenge = self.lozenge.max(reach(&volumes[2]));
+        let offset = sub(point, candidates.obb.centre());
+        for (range, axis) in self.obb.iter_mut().zip(candidates.obb.axes()) {
+            let t = dot(axis, offset);
+            *range = [range[0].min(t), range[1].max(t)];
+        }
+        for (out, &(normal, level)) in self.out.iter_mut().zip(candidates.hull.planes()) {
+            let excess = dot(normal, point) - level;
+            if excess > 0.0 {
+                *out = farther(*out, (excess, point));
+            }
+        }
+    }
+
+    fn merged(mut self, other: &Self) -> Self {
+        self.sphere = self.sphere.max(other.sphere);
+        self.capsule = self.capsule.max(other.capsule);
+        self.lozenge = self.lozenge.max(other.lozenge);
+        self.obb = [0, 1, 2].map(|k| [self.obb[k][0].min(other.obb[k][0]), self.obb[k][1].max(other.obb[k][1])]);
+        self.out.iter_mut().zip(&other.out).for_each(|(own, other)| *own = farther(*own, *other));
+        self
+    }
+}
+
+/// The same whatever the order: of points as far, the greatest.
+fn farther(a: (f64, Vector), b: (f64, Vector)) -> (f64, Vector) {
+    if b > a { b } else { a }
+}
+
+/// Volumes that hold every vertex of a part at every time.
+fn conservative(rig: &Rig, held: &[Held]) -> Result<Vec<Candidates>, RigError> {
+    let samples = Samples::of(rig, held)?;
+    let extremes = extremes(rig, held, &samples.list)?;
+    let judged = |e: InputError| unfit(&e);
+    let mut candidates = Vec::new();
+    for of_part in &extremes {
+        let points: Vec<Vector> = of_part.iter().map(|&(_, point)| point).collect();
+        let few: Vec<Vector> = COARSE.iter().map(|&at| of_part[at].1).collect();
+        candidates.push(Candidates::about(&points, &few).map_err(judged)?);
+    }
+    let (needs, rounding) = needs(rig, held, &samples.list, &candidates)?;
+    for ((candidates, needs), stray) in candidates.iter_mut().zip(&needs).zip(&samples.stray) {
+        let margin = stray * (1.0 + 1e-9) + rounding;
+        candidates.grow(needs, margin).map_err(judged)?;
+    }
+    let gauges = gauges(rig, held, &samples.list, &candidates)?;
+    for ((candidates, gauge), stray) in candidates.iter_mut().zip(gauges).zip(&samples.stray) {
+        candidates.grow_hull(gauge, stray * (1.0 + 1e-9) + rounding).map_err(judged)?;
+    }
+    Ok(candidates)
+}
+
+impl Candidates {
+    /// Makes all of them hold what was shown, and what is within `margin` of that. Hulls get the points outside of their
+    /// faces; what they still lack is added afterwards.
+    fn grow(&mut self, needs: &Needs, margin: f64) -> Result<(), InputError> {
+        let radius = |need: f64| need * (1.0 + 1e-12) + margin;
+        self.sphere = BoundingSphere::new(self.sphere.centre(), radius(needs.sphere))?;
+        let [from, to] = self.capsule.ends();
+        self.capsule = Capsule::new(from, to, radius(needs.capsule))?;
+        self.lozenge = Lozenge::new(self.lozenge.corner(), self.lozenge.edges(), radius(needs.lozenge))?;
+        let axes = self.obb.axes();
+        let middle = [0, 1, 2].map(|k| 0.5 * (needs.obb[k][0] + needs.obb[k][1]));
+        let centre = (0..3).fold(self.obb.centre(), |at, k| add(at, scale(axes[k], middle[k])));
+        // The axes are orthonormal within 2^-40.
+        let most = needs.obb.iter().flatten().fold(length(self.obb.centre()), |most, x| most.max(x.abs()));
+        let half = needs.obb.map(|[low, high]| 0.5 * (high - low) + 4e-12 * most + margin);
+        self.obb = Obb::new(centre, axes, half)?;
+        let mut points = self.hull.hull().positions().to_vec();
+        points.extend(needs.out.iter().filter(|out| out.0 > 0.0).map(|out| out.1));
+        self.hull = HitHull::new(&points)?;
+        Ok(())
+    }
+
+    /// Makes the hull hold its image enlarged by `gauge` about its middle, and what is within `margin` of that.
+    ///
+    /// Where a ball of radius ρ about the middle is in the enlarged hull, anything within m of that is in the hull enlarged by
+    /// 1 + m / ρ once more; where this is much, the corners of cubes about its corners are better.
+    fn grow_hull(&mut self, gauge: f64, margin: f64) -> Result<(), InputError> {
+        const LITTLE: f64 = 0.05;
+        let middle = middle(self.hull.hull());
+        let inner = self.hull.planes().iter().map(|&(n, level)| level - dot(n, middle)).fold(f64::INFINITY, f64::min);
+        let enlarge = |factor: f64| {
+            let image = |&corner: &Vector| add(middle, scale(sub(corner, middle), factor * (1.0 + 1e-12)));
+            self.hull.hull().positions().iter().map(image).collect::<Vec<_>>()
+        };
+        let share = margin / (inner * gauge);
+        let corners = if share < LITTLE {
+            enlarge(gauge * (1.0 + share))
+        } else {
+            enlarge(gauge).into_iter().flat_map(|corner| cube_about(corner, margin)).collect()
+        };
+        self.hull = HitHull::new(&corners)?;
+        Ok(())
+    }
+}
+
+/// A point inside of a hull: the mean of its corners.
+fn middle(hull: &Hull) -> Vector {
+    let positions = hull.positions();
+    let sum = positions.iter().fold([0.0; 3], |sum, &p| add(sum, p));
+    scale(sum, 1.0 / positions.len() as f64)
+}
+
+/// A part beyond the range of volumes, whose poses are within 2^100.
+fn unfit(_: &InputError) -> RigError {
+    RigError::new(RigErrorKind::OutOfRange { what: "part" }, RigPlace::Rig)
+}
+
+/// Samples that one task poses.
+const CHUNK: usize = 32;
+
+/// Runs over all samples on all cores; what it finds does not depend on how many there are, as long as `merge` does not care
+/// for the order.
+fn over_samples<T: Send>(
+    rig: &Rig,
+    samples: &[Sample],
+    start: impl Fn() -> T + Sync,
+    show: impl Fn(&mut T, &RigPose) + Sync,
+    merge: impl Fn(T, T) -> T + Sync + Send,
+) -> Result<T, RigError> {
+    let of_chunk = |chunk: &[Sample]| {
+        let (mut found, mut pose) = (start(), RigPose::default());
+        for sample in chunk {
+            sample.pose(rig, &mut pose)?;
+            show(&mut found, &pose);
+        }
+        Ok(found)
+    };
+    samples.par_chunks(CHUNK).map(of_chunk).try_reduce(&start, |a, b| Ok(merge(a, b)))
+}
+
+/// For each part the vertices that are farthest along some directions, at any time.
+fn extremes(rig: &Rig, held: &[Held], samples: &[Sample]) -> Result<Vec<Vec<(f64, Vector)>>, RigError> {
+    let directions = directions();
+    // They need not be the very farthest: what follows grows volumes to hold all.
+    let some: Vec<Sample> = samples.iter().step_by(samples.len().div_ceil(POSES)).copied().collect();
+    over_samples(
+        rig,
+        &some,
+        || vec![vec![(f64::NEG_INFINITY, [0.0; 3]); directions.len()]; held.len()],
+        |found, pose| {
+            places(rig, pose, held, |part, _, point| {
+                for (best, &direction) in found[part].iter_mut().zip(&directions) {
+                    let along = dot(direction, point);
+                    if along >= best.0 {
+                        *best = farther(*best, (along, point));
+                    }
+                }
+            });
+        },
+        |mut a, b| {
+            a.iter_mut().flatten().zip(b.into_iter().flatten()).for_each(|(a, b)| *a = farther(*a, b));
+            a
+        },
+    )
+}
+
+/// All with entries from -2 to 2 but zero.
+fn directions() -> Vec<Vector> {
+    let entry = |i: usize| i as f64 - 2.0;
+    let all = (0..125).map(|i| [entry(i % 5), entry(i / 5 % 5), entry(i / 25)]);
+    all.filter(|d| *d != [0.0; 3]).collect()
+}
+
+/// Those of the directions that have no entry of ±1: 26 in all, for hulls of few corners.
+static COARSE: std::sync::LazyLock<Vec<usize>> = std::sync::LazyLock::new(|| {
+    let is_coarse = |d: &Vector| d.iter().all(|x| x.abs() != 1.0);
+    directions().iter().enumerate().filter(|(_, d)| is_coarse(d)).map(|(at, _)| at).collect()
+});
+
+/// What each part needs, and the rounding of all of it.
+fn needs(
+    rig: &Rig,
+    held: &[Held],
+    samples: &[Sample],
+    candidates: &[Candidates],
+) -> Result<(Vec<Needs>, f64), RigError> {
+    let kinds = [VolumeKind::Sphere, VolumeKind::Capsule, VolumeKind::Lozenge];
+    let volumes: Vec<[HitVolume; 3]> = candidates.iter().map(|c| kinds.map(|kind| c.volume(kind))).collect();
+    over_samples(
+        rig,
+        samples,
+        || (candidates.iter().map(Needs::new).collect::<Vec<_>>(), 0.0_f64),
+        |(needs, worst), pose| {
+            *worst = worst.max(rounding(rig, pose));
+            places(rig, pose, held, |part, _, point| needs[part].show(&candidates[part], &volumes[part], point));
+        },
+        |(a, x), (b, y)| (a.into_iter().zip(&b).map(|(a, b)| a.merged(b)).collect(), x.max(y)),
+    )
+}
+
+/// How much each hull must be enlarged about its middle to hold all vertices; one where it holds them.
+fn gauges(rig: &Rig, held: &[Held], samples: &[Sample], all: &[Candidates]) -> Result<Vec<f64>, RigError> {
+    let of_part = |candidates: &Candidates| {
+        let middle = middle(candidates.hull.hull());
+        let planes = candidates.hull.planes().iter();
+        let slopes = planes.map(|&(normal, level)| scale(normal, 1.0 / (level - dot(normal, middle))));
+        (middle, slopes.collect::<Vec<_>>())
+    };
+    let gauges: Vec<(Vector, Vec<Vector>)> = all.iter().map(of_part).collect();
+    over_samples(
+        rig,
+        samples,
+        || vec![1.0_f64; held.len()],
+        |found, pose| {
+            places(rig, pose, held, |part, _, point| {
+                let (middle, slopes) = &gauges[part];
+                let offset = sub(point, *middle);
+                found[part] = slopes.iter().map(|&slope| dot(slope, offset)).fold(found[part], f64::max);
+            });
+        },
+        |a, b| a.iter().zip(&b).map(|(a, b)| a.max(*b)).collect(),
+    )
+}
+
+/// Volumes about most of the vertices that follow a part more than others.
+fn snug(rig: &Rig, held: &[Held], part_of_bone: &[u32], number: &[u32]) -> Result<Vec<Candidates>, RigError> {
+    let skin = rig.skin();
+    let own: Vec<Held> = (0..)
+        .zip(held)
+        .map(|(part, all)| {
+            let follows = |&vertex: &u32| {
+                let most = skin.influences(vertex).iter().max_by(|a, b| a.weight.total_cmp(&b.weight));
+                most.is_some_and(|i| {
+                    number[part_of_bone[skin.joints()[i.joint as usize].bone as usize] as usize] == part
+                })
+            };
+            let vertices: Vec<u32> = all.vertices.iter().copied().filter(follows).collect();
+            let vertices = if vertices.is_empty() { all.vertices.clone() } else { vertices };
+            Held { anchor: all.anchor, vertices }
+        })
+        .collect();
+    let mut points = vec![Vec::new(); held.len()];
+    for pose in some_poses(rig, POSES)? {
+        places(rig, &pose, &own, |part, _, point| points[part].push(point));
+    }
+    points.iter().map(|points| trimmed(points).map_err(|e| unfit(&e))).collect()
+}
+
+/// Volumes about all but the outermost of some points.
+fn trimmed(points: &[Vector]) -> Result<Candidates, InputError> {
+    let hull = Hull::new(points)?;
+    let mut candidates = Candidates::about(hull.positions(), hull.positions())?;
+    let quantile = |mut values: Vec<f64>, share: f64| {
+        let at = ((values.len() - 1) as f64 * share) as usize;
+        *values.select_nth_unstable_by(at, f64::total_cmp).1
+    };
+    let reach = |volume: &HitVolume| {
+        let distances = points.iter().map(|&p| length(sub(p, volume.closest_on_core(p)))).collect();
+        quantile(distances, 1.0 - TRIMMED)
+    };
+    let along = |axis: Vector, share: f64| quantile(points.iter().map(|&p| dot(axis, p)).collect(), share);
+    let radii = [VolumeKind::Sphere, VolumeKind::Capsule, VolumeKind::Lozenge].map(|k| reach(&candidates.volume(k)));
+    candidates.sphere = BoundingSphere::new(candidates.sphere.centre(), radii[0])?;
+    let [from, to] = candidates.capsule.ends();
+    candidates.capsule = Capsule::new(from, to, radii[1])?;
+    candidates.lozenge = Lozenge::new(candidates.lozenge.corner(), candidates.lozenge.edges(), radii[2])?;
+    let axes = candidates.obb.axes();
+    // A sixth of the share on each side.
+    let ranges = axes.map(|axis| [along(axis, TRIMMED / 6.0), along(axis, 1.0 - TRIMMED / 6.0)]);
+    let centre = (0..3).fold([0.0; 3], |at, k| add(at, scale(axes[k], 0.5 * (ranges[k][0] + ranges[k][1]))));
+    candidates.obb = Obb::new(centre, axes, ranges.map(|[low, high]| 0.5 * (high - low)))?;
+    let inside: Vec<Vector> = points.iter().copied().filter(|&p| candidates.obb.contains(p)).collect();
+    if !inside.is_empty() {
+        candidates.hull = HitHull::new(&inside)?;
+    }
+    Ok(candidates)
+}

@@ -1,0 +1,41 @@
+//! Characters: a rigged body, hit volumes fitted to its bones, and the part that was struck (*Notes on Real Time Collision
+//! Detection*, chapter 3).
+//!
+//! A [`Rig`] is plain data: a [`Skeleton`], the [`Skin`] over it and its [`Animation`]s. A [`Plan`] says which bones make a part,
+//! [`Character::fit`] finds the volumes of these, and [`Posed`] answers which of them a ray, a moving volume, a shape, a mesh or
+//! another character strikes; [`Surface`] confirms it on the skinned mesh.
+//!
+//! Nothing here depends on the platform's mathematics library or on the number of threads: the same rig gives the same volumes.
+
+mod animation;
+mod body;
+mod error;
+mod fit;
+mod motion_bound;
+mod names;
+mod plan;
+mod posed;
+mod rig;
+mod samples;
+mod segments;
+mod skeleton;
+mod skin;
+mod strike;
+mod surface;
+mod transform;
+mod vector;
+mod volume;
+
+pub use animation::{Animation, Channel, Interpolation, Target};
+pub use body::{Character, Leak};
+pub use error::{RigError, RigErrorKind, RigPlace};
+pub use fit::{HitPart, Mode};
+pub use plan::{PartPlan, Plan};
+pub use posed::{PartHit, PartPair, Posed};
+pub use rig::{Rig, RigPose};
+pub use skeleton::{Bone, BoneSet, PlacedBone, Skeleton};
+pub use skin::{Influence, Joint, Morph, Skin};
+pub use strike::Strike;
+pub use surface::{Surface, SurfaceHit};
+pub use transform::Transform;
+pub use volume::{Frame, HitHull, HitVolume, VolumeKind};

@@ -1,0 +1,188 @@
+//! A skeleton, the skin over it and the ways in which it moves; and one pose of it.
+
+use super::animation::{Animation, Side, Target};
+use super::error::{RigError, RigErrorKind, RigPlace};
+use super::skeleton::{BoneSet, PlacedBone, Skeleton};
+use super::skin::Skin;
+use super::transform::Transform;
+
+/// A character as it was modelled and animated: what hit volumes are fitted to.
+///
+/// ```
+/// use impinge::character::*;
+///
+/// let bone = Bone { name: "head".into(), parent: None, rest: Transform::IDENTITY };
+/// let inverse_bind = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+/// let whole = vec![Influence { joint: 0, weight: 1.0 }];
+/// let skin = Skin::new(
+///     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+///     vec![[0, 1, 2]],
+///     vec![Joint { bone: 0, inverse_bind }],
+///     &[whole.clone(), whole.clone(), whole],
+///     vec![],
+/// )?;
+/// let nod = Channel {
+///     target: Target::Translation(0),
+///     interpolation: Interpolation::Linear,
+///     times: vec![0.0, 1.0],
+///     values: vec![0.0, 0.0, 0.0, 0.0, -2.0, 0.0],
+/// };
+/// let rig = Rig::new(Skeleton::new(vec![bone])?, skin, vec![Animation::new("nod".into(), vec![nod], 0)?])?;
+/// let mut vertices = Vec::new();
+/// rig.skin().skinned(&rig.pose_at(0, 0.5)?, &mut vertices);
+/// assert_eq!(vertices[1], [1.0, -1.0, 0.0]);
+/// # Ok::<(), RigError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rig {
+    skeleton: Skeleton,
+    skin: Skin,
+    animations: Vec<Animation>,
+}
+
+/// Where the bones of a rig are, and how its morph targets are weighed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RigPose {
+    locals: Vec<Transform>,
+    morph_weights: Vec<f64>,
+    bones: Vec<PlacedBone>,
+}
+
+impl Rig {
+    /// Puts a rig together.
+    ///
+    /// # Errors
+    /// Joints and channels that name a bone or a morph target that does not exist; a rest pose out of range.
+    pub fn new(skeleton: Skeleton, skin: Skin, animations: Vec<Animation>) -> Result<Self, RigError> {
+        let (bones, morphs) = (skeleton.bones().len(), skin.morphs().len());
+        let missing = |what, index: u32, len, place| {
+            Err(RigError::new(RigErrorKind::Missing { what, index: index as usize, len }, place))
+        };
+        for (at, joint) in skin.joints().iter().enumerate() {
+            if joint.bone as usize >= bones {
+                return missing("bone", joint.bone, bones, RigPlace::Joint(at));
+            }
+        }
+        for (at, animation) in animations.iter().enumerate() {
+            for (channel, track) in animation.tracks().iter().enumerate() {
+                let place = RigPlace::Channel { animation: at, channel };
+                match track.target {
+                    Target::MorphWeight(morph) if morph as usize >= morphs => {
+                        return missing("morph target", morph, morphs, place);
+                    }
+                    Target::Translation(bone) | Target::Rotation(bone) | Target::Scale(bone)
+                        if bone as usize >= bones =>
+                    {
+                        return missing("bone", bone, bones, place);
+                    }
+                    _ => {}
+                }
+            }
+        }
+        let rig = Self { skeleton, skin, animations };
+        rig.rest_pose()?;
+        Ok(rig)
+    }
+
+    /// The bones.
+    #[must_use]
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.skeleton
+    }
+
+    /// The surface.
+    #[must_use]
+    pub fn skin(&self) -> &Skin {
+        &self.skin
+    }
+
+    /// The motions.
+    #[must_use]
+    pub fn animations(&self) -> &[Animation] {
+        &self.animations
+    }
+
+    /// The pose as modelled.
+    ///
+    /// # Errors
+    /// As [`pose_at`](Self::pose_at).
+    pub fn rest_pose(&self) -> Result<RigPose, RigError> {
+        let mut pose = RigPose::default();
+        self.reset(&mut pose);
+        self.skeleton.place(&pose.locals, None, &mut pose.bones)?;
+        Ok(pose)
+    }
+
+    /// The pose of an animation at a time in seconds. What the animation does not move is at rest.
+    ///
+    /// # Errors
+    /// An animation that does not exist, or scales that multiply beyond 2^100.
+    pub fn pose_at(&self, animation: usize, time: f64) -> Result<RigPose, RigError> {
+        let mut pose = RigPose::default();
+        self.pose_into(animation, time, &mut pose)?;
+        Ok(pose)
+    }
+
+    /// [`pose_at`](Self::pose_at) into a pose whose memory is used again.
+    ///
+    /// # Errors
+    /// As [`pose_at`](Self::pose_at).
+    pub fn pose_into(&self, animation: usize, time: f64, pose: &mut RigPose) -> Result<(), RigError> {
+        self.pose_on_side(animation, time, Side::After, None, pose)
+    }
+
+    /// [`pose_into`](Self::pose_into) for the bones of a set alone: the others, and the weights of morph targets, are where the
+    /// pose had them or anywhere. What a crowd needs to follow its hit volumes (see [`Character::bones`](super::Character::bones)).
+    ///
+    /// # Errors
+    /// As [`pose_at`](Self::pose_at).
+    pub fn pose_bones_into(
+        &self,
+        animation: usize,
+        time: f64,
+        set: &BoneSet,
+        pose: &mut RigPose,
+    ) -> Result<(), RigError> {
+        self.pose_on_side(animation, time, Side::After, Some(set), pose)
+    }
+
+    pub(super) fn pose_on_side(
+        &self,
+        animation: usize,
+        time: f64,
+        side: Side,
+        set: Option<&BoneSet>,
+        pose: &mut RigPose,
+    ) -> Result<(), RigError> {
+        let Some(motion) = self.animations.get(animation) else {
+            let kind = RigErrorKind::Missing { what: "animation", index: animation, len: self.animations.len() };
+            return Err(RigError::new(kind, RigPlace::Rig));
+        };
+        self.reset(pose);
+        // No time at all is the start.
+        let time = if time.is_nan() { motion.span()[0] } else { time };
+        motion.sample(time, side, set, &mut pose.locals, &mut pose.morph_weights);
+        self.skeleton.place(&pose.locals, set, &mut pose.bones)
+    }
+
+    fn reset(&self, pose: &mut RigPose) {
+        pose.locals.clear();
+        pose.locals.extend(self.skeleton.bones().iter().map(|bone| bone.rest));
+        pose.morph_weights.clear();
+        pose.morph_weights.extend(self.skin.morphs().iter().map(|morph| morph.weight));
+    }
+}
+
+impl RigPose {
+    /// The bones in the world.
+    #[must_use]
+    pub fn bones(&self) -> &[PlacedBone] {
+        &self.bones
+    }
+
+    /// The weights of the morph targets.
+    #[must_use]
+    pub fn morph_weights(&self) -> &[f64] {
+        &self.morph_weights
+    }
+}

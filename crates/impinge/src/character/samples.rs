@@ -1,0 +1,193 @@
+//! Poses that stand for all of a rig's motions: so many that between two of them no vertex strays from its chord, seen from
+//! its part, by more than a known length.
+
+use super::animation::Side;
+use super::error::{RigError, RigErrorKind, RigPlace};
+use super::motion_bound::{IntervalMotion, Jet, mapped};
+use super::rig::{Rig, RigPose};
+use super::transform::Vector;
+use super::vector::length;
+
+/// Intervals between keys are halved until vertices stray by less than this share of the character's size...
+const STRAY: f64 = 1.0 / 512.0;
+
+/// ... or this often. What they stray by then is added to the volumes, so more of it costs time and less of it size.
+const HALVINGS: u32 = 5;
+
+/// Where there is no bound at all, halving goes on up to here: splines of quaternions need it that come near zero.
+const MOST_HALVINGS: u32 = 14;
+
+/// A pose of a motion: the animation, the time and the side of a jump.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sample {
+    motion: Option<(usize, f64, Side)>,
+}
+
+impl Sample {
+    pub(super) fn pose(&self, rig: &Rig, pose: &mut RigPose) -> Result<(), RigError> {
+        match self.motion {
+            Some((animation, time, side)) => rig.pose_on_side(animation, time, side, None, pose),
+            None => {
+                *pose = rig.rest_pose()?;
+                Ok(())
+            }
+        }
+    }
+}
+
+/// What a part holds: the bone that it is fixed to, and the vertices of its faces.
+pub(super) struct Held {
+    pub(super) anchor: u32,
+    pub(super) vertices: Vec<u32>,
+}
+
+/// The samples, and what the vertices of each part stray by between them.
+pub(super) struct Samples {
+    pub(super) list: Vec<Sample>,
+    pub(super) stray: Vec<f64>,
+}
+
+impl Samples {
+    /// Of rest and of all animations.
+    pub(super) fn of(rig: &Rig, parts: &[Held]) -> Result<Self, RigError> {
+        let rest = Sample { motion: None };
+        let mut samples = Self { list: vec![rest], stray: vec![0.0; parts.len()] };
+        let limit = STRAY * size(rig)?;
+        let spans: Vec<Vec<JointSpan>> = parts.iter().map(|part| joint_spans(rig, part)).collect();
+        for (index, animation) in rig.animations().iter().enumerate() {
+            let times = animation.key_times();
+            let Some(&last) = times.last() else { continue };
+            for pair in times.windows(2) {
+                // Last in, first out: the earlier half is on top.
+                let mut pending = vec![([pair[0], pair[1]], 0)];
+                while let Some(([start, end], depth)) = pending.pop() {
+                    let motion = IntervalMotion::new(rig, animation, [start, end]);
+                    let h = end - start;
+                    let strays: Vec<f64> = parts
+                        .iter()
+                        .zip(&spans)
+                        .map(|(part, spans)| h * h / 8.0 * acceleration(rig, part, spans, &motion))
+                        .collect();
+                    let most = strays.iter().copied().fold(0.0, f64::max);
+                    let middle = 0.5 * start + 0.5 * end;
+                    let limit_of_halvings = if most.is_finite() { HALVINGS } else { MOST_HALVINGS };
+                    if most > limit && depth < limit_of_halvings && start < middle && middle < end {
+                        pending.push(([middle, end], depth + 1));
+                        pending.push(([start, middle], depth + 1));
+                        continue;
+                    }
+                    if !most.is_finite() {
+                        let place = RigPlace::Channel { animation: index, channel: 0 };
+                        return Err(RigError::new(RigErrorKind::UnboundedMotion, place));
+                    }
+                    samples.stray.iter_mut().zip(strays).for_each(|(all, own)| *all = all.max(own));
+                    samples.list.push(Sample { motion: Some((index, start, Side::After)) });
+                    if end == pair[1] {
+                        samples.list.push(Sample { motion: Some((index, end, Side::Before)) });
+                    }
+                }
+            }
+            samples.list.push(Sample { motion: Some((index, last, Side::After)) });
+        }
+        Ok(samples)
+    }
+}
+
+/// The diagonal of the box of the surface at rest.
+fn size(rig: &Rig) -> Result<f64, RigError> {
+    let mut vertices = Vec::new();
+    rig.skin().skinned(&rig.rest_pose()?, &mut vertices);
+    let [low, high] = super::volume::box_of(&vertices);
+    let size = length([0, 1, 2].map(|k| high[k] - low[k]));
+    Ok(if size.is_finite() { size } else { 0.0 })
+}
+
+/// A joint that vertices of a part follow, and how far they are from its bone.
+struct JointSpan {
+    joint: u32,
+    reach: f64,
+    /// For each morph target that moves some of them, the longest offset.
+    morphs: Vec<(usize, f64)>,
+}
+
+fn joint_spans(rig: &Rig, part: &Held) -> Vec<JointSpan> {
+    let skin = rig.skin();
+    let mut spans: Vec<JointSpan> = Vec::new();
+    let mut of_joint = vec![None; skin.joints().len()];
+    let mut is_held = vec![false; skin.positions().len()];
+    for &vertex in &part.vertices {
+        is_held[vertex as usize] = true;
+        for influence in skin.influences(vertex) {
+            let at = *of_joint[influence.joint as usize].get_or_insert_with(|| {
+                spans.push(JointSpan { joint: influence.joint, reach: 0.0, morphs: Vec::new() });
+                spans.len() - 1
+            });
+            let bind = &skin.joints()[influence.joint as usize].inverse_bind;
+            spans[at].reach = spans[at].reach.max(length(mapped(bind, skin.positions()[vertex as usize])));
+        }
+    }
+    for (morph, target) in skin.morphs().iter().enumerate() {
+        for &(vertex, offset) in target.offsets.iter().filter(|(vertex, _)| is_held[*vertex as usize]) {
+            for influence in skin.influences(vertex) {
+                let Some(at) = of_joint[influence.joint as usize] else { continue };
+                let bind = &skin.joints()[influence.joint as usize].inverse_bind;
+                let moved = length(bind.map(|[x, y, z, _]| x * offset[0] + y * offset[1] + z * offset[2]));
+                let span: &mut JointSpan = &mut spans[at];
+                match span.morphs.last_mut().filter(|last| last.0 == morph) {
+                    Some(last) => last.1 = last.1.max(moved),
+                    None => span.morphs.push((morph, moved)),
+                }
+            }
+        }
+    }
+    spans
+}
+
+/// The greatest second derivative of a vertex of a part, as seen from the part.
+fn acceleration(rig: &Rig, part: &Held, spans: &[JointSpan], motion: &IntervalMotion<'_>) -> f64 {
+    let skin = rig.skin();
+    let mut of_joint = vec![0.0; skin.joints().len()];
+    for span in spans {
+        let mut point = Jet { value: span.reach, ..Jet::default() };
+        for &(morph, offset) in &span.morphs {
+            let Jet { value, first, second } = motion.morphs[morph];
+            point.value += value * offset;
+            point.first += first * offset;
+            point.second += second * offset;
+        }
+        let bone = skin.joints()[span.joint as usize].bone;
+        of_joint[span.joint as usize] = motion.acceleration(bone, part.anchor, point);
+    }
+    let of_vertex = |&vertex: &u32| -> f64 {
+        // An infinite bound counts however little a vertex follows it; weights are above zero.
+        skin.influences(vertex).iter().map(|i| i.weight * of_joint[i.joint as usize]).sum()
+    };
+    part.vertices.iter().map(of_vertex).fold(0.0, f64::max)
+}
+
+/// No less than what the place of a vertex in the frame of its part is off by, rounding aside: it is computed by as many
+/// products and sums as bones lie above it, each off by 8 units of 2^-53 of what it adds up, which is at most `reach`.
+pub(super) fn rounding(rig: &Rig, pose: &RigPose) -> f64 {
+    let norm = |rows: &[[f64; 3]; 3]| rows.as_flattened().iter().map(|x| x * x).sum::<f64>().sqrt();
+    let farthest = rig.skin().positions().iter().map(|&p| length(p)).fold(0.0, f64::max);
+    let offset = |weights: &[f64]| -> f64 {
+        let longest = |at: usize| rig.skin().morphs()[at].offsets.iter().map(|o| length(o.1)).fold(0.0, f64::max);
+        weights.iter().enumerate().filter(|w| *w.1 != 0.0).map(|(at, weight)| weight.abs() * longest(at)).sum()
+    };
+    let farthest = farthest + offset(pose.morph_weights());
+    let mut worst = 0.0_f64;
+    for joint in rig.skin().joints() {
+        let bone = &pose.bones()[joint.bone as usize];
+        let bind: Vector = joint.inverse_bind.map(|[.., t]| t);
+        let linear = joint.inverse_bind.map(|[x, y, z, _]| [x, y, z]);
+        let along: f64 = rig
+            .skeleton()
+            .ancestry(joint.bone)
+            .map(|above| length(pose.bones()[above as usize].origin))
+            .fold(0.0, f64::max);
+        let reach = norm(&bone.linear) * (norm(&linear) * farthest + length(bind)) + 2.0 * along;
+        let depth = f64::from(rig.skeleton().depth(joint.bone));
+        worst = worst.max((depth + 4.0) * 32.0 * f64::EPSILON * reach);
+    }
+    worst
+}
