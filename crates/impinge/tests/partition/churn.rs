@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use impinge::partition::{Changes, ColumnSweep, Move, Work};
+use impinge::partition::{BoxTree, Changes, ColumnSweep, Dynamic, Move, Work};
 use impinge::volume::MinMax;
 use impinge_testkit::generate::Rng;
 
@@ -123,6 +123,15 @@ fn pairs_between_two_partitions_of_any_kinds() {
         let others: Boxes = (0..60).map(|key| (key, scene.draw(&mut rng))).collect();
         let expected = brute::pairs_between(&ones, &others);
         hits += expected.len();
+        for margin in [0.0, 0.3] {
+            let trees = [&ones, &others].map(|boxes| {
+                let mut tree = BoxTree::with_margin(margin);
+                boxes.iter().for_each(|(&key, &bounds)| _ = tree.insert(key, bounds));
+                tree
+            });
+            assert_eq!(trees[0].pairs_with_tree(&trees[1]), expected, "two trees at once, margin {margin}");
+            assert!(trees[0].pairs_with_tree(&BoxTree::new()).is_empty());
+        }
         for (name, mut one) in dynamic(scene) {
             ones.iter().for_each(|(&key, &bounds)| _ = one.insert(key, bounds));
             for (other_name, mut other) in dynamic(scene) {
