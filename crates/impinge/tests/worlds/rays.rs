@@ -81,7 +81,7 @@ fn meshes_are_met_where_they_are() {
             })
             .collect();
         let (mut hits, mut inside) = (0, 0);
-        for _ in 0..300 {
+        for _ in 0..600 {
             let ray = random_ray(&mut rng);
             let found = world.ray_cast_all(&ray, |_| true);
             for (body, centre) in &bodies {

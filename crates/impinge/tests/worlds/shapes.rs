@@ -85,8 +85,8 @@ fn shapes_meet_as_they_do_one_by_one() {
 fn contacts_are_those_of_the_shapes() {
     let mut rng = Rng::new(65);
     let mut world = World::new();
-    let mesh = Shape::solid(&knot());
-    let shapes: Vec<Shape> = every_shape().into_iter().chain([mesh]).cycle().take(24).collect();
+    // Those whose contacts do not take long: spheres, capsules and boxes.
+    let shapes: Vec<Shape> = every_shape().into_iter().take(3).chain([dumbbell()]).cycle().take(24).collect();
     let ids: Vec<BodyId> =
         shapes.iter().map(|shape| world.insert(Body::new(shape.clone()).at(pose(&mut rng, 1.5))).unwrap()).collect();
     world.step(&[]).unwrap();

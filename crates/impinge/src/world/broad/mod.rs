@@ -12,12 +12,13 @@ use crate::volume::MinMax;
 use columns::Columns;
 use every::Every;
 
-/// More boxes than this are found sooner through a structure, and fewer than half of it are looked at one by one again: in
-/// between both take as long, and going back and forth would take longer than either (`docs/worlds.md`).
+/// More boxes than this are looked for through a structure, and fewer than half of it one by one again, so that a world about
+/// as large does not go back and forth. 64 boxes are 3 KiB to look at, about what a few nodes of a tree cost in misses of the
+/// cache: an estimate, which `--bin worlds -- kinds` of the benchmarks is there to correct.
 const MOST_FOR_EVERY: usize = 64;
 
-/// Where a greater share of the boxes moves, sorting all of them into columns is quicker than moving each in a tree; where less than
-/// half of it does, the tree is (`docs/worlds.md`).
+/// Where a greater share of the boxes moves, all of them are sorted into columns, and where less than half of it does, each is
+/// moved in a tree: a move and a question cost about five times what a box costs in a sort. An estimate, too.
 const SHARE_FOR_COLUMNS: f64 = 0.2;
 
 /// How much the last step counts in what share moves: a burst of one step changes nothing, one of ten does.
@@ -29,7 +30,7 @@ const LEAST_CELL: f64 = 1.0 / 1024.0;
 /// No place.
 const NONE: u32 = u32::MAX;
 
-/// How pairs of boxes are found. No answer depends on it; `docs/worlds.md` says which is the quickest when.
+/// How pairs of boxes are found. No answer depends on it; `docs/worlds.md` says which is at home where.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BroadPhase {
     /// By the number of bodies and how many of them move: [`Every`](Self::Every) for a few, [`Columns`](Self::Columns) where
