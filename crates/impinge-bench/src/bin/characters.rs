@@ -128,7 +128,7 @@ fn crowd(rig: &Rig, character: &Character, count: usize, repeats: usize) -> Resu
             })
         });
         posing?;
-        let (sweep_seconds, (bodies, shots)) = timed(|| sweep(&posed, &rays));
+        let (sweep_seconds, [bodies, shots]) = timed(|| sweep(&posed, &rays));
         let (parts_seconds, found) = timed(|| {
             bodies
                 .par_iter()
@@ -165,8 +165,10 @@ fn crowd(rig: &Rig, character: &Character, count: usize, repeats: usize) -> Resu
     Ok([count.to_string(), least(0), least(1), least(2), least(3), least(4), bodies, parts, hits])
 }
 
+type Pairs = Vec<(u32, u32)>;
+
 /// Pairs of characters whose boxes overlap, and of rays and characters, by sorting the lower ends along x.
-fn sweep(posed: &[(RigPose, Posed<'_>)], rays: &[([f64; 3], [f64; 3])]) -> (Vec<(u32, u32)>, Vec<(u32, u32)>) {
+fn sweep(posed: &[(RigPose, Posed<'_>)], rays: &[([f64; 3], [f64; 3])]) -> [Pairs; 2] {
     let bodies = posed.len() as u32;
     let of_body = |body: &(RigPose, Posed<'_>)| body.1.outer();
     let of_ray = |(from, by): &([f64; 3], [f64; 3])| {
@@ -177,7 +179,7 @@ fn sweep(posed: &[(RigPose, Posed<'_>)], rays: &[([f64; 3], [f64; 3])]) -> (Vec<
     let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
     order.par_sort_unstable_by(|&a, &b| boxes[a as usize][0][0].total_cmp(&boxes[b as usize][0][0]).then(a.cmp(&b)));
     let sorted: Vec<(u32, [[f64; 3]; 2])> = order.into_iter().map(|at| (at, boxes[at as usize])).collect();
-    let found: Vec<Vec<(u32, u32)>> = sorted
+    let found: Vec<Pairs> = sorted
         .par_iter()
         .enumerate()
         .with_min_len(64)
@@ -195,8 +197,8 @@ fn sweep(posed: &[(RigPose, Posed<'_>)], rays: &[([f64; 3], [f64; 3])]) -> (Vec<
             found
         })
         .collect();
-    let (pairs, shots): (Vec<_>, Vec<_>) = found.into_iter().flatten().partition(|pair| pair.1 < bodies);
-    (pairs, shots.into_iter().map(|(body, ray)| (ray - bodies, body)).collect())
+    let (pairs, shots): (Pairs, Pairs) = found.into_iter().flatten().partition(|pair| pair.1 < bodies);
+    [pairs, shots.into_iter().map(|(body, ray)| (ray - bodies, body)).collect()]
 }
 
 /// Against all pairs of characters, and all rays against all.

@@ -46,7 +46,7 @@ fn what_cannot_be_fitted_is_refused() {
         (format!("hits {ROBOT} --picture out.jpg"), "its extension does not say what to write"),
         (format!("hits {ROBOT} --animation Fly --picture out.png"), "there is no animation \"Fly\""),
         (format!("hits {ROBOT} --plan plan.toml"), "a bone of the rig"),
-        ("hits cube.obj".to_owned(), "supported"),
+        ("hits cube.obj".to_owned(), "expected a glTF document"),
         ("hits plain.gltf".to_owned(), "has no faces"),
         ("hits missing.glb".to_owned(), "missing.glb"),
     ] {
