@@ -42,7 +42,7 @@ pub struct ContactPatch {
 /// let corners = vec![[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [0.0, 0.0, 8.0]];
 /// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
 /// // Its tip, one unit deep in the floor of a copy.
-/// let patches = query::contact_patches(&mesh, mesh.at(Pose::from_translation([1.0, 1.0, 7.0])?));
+/// let patches = query::contact_patches(&mesh, mesh.at(Pose::from_translation([-1.0, -1.0, 7.0])?));
 /// assert_eq!(patches.len(), 1);
 /// # Ok::<(), impinge::InputError>(())
 /// ```

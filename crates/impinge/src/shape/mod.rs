@@ -253,7 +253,7 @@ impl Shape {
     /// let dumbbell = Shape::compound(&[(end.clone(), at(-1.0)?), (bar, at(0.0)?), (end, at(1.0)?)])?.at(Pose::IDENTITY)?;
     /// let between = Shape::point([0.0, 0.25, 0.0])?.at(Pose::IDENTITY)?;
     /// assert!(!shapes::intersects(&dumbbell, &between));
-    /// assert_eq!(shapes::distance(&dumbbell, &between).upper, 0.125);
+    /// assert!((shapes::distance(&dumbbell, &between).upper - 0.125).abs() < 1e-12);
     /// # Ok::<(), impinge::InputError>(())
     /// ```
     ///
