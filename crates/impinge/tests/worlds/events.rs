@@ -183,7 +183,7 @@ fn filters_decide_inside_the_broad_phase() {
     for tag in 0..10 {
         world.insert(unit().tag(tag)).unwrap();
     }
-    world.set_filter(|a: (BodyId, &Traits), b: (BodyId, &Traits)| (a.1.tag + b.1.tag) % 2 == 0);
+    world.set_filter(|a: (BodyId, &Traits), b: (BodyId, &Traits)| (a.1.tag + b.1.tag).is_multiple_of(2));
     let work = world.step(&[]).unwrap().work;
     assert_eq!((work.candidates, work.examined), (20, 20), "what the filter refuses is no candidate");
     world.set_filter(|a: (BodyId, &Traits), b: (BodyId, &Traits)| a.1.tag == 0 || b.1.tag == 0);
