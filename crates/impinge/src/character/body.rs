@@ -2,12 +2,12 @@
 
 use super::error::RigError;
 use super::fit::{self, HitPart, Mode, Piece, places};
+use super::frame::Frame;
 use super::plan::{PartPlan, Plan, bones_of_faces, some_poses};
 use super::rig::{Rig, RigPose};
 use super::samples::Held;
 use super::skeleton::BoneSet;
 use super::vector::length;
-use super::volume::Frame;
 
 /// The hit volumes of a rigged character.
 #[derive(Clone, Debug)]

@@ -9,8 +9,12 @@
 
 mod animation;
 mod body;
+mod candidates;
+mod crossing;
 mod error;
 mod fit;
+mod frame;
+mod meeting;
 mod motion_bound;
 mod names;
 mod plan;
@@ -30,6 +34,7 @@ pub use animation::{Animation, Channel, Interpolation, Target};
 pub use body::{Character, Leak};
 pub use error::{RigError, RigErrorKind, RigPlace};
 pub use fit::{HitPart, Mode};
+pub use frame::Frame;
 pub use plan::{PartPlan, Plan};
 pub use posed::{PartHit, PartPair, Posed};
 pub use rig::{Rig, RigPose};
@@ -38,4 +43,4 @@ pub use skin::{Influence, Joint, Morph, Skin};
 pub use strike::Strike;
 pub use surface::{Surface, SurfaceHit};
 pub use transform::Transform;
-pub use volume::{Frame, HitHull, HitVolume, VolumeKind};
+pub use volume::{HitHull, HitVolume, VolumeKind};

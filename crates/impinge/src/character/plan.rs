@@ -4,11 +4,12 @@
 use crate::volume::{BoundingVolume, fit};
 
 use super::error::{RigError, RigErrorKind, RigPlace};
+use super::frame::Frame;
 use super::names;
 use super::rig::{Rig, RigPose};
 use super::skin::blended;
 use super::transform::Vector;
-use super::volume::{Frame, VolumeKind};
+use super::volume::VolumeKind;
 
 /// How many poses are looked at to see which bones move as one.
 const POSES: usize = 48;

@@ -9,10 +9,11 @@ use crate::math::Pose;
 use crate::query::shapes;
 use crate::volume::Proximity;
 
+use super::frame::{Frame, frame_of};
 use super::posed::Posed;
 use super::transform::{Vector, slerp};
 use super::vector::{add, length, scale, sub, unit};
-use super::volume::{Frame, HitVolume, frame_of};
+use super::volume::HitVolume;
 
 /// A part that was struck on the way.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use crate::convex::Support;
 use crate::hull::{Hull, HullKind};
-use crate::input::{InputError, InputErrorKind};
+use crate::input::InputError;
 use crate::math::Pose;
 use crate::shape::{PlacedShape, Shape};
 use crate::volume::{BoundingSphere, BoundingVolume, Capsule, Lozenge, Obb};
 
-use super::transform::{Vector, apply, matrix, normalised};
+use super::transform::Vector;
 use super::vector::{add, cross, dot, length, scale, sub, unit};
 
 /// The kinds of hit volumes, from the cheapest to ask.
@@ -117,19 +117,6 @@ impl HitHull {
 pub(super) fn cube_about(point: Vector, half: f64) -> [Vector; 8] {
     std::array::from_fn(|i| [0, 1, 2].map(|k| if i >> k & 1 == 1 { point[k] + half } else { point[k] - half }))
 }
-
-/// The part of a ray that is within a volume.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Crossing {
-    /// In units of the direction; the first is not below zero.
-    pub(super) t: [f64; 2],
-    /// Out of the volume where the ray enters; against the ray where it starts inside.
-    pub(super) normal: Vector,
-}
-
-/// Of the distance from a ray's origin and of a volume's size: what rays are taken as thicker by. A projection onto the ray and
-/// the offset from it are some 20 roundings of numbers of that size, in all below 2^-47 of it.
-const RAY_PADDING: f64 = 1.0 / (1_u64 << 46) as f64;
 
 impl HitVolume {
     /// Which kind it is.
@@ -286,148 +273,6 @@ impl HitVolume {
             Self::Hull(HitHull { hull, .. }) => Shape::hull(hull.clone()).at(world_from_local),
         }
     }
-
-    /// Where a ray is in the volume; the direction has a length. The part that is found is never too short, but for a grazing
-    /// one it may be a little long: the volume is taken as thicker by some 2^-46 of its size and its distance from the origin.
-    pub(super) fn crossing(&self, origin: Vector, direction: Vector) -> Option<Crossing> {
-        let (middle, reach) = self.bounding_sphere();
-        let squared = dot(direction, direction);
-        // From near the volume, so that what cancels is small.
-        let shift = dot(direction, sub(middle, origin)) / squared;
-        let near = [0, 1, 2].map(|k| origin[k] + shift * direction[k]);
-        let padding = RAY_PADDING * (length(sub(middle, origin)) + length(origin) + length(middle) + reach);
-        let radius = self.radius() + padding;
-        let found = match self {
-            Self::Sphere(sphere) => through_sphere(near, direction, sphere.centre(), radius),
-            Self::Capsule(capsule) => through_capsule(near, direction, capsule.ends(), radius),
-            Self::Lozenge(lozenge) => through_lozenge(near, direction, lozenge, radius),
-            Self::Box(obb) => {
-                let offset = sub(near, obb.centre());
-                let slabs = [0, 1, 2].map(|k| (dot(obb.axes()[k], offset), dot(obb.axes()[k], direction)));
-                between_planes((0..6).map(|side| {
-                    let (k, sign) = (side / 2, if side % 2 == 0 { 1.0 } else { -1.0 });
-                    (sign * slabs[k].0 - obb.half_extents()[k] - padding, sign * slabs[k].1)
-                }))
-            }
-            Self::Hull(HitHull { planes, .. }) => between_planes(
-                planes.iter().map(|&(normal, level)| (dot(normal, near) - level - padding, dot(normal, direction))),
-            ),
-        }?;
-        let [enter, leave] = found.map(|t| t + shift);
-        if leave < 0.0 {
-            return None;
-        }
-        if enter <= 0.0 {
-            return Some(Crossing { t: [0.0, leave], normal: scale(direction, -1.0 / squared.sqrt()) });
-        }
-        let point = [0, 1, 2].map(|k| origin[k] + enter * direction[k]);
-        Some(Crossing { t: [enter, leave], normal: self.normal_at(point) })
-    }
-
-    /// The outward normal at a point of the surface, or nearly.
-    fn normal_at(&self, point: Vector) -> Vector {
-        const ANY: Vector = [0.0, 0.0, 1.0];
-        match self {
-            Self::Sphere(_) | Self::Capsule(_) | Self::Lozenge(_) => {
-                unit(sub(point, self.closest_on_core(point))).unwrap_or(ANY)
-            }
-            Self::Box(obb) => {
-                let offset = sub(point, obb.centre());
-                let beyond = [0, 1, 2].map(|k| dot(obb.axes()[k], offset));
-                let excess = |k: usize| beyond[k].abs() - obb.half_extents()[k];
-                let k = (0..3).max_by(|&i, &j| excess(i).total_cmp(&excess(j))).unwrap_or(0);
-                scale(obb.axes()[k], 1_f64.copysign(beyond[k]))
-            }
-            Self::Hull(HitHull { planes, .. }) => {
-                let excess = |plane: &(Vector, f64)| dot(plane.0, point) - plane.1;
-                planes.iter().max_by(|a, b| excess(a).total_cmp(&excess(b))).map_or(ANY, |plane| plane.0)
-            }
-        }
-    }
-}
-
-fn through_sphere(from: Vector, direction: Vector, centre: Vector, radius: f64) -> Option<[f64; 2]> {
-    let offset = sub(from, centre);
-    let (a, b) = (dot(direction, direction), dot(direction, offset));
-    // The offset across the ray, so that nothing cancels.
-    let across = sub(offset, scale(direction, b / a));
-    let left = radius * radius - dot(across, across);
-    (left >= 0.0).then(|| {
-        let half = (left / a).sqrt();
-        [-b / a - half, -b / a + half]
-    })
-}
-
-/// The two ends and the cylinder between.
-fn through_capsule(from: Vector, direction: Vector, [p, q]: [Vector; 2], radius: f64) -> Option<[f64; 2]> {
-    let ends = [p, q].into_iter().filter_map(|end| through_sphere(from, direction, end, radius));
-    let axis = sub(q, p);
-    let tube = unit(axis).and_then(|axis_unit| {
-        let flat = |v: Vector| sub(v, scale(axis_unit, dot(axis_unit, v)));
-        let (offset, along) = (flat(sub(from, p)), flat(direction));
-        let a = dot(along, along);
-        let inside = if a > 0.0 {
-            let b = dot(along, offset);
-            let across = sub(offset, scale(along, b / a));
-            let left = radius * radius - dot(across, across);
-            if left < 0.0 {
-                return None;
-            }
-            let half = (left / a).sqrt();
-            [-b / a - half, -b / a + half]
-        } else if dot(offset, offset) <= radius * radius {
-            [f64::NEG_INFINITY, f64::INFINITY]
-        } else {
-            return None;
-        };
-        let (height, speed) = (dot(axis_unit, sub(from, p)), dot(axis_unit, direction));
-        let caps = between_planes([(-height, -speed), (height - length(axis), speed)].into_iter())?;
-        let both = [inside[0].max(caps[0]), inside[1].min(caps[1])];
-        (both[0] <= both[1]).then_some(both)
-    });
-    ends.chain(tube).reduce(hull_of_intervals)
-}
-
-/// The four sides, and the plate between them.
-fn through_lozenge(from: Vector, direction: Vector, lozenge: &Lozenge, radius: f64) -> Option<[f64; 2]> {
-    let ([u, v], c) = (lozenge.edges(), lozenge.corner());
-    let (cu, cv, cuv) = (add(c, u), add(c, v), add(add(c, u), v));
-    let sides = [[c, cu], [c, cv], [cu, cuv], [cv, cuv]];
-    let rims = sides.into_iter().filter_map(|side| through_capsule(from, direction, side, radius));
-    let plate = match (unit(u), unit(v), unit(cross(u, v))) {
-        (Some(along), Some(aside), Some(normal)) => {
-            let offset = sub(from, c);
-            let slab = |axis: Vector, low: f64, high: f64| {
-                let (x, speed) = (dot(axis, offset), dot(axis, direction));
-                [(low - x, -speed), (x - high, speed)]
-            };
-            let slabs = [slab(along, 0.0, length(u)), slab(aside, 0.0, length(v)), slab(normal, -radius, radius)];
-            between_planes(slabs.into_iter().flatten())
-        }
-        _ => None,
-    };
-    rims.chain(plate).reduce(hull_of_intervals)
-}
-
-fn hull_of_intervals(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0].min(b[0]), a[1].max(b[1])]
-}
-
-/// Where a ray is inside of planes, given by its height over each at its start and its speed upwards.
-fn between_planes(planes: impl Iterator<Item = (f64, f64)>) -> Option<[f64; 2]> {
-    let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-    for (height, speed) in planes {
-        if speed == 0.0 {
-            if height > 0.0 {
-                return None;
-            }
-        } else if speed < 0.0 {
-            enter = enter.max(-height / speed);
-        } else {
-            leave = leave.min(-height / speed);
-        }
-    }
-    (enter <= leave && enter < f64::INFINITY && leave > f64::NEG_INFINITY).then_some([enter, leave])
 }
 
 /// A point moved along an edge as far as an offset goes with it, and not beyond.
@@ -462,66 +307,4 @@ impl Support for RoundedPlate {
         // Up to rounding of the corner and of the sum.
         [0, 1, 2].map(|k| (corners.iter().fold(0.0_f64, |m, p| m.max(p[k].abs())) + r) * (1.0 + 1e-14))
     }
-}
-
-/// A rigid frame of a bone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
-    pub(super) rotation_wxyz: [f64; 4],
-    pub(super) rotation: [[f64; 3]; 3],
-    pub(super) origin: [f64; 3],
-}
-
-impl Frame {
-    /// The frame with a rotation (w, x, y, z) of length 1.
-    pub(super) fn new(rotation_wxyz: [f64; 4], origin: Vector) -> Self {
-        Self { rotation_wxyz, rotation: matrix(rotation_wxyz), origin }
-    }
-
-    /// Where a point of the frame is in the world.
-    #[must_use]
-    pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
-        add(apply(&self.rotation, point), self.origin)
-    }
-
-    /// Where a point of the world is in the frame.
-    #[must_use]
-    pub fn local(&self, point: [f64; 3]) -> [f64; 3] {
-        super::transform::apply_transposed(&self.rotation, sub(point, self.origin))
-    }
-
-    /// The frame as a pose.
-    ///
-    /// # Errors
-    /// An origin out of range, which no pose of a rig has.
-    pub fn pose(&self) -> Result<Pose, InputError> {
-        Pose::new(self.rotation, self.origin)
-    }
-}
-
-/// The frame of a pose, and how far a point within a unit of its origin is from where the pose has it.
-///
-/// # Errors
-/// A pose that is no rotation within 1e-4, or mirrors.
-pub(super) fn frame_of(pose: &Pose) -> Result<(Frame, f64), InputError> {
-    const RIGID: f64 = 1e-4;
-    let m = pose.linear();
-    let [a, b, c] = [m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]];
-    let [d, e, f] = [m[0][1] + m[1][0], m[1][2] + m[2][1], m[2][0] + m[0][2]];
-    let (p, q, r) = (m[0][0], m[1][1], m[2][2]);
-    // Four expressions for the quaternion, of different lengths.
-    let candidates = [
-        [1.0 + p + q + r, a, b, c],
-        [a, 1.0 + p - q - r, d, f],
-        [b, d, 1.0 - p + q - r, e],
-        [c, f, e, 1.0 - p - q + r],
-    ];
-    let longest = (0..4).max_by(|&i, &j| candidates[i][i].total_cmp(&candidates[j][j])).unwrap_or(0);
-    let rotation = normalised(candidates[longest]).unwrap_or([1.0, 0.0, 0.0, 0.0]);
-    let frame = Frame::new(rotation, *pose.translation());
-    let difference = (0..9).map(|k| (frame.rotation[k / 3][k % 3] - m[k / 3][k % 3]).powi(2)).sum::<f64>().sqrt();
-    if difference > RIGID {
-        return Err(InputError::new(InputErrorKind::NotRigid { deviation: 2.0 * difference }));
-    }
-    Ok((frame, difference))
 }

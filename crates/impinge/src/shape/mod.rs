@@ -5,17 +5,19 @@
 //! one; all other convex shapes have no radius. A compound is asked part by part.
 
 mod corners;
+mod placed;
 mod round;
 
 use std::sync::Arc;
 
-use crate::convex::{Core, Faceted, HalfSpace, Support, Surface, Swept};
+use crate::convex::{HalfSpace, Support, Surface, Swept};
 use crate::hull::Hull;
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 use crate::mesh::Mesh;
-use crate::volume::stretch;
 use corners::Corners;
+pub use placed::PlacedShape;
+use placed::images_of_radius;
 use round::{Cone, Cylinder, Ellipsoid};
 
 /// Coordinates and lengths stay below this magnitude: the range of the proofs, that of meshes.
@@ -54,19 +56,6 @@ enum Kind {
 enum RoundCore {
     Few(Corners),
     Curved(Arc<dyn Support>),
-}
-
-/// A shape in the world.
-#[derive(Clone, Debug)]
-pub struct PlacedShape {
-    kind: Kind,
-    world_from_local: Pose,
-    /// The radius of a ball that is in the image of the shape's, and of one that holds it.
-    radius: [f64; 2],
-    /// The parts of a compound.
-    parts: Arc<[PlacedShape]>,
-    /// Holds the shape, where that is finite.
-    bounds: Option<[[f64; 3]; 2]>,
 }
 
 /// What a verb makes of a placed shape, or of a part of a compound: one of the three representations.
@@ -312,98 +301,6 @@ impl Shape {
     fn curved(set: Arc<dyn Support>) -> Self {
         Self(Kind::Round { core: RoundCore::Curved(set), radius: 0.0 })
     }
-}
-
-impl PlacedShape {
-    /// Where the shape is.
-    #[must_use]
-    pub fn world_from_local(&self) -> &Pose {
-        &self.world_from_local
-    }
-
-    /// A box in the world frame, its least corner and its greatest, that holds the shape; none where the shape is or has a
-    /// half-space, and where there is nothing to hold.
-    #[must_use]
-    pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
-        self.bounds
-    }
-
-    /// Whether the shape is or has a half-space.
-    pub(crate) fn is_unbounded(&self) -> bool {
-        self.parts().iter().any(|part| matches!(part.kind, Kind::HalfSpace { .. }))
-    }
-
-    /// The parts that verbs are asked of: this shape, or those of a compound.
-    pub(crate) fn parts(&self) -> &[Self] {
-        match self.kind {
-            Kind::Compound(_) => &self.parts,
-            _ => std::slice::from_ref(self),
-        }
-    }
-
-    /// This shape elsewhere.
-    ///
-    /// # Errors
-    /// As [`Shape::at`].
-    pub(crate) fn moved_to(&self, world_from_local: Pose) -> Result<Self, InputError> {
-        Shape(self.kind.clone()).at(world_from_local)
-    }
-
-    /// What a part is; a compound, which is asked part by part, counts as its first.
-    pub(crate) fn form(&self) -> Form<'_> {
-        let pose = &self.world_from_local;
-        let core = match &self.kind {
-            Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.core(),
-            Kind::Round { core: RoundCore::Curved(set), .. } => Core::Curved(&**set),
-            Kind::HalfSpace { normal, level } => {
-                return Form::HalfSpace(Box::new(HalfSpace::new(*normal, *level, pose)));
-            }
-            Kind::Mesh { mesh, is_solid } => return Form::Surface(Surface { mesh, pose, is_solid: *is_solid }),
-            Kind::Compound(_) => return self.parts[0].form(),
-        };
-        Form::Convex(Swept { core, pose, radius: self.radius })
-    }
-
-    /// A swept core of this shape with its facets, where it is a polytope.
-    pub(crate) fn faceted<'a>(&'a self, swept: Swept<'a>) -> Faceted<'a> {
-        let facets = match &self.kind {
-            Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.facets(),
-            _ => None,
-        };
-        Faceted { swept, facets }
-    }
-
-    fn world_bounds(&self) -> Option<[[f64; 3]; 2]> {
-        let mut all: Option<[[f64; 3]; 2]> = None;
-        for part in self.parts() {
-            let [min, max] = match part.form() {
-                Form::Convex(swept) => swept.world_bounds(),
-                Form::Surface(surface) => match surface.world_bounds() {
-                    Some(bounds) => bounds,
-                    None => continue,
-                },
-                Form::HalfSpace(_) => return None,
-            };
-            let [low, high] = all.unwrap_or([min, max]);
-            all = Some([std::array::from_fn(|k| low[k].min(min[k])), std::array::from_fn(|k| high[k].max(max[k]))]);
-        }
-        all
-    }
-}
-
-/// The radius of a ball that the image of a ball holds, and of one that holds it; both are the ball's own where the pose is
-/// exactly orthogonal.
-///
-/// # Accuracy
-/// With s the bound of the greatest singular value and δ = ‖RᵀR - I‖, s - 1 is at least δ/2, and the least singular value is at
-/// least √(1 - δ) ≥ 1 - δ/2 - δ²/2.
-fn images_of_radius(radius: f64, pose: &Pose) -> Result<[f64; 2], InputError> {
-    let beyond = stretch(pose)? - 1.0;
-    if beyond == 0.0 {
-        return Ok([radius; 2]);
-    }
-    let rounding = 4.0 * f64::EPSILON * radius;
-    Ok([(radius * (1.0 - beyond - 2.0 * beyond * beyond) - rounding).max(0.0), radius * (1.0 + beyond) + rounding])
 }
 
 fn judge_points(what: &'static str, points: &[[f64; 3]]) -> Result<(), InputError> {

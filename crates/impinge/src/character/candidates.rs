@@ -1,0 +1,172 @@
+//! Volumes of every kind about one part, what they cost, and how they grow to hold what they are shown.
+
+use crate::hull::Hull;
+use crate::input::InputError;
+use crate::volume::{BoundingSphere, Capsule, Lozenge, Obb, fit};
+
+use super::transform::Vector;
+use super::vector::{add, dot, length, scale, sub};
+use super::volume::{HitHull, HitVolume, VolumeKind, cube_about};
+
+/// What a ray costs against a volume of each kind, in nanoseconds, in the order of [`VolumeKind::ALL`]; for a hull it is for each
+/// of its faces. Measured by `characters` of the benchmarks; what matters are the ratios.
+const RAY_COSTS: [f64; 5] = [60.0, 80.0, 90.0, 190.0, 3.0];
+
+/// What a strike on a volume that is in vain costs, in nanoseconds: a choice, of about what it takes to ask the skinned mesh of
+/// some thousand faces. The more it is, the tighter are the volumes that win.
+const FALSE_STRIKE: f64 = 400.0;
+
+/// A volume of each kind about one part.
+pub(super) struct Candidates {
+    pub(super) sphere: BoundingSphere,
+    pub(super) capsule: Capsule,
+    pub(super) obb: Obb,
+    pub(super) lozenge: Lozenge,
+    pub(super) hull: HitHull,
+    /// Of a convex hull about the points that were fitted to.
+    pub(super) area: f64,
+}
+
+impl Candidates {
+    /// About some points.
+    pub(super) fn about(points: &[Vector], hull_points: &[Vector]) -> Result<Self, InputError> {
+        Ok(Self {
+            sphere: fit::minimal_sphere(points)?.sphere,
+            capsule: fit::capsule(points)?,
+            obb: fit::obb(points)?.obb,
+            lozenge: fit::lozenge(points)?,
+            hull: HitHull::new(hull_points)?,
+            area: HitVolume::Hull(HitHull::new(points)?).surface_area(),
+        })
+    }
+
+    pub(super) fn volume(&self, kind: VolumeKind) -> HitVolume {
+        match kind {
+            VolumeKind::Sphere => HitVolume::Sphere(self.sphere),
+            VolumeKind::Capsule => HitVolume::Capsule(self.capsule),
+            VolumeKind::Box => HitVolume::Box(self.obb),
+            VolumeKind::Lozenge => HitVolume::Lozenge(self.lozenge),
+            VolumeKind::Hull => HitVolume::Hull(self.hull.clone()),
+        }
+    }
+
+    /// The area of a volume in areas of a hull.
+    pub(super) fn looseness(&self, volume: &HitVolume) -> f64 {
+        if self.area > 0.0 { volume.surface_area() / self.area } else { 1.0 }
+    }
+
+    /// The one of a given kind, or the one that costs least.
+    pub(super) fn best(&self, kind: Option<VolumeKind>) -> HitVolume {
+        let cost = |at: usize| {
+            let looseness = self.looseness(&self.volume(VolumeKind::ALL[at]));
+            let faces = if VolumeKind::ALL[at] == VolumeKind::Hull { self.hull.planes().len() as f64 } else { 1.0 };
+            RAY_COSTS[at] * faces + FALSE_STRIKE * (looseness - 1.0)
+        };
+        let chosen =
+            kind.unwrap_or_else(|| VolumeKind::ALL[(0..5).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(0)]);
+        self.volume(chosen)
+    }
+}
+
+/// What volumes need to be so that they hold all that was shown to them.
+#[derive(Clone)]
+pub(super) struct Needs {
+    pub(super) sphere: f64,
+    pub(super) capsule: f64,
+    pub(super) lozenge: f64,
+    /// The least and greatest coordinate along each axis of the box, from its centre.
+    pub(super) obb: [[f64; 2]; 3],
+    /// For each face of the hull the point that is farthest out of it.
+    pub(super) out: Vec<(f64, Vector)>,
+}
+
+impl Needs {
+    pub(super) fn new(candidates: &Candidates) -> Self {
+        let out = vec![(0.0, [0.0; 3]); candidates.hull.planes().len()];
+        Self { sphere: 0.0, capsule: 0.0, lozenge: 0.0, obb: [[f64::INFINITY, f64::NEG_INFINITY]; 3], out }
+    }
+
+    pub(super) fn show(&mut self, candidates: &Candidates, volumes: &[HitVolume; 3], point: Vector) {
+        let reach = |volume: &HitVolume| length(sub(point, volume.closest_on_core(point)));
+        self.sphere = self.sphere.max(reach(&volumes[0]));
+        self.capsule = self.capsule.max(reach(&volumes[1]));
+        self.lozenge = self.lozenge.max(reach(&volumes[2]));
+        let offset = sub(point, candidates.obb.centre());
+        for (range, axis) in self.obb.iter_mut().zip(candidates.obb.axes()) {
+            let t = dot(axis, offset);
+            *range = [range[0].min(t), range[1].max(t)];
+        }
+        for (out, &(normal, level)) in self.out.iter_mut().zip(candidates.hull.planes()) {
+            let excess = dot(normal, point) - level;
+            if excess > 0.0 {
+                *out = farther(*out, (excess, point));
+            }
+        }
+    }
+
+    pub(super) fn merged(mut self, other: &Self) -> Self {
+        self.sphere = self.sphere.max(other.sphere);
+        self.capsule = self.capsule.max(other.capsule);
+        self.lozenge = self.lozenge.max(other.lozenge);
+        self.obb = [0, 1, 2].map(|k| [self.obb[k][0].min(other.obb[k][0]), self.obb[k][1].max(other.obb[k][1])]);
+        self.out.iter_mut().zip(&other.out).for_each(|(own, other)| *own = farther(*own, *other));
+        self
+    }
+}
+
+/// The same whatever the order: of points as far, the greatest.
+pub(super) fn farther(a: (f64, Vector), b: (f64, Vector)) -> (f64, Vector) {
+    if b > a { b } else { a }
+}
+
+impl Candidates {
+    /// Makes all of them hold what was shown, and what is within `margin` of that. Hulls get the points outside of their
+    /// faces; what they still lack is added afterwards.
+    pub(super) fn grow(&mut self, needs: &Needs, margin: f64) -> Result<(), InputError> {
+        let radius = |need: f64| need * (1.0 + 1e-12) + margin;
+        self.sphere = BoundingSphere::new(self.sphere.centre(), radius(needs.sphere))?;
+        let [from, to] = self.capsule.ends();
+        self.capsule = Capsule::new(from, to, radius(needs.capsule))?;
+        self.lozenge = Lozenge::new(self.lozenge.corner(), self.lozenge.edges(), radius(needs.lozenge))?;
+        let axes = self.obb.axes();
+        let middle = [0, 1, 2].map(|k| 0.5 * (needs.obb[k][0] + needs.obb[k][1]));
+        let centre = (0..3).fold(self.obb.centre(), |at, k| add(at, scale(axes[k], middle[k])));
+        // The axes are orthonormal within 2^-40.
+        let most = needs.obb.iter().flatten().fold(length(self.obb.centre()), |most, x| most.max(x.abs()));
+        let half = needs.obb.map(|[low, high]| 0.5 * (high - low) + 4e-12 * most + margin);
+        self.obb = Obb::new(centre, axes, half)?;
+        let mut points = self.hull.hull().positions().to_vec();
+        points.extend(needs.out.iter().filter(|out| out.0 > 0.0).map(|out| out.1));
+        self.hull = HitHull::new(&points)?;
+        Ok(())
+    }
+
+    /// Makes the hull hold its image enlarged by `gauge` about its middle, and what is within `margin` of that.
+    ///
+    /// Where a ball of radius ρ about the middle is in the enlarged hull, anything within m of that is in the hull enlarged by
+    /// 1 + m / ρ once more; where this is much, the corners of cubes about its corners are better.
+    pub(super) fn grow_hull(&mut self, gauge: f64, margin: f64) -> Result<(), InputError> {
+        const LITTLE: f64 = 0.05;
+        let middle = middle(self.hull.hull());
+        let inner = self.hull.planes().iter().map(|&(n, level)| level - dot(n, middle)).fold(f64::INFINITY, f64::min);
+        let enlarge = |factor: f64| {
+            let image = |&corner: &Vector| add(middle, scale(sub(corner, middle), factor * (1.0 + 1e-12)));
+            self.hull.hull().positions().iter().map(image).collect::<Vec<_>>()
+        };
+        let share = margin / (inner * gauge);
+        let corners = if share < LITTLE {
+            enlarge(gauge * (1.0 + share))
+        } else {
+            enlarge(gauge).into_iter().flat_map(|corner| cube_about(corner, margin)).collect()
+        };
+        self.hull = HitHull::new(&corners)?;
+        Ok(())
+    }
+}
+
+/// A point inside of a hull: the mean of its corners.
+pub(super) fn middle(hull: &Hull) -> Vector {
+    let positions = hull.positions();
+    let sum = positions.iter().fold([0.0; 3], |sum, &p| add(sum, p));
+    scale(sum, 1.0 / positions.len() as f64)
+}

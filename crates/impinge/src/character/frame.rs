@@ -1,0 +1,69 @@
+//! Rigid frames of bones.
+
+use crate::input::{InputError, InputErrorKind};
+use crate::math::Pose;
+
+use super::transform::{Vector, apply, matrix, normalised};
+use super::vector::{add, sub};
+
+/// A rigid frame of a bone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    pub(super) rotation_wxyz: [f64; 4],
+    pub(super) rotation: [[f64; 3]; 3],
+    pub(super) origin: [f64; 3],
+}
+
+impl Frame {
+    /// The frame with a rotation (w, x, y, z) of length 1.
+    pub(super) fn new(rotation_wxyz: [f64; 4], origin: Vector) -> Self {
+        Self { rotation_wxyz, rotation: matrix(rotation_wxyz), origin }
+    }
+
+    /// Where a point of the frame is in the world.
+    #[must_use]
+    pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
+        add(apply(&self.rotation, point), self.origin)
+    }
+
+    /// Where a point of the world is in the frame.
+    #[must_use]
+    pub fn local(&self, point: [f64; 3]) -> [f64; 3] {
+        super::transform::apply_transposed(&self.rotation, sub(point, self.origin))
+    }
+
+    /// The frame as a pose.
+    ///
+    /// # Errors
+    /// An origin out of range, which no pose of a rig has.
+    pub fn pose(&self) -> Result<Pose, InputError> {
+        Pose::new(self.rotation, self.origin)
+    }
+}
+
+/// The frame of a pose, and how far a point within a unit of its origin is from where the pose has it.
+///
+/// # Errors
+/// A pose that is no rotation within 1e-4, or mirrors.
+pub(super) fn frame_of(pose: &Pose) -> Result<(Frame, f64), InputError> {
+    const RIGID: f64 = 1e-4;
+    let m = pose.linear();
+    let [a, b, c] = [m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]];
+    let [d, e, f] = [m[0][1] + m[1][0], m[1][2] + m[2][1], m[2][0] + m[0][2]];
+    let (p, q, r) = (m[0][0], m[1][1], m[2][2]);
+    // Four expressions for the quaternion, of different lengths.
+    let candidates = [
+        [1.0 + p + q + r, a, b, c],
+        [a, 1.0 + p - q - r, d, f],
+        [b, d, 1.0 - p + q - r, e],
+        [c, f, e, 1.0 - p - q + r],
+    ];
+    let longest = (0..4).max_by(|&i, &j| candidates[i][i].total_cmp(&candidates[j][j])).unwrap_or(0);
+    let rotation = normalised(candidates[longest]).unwrap_or([1.0, 0.0, 0.0, 0.0]);
+    let frame = Frame::new(rotation, *pose.translation());
+    let difference = (0..9).map(|k| (frame.rotation[k / 3][k % 3] - m[k / 3][k % 3]).powi(2)).sum::<f64>().sqrt();
+    if difference > RIGID {
+        return Err(InputError::new(InputErrorKind::NotRigid { deviation: 2.0 * difference }));
+    }
+    Ok((frame, difference))
+}
