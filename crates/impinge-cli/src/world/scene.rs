@@ -84,7 +84,7 @@ impl Scene {
     /// Where there are more bodies than handles.
     pub(crate) fn new(recipe: &Recipe, world: &mut World) -> Result<Self, WorldError> {
         let mut random = Random(recipe.seed);
-        let reach = (recipe.bodies as f64).cbrt();
+        let reach = recipe.sizes.mean() * (recipe.bodies as f64).cbrt();
         let mut bodies = Vec::with_capacity(recipe.bodies);
         for number in 0..recipe.bodies {
             let size = recipe.sizes.draw(&mut random);
@@ -157,6 +157,14 @@ impl Travelling {
 }
 
 impl Sizes {
+    /// The mean of what is drawn, or nearly.
+    fn mean(self) -> f64 {
+        match self {
+            Self::Equal | Self::Like => 1.0,
+            Self::Spread => 0.2,
+        }
+    }
+
     fn draw(self, random: &mut Random) -> f64 {
         match self {
             Self::Equal => 1.0,

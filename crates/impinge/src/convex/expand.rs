@@ -193,8 +193,8 @@ mod tests {
         let mut polytope = Polytope::of_simplex(&corners.map(difference)).expect("about the origin");
         let mut grown = 0;
         for step in 0..60_u32 {
-            // On the grid, so that many are in planes of facets.
-            let digit = |at: u32| f64::from((step * 7 + at * step) % 5) - 2.0;
+            // On grids that become larger, so that many are in planes of facets and still beyond others.
+            let digit = |at: u32| f64::from(1 + step / 6) * (f64::from((step * 7 + at * step) % 5) - 2.0);
             let Some(nearest) = polytope.nearest() else { break };
             grown += u32::from(polytope.grow(&nearest, difference([digit(1), digit(3), digit(5)]), 64));
             let mut edges: Vec<[u32; 2]> = Vec::new();
