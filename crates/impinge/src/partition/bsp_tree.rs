@@ -6,7 +6,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{Cells, Items, Partition, Visitor, Work};
+use super::{Cells, Holds, Items, Partition, Visitor, Work};
 use crate::volume::{BoundingVolume, MinMax};
 
 /// Boxes of a node that is not split.
@@ -154,25 +154,15 @@ fn best_plane(held: &[Held]) -> Option<(usize, f64)> {
     best.1
 }
 
+impl Holds for BspTree {
+    fn items(&self) -> &Items {
+        &self.items
+    }
+}
+
 impl Partition for BspTree {
     fn cells(&self) -> Cells {
         Cells::Disjoint
-    }
-
-    fn len(&self) -> usize {
-        self.items.len()
-    }
-
-    fn get(&self, key: u32) -> Option<MinMax> {
-        self.items.get(key).copied()
-    }
-
-    fn bounds(&self) -> Option<MinMax> {
-        self.items.bounds()
-    }
-
-    fn each(&self, visit: &mut dyn FnMut(u32, &MinMax)) {
-        self.items.iter().for_each(|(key, bounds)| visit(key, bounds));
     }
 
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {

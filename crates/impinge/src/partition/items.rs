@@ -2,9 +2,15 @@
 
 use crate::volume::{BoundingVolume, MinMax};
 
+/// What has its boxes by their keys: every partition, and nothing outside of this module.
+pub trait Holds {
+    /// The boxes.
+    fn items(&self) -> &Items;
+}
+
 /// Boxes by key.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Items {
+pub struct Items {
     /// By key; what has no bit in `present` means nothing.
     boxes: Vec<MinMax>,
     present: Vec<u64>,

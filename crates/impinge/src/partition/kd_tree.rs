@@ -7,7 +7,7 @@
 use std::ops::ControlFlow;
 
 use super::march::{Best, distance_squared, in_range};
-use super::{Cells, Items, Neighbour, Partition, Visitor, Work};
+use super::{Cells, Holds, Items, Neighbour, Partition, Visitor, Work};
 use crate::volume::{BoundingVolume, MinMax};
 
 /// Boxes of a leaf that is not split.
@@ -140,25 +140,15 @@ fn plane_for(held: &mut [Held]) -> Option<(usize, f64)> {
     (extents[axis] > 0.0).then(|| (axis, centre(&held[middle], axis)))
 }
 
+impl Holds for KdTree {
+    fn items(&self) -> &Items {
+        &self.items
+    }
+}
+
 impl Partition for KdTree {
     fn cells(&self) -> Cells {
         Cells::Disjoint
-    }
-
-    fn len(&self) -> usize {
-        self.items.len()
-    }
-
-    fn get(&self, key: u32) -> Option<MinMax> {
-        self.items.get(key).copied()
-    }
-
-    fn bounds(&self) -> Option<MinMax> {
-        self.items.bounds()
-    }
-
-    fn each(&self, visit: &mut dyn FnMut(u32, &MinMax)) {
-        self.items.iter().for_each(|(key, bounds)| visit(key, bounds));
     }
 
     /// A box is visited in the cell of the least corner of what it shares with the one that is asked about.

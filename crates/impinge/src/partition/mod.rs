@@ -73,7 +73,7 @@ pub use sort_and_sweep::{Axis, SweepOneAxis, SweepThreeAxes};
 use std::ops::ControlFlow;
 
 use crate::volume::{BoundingVolume, MinMax};
-use items::Items;
+use items::{Holds, Items};
 
 /// Called with the key of each box that is found; `Break` ends the search.
 pub type Visitor<'v> = dyn FnMut(u32) -> ControlFlow<()> + 'v;
@@ -116,12 +116,14 @@ pub struct Neighbour {
 /// Boxes under keys, which can be asked where they are.
 ///
 /// What is found comes in no order unless it is said, but in the same one for the same calls.
-pub trait Partition {
+pub trait Partition: Holds {
     /// What this kind does to space.
     fn cells(&self) -> Cells;
 
     /// How many boxes there are.
-    fn len(&self) -> usize;
+    fn len(&self) -> usize {
+        self.items().len()
+    }
 
     /// Whether there are none.
     fn is_empty(&self) -> bool {
@@ -129,13 +131,19 @@ pub trait Partition {
     }
 
     /// The box of this key.
-    fn get(&self, key: u32) -> Option<MinMax>;
+    fn get(&self, key: u32) -> Option<MinMax> {
+        self.items().get(key).copied()
+    }
 
     /// A box that holds all boxes, and may be larger than needed after some went; none where there are none.
-    fn bounds(&self) -> Option<MinMax>;
+    fn bounds(&self) -> Option<MinMax> {
+        self.items().bounds()
+    }
 
     /// Visits every box, by ascending keys.
-    fn each(&self, visit: &mut dyn FnMut(u32, &MinMax));
+    fn each(&self, visit: &mut dyn FnMut(u32, &MinMax)) {
+        self.items().iter().for_each(|(key, bounds)| visit(key, bounds));
+    }
 
     /// Visits each box that meets this one, once, and adds what was touched to `work`.
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()>;

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{Cells, Dynamic, Items, Partition, Visitor, Work};
+use super::{Cells, Dynamic, Holds, Items, Partition, Visitor, Work};
 use crate::volume::{BoundingVolume, MinMax};
 
 /// Boxes that a cell holds before it is split: comparing so many costs about as much as opening eight cells.
@@ -269,25 +269,15 @@ macro_rules! is_octree {
             }
         }
 
+        impl Holds for $octree {
+            fn items(&self) -> &Items {
+                &self.0.items
+            }
+        }
+
         impl Partition for $octree {
             fn cells(&self) -> Cells {
                 $cells
-            }
-
-            fn len(&self) -> usize {
-                self.0.items.len()
-            }
-
-            fn get(&self, key: u32) -> Option<MinMax> {
-                self.0.items.get(key).copied()
-            }
-
-            fn bounds(&self) -> Option<MinMax> {
-                self.0.items.bounds()
-            }
-
-            fn each(&self, visit: &mut dyn FnMut(u32, &MinMax)) {
-                self.0.items.iter().for_each(|(key, bounds)| visit(key, bounds));
             }
 
             fn overlapping_counted(

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::super::march::{Best, distance_squared, in_range};
-use super::super::{Cells, Neighbour, Partition, Ray, RayVisit, Visitor, Work};
+use super::super::{Cells, Holds, Items, Neighbour, Partition, Ray, RayVisit, Visitor, Work};
 use super::{BoxTree, DEEPEST, MinMax, Node};
 use crate::volume::BoundingVolume;
 
@@ -40,25 +40,19 @@ impl BoxTree {
     }
 }
 
+impl Holds for BoxTree {
+    fn items(&self) -> &Items {
+        &self.items
+    }
+}
+
 impl Partition for BoxTree {
     fn cells(&self) -> Cells {
         Cells::Volumes
     }
 
-    fn len(&self) -> usize {
-        self.items.len()
-    }
-
-    fn get(&self, key: u32) -> Option<MinMax> {
-        self.items.get(key).copied()
-    }
-
     fn bounds(&self) -> Option<MinMax> {
         self.root.map(|root| self.node(root).bounds)
-    }
-
-    fn each(&self, visit: &mut dyn FnMut(u32, &MinMax)) {
-        self.items.iter().for_each(|(key, bounds)| visit(key, bounds));
     }
 
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {

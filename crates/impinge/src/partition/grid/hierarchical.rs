@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-use super::super::{Cells, Dynamic, Items, Partition, Visitor, Work};
+use super::super::{Cells, Dynamic, Holds, Items, Partition, Visitor, Work};
 use super::level::Level;
 use super::single::judge_cell;
 use crate::input::InputError;
@@ -92,25 +92,15 @@ impl HierarchicalGrid {
     }
 }
 
+impl Holds for HierarchicalGrid {
+    fn items(&self) -> &Items {
+        &self.items
+    }
+}
+
 impl Partition for HierarchicalGrid {
     fn cells(&self) -> Cells {
         Cells::Disjoint
-    }
-
-    fn len(&self) -> usize {
-        self.items.len()
-    }
-
-    fn get(&self, key: u32) -> Option<MinMax> {
-        self.items.get(key).copied()
-    }
-
-    fn bounds(&self) -> Option<MinMax> {
-        self.items.bounds()
-    }
-
-    fn each(&self, visit: &mut dyn FnMut(u32, &MinMax)) {
-        self.items.iter().for_each(|(key, bounds)| visit(key, bounds));
     }
 
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::super::{BoxTree, Cells, Dynamic, Items, Partition, Visitor, Work};
+use super::super::{BoxTree, Cells, Dynamic, Holds, Items, Partition, Visitor, Work};
 use super::level::Level;
 use crate::input::{InputError, InputErrorKind};
 use crate::volume::{BoundingVolume, MinMax};
@@ -168,25 +168,15 @@ impl Single {
 /// The two kinds differ in where their cells are, and in nothing else.
 macro_rules! is_single_level {
     ($grid:ident) => {
+        impl Holds for $grid {
+            fn items(&self) -> &Items {
+                &self.0.items
+            }
+        }
+
         impl Partition for $grid {
             fn cells(&self) -> Cells {
                 Cells::Disjoint
-            }
-
-            fn len(&self) -> usize {
-                self.0.items.len()
-            }
-
-            fn get(&self, key: u32) -> Option<MinMax> {
-                self.0.items.get(key).copied()
-            }
-
-            fn bounds(&self) -> Option<MinMax> {
-                self.0.items.bounds()
-            }
-
-            fn each(&self, visit: &mut dyn FnMut(u32, &MinMax)) {
-                self.0.items.iter().for_each(|(key, bounds)| visit(key, bounds));
             }
 
             fn overlapping_counted(

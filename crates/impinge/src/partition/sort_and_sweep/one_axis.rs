@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::super::{Cells, Dynamic, Items, Partition, Visitor, Work};
+use super::super::{Cells, Dynamic, Holds, Items, Partition, Visitor, Work};
 use super::{Axis, Widest, reorder};
 use crate::volume::{BoundingVolume, MinMax};
 
@@ -98,25 +98,15 @@ fn precedes(one: &Entry, other: &Entry, axis: usize) -> bool {
     begins < other_begins || (begins == other_begins && one.key < other.key)
 }
 
+impl Holds for SweepOneAxis {
+    fn items(&self) -> &Items {
+        &self.items
+    }
+}
+
 impl Partition for SweepOneAxis {
     fn cells(&self) -> Cells {
         Cells::Order
-    }
-
-    fn len(&self) -> usize {
-        self.entries.len()
-    }
-
-    fn get(&self, key: u32) -> Option<MinMax> {
-        self.items.get(key).copied()
-    }
-
-    fn bounds(&self) -> Option<MinMax> {
-        self.items.bounds()
-    }
-
-    fn each(&self, visit: &mut dyn FnMut(u32, &MinMax)) {
-        self.items.iter().for_each(|(key, bounds)| visit(key, bounds));
     }
 
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {

@@ -5,7 +5,7 @@
 
 use std::ops::ControlFlow;
 
-use super::super::{Cells, Changes, Dynamic, Items, Move, Partition, Visitor, Work};
+use super::super::{Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visitor, Work};
 use super::{Widest, reorder};
 use crate::volume::{BoundingVolume, MinMax};
 
@@ -213,25 +213,15 @@ impl SweepThreeAxes {
     }
 }
 
+impl Holds for SweepThreeAxes {
+    fn items(&self) -> &Items {
+        &self.items
+    }
+}
+
 impl Partition for SweepThreeAxes {
     fn cells(&self) -> Cells {
         Cells::Order
-    }
-
-    fn len(&self) -> usize {
-        self.items.len()
-    }
-
-    fn get(&self, key: u32) -> Option<MinMax> {
-        self.items.get(key).copied()
-    }
-
-    fn bounds(&self) -> Option<MinMax> {
-        self.items.bounds()
-    }
-
-    fn each(&self, visit: &mut dyn FnMut(u32, &MinMax)) {
-        self.items.iter().for_each(|(key, bounds)| visit(key, bounds));
     }
 
     /// Along the axis on which the fewest ends are in question.
