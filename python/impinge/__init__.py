@@ -9,7 +9,8 @@ A pose is a (4, 4) matrix, world from local, for column vectors. Arrays of poses
 on all cores. `impinge.trimesh` and `impinge.fcl` stand in for the collision parts of the libraries of those names.
 """
 
-from impinge import ccd, fit
+from impinge import ccd, fit, shapes
+from impinge._contacts import ContactRows, Contacts
 from impinge._distances import Distance, distance, within
 from impinge._errors import InputError, LoadWarning, Status
 from impinge._impinge import __version__
@@ -29,12 +30,20 @@ from impinge._pairs import Pairs
 from impinge._points import ClosestPoint, RayHit, RayHits
 from impinge._pose import pose
 from impinge._scene import Scene, SceneReport
+from impinge._shape import Shape
 from impinge._show import show
 from impinge._threads import threads
+from impinge._world import World
+from impinge._world_answers import Bodies, BodyRayHit, BodyRayHits, Step, Work
 from impinge.fit import Hull, Sphere, convex_hull, minimal_sphere
 
 __all__ = [
+    "Bodies",
+    "BodyRayHit",
+    "BodyRayHits",
     "ClosestPoint",
+    "ContactRows",
+    "Contacts",
     "Distance",
     "Health",
     "Hull",
@@ -49,9 +58,13 @@ __all__ = [
     "RayHits",
     "Scene",
     "SceneReport",
+    "Shape",
     "Sphere",
     "Status",
+    "Step",
     "TreeStatistics",
+    "Work",
+    "World",
     "__version__",
     "ccd",
     "convex_hull",
@@ -65,6 +78,7 @@ __all__ = [
     "penetrates",
     "pose",
     "self_intersecting_pairs",
+    "shapes",
     "show",
     "threads",
     "time_of_impact",

@@ -15,7 +15,8 @@ class InputError(ValueError):
     kind : str
         A short stable name: ``"type"``, ``"dtype"``, ``"shape"``, ``"option"``, ``"name"``, ``"unit"``,
         ``"non-finite"``, ``"out-of-range"``, ``"index-out-of-bounds"``, ``"too-many"``, ``"not-affine"``,
-        ``"singular"``, ``"not-unit-quaternion"``, ``"zero-direction"`` or ``"empty"``; for files those of the command's
+        ``"singular"``, ``"not-rigid"``, ``"not-unit-quaternion"``, ``"zero-direction"``, ``"zero-axis"``,
+        ``"negative"``, ``"order"``, ``"stale"``, ``"static"`` or ``"empty"``; for files those of the command's
         JSON too, such as ``"syntax"``.
     what : str
         The argument that is wrong, such as ``"vertices"`` or ``"pose_b"``, or the file.
@@ -100,3 +101,5 @@ class Status(IntEnum):
     """The linear part of the pose has no inverse; the answer is the safe one."""
     UNDECIDED = 5
     """Nothing was proved, as a mesh is open or meets itself there; the answer is the safe one."""
+    NOT_RIGID = 6
+    """The pose is no rigid motion within 1e-4, which a round shape wants; the answer is the safe one."""

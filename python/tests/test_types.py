@@ -9,6 +9,7 @@ from pathlib import Path
 import impinge
 import impinge.fcl
 import impinge.fit
+import impinge.shapes
 import impinge.trimesh
 import pytest
 
@@ -65,6 +66,11 @@ def test_types_as_a_user_sees_them(tmp_path):
         "assert_type(far, impinge.Distance)\n"
         "assert_type(mesh.ray_cast([0, 0, 0], [0, 0, 1]), impinge.RayHit)\n"
         "assert_type(impinge.minimal_sphere([[0, 0, 0]]).radius, float)\n"
+        "box = impinge.Shape.box([1, 1, 1])\n"
+        "assert_type(impinge.shapes.intersects(box, mesh), bool)\n"
+        "assert_type(impinge.shapes.contacts(box, box), impinge.Contacts)\n"
+        "assert_type(impinge.shapes.penetration(box, box, np.eye(4)), impinge.shapes.Penetration)\n"
+        "assert_type(impinge.World().step().work.changed, int)\n"
         "impinge.intersecting_pairs(mesh, mesh).sum()\n"
         "pairs = impinge.intersecting_pairs(mesh, mesh, np.eye(4)[None])\n"
         "assert isinstance(pairs, impinge.Pairs) and pairs.counts.sum() == 0\n"
@@ -76,7 +82,7 @@ def test_types_as_a_user_sees_them(tmp_path):
     run(sys.executable, "-m", "mypy", "--cache-dir", "target/mypy", "--config-file", str(config), str(program))
 
 
-@pytest.mark.parametrize("module", [impinge, impinge.fcl, impinge.fit, impinge.trimesh])
+@pytest.mark.parametrize("module", [impinge, impinge.fcl, impinge.fit, impinge.shapes, impinge.trimesh])
 def test_every_public_name_is_documented(module):
     for name in module.__all__:
         thing = getattr(module, name)

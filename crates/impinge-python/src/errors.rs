@@ -73,8 +73,10 @@ pub(crate) fn kind_and_place(error: &InputError) -> (&'static str, Vec<usize>) {
         InputErrorKind::Singular => ("singular", Vec::new()),
         InputErrorKind::NotUnitQuaternion { .. } => ("not-unit-quaternion", Vec::new()),
         InputErrorKind::Empty { .. } => ("empty", Vec::new()),
-        InputErrorKind::Negative { .. } => ("negative", Vec::new()),
+        InputErrorKind::Negative { index, .. } => ("negative", vec![index]),
         InputErrorKind::NotRigid { .. } => ("not-rigid", Vec::new()),
+        InputErrorKind::ZeroAxis => ("zero-axis", Vec::new()),
+        InputErrorKind::ZeroDirection { .. } => ("zero-direction", Vec::new()),
         _ => ("input", Vec::new()),
     }
 }

@@ -3,6 +3,7 @@
 
 mod arrays;
 mod broadcast;
+mod contacts;
 mod distances;
 mod errors;
 mod inspection;
@@ -14,9 +15,13 @@ mod poses;
 mod question;
 mod rays;
 mod scene;
+mod shape_verbs;
+mod shapes;
 mod verbs;
 mod volumes;
 mod workers;
+mod world;
+mod world_queries;
 
 /// What `python/impinge` imports; every name is private to that package.
 #[pyo3::pymodule]
@@ -38,6 +43,13 @@ mod _impinge {
     #[pymodule_export]
     use super::scene::check_scene;
     #[pymodule_export]
+    use super::shape_verbs::{
+        shape_contacts, shape_distance, shape_penetration, shape_ray_cast, shape_time_of_impact, shapes_intersect,
+        shapes_within,
+    };
+    #[pymodule_export]
+    use super::shapes::ShapeBase;
+    #[pymodule_export]
     use super::verbs::{
         contact_points, intersecting_pairs, intersection_curves, intersects, penetrates, self_intersecting_pairs,
     };
@@ -45,6 +57,12 @@ mod _impinge {
     use super::volumes::{convex_hull, fit_volume};
     #[pymodule_export]
     use super::workers::after_fork;
+    #[pymodule_export]
+    use super::world::{WorldCore, WorldState};
+    #[pymodule_export]
+    use super::world_queries::{
+        world_at_points, world_in_boxes, world_overlapping, world_ray_cast, world_ray_cast_all,
+    };
 
     /// Keeps what is asked on the caller's own thread on that thread.
     #[pymodule_init]

@@ -76,7 +76,8 @@ impl MotionBase {
     }
 }
 
-fn matrix(pose: &Pose) -> [f64; 16] {
+/// The rows of a pose's matrix, one after another.
+pub(crate) fn matrix(pose: &Pose) -> [f64; 16] {
     let mut numbers = [0.0; 16];
     for row in 0..3 {
         numbers[4 * row..4 * row + 3].copy_from_slice(&pose.linear()[row]);
@@ -87,7 +88,7 @@ fn matrix(pose: &Pose) -> [f64; 16] {
 }
 
 /// The motions of an argument; a body that rests at the origin for `None`.
-fn motions_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<usize>, Vec<Motion>)> {
+pub(crate) fn motions_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<usize>, Vec<Motion>)> {
     if value.is_none() {
         return Ok((Vec::new(), vec![Motion::default()]));
     }
@@ -133,7 +134,8 @@ pub(crate) fn time_of_impact<'py>(py: Python<'py>, moving: Moving<'py>) -> PyRes
 /// What nothing was proved about.
 const SAFE: Impact = Impact { t_lower: 0.0, t_upper: f64::INFINITY };
 
-fn bounds<'py>(py: Python<'py>, impacts: &[Impact], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+/// The two bounds of each time, in two arrays.
+pub(crate) fn bounds<'py>(py: Python<'py>, impacts: &[Impact], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     let of = |bound: fn(&Impact) -> f64| array(py, impacts.iter().map(bound).collect(), shape);
     Ok((of(|impact| impact.t_lower)?, of(|impact| impact.t_upper)?).into_pyobject(py)?.into_any())
 }

@@ -143,6 +143,11 @@ impl Question {
 }
 
 impl<T> Answers<T> {
+    /// The answers of rows with these leading axes, and a status for each where the caller asked for one.
+    pub(crate) fn new(shape: Vec<usize>, values: Vec<T>, status: Option<Vec<u8>>) -> Self {
+        Self { shape, values, status }
+    }
+
     /// The same with each answer made into another; those that `is_undecided` have that status.
     pub(crate) fn judged<U>(self, is_undecided: impl Fn(&T) -> bool, of: impl Fn(T) -> U) -> Answers<U> {
         let Self { shape, values, mut status } = self;

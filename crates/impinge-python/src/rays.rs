@@ -1,13 +1,12 @@
 //! Rays against one mesh, in its own frame.
 
-use impinge::Mesh;
 use impinge::mesh::{Ray, RayHit};
-use pyo3::exceptions::PyRuntimeError;
+use impinge::{InputError, Mesh};
 use pyo3::prelude::*;
 
 use crate::arrays::{array, ragged, row_array};
 use crate::broadcast::Broadcast;
-use crate::errors::Fault;
+use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::mesh_of;
 use crate::points::{MOST_BRIEF_WORK, Points};
 use crate::workers::{self, Rows};
@@ -54,14 +53,16 @@ fn columns<'py>(py: Python<'py>, hits: Vec<Option<RayHit>>, shape: &[usize]) -> 
 }
 
 /// Origins against directions, as they broadcast.
-struct Rays {
+pub(crate) struct Rays {
     origins: Points,
     directions: Points,
     rows: Broadcast,
 }
 
 impl Rays {
-    fn read(origins: &Bound<'_, PyAny>, directions: &Bound<'_, PyAny>) -> PyResult<Self> {
+    /// # Errors
+    /// `InputError` where they are no points, a direction is zero, or axes do not fit.
+    pub(crate) fn read(origins: &Bound<'_, PyAny>, directions: &Bound<'_, PyAny>) -> PyResult<Self> {
         let py = origins.py();
         let origins = Points::read(origins, "origins", EXPONENT)?;
         let directions = Points::read(directions, "directions", EXPONENT)?;
@@ -77,6 +78,15 @@ impl Rays {
         Ok(Self { origins, directions, rows })
     }
 
+    /// The leading axes.
+    pub(crate) fn lead(&self) -> &[usize] {
+        &self.rows.shape
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.rows.rows
+    }
+
     fn ask<T: Clone + Send + Sync + 'static>(
         self,
         mesh: &Bound<'_, PyAny>,
@@ -84,9 +94,24 @@ impl Rays {
         ask: impl Fn(&Mesh, &Ray) -> T + Send + Sync + 'static,
     ) -> PyResult<Vec<T>> {
         let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
+        let brief = self.len() as u128 * mesh.faces().len() as u128 <= MOST_BRIEF_WORK;
+        self.ask_each(py, brief, none, move |origin, direction| Ok(ask(&mesh, &Ray::new(origin, direction)?)))
+    }
+
+    /// What `ask` answers about each ray, its origin and its direction.
+    ///
+    /// # Errors
+    /// `InputError` for the first ray that is none.
+    pub(crate) fn ask_each<T: Clone + Send + Sync + 'static>(
+        self,
+        py: Python<'_>,
+        brief: bool,
+        none: T,
+        ask: impl Fn([f64; 3], [f64; 3]) -> Result<T, InputError> + Send + Sync + 'static,
+    ) -> PyResult<Vec<T>> {
         let Self { origins, directions, rows } = self;
-        let brief = rows.rows as u128 * mesh.faces().len() as u128 <= MOST_BRIEF_WORK;
         let asked = Rows { count: rows.rows, brief, progress: false };
+        let shape = rows.shape.clone();
         let answers = workers::rows(
             py,
             asked,
@@ -94,11 +119,15 @@ impl Rays {
             || (),
             move |(), row| {
                 let [origin, direction] = rows.sources(row);
-                let ray = Ray::new(origins.rows[origin], directions.rows[direction])?;
-                Ok(ask(&mesh, &ray))
+                ask(origins.rows[origin], directions.rows[direction])
             },
         )?;
-        let answers: Result<Vec<T>, impinge::InputError> = answers.into_iter().collect();
-        answers.map_err(|error| PyRuntimeError::new_err(error.to_string()))
+        let judged = answers.into_iter().enumerate().map(|(row, answer)| {
+            answer.map_err(|error| {
+                let at = Broadcast::place(&shape, row);
+                Fault::new(kind_and_place(&error).0, "directions", message(&error)).at(at).raised(py)
+            })
+        });
+        judged.collect()
     }
 }

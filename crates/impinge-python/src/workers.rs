@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// How long a signal may wait: short to a person, long to a processor.
-const LISTENING_INTERVAL: Duration = Duration::from_millis(20);
+pub(crate) const LISTENING_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Pools that are kept: that of all processors and the last few other sizes.
 const MOST_POOLS: usize = 4;

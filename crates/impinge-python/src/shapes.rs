@@ -1,0 +1,142 @@
+//! Shapes as Python holds them, and what of an argument is one.
+
+use std::sync::Arc;
+
+use impinge::hull::Hull;
+use impinge::shape::Shape;
+use impinge::{InputError, InputErrorKind, Pose};
+use pyo3::prelude::*;
+
+use crate::errors::{Fault, kind_and_place, message};
+use crate::mesh::{MeshBase, mesh_of};
+use crate::points::Points;
+use crate::poses::{OnError, Poses};
+use crate::workers;
+
+/// The magnitude below which shapes may be: 2 to this.
+const EXPONENT: i32 = 128;
+
+/// What `impinge.Shape` inherits.
+#[pyclass(subclass, frozen, module = "impinge._impinge")]
+pub(crate) struct ShapeBase {
+    shape: Shape,
+    weight: u64,
+}
+
+/// A shape, and how many pieces it has to be asked for: faces of its meshes, and one for each other part.
+#[derive(Clone)]
+pub(crate) struct Weighed {
+    pub(crate) shape: Shape,
+    pub(crate) weight: u64,
+}
+
+#[pymethods]
+impl ShapeBase {
+    /// Of its kind, as the constructors of the library are called; of points, (k, 3), a mesh or a list of parts, each a shape
+    /// and a pose; and of numbers.
+    #[new]
+    fn new(kind: &str, source: &Bound<'_, PyAny>, numbers: Vec<f64>) -> PyResult<Self> {
+        let py = source.py();
+        let points = |name: &str| Points::read(source, name, EXPONENT).map(|points| points.rows);
+        let mut weight = 1;
+        let made = match (kind, &numbers[..]) {
+            ("sphere", &[radius]) => Shape::sphere(points("center")?[0], radius),
+            ("capsule", &[radius]) => {
+                let ends = points("ends")?;
+                Shape::capsule(ends[0], ends[1], radius)
+            }
+            ("box", &[x, y, z]) => Shape::cuboid([x, y, z]),
+            ("cylinder", &[half_height, radius]) => Shape::cylinder(half_height, radius),
+            ("cone", &[half_height, radius]) => Shape::cone(half_height, radius),
+            ("ellipsoid", &[x, y, z]) => Shape::ellipsoid([x, y, z]),
+            ("half_space", &[level]) => Shape::half_space(points("normal")?[0], level),
+            ("triangle", []) => {
+                let corners = points("corners")?;
+                Shape::triangle([corners[0], corners[1], corners[2]])
+            }
+            ("hull", []) => {
+                let points = points("points")?;
+                workers::run(py, move |_| Hull::new(&points))?.map(|hull| Shape::hull(Arc::new(hull)))
+            }
+            ("mesh" | "solid", []) => {
+                let mesh = mesh_of(source, "mesh")?;
+                weight = mesh.faces().len() as u64;
+                Ok(if kind == "solid" { Shape::solid(&mesh) } else { Shape::mesh(&mesh) })
+            }
+            ("compound", []) => {
+                let parts = parts_of(source)?;
+                weight = parts.iter().map(|(part, _)| part.weight).sum();
+                Shape::compound(&parts.into_iter().map(|(part, pose)| (part.shape, pose)).collect::<Vec<_>>())
+            }
+            _ => {
+                return Err(
+                    Fault::new("option", "kind", format!("there is no shape {kind:?} of {numbers:?}")).raised(py)
+                );
+            }
+        };
+        let shape = made.map_err(|error| refused(&error).raised(py))?;
+        Ok(Self { shape, weight })
+    }
+
+    /// (2, 3) lower and upper corner of a box that holds the shape in its own frame; none where nothing does.
+    fn local_box(&self) -> Option<[[f64; 3]; 2]> {
+        self.shape.at(Pose::IDENTITY).ok()?.bounds()
+    }
+}
+
+/// A fault of a constructor's argument, by the library's name for what is wrong.
+fn refused(error: &InputError) -> Fault {
+    let what = match *error.kind() {
+        InputErrorKind::NonFinite { what, .. }
+        | InputErrorKind::OutOfRange { what, .. }
+        | InputErrorKind::Negative { what, .. }
+        | InputErrorKind::Empty { what } => what,
+        InputErrorKind::ZeroAxis => "normal",
+        _ => "parts",
+    };
+    let (argument, is_single) = match what {
+        "half-extent" => ("half_extents", false),
+        "half-axis" => ("half_axes", false),
+        "half-height" => ("half_height", true),
+        "radius" | "level" | "normal" => (what, true),
+        _ => (what, false),
+    };
+    let (kind, place) = kind_and_place(error);
+    let text = if kind == "zero-axis" { "the normal is zero".to_owned() } else { message(error) };
+    Fault::new(kind, argument, text).at(if is_single { Vec::new() } else { place }).hint(error.hint())
+}
+
+/// The parts of a compound: pairs of a shape or a mesh, and a pose or `None`.
+fn parts_of(source: &Bound<'_, PyAny>) -> PyResult<Vec<(Weighed, Pose)>> {
+    let mut parts = Vec::new();
+    for (row, part) in source.try_iter()?.enumerate() {
+        let (shape, pose): (Bound<'_, PyAny>, Bound<'_, PyAny>) = part?.extract()?;
+        let name = format!("parts[{row}]");
+        let poses = Poses::read(&pose, &name, OnError::Raise)?;
+        let ([pose], []) = (&poses.poses[..], &poses.shape[..]) else {
+            let message = "a part has one pose, (4, 4)";
+            return Err(Fault::new("shape", &name, message).raised(source.py()));
+        };
+        parts.push((weighed(&shape, &name)?, *pose));
+    }
+    Ok(parts)
+}
+
+/// The shape that an argument is; a mesh is its surface.
+///
+/// # Errors
+/// `InputError` where it is something else.
+pub(crate) fn weighed(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Weighed> {
+    if let Ok(base) = value.cast::<ShapeBase>() {
+        let ShapeBase { shape, weight } = base.get();
+        return Ok(Weighed { shape: shape.clone(), weight: *weight });
+    }
+    if value.cast::<MeshBase>().is_ok() {
+        let mesh = mesh_of(value, name)?;
+        return Ok(Weighed { shape: Shape::mesh(&mesh), weight: mesh.faces().len() as u64 });
+    }
+    let message = format!("must be an impinge.Shape or an impinge.Mesh, not {}", value.get_type().qualname()?);
+    Err(Fault::new("type", name, message)
+        .hint(Some("impinge.Shape.box(...), .sphere(...), .hull(...) make shapes"))
+        .raised(value.py()))
+}

@@ -1,0 +1,454 @@
+//! Worlds of many bodies as Python holds them: bodies by number, arrays of poses in, arrays of pairs out.
+//!
+//! A step may ask a filter of Python's, from threads that then want the interpreter. So whoever waits for the world lets go of
+//! the interpreter first.
+
+use std::cell::Cell;
+use std::sync::{Arc, Condvar, Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+
+use impinge::query::shapes::Proximity;
+use impinge::world::{
+    Body, BodyId, BroadPhase, Kind, Layers, NarrowPhase, Options, PairKey, Snapshot, Traits, World, WorldError,
+};
+use impinge::{Pose, Positions};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+
+use crate::arrays::{array, row_array};
+use crate::contacts;
+use crate::errors::{Fault, kind_and_place, message};
+use crate::mesh::read_positions;
+use crate::motions::matrix;
+use crate::poses::{OnError, Poses};
+use crate::shapes::weighed;
+use crate::workers;
+
+/// What `impinge.World` holds.
+#[pyclass(frozen, module = "impinge._impinge")]
+pub(crate) struct WorldCore {
+    shared: Arc<Shared>,
+    /// What a filter raised in the step that is under way.
+    raised: Arc<Mutex<Option<PyErr>>>,
+}
+
+/// A world that calls take turns at. They wait for theirs before they go to the pool of threads, never in it: a thread that
+/// steps may take up other work of the pool while it waits, which must not wait for that step.
+struct Shared {
+    world: RwLock<World>,
+    is_taken: Mutex<bool>,
+    freed: Condvar,
+}
+
+/// A call's turn, which ends where this is dropped.
+pub(crate) struct Turn(Arc<Shared>);
+
+impl Turn {
+    pub(crate) fn read(&self) -> RwLockReadGuard<'_, World> {
+        self.0.world.read().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn write(&self) -> RwLockWriteGuard<'_, World> {
+        self.0.world.write().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Turn {
+    fn drop(&mut self) {
+        *self.0.is_taken.lock().unwrap_or_else(PoisonError::into_inner) = false;
+        self.0.freed.notify_one();
+    }
+}
+
+impl Shared {
+    /// Waits for its turn, for a while; whether it has it.
+    fn take(&self) -> bool {
+        let is_taken = self.is_taken.lock().unwrap_or_else(PoisonError::into_inner);
+        let waited = self.freed.wait_timeout_while(is_taken, workers::LISTENING_INTERVAL, |is_taken| *is_taken);
+        let mut is_taken = waited.unwrap_or_else(PoisonError::into_inner).0;
+        !std::mem::replace(&mut *is_taken, true)
+    }
+}
+
+/// What a world was: `impinge.WorldState`.
+#[pyclass(frozen, module = "impinge._impinge")]
+pub(crate) struct WorldState(Snapshot);
+
+/// Handles, one a row, in an array of u64.
+type Handles<'py> = Bound<'py, PyArray1<u64>>;
+
+/// What a body has to do with others, as Python tells it: what moves it, the layers that it is on and those that it meets.
+type Standing<'py> = (Bound<'py, PyAny>, u32, u32);
+
+thread_local! {
+    /// Whether this thread asks a filter of Python's.
+    static IN_FILTER: Cell<bool> = const { Cell::new(false) };
+}
+
+impl WorldCore {
+    /// Waits for its turn at the world, without the interpreter.
+    ///
+    /// # Errors
+    /// Where a filter asks, which is asked itself while the world changes; where a signal ends the wait.
+    pub(crate) fn turn(&self, py: Python<'_>) -> PyResult<Turn> {
+        if IN_FILTER.get() {
+            let message = "a filter cannot ask the world, which is changing while the filter is asked";
+            return Err(PyRuntimeError::new_err(message));
+        }
+        while !py.detach(|| self.shared.take()) {
+            py.check_signals()?;
+        }
+        Ok(Turn(self.shared.clone()))
+    }
+
+    /// Looks at the world, without the interpreter.
+    ///
+    /// # Errors
+    /// As [`turn`](Self::turn).
+    fn look<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&World) -> T + Send) -> PyResult<T> {
+        let turn = self.turn(py)?;
+        Ok(py.detach(move || look(&turn.read())))
+    }
+
+    /// Changes the world, without the interpreter.
+    ///
+    /// # Errors
+    /// As [`turn`](Self::turn).
+    fn change<T: Send>(&self, py: Python<'_>, change: impl FnOnce(&mut World) -> T + Send) -> PyResult<T> {
+        let turn = self.turn(py)?;
+        Ok(py.detach(move || change(&mut turn.write())))
+    }
+}
+
+#[pymethods]
+impl WorldCore {
+    #[new]
+    fn new(broad_phase: &Bound<'_, PyAny>, narrow_phase: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let options = Options {
+            broad_phase: chosen(broad_phase, "broad_phase", &BROAD_PHASES)?,
+            narrow_phase: chosen(narrow_phase, "narrow_phase", &NARROW_PHASES)?,
+        };
+        let world = RwLock::new(World::with_options(options));
+        let shared = Shared { world, is_taken: Mutex::new(false), freed: Condvar::new() };
+        Ok(Self { shared: Arc::new(shared), raised: Arc::default() })
+    }
+
+    fn count(&self, py: Python<'_>) -> PyResult<usize> {
+        self.look(py, World::len)
+    }
+
+    /// (n,) handles of all bodies.
+    fn bodies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let bodies = self.look(py, |world| world.bodies().map(BodyId::to_bits).collect::<Vec<u64>>())?;
+        let count = bodies.len();
+        array(py, bodies, &[count])
+    }
+
+    /// Puts a body of one shape into each of the poses, with owners and tags of their own; all of them or none. Owners are as
+    /// many as there are poses, or there are none.
+    fn insert<'py>(
+        &self,
+        shape: &Bound<'py, PyAny>,
+        poses: &Bound<'py, PyAny>,
+        standing: Standing<'_>,
+        owners: Option<&Handles<'py>>,
+        tags: &Handles<'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = shape.py();
+        let body = Body::new(weighed(shape, "shape")?.shape);
+        let Traits { kind, layers, .. } = traits(&standing)?;
+        let Poses { shape: lead, poses, .. } = Poses::read(poses, "poses", OnError::Raise)?;
+        let owners = owners.map(numbers).transpose()?;
+        let tags = numbers(tags)?;
+        let inserted = self.change(py, move |world| {
+            let mut inserted = Vec::with_capacity(poses.len());
+            for (row, pose) in poses.into_iter().enumerate() {
+                let mut one = body.clone().at(pose).kind(kind).layers(layers).tag(tags[row]);
+                if let Some(owners) = &owners {
+                    one = one.owner(owners[row]);
+                }
+                match world.insert(one) {
+                    Ok(id) => inserted.push(id),
+                    Err(error) => {
+                        for id in inserted {
+                            world.remove(id).ok(); // it was inserted a moment ago
+                        }
+                        return Err((row, error));
+                    }
+                }
+            }
+            Ok(inserted)
+        })?;
+        let inserted = inserted.map_err(|(row, error)| refused(&error, "poses", row).raised(py))?;
+        array(py, inserted.into_iter().map(BodyId::to_bits).collect(), &lead)
+    }
+
+    /// Takes bodies out; all of them or none.
+    fn remove(&self, bodies: &Handles<'_>) -> PyResult<()> {
+        let ids = ids(bodies)?;
+        let mut once = ids.clone();
+        once.sort_unstable();
+        once.dedup();
+        let removed = self.change(bodies.py(), |world| {
+            ids.iter().try_for_each(|&id| world.traits(id).map(drop))?;
+            once.into_iter().try_for_each(|id| world.remove(id).map(drop))
+        })?;
+        removed.map_err(|error| of_bodies(&error, &ids, "bodies").raised(bodies.py()))
+    }
+
+    /// Moves bodies, and says what changed: pairs that began, (k, 2), and ended, (k, 2), those that did neither, (k, 2), where
+    /// they are asked for, and five counters of work.
+    fn step<'py>(
+        &self,
+        bodies: &Handles<'py>,
+        poses: &Bound<'py, PyAny>,
+        persisting: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = bodies.py();
+        let ids = ids(bodies)?;
+        let poses = Poses::read(poses, "poses", OnError::Raise)?.poses;
+        let moves: Vec<(BodyId, Pose)> = ids.iter().copied().zip(poses).collect();
+        let turn = self.turn(py)?;
+        drop(self.raised());
+        let events = workers::run(py, move |_| {
+            let mut world = turn.write();
+            let events = world.step(&moves)?.clone();
+            let others = |pair: &PairKey| events.began.binary_search(pair).is_err();
+            let stay = persisting.then(|| world.pairs().map(|pair| pair.key).filter(others).collect::<Vec<_>>());
+            Ok((events, stay))
+        })?;
+        if let Some(raised) = self.raised() {
+            return Err(raised);
+        }
+        let (events, stay) = events.map_err(|error| of_bodies(&error, &ids, "poses").raised(py))?;
+        let work = events.work;
+        let counters = (work.changed, work.gained, work.lost, work.examined, work.candidates);
+        let stay = stay.map(|stay| keys(py, &stay)).transpose()?;
+        Ok((keys(py, &events.began)?, keys(py, &events.ended)?, stay, counters).into_pyobject(py)?.into_any())
+    }
+
+    /// The pairs that meet, (p, 2), and whether each is undecided, (p,); those of one body alone where it is named.
+    fn pairs<'py>(&self, py: Python<'py>, body: Option<u64>) -> PyResult<Bound<'py, PyAny>> {
+        let found = self.look(py, |world| {
+            let of = |pair: impinge::world::Pair<'_>| (pair.key, pair.proximity == Proximity::Undecided);
+            match body {
+                Some(body) => world.pairs_of(BodyId::from_bits(body)).map(|pairs| pairs.map(of).collect()),
+                None => Ok(world.pairs().map(of).collect::<Vec<_>>()),
+            }
+        })?;
+        let found = found.map_err(|error| refused(&error, "body", 0).at(Vec::new()).raised(py))?;
+        let (pairs, undecided): (Vec<PairKey>, Vec<bool>) = found.into_iter().unzip();
+        let count = undecided.len();
+        Ok((keys(py, &pairs)?, array(py, undecided, &[count])?).into_pyobject(py)?.into_any())
+    }
+
+    /// What `contacts::columns` makes of the pairs that meet.
+    fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let found = self.look(py, |world| world.pairs().map(|pair| pair.manifolds.to_vec()).collect::<Vec<_>>())?;
+        contacts::columns(py, found.iter().map(Vec::as_slice))
+    }
+
+    /// (n, 4, 4) poses of bodies.
+    fn poses<'py>(&self, bodies: &Handles<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let found = self.of_each(bodies, |world, id| world.pose(id).map(matrix))?;
+        let count = found.len();
+        array(bodies.py(), found.into_flattened(), &[count, 4, 4])
+    }
+
+    /// (n,) tags of bodies.
+    fn tags<'py>(&self, bodies: &Handles<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let found = self.of_each(bodies, |world, id| world.traits(id).map(|traits| traits.tag))?;
+        let count = found.len();
+        array(bodies.py(), found, &[count])
+    }
+
+    /// (n, 2, 3) lower and upper corners of boxes about bodies, infinite about what nothing bounds.
+    fn bounds<'py>(&self, bodies: &Handles<'py>) -> PyResult<Bound<'py, PyAny>> {
+        const EVERYWHERE: [[f64; 3]; 2] = [[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]];
+        let found = self.of_each(bodies, |world, id| {
+            Ok(world.bounds(id)?.map_or(EVERYWHERE, |bounds| [bounds.min(), bounds.max()]))
+        })?;
+        let count = found.len();
+        array(bodies.py(), found.into_flattened().into_flattened(), &[count, 2, 3])
+    }
+
+    /// Puts bodies elsewhere at once, static ones too; all of them or none.
+    fn set_poses<'py>(&self, bodies: &Handles<'py>, poses: &Bound<'py, PyAny>) -> PyResult<()> {
+        let py = bodies.py();
+        let ids = ids(bodies)?;
+        let poses = Poses::read(poses, "poses", OnError::Raise)?.poses;
+        let set = self.change(py, |world| {
+            let before: Result<Vec<Pose>, WorldError> = ids.iter().map(|&id| world.pose(id).copied()).collect();
+            let before = before?;
+            for (row, (&id, &pose)) in ids.iter().zip(&poses).enumerate() {
+                if let Err(error) = world.set_pose(id, pose) {
+                    for (&id, &pose) in ids.iter().zip(&before).take(row).rev() {
+                        world.set_pose(id, pose).ok(); // it stood there a moment ago
+                    }
+                    return Err(error);
+                }
+            }
+            Ok(())
+        })?;
+        set.map_err(|error| of_bodies(&error, &ids, "poses").raised(py))
+    }
+
+    /// Changes what moves bodies and whom they meet; of all of them or of none.
+    fn set_traits(&self, bodies: &Handles<'_>, standing: Standing<'_>, owners: Option<&Handles<'_>>) -> PyResult<()> {
+        let ids = ids(bodies)?;
+        let made = traits(&standing)?;
+        let owners = owners.map(numbers).transpose()?;
+        let set = self.change(bodies.py(), |world| {
+            ids.iter().try_for_each(|&id| world.traits(id).map(drop))?;
+            ids.iter().enumerate().try_for_each(|(row, &id)| {
+                let owner = owners.as_ref().map(|owners| owners[row]);
+                world.set_traits(id, Traits { owner, ..made })
+            })
+        })?;
+        set.map_err(|error| of_bodies(&error, &ids, "bodies").raised(bodies.py()))
+    }
+
+    /// Gives a body another shape.
+    fn set_shape(&self, body: u64, shape: &Bound<'_, PyAny>) -> PyResult<()> {
+        let py = shape.py();
+        let shape = weighed(shape, "shape")?.shape;
+        let set = self.change(py, move |world| world.set_shape(BodyId::from_bits(body), &shape))?;
+        set.map_err(|error| refused(&error, "body", 0).at(Vec::new()).raised(py))
+    }
+
+    /// Moves the vertices of a body that is a mesh; returns what its hierarchy costs by now.
+    fn refit(&self, body: u64, vertices: &Bound<'_, PyAny>) -> PyResult<f64> {
+        let py = vertices.py();
+        let positions: Positions = read_positions(vertices)?;
+        let turn = self.turn(py)?;
+        let refitted = workers::run(py, move |_| turn.write().refit(BodyId::from_bits(body), positions))?;
+        let aging = refitted.map_err(|error| match &error {
+            WorldError::Input { error, .. } => {
+                let (kind, at) = kind_and_place(error);
+                Fault::new(kind, "vertices", message(error)).at(at).hint(error.hint()).raised(py)
+            }
+            _ => refused(&error, "body", 0).at(Vec::new()).raised(py),
+        })?;
+        Ok(aging.ratio())
+    }
+
+    /// Asks `filter(a, b)` about pairs of handles from now on; nothing for `None`.
+    fn set_filter(&self, py: Python<'_>, filter: Option<Py<PyAny>>) -> PyResult<()> {
+        let raised = self.raised.clone();
+        self.change(py, move |world| match filter {
+            None => world.clear_filter(),
+            Some(filter) => world.set_filter(move |a: (BodyId, &Traits), b: (BodyId, &Traits)| {
+                Python::attach(|py| {
+                    IN_FILTER.set(true);
+                    let asked = filter.bind(py).call1((a.0.to_bits(), b.0.to_bits()));
+                    let answer = asked.and_then(|answer| answer.is_truthy());
+                    IN_FILTER.set(false);
+                    answer.unwrap_or_else(|error| {
+                        raised.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+                        true
+                    })
+                })
+            }),
+        })
+    }
+
+    fn save(&self, py: Python<'_>) -> PyResult<WorldState> {
+        Ok(WorldState(self.look(py, World::save)?))
+    }
+
+    fn restore(&self, py: Python<'_>, state: &WorldState) -> PyResult<()> {
+        self.change(py, |world| world.restore(&state.0))
+    }
+}
+
+impl WorldCore {
+    /// What a filter raised in the last step.
+    fn raised(&self) -> Option<PyErr> {
+        self.raised.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    /// What there is to say of each body.
+    fn of_each<T: Send>(
+        &self,
+        bodies: &Handles<'_>,
+        of: impl Fn(&World, BodyId) -> Result<T, WorldError> + Sync,
+    ) -> PyResult<Vec<T>> {
+        let ids = ids(bodies)?;
+        let found: Result<Vec<T>, WorldError> =
+            self.look(bodies.py(), |world| ids.iter().map(|&id| of(world, id)).collect())?;
+        found.map_err(|error| of_bodies(&error, &ids, "bodies").raised(bodies.py()))
+    }
+}
+
+const BROAD_PHASES: [(&str, BroadPhase); 7] = [
+    ("auto", BroadPhase::Auto),
+    ("every", BroadPhase::Every),
+    ("tree", BroadPhase::Tree),
+    ("columns", BroadPhase::Columns),
+    ("grid", BroadPhase::Grid),
+    ("one_axis", BroadPhase::OneAxis),
+    ("three_axes", BroadPhase::ThreeAxes),
+];
+
+const NARROW_PHASES: [(&str, NarrowPhase); 3] =
+    [("boxes", NarrowPhase::Boxes), ("intersections", NarrowPhase::Intersections), ("contacts", NarrowPhase::Contacts)];
+
+const KINDS: [(&str, Kind); 3] = [("static", Kind::Static), ("kinematic", Kind::Kinematic), ("moving", Kind::Moving)];
+
+/// The value of this name.
+///
+/// # Errors
+/// `InputError` where there is none, naming those that there are.
+fn chosen<T: Copy>(option: &Bound<'_, PyAny>, argument: &str, values: &[(&str, T)]) -> PyResult<T> {
+    let name = option.extract::<&str>().ok();
+    let found = values.iter().find(|(own, _)| Some(*own) == name);
+    found.map(|(_, value)| *value).ok_or_else(|| match option.repr() {
+        Ok(given) => {
+            let names: Vec<String> = values.iter().map(|(name, _)| format!("{name:?}")).collect();
+            let message = format!("must be one of {}, not {given}", names.join(", "));
+            Fault::new("option", argument, message).raised(option.py())
+        }
+        Err(error) => error,
+    })
+}
+
+fn traits((kind, on, meets): &Standing<'_>) -> PyResult<Traits> {
+    let (kind, layers) = (chosen(kind, "kind", &KINDS)?, Layers { on: *on, meets: *meets });
+    Ok(Traits { kind, layers, ..Traits::default() })
+}
+
+fn numbers(handles: &Handles<'_>) -> PyResult<Vec<u64>> {
+    Ok(handles.readonly().as_slice()?.to_vec())
+}
+
+fn ids(handles: &Handles<'_>) -> PyResult<Vec<BodyId>> {
+    Ok(handles.readonly().as_slice()?.iter().copied().map(BodyId::from_bits).collect())
+}
+
+/// (k, 2) handles.
+fn keys<'py>(py: Python<'py>, pairs: &[PairKey]) -> PyResult<Bound<'py, PyAny>> {
+    row_array(py, pairs.iter().map(|pair| [pair.a.to_bits(), pair.b.to_bits()]).collect(), &[pairs.len()])
+}
+
+/// A fault of the row of an argument that belongs to the body which the world names; of a pose where that is what is wrong.
+fn of_bodies(error: &WorldError, ids: &[BodyId], poses: &str) -> Fault {
+    let body = match error {
+        WorldError::Stale { body } | WorldError::Static { body } | WorldError::NotAMesh { body } => Some(*body),
+        WorldError::Input { body, .. } => *body,
+        _ => None,
+    };
+    let row = ids.iter().position(|&id| Some(id) == body).unwrap_or(0);
+    refused(error, if matches!(error, WorldError::Input { .. }) { poses } else { "bodies" }, row)
+}
+
+/// A fault of a row of an argument.
+fn refused(error: &WorldError, argument: &str, row: usize) -> Fault {
+    let (kind, text, hint) = match error {
+        WorldError::Input { error, .. } => (kind_and_place(error).0, message(error), error.hint()),
+        WorldError::Stale { .. } => ("stale", error.to_string(), None),
+        WorldError::Static { .. } => ("static", error.to_string(), Some("set_poses() moves it, between two steps")),
+        WorldError::NotAMesh { .. } => ("type", error.to_string(), None),
+        _ => ("too-many", error.to_string(), None),
+    };
+    Fault::new(kind, argument, text).at(vec![row]).hint(hint)
+}

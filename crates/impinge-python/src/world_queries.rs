@@ -1,0 +1,170 @@
+//! What rays meet in a world, and what is in boxes, at points and in the way of shapes there.
+
+use impinge::partition::Ray;
+use impinge::volume::MinMax;
+use impinge::world::{BodyHit, BodyRayHit, Traits, World};
+use impinge::{InputError, Pose};
+use pyo3::prelude::*;
+
+use crate::arrays::{array, ragged, row_array};
+use crate::broadcast::Broadcast;
+use crate::errors::{Fault, kind_and_place, message};
+use crate::points::Points;
+use crate::poses::{OnError, Poses};
+use crate::rays::Rays;
+use crate::shapes::weighed;
+use crate::workers::{self, Rows};
+use crate::world::WorldCore;
+
+/// Magnitudes stay below 2 to this.
+const EXPONENT: i32 = 128;
+
+/// Whether each ray meets a body, where, (...), which, (...), in which point, (..., 3), and on which face, (...), which is -1
+/// for what is no mesh. Rays see bodies on the `layers`, as far as `reach`.
+#[pyfunction]
+pub(crate) fn world_ray_cast<'py>(
+    world: &Bound<'py, WorldCore>,
+    rays: (Bound<'py, PyAny>, Bound<'py, PyAny>, f64),
+    layers: u32,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (py, shape) = (world.py(), Rays::read(&rays.0, &rays.1)?.lead().to_vec());
+    let found = cast(world, rays, None, move |world, ray| world.ray_cast(ray, on(layers)))?;
+    let hit = array(py, found.iter().map(Option::is_some).collect(), &shape)?;
+    Ok((hit, columns(py, found, &shape)?).into_pyobject(py)?.into_any())
+}
+
+/// Offsets of each ray's hits, the columns of those of all rays, (k,), and the leading axes.
+#[pyfunction]
+pub(crate) fn world_ray_cast_all<'py>(
+    world: &Bound<'py, WorldCore>,
+    rays: (Bound<'py, PyAny>, Bound<'py, PyAny>, f64),
+    layers: u32,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (py, shape) = (world.py(), Rays::read(&rays.0, &rays.1)?.lead().to_vec());
+    let (offsets, hits) = ragged(cast(world, rays, Vec::new(), move |world, ray| world.ray_cast_all(ray, on(layers)))?);
+    let (places, count) = (offsets.len(), hits.len());
+    let hits = columns(py, hits.into_iter().map(Some).collect(), &[count])?;
+    Ok((array(py, offsets, &[places])?, hits, shape).into_pyobject(py)?.into_any())
+}
+
+/// The bodies on some layers.
+fn on(layers: u32) -> impl Fn(&Traits) -> bool {
+    move |traits| traits.layers.on & layers != 0
+}
+
+fn cast<'py, T: Clone + Send + Sync + 'static>(
+    world: &Bound<'py, WorldCore>,
+    (origins, directions, reach): (Bound<'py, PyAny>, Bound<'py, PyAny>, f64),
+    none: T,
+    ask: impl Fn(&World, &Ray) -> T + Send + Sync + 'static,
+) -> PyResult<Vec<T>> {
+    let (py, turn) = (world.py(), world.get().turn(world.py())?);
+    if reach.is_nan() || reach < 0.0 {
+        let kind = if reach.is_nan() { "non-finite" } else { "negative" };
+        return Err(Fault::new(kind, "reach", format!("{reach} is not at least zero")).raised(py));
+    }
+    Rays::read(&origins, &directions)?.ask_each(py, false, none, move |origin, direction| {
+        let ray = Ray::new(origin, direction, reach)?;
+        Ok(ask(&turn.read(), &ray))
+    })
+}
+
+/// Where, (...), which body, (...), in which point, (..., 3), and on which face, (...).
+fn columns<'py>(py: Python<'py>, hits: Vec<Option<BodyRayHit>>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+    let t = hits.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t)).collect();
+    let body = hits.iter().map(|hit| hit.map_or(0, |hit| hit.body.to_bits())).collect();
+    let point = hits.iter().map(|hit| hit.map_or([0.0; 3], |hit| hit.point)).collect();
+    let face = hits.iter().map(|hit| hit.and_then(|hit| hit.face).map_or(-1, i64::from)).collect();
+    let columns =
+        (array(py, t, shape)?, array(py, body, shape)?, row_array(py, point, shape)?, array(py, face, shape)?);
+    Ok(columns.into_pyobject(py)?.into_any())
+}
+
+/// Offsets of what was found for each row, (n + 1,), handles, (k,), and the leading axes.
+fn found<'py>(py: Python<'py>, hits: Vec<Vec<BodyHit>>, shape: Vec<usize>) -> PyResult<Bound<'py, PyAny>> {
+    let (offsets, hits) = ragged(hits);
+    let (places, count) = (offsets.len(), hits.len());
+    let bodies = array(py, hits.into_iter().map(|hit| hit.body.to_bits()).collect(), &[count])?;
+    Ok((array(py, offsets, &[places])?, bodies, shape).into_pyobject(py)?.into_any())
+}
+
+/// What `ask` finds for each of some rows.
+///
+/// # Errors
+/// `InputError` for the first row of the argument that is not in range.
+fn ask<T: Send + Sync + 'static>(
+    world: &Bound<'_, WorldCore>,
+    argument: &str,
+    shape: &[usize],
+    rows: Vec<T>,
+    ask: impl Fn(&World, &T) -> Result<Vec<BodyHit>, InputError> + Send + Sync + 'static,
+) -> PyResult<Vec<Vec<BodyHit>>> {
+    let (py, turn) = (world.py(), world.get().turn(world.py())?);
+    let asked = Rows { count: rows.len(), brief: false, progress: false };
+    let none = Ok(Vec::new());
+    let found = workers::rows(py, asked, none, || (), move |(), row| ask(&turn.read(), &rows[row]))?;
+    let judged = found.into_iter().enumerate().map(|(row, found)| {
+        found.map_err(|error| {
+            let at = Broadcast::place(shape, row);
+            Fault::new(kind_and_place(&error).0, argument, message(&error)).at(at).hint(error.hint()).raised(py)
+        })
+    });
+    judged.collect()
+}
+
+/// The bodies that hold points, (..., 3).
+#[pyfunction]
+pub(crate) fn world_at_points<'py>(
+    world: &Bound<'py, WorldCore>,
+    points: &Bound<'py, PyAny>,
+    layers: u32,
+) -> PyResult<Bound<'py, PyAny>> {
+    let Points { shape, rows } = Points::read(points, "points", EXPONENT)?;
+    let hits = ask(world, "points", &shape, rows, move |world, &point| world.at_point(point, on(layers)))?;
+    found(world.py(), hits, shape)
+}
+
+/// The bodies whose boxes overlap boxes, from lower corners, (..., 3), to upper ones of the same shape.
+#[pyfunction]
+pub(crate) fn world_in_boxes<'py>(
+    world: &Bound<'py, WorldCore>,
+    low: &Bound<'py, PyAny>,
+    high: &Bound<'py, PyAny>,
+    layers: u32,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = world.py();
+    let (low, high) = (Points::read(low, "low", EXPONENT)?, Points::read(high, "high", EXPONENT)?);
+    let Some(common) = Broadcast::new(&low.shape, &high.shape) else {
+        let message = format!("leading axes {:?} do not broadcast with {:?}, those of low", high.shape, low.shape);
+        return Err(Fault::new("shape", "high", message).raised(py));
+    };
+    let mut boxes = Vec::with_capacity(common.rows);
+    for row in 0..common.rows {
+        let [at_low, at_high] = common.sources(row);
+        let (low, high) = (low.rows[at_low], high.rows[at_high]);
+        if (0..3).any(|k| low[k] > high[k]) {
+            let at = Broadcast::place(&common.shape, row);
+            return Err(Fault::new("order", "high", "a corner is below that of low").at(at).raised(py));
+        }
+        boxes.push([low, high]);
+    }
+    let hits = ask(world, "high", &common.shape, boxes, move |world, &[low, high]| {
+        Ok(world.overlapping_boxes(&MinMax::new(low, high)?, on(layers)))
+    })?;
+    found(py, hits, common.shape)
+}
+
+/// The bodies that meet a shape at poses, (..., 4, 4).
+#[pyfunction]
+pub(crate) fn world_overlapping<'py>(
+    world: &Bound<'py, WorldCore>,
+    shape: &Bound<'py, PyAny>,
+    poses: &Bound<'py, PyAny>,
+    layers: u32,
+) -> PyResult<Bound<'py, PyAny>> {
+    let probe = weighed(shape, "shape")?.shape;
+    let Poses { shape, poses, .. } = Poses::read(poses, "pose", OnError::Raise)?;
+    let hits =
+        ask(world, "pose", &shape, poses, move |world, pose: &Pose| world.overlapping(&probe, *pose, on(layers)))?;
+    found(world.py(), hits, shape)
+}

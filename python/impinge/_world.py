@@ -1,0 +1,544 @@
+"""Worlds of many bodies that the caller moves: which of them meet, since when, where and how deep."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Literal, TypeAlias, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from impinge import _arrays, _impinge
+from impinge._contacts import ContactRows, contact_rows
+from impinge._errors import InputError
+from impinge._points import scalar
+from impinge._shape import AnyShape
+from impinge._world_answers import Bodies, BodyRayHit, BodyRayHits, Step, Work, body_hits_of
+
+Handles: TypeAlias = NDArray[np.uint64]
+Kind: TypeAlias = Literal["static", "kinematic", "moving"]
+BroadPhase: TypeAlias = Literal["auto", "every", "tree", "columns", "grid", "one_axis", "three_axes"]
+NarrowPhase: TypeAlias = Literal["boxes", "intersections", "contacts"]
+
+ALL_LAYERS = 0xFFFF_FFFF
+"""All 32 layers, as bits."""
+
+
+@final
+class World:
+    """Many bodies, and which of them meet. There are no dynamics: the caller moves the bodies.
+
+    A body is named by its handle, an integer that never comes to mean another body. Reports are sorted by the bodies'
+    tags, then by their handles, and do not depend on the broad phase, the number of threads or the order in which
+    bodies came. What counts as meeting is what `impinge.shapes.intersects` says; touching counts.
+
+    Parameters
+    ----------
+    broad_phase : {"auto", "every", "tree", "columns", "grid", "one_axis", "three_axes"}
+        How pairs of boxes are found, which changes no answer. ``"auto"`` goes by the number of bodies and how many of
+        them move.
+    narrow_phase : {"contacts", "intersections", "boxes"}
+        What is found out about pairs whose boxes overlap: whether they meet and their contacts; whether they meet;
+        nothing, so that such pairs count as meeting.
+
+    Raises
+    ------
+    InputError
+        If an option is none of these.
+
+    Notes
+    -----
+    Steps and questions use all processors (`impinge.threads`), without Python's lock; calls from several threads take
+    turns.
+
+    Examples
+    --------
+    >>> import impinge
+    >>> world = impinge.World()
+    >>> floor = world.insert(impinge.Shape.half_space([0, 0, 1]), kind="static")
+    >>> crates = world.insert(impinge.Shape.box([0.5, 0.5, 0.5]), impinge.pose([[0, 0, 2], [3, 0, 0.5]]))
+    >>> world.step().began
+    array([[4294967296, 4294967298]], dtype=uint64)
+    >>> step = world.step(crates, impinge.pose([[0, 0, 0.25], [3, 0, 4]]))
+    >>> step
+    Step(1 began, 1 ended)
+    >>> contacts = world.contacts()[0]
+    >>> contacts.normal[0], contacts.depth
+    (array([0., 0., 1.]), array([0.25, 0.25, 0.25, 0.25]))
+    """
+
+    __slots__ = ("_core",)
+
+    def __init__(self, *, broad_phase: BroadPhase = "auto", narrow_phase: NarrowPhase = "contacts") -> None:
+        self._core = _impinge.WorldCore(broad_phase, narrow_phase)
+
+    def insert(
+        self,
+        shape: AnyShape,
+        pose: ArrayLike | None = None,
+        *,
+        kind: Kind = "moving",
+        layers: int = ALL_LAYERS,
+        meets: int = ALL_LAYERS,
+        owner: ArrayLike | None = None,
+        tag: ArrayLike = 0,
+    ) -> Any:
+        """Put bodies of one shape into the world; what they meet is told by the next step.
+
+        Parameters
+        ----------
+        shape : Shape or Mesh
+            Shared by the bodies. A mesh is its surface as it is now.
+        pose : (..., 4, 4) array_like of float32 or float64, optional
+            World from body, for one body or for many.
+        kind : {"moving", "kinematic", "static"}
+            Pairs are looked for of which one body at least is ``"moving"``. A ``"static"`` one no step can move.
+        layers, meets : int
+            The layers that the bodies are on, and those whose bodies they meet, as 32 bits. Both bodies of a pair have
+            to want it.
+        owner : (...) array_like of integers, optional
+            Bodies with one owner never meet: the limbs of one character.
+        tag : (...) array_like of integers
+            Numbers of the caller's, by which reports are sorted.
+
+        Returns
+        -------
+        int or (...) uint64 array
+            The handles.
+
+        Raises
+        ------
+        InputError
+            If an argument is none of the above, or a round shape does not stand a pose; nothing was inserted then.
+        """
+        poses = np.eye(4) if pose is None else _arrays.plain_poses(pose, "pose")
+        lead = poses.shape[:-2]
+        owners = None if owner is None else _numbers(owner, "owner", lead)
+        standing = kind, _mask(layers, "layers"), _mask(meets, "meets")
+        return scalar(self._core.insert(shape, poses, standing, owners, _numbers(tag, "tag", lead)))
+
+    def remove(self, bodies: ArrayLike) -> None:
+        """Take bodies out; pairs that they were in are gone at once, and told as ended by the next step.
+
+        Parameters
+        ----------
+        bodies : int or (...) array_like of integers
+            Handles, which are out of use from now on.
+
+        Raises
+        ------
+        InputError
+            If a body is not, or no longer, in the world; none was taken out then.
+        """
+        self._core.remove(_handles(bodies)[0])
+
+    def step(
+        self, bodies: ArrayLike | None = None, poses: ArrayLike | None = None, *, persisting: bool = False
+    ) -> Step:
+        """Move bodies, and say what changed.
+
+        Parameters
+        ----------
+        bodies : int or (...) array_like of integers, optional
+            Those that move; others stay where they are. Of two poses for one body the last counts.
+        poses : (..., 4, 4) array_like of float32 or float64, optional
+            World from body, one for each body or one for all.
+        persisting : bool
+            Whether the pairs that met before and still do are wanted, too; all that meet are `pairs`.
+
+        Returns
+        -------
+        Step
+            A step costs what moved and the pairs that it is in; what stands still costs nothing.
+
+        Raises
+        ------
+        InputError
+            If a handle is stale, a body static or a pose none, or not rigid where the shape is round; it says which.
+            Nothing has moved then.
+        Exception
+            What a filter raised; the pair counts as admitted, and the step was made.
+        """
+        if (bodies is None) != (poses is None):
+            what = "poses" if poses is None else "bodies"
+            raise InputError("bodies and poses come together", kind="option", what=what)
+        handles, lead = _handles(() if bodies is None else bodies)
+        began, ended, stay, work = self._core.step(handles, _placed(poses, lead), persisting)
+        return Step(began, ended, stay, Work(*work))
+
+    def pairs(self, body: int | None = None) -> NDArray[np.uint64]:
+        """Return the pairs that met at the last step, (p, 2) handles, sorted; those of one body where it is named.
+
+        Raises
+        ------
+        InputError
+            If the body is not, or no longer, in the world.
+        """
+        return self._core.pairs(None if body is None else _handle(body))[0]
+
+    def undecided(self) -> NDArray[np.bool_]:
+        """Return which of `pairs` nothing was proved about, (p,): round shapes that touch to within rounding."""
+        return self._core.pairs(None)[1]
+
+    def contacts(self) -> ContactRows:
+        """Return the contacts of `pairs`: row ``i`` has those of pair ``i``, as `impinge.shapes.contacts` says.
+
+        There are none where the world was made with another `narrow_phase`.
+        """
+        offsets, columns = self._core.contacts()
+        return contact_rows(offsets, columns, (len(offsets) - 1,))
+
+    @property
+    def bodies(self) -> NDArray[np.uint64]:
+        """(n,) handles of all bodies."""
+        return self._core.bodies()
+
+    def poses(self, bodies: ArrayLike) -> NDArray[np.float64]:
+        """Return where bodies are: world from body, (..., 4, 4).
+
+        Raises
+        ------
+        InputError
+            If a body is not, or no longer, in the world.
+        """
+        handles, lead = _handles(bodies)
+        return self._core.poses(handles).reshape(*lead, 4, 4)
+
+    def tags(self, bodies: ArrayLike) -> Any:
+        """Return the tags of bodies, (...) uint64; of pairs, for example.
+
+        Raises
+        ------
+        InputError
+            If a body is not, or no longer, in the world.
+        """
+        handles, lead = _handles(bodies)
+        return scalar(self._core.tags(handles).reshape(lead))
+
+    def bounds(self, bodies: ArrayLike) -> NDArray[np.float64]:
+        """Return lower and upper corners, (..., 2, 3), of boxes about bodies; infinite about what nothing bounds.
+
+        Raises
+        ------
+        InputError
+            If a body is not, or no longer, in the world.
+        """
+        handles, lead = _handles(bodies)
+        return self._core.bounds(handles).reshape(*lead, 2, 3)
+
+    def set_poses(self, bodies: ArrayLike, poses: ArrayLike) -> None:
+        """Put bodies elsewhere at once, static ones too; what they meet there is told by the next step.
+
+        Parameters
+        ----------
+        bodies : int or (...) array_like of integers
+            Handles.
+        poses : (..., 4, 4) array_like of float32 or float64
+            World from body, one for each body or one for all.
+
+        Raises
+        ------
+        InputError
+            As for `step`. Nothing has moved then.
+        """
+        handles, lead = _handles(bodies)
+        self._core.set_poses(handles, _placed(poses, lead))
+
+    def set_traits(
+        self,
+        bodies: ArrayLike,
+        *,
+        kind: Kind = "moving",
+        layers: int = ALL_LAYERS,
+        meets: int = ALL_LAYERS,
+        owner: ArrayLike | None = None,
+    ) -> None:
+        """Change what moves bodies, whom they meet and who owns them, from the next step on; their tags stay.
+
+        Parameters
+        ----------
+        bodies : int or (...) array_like of integers
+            Handles.
+        kind, layers, meets, owner
+            As for `insert`; all of them, so that what is not given is as it is there.
+
+        Raises
+        ------
+        InputError
+            If a handle is stale or an option none of these.
+        """
+        handles, lead = _handles(bodies)
+        owners = None if owner is None else _numbers(owner, "owner", lead)
+        self._core.set_traits(handles, (kind, _mask(layers, "layers"), _mask(meets, "meets")), owners)
+
+    def set_shape(self, body: int, shape: AnyShape) -> None:
+        """Give a body another shape; what it meets then is told by the next step.
+
+        Raises
+        ------
+        InputError
+            If the handle is stale, or the shape does not stand the body's pose.
+        """
+        self._core.set_shape(_handle(body), shape)
+
+    def refit(self, body: int, vertices: ArrayLike) -> float:
+        """Move the vertices of a body that is a mesh, as `Mesh.refit` does; other bodies of the mesh keep it as it is.
+
+        Parameters
+        ----------
+        body : int
+            Its handle.
+        vertices : (n, 3) array_like of float32 or float64
+            As many as before, in the mesh's own frame.
+
+        Returns
+        -------
+        float
+            What the mesh's `Mesh.aging` is by now.
+
+        Raises
+        ------
+        InputError
+            If the handle is stale, the body is no mesh, or as for `Mesh.refit`.
+        """
+        return self._core.refit(_handle(body), _arrays.plain_cloud(vertices, "vertices"))
+
+    def set_filter(self, admits: Callable[[int, int], object] | None) -> None:
+        """Ask a function which pairs may meet, from the next step on.
+
+        Parameters
+        ----------
+        admits : callable or None
+            ``admits(a, b)`` with two handles, the first of the lesser tag or handle: whether they may meet. It is asked
+            about pairs whose boxes overlap and that kinds, layers and owners admit. It has to
+            give the same answer whenever it is asked, and must not call this world, or impinge with many rows. It is
+            asked by the threads of a step, one after another as they need the interpreter: where layers or owners do,
+            they are much quicker. None admits every pair.
+        """
+        if admits is not None and not callable(admits):
+            raise InputError(f"must be callable, not {type(admits).__name__}", kind="type", what="admits")
+        self._core.set_filter(admits)
+
+    def save(self) -> _impinge.WorldState:
+        """Return all that steps change, for going back to it with `restore`.
+
+        From there the same steps give the same bytes. The filter is not part of it. It costs a copy of the bodies'
+        records; shapes are shared.
+        """
+        return self._core.save()
+
+    def restore(self, state: _impinge.WorldState) -> None:
+        """Go back to what `save` returned, of this world or of one with the same options; handles are those of then.
+
+        Raises
+        ------
+        InputError
+            If it is something else.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> world = impinge.World()
+        >>> ball = world.insert(impinge.Shape.sphere(1), impinge.pose([1, 2, 3]))
+        >>> before = world.save()
+        >>> world.remove(ball)
+        >>> world.restore(before)
+        >>> world.poses(ball)[:3, 3]
+        array([1., 2., 3.])
+        """
+        if not isinstance(state, _impinge.WorldState):
+            raise InputError(f"must be what save() returned, not {type(state).__name__}", kind="type", what="state")
+        self._core.restore(state)
+
+    def ray_cast(
+        self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf, layers: int = ALL_LAYERS
+    ) -> BodyRayHit:
+        """Return the first body that each ray meets.
+
+        Parameters
+        ----------
+        origins : (..., 3) array_like of float32 or float64
+            In the world frame, below 2^300 in magnitude.
+        directions : (..., 3) array_like of float32 or float64
+            Of any length but zero. The leading axes of both broadcast as in NumPy.
+        reach : float
+            How far, in units of the directions' lengths.
+        layers : int
+            Bodies on other layers are looked through.
+
+        Returns
+        -------
+        BodyRayHit
+            Its fields have the leading axes.
+
+        Raises
+        ------
+        InputError
+            If a number is not in range or a direction is zero; it says which.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> world = impinge.World()
+        >>> balls = world.insert(impinge.Shape.sphere(1), impinge.pose([[5, 0, 0], [9, 0, 0]]))
+        >>> hit = world.ray_cast([0, 0, 0], [2, 0, 0])
+        >>> hit.body == int(balls[0]), round(hit.t, 9)
+        (True, 2.0)
+        """
+        rays = origins, directions, float(reach)
+        hit, (t, body, point, face) = _impinge.world_ray_cast(self._core, rays, _mask(layers, "layers"))
+        return BodyRayHit(scalar(hit), scalar(t), scalar(body), point, scalar(face))
+
+    def ray_cast_all(
+        self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf, layers: int = ALL_LAYERS
+    ) -> BodyRayHit | BodyRayHits:
+        """Return every body that each ray meets, where it does first, in this order.
+
+        Parameters
+        ----------
+        origins, directions, reach, layers
+            As for `ray_cast`.
+
+        Returns
+        -------
+        BodyRayHit or BodyRayHits
+            For a single ray a `BodyRayHit` with as many entries as there are hits.
+
+        Raises
+        ------
+        InputError
+            As for `ray_cast`.
+        """
+        rays = origins, directions, float(reach)
+        offsets, columns, shape = _impinge.world_ray_cast_all(self._core, rays, _mask(layers, "layers"))
+        t, body, point, face = columns
+        return BodyRayHits(offsets, t, body, point, face, tuple(shape)) if shape else body_hits_of(t, body, point, face)
+
+    def overlapping(
+        self, shape: AnyShape, pose: ArrayLike | None = None, *, layers: int = ALL_LAYERS
+    ) -> NDArray[np.uint64] | Bodies:
+        """Return the bodies that a shape meets, which is in the world for the question alone.
+
+        Parameters
+        ----------
+        shape : Shape or Mesh
+            The probe.
+        pose : (..., 4, 4) array_like of float32 or float64, optional
+            World from shape.
+        layers : int
+            Bodies on other layers are passed over.
+
+        Returns
+        -------
+        (k,) uint64 array or Bodies
+            Handles, sorted by tags and then by themselves; `Bodies` where the pose has leading axes.
+
+        Raises
+        ------
+        InputError
+            If an argument is none of the above.
+        """
+        return _bodies(_impinge.world_overlapping(self._core, shape, pose, _mask(layers, "layers")))
+
+    def in_boxes(self, low: ArrayLike, high: ArrayLike, *, layers: int = ALL_LAYERS) -> NDArray[np.uint64] | Bodies:
+        """Return the bodies whose boxes overlap given ones: what is about there, quickly.
+
+        Parameters
+        ----------
+        low, high : (..., 3) array_like of float32 or float64
+            Lower and upper corners in the world frame. Leading axes broadcast as in NumPy.
+        layers : int
+            As for `overlapping`.
+
+        Returns
+        -------
+        (k,) uint64 array or Bodies
+            As for `overlapping`.
+
+        Raises
+        ------
+        InputError
+            If a number is not in range, or an upper corner is below a lower one.
+        """
+        return _bodies(_impinge.world_in_boxes(self._core, low, high, _mask(layers, "layers")))
+
+    def at_points(self, points: ArrayLike, *, layers: int = ALL_LAYERS) -> NDArray[np.uint64] | Bodies:
+        """Return the bodies that hold points; the surface of a mesh holds what is on it.
+
+        Parameters
+        ----------
+        points : (..., 3) array_like of float32 or float64
+            In the world frame, below 2^128 in magnitude.
+        layers : int
+            As for `overlapping`.
+
+        Returns
+        -------
+        (k,) uint64 array or Bodies
+            As for `overlapping`.
+
+        Raises
+        ------
+        InputError
+            If a number is not in range.
+        """
+        return _bodies(_impinge.world_at_points(self._core, points, _mask(layers, "layers")))
+
+    def __len__(self) -> int:
+        """Return the number of bodies."""
+        return self._core.count()
+
+    def __repr__(self) -> str:
+        """Return the numbers of bodies and of pairs."""
+        return f"World({len(self)} bodies, {len(self.pairs())} pairs)"
+
+
+def _bodies(answer: Any) -> NDArray[np.uint64] | Bodies:
+    offsets, bodies, shape = answer
+    return Bodies(offsets, bodies, tuple(shape)) if shape else bodies
+
+
+def _handle(body: int) -> int:
+    handles, lead = _handles(body, "body")
+    if lead:
+        raise InputError(f"shape {lead}, where one handle is expected", kind="shape", what="body")
+    return int(handles[0])
+
+
+def _handles(bodies: ArrayLike, name: str = "bodies") -> tuple[Handles, tuple[int, ...]]:
+    """Return handles in one row, and the axes that they came in."""
+    array = np.asarray(bodies)
+    if array.size == 0:
+        return np.zeros(0, np.uint64), array.shape
+    if array.dtype.kind not in "iu" or (array < 0).any():
+        message = f"dtype {array.dtype}, where handles are expected: integers that insert() returned"
+        raise InputError(message, kind="dtype", what=name)
+    return np.ascontiguousarray(array.reshape(-1).astype(np.uint64)), array.shape
+
+
+def _numbers(values: ArrayLike, name: str, lead: tuple[int, ...]) -> Handles:
+    """Return a number for each of some bodies."""
+    numbers, shape = _handles(values, name)
+    try:
+        return np.ascontiguousarray(np.broadcast_to(numbers.reshape(shape), lead)).reshape(-1)
+    except ValueError:
+        message = f"leading axes {shape} do not broadcast with {lead}, those of the bodies"
+        raise InputError(message, kind="shape", what=name) from None
+
+
+def _placed(poses: ArrayLike | None, lead: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return (n, 4, 4) poses, one for each of the bodies."""
+    plain = np.zeros((0, 4, 4)) if poses is None else _arrays.plain_poses(poses, "poses")
+    try:
+        spread = np.broadcast_to(plain, (*lead, 4, 4))
+    except ValueError:
+        message = f"leading axes {plain.shape[:-2]} do not broadcast with {lead}, those of bodies"
+        raise InputError(message, kind="shape", what="poses") from None
+    return np.ascontiguousarray(spread).reshape(-1, 4, 4)
+
+
+def _mask(layers: int, name: str) -> int:
+    mask = int(layers)
+    if not 0 <= mask <= ALL_LAYERS:
+        raise InputError(f"{mask} is not made of 32 bits", kind="out-of-range", what=name)
+    return mask

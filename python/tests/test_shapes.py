@@ -1,0 +1,277 @@
+"""Shapes against closed forms, against each other and against their own meshes."""
+
+import pickle
+from math import inf, nan, pi, sqrt
+
+import impinge
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from shapes import cube, random_poses, torus
+
+Shape, pose = impinge.Shape, impinge.pose
+UNIT = Shape.box([0.5, 0.5, 0.5])
+TORUS = impinge.Mesh(*torus())
+ROUND = [Shape.sphere(0.7), Shape.capsule([0, 0, -0.5], [0, 0.2, 0.5], 0.4), Shape.cylinder(0.6, 0.5)]
+ROUND += [Shape.cone(0.6, 0.7), Shape.ellipsoid([0.3, 0.6, 0.9])]
+FLAT = [
+    UNIT,
+    Shape.triangle([[0, 0, 0], [1, 0, 0], [0, 1, 1]]),
+    Shape.hull(np.random.default_rng(5).normal(size=(30, 3)) / 2),
+]
+ALL = [*ROUND, *FLAT, Shape.half_space([1, 2, 2], -1.5), TORUS, Shape.mesh(TORUS, solid=True)]
+ALL += [Shape.compound([(UNIT, pose([1, 0, 0])), (TORUS, None)])]
+
+
+def test_balls_and_pills_are_as_far_apart_as_their_cores():
+    rng = np.random.default_rng(1)
+    centers, radii = rng.uniform(-1.5, 1.5, (200, 2, 3)), np.array([0.9, 0.6])
+    far = np.linalg.norm(centers[:, 1] - centers[:, 0], axis=1) - radii.sum()
+    a, b = (Shape.sphere(radius) for radius in radii)
+    poses = pose(centers[:, 0]), pose(centers[:, 1])
+    assert 0.1 < (far <= 0).mean() < 0.9
+    assert np.array_equal(impinge.shapes.intersects(a, b, *poses), far <= 0)
+    found = impinge.shapes.distance(a, b, *poses)
+    assert np.allclose(found.distance, np.maximum(far, 0), rtol=0, atol=1e-12)
+    assert (found.lower <= np.maximum(far, 0) + 1e-14).all()
+    deep = impinge.shapes.penetration(a, b, *poses)
+    assert np.array_equal(deep.hit, far <= 0)
+    assert np.allclose(deep.depth, np.maximum(-far, 0), rtol=0, atol=1e-12)
+    assert np.array_equal(np.linalg.norm(deep.normal, axis=1).round(9), (far <= 0).astype(float))
+    for clearance in (0.0, 0.5, 2.0, inf):
+        assert np.array_equal(impinge.shapes.within(a, b, clearance, *poses), far <= clearance)
+    # A pill along z: as a ball about the nearest point of its segment.
+    pill = Shape.capsule([0, 0, -1], [0, 0, 1], 0.25)
+    between = centers[:, 1] - centers[:, 0]
+    between[:, 2] -= between[:, 2].clip(-1, 1)
+    far = np.linalg.norm(between, axis=1) - 0.25 - radii[1]
+    assert np.allclose(impinge.shapes.distance(pill, b, *poses).distance, np.maximum(far, 0), atol=1e-12)
+
+
+def test_facts_of_others():
+    """Closed forms from the tests of FCL and Coal."""
+    far = impinge.shapes.distance(Shape.box([3, 5, 1]), Shape.box([1, 1, 1]), None, pose([25, 20, 5]))
+    assert far.distance == pytest.approx(sqrt(21**2 + 14**2 + 3**2), rel=1e-12)
+    assert np.allclose([far.point_a, far.point_b], [[3, 5, 1], [24, 19, 4]])
+    turned = pose([4, 0, 0], rpy=[0, 0, pi / 4])
+    far = impinge.shapes.distance(UNIT, UNIT, pose([0, 0, 0], rpy=[0, 0, pi / 4]), turned)
+    assert far.distance == pytest.approx(4 - sqrt(2), rel=1e-12)
+    pill, crate = Shape.capsule([0, 0, -2], [0, 0, 2], 2), Shape.box([0.5, 1, 2])
+    assert impinge.shapes.distance(pill, crate, pose([3, 0, 0])).distance == pytest.approx(0.5, rel=1e-12)
+    assert impinge.shapes.distance(pill, crate, pose([0, 0, 8])).distance == pytest.approx(2, rel=1e-12)
+    lying = pose([-10, 0.8, 1.5], rpy=[0, pi / 2, 0])
+    far = impinge.shapes.distance(pill, crate, lying)
+    assert far.distance == pytest.approx(5.5, rel=1e-12)
+    assert np.allclose([far.point_a, far.point_b], [[-6, 0.8, 1.5], [-0.5, 0.8, 1.5]])
+    deep = impinge.shapes.penetration(
+        UNIT, Shape.box([1.5, 1.5, 1.5]), pose([0, 0, 0], rpy=[0, pi / 4, 0]), pose([0, 0, -1.5])
+    )
+    assert deep.depth == pytest.approx(sqrt(2) / 2, rel=1e-12)
+    assert np.allclose(deep.normal, [0, 0, -1])
+    cone = Shape.cone(1.5, 1)  # the box goes 20 along x, and meets the cone 8.5 on its way
+    drive = impinge.Motion(pose([-10, 0, 0]), pose([10, 0, 0]))
+    found = impinge.shapes.time_of_impact(Shape.box([0.5, 1, 1.5]), cone, drive)
+    assert found.hit
+    assert 0.425 - 1e-6 < found.t_lower <= 0.425
+
+
+@pytest.mark.parametrize("a", ALL, ids=lambda shape: getattr(shape, "kind", "Mesh"))
+def test_laws(a):
+    """Swapping and moving both change nothing, distances keep to intersections, contacts and penetrations likewise."""
+    motion = pose([0.5, -2, 1], quat_wxyz=[0.5, 0.5, 0.5, 0.5])
+    poses = random_poses(12, 1.4, 7)
+    hits = 0
+    for b in ALL:
+        meets = impinge.shapes.intersects(a, b, pose_b=poses)
+        assert np.array_equal(meets, impinge.shapes.intersects(b, a, poses))
+        assert np.array_equal(meets, impinge.shapes.intersects(a, b, motion, motion @ poses))
+        assert [impinge.shapes.intersects(a, b, None, one) for one in poses] == meets.tolist()
+        far = impinge.shapes.distance(a, b, None, poses)
+        assert np.array_equal(far.distance == 0, meets)
+        assert np.allclose(far.distance, impinge.shapes.distance(b, a, poses).distance, rtol=1e-9, atol=1e-9)
+        gap = np.linalg.norm(far.point_b - far.point_a, axis=-1)
+        assert np.allclose(gap[~meets], far.distance[~meets], atol=1e-8)
+        assert np.array_equal(impinge.shapes.within(a, b, 0.0, None, poses), meets)
+        touching = impinge.shapes.contacts(a, b, None, poses)
+        assert np.array_equal(touching.counts > 0, meets)
+        assert np.allclose(np.linalg.norm(touching.all.normal, axis=1), 1)
+        hits += meets.sum()
+    assert 0.1 < hits / (12 * len(ALL)) < 0.98
+
+
+@pytest.mark.parametrize("b", [*ROUND, *FLAT], ids=lambda shape: shape.kind)
+def test_what_is_deep_comes_free(b):
+    for a in (UNIT, *ROUND):
+        poses = random_poses(10, 0.8, 3)
+        deep = impinge.shapes.penetration(a, b, None, poses)
+        assert deep.hit.mean() >= 0.3
+        assert (deep.lower <= deep.upper).all()
+        moved = poses.copy()
+        moved[:, :3, 3] += deep.normal * (deep.upper * (1 + 1e-9) + 1e-9)[:, None]
+        assert not impinge.shapes.intersects(a, b, None, moved).any()
+
+
+def test_a_box_is_as_its_mesh():
+    vertices, faces = cube()
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    box = Shape.compound([(Shape.box((high - low) / 2), pose((high + low) / 2))])
+    mesh, poses = Shape.mesh(impinge.Mesh(vertices, faces), solid=True), random_poses(150, 1.5, 4)
+    probe = Shape.hull(np.random.default_rng(2).normal(size=(20, 3)) / 3)
+    meets = impinge.shapes.intersects(box, probe, None, poses)
+    assert 0.2 < meets.mean() < 0.8
+    assert np.array_equal(meets, impinge.shapes.intersects(mesh, probe, None, poses))
+    far = impinge.shapes.distance(box, probe, None, poses).distance
+    assert np.allclose(far, impinge.shapes.distance(mesh, probe, None, poses).distance, atol=1e-12)
+    surface = impinge.Mesh(*cube())
+    assert np.array_equal(
+        impinge.shapes.intersects(surface, TORUS, None, poses), impinge.intersects(surface, TORUS, None, poses)
+    )
+
+
+def test_rays():
+    rng = np.random.default_rng(9)
+    origins, directions = rng.uniform(-3, 3, (300, 3)), rng.normal(size=(300, 3))
+    found = Shape.sphere(1.5, [0.5, 0, 0]).ray_cast(origins, directions)
+    o = origins - [0.5, 0, 0]
+    a, b, c = (directions**2).sum(1), (o * directions).sum(1), (o**2).sum(1) - 1.5**2
+    root = np.sqrt(np.maximum(b * b - a * c, 0))
+    t = np.where(c <= 0, 0, np.where((b * b >= a * c) & (root - b >= 0) & (b < 0), (-b - root) / a, inf))
+    assert 0.1 < found.hit.mean() < 0.9
+    assert np.allclose(found.t, t, atol=1e-6)
+    assert np.array_equal(found.t[c <= 0], np.zeros((c <= 0).sum()))
+    box = impinge.Mesh(*cube())
+    exact, other = box.ray_cast(origins, directions), Shape.mesh(box).ray_cast(origins, directions)
+    assert np.array_equal(exact.face, other.face)
+    assert np.allclose(exact.t, other.t)
+    assert Shape.sphere(1).ray_cast([-3, 0, 0], [1, 0, 0]).face == -1
+
+
+def test_statuses():
+    poses = pose([[0, 0, 0], [9, 0, 0], [2, 0, 0], [0, 0, 0]])
+    poses[3] = np.diag([1, 2, 1, 1])
+    ball = Shape.sphere(1)
+    with pytest.raises(impinge.InputError, match="rigid") as caught:
+        impinge.shapes.intersects(ball, UNIT, poses)
+    assert (caught.value.kind, caught.value.what, caught.value.where) == ("not-rigid", "pose_a", (3,))
+    assert impinge.shapes.intersects(UNIT, UNIT, poses).tolist() == [True, False, False, True]  # any affine map will do
+    hits, status = impinge.shapes.intersects(ball, ball, poses, on_error="status")
+    assert hits.tolist() == [True, False, True, True]
+    assert status.tolist() == [0, 0, 0, impinge.Status.NOT_RIGID]
+    far, status = impinge.shapes.distance(ball, ball, poses, on_error="status")
+    assert far.distance.round(9).tolist()[1:] == [7, 0, 0]
+    rows, status = impinge.shapes.contacts(ball, ball, poses, on_error="status")
+    assert rows.counts.tolist() == [1, 0, 1, 0]
+    deep, status = impinge.shapes.penetration(ball, ball, poses, on_error="status")
+    assert (deep.lower[3], deep.upper[3]) == (0, inf)
+    kinds = impinge.shapes.intersects(Shape.ellipsoid([1, 2, 3]), ball, pose([2, 0, 0]), on_error="status")
+    assert kinds[0] is True
+    assert int(kinds[1]) in (impinge.Status.OK, impinge.Status.UNDECIDED)
+
+
+def test_contacts_as_arrays():
+    crates = Shape.compound([(UNIT, pose([0, 0, 0])), (UNIT, pose([3, 0, 0]))])
+    floor = Shape.half_space([0, 0, 1], -0.5)
+    touch = impinge.shapes.contacts(crates, floor)
+    assert isinstance(touch, impinge.Contacts)
+    assert len(touch) == 8
+    assert np.array_equal(touch.ids[:, 0, 0], [0] * 4 + [1] * 4)
+    assert len({row.tobytes() for row in touch.ids}) == 8
+    assert np.allclose(touch.depth, 0)
+    assert np.allclose(touch.normal, [0, 0, -1])
+    assert sorted(set(touch.manifold)) == [0, 1]
+    assert len(touch[touch.manifold == 1]) == 4
+    assert len(impinge.shapes.contacts(crates, floor, pose([0, 0, 0.25]))) == 0
+    near = impinge.shapes.contacts(crates, floor, pose([0, 0, 0.25]), margin=0.25)
+    assert np.allclose(near.depth, -0.25)
+    assert len(impinge.shapes.contacts(UNIT, floor, most_points=1)) == 1
+    rows = impinge.shapes.contacts(UNIT, floor, pose([[[0, 0, 0], [0, 0, 1]]]))
+    assert rows.shape == (1, 2)
+    assert [len(row) for row in rows[0]] == [4, 0]
+
+
+@pytest.mark.parametrize("shape", [shape for shape in ALL if isinstance(shape, Shape)], ids=lambda shape: shape.kind)
+def test_pickles_and_prints(shape):
+    again = pickle.loads(pickle.dumps(shape))
+    poses = random_poses(20, 2, 8)
+    assert repr(again) == repr(shape)
+    assert shape.kind in repr(shape)
+    first, second = (impinge.shapes.distance(one, UNIT, None, poses).distance for one in (shape, again))
+    assert np.array_equal(first, second)
+    if shape.bounds is None:
+        assert shape.kind == "half_space"
+    else:
+        low, high = shape.bounds
+        assert (low <= high).all()
+        beside = pose(high + 1)  # beyond its box there is nothing
+        assert not impinge.shapes.intersects(shape, Shape.sphere(0.5), None, beside)
+
+
+@pytest.mark.parametrize(
+    ("kind", "what", "make"),
+    [
+        ("negative", "radius", lambda: Shape.sphere(-1)),
+        ("non-finite", "radius", lambda: Shape.capsule([0, 0, 0], [1, 0, 0], nan)),
+        ("type", "radius", lambda: Shape.cone(1, "wide")),
+        ("negative", "half_height", lambda: Shape.cylinder(-1, 1)),
+        ("negative", "half_extents", lambda: Shape.box([1, -1, 1])),
+        ("shape", "half_extents", lambda: Shape.box([1, 1])),
+        ("out-of-range", "half_axes", lambda: Shape.ellipsoid([1, 1, 1e39])),
+        ("non-finite", "center", lambda: Shape.sphere(1, [0, inf, 0])),
+        ("zero-axis", "normal", lambda: Shape.half_space([0, 0, 0])),
+        ("non-finite", "level", lambda: Shape.half_space([0, 0, 1], nan)),
+        ("empty", "points", lambda: Shape.hull(np.zeros((0, 3)))),
+        ("shape", "corners", lambda: Shape.triangle([[0, 0, 0], [1, 1, 1]])),
+        ("type", "mesh", lambda: Shape.mesh(UNIT)),
+        ("empty", "parts", lambda: Shape.compound([])),
+        ("type", "parts", lambda: Shape.compound([UNIT])),
+        ("type", "parts[0]", lambda: Shape.compound([(cube(), None)])),
+        ("singular", "parts[1]", lambda: Shape.compound([(UNIT, None), (UNIT, np.diag([1.0, 0, 1, 1]))])),
+        ("type", "a", lambda: impinge.shapes.intersects(cube(), UNIT)),
+        ("type", "b", lambda: impinge.shapes.distance(UNIT, None)),
+        (
+            "shape",
+            "pose_b",
+            lambda: impinge.shapes.intersects(UNIT, UNIT, np.stack([np.eye(4)] * 2), np.stack([np.eye(4)] * 3)),
+        ),
+        ("non-finite", "clearance", lambda: impinge.shapes.within(UNIT, UNIT, nan)),
+        ("out-of-range", "margin", lambda: impinge.shapes.contacts(UNIT, UNIT, margin=-1)),
+        ("out-of-range", "most_points", lambda: impinge.shapes.contacts(UNIT, UNIT, most_points=0)),
+        ("zero-direction", "directions", lambda: UNIT.ray_cast([0, 0, 0], [0, 0, 0])),
+        ("option", "Shape", Shape),
+    ],
+)
+def test_what_is_wrong_is_named(kind, what, make):
+    with pytest.raises(impinge.InputError) as caught:
+        make()
+    assert (caught.value.kind, caught.value.what) == (kind, what)
+
+
+NUMBERS = st.one_of(st.sampled_from([0.0, 1.0, -1.0, nan, inf, 1e300, 1e-300, 5e-324]), st.floats(width=64))
+
+
+@given(st.lists(NUMBERS, min_size=3, max_size=3), NUMBERS, NUMBERS)
+def test_any_numbers(vector, one, other):
+    """Whatever comes in, either it is refused or answers are finite and agree with each other."""
+    made = []
+    makers = [
+        lambda: Shape.sphere(one, vector),
+        lambda: Shape.capsule(vector, [0, 0, 0], other),
+        lambda: Shape.box(vector),
+    ]
+    makers += [
+        lambda: Shape.cylinder(one, other),
+        lambda: Shape.ellipsoid(vector),
+        lambda: Shape.half_space(vector, one),
+    ]
+    for make in makers:
+        try:
+            made.append(make())
+        except impinge.InputError as error:
+            assert error.kind in ("negative", "non-finite", "out-of-range", "zero-axis")
+    for shape in made:
+        far = impinge.shapes.distance(shape, UNIT)
+        assert not np.isnan([far.distance, far.lower, far.upper]).any()
+        assert far.lower <= far.upper
+        assert impinge.shapes.intersects(shape, UNIT) == (far.distance == 0)
+        assert np.isfinite([far.point_a, far.point_b]).all()
