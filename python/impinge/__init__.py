@@ -10,6 +10,8 @@ on all cores. `impinge.trimesh` and `impinge.fcl` stand in for the collision par
 """
 
 from impinge import ccd, fit, shapes
+from impinge._character import Animation, Character, Leaks, Part
+from impinge._character_pose import CharacterPose, PartHit, PartHits, PartPairs
 from impinge._contacts import ContactRows, Contacts
 from impinge._distances import Distance, distance, within
 from impinge._errors import InputError, LoadWarning, Status
@@ -22,7 +24,7 @@ from impinge._intersections import (
     penetrates,
     self_intersecting_pairs,
 )
-from impinge._load import load
+from impinge._load import load, load_scene
 from impinge._mesh import Mesh
 from impinge._motion import Impact, Motion, time_of_impact
 from impinge._origin import Origin
@@ -38,9 +40,12 @@ from impinge._world_answers import Bodies, BodyRayHit, BodyRayHits, Step, Work
 from impinge.fit import Hull, Sphere, convex_hull, minimal_sphere
 
 __all__ = [
+    "Animation",
     "Bodies",
     "BodyRayHit",
     "BodyRayHits",
+    "Character",
+    "CharacterPose",
     "ClosestPoint",
     "ContactRows",
     "Contacts",
@@ -49,11 +54,16 @@ __all__ = [
     "Hull",
     "Impact",
     "InputError",
+    "Leaks",
     "LoadWarning",
     "Mesh",
     "Motion",
     "Origin",
     "Pairs",
+    "Part",
+    "PartHit",
+    "PartHits",
+    "PartPairs",
     "RayHit",
     "RayHits",
     "Scene",
@@ -74,6 +84,7 @@ __all__ = [
     "intersection_curves",
     "intersects",
     "load",
+    "load_scene",
     "minimal_sphere",
     "penetrates",
     "pose",

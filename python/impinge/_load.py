@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 import warnings
 
+import numpy as np
+
 from impinge import _impinge
 from impinge._errors import LoadWarning
 from impinge._mesh import Mesh
 from impinge._origin import Origin
+from impinge._scene import Scene
 
 
 def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
@@ -56,9 +59,76 @@ def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
     array([0, 0], dtype=uint32)
     """
     path = os.fspath(path)
-    model = _impinge.Model(path, unit)
-    for warning in model.warnings:
-        warnings.warn(f"{path}: {warning}", LoadWarning, stacklevel=2)
+    model = _model(path, unit)
     mesh: Mesh = _impinge.MeshBase.__new__(Mesh, model, None)
     mesh._origin = Origin(path, model.format, model.unit, model.sources, model.part_of, tuple(model.parts))
     return mesh
+
+
+def load_scene(path: str | os.PathLike[str], unit: str | None = None) -> Scene:
+    r"""Load the parts of a file as a scene of named meshes, each where the file has it.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+        As for `load`.
+    unit : {"um", "mm", "cm", "in", "ft", "m"}, optional
+        As for `load`.
+
+    Returns
+    -------
+    Scene
+        Parts are named as in the file, in its order; where a name is missing or taken, by a number after it. What the
+        file poses is posed once and for all: all meshes are in the file's frame, and each instance of a shape is a mesh
+        of its own. ``scene.parts[name].origin`` says which polygons the faces are of.
+
+    Raises
+    ------
+    OSError, InputError
+        As for `load`.
+
+    Warns
+    -----
+    LoadWarning
+        If something in the file was left out.
+
+    Examples
+    --------
+    >>> import impinge, pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder) / "two.obj"
+    ...     vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+    ...     _ = path.write_text(vertices + "o floor\nf 1 2 3\no wall\nf 1 2 4\n")
+    ...     scene = impinge.load_scene(path)
+    >>> scene, scene.check().names()
+    (Scene(2 parts, 1 pairs), [('floor', 'wall')])
+    """
+    path = os.fspath(path)
+    model = _model(path, unit)
+    vertices, faces, part_of, sources = model.vertices, model.faces, model.part_of, model.sources
+    order = np.argsort(part_of, kind="stable")
+    ends = np.searchsorted(part_of[order], np.arange(len(model.parts) + 1))
+    parts: dict[str, Mesh] = {}
+    for number, given in enumerate(model.parts):
+        rows = order[ends[number] : ends[number + 1]]
+        used, corners = np.unique(faces[rows], return_inverse=True)
+        mesh = Mesh(vertices[used], corners.reshape(-1, 3))
+        name = _free_name(given, number, parts)
+        mesh._origin = Origin(path, model.format, model.unit, sources[rows], np.zeros(len(rows), np.uint32), (name,))
+        parts[name] = mesh
+    return Scene(parts)
+
+
+def _free_name(given: str, number: int, taken: dict[str, Mesh]) -> str:
+    name, count = given or f"part {number}", 2
+    while name in taken:
+        name, count = f"{given or f'part {number}'} ({count})", count + 1
+    return name
+
+
+def _model(path: str, unit: str | None) -> _impinge.Model:
+    """Read a file, with a warning, at the caller of the caller, for all that was left out."""
+    model = _impinge.Model(path, unit)
+    for warning in model.warnings:
+        warnings.warn(f"{path}: {warning}", LoadWarning, stacklevel=3)
+    return model

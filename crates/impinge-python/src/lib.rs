@@ -3,6 +3,8 @@
 
 mod arrays;
 mod broadcast;
+mod character;
+mod character_pose;
 mod contacts;
 mod distances;
 mod errors;
@@ -26,6 +28,10 @@ mod world_queries;
 /// What `python/impinge` imports; every name is private to that package.
 #[pyo3::pymodule]
 mod _impinge {
+    #[pymodule_export]
+    use super::character::CharacterCore;
+    #[pymodule_export]
+    use super::character_pose::PosedCore;
     #[pymodule_export]
     use super::distances::{distance, within};
     #[pymodule_export]

@@ -6,7 +6,7 @@ use impinge::Positions;
 use impinge_files::{Unit, Warning};
 use pyo3::prelude::*;
 
-use crate::arrays::array;
+use crate::arrays::{array, row_array};
 use crate::errors::{Fault, load_error};
 use crate::workers;
 
@@ -46,6 +46,22 @@ impl Model {
     #[getter]
     fn parts(&self) -> Vec<String> {
         self.model.parts.clone()
+    }
+
+    /// (n, 3), in the file's precision.
+    #[getter]
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let count = [self.model.positions.len()];
+        match &self.model.positions {
+            Positions::F32(positions) => row_array(py, positions.clone(), &count),
+            Positions::F64(positions) => row_array(py, positions.clone(), &count),
+        }
+    }
+
+    /// (m, 3).
+    #[getter]
+    fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        row_array(py, self.model.faces.clone(), &[self.model.faces.len()])
     }
 
     #[getter]

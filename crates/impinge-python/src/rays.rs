@@ -87,6 +87,12 @@ impl Rays {
         self.rows.rows
     }
 
+    /// Origin and direction of a row.
+    pub(crate) fn at(&self, row: usize) -> [[f64; 3]; 2] {
+        let [origin, direction] = self.rows.sources(row);
+        [self.origins.rows[origin], self.directions.rows[direction]]
+    }
+
     fn ask<T: Clone + Send + Sync + 'static>(
         self,
         mesh: &Bound<'_, PyAny>,
@@ -109,17 +115,16 @@ impl Rays {
         none: T,
         ask: impl Fn([f64; 3], [f64; 3]) -> Result<T, InputError> + Send + Sync + 'static,
     ) -> PyResult<Vec<T>> {
-        let Self { origins, directions, rows } = self;
-        let asked = Rows { count: rows.rows, brief, progress: false };
-        let shape = rows.shape.clone();
+        let asked = Rows { count: self.len(), brief, progress: false };
+        let shape = self.lead().to_vec();
         let answers = workers::rows(
             py,
             asked,
             Ok(none),
             || (),
             move |(), row| {
-                let [origin, direction] = rows.sources(row);
-                ask(origins.rows[origin], directions.rows[direction])
+                let [origin, direction] = self.at(row);
+                ask(origin, direction)
             },
         )?;
         let judged = answers.into_iter().enumerate().map(|(row, answer)| {

@@ -1,0 +1,164 @@
+//! Rigged characters as Python holds them: what a file holds, with volumes fitted to its parts.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use impinge::character::{Character, HitVolume, Mode, Plan, Rig, RigError};
+use impinge_files::{LoadError, character_text, load_character, load_plan, load_rig};
+use pyo3::prelude::*;
+
+use crate::arrays::{array, row_array};
+use crate::character_pose::PosedCore;
+use crate::errors::{Fault, load_error};
+use crate::workers;
+
+/// What `impinge.Character` holds.
+#[pyclass(frozen, module = "impinge._impinge")]
+pub(crate) struct CharacterCore(Arc<Fitted>);
+
+/// A rig with its volumes.
+pub(crate) struct Fitted {
+    pub(crate) rig: Rig,
+    pub(crate) character: Character,
+}
+
+/// Why there is no character.
+enum Refusal {
+    File(LoadError),
+    Rig(RigError),
+}
+
+impl From<LoadError> for Refusal {
+    fn from(error: LoadError) -> Self {
+        Self::File(error)
+    }
+}
+
+impl From<RigError> for Refusal {
+    fn from(error: RigError) -> Self {
+        Self::Rig(error)
+    }
+}
+
+impl Refusal {
+    fn raised(self, py: Python<'_>, path: &str) -> PyErr {
+        match self {
+            Self::File(error) => load_error(py, &error),
+            Self::Rig(error) => Fault::new("broken-rig", path, error.to_string()).raised(py),
+        }
+    }
+}
+
+/// A part as a row of the table: name, numbers of its bones, that of the bone it is fixed to, kind and looseness of its volume,
+/// and the points whose hull a ball of a radius sweeps.
+type Row = (String, Vec<u32>, u32, &'static str, f64, Vec<[f64; 3]>, f64);
+
+#[pymethods]
+impl CharacterCore {
+    /// Of a rigged file: fitted to at most so many parts, or to those of a plan; or as it was fitted and saved. Volumes are
+    /// opened into hulls of at most `pieces` faces where that is given.
+    #[new]
+    #[pyo3(signature = (path, volumes, mode, plan, fitted, pieces))]
+    fn new(
+        py: Python<'_>,
+        path: PathBuf,
+        volumes: usize,
+        mode: &str,
+        plan: Option<PathBuf>,
+        fitted: Option<PathBuf>,
+        pieces: Option<usize>,
+    ) -> PyResult<Self> {
+        let mode = match mode {
+            "conservative" => Mode::Conservative,
+            "snug" => Mode::Snug,
+            _ => {
+                let message = format!("must be \"conservative\" or \"snug\", not {mode:?}");
+                return Err(Fault::new("option", "mode", message).raised(py));
+            }
+        };
+        let named = path.display().to_string();
+        let made = workers::run(py, move |_| -> Result<Fitted, Refusal> {
+            let rig = load_rig(&path)?;
+            let mut character = match fitted {
+                Some(fitted) => load_character(fitted, &rig)?,
+                None => {
+                    let plan = plan.map_or_else(
+                        || Plan::automatic(&rig, volumes).map_err(Refusal::from),
+                        |plan| Ok(load_plan(plan, &rig)?),
+                    )?;
+                    Character::fit(&rig, &plan, mode)?
+                }
+            };
+            if let Some(faces) = pieces {
+                character.refine(&rig, faces)?;
+            }
+            Ok(Fitted { rig, character })
+        })?;
+        Ok(Self(Arc::new(made.map_err(|refusal| refusal.raised(py, &named))?)))
+    }
+
+    /// Name, start and end in seconds of each animation.
+    fn animations(&self) -> Vec<(String, f64, f64)> {
+        let of = |animation: &impinge::character::Animation| {
+            let [start, end] = animation.span();
+            (animation.name().to_owned(), start, end)
+        };
+        self.0.rig.animations().iter().map(of).collect()
+    }
+
+    /// The names of the bones.
+    fn bones(&self) -> Vec<String> {
+        self.0.rig.skeleton().bones().iter().map(|bone| bone.name.clone()).collect()
+    }
+
+    fn parts(&self) -> Vec<Row> {
+        let of = |part: &impinge::character::HitPart| {
+            let (points, radius) = core(part.volume());
+            let kind = part.volume().kind().name();
+            (part.name.clone(), part.bones.clone(), part.anchor, kind, part.looseness, points, radius)
+        };
+        self.0.character.parts().iter().map(of).collect()
+    }
+
+    /// The text of a file that keeps the fit.
+    fn text(&self) -> String {
+        character_text(&self.0.rig, &self.0.character)
+    }
+
+    /// The share of each part's vertices that is outside of all volumes, and how far the farthest is.
+    fn leaks(&self, py: Python<'_>) -> PyResult<(Vec<f64>, Vec<f64>)> {
+        let own = self.0.clone();
+        let leaks = workers::run(py, move |_| own.character.leaks(&own.rig))?;
+        let leaks = leaks.map_err(|error| Refusal::Rig(error).raised(py, "character"))?;
+        Ok(leaks.iter().map(|leak| (leak.share, leak.farthest)).unzip())
+    }
+
+    /// (m, 3) faces of the skin, and the part of each, (m,).
+    fn faces<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let (faces, parts) = (self.0.rig.skin().faces(), self.0.character.part_of_face());
+        Ok((row_array(py, faces.to_vec(), &[faces.len()])?, array(py, parts.to_vec(), &[parts.len()])?))
+    }
+
+    /// The character at a time of an animation, or at rest, with its origin somewhere in the world.
+    fn pose(&self, py: Python<'_>, animation: Option<usize>, time: f64, origin: [f64; 3]) -> PyResult<PosedCore> {
+        let rig = &self.0.rig;
+        let pose = animation.map_or_else(|| rig.rest_pose(), |animation| rig.pose_at(animation, time));
+        let pose = pose.map_err(|error| Refusal::Rig(error).raised(py, "character"))?;
+        Ok(PosedCore::new(self.0.clone(), pose, origin))
+    }
+}
+
+/// The points whose hull the ball of a volume sweeps, and the radius of that ball.
+fn core(volume: &HitVolume) -> (Vec<[f64; 3]>, f64) {
+    match volume {
+        HitVolume::Sphere(sphere) => (vec![sphere.centre()], sphere.radius()),
+        HitVolume::Capsule(capsule) => (capsule.ends().to_vec(), capsule.radius()),
+        HitVolume::Box(obb) => (obb.corners().to_vec(), 0.0),
+        HitVolume::Lozenge(plate) => {
+            let ([u, v], corner) = (plate.edges(), plate.corner());
+            let at = |s: f64, t: f64| std::array::from_fn(|k| corner[k] + s * u[k] + t * v[k]);
+            (vec![corner, at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)], plate.radius())
+        }
+        HitVolume::Hull(hull) => (hull.hull().positions().to_vec(), 0.0),
+    }
+}

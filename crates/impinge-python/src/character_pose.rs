@@ -1,0 +1,239 @@
+//! A character in one pose: which parts rays, punches, shapes and other characters strike.
+
+use std::sync::Arc;
+
+use impinge::character::{HitHull, HitVolume, PartHit, PartPair, Posed, RigPose, Strike};
+use impinge::mesh::Ray;
+use impinge::volume::{BoundingSphere, Capsule};
+use impinge::{InputError, Pose};
+use pyo3::prelude::*;
+
+use crate::arrays::{array, ragged, row_array};
+use crate::broadcast::Broadcast;
+use crate::character::Fitted;
+use crate::errors::{Fault, kind_and_place, message};
+use crate::mesh::{MeshBase, mesh_of};
+use crate::motions::matrix;
+use crate::points::Points;
+use crate::poses::{OnError, Poses};
+use crate::rays::Rays;
+use crate::shapes::weighed;
+use crate::workers::{self, Rows};
+
+/// Rays that a thread takes at a time, with one placing of the parts.
+const BLOCK: usize = 256;
+
+/// What `impinge.CharacterPose` holds.
+#[pyclass(frozen, module = "impinge._impinge")]
+pub(crate) struct PosedCore(Arc<Placing>);
+
+struct Placing {
+    fitted: Arc<Fitted>,
+    pose: RigPose,
+    origin: [f64; 3],
+}
+
+impl Placing {
+    fn posed(&self) -> Posed<'_> {
+        let mut posed = Posed::new(&self.fitted.character, &self.pose);
+        posed.set_at(&self.pose, self.origin);
+        posed
+    }
+}
+
+impl PosedCore {
+    pub(crate) fn new(fitted: Arc<Fitted>, pose: RigPose, origin: [f64; 3]) -> Self {
+        Self(Arc::new(Placing { fitted, pose, origin }))
+    }
+
+    /// What `ask` answers about each ray.
+    fn ask<T: Clone + Send + Sync + 'static>(
+        &self,
+        py: Python<'_>,
+        rays: Rays,
+        ask: impl Fn(&Posed<'_>, &Ray) -> T + Send + Sync + 'static,
+    ) -> PyResult<Vec<T>> {
+        let (placing, count, shape) = (self.0.clone(), rays.len(), rays.lead().to_vec());
+        let rows = Rows { count: count.div_ceil(BLOCK), brief: count <= BLOCK, progress: false };
+        let blocks = workers::rows(
+            py,
+            rows,
+            Vec::new(),
+            || (),
+            move |(), block| {
+                let posed = placing.posed();
+                let of = |row| {
+                    let [origin, direction] = rays.at(row);
+                    Ray::new(origin, direction).map(|ray| ask(&posed, &ray))
+                };
+                (block * BLOCK..count.min((block + 1) * BLOCK)).map(of).collect::<Vec<Result<T, InputError>>>()
+            },
+        )?;
+        let judged = blocks.into_iter().flatten().enumerate().map(|(row, answer)| {
+            answer.map_err(|error| fault(&error, "directions", Broadcast::place(&shape, row)).raised(py))
+        });
+        judged.collect()
+    }
+}
+
+fn fault(error: &InputError, argument: &str, at: Vec<usize>) -> Fault {
+    Fault::new(kind_and_place(error).0, argument, message(error)).at(at).hint(error.hint())
+}
+
+#[pymethods]
+impl PosedCore {
+    /// (p, 4, 4) poses of the frames that the parts' volumes are in.
+    fn frames<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let posed = self.0.posed();
+        let frames = posed.frames().iter().map(|frame| frame.pose().map(|pose| matrix(&pose)));
+        let frames: Result<Vec<[f64; 16]>, InputError> = frames.collect();
+        let frames = frames.map_err(|error| fault(&error, "origin", Vec::new()).raised(py))?;
+        let count = frames.len();
+        array(py, frames.into_flattened(), &[count, 4, 4])
+    }
+
+    /// (2, 3) lower and upper corner of a box about all volumes.
+    fn bounds(&self) -> [[f64; 3]; 2] {
+        self.0.posed().outer()
+    }
+
+    /// (n, 3) vertices of the skinned surface.
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let placing = self.0.clone();
+        let vertices = workers::run(py, move |_| {
+            let mut vertices = Vec::new();
+            placing.fitted.rig.skin().skinned(&placing.pose, &mut vertices);
+            for vertex in &mut vertices {
+                *vertex = std::array::from_fn(|k| vertex[k] + placing.origin[k]);
+            }
+            vertices
+        })?;
+        let count = vertices.len();
+        row_array(py, vertices, &[count])
+    }
+
+    /// Whether each ray strikes a part, (...), and the columns of hits with these leading axes.
+    fn ray_cast<'py>(
+        &self,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (py, rays) = (origins.py(), Rays::read(origins, directions)?);
+        let shape = rays.lead().to_vec();
+        let found = self.ask(py, rays, |posed, ray| posed.ray_cast(ray))?;
+        let hit = array(py, found.iter().map(Option::is_some).collect(), &shape)?;
+        Ok((hit, columns(py, &found, &shape)?).into_pyobject(py)?.into_any())
+    }
+
+    /// Offsets of each ray's hits, the columns of those of all rays, (k,), and the leading axes.
+    fn ray_cast_all<'py>(
+        &self,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (py, rays) = (origins.py(), Rays::read(origins, directions)?);
+        let shape = rays.lead().to_vec();
+        let (offsets, hits) = ragged(self.ask(py, rays, |posed, ray| posed.ray_cast_all(ray))?);
+        let (places, count) = (offsets.len(), hits.len());
+        let hits: Vec<Option<PartHit>> = hits.into_iter().map(Some).collect();
+        Ok((array(py, offsets, &[places])?, columns(py, &hits, &[count])?, shape).into_pyobject(py)?.into_any())
+    }
+
+    /// The columns of the parts that a shape or the surface of a mesh strikes, which is at a pose.
+    fn struck_by<'py>(&self, shape: &Bound<'py, PyAny>, pose: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let py = shape.py();
+        let pose = one_pose(pose, "pose")?;
+        let placing = self.0.clone();
+        let hits = if shape.cast::<MeshBase>().is_ok() {
+            let mesh = mesh_of(shape, "shape")?;
+            workers::run(py, move |_| placing.posed().struck_by_mesh(mesh.at(pose)))?
+        } else {
+            let shape = weighed(shape, "shape")?.shape;
+            workers::run(py, move |_| placing.posed().struck_by(&shape.at(pose)?))?
+        };
+        let hits = hits.map_err(|error| fault(&error, "pose", Vec::new()).raised(py))?;
+        let hits: Vec<Option<PartHit>> = hits.into_iter().map(Some).collect();
+        columns(py, &hits, &[hits.len()])
+    }
+
+    /// The columns of the pairs of parts that meet those of another character.
+    fn struck_by_character<'py>(&self, py: Python<'py>, other: &Self) -> PyResult<Bound<'py, PyAny>> {
+        let (own, other) = (self.0.clone(), other.0.clone());
+        let pairs = workers::run(py, move |_| own.posed().struck_by_character(&other.posed()))?;
+        let pairs = pairs.map_err(|error| fault(&error, "other", Vec::new()).raised(py))?;
+        let count = pairs.len();
+        let parts =
+            |of: fn(&PartPair) -> u32| array(py, pairs.iter().map(|pair| i64::from(of(pair))).collect(), &[count]);
+        let vectors = |of: fn(&PartPair) -> [f64; 3]| row_array(py, pairs.iter().map(of).collect(), &[count]);
+        let columns = (
+            parts(|pair| pair.part_a)?,
+            parts(|pair| pair.part_b)?,
+            vectors(|pair| pair.point)?,
+            vectors(|pair| pair.normal)?,
+            array(py, pairs.iter().map(|pair| pair.depth).collect(), &[count])?,
+        );
+        Ok(columns.into_pyobject(py)?.into_any())
+    }
+
+    /// The columns of the parts that a volume strikes while it moves from one pose to another, and the character to another one
+    /// of its own. The volume is the hull of points that a ball of a radius sweeps, as `Character.parts` has them.
+    fn strikes<'py>(
+        &self,
+        to: &Self,
+        volume: (&str, Bound<'py, PyAny>, f64),
+        from_pose: &Bound<'py, PyAny>,
+        to_pose: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = from_pose.py();
+        if !Arc::ptr_eq(&self.0.fitted, &to.0.fitted) {
+            let message = "is a pose of another character";
+            return Err(Fault::new("type", "to", message).raised(py));
+        }
+        let (kind, points, radius) = volume;
+        let points = Points::read(&points, "volume", 128)?.rows;
+        let volume = match (kind, &points[..]) {
+            ("sphere", &[centre]) => BoundingSphere::new(centre, radius).map(HitVolume::Sphere),
+            ("capsule", &[start, end]) => Capsule::new(start, end, radius).map(HitVolume::Capsule),
+            _ => HitHull::new(&points).map(HitVolume::Hull),
+        };
+        let volume = volume.map_err(|error| fault(&error, "volume", Vec::new()).raised(py))?;
+        let (from, there) = (one_pose(from_pose, "pose_t0")?, one_pose(to_pose, "pose_t1")?);
+        let (own, to) = (self.0.clone(), to.0.clone());
+        let strikes = workers::run(py, move |_| own.posed().strikes(&to.posed(), &volume, &from, &there))?;
+        let strikes = strikes.map_err(|error| fault(&error, "pose_t1", Vec::new()).raised(py))?;
+        let hit = |strike: Strike| {
+            let Strike { part, bone, t, point, normal, depth } = strike;
+            Some(PartHit { part, bone, t, point, normal, depth })
+        };
+        let hits: Vec<Option<PartHit>> = strikes.into_iter().map(hit).collect();
+        columns(py, &hits, &[hits.len()])
+    }
+}
+
+/// The pose of an argument that is one, or `None`.
+fn one_pose(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Pose> {
+    let Poses { shape, poses, .. } = Poses::read(value, name, OnError::Raise)?;
+    match poses[..] {
+        [pose] if shape.is_empty() => Ok(pose),
+        _ => Err(Fault::new("shape", name, "one pose is expected, (4, 4)").raised(value.py())),
+    }
+}
+
+/// Part, bone and t, (...), point and normal, (..., 3), and depth, (...): -1, infinity and zero where nothing is struck.
+fn columns<'py>(py: Python<'py>, hits: &[Option<PartHit>], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+    let numbers = |of: fn(&PartHit) -> u32| {
+        array(py, hits.iter().map(|hit| hit.as_ref().map_or(-1, |hit| i64::from(of(hit)))).collect(), shape)
+    };
+    let vectors = |of: fn(&PartHit) -> [f64; 3]| {
+        row_array(py, hits.iter().map(|hit| hit.as_ref().map_or([0.0; 3], of)).collect(), shape)
+    };
+    let columns = (
+        numbers(|hit| hit.part)?,
+        numbers(|hit| hit.bone)?,
+        array(py, hits.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t)).collect(), shape)?,
+        vectors(|hit| hit.point)?,
+        vectors(|hit| hit.normal)?,
+        array(py, hits.iter().map(|hit| hit.map_or(0.0, |hit| hit.depth)).collect(), shape)?,
+    );
+    Ok(columns.into_pyobject(py)?.into_any())
+}

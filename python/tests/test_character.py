@@ -1,0 +1,197 @@
+"""Characters: the volumes against NumPy's closed forms and against the shapes that they are."""
+
+from math import inf
+from pathlib import Path
+
+import impinge
+import numpy as np
+import pytest
+from shapes import cube
+
+ROBOT = Path(__file__).resolve().parents[2] / "data" / "robot.glb"
+Shape, pose = impinge.Shape, impinge.pose
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return impinge.Character(ROBOT)
+
+
+def shape_of(part):
+    """The volume as a shape; none for a lozenge."""
+    if part.kind == "sphere":
+        return Shape.sphere(part.radius, part.points[0])
+    if part.kind == "capsule":
+        return Shape.capsule(*part.points, part.radius)
+    return Shape.hull(part.points) if part.radius == 0 else None
+
+
+def outside(part, frame, points):
+    """(n,) how far points of the world are outside of a sphere or a pill."""
+    assert part.kind in ("sphere", "capsule")
+    start, end = (frame[:3, :3] @ point + frame[:3, 3] for point in (part.points[0], part.points[-1]))
+    along = end - start
+    t = ((points - start) @ along / max(along @ along, 1e-300)).clip(0, 1)
+    return np.linalg.norm(points - start - t[:, None] * along, axis=1) - part.radius
+
+
+def test_what_a_file_holds(robot):
+    assert len(robot.parts) == 6
+    assert {part.name for part in robot.parts} >= {"head", "left arm", "right arm", "left leg", "right leg", "torso"}
+    assert "head" in repr(robot.parts[[part.name for part in robot.parts].index("head")])
+    assert len(robot.animations) == 14
+    assert {bone for part in robot.parts for bone in part.bones} <= set(robot.bones)
+    assert robot.faces.shape == (len(robot.part_of), 3)
+    assert set(robot.part_of.tolist()) == set(range(6))
+    assert not robot.leaks().share.any()
+    assert impinge.Character(ROBOT, volumes=1).parts[0].looseness > 0
+    assert impinge.Character(ROBOT, mode="snug").leaks().share.max() > 0
+
+
+def test_conservative_volumes_hold_the_surface(robot):
+    for animation in robot.animations[::3]:
+        for time in np.linspace(animation.start, animation.end, 7):
+            posed = robot.at(animation.name, time, origin=[1, 2, 3])
+            vertices, frames = posed.vertices, posed.frames
+            assert ((posed.bounds[0] <= vertices) & (vertices <= posed.bounds[1])).all()
+            away = [outside(*one, vertices) for one in zip(robot.parts, frames, strict=True)]
+            for number in range(len(robot.parts)):
+                own = np.unique(robot.faces[robot.part_of == number])
+                assert away[number][own].max() <= 1e-9
+
+
+def test_rays_strike_what_shapes_say(robot):
+    rng = np.random.default_rng(4)
+    posed = robot.at("Robot_Running", 0.3)
+    low, high = posed.bounds
+    origins, aims = rng.uniform(low - 4, high + 4, (400, 3)), rng.uniform(low, high, (400, 3))
+    found, every = posed.ray_cast(origins, aims - origins), posed.ray_cast_all(origins, aims - origins)
+    t = np.full((6, 400), inf)
+    for number, (part, frame) in enumerate(zip(robot.parts, posed.frames, strict=True)):
+        back = np.linalg.inv(frame)
+        local = origins @ back[:3, :3].T + back[:3, 3], (aims - origins) @ back[:3, :3].T
+        t[number] = shape_of(part).ray_cast(*local).t
+    assert np.allclose(found.t, t.min(axis=0), atol=1e-6)
+    assert 0.2 < found.hit.mean() < 1
+    assert np.array_equal(found.hit, found.part >= 0)
+    struck = np.flatnonzero(found.hit)
+    assert np.allclose(t[found.part[struck], struck], found.t[struck], atol=1e-6)
+    assert every.counts.tolist() == (t < inf).sum(axis=0).tolist()
+    for row in struck[:50]:
+        hits = every[row]
+        assert (np.diff(hits.t) >= 0).all()
+        assert sorted(hits.part.tolist()) == np.flatnonzero(t[:, row] < inf).tolist()
+        assert hits.t[0] == found.t[row]
+    # No hit on the surface is missed.
+    assert not (posed.mesh().ray_cast(origins, aims - origins).hit & ~found.hit).any()
+    single = posed.ray_cast(origins[struck[0]], aims[struck[0]] - origins[struck[0]])
+    assert (single.part, single.t) == (found.part[struck[0]], found.t[struck[0]])
+    finer = impinge.Character(ROBOT, pieces=24).at("Robot_Running", 0.3)
+    surface = finer.mesh().ray_cast(origins, aims - origins)
+    fine = finer.ray_cast(origins, aims - origins)
+    assert not (surface.hit & ~fine.hit).any()
+    assert (fine.part[surface.hit] == robot.part_of[surface.face[surface.hit]]).mean() >= 0.95
+    assert fine.hit.sum() < found.hit.sum()
+
+
+def test_shapes_meshes_and_others_strike(robot):
+    rng = np.random.default_rng(5)
+    posed = robot.at("Robot_Punch", 0.4)
+    volumes = [(shape_of(part), frame) for part, frame in zip(robot.parts, posed.frames, strict=True)]
+    crate = impinge.Mesh(*cube())
+    counts = 0
+    for place in pose(rng.uniform(*posed.bounds, (15, 3))):
+        for probe in (Shape.sphere(0.5), Shape.box([0.4, 0.5, 0.9]), crate):
+            struck = posed.struck_by(probe, place)
+            expected = [
+                n for n, (volume, at) in enumerate(volumes) if impinge.shapes.intersects(probe, volume, place, at)
+            ]
+            assert struck.part.tolist() == expected
+            assert np.allclose(np.linalg.norm(struck.normal, axis=1), 1)
+            counts += len(expected)
+    assert 30 < counts < 200
+    other = robot.at("Robot_Idle", 1.0, origin=[1.5, 0, 0.5])
+    pairs = posed.struck_by_character(other)
+    there = other.frames
+    expected = [
+        (a, b)
+        for a in range(6)
+        for b in range(6)
+        if impinge.shapes.intersects(volumes[a][0], volumes[b][0], volumes[a][1], there[b])
+    ]
+    assert list(zip(pairs.part_a.tolist(), pairs.part_b.tolist(), strict=True)) == expected
+    assert 5 < len(expected) < 36
+    assert (pairs.depth >= 0).all()
+
+
+def test_a_punch_is_caught_and_never_late(robot):
+    """Through the body within one step; the first contact by small steps in NumPy."""
+    before, after = robot.at("Robot_Idle", 0.3), robot.at("Robot_Idle", 0.3, origin=[0.5, 0, 0])
+    fist, start, end = Shape.sphere(0.3), np.array([0.2, 2.5, 40]), np.array([0.1, 2.0, -40])
+    strikes = before.strikes(after, fist, pose(start), pose(end))
+    assert len(strikes.part) > 0
+    steps = np.linspace(0, 1, 20001)
+    first = np.full(6, inf)
+    for number, (part, frame) in enumerate(zip(robot.parts, before.frames, strict=True)):
+        # Seen from the body, which moves evenly along x, the fist moves along a line.
+        seen = start + steps[:, None] * (end - start) - steps[:, None] * [0.5, 0, 0]
+        touches = outside(part, frame, seen) <= 0.3
+        first[number] = steps[touches.argmax()] if touches.any() else inf
+    assert set(strikes.part.tolist()) >= set(np.flatnonzero(first < inf).tolist())
+    late = strikes.t - first[strikes.part]
+    assert late.max() <= 0
+    assert late[np.isfinite(late)].min() >= -2 / 20000
+    assert (np.diff(strikes.t) >= 0).all()
+    assert len(before.strikes(after, fist, pose([30, 0, 40]), pose([30, 0, -40])).part) == 0
+    for shape in (Shape.box([0.1, 0.1, 0.1]), Shape.capsule([0, 0, 0], [0, 1, 0], 0.1), Shape.hull(cube()[0])):
+        assert before.strikes(after, shape, pose(start), pose(end)).t[0] < 0.6
+
+
+def test_saved_and_loaded(robot, tmp_path):
+    robot.save(tmp_path / "robot.toml")
+    again = impinge.Character.load(ROBOT, tmp_path / "robot.toml")
+    for one, other in zip(robot.parts, again.parts, strict=True):
+        assert (one.name, one.bones, one.kind, one.radius) == (other.name, other.bones, other.kind, other.radius)
+        assert np.array_equal(one.points, other.points)
+    planned = impinge.Character(ROBOT, plan=tmp_path / "robot.toml", mode="snug")
+    assert [part.bones for part in planned.parts] == [part.bones for part in robot.parts]
+    rays = [[0, 4, 9], [0, 2, 9], [7, 7, 9]], [0, 0, -1]
+    assert np.array_equal(robot.at(0, 0.1).ray_cast(*rays).t, again.at(0, 0.1).ray_cast(*rays).t)
+
+
+@pytest.mark.parametrize(
+    ("kind", "what", "ask"),
+    [
+        ("out-of-range", "volumes", lambda r: impinge.Character(ROBOT, volumes=0)),
+        ("out-of-range", "pieces", lambda r: impinge.Character(ROBOT, pieces=0)),
+        ("option", "mode", lambda r: impinge.Character(ROBOT, mode="loose")),
+        ("name", "animation", lambda r: r.at("Robot_Flying")),
+        ("name", "animation", lambda r: r.at(14)),
+        ("name", "animation", lambda r: r.at(-1)),
+        ("non-finite", "time", lambda r: r.at(0, inf)),
+        ("shape", "origin", lambda r: r.at(0, 0, origin=[0, 0])),
+        ("zero-direction", "directions", lambda r: r.at().ray_cast([0, 0, 0], [0, 0, 0])),
+        ("type", "shape", lambda r: r.at().struck_by("fist")),
+        ("shape", "pose", lambda r: r.at().struck_by(Shape.sphere(1), np.stack([np.eye(4)] * 2))),
+        ("not-rigid", "pose", lambda r: r.at().struck_by(Shape.sphere(1), np.diag([2.0, 1, 1, 1]))),
+        ("type", "other", lambda r: r.at().struck_by_character(r)),
+        ("type", "to", lambda r: r.at().strikes(r, Shape.sphere(1), None, None)),
+        ("type", "shape", lambda r: r.at().strikes(r.at(), Shape.cone(1, 1), None, None)),
+        ("not-rigid", "pose_t1", lambda r: r.at().strikes(r.at(), Shape.sphere(1), None, np.diag([2.0, 1, 1, 1]))),
+    ],
+)
+def test_what_is_wrong_is_named(robot, kind, what, ask):
+    with pytest.raises(impinge.InputError) as caught:
+        ask(robot)
+    assert (caught.value.kind, caught.value.what) == (kind, what)
+
+
+def test_files_that_are_no_rigs(tmp_path):
+    with pytest.raises(FileNotFoundError):
+        impinge.Character(tmp_path / "none.glb")
+    (tmp_path / "text.glb").write_text("no rig")
+    with pytest.raises(impinge.InputError):
+        impinge.Character(tmp_path / "text.glb")
+    (tmp_path / "fit.toml").write_text("[[part]]\nbones = ['Nowhere']\n")
+    with pytest.raises(impinge.InputError):
+        impinge.Character.load(ROBOT, tmp_path / "fit.toml")
