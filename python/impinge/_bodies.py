@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from impinge import _impinge
-from impinge._intersections import intersecting_pairs, intersects
+from impinge._distances import distance
+from impinge._intersections import intersecting_pairs, intersects, penetrates
 from impinge._mesh import Mesh
 from impinge._rows import Solid
+from impinge._shape import Shape
+from impinge.shapes import penetration
 
 _PADDING = 1e-12
 """Of the magnitudes that are added up in a box: more than their rounding errors, so that no box is too small."""
@@ -43,6 +47,47 @@ class Body:
         reach = np.abs(linear) @ half
         reach += _PADDING * (np.abs(linear) @ (np.abs(centre) + half) + np.abs(translation))
         return np.stack([middle - reach, middle + reach])
+
+    @cached_property
+    def hull(self) -> Shape:
+        """A convex solid as a shape, in the mesh's own frame."""
+        return Shape.hull(self.mesh.vertices)
+
+
+@dataclass(frozen=True)
+class Separation:
+    """How far apart two bodies are, or how deep two solids are in each other: then the value is negative."""
+
+    value: float
+    points: list[NDArray[np.float64]]
+    faces: tuple[int, int]
+
+
+def separation(
+    a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64], *, signed: bool
+) -> Separation:
+    """Measure as FCL does: -1 where one body is solid and they collide, unless depths are asked for of two solids.
+
+    Two solids that only touch have 0, and so have two surfaces that meet. Faces are -1 for a solid, and for what is
+    inside one; points are zero where there are none.
+    """
+    far = distance(a.mesh, b.mesh, pose_a, pose_b, solid=solids(a, b))
+    faces = (-1 if a.solid else int(far.face_a), -1 if b.solid else int(far.face_b))
+    value, none = float(far.distance), [np.zeros(3), np.zeros(3)]
+    if value > 0 or not (a.solid or b.solid):
+        return Separation(value, [far.point_a, far.point_b], faces)
+    if a.solid and b.solid and not penetrates(a.mesh, b.mesh, pose_a, pose_b):
+        return Separation(0.0, [far.point_a, far.point_b], faces)
+    if a.solid and b.solid and signed:
+        deep = penetration(a.hull, b.hull, pose_a, pose_b)
+        return Separation(-float(deep.depth), [deep.point_a, deep.point_b], faces)
+    return Separation(-1.0, none, faces)
+
+
+def gap(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+    """Return less than the distance of what is in two (2, 3) boxes."""
+    between = np.maximum(np.maximum(a[0] - b[1], b[0] - a[1]), 0)
+    return float(np.linalg.norm(between)) * (1 - _PADDING)
 
 
 def overlaps(boxes: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np.intp]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 from typing import Any, Protocol, final
 
 import numpy as np
@@ -54,7 +56,7 @@ class Mesh(_impinge.MeshBase):
     Building takes O(n log n) on all cores, without the interpreter's lock.
 
     A mesh pickles by its vertices and faces; with protocol 5 they may travel out of band, without a copy. The hierarchy
-    is built anew where it is loaded.
+    is built anew where it is loaded. Many workers share one hierarchy where each loads what `bake` wrote.
 
     Examples
     --------
@@ -369,6 +371,50 @@ class Mesh(_impinge.MeshBase):
         """
         offsets, (t, face, point), shape = _impinge.ray_cast_all(self, origins, directions)
         return RayHits(offsets, t, face, point, tuple(shape)) if shape else hits_of(t, face, point)
+
+    def bake(self, path: str | os.PathLike[str]) -> None:
+        """Write the mesh with its hierarchy to a file that `impinge.load` opens where it lies, without building.
+
+        The file is mapped, not read: processes that load it share its pages, so that workers share one hierarchy. Baked
+        into ``/dev/shm`` it stays in memory. It must not be written to while it is in use; baking to the same path
+        again puts another file in its place, and leaves those who use the old one alone.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            A path that ends in ``.impinge``. What `origin` says is kept.
+
+        Raises
+        ------
+        InputError
+            If it ends in something else.
+        OSError
+            If it cannot be written.
+
+        Examples
+        --------
+        >>> import impinge, pathlib, tempfile
+        >>> mesh = impinge.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     mesh.bake(pathlib.Path(folder) / "triangle.impinge")
+        ...     impinge.intersects(impinge.load(pathlib.Path(folder) / "triangle.impinge"), mesh)
+        True
+        """
+        path = os.fspath(path)
+        if not path.lower().endswith(".impinge"):
+            raise InputError(f"{path!r} does not end in .impinge", kind="option", what="path")
+        count = self.face_count
+        polygons, part_of, parts, unit = list(range(count)), [0] * count, [""], None
+        if self._origin is not None:
+            polygons, part_of = self._origin.polygons.tolist(), self._origin.part_of.tolist()
+            parts, unit = list(self._origin.parts), self._origin.unit
+        beside = f"{path}.{os.getpid()}.tmp"
+        try:
+            _impinge.bake(self, beside, (polygons, part_of, parts, unit))
+            os.replace(beside, path)
+        finally:
+            with contextlib.suppress(FileNotFoundError):
+                os.remove(beside)
 
     def __repr__(self) -> str:
         """Return the numbers of vertices and faces."""

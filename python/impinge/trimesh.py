@@ -4,8 +4,9 @@ Method names, arguments and returns are trimesh's, and so is what a mesh means h
 a solid, which meets what lies inside it, any other a surface. Answers are impinge's: exact, every pair of faces
 once, none dropped at a cap. Transforms keep double precision.
 
-What differs: contacts have names, faces and points, but no normals and depths yet, and distances are not there yet. A
-body inside a convex one, their surfaces apart, makes one contact without faces (-1).
+What differs: contacts have names, faces and points, but no normals and depths yet. A body inside a convex one, their
+surfaces apart, makes one contact without faces (-1). Distances of convex bodies that are in each other are minus their
+depth; where one of two bodies that collide is not convex, -1, and where neither is, 0.
 
 Examples
 --------
@@ -21,7 +22,7 @@ Examples
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from itertools import combinations, product
 from typing import Any
 
@@ -31,8 +32,9 @@ from numpy.typing import ArrayLike, NDArray
 from impinge import _bodies, fcl
 from impinge._errors import InputError
 from impinge._mesh import HasTriangles, Mesh
+from impinge.fcl._manager import nearest_first
 
-__all__ = ["CollisionManager", "ContactData", "mesh_to_BVH", "mesh_to_convex", "scene_to_collision"]
+__all__ = ["CollisionManager", "ContactData", "DistanceData", "mesh_to_BVH", "mesh_to_convex", "scene_to_collision"]
 
 _EXTERNAL = "__external"
 """The name that a contact gives to a mesh that is in no manager."""
@@ -59,8 +61,35 @@ class ContactData:
         return self._faces[name]
 
 
+class DistanceData:
+    """How far apart two objects are, and where.
+
+    Attributes
+    ----------
+    names : set of str
+        The names of the two objects; ``"__external"`` for one that is in no manager.
+    distance : float
+        In world units; negative where they are in each other.
+    """
+
+    def __init__(self, names: tuple[Hashable, Hashable], result: fcl.DistanceResult) -> None:
+        self.names = set(names)
+        self.distance = result.min_distance
+        self._faces = {names[0]: result.b1, names[1]: result.b2}
+        self._points = dict(zip(names, result.nearest_points, strict=True))
+
+    def index(self, name: Hashable) -> int:
+        """Return the nearest face of the object of this name; -1 of a convex one."""
+        return self._faces[name]
+
+    def point(self, name: Hashable) -> NDArray[np.float64]:
+        """Return the nearest point, (3,), of the object of this name, in the world."""
+        return self._points[name]
+
+
 _Named = tuple[Hashable, fcl.CollisionObject]
 _Answer = bool | tuple[Any, ...]
+_Distance = float | tuple[Any, ...]
 
 
 class CollisionManager:
@@ -127,6 +156,38 @@ class CollisionManager:
         """Ask whether any collides with one of another manager; names are pairs, those of this one first."""
         pairs = product(self._objects.items(), other_manager._objects.items())
         return _answer(pairs, lambda names: names, return_names, return_data)
+
+    def min_distance_single(
+        self,
+        mesh: HasTriangles | Mesh,
+        transform: ArrayLike | None = None,
+        return_name: bool = False,
+        return_data: bool = False,
+    ) -> _Distance:
+        """Return the least distance of a mesh from those of the manager; the name is that of the nearest of these."""
+        other = (_EXTERNAL, _object(mesh, transform))
+        pairs = [((name, own), other) for name, own in self._objects.items()]
+        return _least(pairs, lambda names: names[0], return_name, return_data)
+
+    def min_distance_internal(
+        self, name: Hashable = None, return_names: bool = False, return_data: bool = False
+    ) -> _Distance:
+        """Return the least distance of any two meshes of the manager, or of one from all others.
+
+        The names are those of the nearest two, in alphabetical order. A name that is not there is a `ValueError`.
+        """
+        pairs = list(combinations(self._objects.items(), 2))
+        if name is not None:
+            self._known(name)
+            pairs = [pair for pair in pairs if name in (pair[0][0], pair[1][0])]
+        return _least(pairs, lambda names: tuple(sorted(names)), return_names, return_data)
+
+    def min_distance_other(
+        self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
+    ) -> _Distance:
+        """Return the least distance of any mesh from one of another manager; names are those of this one first."""
+        pairs = list(product(self._objects.items(), other_manager._objects.items()))
+        return _least(pairs, lambda names: names, return_names, return_data)
 
     def _known(self, name: Hashable) -> Hashable:
         if name not in self._objects:
@@ -210,3 +271,29 @@ def _answer(
             break
     chosen = [hit, *([names] if return_names else []), *([data] if return_data else [])]
     return hit if len(chosen) == 1 else tuple(chosen)
+
+
+def _least(
+    pairs: Sequence[tuple[_Named, _Named]],
+    called: Callable[[tuple[Any, Any]], object],
+    return_names: bool,
+    return_data: bool,
+) -> _Distance:
+    """Return the least distance of the pairs, infinite of none, and what `called` makes of their names and the data."""
+    request = fcl.DistanceRequest(enable_nearest_points=return_data, enable_signed_distance=True)
+    best: tuple[tuple[Hashable, Hashable] | None, fcl.DistanceResult] = (None, fcl.DistanceResult())
+    named = {(id(a), id(b)): (name_a, name_b) for (name_a, a), (name_b, b) in pairs}
+
+    def measure(o1: fcl.CollisionObject, o2: fcl.CollisionObject, least: float) -> tuple[bool, float]:
+        nonlocal best
+        result = fcl.DistanceResult()
+        if fcl.distance(o1, o2, request, result) < least:
+            best = named[id(o1), id(o2)], result
+        return False, best[1].min_distance
+
+    nearest_first([(a, b) for (_, a), (_, b) in pairs], measure)
+    names, result = best
+    data = None if names is None else DistanceData(names, result)
+    chosen = [called(names) if names else None] if return_names else []
+    chosen += [data] if return_data else []
+    return (result.min_distance, *chosen) if chosen else result.min_distance

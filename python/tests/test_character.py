@@ -86,7 +86,7 @@ def test_rays_strike_what_shapes_say(robot):
     assert not (posed.mesh().ray_cast(origins, aims - origins).hit & ~found.hit).any()
     single = posed.ray_cast(origins[struck[0]], aims[struck[0]] - origins[struck[0]])
     assert (single.part, single.t) == (found.part[struck[0]], found.t[struck[0]])
-    finer = impinge.Character(ROBOT, pieces=24).at("Robot_Running", 0.3)
+    finer = impinge.Character(ROBOT, pieces=300).at("Robot_Running", 0.3)
     surface = finer.mesh().ray_cast(origins, aims - origins)
     fine = finer.ray_cast(origins, aims - origins)
     assert not (surface.hit & ~fine.hit).any()

@@ -256,3 +256,36 @@ def test_distances(a, b, translation, expected):
     kept.min_distance = -2.0
     fcl.distance(one, two, None, kept)
     assert (kept.min_distance, kept.o1) == (-2.0, None)
+
+
+def test_signed_distances_and_managers():
+    boxes = [fcl.CollisionObject(fcl.Box(1, 1, 1), fcl.Transform(np.array([x, 0.0, 0.0]))) for x in (0, 5, 8)]
+    signed = fcl.DistanceRequest(enable_nearest_points=True, enable_signed_distance=True)
+    moved, result = (
+        fcl.CollisionObject(fcl.Box(1, 1, 1), fcl.Transform(np.array([0.75, 0.0, 0.0]))),
+        fcl.DistanceResult(),
+    )
+    assert fcl.distance(boxes[0], moved, signed, result) == pytest.approx(-0.25)
+    assert result.min_distance == pytest.approx(-0.25)
+    assert abs(result.nearest_points[1] - result.nearest_points[0])[0] == pytest.approx(0.25)
+    assert fcl.distance(boxes[0], moved) == -1
+    manager, other = fcl.DynamicAABBTreeCollisionManager(), fcl.DynamicAABBTreeCollisionManager()
+    manager.registerObjects(boxes)
+    other.registerObjects([boxes[1], boxes[2]])
+    for arguments, expected in (((), 2), ((moved,), -0.25), ((other,), -1)):
+        data = fcl.DistanceData(signed)
+        manager.distance(*arguments, data, fcl.defaultDistanceCallback)
+        assert data.result.min_distance == pytest.approx(expected)
+    asked = []
+
+    def first(o1, o2, cdata, dist):
+        asked.append((o1, o2, dist))
+        return True, 0.0
+
+    manager.distance(fcl.DistanceData(), first)
+    assert asked == [(boxes[1], boxes[2], np.inf)]
+    done = fcl.DistanceData()
+    done.done = True
+    assert fcl.defaultDistanceCallback(boxes[0], boxes[1], done, 3.0) == (True, np.inf)
+    with pytest.raises(impinge.InputError):
+        manager.distance(data)

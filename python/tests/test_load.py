@@ -1,11 +1,14 @@
 """Files: formats, units, origins, warnings and errors."""
 
 import pickle
+import subprocess
+import sys
 from pathlib import Path
 
 import impinge
 import numpy as np
 import pytest
+from shapes import cube, random_poses, torus
 
 HUMAN = Path(__file__).resolve().parents[2] / "data" / "human_makehuman_cc0.ply"
 OBJ = "o left\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.1\nf 1 2 3 4\no right\nf 1 2 4\n"
@@ -40,6 +43,94 @@ def test_polygons_and_parts_are_remembered(tmp_path):
     copy = pickle.loads(pickle.dumps(mesh))
     assert copy.origin.parts == mesh.origin.parts
     assert impinge.Mesh(mesh.vertices, mesh.faces).origin is None
+
+
+def test_a_scene_has_the_parts_of_a_file(tmp_path):
+    path = tmp_path / "parts.obj"
+    path.write_text(OBJ + "o left\nf 2 3 4\no\nf 1 3 4\n")
+    whole, scene = impinge.load(path), impinge.load_scene(path)
+    assert len(scene.parts) == len(whole.origin.parts)
+    assert list(scene.parts)[:2] == ["left", "right"]
+    assert len(set(scene.parts)) == len(scene.parts)
+    for number, (name, mesh) in enumerate(scene.parts.items()):
+        rows = whole.origin.part_of == number
+        assert np.array_equal(mesh.vertices[mesh.faces], whole.vertices[whole.faces[rows]])
+        assert np.array_equal(mesh.origin.polygons, whole.origin.polygons[rows])
+        assert (mesh.origin.parts, mesh.origin.path) == ((name,), str(path))
+        assert mesh.vertices.dtype == whole.vertices.dtype
+    assert scene.check(stop="all").meets.all()
+    twice = tmp_path / "twice.gltf"
+    nodes = '"nodes":[{"mesh":0,"name":"nut"},{"mesh":0,"name":"nut","translation":[5,0,0]},{"mesh":0}]'
+    twice.write_text(GLTF.replace('"nodes":[{"mesh":0}]', nodes).replace('"nodes":[0]', '"nodes":[0,1,2]'))
+    scene = impinge.load_scene(twice, "mm")
+    assert list(scene.parts) == ["nut", "nut (2)", "part 2"]
+    assert scene.parts["nut (2)"].vertices[:, 0].max() == 6000
+    assert scene.check(stop="all").names() == [("nut", "part 2")]
+    empty = tmp_path / "empty.off"
+    empty.write_text("OFF\n0 0 0\n")
+    assert impinge.load_scene(empty).parts == {}
+
+
+def test_baked_meshes_answer_the_same(tmp_path):
+    human = impinge.load(HUMAN)
+    human.bake(tmp_path / "human.impinge")
+    opened = impinge.load(tmp_path / "human.impinge")
+    assert opened.origin.format == "baked"
+    assert np.array_equal(opened.vertices, human.vertices)
+    assert opened.vertices.dtype == human.vertices.dtype
+    assert np.array_equal(opened.faces, human.faces)
+    assert np.array_equal(opened.origin.polygons, human.origin.polygons)
+    assert opened.origin.parts == human.origin.parts
+    poses = random_poses(20, 8, 3)
+    assert np.array_equal(impinge.intersects(human, opened, None, poses), impinge.intersects(human, human, None, poses))
+    assert np.array_equal(
+        impinge.intersecting_pairs(opened, human, None, poses[0]),
+        impinge.intersecting_pairs(human, human, None, poses[0]),
+    )
+    double = impinge.Mesh([[0, 0, 0.1], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    double.bake(str(tmp_path / "human.impinge"))  # in the place of the other one, which lives on
+    assert np.array_equal(impinge.load(tmp_path / "human.impinge").vertices, double.vertices)
+    assert impinge.intersects(opened, human)
+    opened.refit(human.vertices * 2)
+    assert opened.vertices.max() == 2 * human.vertices.max()
+    assert [path.name for path in tmp_path.iterdir()] == ["human.impinge"]
+
+
+def test_workers_share_a_baked_mesh(tmp_path):
+    torus_file, poses_file = tmp_path / "torus.impinge", tmp_path / "poses.npy"
+    mesh, poses = impinge.Mesh(*torus()), random_poses(40, 2.5, 6)
+    mesh.bake(torus_file)
+    np.save(poses_file, poses)
+    program = (
+        "import sys, impinge, numpy as np\n"
+        "mesh, poses = impinge.load(sys.argv[1]), np.load(sys.argv[2])\n"
+        "print(any('.impinge' in line for line in open('/proc/self/maps')))\n"
+        "print(impinge.intersects(mesh, mesh, None, poses).tolist())\n"
+    )
+    command = [sys.executable, "-c", program, str(torus_file), str(poses_file)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    is_mapped, answers = done.stdout.splitlines()
+    assert is_mapped == "True" or not sys.platform.startswith("linux")
+    assert answers == str(impinge.intersects(mesh, mesh, None, poses).tolist())
+
+
+def test_baked_files_are_judged(tmp_path):
+    path = tmp_path / "cube.impinge"
+    impinge.Mesh(*cube()).bake(path)
+    whole = path.read_bytes()
+    for spoilt in (whole[:100], whole[:-1], whole[:400] + b"\x7f" * 8 + whole[408:], b""):
+        path.write_bytes(spoilt)
+        with pytest.raises(impinge.InputError):
+            impinge.load(path)
+    with pytest.raises(impinge.InputError, match="impinge"):
+        impinge.Mesh(*cube()).bake(tmp_path / "cube.stl")
+    with pytest.raises(FileNotFoundError):
+        impinge.Mesh(*cube()).bake(tmp_path / "nowhere" / "cube.impinge")
+    stated, baked = tmp_path / "metres.gltf", tmp_path / "metres.impinge"
+    stated.write_text(GLTF)
+    impinge.load(stated).bake(baked)
+    assert impinge.load(baked).origin.unit == "m"
+    assert impinge.load(baked, "mm").vertices.max() == 1000
 
 
 def test_units_are_converted_where_a_file_states_one(tmp_path):

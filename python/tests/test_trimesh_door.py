@@ -63,6 +63,55 @@ def test_manager_against_manager():
     assert n.in_collision_other(m, return_names=True)[1] == {("cube3", "cube1")}
 
 
+def test_distances():
+    """CASES row 8: 4, 2, 9, 6 and 1, and -0.25 where two cubes are in each other."""
+    manager = CollisionManager()
+    manager.add_object("cube0", CUBE)
+    assert manager.min_distance_single(CUBE, AT_5) == pytest.approx(4)
+    assert manager.min_distance_single(CUBE, AT_5, return_name=True) == (pytest.approx(4), "cube0")
+    far, name, data = manager.min_distance_single(CUBE, AT_5, return_name=True, return_data=True)
+    assert (far, name, data.names) == (pytest.approx(4), "cube0", {"cube0", "__external"})
+    assert data.distance == far
+    assert data.point("cube0")[0] == 0.5
+    assert data.point("__external")[0] == 4.5
+    assert manager.min_distance_single(CUBE, impinge.pose([0.75, 0, 0])) == pytest.approx(-0.25)
+    assert manager.min_distance_internal() == np.inf
+    manager.add_object("cube1", CUBE, AT_5)
+    manager.add_object("cube2", CUBE, impinge.pose([8, 0, 0]))
+    far, names, data = manager.min_distance_internal(return_names=True, return_data=True)
+    assert (far, names, data.names) == (pytest.approx(2), ("cube1", "cube2"), {"cube1", "cube2"})
+    assert manager.min_distance_internal("cube0", return_names=True) == (pytest.approx(4), ("cube0", "cube1"))
+    with pytest.raises(ValueError, match="not in collision manager"):
+        manager.min_distance_internal("cube9")
+    other = CollisionManager()
+    assert manager.min_distance_other(other) == np.inf
+    other.add_object("east", CUBE, impinge.pose([18, 0, 0]))
+    other.add_object("west", CUBE, impinge.pose([-7, 0, 0]))
+    far, names, data = manager.min_distance_other(other, return_names=True, return_data=True)
+    assert (far, names, data.names) == (pytest.approx(6), ("cube0", "west"), {"cube0", "west"})
+    other.remove_object("west")
+    assert manager.min_distance_other(other, return_names=True) == (pytest.approx(9), ("cube2", "east"))
+    other.set_transform("east", impinge.pose([10, 0, 0]))
+    assert manager.min_distance_other(other) == pytest.approx(1)
+    assert other.min_distance_other(manager, return_names=True) == (pytest.approx(1), ("east", "cube2"))
+
+
+def test_the_least_distance_is_that_of_a_loop():
+    rng = np.random.default_rng(3)
+    manager, ring = CollisionManager(), impinge.Mesh(*torus(12, 8))
+    poses = {f"n{i}": impinge.pose(at) for i, at in enumerate(rng.uniform(-12, 12, (8, 3)))}
+    for name, at in poses.items():
+        manager.add_object(name, ring, at)
+    far, names = manager.min_distance_internal(return_names=True)
+    each = {(a, b): impinge.distance(ring, ring, poses[a], poses[b]).distance for a in poses for b in poses if a < b}
+    assert far == min(each.values()) > 0
+    assert each[names] == far
+    manager.set_transform(names[0], poses[names[1]])
+    assert manager.min_distance_internal() == 0  # surfaces that meet
+    manager.add_object("solid", CUBE, poses[names[1]] @ impinge.pose([1, 0, 0]))
+    assert manager.min_distance_internal("solid") == -1  # one of them is solid
+
+
 def test_wrong_names_and_transforms_are_value_errors():
     manager = CollisionManager()
     for wrong in (lambda: manager.remove_object("a"), lambda: manager.set_transform("a", np.eye(4))):

@@ -39,7 +39,7 @@ mod _impinge {
     #[pymodule_export]
     use super::mesh::MeshBase;
     #[pymodule_export]
-    use super::model::Model;
+    use super::model::{Model, bake};
     #[pymodule_export]
     use super::motions::{MotionBase, edge_edge, time_of_impact, vertex_face};
     #[pymodule_export]

@@ -10,7 +10,7 @@ use pyo3::sync::PyOnceLock;
 
 use crate::arrays::{read_only, row_array};
 use crate::errors::{Fault, kind_and_place, message};
-use crate::model::Model;
+use crate::model::{Content, Model};
 use crate::workers;
 
 /// What `impinge.Mesh` inherits: the mesh as it is now, and the array of its faces once somebody has asked for it.
@@ -56,11 +56,14 @@ impl MeshBase {
             return Ok(Self { state: Mutex::new(state), faces: PyOnceLock::new() });
         }
         let (positions, faces, count) = match source.cast::<Model>() {
-            Ok(model) => {
-                let (positions, faces) = model.get().triangles();
-                let count = positions.len();
-                (positions, faces, count)
-            }
+            Ok(model) => match model.get().content() {
+                Content::Triangles(positions, faces) => (positions.clone(), faces.clone(), positions.len()),
+                Content::Baked(mesh) => {
+                    let is_double = !mesh.is_single_precision();
+                    let state = State::new(mesh.clone(), is_double);
+                    return Ok(Self { state: Mutex::new(state), faces: PyOnceLock::new() });
+                }
+            },
             Err(_) => {
                 let positions = read_positions(source)?;
                 let count = positions.len();

@@ -1,20 +1,32 @@
-//! What a file holds, before a mesh is made of it.
+//! What a file holds, before a mesh is made of it; and meshes baked to files.
 
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
 
-use impinge::Positions;
-use impinge_files::{Unit, Warning};
+use impinge::{Mesh, Positions};
+use impinge_files::{Baked, Format, LoadError, Provenance, Unit, Warning, write_baked};
 use pyo3::prelude::*;
 
 use crate::arrays::{array, row_array};
 use crate::errors::{Fault, load_error};
+use crate::mesh::mesh_of;
 use crate::workers;
 
 /// The triangles of a file, and where they came from.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct Model {
-    model: impinge_files::Model,
-    unit: Option<Unit>,
+    content: Content,
+    about: Provenance,
+    format: Format,
+    warnings: Vec<Warning>,
+}
+
+/// What a mesh is made of.
+pub(crate) enum Content {
+    Triangles(Positions, Vec<[u32; 3]>),
+    /// A mesh whose hierarchy lies in the file.
+    Baked(Mesh),
 }
 
 #[pymethods]
@@ -25,66 +37,110 @@ impl Model {
         let wanted = unit
             .map(|text| text.parse::<Unit>().map_err(|error| Fault::new("unit", "unit", error.to_string()).raised(py)))
             .transpose()?;
-        let mut model =
-            workers::run(py, move |_| impinge_files::load(path))?.map_err(|error| load_error(py, &error))?;
-        if let (Some(stated), Some(wanted)) = (model.unit, wanted) {
-            model.positions = converted(model.positions, stated, wanted);
-        }
-        Ok(Self { unit: wanted.or(model.unit), model })
+        workers::run(py, move |_| Self::read(&path, wanted))?.map_err(|error| load_error(py, &error))
     }
 
     #[getter]
     fn format(&self) -> String {
-        self.model.format.to_string()
+        self.format.to_string()
     }
 
     #[getter]
     fn unit(&self) -> Option<&'static str> {
-        self.unit.map(Unit::symbol)
+        self.about.unit.map(Unit::symbol)
     }
 
     #[getter]
     fn parts(&self) -> Vec<String> {
-        self.model.parts.clone()
+        self.about.parts.clone()
     }
 
     /// (n, 3), in the file's precision.
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let count = [self.model.positions.len()];
-        match &self.model.positions {
-            Positions::F32(positions) => row_array(py, positions.clone(), &count),
-            Positions::F64(positions) => row_array(py, positions.clone(), &count),
+        let positions = match &self.content {
+            Content::Triangles(positions, _) => positions,
+            Content::Baked(mesh) => mesh.positions(),
+        };
+        match positions {
+            Positions::F32(rows) => row_array(py, rows.clone(), &[rows.len()]),
+            Positions::F64(rows) => row_array(py, rows.clone(), &[rows.len()]),
         }
     }
 
     /// (m, 3).
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        row_array(py, self.model.faces.clone(), &[self.model.faces.len()])
+        let faces = match &self.content {
+            Content::Triangles(_, faces) => faces,
+            Content::Baked(mesh) => mesh.faces(),
+        };
+        row_array(py, faces.to_vec(), &[faces.len()])
     }
 
     #[getter]
     fn sources<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        array(py, self.model.sources.clone(), &[self.model.sources.len()])
+        array(py, self.about.sources.clone(), &[self.about.sources.len()])
     }
 
     #[getter]
     fn part_of<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        array(py, self.model.part_of.clone(), &[self.model.part_of.len()])
+        array(py, self.about.part_of.clone(), &[self.about.part_of.len()])
     }
 
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.model.warnings.iter().map(Warning::to_string).collect()
+        self.warnings.iter().map(Warning::to_string).collect()
     }
 }
 
 impl Model {
-    /// Copies of its arrays.
-    pub(crate) fn triangles(&self) -> (Positions, Vec<[u32; 3]>) {
-        (self.model.positions.clone(), self.model.faces.clone())
+    /// A baked file is opened where it lies, unless its lengths have to be converted.
+    fn read(path: &Path, wanted: Option<Unit>) -> Result<Self, LoadError> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        // What is baked by its name alone is told apart, and warned of, by the reader of all formats.
+        if Format::from_extension(&extension) == Some(Format::Baked)
+            && let Ok(baked) = Baked::open(path)
+        {
+            let about = baked.provenance()?;
+            if about.unit.is_none() || wanted.is_none_or(|wanted| about.unit == Some(wanted)) {
+                let about = Provenance { unit: wanted.or(about.unit), ..about };
+                let content = Content::Baked(baked.mesh()?);
+                return Ok(Self { content, about, format: Format::Baked, warnings: Vec::new() });
+            }
+        }
+        let impinge_files::Model { mut positions, faces, sources, part_of, parts, unit, warnings, format } =
+            impinge_files::load(path)?;
+        if let (Some(stated), Some(wanted)) = (unit, wanted) {
+            positions = converted(positions, stated, wanted);
+        }
+        let about = Provenance { sources, part_of, parts, unit: wanted.or(unit) };
+        Ok(Self { content: Content::Triangles(positions, faces), about, format, warnings })
     }
+
+    pub(crate) fn content(&self) -> &Content {
+        &self.content
+    }
+}
+
+/// Writes a mesh with its hierarchy, and where its faces come from: polygons and parts, (m,), names and unit.
+#[pyfunction]
+pub(crate) fn bake(
+    mesh: &Bound<'_, PyAny>,
+    path: PathBuf,
+    about: (Vec<u32>, Vec<u32>, Vec<String>, Option<String>),
+) -> PyResult<()> {
+    let py = mesh.py();
+    let (sources, part_of, parts, unit) = about;
+    let unit = unit.and_then(|unit| unit.parse().ok());
+    let provenance = Provenance { sources, part_of, parts, unit };
+    let mesh = mesh_of(mesh, "mesh")?;
+    let written = workers::run(py, move |_| {
+        let mut out = BufWriter::new(File::create(path)?);
+        write_baked(&mesh, &provenance, &mut out)?;
+        out.flush()
+    })?;
+    Ok(written?)
 }
 
 /// The same lengths in another unit, each coordinate rounded once where one of the units is a whole number of the other,

@@ -5,7 +5,7 @@ meet what lies inside them. Answers are impinge's: exact, without false or missi
 
 What differs: a contact has its objects, faces and position, but no normal and no depth yet; two bodies one of which is
 inside the other, their surfaces apart, have one contact without faces (-1). Spheres, capsules, cones and other round
-shapes, signed distances and continuous collision are not there yet.
+shapes (`impinge.shapes` has them) and continuous collision are not there yet.
 
 Examples
 --------
@@ -30,7 +30,7 @@ from impinge.fcl._collision import (
     collide,
     defaultCollisionCallback,
 )
-from impinge.fcl._distance import DistanceRequest, DistanceResult, distance
+from impinge.fcl._distance import DistanceData, DistanceRequest, DistanceResult, defaultDistanceCallback, distance
 from impinge.fcl._geometry import Box, BVHModel, CollisionGeometry, CollisionObject, Convex, TriangleP
 from impinge.fcl._manager import DynamicAABBTreeCollisionManager
 from impinge.fcl._transform import Transform
@@ -45,6 +45,7 @@ __all__ = [
     "CollisionResult",
     "Contact",
     "Convex",
+    "DistanceData",
     "DistanceRequest",
     "DistanceResult",
     "DynamicAABBTreeCollisionManager",
@@ -52,5 +53,6 @@ __all__ = [
     "TriangleP",
     "collide",
     "defaultCollisionCallback",
+    "defaultDistanceCallback",
     "distance",
 ]

@@ -1,20 +1,23 @@
 """How far apart two objects are."""
 
+# The names are python-fcl's.
+# ruff: noqa: N802
+
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from impinge import _bodies, _distances
-from impinge._intersections import penetrates
+from impinge import _bodies
 from impinge.fcl._geometry import CollisionGeometry, CollisionObject
 
 
 class DistanceRequest:
-    """Whether the nearest points are wanted."""
+    """Whether the nearest points are wanted, and depths of solids that are in each other as negative distances."""
 
-    def __init__(self, enable_nearest_points: bool = False) -> None:
+    def __init__(self, enable_nearest_points: bool = False, enable_signed_distance: bool = False) -> None:
         self.enable_nearest_points = enable_nearest_points
+        self.enable_signed_distance = enable_signed_distance
 
 
 class DistanceResult:
@@ -23,7 +26,8 @@ class DistanceResult:
     Attributes
     ----------
     min_distance : float
-        In world units; -1 where one of two bodies is solid and they collide. Infinite at first.
+        In world units; -1 where one of two bodies is solid and they collide, or minus the depth of two solids where
+        signed distances are wanted. Infinite at first.
     nearest_points : list of two (3,) float64 arrays
         On either object, in the world, rounded; zero where they collide, or were not requested.
     o1, o2 : CollisionGeometry or None
@@ -40,6 +44,15 @@ class DistanceResult:
         self.b1 = self.b2 = -1
 
 
+class DistanceData:
+    """What a callback of a manager is handed: the request, the result, and whether all is done."""
+
+    def __init__(self, request: DistanceRequest | None = None, result: DistanceResult | None = None) -> None:
+        self.request = DistanceRequest() if request is None else request
+        self.result = DistanceResult() if result is None else result
+        self.done = False
+
+
 def distance(
     o1: CollisionObject,
     o2: CollisionObject,
@@ -48,20 +61,25 @@ def distance(
 ) -> float:
     """Return the distance of two objects, and keep it in the result if it is less than what is there.
 
-    Two surfaces that meet have distance 0. Where one is solid and they collide it is -1; two solids that only touch
-    have 0.
+    Two surfaces that meet have distance 0. Where one is solid and they collide it is -1 or, with
+    ``enable_signed_distance`` and two solids, minus their depth; two solids that only touch have 0.
     """
     request = DistanceRequest() if request is None else request
     result = DistanceResult() if result is None else result
     a, b = o1.geometry.body, o2.geometry.body
-    far = _distances.distance(a.mesh, b.mesh, o1.matrix, o2.matrix, solid=_bodies.solids(a, b))
-    value = float(far.distance)
-    if value == 0 and (a.solid or b.solid):
-        only_touch = a.solid and b.solid and not penetrates(a.mesh, b.mesh, o1.matrix, o2.matrix)
-        value = 0.0 if only_touch else -1.0
-    if value < result.min_distance:
-        result.min_distance, result.o1, result.o2 = value, o1.geometry, o2.geometry
-        result.b1, result.b2 = (-1 if body.solid else int(face) for body, face in ((a, far.face_a), (b, far.face_b)))
-        wanted = request.enable_nearest_points and value >= 0
-        result.nearest_points = [far.point_a, far.point_b] if wanted else [np.zeros(3), np.zeros(3)]
-    return value
+    found = _bodies.separation(a, b, o1.matrix, o2.matrix, signed=request.enable_signed_distance)
+    if found.value < result.min_distance:
+        result.min_distance, result.o1, result.o2 = found.value, o1.geometry, o2.geometry
+        result.b1, result.b2 = found.faces
+        wanted = request.enable_nearest_points
+        result.nearest_points = found.points if wanted else [np.zeros(3), np.zeros(3)]
+    return found.value
+
+
+def defaultDistanceCallback(
+    o1: CollisionObject, o2: CollisionObject, cdata: DistanceData, dist: float
+) -> tuple[bool, float]:
+    """Measure two objects; return whether the manager may stop, which it may not, and the least distance so far."""
+    if not cdata.done:
+        distance(o1, o2, cdata.request, cdata.result)
+    return cdata.done, cdata.result.min_distance

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,26 @@ from impinge._errors import InputError
 from impinge.fcl._geometry import CollisionObject
 
 Callback = Callable[[CollisionObject, CollisionObject, Any], bool]
+DistanceCallback = Callable[[CollisionObject, CollisionObject, Any, float], tuple[bool, float]]
+
+_WANTED = "wants (cdata, callback), (manager, cdata, callback) or (object, cdata, callback)"
+
+
+def nearest_first(
+    pairs: Sequence[tuple[CollisionObject, CollisionObject]],
+    measure: Callable[[CollisionObject, CollisionObject, float], tuple[bool, float]],
+) -> None:
+    """Measure pairs in the order of their boxes' gaps, as long as one may be nearer than the least distance so far."""
+    boxes = {id(own): own.box for pair in pairs for own in pair}
+    gaps = [_bodies.gap(boxes[id(o1)], boxes[id(o2)]) for o1, o2 in pairs]
+    least = np.inf
+    for at in np.argsort(gaps, kind="stable"):
+        if gaps[at] > least or (gaps[at] > 0 and least <= 0):
+            return
+        o1, o2 = pairs[at]
+        done, least = measure(o1, o2, least)
+        if done:
+            return
 
 
 class DynamicAABBTreeCollisionManager:
@@ -58,6 +79,24 @@ class DynamicAABBTreeCollisionManager:
         """Return whether there are none."""
         return not self._objects
 
+    def distance(self, *args: Any) -> None:
+        """Hand pairs of objects to ``callback(o1, o2, cdata, dist)``, those with the nearest boxes first.
+
+        It returns whether all is done, and the least distance so far. Pairs whose boxes are farther apart are left out.
+        ``distance(cdata, callback)`` asks within the manager, ``distance(other, cdata, callback)`` against an object or
+        another manager.
+        """
+        if len(args) == 2:
+            pairs = list(combinations(self._objects, 2))
+        elif len(args) == 3 and isinstance(args[0], DynamicAABBTreeCollisionManager):
+            pairs = list(product(self._objects, args[0]._objects))
+        elif len(args) == 3 and isinstance(args[0], CollisionObject):
+            pairs = [(own, args[0]) for own in self._objects]
+        else:
+            raise InputError(_WANTED, kind="type", what="args")
+        cdata, callback = args[-2:]
+        nearest_first(pairs, lambda o1, o2, least: callback(o1, o2, cdata, least))
+
     def collide(self, *args: Any) -> None:
         """Hand pairs of objects to ``callback(o1, o2, cdata)`` until it returns True.
 
@@ -71,8 +110,7 @@ class DynamicAABBTreeCollisionManager:
         elif len(args) == 3 and isinstance(args[0], CollisionObject):
             self._collide_with([args[0]], args[1], args[2])
         else:
-            message = "wants (cdata, callback), (manager, cdata, callback) or (object, cdata, callback)"
-            raise InputError(message, kind="type", what="args")
+            raise InputError(_WANTED, kind="type", what="args")
 
     def _boxes(self) -> NDArray[np.float64]:
         return np.array([own.box for own in self._objects]).reshape(-1, 2, 3)
