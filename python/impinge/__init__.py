@@ -29,6 +29,7 @@ from impinge._mesh import Mesh
 from impinge._motion import Impact, Motion, time_of_impact
 from impinge._origin import Origin
 from impinge._pairs import Pairs
+from impinge._penetration import penetration
 from impinge._points import ClosestPoint, RayHit, RayHits
 from impinge._pose import pose
 from impinge._scene import Scene, SceneReport
@@ -38,6 +39,7 @@ from impinge._threads import threads
 from impinge._world import World
 from impinge._world_answers import Bodies, BodyRayHit, BodyRayHits, Step, Work
 from impinge.fit import Hull, Sphere, convex_hull, minimal_sphere
+from impinge.shapes import Penetration
 
 __all__ = [
     "Animation",
@@ -64,6 +66,7 @@ __all__ = [
     "PartHit",
     "PartHits",
     "PartPairs",
+    "Penetration",
     "RayHit",
     "RayHits",
     "Scene",
@@ -87,6 +90,7 @@ __all__ = [
     "load_scene",
     "minimal_sphere",
     "penetrates",
+    "penetration",
     "pose",
     "self_intersecting_pairs",
     "shapes",

@@ -1,20 +1,21 @@
-"""Meshes as the drop-in modules see them: surfaces, or convex solids, with boxes for a broad phase."""
+"""Bodies as the drop-in modules see them: surfaces, or convex solids, with boxes for a broad phase."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from impinge import _impinge
+from impinge import _impinge, shapes
+from impinge._contacts import Contacts
 from impinge._distances import distance
 from impinge._intersections import intersecting_pairs, intersects, penetrates
 from impinge._mesh import Mesh
 from impinge._rows import Solid
 from impinge._shape import Shape
-from impinge.shapes import penetration
 
 _PADDING = 1e-12
 """Of the magnitudes that are added up in a box: more than their rounding errors, so that no box is too small."""
@@ -24,34 +25,50 @@ CONTAINED = np.array([[-1, -1]])
 
 
 class Body:
-    """A mesh, and whether its inside belongs to it."""
+    """A surface or a convex solid: a mesh, or a shape that is none."""
 
-    def __init__(self, mesh: Mesh, *, solid: bool) -> None:
+    def __init__(self, mesh: Mesh, *, solid: bool, round_shape: Shape | None = None) -> None:
         self.mesh = mesh
         self.solid = solid
+        self._round = round_shape
+
+    @classmethod
+    def of_shape(cls, shape: Shape) -> Body:
+        """Return a convex solid that is no mesh."""
+        return cls(Mesh(np.zeros((0, 3)), np.zeros((0, 3), int)), solid=True, round_shape=shape)
+
+    @property
+    def is_mesh(self) -> bool:
+        """Whether it has faces to be named."""
+        return self._round is None
+
+    @cached_property
+    def shape(self) -> Shape:
+        """The body as a shape, in its own frame; of a convex mesh that is solid the hull."""
+        if self._round is not None:
+            return self._round
+        return Shape.hull(self.mesh.vertices) if self.solid else Shape.mesh(self.mesh)
 
     @cached_property
     def box(self) -> NDArray[np.float64]:
-        """Centre and half extents, (2, 3), in the mesh's own frame; NaN where there is no vertex."""
-        vertices = self.mesh.vertices
-        if len(vertices) == 0:
+        """Centre and half extents, (2, 3), in the body's own frame; NaN where there is nothing to bound."""
+        bounds = None if self._round is None else self._round.bounds
+        points: NDArray[Any] = self.mesh.vertices if bounds is None else bounds
+        if len(points) == 0:
             return np.full((2, 3), np.nan)
-        low, high = vertices.min(axis=0).astype(float), vertices.max(axis=0).astype(float)
+        low, high = points.min(axis=0).astype(float), points.max(axis=0).astype(float)
         return np.stack([low / 2 + high / 2, high / 2 - low / 2])
 
     def box_at(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Lower and upper corner, (2, 3), of a box in the world that holds the posed mesh."""
+        """Lower and upper corner, (2, 3), of a box in the world that holds the posed body."""
+        if self._round is not None and self._round.bounds is None:
+            return np.array([[-np.inf] * 3, [np.inf] * 3])
         centre, half = self.box
         linear, translation = pose[:3, :3], pose[:3, 3]
         middle = linear @ centre + translation
         reach = np.abs(linear) @ half
         reach += _PADDING * (np.abs(linear) @ (np.abs(centre) + half) + np.abs(translation))
         return np.stack([middle - reach, middle + reach])
-
-    @cached_property
-    def hull(self) -> Shape:
-        """A convex solid as a shape, in the mesh's own frame."""
-        return Shape.hull(self.mesh.vertices)
 
 
 @dataclass(frozen=True)
@@ -71,6 +88,8 @@ def separation(
     Two solids that only touch have 0, and so have two surfaces that meet. Faces are -1 for a solid, and for what is
     inside one; points are zero where there are none.
     """
+    if not (a.is_mesh and b.is_mesh):
+        return _of_shapes(a, b, pose_a, pose_b, signed=signed)
     far = distance(a.mesh, b.mesh, pose_a, pose_b, solid=solids(a, b))
     faces = (-1 if a.solid else int(far.face_a), -1 if b.solid else int(far.face_b))
     value, none = float(far.distance), [np.zeros(3), np.zeros(3)]
@@ -79,9 +98,25 @@ def separation(
     if a.solid and b.solid and not penetrates(a.mesh, b.mesh, pose_a, pose_b):
         return Separation(0.0, [far.point_a, far.point_b], faces)
     if a.solid and b.solid and signed:
-        deep = penetration(a.hull, b.hull, pose_a, pose_b)
+        deep = shapes.penetration(a.shape, b.shape, pose_a, pose_b)
         return Separation(-float(deep.depth), [deep.point_a, deep.point_b], faces)
     return Separation(-1.0, none, faces)
+
+
+def _of_shapes(
+    a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64], *, signed: bool
+) -> Separation:
+    """Measure where one body at least is no mesh."""
+    far = shapes.distance(a.shape, b.shape, pose_a, pose_b)
+    value = float(far.distance)
+    if value == 0 and a.solid and b.solid:
+        deep = shapes.penetration(a.shape, b.shape, pose_a, pose_b)
+        if deep.depth > 0 and signed:
+            return Separation(-float(deep.depth), [deep.point_a, deep.point_b], (-1, -1))
+        value = -1.0 if deep.lower > 0 else 0.0
+    elif value == 0:
+        value = -1.0
+    return Separation(value, [far.point_a, far.point_b] if value >= 0 else [np.zeros(3), np.zeros(3)], (-1, -1))
 
 
 def gap(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
@@ -105,6 +140,8 @@ def solids(a: Body, b: Body) -> Solid:
 
 def collide(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64]) -> bool:
     """Whether two bodies have a point in common."""
+    if not (a.is_mesh and b.is_mesh):
+        return shapes.intersects(a.shape, b.shape, pose_a, pose_b) is True
     return intersects(a.mesh, b.mesh, pose_a, pose_b, solid=solids(a, b)) is True
 
 
@@ -112,16 +149,29 @@ def contacts(
     a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64], limit: int
 ) -> NDArray[np.int64]:
     """(k, 2) pairs of faces in contact, at most `limit`; `CONTAINED` where one is inside the other."""
+    if not (a.is_mesh and b.is_mesh):
+        return np.full((min(limit, len(_touches(a, b, pose_a, pose_b))), 2), -1)
     pairs = np.asarray(intersecting_pairs(a.mesh, b.mesh, pose_a, pose_b, limit=limit)).astype(np.int64)
     if len(pairs) == 0 and limit > 0 and collide(a, b, pose_a, pose_b):
         return CONTAINED
     return pairs
 
 
+def _touches(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64]) -> Contacts:
+    """Return the contacts of two bodies one of which is no mesh, the deepest first."""
+    found = shapes.contacts(a.shape, b.shape, pose_a, pose_b)
+    found = found if isinstance(found, Contacts) else found.all
+    return found[np.argsort(-found.depth, kind="stable")]
+
+
 def contact_points(
     a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64], pairs: NDArray[np.int64]
 ) -> NDArray[np.float64]:
     """(k, 3) points of the world, one that each pair of `contacts` has in common."""
+    if not (a.is_mesh and b.is_mesh):
+        found = _touches(a, b, pose_a, pose_b)[: len(pairs)]
+        middle: NDArray[np.float64] = found.point_a / 2 + found.point_b / 2
+        return middle
     if np.array_equal(pairs, CONTAINED):
         inside_b = b.solid and intersects(a.mesh, b.mesh, pose_a, pose_b, solid="b")
         return _inner_point(a, b, pose_a, pose_b) if inside_b else _inner_point(b, a, pose_b, pose_a)

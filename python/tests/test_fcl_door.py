@@ -289,3 +289,51 @@ def test_signed_distances_and_managers():
     assert fcl.defaultDistanceCallback(boxes[0], boxes[1], done, 3.0) == (True, np.inf)
     with pytest.raises(impinge.InputError):
         manager.distance(data)
+
+
+def placed(geometry, *translation):
+    return fcl.CollisionObject(geometry, fcl.Transform(np.array(translation, float)))
+
+
+def test_round_solids():
+    """CASES row 1, spheres and capsules of FCL's own tests, and closed forms."""
+    signed = fcl.DistanceRequest(enable_nearest_points=True, enable_signed_distance=True)
+    facts = [
+        (fcl.Sphere(20), fcl.Sphere(10), [40, 0, 0], 10),
+        (fcl.Sphere(20), fcl.Sphere(10), [25, 0, 0], -5),
+        (fcl.Sphere(20), fcl.Capsule(10, 20), [40, 0, 0], 10),
+        (fcl.Sphere(20), fcl.Capsule(10, 20), [25, 0, 0], -5),
+        (fcl.Cylinder(1, 2), fcl.Box(2, 2, 2), [0, 0, 2.5], 0.5),
+        (fcl.Cone(1, 2), fcl.Sphere(0.5), [0, 0, 3], 1.5),
+        (fcl.Ellipsoid(1, 2, 3), fcl.Sphere(1), [0, 0, 5], 1),
+        (fcl.Halfspace([0, 0, 2], 2), fcl.Sphere(1), [7, 7, 4], 2),
+        (fcl.Halfspace([0, 0, 2], 2), fcl.Box(2, 2, 2), [7, 7, 1.5], -0.5),
+    ]
+    for a, b, at, expected in facts:
+        one, two, result = placed(a, 0, 0, 0), placed(b, *at), fcl.DistanceResult()
+        assert fcl.distance(one, two, signed, result) == pytest.approx(expected, rel=1e-9)
+        assert np.linalg.norm(np.subtract(*result.nearest_points)) == pytest.approx(abs(expected), rel=1e-6)
+        assert fcl.distance(two, one) == pytest.approx(expected if expected > 0 else -1, rel=1e-9)
+        collision = fcl.CollisionResult()
+        count = fcl.collide(one, two, fcl.CollisionRequest(10, enable_contact=True), collision)
+        assert (count > 0) == collision.is_collision == (expected < 0)
+        assert all((contact.b1, contact.b2) == (-1, -1) and contact.pos.shape == (3,) for contact in collision.contacts)
+    ring = fcl.BVHModel()
+    ring.beginModel()
+    ring.addSubModel(*torus())
+    ring.endModel()
+    ball = fcl.Sphere(0.1)
+    assert fcl.collide(placed(ring, 0, 0, 0), placed(ball, 1, 0, 0)) == 0  # inside a surface
+    assert fcl.collide(placed(ring, 0, 0, 0), placed(ball, 1.35, 0, 0)) > 0
+    assert fcl.distance(placed(ring, 0, 0, 0), placed(ball, 1.35, 0, 0), signed) == -1
+    manager = fcl.DynamicAABBTreeCollisionManager()
+    manager.registerObjects([placed(ball, x, 0, 0) for x in (3, 5, 9)] + [placed(fcl.Halfspace([1, 0, 0], 0), 0, 0, 0)])
+    data = fcl.DistanceData()
+    manager.distance(data, fcl.defaultDistanceCallback)
+    assert data.result.min_distance == pytest.approx(1.8)
+    hits = fcl.CollisionData()
+    manager.collide(placed(fcl.Sphere(4.5), 0, 0, 0), hits, fcl.defaultCollisionCallback)
+    assert hits.result.is_collision
+    for wrong in (lambda: fcl.Sphere(-1), lambda: fcl.Halfspace([0, 0, 0], 1), lambda: fcl.Cone(1, np.nan)):
+        with pytest.raises(impinge.InputError):
+            wrong()

@@ -129,3 +129,30 @@ def test_two_shells_in_one_mesh_meet_as_two_meshes_do():
     assert np.array_equal(impinge.self_intersecting_pairs(both), expected)
     with pytest.raises(impinge.InputError, match="mesh"):
         impinge.self_intersecting_pairs(vertices)
+
+
+def test_what_is_deep_comes_free():
+    ring, box = impinge.Mesh(*torus()), impinge.Mesh(*cube())
+    poses = random_poses(12, 1.5, 2)
+    deep = impinge.penetration(ring, box, None, poses)
+    assert 3 < deep.hit.sum() < 12
+    assert np.array_equal(deep.hit, impinge.intersects(ring, box, None, poses, solid=True))
+    assert (deep.lower <= deep.upper).all()
+    moved = poses.copy()
+    moved[:, :3, 3] += deep.normal * (deep.upper * (1 + 1e-9))[:, None]
+    assert not impinge.penetrates(ring, box, None, moved).any()
+    # Half of the lower bound along the best way, and the rest of it in any other, is not enough.
+    for direction in (deep.normal, -deep.normal, [1, 0, 0], [0, 0.6, -0.8]):
+        moved = poses.copy()
+        moved[:, :3, 3] += direction * (0.999 * deep.lower)[:, None]
+        assert impinge.penetrates(ring, box, None, moved)[deep.lower > 0].all()
+    unit = impinge.Mesh(*cube())
+    low, high = unit.vertices.min(), unit.vertices.max()
+    near = impinge.penetration(unit, unit, None, impinge.pose([0.75 * (high - low), 0, 0]))
+    assert near.lower <= 0.25 * (high - low) <= near.upper <= 0.2501 * (high - low)
+    assert np.allclose(near.normal, [1, 0, 0], atol=1e-3)
+    poses[3] = np.nan
+    deep, status = impinge.penetration(ring, box, None, poses, on_error="status")
+    assert (deep.lower[3], deep.upper[3], int(status[3])) == (0, np.inf, impinge.Status.NON_FINITE)
+    with pytest.raises(impinge.InputError, match="Mesh"):
+        impinge.penetration(ring, impinge.Shape.sphere(1))

@@ -1,11 +1,11 @@
 """A stand-in for the part of python-fcl that collides: ``from impinge import fcl`` in place of ``import fcl``.
 
-Names, arguments and conventions are python-fcl's: a `BVHModel` is a surface, a `Box` and a `Convex` are solids, which
+Names, arguments and conventions are python-fcl's: a `BVHModel` is a surface, all else a solid, which
 meet what lies inside them. Answers are impinge's: exact, without false or missing contacts, each pair of faces once.
 
 What differs: a contact has its objects, faces and position, but no normal and no depth yet; two bodies one of which is
-inside the other, their surfaces apart, have one contact without faces (-1). Spheres, capsules, cones and other round
-shapes (`impinge.shapes` has them) and continuous collision are not there yet.
+inside the other, their surfaces apart, have one contact without faces (-1). A
+contact of anything but meshes has no faces either. Continuous collision is not there yet.
 
 Examples
 --------
@@ -33,22 +33,29 @@ from impinge.fcl._collision import (
 from impinge.fcl._distance import DistanceData, DistanceRequest, DistanceResult, defaultDistanceCallback, distance
 from impinge.fcl._geometry import Box, BVHModel, CollisionGeometry, CollisionObject, Convex, TriangleP
 from impinge.fcl._manager import DynamicAABBTreeCollisionManager
+from impinge.fcl._round import Capsule, Cone, Cylinder, Ellipsoid, Halfspace, Sphere
 from impinge.fcl._transform import Transform
 
 __all__ = [
     "BVHModel",
     "Box",
+    "Capsule",
     "CollisionData",
     "CollisionGeometry",
     "CollisionObject",
     "CollisionRequest",
     "CollisionResult",
+    "Cone",
     "Contact",
     "Convex",
+    "Cylinder",
     "DistanceData",
     "DistanceRequest",
     "DistanceResult",
     "DynamicAABBTreeCollisionManager",
+    "Ellipsoid",
+    "Halfspace",
+    "Sphere",
     "Transform",
     "TriangleP",
     "collide",
