@@ -11,17 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from impinge import _arrays, _impinge
 from impinge._contacts import ContactRows, contact_rows
 from impinge._errors import InputError
+from impinge._handles import ALL_LAYERS, handle, handles_of, mask, numbers_of, poses_of
 from impinge._points import scalar
 from impinge._shape import AnyShape
 from impinge._world_answers import Bodies, BodyRayHit, BodyRayHits, Step, Work, body_hits_of
 
-Handles: TypeAlias = NDArray[np.uint64]
 Kind: TypeAlias = Literal["static", "kinematic", "moving"]
 BroadPhase: TypeAlias = Literal["auto", "every", "tree", "columns", "grid", "one_axis", "three_axes"]
 NarrowPhase: TypeAlias = Literal["boxes", "intersections", "contacts"]
-
-ALL_LAYERS = 0xFFFF_FFFF
-"""All 32 layers, as bits."""
 
 
 @final
@@ -113,9 +110,9 @@ class World:
         """
         poses = np.eye(4) if pose is None else _arrays.plain_poses(pose, "pose")
         lead = poses.shape[:-2]
-        owners = None if owner is None else _numbers(owner, "owner", lead)
-        standing = kind, _mask(layers, "layers"), _mask(meets, "meets")
-        return scalar(self._core.insert(shape, poses, standing, owners, _numbers(tag, "tag", lead)))
+        owners = None if owner is None else numbers_of(owner, "owner", lead)
+        standing = kind, mask(layers, "layers"), mask(meets, "meets")
+        return scalar(self._core.insert(shape, poses, standing, owners, numbers_of(tag, "tag", lead)))
 
     def remove(self, bodies: ArrayLike) -> None:
         """Take bodies out; pairs that they were in are gone at once, and told as ended by the next step.
@@ -130,7 +127,7 @@ class World:
         InputError
             If a body is not, or no longer, in the world; none was taken out then.
         """
-        self._core.remove(_handles(bodies)[0])
+        self._core.remove(handles_of(bodies)[0])
 
     def step(
         self, bodies: ArrayLike | None = None, poses: ArrayLike | None = None, *, persisting: bool = False
@@ -162,8 +159,8 @@ class World:
         if (bodies is None) != (poses is None):
             what = "poses" if poses is None else "bodies"
             raise InputError("bodies and poses come together", kind="option", what=what)
-        handles, lead = _handles(() if bodies is None else bodies)
-        began, ended, stay, work = self._core.step(handles, _placed(poses, lead), persisting)
+        handles, lead = handles_of(() if bodies is None else bodies)
+        began, ended, stay, work = self._core.step(handles, poses_of(poses, lead), persisting)
         return Step(began, ended, stay, Work(*work))
 
     def pairs(self, body: int | None = None) -> NDArray[np.uint64]:
@@ -174,7 +171,7 @@ class World:
         InputError
             If the body is not, or no longer, in the world.
         """
-        return self._core.pairs(None if body is None else _handle(body))[0]
+        return self._core.pairs(None if body is None else handle(body))[0]
 
     def undecided(self) -> NDArray[np.bool_]:
         """Return which of `pairs` nothing was proved about, (p,): round shapes that touch to within rounding."""
@@ -201,7 +198,7 @@ class World:
         InputError
             If a body is not, or no longer, in the world.
         """
-        handles, lead = _handles(bodies)
+        handles, lead = handles_of(bodies)
         return self._core.poses(handles).reshape(*lead, 4, 4)
 
     def tags(self, bodies: ArrayLike) -> Any:
@@ -212,7 +209,7 @@ class World:
         InputError
             If a body is not, or no longer, in the world.
         """
-        handles, lead = _handles(bodies)
+        handles, lead = handles_of(bodies)
         return scalar(self._core.tags(handles).reshape(lead))
 
     def bounds(self, bodies: ArrayLike) -> NDArray[np.float64]:
@@ -223,7 +220,7 @@ class World:
         InputError
             If a body is not, or no longer, in the world.
         """
-        handles, lead = _handles(bodies)
+        handles, lead = handles_of(bodies)
         return self._core.bounds(handles).reshape(*lead, 2, 3)
 
     def set_poses(self, bodies: ArrayLike, poses: ArrayLike) -> None:
@@ -241,8 +238,8 @@ class World:
         InputError
             As for `step`. Nothing has moved then.
         """
-        handles, lead = _handles(bodies)
-        self._core.set_poses(handles, _placed(poses, lead))
+        handles, lead = handles_of(bodies)
+        self._core.set_poses(handles, poses_of(poses, lead))
 
     def set_traits(
         self,
@@ -267,9 +264,9 @@ class World:
         InputError
             If a handle is stale or an option none of these.
         """
-        handles, lead = _handles(bodies)
-        owners = None if owner is None else _numbers(owner, "owner", lead)
-        self._core.set_traits(handles, (kind, _mask(layers, "layers"), _mask(meets, "meets")), owners)
+        handles, lead = handles_of(bodies)
+        owners = None if owner is None else numbers_of(owner, "owner", lead)
+        self._core.set_traits(handles, (kind, mask(layers, "layers"), mask(meets, "meets")), owners)
 
     def set_shape(self, body: int, shape: AnyShape) -> None:
         """Give a body another shape; what it meets then is told by the next step.
@@ -279,7 +276,7 @@ class World:
         InputError
             If the handle is stale, or the shape does not stand the body's pose.
         """
-        self._core.set_shape(_handle(body), shape)
+        self._core.set_shape(handle(body), shape)
 
     def refit(self, body: int, vertices: ArrayLike) -> float:
         """Move the vertices of a body that is a mesh, as `Mesh.refit` does; other bodies of the mesh keep it as it is.
@@ -301,7 +298,7 @@ class World:
         InputError
             If the handle is stale, the body is no mesh, or as for `Mesh.refit`.
         """
-        return self._core.refit(_handle(body), _arrays.plain_cloud(vertices, "vertices"))
+        return self._core.refit(handle(body), _arrays.plain_cloud(vertices, "vertices"))
 
     def set_filter(self, admits: Callable[[int, int], object] | None) -> None:
         """Ask a function which pairs may meet, from the next step on.
@@ -386,7 +383,7 @@ class World:
         (True, 2.0)
         """
         rays = origins, directions, float(reach)
-        hit, (t, body, point, face) = _impinge.world_ray_cast(self._core, rays, _mask(layers, "layers"))
+        hit, (t, body, point, face) = _impinge.world_ray_cast(self._core, rays, mask(layers, "layers"))
         return BodyRayHit(scalar(hit), scalar(t), scalar(body), point, scalar(face))
 
     def ray_cast_all(
@@ -410,7 +407,7 @@ class World:
             As for `ray_cast`.
         """
         rays = origins, directions, float(reach)
-        offsets, columns, shape = _impinge.world_ray_cast_all(self._core, rays, _mask(layers, "layers"))
+        offsets, columns, shape = _impinge.world_ray_cast_all(self._core, rays, mask(layers, "layers"))
         t, body, point, face = columns
         return BodyRayHits(offsets, t, body, point, face, tuple(shape)) if shape else body_hits_of(t, body, point, face)
 
@@ -438,7 +435,7 @@ class World:
         InputError
             If an argument is none of the above.
         """
-        return _bodies(_impinge.world_overlapping(self._core, shape, pose, _mask(layers, "layers")))
+        return _bodies(_impinge.world_overlapping(self._core, shape, pose, mask(layers, "layers")))
 
     def in_boxes(self, low: ArrayLike, high: ArrayLike, *, layers: int = ALL_LAYERS) -> NDArray[np.uint64] | Bodies:
         """Return the bodies whose boxes overlap given ones: what is about there, quickly.
@@ -460,7 +457,7 @@ class World:
         InputError
             If a number is not in range, or an upper corner is below a lower one.
         """
-        return _bodies(_impinge.world_in_boxes(self._core, low, high, _mask(layers, "layers")))
+        return _bodies(_impinge.world_in_boxes(self._core, low, high, mask(layers, "layers")))
 
     def at_points(self, points: ArrayLike, *, layers: int = ALL_LAYERS) -> NDArray[np.uint64] | Bodies:
         """Return the bodies that hold points; the surface of a mesh holds what is on it.
@@ -482,7 +479,7 @@ class World:
         InputError
             If a number is not in range.
         """
-        return _bodies(_impinge.world_at_points(self._core, points, _mask(layers, "layers")))
+        return _bodies(_impinge.world_at_points(self._core, points, mask(layers, "layers")))
 
     def __len__(self) -> int:
         """Return the number of bodies."""
@@ -496,49 +493,3 @@ class World:
 def _bodies(answer: Any) -> NDArray[np.uint64] | Bodies:
     offsets, bodies, shape = answer
     return Bodies(offsets, bodies, tuple(shape)) if shape else bodies
-
-
-def _handle(body: int) -> int:
-    handles, lead = _handles(body, "body")
-    if lead:
-        raise InputError(f"shape {lead}, where one handle is expected", kind="shape", what="body")
-    return int(handles[0])
-
-
-def _handles(bodies: ArrayLike, name: str = "bodies") -> tuple[Handles, tuple[int, ...]]:
-    """Return handles in one row, and the axes that they came in."""
-    array = np.asarray(bodies)
-    if array.size == 0:
-        return np.zeros(0, np.uint64), array.shape
-    if array.dtype.kind not in "iu" or (array < 0).any():
-        message = f"dtype {array.dtype}, where handles are expected: integers that insert() returned"
-        raise InputError(message, kind="dtype", what=name)
-    return np.ascontiguousarray(array.reshape(-1).astype(np.uint64)), array.shape
-
-
-def _numbers(values: ArrayLike, name: str, lead: tuple[int, ...]) -> Handles:
-    """Return a number for each of some bodies."""
-    numbers, shape = _handles(values, name)
-    try:
-        return np.ascontiguousarray(np.broadcast_to(numbers.reshape(shape), lead)).reshape(-1)
-    except ValueError:
-        message = f"leading axes {shape} do not broadcast with {lead}, those of the bodies"
-        raise InputError(message, kind="shape", what=name) from None
-
-
-def _placed(poses: ArrayLike | None, lead: tuple[int, ...]) -> NDArray[np.float64]:
-    """Return (n, 4, 4) poses, one for each of the bodies."""
-    plain = np.zeros((0, 4, 4)) if poses is None else _arrays.plain_poses(poses, "poses")
-    try:
-        spread = np.broadcast_to(plain, (*lead, 4, 4))
-    except ValueError:
-        message = f"leading axes {plain.shape[:-2]} do not broadcast with {lead}, those of bodies"
-        raise InputError(message, kind="shape", what="poses") from None
-    return np.ascontiguousarray(spread).reshape(-1, 4, 4)
-
-
-def _mask(layers: int, name: str) -> int:
-    mask = int(layers)
-    if not 0 <= mask <= ALL_LAYERS:
-        raise InputError(f"{mask} is not made of 32 bits", kind="out-of-range", what=name)
-    return mask
