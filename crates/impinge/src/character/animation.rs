@@ -150,7 +150,11 @@ impl Animation {
     #[must_use]
     pub fn span(&self) -> [f64; 2] {
         let start = self.timelines.iter().map(|timeline| timeline.times[0]).fold(f64::INFINITY, f64::min);
-        let end = self.timelines.iter().map(|timeline| timeline.times[timeline.times.len() - 1]).fold(f64::NEG_INFINITY, f64::max);
+        let end = self
+            .timelines
+            .iter()
+            .map(|timeline| timeline.times[timeline.times.len() - 1])
+            .fold(f64::NEG_INFINITY, f64::max);
         if start <= end { [start, end] } else { [0.0; 2] }
     }
 
