@@ -46,6 +46,7 @@ impl DoubleDouble {
         (self.high.is_finite() && (is_exact || is_settled)).then_some(self.high + 0.0)
     }
 
+    #[inline]
     pub(super) fn plus(&self, other: &Self) -> Self {
         let (sum, rest) = two_sum(self.high, other.high);
         let lows = self.low + other.low;
@@ -54,10 +55,12 @@ impl DoubleDouble {
         Self::new(sum, low, self.error + other.error + rounding)
     }
 
+    #[inline]
     pub(super) fn minus(&self, other: &Self) -> Self {
         self.plus(&Self { high: -other.high, low: -other.low, error: other.error })
     }
 
+    #[inline]
     pub(super) fn times(&self, other: &Self) -> Self {
         let product = Self::product(self.high, other.high);
         let (forward, backward) = (self.high * other.low, self.low * other.high);
@@ -70,6 +73,7 @@ impl DoubleDouble {
     }
 
     /// What is left of the dividend after two quotients of floats bounds the error.
+    #[inline]
     pub(super) fn over(&self, divisor: &Self) -> Self {
         let less = |rest: &Self, quotient: f64| rest.minus(&divisor.times(&Self::of(quotient)));
         let first = self.high / divisor.high;
@@ -82,12 +86,14 @@ impl DoubleDouble {
     }
 
     /// Two floats, the first not much smaller than the second, and a bound that is a sum of few floats.
+    #[inline]
     fn new(high: f64, low: f64, error: f64) -> Self {
         let (high, low) = two_sum(high, low);
         Self { high, low, error: error * INFLATE }
     }
 
     /// The product of two floats.
+    #[inline]
     fn product(x: f64, y: f64) -> Self {
         let product = x * y;
         let is_split = (LEAST_SPLIT..=GREATEST_SPLIT).contains(&product.abs())

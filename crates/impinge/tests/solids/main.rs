@@ -1,6 +1,7 @@
 //! What is inside: winding numbers, containment, interiors that meet, and meshes that meet themselves.
 
 mod containment;
+mod depths;
 mod penetration;
 mod self_intersection;
 mod shapes;
