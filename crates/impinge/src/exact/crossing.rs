@@ -207,7 +207,8 @@ impl<'p> World<'p> {
         let (pose, pose_of_plane) = (self.poses[side], self.poses[1 - side]);
         let rough = || {
             let [p, q] = ends.map(|end| DoubleDouble::world_point(pose, end));
-            let plane = self.corners[1 - side].each_ref().map(|corner| DoubleDouble::world_point(pose_of_plane, corner));
+            let plane =
+                self.corners[1 - side].each_ref().map(|corner| DoubleDouble::world_point(pose_of_plane, corner));
             let from_first = |x: &[DoubleDouble; 3]| double_double::difference(x, &plane[0]);
             let normal = double_double::cross(&from_first(&plane[1]), &from_first(&plane[2]));
             let [h_p, h_q] = [&p, &q].map(|end| double_double::dot(&normal, &from_first(end)));

@@ -157,10 +157,7 @@ mod tests {
                 0 => (product.plus(&other).times(&a), (&x * &y + &z * &w) * &x),
                 1 => (product.minus(&other).over(&d.plus(&a)), (&x * &y - &z * &w) / (&w + &x)),
                 // Cancels to what the products lack.
-                _ => (
-                    product.minus(&DoubleDouble::of(floats[0] * floats[1])),
-                    &x * &y - exact(floats[0] * floats[1]),
-                ),
+                _ => (product.minus(&DoubleDouble::of(floats[0] * floats[1])), &x * &y - exact(floats[0] * floats[1])),
             };
             let off = exact(value.high) + exact(value.low) - truth.clone();
             let off = if off < RBig::ZERO { -off } else { off };

@@ -82,8 +82,7 @@ impl Mesh {
     /// O(n) the first time, then constant.
     pub(crate) fn faces_at(&self, vertex: u32) -> &[u32] {
         let topology = self.topology();
-        let FacesAt { ends, faces } =
-            topology.faces_at.get_or_init(|| FacesAt::of(&topology.first_at, self.faces()));
+        let FacesAt { ends, faces } = topology.faces_at.get_or_init(|| FacesAt::of(&topology.first_at, self.faces()));
         let start = if vertex == 0 { 0 } else { ends[vertex as usize - 1] };
         &faces[start..ends[vertex as usize]]
     }

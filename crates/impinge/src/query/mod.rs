@@ -19,7 +19,8 @@ pub use penetrates::{Penetrates, penetrates, penetrates_of_pairs};
 pub use penetration::penetration;
 pub use self_intersection::self_intersecting_pairs;
 pub use solid::{
-    Contained, Solid, SolidIntersection, distance_of_solids, intersects_solid, solid_intersection, solid_intersection_of_pairs,
+    Contained, Solid, SolidIntersection, distance_of_solids, intersects_solid, solid_intersection,
+    solid_intersection_of_pairs,
 };
 
 use crate::mesh::{Options, Placed, collect_intersecting};

@@ -56,7 +56,8 @@ impl PlacedShape {
     pub(crate) fn solid(placed: Placed<'_>) -> Self {
         let kind = Kind::Mesh { mesh: placed.mesh.clone(), is_solid: true };
         let world_from_local = placed.world_from_mesh;
-        let mut solid = Self { kind, world_from_local, radius: [0.0; 2], parts: Arc::from([]), tree: None, bounds: None };
+        let mut solid =
+            Self { kind, world_from_local, radius: [0.0; 2], parts: Arc::from([]), tree: None, bounds: None };
         solid.bounds = solid.world_bounds();
         solid
     }

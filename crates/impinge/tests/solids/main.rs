@@ -2,6 +2,7 @@
 
 mod containment;
 mod depths;
+mod patches;
 mod penetration;
 mod self_intersection;
 mod shapes;

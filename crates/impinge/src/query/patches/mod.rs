@@ -84,7 +84,8 @@ fn regions_of(placed: [Placed<'_>; 2]) -> Vec<(ContactPatch, Vec<Met>)> {
     }
     let placement = Placement::new(&placed[0].world_from_mesh, &placed[1].world_from_mesh);
     let corners = |side: usize, face: u32| placed[side].mesh.corners(face);
-    let meet = |&pair: &[u32; 2]| Met { pair, crossing: crossing(&placement, &corners(0, pair[0]), &corners(1, pair[1])) };
+    let meet =
+        |&pair: &[u32; 2]| Met { pair, crossing: crossing(&placement, &corners(0, pair[0]), &corners(1, pair[1])) };
     let met: Vec<Met> = pairs.par_iter().with_min_len(FEW).map(meet).collect();
     let mut sides = [0, 1].map(|side| Interior::new(placed, &met, side));
     let patches = regions(met).into_iter().map(|met| (patch(placed, &mut sides, &met), met));

@@ -52,9 +52,8 @@ pub(super) fn separation(a: &PlacedShape, b: &PlacedShape) -> Separation {
     if let ([a], [b]) = (a.parts(), b.parts()) {
         return separation_of_parts(a, b);
     }
-    let reach = near_pair(a, b).map_or(f64::INFINITY, |[i, j]| {
-        separation_of_parts(&a.parts()[i as usize], &b.parts()[j as usize]).upper
-    });
+    let reach = near_pair(a, b)
+        .map_or(f64::INFINITY, |[i, j]| separation_of_parts(&a.parts()[i as usize], &b.parts()[j as usize]).upper);
     let mut near: Vec<(f64, [u32; 2])> = pairs_near(a, b, reach)
         .into_iter()
         .map(|[i, j]| (gap_of_boxes(&a.parts()[i as usize], &b.parts()[j as usize]), [i, j]))
