@@ -200,12 +200,6 @@ fn by_hulls(pair: &Pair<'_>, mut known: Vec<Difference>, best: &mut CoreDepth) {
             break;
         }
         let before = known.len();
-        // A set that is flat but for rounding has facets that are slivers, whose normals may point anywhere across these.
-        if best.lower <= 0.0 {
-            for candidate in across_broadest(&vectors) {
-                offer(pair, best, &mut known, &candidate);
-            }
-        }
         // One facet may have the best height already and be no farther: then its points are the better ones.
         for candidate in
             candidates.iter().filter(|candidate| candidate.lower < best.upper).take(PUSHED).collect::<Vec<_>>()
@@ -216,22 +210,6 @@ fn by_hulls(pair: &Pair<'_>, mut known: Vec<Difference>, best: &mut CoreDepth) {
             break;
         }
     }
-}
-
-/// Both directions across three points that span an area far larger than rounding, if all do not lie in one line.
-fn across_broadest(vectors: &[[f64; 3]]) -> Vec<Candidate> {
-    let farthest_by = |size: &dyn Fn(&[f64; 3]) -> f64| {
-        (0..vectors.len()).max_by(|&i, &j| size(&vectors[i]).total_cmp(&size(&vectors[j])).then(j.cmp(&i))).unwrap_or(0)
-    };
-    let from = |i: usize| move |v: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|k| v[k] - vectors[i][k]) };
-    let squared = |v: [f64; 3]| dot(&v, &v);
-    let p = farthest_by(&|v| squared(from(0)(v)));
-    let q = farthest_by(&|v| squared(from(p)(v)));
-    let edge = from(p)(&vectors[q]);
-    let r = farthest_by(&|v| squared(cross(&edge, &from(p)(v))));
-    let facet = Facet::of(&vectors[p], &vectors[q], &vectors[r]);
-    let one_way = |direction| Candidate { lower: 0.0, direction, face: Some([p, q, r]) };
-    facet.map_or_else(Vec::new, |facet| both_ways(&[facet.direction]).map(one_way).collect())
 }
 
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

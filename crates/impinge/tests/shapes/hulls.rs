@@ -160,8 +160,10 @@ fn n22_flat_sets_are_left_across_themselves() {
         // Between the edges, by a share that leaves no rounding.
         let point: [f64; 3] = std::array::from_fn(|k| corner[k] + share * (edges[0][k] + edges[1][k]));
         let [p, q] = edges.map(|edge| std::array::from_fn(|k| corner[k] + edge[k]));
-        let triangle = Shape::triangle([corner, p, q]).unwrap().at(Pose::IDENTITY).unwrap();
-        let point = Shape::point(point).unwrap().at(Pose::IDENTITY).unwrap();
+        // A place that both share leaves the point in the triangle.
+        let place = pose(&if case % 2 == 0 { IDENTITY } else { poses::rotation(&mut rng) });
+        let triangle = Shape::triangle([corner, p, q]).unwrap().at(place).unwrap();
+        let point = Shape::point(point).unwrap().at(place).unwrap();
         let depth = shapes::penetration(&triangle, &point).expect("the point is in the triangle");
         assert!(depth.lower == 0.0 && depth.upper < 1e-13, "{case} {edges:?} {depth:?}");
     }

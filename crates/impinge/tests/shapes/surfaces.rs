@@ -304,7 +304,7 @@ fn many_parts_are_asked_by_a_tree() {
     let (mut meeting, mut apart, mut contacts) = (0, 0, 0);
     for case in 0..24 {
         let mut parts = scattered(&mut rng, 150, 9.0);
-        if case % 6 == 5 {
+        if case % 6 >= 3 {
             parts[70] = (Shape::half_space([0.0, 0.0, 1.0], -40.0).unwrap(), Pose::IDENTITY);
         }
         let others = match case % 3 {
