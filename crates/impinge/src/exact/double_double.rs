@@ -173,7 +173,7 @@ mod tests {
             }
         }
         // All but what cancels, of which no digits are left to spare.
-    assert!(narrow > 2500 && settled > 2500, "{narrow} {settled}");
+        assert!(narrow > 2500 && settled > 2500, "{narrow} {settled}");
         // What vanishes or overflows settles nothing.
         for [x, y] in [[1e-200, 1e-200], [1e300, 1e300], [1e-320, 3.0]] {
             assert_eq!(DoubleDouble::of(x).times(&DoubleDouble::of(y)).nearest(), None);
