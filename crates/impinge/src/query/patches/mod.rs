@@ -4,7 +4,7 @@
 //! faces' normals, so it goes round what either surface has inside the other in one sense, and half the sum of the
 //! products of its ends is the region's area as a vector: its direction is from A to B, whatever the region's shape is,
 //! and holes count against it. How deep the region is along that normal is read off the corners of either surface inside
-//! the other, which are found from those at the curve by going from corner to corner.
+//! the other, which are found from those at the curve by going from corner to corner (`interior`).
 
 mod contacts;
 mod interior;
@@ -59,8 +59,8 @@ pub struct ContactPatch {
 /// that has no area, as of surfaces that only touch, has as its normal that of a face of the first mesh.
 ///
 /// # Complexity
-/// That of [`intersecting_pairs`], O(k log k) for k pairs, and for each vertex at the curve that of [`Mesh::contains`]. Regions with
-/// vertices inside take one look at all faces.
+/// That of [`intersecting_pairs`], O(k log k) for k pairs, and for each side of each curve, or each vertex there where a mesh is open, that
+/// of [`Mesh::contains`](crate::Mesh::contains) for one point. Regions with vertices inside take as long as these are many; O(n) the first time that a mesh is asked.
 #[must_use]
 pub fn contact_patches<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Vec<ContactPatch> {
     regions_of([a.into(), b.into()]).into_iter().map(|(patch, _)| patch).collect()
