@@ -9,6 +9,7 @@
 //! - `hierarchies`: builders, degrees and volumes of trees; wrapped and layered.
 //! - `real`: large CAD parts, and a mesh against itself, where every face meets its neighbours.
 //! - `worlds`: many moving bodies, their meshes and their broad phases.
+//! - `shapes`: every pair of kinds of shapes beside parry3d, and meshes in contact.
 //! - `volumes`: bounding volumes of real meshes, and the minimal sphere beside the speed of memory.
 //!
 //! A benchmark checks its answer: one that disagrees with itself or with a known count fails and prints no times.

@@ -34,21 +34,55 @@ struct Arguments {
     /// Crowds of up to so many
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     most: usize,
+    /// Print one JSON object per crowd, in seconds, in place of tables
+    #[arg(long)]
+    json: bool,
 }
 
 fn main() -> Result<()> {
-    let Arguments { repeats, threads, volumes, most } = Arguments::parse();
+    let Arguments { repeats, threads, volumes, most, json } = Arguments::parse();
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     let rig = impinge_files::load_rig(Path::new(ROOT).join("data/robot.glb"))?;
-    kinds(&rig)?;
     let character = Character::fit(&rig, &Plan::automatic(&rig, volumes)?, Mode::Conservative)?;
+    let counts = [100, 300, 1000, 3000, 10_000].into_iter().filter(|&count| count <= most);
+    if json {
+        for count in counts {
+            println!("{}", crowd(&rig, &character, count, repeats)?.json());
+        }
+        return Ok(());
+    }
+    kinds(&rig)?;
     println!("\nA frame of characters of {} volumes on {threads} threads, and 1,000 rays", character.parts().len());
     let mut table = Table::new(["", "pose", "sweep", "parts", "rays", "all", "pairs", "of parts", "hits"]);
-    for count in [100, 300, 1000, 3000, 10_000].into_iter().filter(|&count| count <= most) {
-        table.row(crowd(&rig, &character, count, repeats)?);
+    for count in counts {
+        table.row(crowd(&rig, &character, count, repeats)?.row());
     }
     print!("{table}");
     Ok(())
+}
+
+/// The least seconds of each phase of a frame, and of all; pairs of characters and of parts, and rays that hit.
+struct Crowd {
+    count: usize,
+    seconds: [f64; 5],
+    found: [usize; 3],
+}
+
+impl Crowd {
+    fn row(&self) -> [String; 9] {
+        let [pose, sweep, parts, rays, all] = self.seconds.map(time);
+        let [pairs, pairs_of_parts, hits] = self.found.map(|n| n.to_string());
+        [self.count.to_string(), pose, sweep, parts, rays, all, pairs, pairs_of_parts, hits]
+    }
+
+    fn json(&self) -> serde_json::Value {
+        let [pose, sweep, parts, rays, all] = self.seconds;
+        let [pairs, pairs_of_parts, hits] = self.found;
+        serde_json::json!({
+            "characters": self.count, "pose": pose, "sweep": sweep, "parts": parts, "rays": rays, "all": all,
+            "pairs": pairs, "pairs_of_parts": pairs_of_parts, "hits": hits,
+        })
+    }
 }
 
 /// What a ray costs against a part of each kind, over all parts and poses of a robot.
@@ -87,7 +121,7 @@ struct Member {
     place: [f64; 3],
 }
 
-fn crowd(rig: &Rig, character: &Character, count: usize, repeats: usize) -> Result<[String; 9]> {
+fn crowd(rig: &Rig, character: &Character, count: usize, repeats: usize) -> Result<Crowd> {
     let mut random = Rng::new(3);
     // Some four square metres each: many touch one other, few more.
     let side = (40.0 * count as f64).sqrt();
@@ -159,10 +193,9 @@ fn crowd(rig: &Rig, character: &Character, count: usize, repeats: usize) -> Resu
     if count <= 1000 {
         check(&posed, &rays, pairs_of_parts, hits)?;
     }
-    let least = |phase: usize| time(phases[phase].iter().copied().fold(f64::INFINITY, f64::min));
-    let counts = [pairs_of_bodies, pairs_of_parts, hits].map(|n| n.to_string());
-    let [bodies, parts, hits] = counts;
-    Ok([count.to_string(), least(0), least(1), least(2), least(3), least(4), bodies, parts, hits])
+    let least = |phase: &Vec<f64>| phase.iter().copied().fold(f64::INFINITY, f64::min);
+    let seconds = std::array::from_fn(|phase| least(&phases[phase]));
+    Ok(Crowd { count, seconds, found: [pairs_of_bodies, pairs_of_parts, hits] })
 }
 
 type Pairs = Vec<(u32, u32)>;

@@ -228,9 +228,8 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
         let curves = arguments.wants_curves().then(|| query::curves_of_pairs(a, b, &pairs));
         let solid = arguments.solid.map(|side| query::solid_intersection_of_pairs(a, b, side.into(), &pairs));
         let penetrates = arguments.penetrates.then(|| query::penetrates_of_pairs(a, b, &pairs));
-        let is_inside = pairs.is_empty() && solid.is_some_and(|solid| solid.intersects);
-        let inside = Distance { lower: 0.0, upper: 0.0, witness: None };
-        let distance = arguments.distance.then(|| if is_inside { inside } else { query::distance(a, b) });
+        let side = arguments.solid.map_or(Solid::Neither, Into::into);
+        let distance = arguments.distance.then(|| query::distance_of_solids(a, b, side));
         let clearance = arguments.clearance.map(|required| {
             let is_violated = solid.is_some_and(|solid| solid.intersects) || query::within(a, b, required);
             Clearance { required, is_violated }

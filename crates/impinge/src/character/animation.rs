@@ -58,17 +58,35 @@ pub struct Channel {
 pub struct Animation {
     name: String,
     /// Different lists of times; most rigs have few.
-    timelines: Vec<Vec<f64>>,
+    timelines: Vec<Timeline>,
     tracks: Vec<Track>,
 }
 
-/// A channel over a timeline.
+/// Times, and what all channels with keys there have at them: key by key, as a pose asks for one key of all.
 #[derive(Clone, Debug, PartialEq)]
+struct Timeline {
+    times: Vec<f64>,
+    /// How many values each key has, of all channels.
+    width: usize,
+    values: Vec<f64>,
+}
+
+/// A channel over a timeline.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Track {
     pub(super) target: Target,
+    interpolation: Interpolation,
+    timeline: usize,
+    /// The place of its values among those of a key.
+    offset: usize,
+}
+
+/// The keys of one track.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Keys<'a> {
     pub(super) interpolation: Interpolation,
-    pub(super) timeline: usize,
-    pub(super) values: Vec<f64>,
+    timeline: &'a Timeline,
+    offset: usize,
 }
 
 /// Which of the two values a jump has at its own time.
@@ -96,54 +114,30 @@ impl Animation {
     /// Keys that are not finite, out of range, no rotation, of scale zero, or whose times do not increase; other counts of
     /// values than the keys need; each names the channel or the key.
     pub fn new(name: String, channels: Vec<Channel>, index: usize) -> Result<Self, RigError> {
-        let mut animation = Self { name, timelines: Vec::new(), tracks: Vec::new() };
+        let (mut timelines, mut tracks, mut given) = (Vec::<Timeline>::new(), Vec::new(), Vec::new());
         for (at, channel) in channels.into_iter().enumerate() {
-            animation.add(channel, index, at)?;
+            let Channel { target, interpolation, times, values } = judged(channel, index, at)?;
+            let known = timelines.iter().position(|known| known.times == times);
+            let timeline = known.unwrap_or_else(|| {
+                timelines.push(Timeline { times, width: 0, values: Vec::new() });
+                timelines.len() - 1
+            });
+            let width = &mut timelines[timeline].width;
+            tracks.push(Track { target, interpolation, timeline, offset: *width });
+            *width += values_per_key(target, interpolation);
+            given.push(values);
         }
-        Ok(animation)
-    }
-
-    fn add(&mut self, channel: Channel, animation: usize, at: usize) -> Result<(), RigError> {
-        let Channel { target, interpolation, times, mut values } = channel;
-        let place = RigPlace::Channel { animation, channel: at };
-        let key = |key: usize| RigPlace::Key { animation, channel: at, key };
-        let expected = times.len() * values_per_key(target, interpolation);
-        if values.len() != expected || times.is_empty() {
-            let kind = RigErrorKind::OtherCount { what: "values", count: values.len(), expected: expected.max(1) };
-            return Err(RigError::new(kind, place));
+        for timeline in &mut timelines {
+            timeline.values = vec![0.0; timeline.times.len() * timeline.width];
         }
-        for (i, &time) in times.iter().enumerate() {
-            judge(&[time], "time", key(i))?;
-            if i > 0 && time <= times[i - 1] {
-                return Err(RigError::new(RigErrorKind::TimesNotIncreasing, key(i)));
+        for (track, given) in tracks.iter().zip(&given) {
+            let Timeline { width, values, .. } = &mut timelines[track.timeline];
+            let of_key = values_per_key(track.target, track.interpolation);
+            for (all, own) in values.chunks_mut(*width).zip(given.chunks(of_key)) {
+                all[track.offset..track.offset + of_key].copy_from_slice(own);
             }
         }
-        let width = target.width();
-        for (i, all) in values.chunks_mut(values_per_key(target, interpolation)).enumerate() {
-            judge(all, "key", key(i))?;
-            let start = if interpolation == Interpolation::CubicSpline { width } else { 0 };
-            let own = &mut all[start..start + width];
-            match target {
-                Target::Scale(_) if own.contains(&0.0) => {
-                    return Err(RigError::new(RigErrorKind::ZeroScale, key(i)));
-                }
-                Target::Rotation(_) => {
-                    let zero = || RigError::new(RigErrorKind::ZeroRotation, key(i));
-                    let unit = normalised([own[0], own[1], own[2], own[3]]).ok_or_else(zero)?;
-                    if interpolation != Interpolation::CubicSpline {
-                        own.copy_from_slice(&unit);
-                    }
-                }
-                _ => {}
-            }
-        }
-        let known = self.timelines.iter().position(|known| *known == times);
-        let timeline = known.unwrap_or_else(|| {
-            self.timelines.push(times);
-            self.timelines.len() - 1
-        });
-        self.tracks.push(Track { target, interpolation, timeline, values });
-        Ok(())
+        Ok(Self { name, timelines, tracks })
     }
 
     /// The name; empty where the rig has none.
@@ -155,15 +149,19 @@ impl Animation {
     /// From the first key to the last, in seconds; both zero where there are no channels.
     #[must_use]
     pub fn span(&self) -> [f64; 2] {
-        let start = self.timelines.iter().map(|times| times[0]).fold(f64::INFINITY, f64::min);
-        let end = self.timelines.iter().map(|times| times[times.len() - 1]).fold(f64::NEG_INFINITY, f64::max);
+        let start = self.timelines.iter().map(|timeline| timeline.times[0]).fold(f64::INFINITY, f64::min);
+        let end = self
+            .timelines
+            .iter()
+            .map(|timeline| timeline.times[timeline.times.len() - 1])
+            .fold(f64::NEG_INFINITY, f64::max);
         if start <= end { [start, end] } else { [0.0; 2] }
     }
 
     /// The times of all keys of all channels, increasing, each once.
     #[must_use]
     pub fn key_times(&self) -> Vec<f64> {
-        let mut times: Vec<f64> = self.timelines.concat();
+        let mut times: Vec<f64> = self.timelines.iter().flat_map(|timeline| &timeline.times).copied().collect();
         times.sort_by(f64::total_cmp);
         times.dedup();
         times
@@ -173,9 +171,9 @@ impl Animation {
         &self.tracks
     }
 
-    /// The timeline of a track.
-    pub(super) fn times(&self, track: &Track) -> &[f64] {
-        &self.timelines[track.timeline]
+    pub(super) fn keys(&self, track: &Track) -> Keys<'_> {
+        let Track { interpolation, timeline, offset, .. } = *track;
+        Keys { interpolation, timeline: &self.timelines[timeline], offset }
     }
 
     /// Moves what the channels move to where it is at a time: all of it, or the bones of a set.
@@ -190,27 +188,66 @@ impl Animation {
         let mut places = [Place { key: 0, share: 0.0, seconds: 0.0 }; 8];
         let many: Vec<Place>;
         let places: &[Place] = if self.timelines.len() <= places.len() {
-            for (place, times) in places.iter_mut().zip(&self.timelines) {
-                *place = find(times, time, side);
+            for (place, timeline) in places.iter_mut().zip(&self.timelines) {
+                *place = find(&timeline.times, time, side);
             }
             &places
         } else {
-            many = self.timelines.iter().map(|times| find(times, time, side)).collect();
+            many = self.timelines.iter().map(|timeline| find(&timeline.times, time, side)).collect();
             &many
         };
         for track in &self.tracks {
-            let place = places[track.timeline];
+            let (keys, place) = (self.keys(track), places[track.timeline]);
             let is_in = |bone: u32| set.is_none_or(|set| set.is_in[bone as usize]);
             match track.target {
                 Target::Translation(bone) | Target::Rotation(bone) | Target::Scale(bone) if !is_in(bone) => {}
                 Target::MorphWeight(_) if set.is_some() => {}
-                Target::Translation(bone) => locals[bone as usize].translation = track.values_at::<3>(place),
-                Target::Scale(bone) => locals[bone as usize].scale = track.values_at::<3>(place),
-                Target::Rotation(bone) => locals[bone as usize].rotation_wxyz = track.rotation_at(place),
-                Target::MorphWeight(morph) => [morph_weights[morph as usize]] = track.values_at::<1>(place),
+                Target::Translation(bone) => locals[bone as usize].translation = keys.values_at::<3>(place),
+                Target::Scale(bone) => locals[bone as usize].scale = keys.values_at::<3>(place),
+                Target::Rotation(bone) => locals[bone as usize].rotation_wxyz = keys.rotation_at(place),
+                Target::MorphWeight(morph) => [morph_weights[morph as usize]] = keys.values_at::<1>(place),
             }
         }
     }
+}
+
+/// The channel with the rotations of its keys made of length 1, those of splines aside.
+fn judged(mut channel: Channel, animation: usize, at: usize) -> Result<Channel, RigError> {
+    let Channel { target, interpolation, times, values } = &mut channel;
+    let place = RigPlace::Channel { animation, channel: at };
+    let key = |key: usize| RigPlace::Key { animation, channel: at, key };
+    let of_key = values_per_key(*target, *interpolation);
+    let expected = times.len() * of_key;
+    if values.len() != expected || times.is_empty() {
+        let kind = RigErrorKind::OtherCount { what: "values", count: values.len(), expected: expected.max(1) };
+        return Err(RigError::new(kind, place));
+    }
+    for (i, &time) in times.iter().enumerate() {
+        judge(&[time], "time", key(i))?;
+        if i > 0 && time <= times[i - 1] {
+            return Err(RigError::new(RigErrorKind::TimesNotIncreasing, key(i)));
+        }
+    }
+    let width = target.width();
+    for (i, all) in values.chunks_mut(of_key).enumerate() {
+        judge(all, "key", key(i))?;
+        let start = if *interpolation == Interpolation::CubicSpline { width } else { 0 };
+        let own = &mut all[start..start + width];
+        match target {
+            Target::Scale(_) if own.contains(&0.0) => {
+                return Err(RigError::new(RigErrorKind::ZeroScale, key(i)));
+            }
+            Target::Rotation(_) => {
+                let zero = || RigError::new(RigErrorKind::ZeroRotation, key(i));
+                let unit = normalised([own[0], own[1], own[2], own[3]]).ok_or_else(zero)?;
+                if *interpolation != Interpolation::CubicSpline {
+                    own.copy_from_slice(&unit);
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(channel)
 }
 
 fn values_per_key(target: Target, interpolation: Interpolation) -> usize {
@@ -232,34 +269,47 @@ fn find(times: &[f64], time: f64, side: Side) -> Place {
     Place { key, share: ((time - times[key]) / seconds).clamp(0.0, 1.0), seconds }
 }
 
-impl Track {
-    /// The value of a key, and for splines the slopes before and after it.
-    pub(super) fn key<const N: usize>(&self, key: usize) -> [[f64; N]; 3] {
-        let part = |at: usize| -> [f64; N] { std::array::from_fn(|k| self.values[at * N + k]) };
-        match self.interpolation {
-            Interpolation::CubicSpline => [part(3 * key), part(3 * key + 1), part(3 * key + 2)],
-            _ => [[0.0; N], part(key), [0.0; N]],
-        }
+impl<'a> Keys<'a> {
+    pub(super) fn times(&self) -> &'a [f64] {
+        &self.timeline.times
+    }
+
+    /// The value of a key; where keys have slopes, the one before it for a `part` of 0, the value for 1, the slope after it for 2.
+    fn part<const N: usize>(&self, key: usize, part: usize) -> [f64; N] {
+        let start = key * self.timeline.width + self.offset + part * N;
+        let values = &self.timeline.values[start..start + N];
+        std::array::from_fn(|k| values[k])
+    }
+
+    /// The value of a key.
+    pub(super) fn value<const N: usize>(&self, key: usize) -> [f64; N] {
+        self.part(key, usize::from(self.interpolation == Interpolation::CubicSpline))
+    }
+
+    /// The slopes before and after a key of a spline.
+    pub(super) fn slopes<const N: usize>(&self, key: usize) -> [[f64; N]; 2] {
+        [self.part(key, 0), self.part(key, 2)]
     }
 
     fn values_at<const N: usize>(&self, Place { key, share: s, seconds }: Place) -> [f64; N] {
-        let [_, from, slope_from] = self.key::<N>(key);
+        let from = self.value::<N>(key);
         if s == 0.0 || self.interpolation == Interpolation::Step {
             return from;
         }
-        let [slope_to, to, _] = self.key::<N>(key + 1);
+        let to = self.value::<N>(key + 1);
         if self.interpolation == Interpolation::Linear {
             return std::array::from_fn(|k| from[k] + s * (to[k] - from[k]));
         }
+        let ([_, slope_from], [slope_to, _]) = (self.slopes::<N>(key), self.slopes::<N>(key + 1));
         let (s2, s3) = (s * s, s * s * s);
         let (a, b, c, d) = (2.0 * s3 - 3.0 * s2 + 1.0, s3 - 2.0 * s2 + s, 3.0 * s2 - 2.0 * s3, s3 - s2);
         std::array::from_fn(|k| a * from[k] + b * seconds * slope_from[k] + c * to[k] + d * seconds * slope_to[k])
     }
 
     fn rotation_at(&self, place: Place) -> [f64; 4] {
-        let from = self.key::<4>(place.key)[1];
+        let from = self.value::<4>(place.key);
         match self.interpolation {
-            Interpolation::Linear if place.share > 0.0 => slerp(from, self.key::<4>(place.key + 1)[1], place.share),
+            Interpolation::Linear if place.share > 0.0 => slerp(from, self.value::<4>(place.key + 1), place.share),
             Interpolation::CubicSpline => {
                 // A spline through zero has no rotation there; that of its key will do.
                 normalised(self.values_at::<4>(place)).or_else(|| normalised(from)).unwrap_or([1.0, 0.0, 0.0, 0.0])

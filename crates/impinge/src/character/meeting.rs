@@ -9,14 +9,35 @@ use super::transform::{Vector, apply_transposed};
 use super::vector::{add, dot, length, scale, sub, unit};
 use super::volume::HitVolume;
 
+/// A volume in its frame.
+#[derive(Clone, Copy)]
+pub(super) struct Stood<'a> {
+    pub(super) volume: &'a HitVolume,
+    pub(super) frame: &'a Frame,
+    /// About it, in the world.
+    pub(super) sphere: (Vector, f64),
+}
+
+impl Stood<'_> {
+    /// The point that is farthest along a direction.
+    fn support(&self, direction: Vector) -> Vector {
+        self.frame.apply(self.volume.support(apply_transposed(&self.frame.rotation, direction)))
+    }
+
+    /// Of all numbers that its points are made of.
+    fn size(&self) -> f64 {
+        length(self.sphere.0) + length(self.frame.origin) + self.sphere.1
+    }
+}
+
 /// Whether two volumes are not proved apart.
-pub(super) fn meet(a: &HitVolume, frame_a: &Frame, b: &HitVolume, frame_b: &Frame) -> Result<bool, InputError> {
+pub(super) fn meet(a: &Stood<'_>, b: &Stood<'_>) -> Result<bool, InputError> {
     // Spheres and pills make most of a character: in closed form, with more than what rounding takes.
-    if let (Some(core_a), Some(core_b)) = (segment(a), segment(b)) {
-        let [ends_a, ends_b] = [core_a.map(|p| frame_a.apply(p)), core_b.map(|p| frame_b.apply(p))];
+    if let (Some(core_a), Some(core_b)) = (segment(a.volume), segment(b.volume)) {
+        let [ends_a, ends_b] = [core_a.map(|p| a.frame.apply(p)), core_b.map(|p| b.frame.apply(p))];
         let (p, q) = super::segments::closest(ends_a, ends_b);
-        let sum = a.radius() + b.radius();
-        let size = [p, q, frame_a.origin, frame_b.origin].into_iter().map(length).sum::<f64>() + sum;
+        let sum = a.volume.radius() + b.volume.radius();
+        let size = a.size() + b.size();
         let between = sub(q, p);
         let reach = sum + 1e-13 * size;
         if dot(between, between) <= reach * reach {
@@ -28,10 +49,10 @@ pub(super) fn meet(a: &HitVolume, frame_a: &Frame, b: &HitVolume, frame_b: &Fram
         let gap = least(ends_b) - most(ends_a);
         return Ok(gap <= (reach + 1e-13 * size) * length(between));
     }
-    if let Some(found) = by_supports(a, frame_a, b, frame_b) {
+    if let Some(found) = by_supports(a, b) {
         return Ok(found);
     }
-    let (placed_a, placed_b) = (a.placed(frame_a.pose()?)?, b.placed(frame_b.pose()?)?);
+    let (placed_a, placed_b) = (a.volume.placed(a.frame.pose()?)?, b.volume.placed(b.frame.pose()?)?);
     Ok(shapes::proximity(&placed_a, &placed_b) != Proximity::Apart)
 }
 
@@ -40,26 +61,19 @@ pub(super) fn meet(a: &HitVolume, frame_a: &Frame, b: &HitVolume, frame_b: &Fram
 /// # Source
 /// Chung and Wang, *Quick collision detection of polytopes in virtual environments*, 1996: a plane that does not separate is
 /// turned away from the points which show that.
-fn by_supports(a: &HitVolume, frame_a: &Frame, b: &HitVolume, frame_b: &Frame) -> Option<bool> {
+fn by_supports(a: &Stood<'_>, b: &Stood<'_>) -> Option<bool> {
     const TURNS: usize = 4;
-    let (centre_a, centre_b) = (frame_a.apply(a.bounding_sphere().0), frame_b.apply(b.bounding_sphere().0));
-    let size = [centre_a, centre_b, frame_a.origin, frame_b.origin].into_iter().map(length).sum::<f64>()
-        + a.bounding_sphere().1
-        + b.bounding_sphere().1;
-    let slack = 1e-12 * size;
-    let support = |volume: &HitVolume, frame: &Frame, direction: Vector| {
-        frame.apply(volume.support(apply_transposed(&frame.rotation, direction)))
-    };
-    let mut normal = unit(sub(centre_b, centre_a))?;
+    let slack = 1e-12 * (a.size() + b.size());
+    let mut normal = unit(sub(b.sphere.0, a.sphere.0))?;
     for _ in 0..TURNS {
-        let (p, q) = (support(a, frame_a, normal), support(b, frame_b, scale(normal, -1.0)));
+        let (p, q) = (a.support(normal), b.support(scale(normal, -1.0)));
         let between = sub(q, p);
         if dot(normal, between) > slack {
             return Some(false);
         }
         let middle = scale(add(p, q), 0.5);
-        let inside = |volume: &HitVolume, frame: &Frame| volume.signed_distance(frame.local(middle)) < -slack;
-        if inside(a, frame_a) && inside(b, frame_b) {
+        let inside = |stood: &Stood<'_>| stood.volume.signed_distance(stood.frame.local(middle)) < -slack;
+        if inside(a) && inside(b) {
             return Some(true);
         }
         let away = unit(between)?;

@@ -7,7 +7,7 @@
 //! speed of a turn, and those of a chain of bones follow by the rules for sums and products of norms. Only the bones between
 //! the two take part, so that a body that moves as a whole counts for nothing.
 
-use super::animation::{Animation, Interpolation, Target, Track};
+use super::animation::{Animation, Interpolation, Keys, Target};
 use super::rig::Rig;
 use super::transform::{Transform, Vector};
 
@@ -86,24 +86,24 @@ impl<'a> IntervalMotion<'a> {
             rig.skeleton().bones().iter().map(|bone| LocalMotion::resting(&bone.rest)).collect();
         let mut morphs: Vec<Jet> = rig.skin().morphs().iter().map(|m| Jet::still(m.weight.abs())).collect();
         for track in animation.tracks() {
-            let times = animation.times(track);
+            let keys = animation.keys(track);
             match track.target {
                 Target::Translation(bone) => {
-                    let spline = Spline::<3>::of(track, times, interval);
+                    let spline = Spline::<3>::of(keys, interval);
                     locals[bone as usize].translation = spline.jet([0.0; 3]);
                 }
                 Target::Scale(bone) => {
-                    let spline = Spline::<3>::of(track, times, interval);
+                    let spline = Spline::<3>::of(keys, interval);
                     let local = &mut locals[bone as usize];
                     local.uniform = spline.controls[0].iter().sum::<f64>() / 3.0;
                     local.scale = spline.jet([0.0; 3]);
                     local.deviation = spline.jet([local.uniform; 3]);
                 }
                 Target::Rotation(bone) => {
-                    locals[bone as usize].rotation = Spline::<4>::of(track, times, interval).rotation(interval);
+                    locals[bone as usize].rotation = Spline::<4>::of(keys, interval).rotation(interval);
                 }
                 Target::MorphWeight(morph) => {
-                    morphs[morph as usize] = Spline::<1>::of(track, times, interval).jet([0.0]);
+                    morphs[morph as usize] = Spline::<1>::of(keys, interval).jet([0.0]);
                 }
             }
         }
@@ -150,25 +150,27 @@ struct Spline<const N: usize> {
 }
 
 impl<const N: usize> Spline<N> {
-    fn of(track: &Track, times: &[f64], interval: [f64; 2]) -> Self {
+    fn of(keys: Keys<'_>, interval: [f64; 2]) -> Self {
+        let times = keys.times();
         let after = times.partition_point(|&key| key <= interval[0]);
-        let [_, from, slope_from] = track.key::<N>(after.saturating_sub(1));
+        let from = keys.value::<N>(after.saturating_sub(1));
         let still =
             Self { interpolation: Interpolation::Step, controls: [from; 4], seconds: f64::INFINITY, start: 0.0 };
         if after == 0 || after == times.len() {
             return still;
         }
-        let [slope_to, to, _] = track.key::<N>(after);
+        let to = keys.value::<N>(after);
         let (start, seconds) = (times[after - 1], times[after] - times[after - 1]);
         let third = |p: [f64; N], slope: [f64; N], share: f64| std::array::from_fn(|k| p[k] + share * slope[k]);
-        let controls = match track.interpolation {
+        let controls = match keys.interpolation {
             Interpolation::Step => return still,
             Interpolation::Linear => [from, from, to, to],
             Interpolation::CubicSpline => {
+                let ([_, slope_from], [slope_to, _]) = (keys.slopes::<N>(after - 1), keys.slopes::<N>(after));
                 [from, third(from, slope_from, seconds / 3.0), third(to, slope_to, -seconds / 3.0), to]
             }
         };
-        Self { interpolation: track.interpolation, controls, seconds, start }
+        Self { interpolation: keys.interpolation, controls, seconds, start }
     }
 
     /// Bounds of the difference from a point, by the hull of the control points and of their differences.

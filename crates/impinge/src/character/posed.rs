@@ -10,7 +10,7 @@ use super::body::Character;
 use super::crossing::Crossing;
 use super::fit::HitPart;
 use super::frame::Frame;
-use super::meeting::{core, meet};
+use super::meeting::{Stood, core, meet};
 use super::rig::RigPose;
 use super::transform::{Vector, apply, apply_transposed};
 use super::vector::{add, dot, length, scale, sub, unit};
@@ -283,7 +283,12 @@ impl<'c> Posed<'c> {
             for (b, part_b, frame_b, sphere_b) in other.parts() {
                 let between = sub(sphere_b.0, sphere_a.0);
                 let reach = (sphere_a.1 + sphere_b.1) * (1.0 + 1e-14);
-                if dot(between, between) <= reach * reach && meet(&part_a.volume, frame_a, &part_b.volume, frame_b)? {
+                if dot(between, between) <= reach * reach
+                    && meet(
+                        &Stood { volume: &part_a.volume, frame: frame_a, sphere: *sphere_a },
+                        &Stood { volume: &part_b.volume, frame: frame_b, sphere: *sphere_b },
+                    )?
+                {
                     visit(a, b);
                 }
             }

@@ -87,7 +87,7 @@ impl<'a> Surface<'a> {
     }
 
     /// Where a point of the set's core is to the mesh, if that is solid. Where no face meets the core, it tells for all of it.
-    fn containment(&self, shape: &Swept<'_>) -> Containment {
+    pub(crate) fn containment(&self, shape: &Swept<'_>) -> Containment {
         if !self.is_solid {
             return Containment::Outside;
         }

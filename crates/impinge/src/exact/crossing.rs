@@ -5,8 +5,10 @@
 //! the pieces of neighbouring pairs link up without comparing coordinates, in touching and degenerate positions too.
 
 use super::corners::{Corners, PairCorners};
+use super::double_double::{self, DoubleDouble};
 use super::placement::{Placement, world_point};
 use super::triangles::{CommonLine, Position, Transversal, flat_meet, on_one_side};
+use crate::math::Pose;
 use crate::math::Sign::{self, Negative, Positive, Zero};
 use crate::math::dyadic::{self, Dyadic};
 
@@ -75,7 +77,7 @@ pub fn crossing(placement: &Placement, a: &Corners, b: &Corners) -> Crossing {
 }
 
 /// The common part of the intervals `[a2, a1]` and `[b1, b2]` that both triangles have on their common line.
-fn crossing_on(line: &CommonLine, corners: &mut PairCorners, world: impl Fn() -> World) -> Crossing {
+fn crossing_on<'p>(line: &CommonLine, corners: &mut PairCorners, world: impl Fn() -> World<'p>) -> Crossing {
     let b1_to_a1 = line.compare(corners, 1, 1);
     let b2_to_a2 = line.compare(corners, 2, 2);
     if b1_to_a1 == Positive || b2_to_a2 == Negative {
@@ -162,49 +164,73 @@ fn edge_feature(p: usize, q: usize) -> Feature {
 }
 
 /// The two triangles as they are in the world.
-struct World {
-    a: [[Dyadic; 3]; 3],
-    b: [[Dyadic; 3]; 3],
+struct World<'p> {
+    poses: [&'p Pose; 2],
+    /// The corners of A and of B, each in its own frame.
+    corners: [&'p Corners; 2],
     mirrors_a: bool,
 }
 
-impl World {
-    fn new(placement: &Placement, a: &Corners, b: &Corners) -> Self {
-        Self {
-            a: a.each_ref().map(|corner| world_point(placement.world_from_a(), corner)),
-            b: b.each_ref().map(|corner| world_point(placement.world_from_b(), corner)),
-            mirrors_a: placement.world_from_a().mirrors(),
-        }
+impl<'p> World<'p> {
+    fn new(placement: &'p Placement, a: &'p Corners, b: &'p Corners) -> Self {
+        let poses = [placement.world_from_a(), placement.world_from_b()];
+        Self { poses, corners: [a, b], mirrors_a: poses[0].mirrors() }
     }
 
     /// The end where this edge of A meets B's plane.
-    fn endpoint_on_edge_of_a(&self, on_a: Feature, on_b: Feature, [from, to]: [usize; 2]) -> Endpoint {
-        let vertex = self.vertex_point(on_a, on_b);
-        let point = vertex.unwrap_or_else(|| nearest_on_plane(&self.a[from], &self.a[to], &self.b));
-        Endpoint { on_a, on_b, point }
+    fn endpoint_on_edge_of_a(&self, on_a: Feature, on_b: Feature, edge: [usize; 2]) -> Endpoint {
+        Endpoint { on_a, on_b, point: self.vertex_point(on_a, on_b).unwrap_or_else(|| self.nearest_on_plane(0, edge)) }
     }
 
     /// The end where this edge of B meets A's plane.
-    fn endpoint_on_edge_of_b(&self, on_a: Feature, on_b: Feature, [from, to]: [usize; 2]) -> Endpoint {
-        let vertex = self.vertex_point(on_a, on_b);
-        let point = vertex.unwrap_or_else(|| nearest_on_plane(&self.b[from], &self.b[to], &self.a));
-        Endpoint { on_a, on_b, point }
+    fn endpoint_on_edge_of_b(&self, on_a: Feature, on_b: Feature, edge: [usize; 2]) -> Endpoint {
+        Endpoint { on_a, on_b, point: self.vertex_point(on_a, on_b).unwrap_or_else(|| self.nearest_on_plane(1, edge)) }
     }
 
     fn vertex_point(&self, on_a: Feature, on_b: Feature) -> Option<[f64; 3]> {
-        let corner = match (on_a, on_b) {
-            (Feature::Vertex(i), _) => &self.a[usize::from(i)],
-            (_, Feature::Vertex(j)) => &self.b[usize::from(j)],
+        let (side, corner) = match (on_a, on_b) {
+            (Feature::Vertex(i), _) => (0, usize::from(i)),
+            (_, Feature::Vertex(j)) => (1, usize::from(j)),
             _ => return None,
         };
-        let one = Dyadic::from_f64(1.0);
-        Some(corner.each_ref().map(|x| Dyadic::nearest_quotient(x, &one)))
+        let (pose, corner) = (self.poses[side], &self.corners[side][corner]);
+        Some(settled(&DoubleDouble::world_point(pose, corner)).unwrap_or_else(|| {
+            let one = Dyadic::from_f64(1.0);
+            world_point(pose, corner).each_ref().map(|x| Dyadic::nearest_quotient(x, &one))
+        }))
+    }
+
+    /// The point where an edge of A (`side` 0) or of B (1), whose ends are on different sides, meets the plane of the other triangle,
+    /// rounded. With the heights `h` of its ends p and q it is `(h_p q - h_q p) / (h_p - h_q)`.
+    fn nearest_on_plane(&self, side: usize, edge: [usize; 2]) -> [f64; 3] {
+        let ends = edge.map(|corner| &self.corners[side][corner]);
+        let (pose, pose_of_plane) = (self.poses[side], self.poses[1 - side]);
+        let rough = || {
+            let [p, q] = ends.map(|end| DoubleDouble::world_point(pose, end));
+            let plane =
+                self.corners[1 - side].each_ref().map(|corner| DoubleDouble::world_point(pose_of_plane, corner));
+            let from_first = |x: &[DoubleDouble; 3]| double_double::difference(x, &plane[0]);
+            let normal = double_double::cross(&from_first(&plane[1]), &from_first(&plane[2]));
+            let [h_p, h_q] = [&p, &q].map(|end| double_double::dot(&normal, &from_first(end)));
+            let denominator = h_p.minus(&h_q);
+            let numerator = |k: usize| h_p.times(&q[k]).minus(&h_q.times(&p[k]));
+            settled(&[0, 1, 2].map(|k| numerator(k).over(&denominator)))
+        };
+        rough().unwrap_or_else(|| {
+            let [p, q] = ends.map(|end| world_point(pose, end));
+            let plane = self.corners[1 - side].each_ref().map(|corner| world_point(pose_of_plane, corner));
+            exactly_nearest_on_plane(&p, &q, &plane)
+        })
     }
 }
 
-/// The point where the segment from `p` to `q`, which are on different sides, meets the plane of three corners, rounded.
-/// With the heights `h` of its ends it is `(h_p q - h_q p) / (h_p - h_q)`.
-fn nearest_on_plane(p: &[Dyadic; 3], q: &[Dyadic; 3], plane: &[[Dyadic; 3]; 3]) -> [f64; 3] {
+/// A point rounded to nearest, where that is settled.
+fn settled([x, y, z]: &[DoubleDouble; 3]) -> Option<[f64; 3]> {
+    Some([x.nearest()?, y.nearest()?, z.nearest()?])
+}
+
+#[cold]
+fn exactly_nearest_on_plane(p: &[Dyadic; 3], q: &[Dyadic; 3], plane: &[[Dyadic; 3]; 3]) -> [f64; 3] {
     let from_first = |x: &[Dyadic; 3]| [&x[0] - &plane[0][0], &x[1] - &plane[0][1], &x[2] - &plane[0][2]];
     let normal = dyadic::cross(&from_first(&plane[1]), &from_first(&plane[2]));
     let (h_p, h_q) = (dyadic::dot(&normal, &from_first(p)), dyadic::dot(&normal, &from_first(q)));

@@ -116,7 +116,7 @@ fn compare_along_exactly(direction: &[f64; 3], p: &[f64; 3], q: &[f64; 3]) -> Si
 }
 
 /// Products at least this large have an error that is a float: 2^-900.
-const LEAST_SPLIT: f64 = f64::from_bits((1023 - 900) << 52);
+pub(super) const LEAST_SPLIT: f64 = f64::from_bits((1023 - 900) << 52);
 
 /// The greatest float that does not exceed coordinate `axis` of the image of a point.
 ///
@@ -181,7 +181,7 @@ fn rounded_down(row: &[f64; 3], translation: f64, point: &[f64; 3]) -> Option<f6
 
 /// Knuth's sum of two floats and its rounding error, which is a float.
 #[inline]
-fn two_sum(x: f64, y: f64) -> (f64, f64) {
+pub(super) fn two_sum(x: f64, y: f64) -> (f64, f64) {
     let sum = x + y;
     let y_part = sum - x;
     (sum, (x - (sum - y_part)) + (y - y_part))
@@ -189,7 +189,7 @@ fn two_sum(x: f64, y: f64) -> (f64, f64) {
 
 /// What `product`, the rounded product of two floats, lacks of the exact one (Dekker's splitting).
 #[inline]
-fn product_error(x: f64, y: f64, product: f64) -> f64 {
+pub(super) fn product_error(x: f64, y: f64, product: f64) -> f64 {
     const SPLITTER: f64 = ((1_u64 << 27) + 1) as f64;
     let split = |x: f64| {
         let wide = SPLITTER * x;

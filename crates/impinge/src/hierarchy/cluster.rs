@@ -91,43 +91,66 @@ fn split<S: Simd>(simd: S, centres: &mut [Centre], spare: &mut [Centre], along: 
     let whole = centres.len().next_multiple_of(LANES);
     along[centres.len()..whole].fill(f32::INFINITY);
     let (from, to, below) = median(simd, &along[..whole], [least, greatest], low);
-    let mut wanted = low - below;
+    if below == low {
+        deal(
+            centres,
+            spare,
+            #[inline(always)]
+            |at| along[at] < from,
+        );
+    } else {
+        let mut wanted = low - below;
+        deal(
+            centres,
+            spare,
+            #[inline(always)]
+            |at| {
+                let is_wanted = (along[at] >= from) & (along[at] < to) & (wanted > 0);
+                wanted -= usize::from(is_wanted);
+                (along[at] < from) | is_wanted
+            },
+        );
+    }
+}
+
+/// Moves the centres that are low to the front, all in the order in which they come. `spare` is as long.
+#[inline(always)]
+fn deal(centres: &mut [Centre], spare: &mut [Centre], mut is_low: impl FnMut(usize) -> bool) {
     let (mut front, mut back) = (0, 0);
     for at in 0..centres.len() {
-        let (centre, along) = (centres[at], along[at]);
-        let is_wanted = usize::from((along >= from) & (along < to) & (wanted > 0));
-        wanted -= is_wanted;
-        let is_low = usize::from(along < from) | is_wanted;
+        let (centre, is_low) = (centres[at], is_low(at));
         // To either side, and the next one over the one that is not kept.
         centres[front] = centre;
         spare[back] = centre;
-        front += is_low;
-        back += 1 - is_low;
+        front += usize::from(is_low);
+        back += usize::from(!is_low);
     }
-    centres[low..].copy_from_slice(&spare[..back]);
+    centres[front..].copy_from_slice(&spare[..back]);
 }
 
-/// An interval, as short as halving makes it, such that at most `low` numbers are below it and at least as many are
-/// below its end; and how many are below it.
+/// An interval, as short as halving makes it, such that at most `low` numbers are below it and more than as many are
+/// below its end; and how many are below it. Where that is `low` itself, nobody looks at the end.
 #[inline(always)]
 fn median<S: Simd>(simd: S, along: &[f32], [least, greatest]: [f32; 2], low: usize) -> (f32, f32, usize) {
     /// Each halves the interval.
     const ROUNDS: usize = 5;
-    let (one, zero) = (f32x8::splat(simd, 1.0), f32x8::splat(simd, 0.0));
     let (mut from, mut to, mut below) = (least, f32::INFINITY, 0);
     let mut end = greatest;
     for _ in 0..ROUNDS {
         let middle = from + 0.5 * (end - from);
         let (lanes, pivot) = (along.as_chunks::<LANES>().0, f32x8::splat(simd, middle));
-        let mut counts = zero;
+        let mut count = 0;
         for lanes in lanes {
-            counts += f32x8::from_slice(simd, lanes).simd_lt(pivot).select(one, zero);
+            count += f32x8::from_slice(simd, lanes).simd_lt(pivot).to_bitmask().count_ones();
         }
-        let count = counts.as_slice().iter().sum::<f32>() as usize;
-        if count <= low {
-            (from, below) = (middle, count);
-        } else {
-            (to, end) = (middle, middle);
+        let count = count as usize;
+        let is_low = count <= low;
+        from = if is_low { middle } else { from };
+        below = if is_low { count } else { below };
+        to = if is_low { to } else { middle };
+        end = if is_low { end } else { middle };
+        if below == low {
+            break;
         }
     }
     (from, to, below)
@@ -136,9 +159,17 @@ fn median<S: Simd>(simd: S, along: &[f32], [least, greatest]: [f32; 2], low: usi
 /// The axis along which the centres spread most, and from where to where; none where they coincide or reach too far.
 #[inline(always)]
 fn widest_axis<S: Simd>(simd: S, centres: &[Centre]) -> Option<(usize, f32, f32)> {
+    let (pairs, last) = centres.as_chunks::<2>();
     let first = f32x4::from_slice(simd, bytemuck::cast_ref::<Centre, [f32; 4]>(&centres[0]));
-    let (mut min, mut max) = (first, first);
-    for centre in centres {
+    let (mut min, mut max) = (first.combine(first), first.combine(first));
+    for pair in pairs {
+        let pair = f32x8::from_slice(simd, bytemuck::cast_ref::<[Centre; 2], [f32; 8]>(pair));
+        min = min.min(pair);
+        max = max.max(pair);
+    }
+    let ((low_min, high_min), (low_max, high_max)) = (min.split(), max.split());
+    let (mut min, mut max) = (low_min.min(high_min), low_max.max(high_max));
+    for centre in last {
         let centre = f32x4::from_slice(simd, bytemuck::cast_ref::<Centre, [f32; 4]>(centre));
         min = min.min(centre);
         max = max.max(centre);

@@ -51,9 +51,9 @@ pub(crate) fn build_over<B: Boxes + ?Sized>(boxes: &B, space: &mut Space<'_>) ->
     if len == 0 {
         return BinaryTree::default();
     }
-    let (unsorted, keys) = (space.take::<Key>(len), space.take::<Key>(len));
+    let (keys, dealt) = (space.take::<Key>(len), space.take::<Key>(len));
     let curve = Curve::over(&boxes.twice_centres());
-    unsorted.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, keys)| {
+    keys.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, keys)| {
         for (at, key) in keys.iter_mut().enumerate() {
             *key = (chunk * CHUNK + at) as Key;
         }
@@ -61,7 +61,7 @@ pub(crate) fn build_over<B: Boxes + ?Sized>(boxes: &B, space: &mut Space<'_>) ->
             dispatch!(best_level(), simd => curve.assign(simd, boxes, keys));
         }
     });
-    radix::sort(unsorted, keys);
+    radix::sort(keys, dealt);
     let mut order = vec![0; len];
     let mut blocks = Vec::new();
     let task = if rayon::current_num_threads() == 1 { len } else { LONGEST_TASK };

@@ -1,7 +1,7 @@
 //! Sorting keys by their codes.
 //!
 //! Source: Knuth, *The Art of Computer Programming* 3, 5.2.5: dealt out by the leading digit, so that threads have a deal
-//! each and a deal fits the cache, then each deal that is long by the other two digits from the least.
+//! each and a deal fits the cache, then each deal that is long by the next digit, and so on.
 
 use rayon::prelude::*;
 
@@ -18,9 +18,8 @@ fn digit(key: Key, place: u32) -> usize {
     (code(key) >> (DIGIT_BITS * place)) as usize % DIGITS
 }
 
-/// Sorts keys by their codes as far as it matters to a builder: keys with the same leading digit stay in the order in
-/// which they came where they are too few to be more than a cluster, and so do equal codes. They end up in `dealt`, which
-/// is as long.
+/// Sorts keys by their codes as far as it matters to a builder: keys that share their leading digits stay in the order in
+/// which they came where they are too few to be more than a cluster, and so do equal codes. `dealt` is room for as many.
 pub(crate) fn sort(keys: &mut [Key], dealt: &mut [Key]) {
     let mut starts = starts::<DIGITS, Key>(keys, |key| digit(key, 2)).to_vec();
     starts.push(keys.len() as u32);
@@ -28,12 +27,13 @@ pub(crate) fn sort(keys: &mut [Key], dealt: &mut [Key]) {
     let share = keys.len().div_ceil(threads).max(1);
     // Each thread looks for the keys of its own run of deals.
     let mut runs = Vec::new();
-    let (mut rest, mut first) = (&mut *dealt, 0);
+    let (mut left, mut first) = (&mut *dealt, 0);
     while first < DIGITS {
-        let end = (first + 1..DIGITS).find(|&end| (starts[end] - starts[first]) as usize >= share).unwrap_or(DIGITS);
-        let (run, after) = rest.split_at_mut((starts[end] - starts[first]) as usize);
+        let is_enough = |&end: &usize| (starts[end] - starts[first]) as usize >= share;
+        let end = (first + 1..DIGITS).find(is_enough).unwrap_or(DIGITS);
+        let (run, after) = left.split_at_mut((starts[end] - starts[first]) as usize);
         runs.push((first..end, run));
-        (rest, first) = (after, end);
+        (left, first) = (after, end);
     }
     runs.into_par_iter().for_each(|(deals, run)| {
         let mut next = [0; DIGITS];
@@ -48,20 +48,30 @@ pub(crate) fn sort(keys: &mut [Key], dealt: &mut [Key]) {
             }
         }
     });
-    let mut long = Vec::new();
-    let (mut rest, mut spare) = (dealt, keys);
+    let mut deals = Vec::new();
+    let (mut left, mut place) = (dealt, keys);
     for ends in starts.windows(2) {
         let len = (ends[1] - ends[0]) as usize;
-        let (deal, after) = rest.split_at_mut(len);
-        let (room, room_after) = spare.split_at_mut(len);
-        (rest, spare) = (after, room_after);
-        if len > CLUSTER {
-            long.push((deal, room));
-        }
+        let (deal, after) = left.split_at_mut(len);
+        let (sorted, place_after) = place.split_at_mut(len);
+        (left, place) = (after, place_after);
+        deals.push((deal, sorted));
     }
-    long.into_par_iter().for_each(|(deal, room)| {
-        scatter::<DIGITS, Key>(deal, room, |key| digit(key, 0));
-        scatter::<DIGITS, Key>(room, deal, |key| digit(key, 1));
+    deals.into_par_iter().for_each(|(deal, sorted)| {
+        if deal.len() <= CLUSTER {
+            sorted.copy_from_slice(deal);
+            return;
+        }
+        let ends = scatter::<DIGITS, Key>(deal, sorted, |key| digit(key, 1));
+        let mut start = 0;
+        for end in ends.map(|end| end as usize) {
+            if end - start > CLUSTER {
+                let (long, room) = (&mut sorted[start..end], &mut deal[start..end]);
+                scatter::<DIGITS, Key>(long, room, |key| digit(key, 0));
+                long.copy_from_slice(room);
+            }
+            start = end;
+        }
     });
 }
 
@@ -79,15 +89,21 @@ fn starts<const DIGITS: usize, T: Copy>(elements: &[T], digit: impl Fn(T) -> usi
     starts
 }
 
-/// Sorts elements, fewer than 2^32, by one digit below `DIGITS`, those with the same one in the order in which they came.
+/// Sorts elements, fewer than 2^32, by one digit below `DIGITS`, those with the same one in the order in which they came, and
+/// returns where those with each digit end.
 #[inline(always)]
-pub(crate) fn scatter<const DIGITS: usize, T: Copy>(from: &[T], to: &mut [T], digit: impl Fn(T) -> usize) {
+pub(crate) fn scatter<const DIGITS: usize, T: Copy>(
+    from: &[T],
+    to: &mut [T],
+    digit: impl Fn(T) -> usize,
+) -> [u32; DIGITS] {
     let mut next = starts::<DIGITS, T>(from, &digit);
     for &element in from {
         let place = &mut next[digit(element) % DIGITS];
         to[*place as usize] = element;
         *place += 1;
     }
+    next
 }
 
 #[cfg(test)]
@@ -98,32 +114,45 @@ mod tests {
     #[test]
     fn long_deals_are_sorted_and_equal_codes_keep_their_order() {
         let mut rng = Rng::new(141);
+        let mut seen = [0; 3];
         for (codes, len) in [(1, 5_000), (40, 30_000), (1 << 12, 100_000), (1 << 30, 200_000), (1 << 30, 3), (7, 0)] {
-            // Few codes that are far apart, or all of them.
-            let step = ((1_u64 << CODE_BITS) - 1) / codes;
-            let keys: Vec<Key> =
-                (0..len).map(|index| (rng.integer(0, codes as i64 - 1) as u64 * step) << 32 | index).collect();
-            let mut expected = keys.clone();
-            expected.sort_by_key(|&key| code(key));
-            let mut sorted = vec![0; keys.len()];
-            sort(&mut keys.clone(), &mut sorted);
-            for (at, window) in sorted.windows(2).enumerate() {
-                assert!(digit(window[0], 2) <= digit(window[1], 2), "{codes} codes: dealt wrongly at {at}");
-            }
-            let deals = |keys: &[Key]| -> Vec<Vec<Key>> {
-                keys.chunk_by(|&p, &q| digit(p, 2) == digit(q, 2)).map(<[Key]>::to_vec).collect()
-            };
-            let (mut long, mut short) = (0, 0);
-            for (mut deal, expected) in deals(&sorted).into_iter().zip(deals(&expected)) {
-                if deal.len() > CLUSTER {
-                    long += 1;
-                } else {
-                    short += 1;
-                    deal.sort_by_key(|&key| code(key));
+            // Few codes that are far apart, or all of them, in a part of the curve or all over it.
+            for part in [0, 7, 14] {
+                let step = ((((1_u64 << CODE_BITS) - 1) / codes) >> part).max(1);
+                let mut keys: Vec<Key> =
+                    (0..len).map(|index| ((rng.integer(0, codes as i64 - 1) as u64 * step) << 32) | index).collect();
+                let mut expected = keys.clone();
+                expected.sort_by_key(|&key| code(key));
+                let mut sorted = keys.clone();
+                sort(&mut sorted, &mut keys);
+                // One deal after the other: what was too short to be sorted farther lies as it came.
+                let sharing = |keys: &[Key], place: u32| {
+                    let prefix = |key: Key| code(key) >> (DIGIT_BITS * place);
+                    keys.iter().take_while(|&&key| prefix(key) == prefix(keys[0])).count()
+                };
+                let mut start = 0;
+                while start < sorted.len() {
+                    let deal = &mut sorted[start..][..sharing(&expected[start..], 2)];
+                    let is_long = deal.len() > CLUSTER;
+                    let mut at = 0;
+                    while at < deal.len() {
+                        let cell = &mut deal[at..][..sharing(&expected[start + at..], 1)];
+                        at += cell.len();
+                        seen[usize::from(is_long) + usize::from(cell.len() > CLUSTER)] += 1;
+                        if is_long && cell.len() <= CLUSTER {
+                            assert!(cell.is_sorted_by_key(|&key| key as u32), "{codes} codes: not as they came");
+                            cell.sort_by_key(|&key| code(key));
+                        }
+                    }
+                    if !is_long {
+                        assert!(deal.is_sorted_by_key(|&key| key as u32), "{codes} codes: not as they came");
+                        deal.sort_by_key(|&key| code(key));
+                    }
+                    assert_eq!(*deal, expected[start..start + deal.len()], "{codes} codes in a part of {part}");
+                    start += deal.len();
                 }
-                assert_eq!(deal, expected, "{codes} codes");
             }
-            assert!(len < 5_000 || long > 0 || short > 900, "{codes} codes: {long} long and {short} short deals");
         }
+        assert!(seen.iter().all(|&seen| seen > 50), "{seen:?}");
     }
 }

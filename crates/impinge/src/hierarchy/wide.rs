@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::binary::BinaryTree;
 use super::slab::Slab;
 use crate::simd::LANES;
-use crate::storage::Buffer;
+use crate::storage::{Buffer, Pages};
 use crate::volume::Aabb;
 
 /// What a lane of a [`Node`] leads to.
@@ -136,7 +136,7 @@ impl WideTree {
         if !binary.nodes.is_empty() {
             collapse.node(Subtree { root: 0, len: binary.nodes.len() as u32 });
         }
-        (Self { nodes: collapse.nodes.into() }, collapse.leaves)
+        (Self { nodes: Pages::copied(&collapse.nodes) }, collapse.leaves)
     }
 
     /// Gives each node of the lower levels the slab about what its leaves, a range of them, hold.

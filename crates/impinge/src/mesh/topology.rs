@@ -1,8 +1,11 @@
 //! What hangs together: vertices at one position, the border of a mesh, and its connected components. Positions decide
 //! and not indices, as many formats repeat a vertex for each of its faces.
 
+use std::sync::OnceLock;
+
 use rayon::prelude::*;
 
+use super::Mesh;
 use super::positions::Positions;
 
 /// How the faces of a mesh hang together.
@@ -16,6 +19,16 @@ pub(crate) struct Topology {
     pub(crate) component_of: Vec<u32>,
     /// The first face of each component.
     pub(crate) first_faces: Vec<u32>,
+    /// Made when a question first goes from face to face.
+    faces_at: OnceLock<FacesAt>,
+}
+
+/// The faces at each vertex that is the first at its position.
+#[derive(Debug)]
+struct FacesAt {
+    /// Where the faces of each vertex end in the list; they start where those of the vertex before end.
+    ends: Vec<usize>,
+    faces: Vec<u32>,
 }
 
 /// An edge between two vertices, each the first at its position, and how often faces run from the first to the second
@@ -52,13 +65,47 @@ impl Topology {
                 number_of[root]
             })
             .collect();
-        Self { first_at, border, component_of, first_faces }
+        Self { first_at, border, component_of, first_faces, faces_at: OnceLock::new() }
     }
 
     /// The border of some faces, named by the vertices of [`first_at`](Self::first_at).
     pub(crate) fn border_of(&self, faces: impl Iterator<Item = [u32; 3]>) -> Vec<BorderEdge> {
         let named: Vec<[u32; 3]> = faces.map(|face| face.map(|vertex| self.first_at[vertex as usize])).collect();
         border_of(named.into_par_iter())
+    }
+}
+
+impl Mesh {
+    /// The faces at a vertex, which is the first at its position, ascending; one that has it twice comes twice.
+    ///
+    /// # Complexity
+    /// O(n) the first time, then constant.
+    pub(crate) fn faces_at(&self, vertex: u32) -> &[u32] {
+        let topology = self.topology();
+        let FacesAt { ends, faces } = topology.faces_at.get_or_init(|| FacesAt::of(&topology.first_at, self.faces()));
+        let start = if vertex == 0 { 0 } else { ends[vertex as usize - 1] };
+        &faces[start..ends[vertex as usize]]
+    }
+}
+
+impl FacesAt {
+    fn of(first_at: &[u32], faces: &[[u32; 3]]) -> Self {
+        let corners = || faces.iter().map(|face| face.map(|vertex| first_at[vertex as usize] as usize));
+        let mut ends = vec![0_usize; first_at.len()];
+        corners().flatten().for_each(|vertex| ends[vertex] += 1);
+        // Where each list starts; filling it moves that to where it ends.
+        let mut start = 0;
+        for end in &mut ends {
+            (start, *end) = (start + *end, start);
+        }
+        let mut listed = vec![0; 3 * faces.len()];
+        for (face, corners) in (0..).zip(corners()) {
+            for vertex in corners {
+                listed[ends[vertex]] = face;
+                ends[vertex] += 1;
+            }
+        }
+        Self { ends, faces: listed }
     }
 }
 

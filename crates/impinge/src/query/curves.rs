@@ -81,12 +81,19 @@ pub fn curves_of_pairs<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>
         .par_iter()
         .map(|&[face_a, face_b]| crossing(&placement, &a.mesh.corners(face_a), &b.mesh.corners(face_b)))
         .collect();
+    curves_of_crossings([a.mesh, b.mesh], pairs.iter().copied().zip(&crossings))
+}
 
-    let mut names = [Names::new(a.mesh), Names::new(b.mesh)];
+/// The curves of pairs of faces of two meshes, and of what these have in common.
+pub(super) fn curves_of_crossings<'c>(
+    meshes: [&Mesh; 2],
+    met: impl Iterator<Item = ([u32; 2], &'c Crossing)>,
+) -> Curves {
+    let mut names = meshes.map(Names::new);
     let mut graph = Graph::default();
     let mut coplanar_pairs = 0;
     let mut touching = Vec::new();
-    for (&pair, crossing) in pairs.iter().zip(&crossings) {
+    for (pair, crossing) in met {
         let mut node = |end: &Endpoint| {
             let [on_a, on_b] = &mut names;
             graph.node((on_a.name(pair[0], end.on_a), on_b.name(pair[1], end.on_b)), end.point)

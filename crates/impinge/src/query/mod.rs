@@ -6,6 +6,7 @@ mod distance;
 mod pair_order;
 mod patches;
 mod penetrates;
+mod penetration;
 mod self_intersection;
 pub mod shapes;
 mod solid;
@@ -15,9 +16,11 @@ pub use distance::{Distance, Witness, WitnessCache, distance, distance_with, wit
 pub(crate) use patches::contacts_of_patches;
 pub use patches::{ContactPatch, contact_patches};
 pub use penetrates::{Penetrates, penetrates, penetrates_of_pairs};
+pub use penetration::penetration;
 pub use self_intersection::self_intersecting_pairs;
 pub use solid::{
-    Contained, Solid, SolidIntersection, intersects_solid, solid_intersection, solid_intersection_of_pairs,
+    Contained, Solid, SolidIntersection, distance_of_solids, intersects_solid, solid_intersection,
+    solid_intersection_of_pairs,
 };
 
 use crate::mesh::{Options, Placed, collect_intersecting};

@@ -5,6 +5,7 @@
 
 use rayon::prelude::*;
 
+use super::distance::{Distance, distance};
 use super::intersecting_pairs;
 use crate::exact::{Placement, PosedPoint, Spot};
 use crate::mesh::{Containment, Judge, Mesh, Options, Placed, collect_intersecting};
@@ -165,6 +166,39 @@ pub fn solid_intersection_of_pairs<'a, 'b>(
     }
     let contained = Contained::of(inside);
     SolidIntersection { intersects: !pairs.is_empty() || contained.is_some(), contained, undecided, open }
+}
+
+/// The distance of two meshes, one or both of them solid: zero exactly where [`intersects_solid`] is true, else that of the surfaces.
+///
+/// Where one is inside the other there is no witness. So it is where that is not proved but counts as so, for an open mesh.
+///
+/// # Accuracy
+/// As [`distance`](super::distance()), and as [`intersects_solid`].
+///
+/// # Complexity
+/// That of [`distance`](super::distance()), and as [`intersects_solid`].
+///
+/// ```
+/// use impinge::query::{self, Solid};
+/// use impinge::{Mesh, Pose, Positions};
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]];
+/// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+/// let large = Mesh::new(Positions::F32(corners), faces)?;
+/// let inside = large.at(Pose::new([[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]], [1.0; 3])?);
+/// assert_eq!(query::distance_of_solids(&large, inside, Solid::A).upper, 0.0);
+/// assert_eq!(query::distance_of_solids(&large, inside, Solid::B), query::distance(&large, inside));
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+#[must_use]
+pub fn distance_of_solids<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, solid: Solid) -> Distance {
+    let (a, b) = (a.into(), b.into());
+    let of_surfaces = distance(a, b);
+    let is_apart = of_surfaces.upper > 0.0;
+    if is_apart && solid_intersection_of_pairs(a, b, solid, &[]).intersects {
+        return Distance { lower: 0.0, upper: 0.0, witness: None };
+    }
+    of_surfaces
 }
 
 /// The components of one mesh beside another.

@@ -5,6 +5,7 @@
 //! one; all other convex shapes have no radius. A compound is asked part by part.
 
 mod corners;
+mod parts;
 mod placed;
 mod round;
 
@@ -16,6 +17,7 @@ use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 use crate::mesh::Mesh;
 use corners::Corners;
+use parts::PartTree;
 pub use placed::PlacedShape;
 use placed::images_of_radius;
 use round::{Cone, Cylinder, Ellipsoid};
@@ -288,7 +290,8 @@ impl Shape {
             }
         }
         let kind = self.0.clone();
-        let mut placed = PlacedShape { kind, world_from_local, radius, parts: parts.into(), bounds: None };
+        let tree = PartTree::of(&parts).map(Arc::new);
+        let mut placed = PlacedShape { kind, world_from_local, radius, parts: parts.into(), tree, bounds: None };
         placed.bounds = placed.world_bounds();
         Ok(placed)
     }

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use super::parts::PartTree;
 use super::{Form, Kind, RoundCore, Shape};
 use crate::convex::{Core, Faceted, HalfSpace, Surface, Swept};
 use crate::input::InputError;
 use crate::math::Pose;
+use crate::mesh::Placed;
 use crate::volume::stretch;
 
 /// A shape in the world.
@@ -17,6 +19,8 @@ pub struct PlacedShape {
     pub(super) radius: [f64; 2],
     /// The parts of a compound.
     pub(super) parts: Arc<[PlacedShape]>,
+    /// The parts by their boxes, of a compound of many.
+    pub(super) tree: Option<Arc<PartTree>>,
     /// Holds the shape, where that is finite.
     pub(super) bounds: Option<[[f64; 3]; 2]>,
 }
@@ -46,6 +50,16 @@ impl PlacedShape {
             Kind::Compound(_) => &self.parts,
             _ => std::slice::from_ref(self),
         }
+    }
+
+    /// A placed mesh as a solid.
+    pub(crate) fn solid(placed: Placed<'_>) -> Self {
+        let kind = Kind::Mesh { mesh: placed.mesh.clone(), is_solid: true };
+        let world_from_local = placed.world_from_mesh;
+        let mut solid =
+            Self { kind, world_from_local, radius: [0.0; 2], parts: Arc::from([]), tree: None, bounds: None };
+        solid.bounds = solid.world_bounds();
+        solid
     }
 
     /// This shape elsewhere.

@@ -44,6 +44,13 @@ impl<T: Pod> Pages<T> {
         Buffer::Owned(vec![T::zeroed(); len])
     }
 
+    /// A copy of these elements.
+    pub(crate) fn copied(elements: &[T]) -> Buffer<T> {
+        let mut copy = Self::zeroed(elements.len());
+        copy.to_mut().copy_from_slice(elements);
+        copy
+    }
+
     /// The same memory as elements of another kind, with whatever was left there; as many zeros elsewhere where they do not
     /// fit. Pages are aligned for any kind.
     fn cast<U: Pod>(self, len: usize) -> Buffer<U> {

@@ -145,6 +145,30 @@ fn hundred_thousand_near_hulls() {
     judge_many(100_000);
 }
 
+/// A point in a triangle's own plane, near its corner: the way out is across the plane, and not the longer one past the corner.
+#[test]
+fn n22_flat_sets_are_left_across_themselves() {
+    let corner = [0.0, 1.0, 0.0];
+    let mut rng = Rng::new(54);
+    for case in 0..300 {
+        let share = rng.choose(&[2_f64.powi(-30), 2_f64.powi(-34), 2_f64.powi(-37), 2_f64.powi(-40)]);
+        let edges: [[f64; 3]; 2] = if case == 0 {
+            [[1.0, 1.0, 2.0], [-1.0, -1.0, 1.0]]
+        } else {
+            [0, 1].map(|_| std::array::from_fn(|_| rng.integer(-3, 3) as f64))
+        };
+        // Between the edges, by a share that leaves no rounding.
+        let point: [f64; 3] = std::array::from_fn(|k| corner[k] + share * (edges[0][k] + edges[1][k]));
+        let [p, q] = edges.map(|edge| std::array::from_fn(|k| corner[k] + edge[k]));
+        // A place that both share leaves the point in the triangle.
+        let place = pose(&if case % 2 == 0 { IDENTITY } else { poses::rotation(&mut rng) });
+        let triangle = Shape::triangle([corner, p, q]).unwrap().at(place).unwrap();
+        let point = Shape::point(point).unwrap().at(place).unwrap();
+        let depth = shapes::penetration(&triangle, &point).expect("the point is in the triangle");
+        assert!(depth.lower == 0.0 && depth.upper < 1e-13, "{case} {edges:?} {depth:?}");
+    }
+}
+
 /// Under maps that stretch and shear, what is decided is about the images.
 #[test]
 fn n20_sheared_hulls_are_decided() {

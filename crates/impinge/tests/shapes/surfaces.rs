@@ -284,6 +284,70 @@ fn compounds_are_their_parts() {
     assert!(meeting > 1 && apart > 1, "{meeting} {apart}");
 }
 
+/// A compound of many parts, which has a tree, says what all its parts say one by one; beside single shapes, other compounds and
+/// half-spaces, and with a half-space among its parts.
+#[test]
+fn many_parts_are_asked_by_a_tree() {
+    let mut rng = Rng::new(577);
+    let all = Known::all();
+    let finite: Vec<&Known> = all.iter().filter(|known| !matches!(known, Known::HalfSpace(..))).collect();
+    let scattered = |rng: &mut Rng, count: usize, reach: f64| -> Vec<(Shape, Pose)> {
+        let part = |rng: &mut Rng| {
+            let mut place = poses::rotation(rng);
+            // On a grid, so that parts are as near as others.
+            let step = |rng: &mut Rng| 3.0 * rng.integer(-4, 4) as f64;
+            place.translation = [step(rng), step(rng), if rng.one_in(2) { step(rng) } else { reach * rng.unit() }];
+            (rng.choose(&finite).shape(), pose(&place))
+        };
+        (0..count).map(|_| part(rng)).collect()
+    };
+    let (mut meeting, mut apart, mut contacts) = (0, 0, 0);
+    for case in 0..24 {
+        let mut parts = scattered(&mut rng, 150, 9.0);
+        if case % 6 >= 3 {
+            parts[70] = (Shape::half_space([0.0, 0.0, 1.0], -40.0).unwrap(), Pose::IDENTITY);
+        }
+        let others = match case % 3 {
+            0 => scattered(&mut rng, 1, 40.0),
+            1 => scattered(&mut rng, 40, 40.0),
+            _ => vec![(Shape::half_space([0.0, 1.0, 1.0], -16.0).unwrap(), Pose::IDENTITY)],
+        };
+        let shift = at([0.0, 0.0, if case % 2 == 0 { 0.0 } else { 16.0 }]);
+        let compound = Shape::compound(&parts).unwrap().at(Pose::IDENTITY).unwrap();
+        let other = Shape::compound(&others).unwrap().at(shift).unwrap();
+        let singles = |parts: &[(Shape, Pose)], by: &Pose| -> Vec<PlacedShape> {
+            parts.iter().map(|(shape, place)| shape.at(by.compose(place).unwrap()).unwrap()).collect()
+        };
+        let (ours, theirs) = (singles(&parts, &Pose::IDENTITY), singles(&others, &shift));
+        let pairs = || ours.iter().flat_map(|part| theirs.iter().map(move |other| (part, other)));
+        let least = pairs().map(|(part, other)| shapes::distance(part, other).upper).fold(f64::INFINITY, f64::min);
+        let found = shapes::distance(&compound, &other);
+        assert_eq!(found.upper, least, "{case}");
+        assert_eq!(shapes::distance(&other, &compound).upper, least, "{case}");
+        assert!(found.lower <= least);
+        let hit = pairs().any(|(part, other)| shapes::intersects(part, other));
+        assert_eq!(shapes::intersects(&compound, &other), hit, "{case}");
+        for clearance in [0.5 * least, least, 1.5 * least] {
+            let near = pairs().any(|(part, other)| shapes::within(part, other, clearance));
+            assert_eq!(shapes::within(&compound, &other, clearance), near, "{case} {clearance}");
+        }
+        let named: Vec<[u32; 2]> = {
+            let manifolds = shapes::contacts(&compound, &other);
+            manifolds.iter().flat_map(|m| &m.points).map(|point| [point.id.part_a, point.id.part_b]).collect()
+        };
+        assert!(named.is_sorted(), "{named:?}");
+        for (i, part) in (0..).zip(&ours) {
+            for (j, other) in (0..).zip(&theirs) {
+                assert_eq!(named.contains(&[i, j]), shapes::intersects(part, other), "{case} {i} {j}");
+            }
+        }
+        contacts += named.len();
+        meeting += usize::from(hit);
+        apart += usize::from(!hit);
+    }
+    assert!(meeting > 5 && apart > 5 && contacts > 40, "{meeting} {apart} {contacts}");
+}
+
 /// Two spheres that overlap by one half, of ever smaller triangles: the depth closes in on one half from both sides.
 #[test]
 fn depths_of_refined_spheres_converge() {
@@ -294,13 +358,13 @@ fn depths_of_refined_spheres_converge() {
         let depth = shapes::penetration(&a, &b).expect("they overlap");
         assert!(depth.lower <= depth.upper, "{depth:?}");
         assert!((depth.lower - 0.5).abs() < wanted && (depth.upper - 0.5).abs() < wanted, "{subdivisions} {depth:?}");
-        assert!(depth.normal[0] > 0.95, "{depth:?}");
+        assert!(depth.normal[0] > 1.0 - wanted, "{depth:?}");
         let moved = |by: f64| sphere.at(at([1.5 + depth.normal[0] * by, depth.normal[1] * by, depth.normal[2] * by]));
         assert!(!shapes::intersects(&a, &moved(depth.upper * (1.0 + 1e-9)).unwrap()), "{depth:?}");
         assert!(shapes::intersects(&a, &moved(depth.lower * (1.0 - 1e-9)).unwrap()), "{depth:?}");
         widths.push(depth.upper - depth.lower);
     }
-    assert!(widths[2] < 0.02, "{widths:?}");
+    assert!(widths.iter().all(|&width| width < 1e-3), "{widths:?}");
 }
 
 /// Two boxes as meshes have the depth that they have as boxes, and a region for each place in which they meet.
@@ -318,8 +382,9 @@ fn boxes_as_meshes_are_as_deep_as_boxes() {
         for (a, b) in [(&solid, &solid), (&solid, &plain), (&plain, &solid)] {
             let depth = shapes::penetration(&here(a), &there(b)).expect("they overlap");
             assert!(depth.lower <= truth.upper && truth.lower <= depth.upper, "{depth:?} {truth:?}");
-            // The search may end in a longer way out; it is seldom much longer.
-            assert!(depth.upper <= truth.upper * 1.5 + 1e-6, "{case} {depth:?} {truth:?}");
+            // Of two meshes the way out of their hulls is tried; of a mesh and a shape the search may end in a longer one.
+            let longer = if std::ptr::eq(a, b) { 1.0 + 1e-6 } else { 1.1 };
+            assert!(depth.upper <= truth.upper * longer + 1e-6, "{case} {depth:?} {truth:?}");
         }
     }
     // On a plate, a little in it: one region, whose normal, area and depth are those of the common box.

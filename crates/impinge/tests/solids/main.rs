@@ -1,6 +1,8 @@
 //! What is inside: winding numbers, containment, interiors that meet, and meshes that meet themselves.
 
 mod containment;
+mod depths;
+mod patches;
 mod penetration;
 mod self_intersection;
 mod shapes;

@@ -10,7 +10,8 @@ mod contacts;
 mod search;
 mod table;
 
-use crate::convex::{self, Coherence};
+use crate::convex::{self, Coherence, Depth};
+use crate::mesh::Placed;
 use crate::shape::{Form, PlacedShape};
 pub use crate::volume::Proximity;
 pub use contacts::{ContactId, ContactOptions, ContactPoint, Feature, Manifold, contacts, contacts_with};
@@ -188,7 +189,17 @@ pub fn penetration(a: &PlacedShape, b: &PlacedShape) -> Option<Penetration> {
     if !intersects(a, b) {
         return None;
     }
-    let found = table::depth(a, b).unwrap_or_else(|| search::depth_by_search(a, b));
-    let [point_a, point_b] = found.points;
-    Some(Penetration { lower: found.lower, upper: found.upper, normal: found.normal, point_a, point_b })
+    Some(table::depth(a, b).unwrap_or_else(|| search::depth_by_search(a, b)).into())
+}
+
+/// The depth of two meshes, taken as solids, that have a common point.
+pub(super) fn penetration_of_solids(a: Placed<'_>, b: Placed<'_>) -> Penetration {
+    search::depth_by_search(&PlacedShape::solid(a), &PlacedShape::solid(b)).into()
+}
+
+impl From<Depth> for Penetration {
+    fn from(depth: Depth) -> Self {
+        let [point_a, point_b] = depth.points;
+        Self { lower: depth.lower, upper: depth.upper, normal: depth.normal, point_a, point_b }
+    }
 }

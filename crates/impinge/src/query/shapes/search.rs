@@ -3,8 +3,9 @@
 //!
 //! From where the second shape is surely beyond the first along some direction it is brought back towards its place, each
 //! step no longer than the proved distance, so that it never touches. Where it nearly does, the nearest points give a plane that
-//! the translation is to stay beyond; the shortest translation beyond all such planes is the next goal. Several directions to
-//! start from are tried and the shortest translation wins. Each one was asked of the exact query where it ends.
+//! the translation is to stay beyond; the shortest translation beyond all such planes is the next goal. Where that is reached without
+//! contact the planes are forgotten, and the way goes on. Several directions to
+//! start from are tried and the shortest translation wins. It was asked of the exact query where it ends.
 //!
 //! From below: with balls of radii r and s about one point, the first in A and the second in B, no translation shorter
 //! than r + s parts the interiors (docs/proof.md, L30). The point is looked for between the points that touched last.
@@ -15,15 +16,27 @@
 //! shapes, and in the bound from below.
 
 use super::Proximity;
-use super::table::separation;
-use crate::convex::{self, Core, Depth, Surface, Swept, depth};
+use super::table::{placed, separation};
+use crate::convex::{self, Core, Depth, Separation, Surface, Swept, depth, to_unit_length};
+use crate::hull::Hull;
 use crate::math::Pose;
+use crate::mesh::{Containment, Mesh, Options, Positions};
+use crate::query::{WitnessCache, contact_patches, distance_with};
 use crate::shape::{Form, PlacedShape};
 
 type Vector = [f64; 3];
 
-/// Directions that are searched from, of those that promise most.
+/// Directions along the axes of the world and of the shapes that are searched from, of those that promise most.
 const STARTS: usize = 3;
+
+/// Regions in which two meshes meet whose normals are searched along, the largest first.
+const PATCHES: usize = 3;
+
+/// Vertices of a mesh whose hull takes less time than a few distances.
+const SMALL: usize = 1024;
+
+/// What a way that goes on is to gain, next to its length, to be worth more steps: 2^-14.
+const GAIN: f64 = 1.0 / (1 << 14) as f64;
 
 /// Planes that are gathered from one direction.
 const PLANES: usize = 12;
@@ -51,22 +64,18 @@ pub(super) fn depth_by_search(a: &PlacedShape, b: &PlacedShape) -> Depth {
 }
 
 fn depth_in_order(a: &PlacedShape, b: &PlacedShape) -> Depth {
-    let mut starts: Vec<(f64, Vector)> = directions(a, b)
-        .into_iter()
-        .map(|direction| (parting(a, b, &direction), direction))
-        .filter(|start| start.0.is_finite())
-        .collect();
+    let start = |direction: Vector| {
+        let length = parting(a, b, &direction);
+        length.is_finite().then_some((length, direction))
+    };
+    let mut starts: Vec<(f64, Vector)> = along_axes(a, b).filter_map(start).collect();
     starts.sort_by(|x, y| x.0.total_cmp(&y.0));
     starts.truncate(STARTS);
-    let mut best: Option<Parted> = None;
-    for (length, direction) in starts {
-        if let Some(found) = descend(a, b, length, &direction)
-            && best.as_ref().is_none_or(|best| found.length < best.length)
-        {
-            best = Some(found);
-        }
-    }
-    let Some(best) = best else {
+    starts.extend(directions(a, b).into_iter().filter_map(start));
+    let ways = starts.iter().filter_map(|(length, direction)| descend(a, b, *length, direction));
+    let mut ways: Vec<Parted> = ways.collect();
+    ways.sort_by(|x, y| x.length.total_cmp(&y.length));
+    let Some(best) = ways.into_iter().find(|way| is_parted_by(a, b, &way.translation)) else {
         let points = separation(a, b).points;
         return Depth { lower: 0.0, upper: f64::INFINITY, normal: [1.0, 0.0, 0.0], points };
     };
@@ -76,6 +85,11 @@ fn depth_in_order(a: &PlacedShape, b: &PlacedShape) -> Depth {
     Depth { lower, upper: best.length, normal, points }
 }
 
+/// Whether the second shape, moved by this, is proved to be apart from the first.
+fn is_parted_by(a: &PlacedShape, b: &PlacedShape, translation: &Vector) -> bool {
+    moved(b, translation).is_some_and(|b| separation(a, &b).proximity == Proximity::Apart)
+}
+
 /// A translation of the second shape that parts it from the first, and where they are nearest then.
 struct Parted {
     translation: Vector,
@@ -83,7 +97,7 @@ struct Parted {
     points: [Vector; 2],
 }
 
-/// Directions that may part the shapes: from centre to centre, and along the axes; out of half-spaces.
+/// Directions that may part the shapes: from centre to centre, out of half-spaces, and across the regions in which meshes meet.
 fn directions(a: &PlacedShape, b: &PlacedShape) -> Vec<Vector> {
     let mut found = Vec::new();
     let centre = |[min, max]: [Vector; 2]| -> Vector { std::array::from_fn(|k| 0.5 * min[k] + 0.5 * max[k]) };
@@ -101,19 +115,49 @@ fn directions(a: &PlacedShape, b: &PlacedShape) -> Vec<Vector> {
             }
         }
     }
-    for k in 0..3 {
-        for sign in [1.0, -1.0] {
-            found.push(std::array::from_fn(|j| if j == k { sign } else { 0.0 }));
-        }
+    if let Some([a, b]) = surfaces(a, b) {
+        found.extend(out_of_hulls(&a, &b));
+        let mut patches = contact_patches(placed(&a), placed(&b));
+        patches.sort_by(|x, y| y.area.total_cmp(&x.area));
+        found.extend(patches.iter().take(PATCHES).map(|patch| patch.normal));
     }
     found
 }
 
+/// The way out of each other of the hulls of two meshes of few vertices, which is theirs where they are convex.
+fn out_of_hulls(a: &Surface<'_>, b: &Surface<'_>) -> Option<Vector> {
+    let hull = |surface: &Surface<'_>| {
+        let positions = surface.mesh.positions();
+        let is_small = positions.len() <= SMALL;
+        let points: Vec<Vector> = is_small.then(|| (0..positions.len()).map(|i| positions.get(i)).collect())?;
+        Hull::new(&points).ok()
+    };
+    let (hull_a, hull_b) = (hull(a)?, hull(b)?);
+    let swept = |hull, pose| Swept { core: Core::Hull(hull), pose, radius: [0.0; 2] };
+    Some(depth(&swept(&hull_a, a.pose), &swept(&hull_b, b.pose)).normal)
+}
+
+/// Along the axes of the world and of either shape's own frame, both ways.
+fn along_axes(a: &PlacedShape, b: &PlacedShape) -> impl Iterator<Item = Vector> {
+    let own = [&Pose::IDENTITY, a.world_from_local(), b.world_from_local()];
+    let axis = |pose: &Pose, j: usize| to_unit_length(pose.linear().map(|row| row[j]));
+    let axes: Vec<Vector> = own.into_iter().flat_map(|pose| [0, 1, 2].map(|j| axis(pose, j))).collect();
+    axes.into_iter().flat_map(|axis| [axis, scaled(&axis, -1.0)])
+}
+
+/// Both shapes, where they are meshes.
+fn surfaces<'s>(a: &'s PlacedShape, b: &'s PlacedShape) -> Option<[Surface<'s>; 2]> {
+    match (a.parts(), b.parts()) {
+        ([a], [b]) => match (a.form(), b.form()) {
+            (Form::Surface(a), Form::Surface(b)) => Some([a, b]),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
 /// How far along a direction the second shape is surely beyond the first; infinite where that is not known.
 fn parting(a: &PlacedShape, b: &PlacedShape, direction: &Vector) -> f64 {
-    let height = |[min, max]: [Vector; 2], sign: f64| -> f64 {
-        (0..3).map(|k| if sign * direction[k] > 0.0 { max[k] * direction[k] } else { min[k] * direction[k] }).sum()
-    };
     let mut farthest = 0.0_f64;
     for part_a in a.parts() {
         for part_b in b.parts() {
@@ -123,8 +167,8 @@ fn parting(a: &PlacedShape, b: &PlacedShape, direction: &Vector) -> f64 {
                 (other, Form::HalfSpace(plane)) => {
                     out_of(&plane.unit_normal(), &scaled(direction, -1.0), depth_in(&plane, &other))
                 }
-                _ => match (part_a.bounds(), part_b.bounds()) {
-                    (Some(bounds_a), Some(bounds_b)) => height(bounds_a, 1.0) - height(bounds_b, -1.0),
+                _ => match (height(part_a, direction), height(part_b, &scaled(direction, -1.0))) {
+                    (Some(top), Some(bottom)) => top + bottom,
                     _ => 0.0,
                 },
             };
@@ -132,6 +176,19 @@ fn parting(a: &PlacedShape, b: &PlacedShape, direction: &Vector) -> f64 {
         }
     }
     farthest
+}
+
+/// How far a part reaches along a direction at most, by its box in the world, or by that of a mesh in its own frame.
+fn height(part: &PlacedShape, direction: &Vector) -> Option<f64> {
+    let greatest = |[min, max]: [Vector; 2], direction: &Vector| -> f64 {
+        (0..3).map(|k| if direction[k] > 0.0 { max[k] * direction[k] } else { min[k] * direction[k] }).sum()
+    };
+    let by_world = greatest(part.bounds()?, direction);
+    let Form::Surface(surface) = part.form() else { return Some(by_world) };
+    let pose = surface.pose;
+    let turned = std::array::from_fn(|j| (0..3).map(|k| pose.linear()[k][j] * direction[k]).sum());
+    let own = greatest(surface.mesh.local_bounds()?, &turned) + dot(pose.translation(), direction);
+    Some(by_world.min(own))
 }
 
 fn depth_in(plane: &crate::convex::HalfSpace<'_>, form: &Form<'_>) -> f64 {
@@ -154,19 +211,30 @@ fn out_of(normal: &Vector, direction: &Vector, depth: f64) -> f64 {
 fn descend(a: &PlacedShape, b: &PlacedShape, start: f64, direction: &Vector) -> Option<Parted> {
     let size = start + length_of_bounds(a) + length_of_bounds(b);
     let near = NEAR * size;
+    let mut cache = WitnessCache::default();
     let mut at = [1.0, 2.0, 16.0]
         .into_iter()
-        .find_map(|factor| Place::new(a, b, scaled(direction, start * factor + 4.0 * near)))?;
+        .map(|factor| scaled(direction, start * factor + 4.0 * near))
+        .filter(|translation| is_parted_by(a, b, translation))
+        .find_map(|translation| Place::new(a, b, translation, &mut cache))?;
     let mut best = at.parted();
     let mut planes: Vec<(Vector, f64)> = Vec::new();
     let mut goal = [0.0; 3];
+    let mut arrived_at = f64::INFINITY;
     for _ in 0..PLANES {
-        let Some(arrived) = advance(a, b, &mut at, &goal, near) else { break };
+        let Some(arrived) = advance(a, b, &mut at, &goal, near, &mut cache) else { break };
         if at.length() < best.length {
             best = at.parted();
         }
         if arrived {
-            break;
+            let is_worth_more = at.distance > near && at.length() < arrived_at * (1.0 - GAIN);
+            if !is_worth_more {
+                break;
+            }
+            arrived_at = at.length();
+            planes.clear();
+            goal = [0.0; 3];
+            continue;
         }
         let between = sub(&at.points[1], &at.points[0]);
         let apart = length(&between);
@@ -192,10 +260,14 @@ struct Place {
 }
 
 impl Place {
-    /// None where the shapes are not proved apart there.
-    fn new(a: &PlacedShape, b: &PlacedShape, translation: Vector) -> Option<Self> {
+    /// None where the shapes are not proved apart there. Of meshes the surfaces alone are asked: they start where neither is in the other,
+    /// and what never touches on its way stays outside.
+    fn new(a: &PlacedShape, b: &PlacedShape, translation: Vector, cache: &mut WitnessCache) -> Option<Self> {
         let moved = moved(b, &translation)?;
-        let found = separation(a, &moved);
+        let found = match surfaces(a, &moved) {
+            Some([a, b]) => separation_of_surfaces(&a, &b, cache),
+            None => separation(a, &moved),
+        };
         // What was truly added, after rounding.
         let translation = sub(moved.world_from_local().translation(), b.world_from_local().translation());
         (found.proximity == Proximity::Apart && found.lower.is_finite()).then_some(Self {
@@ -215,8 +287,22 @@ impl Place {
     }
 }
 
+fn separation_of_surfaces(a: &Surface<'_>, b: &Surface<'_>, cache: &mut WitnessCache) -> Separation {
+    let found = distance_with(placed(a), placed(b), cache, &Options::default());
+    let points = found.witness.map_or([[0.0; 3]; 2], |witness| [witness.point_a, witness.point_b]);
+    let proximity = if found.upper > 0.0 { Proximity::Apart } else { Proximity::Meets };
+    Separation { lower: found.lower, upper: found.upper, points, proximity }
+}
+
 /// Moves towards a goal until it or contact is near; whether the goal was reached. None where nothing could be gained.
-fn advance(a: &PlacedShape, b: &PlacedShape, at: &mut Place, goal: &Vector, near: f64) -> Option<bool> {
+fn advance(
+    a: &PlacedShape,
+    b: &PlacedShape,
+    at: &mut Place,
+    goal: &Vector,
+    near: f64,
+    cache: &mut WitnessCache,
+) -> Option<bool> {
     for _ in 0..STEPS {
         let way = sub(goal, &at.translation);
         let left = length(&way);
@@ -228,7 +314,7 @@ fn advance(a: &PlacedShape, b: &PlacedShape, at: &mut Place, goal: &Vector, near
         }
         let step = (at.distance - 0.25 * near).min(left);
         let next = std::array::from_fn(|k| at.translation[k] + way[k] * (step / left));
-        *at = Place::new(a, b, next)?;
+        *at = Place::new(a, b, next, cache)?;
     }
     Some(false)
 }
@@ -275,7 +361,8 @@ fn on_three([p, q, r]: [&(Vector, f64); 3]) -> Option<Vector> {
 
 /// The greatest sum found of the radii of two balls about one point, one in each shape.
 fn ball_in_both(a: &PlacedShape, b: &PlacedShape, points: &[Vector; 2], upper: f64) -> f64 {
-    let sum = |point: &Vector| depth_of_point(a, point) + depth_of_point(b, point);
+    let [mut in_a, mut in_b] = [a, b].map(Balls::of);
+    let mut sum = |point: &Vector| in_a.radius(point) + in_b.radius(point);
     let middle = |p: &Vector, q: &Vector| -> Vector { std::array::from_fn(|k| 0.5 * p[k] + 0.5 * q[k]) };
     let mut at = middle(&points[0], &points[1]);
     let mut best = sum(&at);
@@ -310,20 +397,48 @@ fn ball_in_both(a: &PlacedShape, b: &PlacedShape, points: &[Vector; 2], upper: f
     if best > 0.0 && best.is_finite() { best * (1.0 - 8.0 * f64::EPSILON) } else { 0.0 }
 }
 
-/// The radius of a ball about a point of the world that is in a part of a shape; negative infinity where the point is not proved to
-/// be in the shape.
-fn depth_of_point(shape: &PlacedShape, point: &Vector) -> f64 {
+/// Balls in the parts of a shape.
+struct Balls<'s> {
+    parts: &'s [PlacedShape],
+    /// A mesh of one face that is a point, to measure its distance from surfaces.
+    point: Option<Mesh>,
+    caches: Vec<WitnessCache>,
+}
+
+impl<'s> Balls<'s> {
+    fn of(shape: &'s PlacedShape) -> Self {
+        let parts = shape.parts();
+        let point = Mesh::new(Positions::F32(vec![[0.0; 3]]), vec![[0; 3]]).ok();
+        Self { parts, point, caches: vec![WitnessCache::default(); parts.len()] }
+    }
+
+    /// The radius of a ball about a point of the world that is in one of the parts; negative infinity where the point is not proved to
+    /// be in any.
+    fn radius(&mut self, point: &Vector) -> f64 {
+        let mut greatest = f64::NEG_INFINITY;
+        for (part, cache) in self.parts.iter().zip(&mut self.caches) {
+            let is_outside = |[min, max]: [Vector; 2]| (0..3).any(|k| point[k] < min[k] || point[k] > max[k]);
+            if part.bounds().is_some_and(is_outside) {
+                continue;
+            }
+            greatest = greatest.max(radius_in_part(part, point, self.point.as_ref(), cache));
+        }
+        greatest
+    }
+}
+
+fn radius_in_part(part: &PlacedShape, point: &Vector, point_mesh: Option<&Mesh>, cache: &mut WitnessCache) -> f64 {
     let corner = [*point];
-    let point = Swept { core: Core::Points(&corner), pose: &Pose::IDENTITY, radius: [0.0; 2] };
-    let radius = |part: &PlacedShape| match part.form() {
-        Form::Convex(shape) if convex::nearness(&shape, &point, 0.0) == Proximity::Meets => depth(&shape, &point).lower,
-        Form::HalfSpace(plane) if plane.nearness(&point, 0.0) == Proximity::Meets => plane.depth(&point).lower,
-        Form::Surface(surface) if surface.nearness(&point, 0.0) == Proximity::Meets => {
-            Surface { is_solid: false, ..surface }.separation(&point).lower
+    let swept = Swept { core: Core::Points(&corner), pose: &Pose::IDENTITY, radius: [0.0; 2] };
+    match part.form() {
+        Form::Convex(shape) if convex::nearness(&shape, &swept, 0.0) == Proximity::Meets => depth(&shape, &swept).lower,
+        Form::HalfSpace(plane) if plane.nearness(&swept, 0.0) == Proximity::Meets => plane.depth(&swept).lower,
+        Form::Surface(surface) if surface.containment(&swept) == Containment::Inside => {
+            let (Some(mesh), Ok(pose)) = (point_mesh, Pose::from_translation(*point)) else { return f64::NEG_INFINITY };
+            distance_with(placed(&surface), mesh.at(pose), cache, &Options::default()).lower
         }
         _ => f64::NEG_INFINITY,
-    };
-    shape.parts().iter().map(radius).fold(f64::NEG_INFINITY, f64::max)
+    }
 }
 
 fn moved(shape: &PlacedShape, by: &Vector) -> Option<PlacedShape> {

@@ -1,6 +1,7 @@
 //! The table of pairs: what each verb makes of two parts, by what they are.
 //!
-//! Three representations make six pairs. A compound is asked part by part, and parts whose boxes are too far apart are passed over.
+//! Three representations make six pairs. A compound is asked part by part, and parts whose boxes are too far apart are passed over;
+//! of many parts a tree finds those that are not.
 
 use super::Proximity;
 use crate::convex::{self, Contacts, Depth, Separation, Surface};
@@ -9,12 +10,13 @@ use crate::shape::{Form, PlacedShape};
 
 /// Whether two shapes are within a clearance that is finite and not negative.
 pub(super) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proximity {
+    if let ([a], [b]) = (a.parts(), b.parts()) {
+        let is_far = gap_of_boxes(a, b) > clearance;
+        return if is_far { Proximity::Apart } else { nearness_of_parts(a, b, clearance) };
+    }
     let mut answer = Proximity::Apart;
-    for [part_a, part_b] in pairs(a, b) {
-        if gap_of_boxes(part_a, part_b) > clearance {
-            continue;
-        }
-        match nearness_of_parts(part_a, part_b, clearance) {
+    for [number_a, number_b] in pairs_near(a, b, clearance) {
+        match nearness_of_parts(&a.parts()[number_a as usize], &b.parts()[number_b as usize], clearance) {
             Proximity::Meets => return Proximity::Meets,
             Proximity::Undecided => answer = Proximity::Undecided,
             Proximity::Apart => {}
@@ -47,14 +49,23 @@ fn nearness_of_parts(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proxim
 
 /// The distance of two shapes: the least of their parts'.
 pub(super) fn separation(a: &PlacedShape, b: &PlacedShape) -> Separation {
-    let nothing =
+    if let ([a], [b]) = (a.parts(), b.parts()) {
+        return separation_of_parts(a, b);
+    }
+    let reach = near_pair(a, b)
+        .map_or(f64::INFINITY, |[i, j]| separation_of_parts(&a.parts()[i as usize], &b.parts()[j as usize]).upper);
+    let mut near: Vec<(f64, [u32; 2])> = pairs_near(a, b, reach)
+        .into_iter()
+        .map(|[i, j]| (gap_of_boxes(&a.parts()[i as usize], &b.parts()[j as usize]), [i, j]))
+        .collect();
+    near.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+    let mut best =
         Separation { lower: f64::INFINITY, upper: f64::INFINITY, points: [[0.0; 3]; 2], proximity: Proximity::Apart };
-    let mut best = nothing;
-    for [part_a, part_b] in pairs(a, b) {
-        if gap_of_boxes(part_a, part_b) > best.upper {
-            continue;
+    for (gap, [i, j]) in near {
+        if gap > best.upper {
+            break;
         }
-        let found = separation_of_parts(part_a, part_b);
+        let found = separation_of_parts(&a.parts()[i as usize], &b.parts()[j as usize]);
         let lower = best.lower.min(found.lower);
         let is_open = best.proximity == Proximity::Undecided || found.proximity == Proximity::Undecided;
         if found.proximity == Proximity::Meets {
@@ -113,13 +124,11 @@ pub(super) fn depth(a: &PlacedShape, b: &PlacedShape) -> Option<Depth> {
 /// The contacts of two shapes within a margin, with the parts that they are of.
 pub(super) fn contacts(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<([u32; 2], Contacts)> {
     let mut found = Vec::new();
-    for (number_a, part_a) in (0..).zip(a.parts()) {
-        for (number_b, part_b) in (0..).zip(b.parts()) {
-            let is_far = gap_of_boxes(part_a, part_b) > margin;
-            if !is_far && nearness_of_parts(part_a, part_b, margin) != Proximity::Apart {
-                let of_parts = contacts_of_parts(part_a, part_b, margin);
-                found.extend(of_parts.into_iter().map(|contacts| ([number_a, number_b], contacts)));
-            }
+    for numbers in pairs_near(a, b, margin) {
+        let (part_a, part_b) = (&a.parts()[numbers[0] as usize], &b.parts()[numbers[1] as usize]);
+        if nearness_of_parts(part_a, part_b, margin) != Proximity::Apart {
+            let of_parts = contacts_of_parts(part_a, part_b, margin);
+            found.extend(of_parts.into_iter().map(|contacts| (numbers, contacts)));
         }
     }
     found
@@ -155,8 +164,35 @@ fn contacts_of_parts(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<Conta
     }
 }
 
-fn pairs<'s>(a: &'s PlacedShape, b: &'s PlacedShape) -> impl Iterator<Item = [&'s PlacedShape; 2]> {
-    a.parts().iter().flat_map(|part_a| b.parts().iter().map(move |part_b| [part_a, part_b]))
+/// The pairs of parts whose boxes are within a distance of each other, sorted.
+fn pairs_near(a: &PlacedShape, b: &PlacedShape, reach: f64) -> Vec<[u32; 2]> {
+    // The tree of the one that has more parts is asked for those of the other.
+    let is_turned = a.parts().len() > b.parts().len();
+    let (few, many) = if is_turned { (b, a) } else { (a, b) };
+    let mut found = Vec::new();
+    for number in few.parts_near(many.bounds(), reach) {
+        let part = &few.parts()[number as usize];
+        for other in many.parts_near(part.bounds(), reach) {
+            if gap_of_boxes(part, &many.parts()[other as usize]) <= reach {
+                found.push(if is_turned { [other, number] } else { [number, other] });
+            }
+        }
+    }
+    if is_turned {
+        found.sort_unstable();
+    }
+    found
+}
+
+/// A pair of parts that are near each other, to begin with; none where there is no tree.
+fn near_pair(a: &PlacedShape, b: &PlacedShape) -> Option<[u32; 2]> {
+    let middle = |[min, max]: [[f64; 3]; 2]| std::array::from_fn(|k| 0.5 * min[k] + 0.5 * max[k]);
+    let number_a = match b.bounds().map(middle) {
+        Some(point) => a.part_nearest(point).unwrap_or(0),
+        None => return None,
+    };
+    let point = a.parts()[number_a as usize].bounds().map(middle)?;
+    Some([number_a, b.part_nearest(point).unwrap_or(0)])
 }
 
 /// How far apart the boxes of two parts are at least; zero where one has none.

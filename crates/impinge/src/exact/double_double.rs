@@ -1,0 +1,186 @@
+//! Real numbers as the sum of two floats with a bound of what it is off by: twice the digits of a float at some twenty times the price.
+//!
+//! What is rounded to nearest from exact numbers needs a few more digits than a float has, nearly always. These are found here, and
+//! integers are left with what lies between two floats to within the bound.
+//!
+//! # Source
+//! Dekker, *A floating-point technique for extending the available precision*, Numerische Mathematik 18, 1971; ours departs in that
+//! every step carries its own bound, so that nothing is assumed of operands.
+
+use super::points::{LEAST_SPLIT, product_error, two_sum};
+use crate::math::Pose;
+use crate::math::relative::{INFLATE, UNDERFLOW, UNIT_ROUNDOFF};
+
+/// Products beyond this are not split: 2^900.
+const GREATEST_SPLIT: f64 = f64::from_bits((1023 + 900) << 52);
+
+/// `high + low`, where high is the float nearest to the sum, and at most `error` away from the number that is meant. An error that
+/// is infinite or NaN says nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DoubleDouble {
+    high: f64,
+    low: f64,
+    error: f64,
+}
+
+impl DoubleDouble {
+    pub(super) fn of(x: f64) -> Self {
+        Self { high: x, low: 0.0, error: 0.0 }
+    }
+
+    /// The exact image of a point of the local frame.
+    pub(super) fn world_point(world_from_local: &Pose, point: &[f64; 3]) -> [Self; 3] {
+        std::array::from_fn(|axis| {
+            let row = &world_from_local.linear()[axis];
+            let translation = Self::of(world_from_local.translation()[axis]);
+            (0..3).fold(translation, |sum, k| sum.plus(&Self::product(row[k], point[k])))
+        })
+    }
+
+    /// The float nearest to the number, where the bound settles it.
+    pub(super) fn nearest(&self) -> Option<f64> {
+        // Rounding is monotonic, so what both ends are rounded to, all between them is.
+        let (least, greatest) = ((self.low - self.error).next_down(), (self.low + self.error).next_up());
+        let is_exact = self.low == 0.0 && self.error == 0.0;
+        let is_settled = self.high + least == self.high && self.high + greatest == self.high;
+        (self.high.is_finite() && (is_exact || is_settled)).then_some(self.high + 0.0)
+    }
+
+    #[inline]
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        let (sum, rest) = two_sum(self.high, other.high);
+        let lows = self.low + other.low;
+        let low = lows + rest;
+        let rounding = UNIT_ROUNDOFF * (lows.abs() + low.abs());
+        Self::new(sum, low, self.error + other.error + rounding)
+    }
+
+    #[inline]
+    pub(super) fn minus(&self, other: &Self) -> Self {
+        self.plus(&Self { high: -other.high, low: -other.low, error: other.error })
+    }
+
+    #[inline]
+    pub(super) fn times(&self, other: &Self) -> Self {
+        let product = Self::product(self.high, other.high);
+        let (forward, backward) = (self.high * other.low, self.low * other.high);
+        let across = forward + backward;
+        let low = product.low + across;
+        let rounding = UNIT_ROUNDOFF * (forward.abs() + backward.abs() + across.abs() + low.abs());
+        let left_out = (self.low * other.low).abs() + 4.0 * UNDERFLOW;
+        let input = self.size() * other.error + other.size() * self.error + self.error * other.error;
+        Self::new(product.high, low, product.error + rounding + left_out + input)
+    }
+
+    /// What is left of the dividend after two quotients of floats bounds the error.
+    #[inline]
+    pub(super) fn over(&self, divisor: &Self) -> Self {
+        let less = |rest: &Self, quotient: f64| rest.minus(&divisor.times(&Self::of(quotient)));
+        let first = self.high / divisor.high;
+        let rest = less(self, first);
+        let second = rest.high / divisor.high;
+        let rest = less(&rest, second);
+        let least = divisor.high.abs() * (1.0 - 8.0 * UNIT_ROUNDOFF) - divisor.low.abs() - divisor.error * INFLATE;
+        let error = if least > 0.0 { (rest.size() + rest.error) / least + UNDERFLOW } else { f64::INFINITY };
+        Self::new(first, second, error)
+    }
+
+    /// Two floats, the first not much smaller than the second, and a bound that is a sum of few floats.
+    #[inline]
+    fn new(high: f64, low: f64, error: f64) -> Self {
+        let (high, low) = two_sum(high, low);
+        Self { high, low, error: error * INFLATE }
+    }
+
+    /// The product of two floats.
+    #[inline]
+    fn product(x: f64, y: f64) -> Self {
+        let product = x * y;
+        let is_split = (LEAST_SPLIT..=GREATEST_SPLIT).contains(&product.abs())
+            && x.abs() <= GREATEST_SPLIT
+            && y.abs() <= GREATEST_SPLIT;
+        if is_split {
+            Self { high: product, low: product_error(x, y, product), error: 0.0 }
+        } else {
+            let error = if x == 0.0 || y == 0.0 { 0.0 } else { f64::INFINITY };
+            Self { high: product, low: 0.0, error }
+        }
+    }
+
+    fn size(&self) -> f64 {
+        self.high.abs() + self.low.abs()
+    }
+}
+
+pub(super) fn difference(p: &[DoubleDouble; 3], q: &[DoubleDouble; 3]) -> [DoubleDouble; 3] {
+    std::array::from_fn(|k| p[k].minus(&q[k]))
+}
+
+pub(super) fn cross(u: &[DoubleDouble; 3], v: &[DoubleDouble; 3]) -> [DoubleDouble; 3] {
+    std::array::from_fn(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        u[i].times(&v[j]).minus(&u[j].times(&v[i]))
+    })
+}
+
+pub(super) fn dot(u: &[DoubleDouble; 3], v: &[DoubleDouble; 3]) -> DoubleDouble {
+    u[0].times(&v[0]).plus(&u[1].times(&v[1])).plus(&u[2].times(&v[2]))
+}
+
+#[cfg(test)]
+mod tests {
+    use dashu_ratio::RBig;
+
+    use super::*;
+
+    fn exact(x: f64) -> RBig {
+        RBig::try_from(x).expect("finite")
+    }
+
+    /// Sums, products and quotients stay within their bounds, which are some 2^-100 of the sizes.
+    #[test]
+    fn bounds_hold() {
+        let mut state = 9_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let sign = if state & 1 << 20 == 0 { 1.0 } else { -1.0 };
+            let exponent = (state >> 57) % 64;
+            sign * f64::from_bits((1023 - 32 + exponent) << 52 | (state >> 12 & ((1 << 52) - 1)))
+        };
+        let (mut narrow, mut settled) = (0, 0);
+        for case in 0..4000 {
+            let floats: [f64; 4] = std::array::from_fn(|_| next());
+            let [a, b, c, d] = floats.map(DoubleDouble::of);
+            let [x, y, z, w] = floats.map(exact);
+            let (product, other) = (a.times(&b), c.times(&d));
+            let (value, truth) = match case % 3 {
+                0 => (product.plus(&other).times(&a), (&x * &y + &z * &w) * &x),
+                1 => (product.minus(&other).over(&d.plus(&a)), (&x * &y - &z * &w) / (&w + &x)),
+                // Cancels to what the products lack.
+                _ => (product.minus(&DoubleDouble::of(floats[0] * floats[1])), &x * &y - exact(floats[0] * floats[1])),
+            };
+            let off = exact(value.high) + exact(value.low) - truth.clone();
+            let off = if off < RBig::ZERO { -off } else { off };
+            assert!(value.error.is_finite() && off <= exact(value.error), "{floats:?} {value:?}");
+            narrow += usize::from(value.error < value.size() * 2_f64.powi(-80));
+            if let Some(nearest) = value.nearest() {
+                let beside = |other: f64| {
+                    let (near, far) = (exact(nearest) - truth.clone(), exact(other) - truth.clone());
+                    near.clone() * near <= far.clone() * far
+                };
+                assert!(beside(nearest.next_up()) && beside(nearest.next_down()), "{floats:?} {value:?}");
+                settled += 1;
+            }
+        }
+        // All but what cancels, of which no digits are left to spare.
+        assert!(narrow > 2500 && settled > 2500, "{narrow} {settled}");
+        // What vanishes or overflows settles nothing.
+        for [x, y] in [[1e-200, 1e-200], [1e300, 1e300], [1e-320, 3.0]] {
+            assert_eq!(DoubleDouble::of(x).times(&DoubleDouble::of(y)).nearest(), None);
+        }
+        assert_eq!(DoubleDouble::of(1.0).over(&DoubleDouble::of(0.0)).nearest(), None);
+        // A tie between two floats is left open; one beside it is not.
+        let half = DoubleDouble::of(1.0).plus(&DoubleDouble::of(UNIT_ROUNDOFF));
+        assert_eq!(DoubleDouble { error: 1e-40, ..half }.nearest(), None);
+    }
+}

@@ -1,0 +1,169 @@
+//! The regions in which two surfaces go through each other, each with its curves, a normal, an area and a depth.
+//!
+//! Pairs of faces that meet are one region where they share a face. A piece of the curve runs along the product of its
+//! faces' normals, so it goes round what either surface has inside the other in one sense, and half the sum of the
+//! products of its ends is the region's area as a vector: its direction is from A to B, whatever the region's shape is,
+//! and holes count against it. How deep the region is along that normal is read off the corners of either surface inside
+//! the other, which are found from those at the curve by going from corner to corner (`interior`).
+
+mod contacts;
+mod interior;
+
+use std::collections::{HashMap, HashSet};
+
+use rayon::prelude::*;
+
+use super::curves::{Curves, curves_of_crossings};
+use super::intersecting_pairs;
+use crate::convex::to_unit_length;
+use crate::exact::{Crossing, Placement, crossing};
+use crate::mesh::Placed;
+use crate::primitive::{cross, dot, length, sub};
+pub(crate) use contacts::contacts_of_patches;
+use interior::Interior;
+
+/// A region in which the surfaces of two meshes go through each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactPatch {
+    /// A direction of length 1 from the first mesh to the second, in the world frame: that of the area that the curves go
+    /// round. Faces are taken to turn left seen from outside.
+    pub normal: [f64; 3],
+    /// The area that the curves go round, seen along the normal, in square world units, rounded.
+    pub area: f64,
+    /// How far the part of the first mesh inside the second reaches along the normal beyond that of the second inside the
+    /// first, in world units, rounded; never negative.
+    pub depth: f64,
+    /// The curves in which the surfaces meet here, in the world frame.
+    pub curves: Curves,
+    /// The pairs of faces that meet here, sorted.
+    pub pairs: Vec<[u32; 2]>,
+    /// The vertices of either mesh that are inside the other and hang together with the curves, ascending.
+    pub inside: [Vec<u32>; 2],
+}
+
+/// The regions in which the surfaces of two meshes meet, by their first pairs.
+///
+/// ```
+/// use impinge::{Mesh, Pose, Positions, query};
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [0.0, 0.0, 8.0]];
+/// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
+/// // Its tip, one unit deep in the floor of a copy.
+/// let patches = query::contact_patches(&mesh, mesh.at(Pose::from_translation([-1.0, -1.0, 7.0])?));
+/// assert_eq!(patches.len(), 1);
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+///
+/// # Accuracy
+/// Which pairs, curves and vertices a region has is exact for closed meshes; its normal, area and depth are sums in floats. A region
+/// that has no area, as of surfaces that only touch, has as its normal that of a face of the first mesh.
+///
+/// # Complexity
+/// That of [`intersecting_pairs`], O(k log k) for k pairs, and for each side of each curve, or each vertex there where a mesh is open, that
+/// of [`Mesh::contains`](crate::Mesh::contains) for one point. Regions with vertices inside take as long as these are many; O(n) the first time that a mesh is asked.
+#[must_use]
+pub fn contact_patches<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Vec<ContactPatch> {
+    regions_of([a.into(), b.into()]).into_iter().map(|(patch, _)| patch).collect()
+}
+
+/// Pairs of faces below which threads cost more than they save.
+const FEW: usize = 64;
+
+/// A pair of faces that meet, and in what.
+#[derive(Clone, Copy, Debug)]
+struct Met {
+    pair: [u32; 2],
+    crossing: Crossing,
+}
+
+/// The regions in which two meshes meet, with the pairs of each.
+fn regions_of(placed: [Placed<'_>; 2]) -> Vec<(ContactPatch, Vec<Met>)> {
+    let pairs = intersecting_pairs(placed[0], placed[1]);
+    if pairs.is_empty() {
+        return Vec::new();
+    }
+    let placement = Placement::new(&placed[0].world_from_mesh, &placed[1].world_from_mesh);
+    let corners = |side: usize, face: u32| placed[side].mesh.corners(face);
+    let meet =
+        |&pair: &[u32; 2]| Met { pair, crossing: crossing(&placement, &corners(0, pair[0]), &corners(1, pair[1])) };
+    let met: Vec<Met> = pairs.par_iter().with_min_len(FEW).map(meet).collect();
+    let mut sides = [0, 1].map(|side| Interior::new(placed, &met, side));
+    let patches = regions(met).into_iter().map(|met| (patch(placed, &mut sides, &met), met));
+    patches.collect()
+}
+
+/// Pairs that are connected by faces that they share.
+fn regions(all: Vec<Met>) -> Vec<Vec<Met>> {
+    let mut roots: Vec<usize> = (0..all.len()).collect();
+    let mut first: [HashMap<u32, usize>; 2] = Default::default();
+    for (number, met) in all.iter().enumerate() {
+        for side in 0..2 {
+            let other = *first[side].entry(met.pair[side]).or_insert(number);
+            let (one, other) = (root(&mut roots, number), root(&mut roots, other));
+            roots[one.max(other)] = one.min(other);
+        }
+    }
+    let mut found: Vec<Vec<Met>> = Vec::new();
+    let mut number_of = HashMap::new();
+    for (number, met) in all.into_iter().enumerate() {
+        let root = root(&mut roots, number);
+        let region = *number_of.entry(root).or_insert(found.len());
+        if region == found.len() {
+            found.push(Vec::new());
+        }
+        found[region].push(met);
+    }
+    found
+}
+
+fn root(roots: &mut [usize], mut number: usize) -> usize {
+    while roots[number] != number {
+        roots[number] = roots[roots[number]];
+        number = roots[number];
+    }
+    number
+}
+
+fn patch(placed: [Placed<'_>; 2], sides: &mut [Interior<'_>; 2], met: &[Met]) -> ContactPatch {
+    let curves = curves_of_crossings(placed.map(|placed| placed.mesh), met.iter().map(|met| (met.pair, &met.crossing)));
+    let mirrors = placed[0].world_from_mesh.mirrors() != placed[1].world_from_mesh.mirrors();
+    let mut pieces = HashSet::new();
+    let mut area = [0.0; 3];
+    let mut about: Option<[f64; 3]> = None;
+    for met in met {
+        let Crossing::Segment(from, to) = &met.crossing else { continue };
+        // A piece along an edge is found from every face there.
+        if !pieces.insert([from.point, to.point].map(|end| end.map(f64::to_bits))) {
+            continue;
+        }
+        let origin = *about.get_or_insert(from.point);
+        let product = cross(&sub(&from.point, &origin), &sub(&to.point, &origin));
+        area = std::array::from_fn(|k| area[k] + 0.5 * product[k]);
+    }
+    if mirrors {
+        area = area.map(|x| -x);
+    }
+    let magnitude = length(&area);
+    let normal = if magnitude > 0.0 { to_unit_length(area) } else { face_normal(placed[0], met[0].pair[0]) };
+    let inside = [0, 1].map(|side| sides[side].of_region(met.iter().map(|met| met.pair[side])));
+    let pairs = met.iter().map(|met| met.pair).collect();
+    let line = || curves.polylines.iter().flatten().chain(&curves.points).map(|point| dot(&normal, point));
+    let heights = |side: usize| {
+        let Placed { mesh, world_from_mesh } = placed[side];
+        inside[side]
+            .iter()
+            .map(move |&vertex| dot(&normal, &world_from_mesh.apply(mesh.positions().get(vertex as usize))))
+    };
+    let top = heights(0).chain(line()).fold(f64::NEG_INFINITY, f64::max);
+    let bottom = heights(1).chain(line()).fold(f64::INFINITY, f64::min);
+    let depth = if top > bottom { top - bottom } else { 0.0 };
+    ContactPatch { normal, area: magnitude, depth, curves, pairs, inside }
+}
+
+/// The normal of a face in the world; along an axis where it has none.
+fn face_normal(placed: Placed<'_>, face: u32) -> [f64; 3] {
+    let [p, q, r] = placed.mesh.corners(face).map(|corner| placed.world_from_mesh.apply(corner));
+    let area = cross(&sub(&q, &p), &sub(&r, &p));
+    let sign = if placed.world_from_mesh.mirrors() { -1.0 } else { 1.0 };
+    to_unit_length(area.map(|x| sign * x))
+}
