@@ -99,3 +99,43 @@ impl Slots {
         if !self.sorted.is_empty() { slot as usize } else { self.next[slot as usize] as usize }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Coordinates that are alike, repeat, or crowd about one place so that all are sorted in full.
+    fn coordinates(kind: usize, len: usize) -> Vec<f32> {
+        (0..len)
+            .map(|at| match kind {
+                0 => (at * at % 97) as f32,
+                1 => (at * 7919 % 4093) as f32 * 0.37 - 700.0,
+                2 => 1.0 / (1.0 + (at * 31 % 1009) as f32),
+                _ => 5.0,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn what_a_sweep_skips_lies_apart() {
+        let (mut slots, mut full) = (Slots::default(), 0);
+        for (kind, len) in [(0, 0), (0, 1), (0, 90), (0, 4000), (1, 500), (1, 5000), (2, 900), (3, 20), (3, 300)] {
+            let coordinates = coordinates(kind, len);
+            slots.sort(coordinates.iter().copied());
+            full += usize::from(!slots.sorted.is_empty());
+            let mut sorted = vec![f32::NAN; len];
+            slots.each_place(|from, to| {
+                assert!(sorted[to].is_nan(), "one place for two");
+                sorted[to] = coordinates[from];
+            });
+            let asked = coordinates.iter().flat_map(|&x| [x, x + 0.01, x.next_down(), -x, 1e30, -1e30]);
+            for x in asked {
+                let slot = slots.of(x);
+                assert!(sorted[slots.end(slot)..].iter().all(|&behind| behind > x), "kind {kind}, {len}: behind {x}");
+                let below = slots.start(slots.of(x.next_down()));
+                assert!(sorted[..below].iter().all(|&before| before < x), "kind {kind}, {len}: before {x}");
+            }
+        }
+        assert!((3..7).contains(&full), "{full} of 9 were sorted in full");
+    }
+}
