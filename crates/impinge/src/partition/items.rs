@@ -1,5 +1,6 @@
 //! The boxes of a partition by their keys, and a box about all of them.
 
+use crate::simd::prefetch;
 use crate::volume::{BoundingVolume, MinMax};
 
 /// What has its boxes by their keys: every partition, and nothing outside of this module.
@@ -35,6 +36,13 @@ impl Items {
     pub(super) fn get(&self, key: u32) -> Option<&MinMax> {
         let word = self.present.get(key as usize / 64)?;
         (word >> (key % 64) & 1 == 1).then(|| &self.boxes[key as usize])
+    }
+
+    /// Asks for the memory of a box.
+    pub(super) fn prefetch(&self, key: u32) {
+        if let Some(bounds) = self.boxes.get(key as usize) {
+            prefetch(bounds);
+        }
     }
 
     /// Puts a box under a key, and returns the one that was there.

@@ -10,66 +10,105 @@ use impinge_bench::table::{Table, time};
 use impinge_testkit::generate::Rng;
 use parry3d::partitioning::{Bvh, BvhWorkspace};
 
-use crate::scenes::{for_parry, moved};
+use crate::scenes::{for_parry, nudged};
 
 /// Boxes above which our tree, which is not made for this, is left out.
 const MOST_FOR_TREE: usize = 10_000;
 
+/// Boxes above which parry's is, which takes gigabytes.
+const MOST_FOR_PARRY: usize = 1_000_000;
+
+/// Boxes of which there are as many steps as asked for; of more there are fewer, and of fewer more.
+const USUAL: usize = 300_000;
+
+/// How long a step takes.
+pub(crate) struct Row {
+    boxes: usize,
+    pairs: usize,
+    columns: Samples,
+    parry: Option<Samples>,
+    tree: Option<Samples>,
+}
+
 /// Times the sweep of columns and parry's tree on the same frames.
 pub(crate) fn compare(
-    what: &str,
     draw: impl Fn(usize, &mut Rng) -> Vec<MinMax>,
     counts: &[usize],
     steps: usize,
-) -> Result<()> {
-    println!("all boxes move: {what}, a step");
-    let mut table = Table::new(["boxes", "pairs", "columns", "median", "parry3d", "median", "ratio of least", "tree"]);
-    for &count in counts {
-        let mut rng = Rng::new(count as u64);
-        let mut boxes = draw(count, &mut rng);
-        let mut columns = ColumnSweep::new();
-        let mut pairs = Vec::new();
-        let mut parry = Parry::new(&boxes);
-        let mut tree = (count <= MOST_FOR_TREE).then(|| BoxTree::build(&boxes));
-        let (mut ours, mut theirs, mut trees) = (Vec::new(), Vec::new(), Vec::new());
-        // The first steps warm up.
-        for step in 0..steps + 2 {
-            boxes = moved(&boxes, &mut rng);
-            let (seconds, ()) = processor_timed(|| columns.find(black_box(&boxes), &mut pairs));
-            let (their_seconds, mut their_pairs) = parry.step(&boxes);
+) -> Result<Vec<Row>> {
+    counts.iter().map(|&count| row(draw(count, &mut Rng::new(count as u64)), steps)).collect()
+}
+
+fn row(mut boxes: Vec<MinMax>, steps: usize) -> Result<Row> {
+    let count = boxes.len();
+    let mut rng = Rng::new(count as u64 + 1);
+    let mut columns = ColumnSweep::new();
+    let mut pairs = Vec::new();
+    let mut parry = (count <= MOST_FOR_PARRY).then(|| Parry::new(&boxes));
+    let mut tree = (count <= MOST_FOR_TREE).then(|| BoxTree::build(&boxes));
+    let (mut ours, mut theirs, mut trees) = (Vec::new(), Vec::new(), Vec::new());
+    let steps = (steps * USUAL / count).clamp(3, 100 * steps);
+    // The first steps warm up.
+    for step in 0..steps + 2 {
+        boxes.iter_mut().for_each(|bounds| *bounds = nudged(bounds, &mut rng));
+        let (seconds, ()) = processor_timed(|| columns.find(black_box(&boxes), &mut pairs));
+        if step >= 2 {
+            ours.push(seconds);
+        }
+        if let Some(parry) = &mut parry {
+            let (seconds, mut their_pairs) = parry.step(&boxes);
             their_pairs.sort_unstable();
             ensure!(pairs == their_pairs, "{} pairs, and {} of parry3d", pairs.len(), their_pairs.len());
             if step >= 2 {
-                ours.push(seconds);
-                theirs.push(their_seconds);
-            }
-            if let Some(tree) = &mut tree {
-                let (seconds, own_pairs) = processor_timed(|| {
-                    boxes.iter().enumerate().for_each(|(key, bounds)| _ = tree.insert(key as u32, *bounds));
-                    tree.pairs()
-                });
-                ensure!(own_pairs == pairs, "{} pairs of the tree, not {}", own_pairs.len(), pairs.len());
-                trees.push(seconds);
+                theirs.push(seconds);
             }
         }
-        let [ours, theirs] = [ours, theirs].map(|seconds| {
-            let mut seconds = seconds.into_iter();
-            Samples::take(steps, || seconds.next().ok_or(anyhow::anyhow!("a step is missing")))
-        });
-        let (ours, theirs) = (ours?, theirs?);
+        if let Some(tree) = &mut tree {
+            let (seconds, own_pairs) = processor_timed(|| {
+                boxes.iter().enumerate().for_each(|(key, bounds)| _ = tree.insert(key as u32, *bounds));
+                tree.pairs()
+            });
+            ensure!(own_pairs == pairs, "{} pairs of the tree, not {}", own_pairs.len(), pairs.len());
+            trees.push(seconds);
+        }
+    }
+    let samples = |seconds: Vec<f64>| {
+        let mut left = seconds.iter();
+        let next = || left.next().copied().ok_or(anyhow::anyhow!("a step is missing"));
+        if seconds.is_empty() { Ok(None) } else { Samples::take(seconds.len(), next).map(Some) }
+    };
+    let columns = samples(ours)?.ok_or(anyhow::anyhow!("there are no steps"))?;
+    Ok(Row { boxes: count, pairs: pairs.len(), columns, parry: samples(theirs)?, tree: samples(trees)? })
+}
+
+pub(crate) fn print(what: &str, rows: &[Row]) {
+    println!("all boxes move: {what}, a step");
+    let mut table = Table::new(["boxes", "pairs", "columns", "median", "parry3d", "median", "ratio of least", "tree"]);
+    let or_nothing =
+        |samples: &Option<Samples>, of: &dyn Fn(&Samples) -> String| samples.as_ref().map_or(String::new(), of);
+    for Row { boxes, pairs, columns, parry, tree } in rows {
         table.row([
-            count.to_string(),
-            pairs.len().to_string(),
-            time(ours.min()),
-            time(ours.median()),
-            time(theirs.min()),
-            time(theirs.median()),
-            format!("{:.3}", ours.min() / theirs.min()),
-            trees.iter().copied().reduce(f64::min).map_or(String::new(), time),
+            boxes.to_string(),
+            pairs.to_string(),
+            time(columns.min()),
+            time(columns.median()),
+            or_nothing(parry, &|parry| time(parry.min())),
+            or_nothing(parry, &|parry| time(parry.median())),
+            or_nothing(parry, &|parry| format!("{:.3}", columns.min() / parry.min())),
+            or_nothing(tree, &|tree| time(tree.min())),
         ]);
     }
     println!("{table}");
-    Ok(())
+}
+
+/// The least seconds of a step.
+pub(crate) fn json(rows: &[Row]) -> Vec<serde_json::Value> {
+    rows.iter()
+        .map(|Row { boxes, pairs, columns, parry, .. }| {
+            let parry = parry.as_ref().map(Samples::min);
+            serde_json::json!({ "boxes": boxes, "pairs": pairs, "columns": columns.min(), "parry": parry })
+        })
+        .collect()
 }
 
 /// parry's tree and what it keeps beside it.

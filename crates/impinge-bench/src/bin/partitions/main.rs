@@ -31,14 +31,22 @@ struct Arguments {
     /// Boxes and points that are asked for
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     asked: usize,
+    /// Print what takes how long where all boxes move, and nothing else, as JSON
+    #[arg(long)]
+    json: bool,
 }
 
 fn main() -> Result<()> {
-    let Arguments { counts, steps, many, asked } = Arguments::parse();
+    let Arguments { counts, steps, many, asked, json } = Arguments::parse();
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
-    all_moving::compare("sizes 0.5 to 1.5 at mean spacing 2", scenes::like, &counts, steps)?;
-    let spread: Vec<usize> = counts.iter().copied().filter(|&count| count <= 100_000).collect();
-    all_moving::compare("sizes of a Pareto distribution over a ratio of 1,000", scenes::pareto, &spread, steps)?;
+    let like = all_moving::compare(scenes::like, &counts, steps)?;
+    let spread = all_moving::compare(scenes::pareto, &counts, steps)?;
+    if json {
+        println!("{}", serde_json::json!({ "like": all_moving::json(&like), "pareto": all_moving::json(&spread) }));
+        return Ok(());
+    }
+    all_moving::print("sizes 0.5 to 1.5 at mean spacing 2", &like);
+    all_moving::print("sizes of a Pareto distribution over a ratio of 1,000", &spread);
     few_moving::compare(many, steps)?;
     questions::compare(asked)
 }

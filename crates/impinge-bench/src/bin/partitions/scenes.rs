@@ -34,11 +34,6 @@ pub(crate) fn pareto(count: usize, rng: &mut Rng) -> Vec<MinMax> {
         .collect()
 }
 
-/// The boxes a step later.
-pub(crate) fn moved(boxes: &[MinMax], rng: &mut Rng) -> Vec<MinMax> {
-    boxes.iter().map(|bounds| nudged(bounds, rng)).collect()
-}
-
 /// A box a step later.
 pub(crate) fn nudged(bounds: &MinMax, rng: &mut Rng) -> MinMax {
     let shift = [0; 3].map(|_: i32| rng.uniform(-STEP, STEP));

@@ -2,8 +2,8 @@
 
 use fearless_simd::{Simd, dispatch};
 
-use super::frame::{Frame, Record};
-use crate::simd::best_level;
+use super::frame::{Frame, LEVELS, Record, Spot, Tag};
+use crate::simd::{best_level, prefetch};
 use crate::volume::MinMax;
 
 /// Copies in a block: 2 KiB, so that what is left empty in the last block of a column is little, and few links are followed.
@@ -11,6 +11,9 @@ const BLOCK: usize = 64;
 
 /// Not a block.
 const NONE: u32 = u32::MAX;
+
+/// Images that are made at a time: in a loop of their own they take the vector unit.
+const BATCH: usize = 64;
 
 /// The copies of a run of boxes, by column.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +23,8 @@ pub(super) struct Columns {
     links: Vec<u32>,
     /// For each column where its next copy goes: one past its last; zero where it has none.
     next: Vec<u32>,
+    /// Boxes of each level.
+    counts: [u32; LEVELS],
 }
 
 impl Columns {
@@ -28,22 +33,46 @@ impl Columns {
         self.links.clear();
         self.next.clear();
         self.next.resize(frame.len(), 0);
-        // Conversions and comparisons are quicker with the instructions of a vector unit, one at a time or not.
+        self.counts = [0; LEVELS];
+        let mut images = [Record::default(); BATCH];
+        let mut spots = [Spot::default(); BATCH];
         dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || {
-            for (at, bounds) in boxes.iter().enumerate() {
-                let record = frame.image(bounds, first + at as u32);
-                frame.each_copy(record, #[inline(always)] |column, copy| self.push(column, copy));
+            for (at, boxes) in boxes.chunks(BATCH).enumerate() {
+                let first = first + (at * BATCH) as u32;
+                for ((image, bounds), key) in images.iter_mut().zip(boxes).zip(first..) {
+                    *image = frame.image(bounds, key);
+                }
+                for (spot, image) in spots.iter_mut().zip(&images[..boxes.len()]) {
+                    *spot = frame.spot(image);
+                    // The block is far from the processor, as all columns take turns.
+                    if let Some(next) = self.records.get(self.next[spot.bucket] as usize) {
+                        prefetch(next);
+                    }
+                }
+                for (spot, image) in spots.iter().zip(&images[..boxes.len()]) {
+                    frame.each_copy(spot, #[inline(always)] |column, tag| self.push(column, image, tag));
+                    self.counts[spot.level] += 1;
+                }
             }
         }));
     }
 
+    /// Boxes of a level.
+    pub(super) fn count(&self, level: usize) -> u32 {
+        self.counts[level]
+    }
+
+    /// Copies from memory to memory: a record that is put together first is stored in parts and read as a whole, for which
+    /// processors wait.
     #[inline(always)]
-    fn push(&mut self, column: usize, record: Record) {
+    fn push(&mut self, column: usize, image: &Record, tag: Tag) {
         let mut at = self.next[column];
         if at.is_multiple_of(BLOCK as u32) {
             at = self.open(at);
         }
-        self.records[at as usize] = record;
+        let record = &mut self.records[at as usize];
+        *record = *image;
+        record.tag = tag;
         self.next[column] = at + 1;
     }
 

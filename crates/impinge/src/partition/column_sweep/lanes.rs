@@ -1,251 +1,169 @@
-//! Columns sorted and swept, eight boxes at a time.
-
-use std::ops::Range;
+//! A column sorted and swept, eight boxes at a time.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::frame::Record;
-use crate::simd::LANES;
+use super::slots::Slots;
+use crate::simd::{LANES, by_axis};
 
-/// Copies side by side, in the order in which they begin along the columns.
+/// The copies of a column side by side, by where they begin along it, and memory to sort them in.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lanes {
+    /// As they came.
+    records: Vec<Record>,
+    slots: Slots,
     min: [Vec<f32>; 3],
     max: [Vec<f32>; 3],
-    names: Vec<[u32; 2]>,
+    /// Where the sorted ones are among those that came.
+    places: Vec<u32>,
+    /// For each sorted copy the slot in which it ends.
+    last_slots: Vec<u32>,
+    hits: Vec<Hits>,
 }
 
 impl Lanes {
-    pub(super) fn clear(&mut self) {
-        self.min.iter_mut().chain(&mut self.max).for_each(Vec::clear);
-        self.names.clear();
-    }
-
-    pub(super) fn len(&self) -> usize {
-        self.names.len()
-    }
-
-    /// Adds copies in the order of the keys, whose lower halves are their places: lane by lane, so that no lane is looked
-    /// up for each.
-    fn extend(&mut self, records: &[Record], keys: &[u64]) {
-        let record = |key: &u64| &records[*key as u32 as usize];
-        for axis in 0..3 {
-            self.min[axis].extend(keys.iter().map(|key| record(key).min[axis]));
-            self.max[axis].extend(keys.iter().map(|key| record(key).max[axis]));
+    /// Takes these copies in place of all others, sorted along an axis.
+    #[inline(always)]
+    pub(super) fn fill<'r>(&mut self, along: usize, blocks: impl Iterator<Item = &'r [Record]>) {
+        self.records.clear();
+        blocks.for_each(|block| self.records.extend_from_slice(block));
+        self.slots.sort(self.records.iter().map(|record| record.min[along % 3]));
+        let len = self.records.len();
+        let padded = len + LANES;
+        for lane in self.min.iter_mut().chain(&mut self.max) {
+            lane.resize(padded, f32::NAN);
+            // A vector that starts at the last copy reads what no comparison with holds.
+            lane[len..].fill(f32::NAN);
         }
-        self.names.extend(keys.iter().map(|key| [record(key).key, record(key).copy]));
-    }
-
-    /// Adds what a vector that starts at the last copy reads: no comparison with it holds.
-    pub(super) fn pad(&mut self) {
-        let padded = self.names.len() + LANES;
-        self.min.iter_mut().chain(&mut self.max).for_each(|lane| lane.resize(padded, f32::NAN));
-    }
-
-    #[inline(always)]
-    pub(super) fn begin(&self, at: usize) -> f32 {
-        self.min[0][at]
-    }
-
-    #[inline]
-    pub(super) fn record(&self, at: usize) -> Record {
-        let [key, copy] = self.names[at];
-        Record { min: [0, 1, 2].map(|k| self.min[k][at]), max: [0, 1, 2].map(|k| self.max[k][at]), key, copy }
-    }
-
-    /// Calls `meet` for each two copies of a range whose images meet.
-    #[inline(always)]
-    pub(super) fn sweep_self<S: Simd>(&self, simd: S, range: Range<usize>, mut meet: impl FnMut(usize, usize)) {
-        for at in range.clone() {
-            let one = self.record(at);
-            self.sweep_from::<S, false>(
-                simd,
-                at + 1..range.end,
-                &one,
-                #[inline(always)]
-                |other| meet(at, other),
-            );
+        self.places.resize(len, 0);
+        let [x, y, z] = self.min.each_mut().map(|lane| &mut lane[..len]);
+        let [end_x, end_y, end_z] = self.max.each_mut().map(|lane| &mut lane[..len]);
+        let places = &mut self.places[..len];
+        self.slots.each_place(
+            #[inline(always)]
+            |from, to| {
+                let record = &self.records[from];
+                [x[to], y[to], z[to]] = record.min;
+                [end_x[to], end_y[to], end_z[to]] = record.max;
+                places[to] = from as u32;
+            },
+        );
+        self.last_slots.resize(len, 0);
+        for (slot, &end) in self.last_slots.iter_mut().zip(&self.max[along % 3][..len]) {
+            *slot = self.slots.of(end);
         }
     }
 
-    /// Calls `meet` for each copy of a range whose image meets this one.
-    #[inline(always)]
-    pub(super) fn sweep_one<S: Simd>(&self, simd: S, range: Range<usize>, one: &Record, meet: impl FnMut(usize)) {
-        self.sweep_from::<S, true>(simd, range, one, meet);
+    /// The copies, as they came.
+    pub(super) fn records(&self) -> &[Record] {
+        &self.records
     }
 
-    /// Those that begin later than this one need not be asked whether they end before it begins: without `EARLIER`.
+    /// Calls `meet` for each two copies whose images meet.
     #[inline(always)]
-    fn sweep_from<S: Simd, const EARLIER: bool>(
-        &self,
-        simd: S,
-        range: Range<usize>,
-        one: &Record,
-        mut meet: impl FnMut(usize),
-    ) {
-        let mut at = range.start;
-        while at < range.end {
-            let begins = vector(simd, &self.min[0], at).simd_le(f32x8::splat(simd, one.max[0]));
-            let mut meets = begins
-                & vector(simd, &self.min[1], at).simd_le(f32x8::splat(simd, one.max[1]))
-                & vector(simd, &self.max[1], at).simd_ge(f32x8::splat(simd, one.min[1]))
-                & vector(simd, &self.min[2], at).simd_le(f32x8::splat(simd, one.max[2]))
-                & vector(simd, &self.max[2], at).simd_ge(f32x8::splat(simd, one.min[2]));
-            if EARLIER {
-                meets &= vector(simd, &self.max[0], at).simd_ge(f32x8::splat(simd, one.min[0]));
-            }
-            let mut bits = meets.to_bitmask() as u32;
-            while bits != 0 {
-                let other = at + bits.trailing_zeros() as usize;
-                bits &= bits - 1;
-                // Behind the range other columns follow.
-                if other < range.end {
-                    meet(other);
+    pub(super) fn sweep_self<S: Simd>(&mut self, simd: S, mut meet: impl FnMut(&Record, &Record)) {
+        let len = self.records.len();
+        let (min, max) = (
+            self.min.each_ref().map(|lane| &lane[..len + LANES]),
+            self.max.each_ref().map(|lane| &lane[..len + LANES]),
+        );
+        let (records, places, last_slots) = (&self.records[..], &self.places[..len], &self.last_slots[..len]);
+        let mut expand = |hits: &[Hits]| {
+            for &Hits { one, first, bits } in hits {
+                let one = &records[places[one as usize] as usize];
+                let mut bits = bits;
+                while bits != 0 {
+                    meet(one, &records[places[(first + bits.trailing_zeros()) as usize] as usize]);
+                    bits &= bits - 1;
                 }
             }
-            if begins.to_bitmask() as u32 != (1 << LANES) - 1 {
-                return;
+        };
+        let hits = &mut self.hits;
+        hits.resize(MOST_HITS, Hits::default());
+        let hits = &mut hits[..MOST_HITS];
+        let mut count = 0;
+        for one in 0..len {
+            let end = self.slots.end(last_slots[one]);
+            let splats = splats(simd, [0, 1, 2].map(|k| [min[k][one], max[k][one]]));
+            let mut at = one + 1;
+            while at < end {
+                let bits = compare(simd, [&min, &max], at, &splats);
+                // Written in any case and kept where there is a hit: whether there is one is hard to predict.
+                hits[count % MOST_HITS] = Hits { one: one as u32, first: at as u32, bits };
+                count += usize::from(bits != 0);
+                if count == MOST_HITS {
+                    expand(hits);
+                    count = 0;
+                }
+                at += LANES;
             }
-            at += LANES;
+        }
+        expand(&hits[..count]);
+    }
+
+    /// Calls `meet` for each copy whose image meets that of another column's; none of these is longer than `longest`.
+    #[inline(always)]
+    pub(super) fn sweep_one<S: Simd>(
+        &self,
+        simd: S,
+        along: usize,
+        one: &Record,
+        longest: f32,
+        mut meet: impl FnMut(&Record),
+    ) {
+        let len = self.records.len();
+        let (min, max) = (
+            self.min.each_ref().map(|lane| &lane[..len + LANES]),
+            self.max.each_ref().map(|lane| &lane[..len + LANES]),
+        );
+        let splats = splats(simd, [0, 1, 2].map(|k| [one.min[k], one.max[k]]));
+        let start = self.slots.start(self.slots.of((one.min[along % 3] - longest).next_down()));
+        let end = self.slots.end(self.slots.of(one.max[along % 3]));
+        for at in (start..end).step_by(LANES) {
+            let mut bits = compare(simd, [&min, &max], at, &splats);
+            while bits != 0 {
+                meet(&self.records[self.places[at + bits.trailing_zeros() as usize] as usize]);
+                bits &= bits - 1;
+            }
         }
     }
+}
+
+/// Sorted copies whose images meet one's: a bit each, from `first` on.
+#[derive(Clone, Copy, Debug, Default)]
+struct Hits {
+    one: u32,
+    first: u32,
+    bits: u32,
+}
+
+/// Hits that are looked at together.
+const MOST_HITS: usize = 256;
+
+/// The least and the greatest coordinates of one box, on each axis and in each lane.
+type Splats<S> = [[f32x8<S>; 2]; 3];
+
+#[inline(always)]
+fn splats<S: Simd>(simd: S, bounds: [[f32; 2]; 3]) -> Splats<S> {
+    by_axis!(axis => [f32x8::splat(simd, bounds[axis][0]), f32x8::splat(simd, bounds[axis][1])])
+}
+
+/// Which of eight images meet one's. What is behind the range that is asked for begins in a later slot than the one ends, or
+/// is no number.
+#[inline(always)]
+fn compare<S: Simd>(simd: S, [min, max]: [&[&[f32]; 3]; 2], at: usize, one: &Splats<S>) -> u32 {
+    let meets = vector(simd, min[0], at).simd_le(one[0][1])
+        & vector(simd, max[0], at).simd_ge(one[0][0])
+        & vector(simd, min[1], at).simd_le(one[1][1])
+        & vector(simd, max[1], at).simd_ge(one[1][0])
+        & vector(simd, min[2], at).simd_le(one[2][1])
+        & vector(simd, max[2], at).simd_ge(one[2][0]);
+    meets.to_bitmask() as u32
 }
 
 /// Eight coordinates from a place on.
 #[inline(always)]
 fn vector<S: Simd>(simd: S, lane: &[f32], at: usize) -> f32x8<S> {
     f32x8::from_slice(simd, &lane[at..at + LANES])
-}
-
-/// The columns of a level in order, one after the other.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Coarse {
-    pub(super) lanes: Lanes,
-    /// Where each column starts, and the last one ends.
-    pub(super) starts: Vec<u32>,
-    /// The greatest extent along the columns; not a number where some image has none.
-    pub(super) widest: f32,
-}
-
-impl Coarse {
-    pub(super) fn clear(&mut self) {
-        self.lanes.clear();
-        self.starts.clear();
-        self.starts.push(0);
-        self.widest = 0.0;
-    }
-
-    pub(super) fn is_empty(&self) -> bool {
-        self.lanes.len() == 0
-    }
-
-    /// Adds a column after the others.
-    pub(super) fn push(&mut self, sorter: &mut Sorter) {
-        for record in &sorter.records {
-            let extent = record.max[0] - record.min[0];
-            // An extent that is not a number makes the widest one so, and all searches start at the first.
-            self.widest = if self.widest >= extent { self.widest } else { extent };
-            self.widest = if extent.is_nan() { f32::INFINITY } else { self.widest };
-        }
-        self.widest = self.widest.next_up();
-        sorter.sort_onto(&mut self.lanes);
-        self.starts.push(self.lanes.len() as u32);
-    }
-
-    pub(super) fn range(&self, column: usize) -> Range<usize> {
-        self.starts[column] as usize..self.starts[column + 1] as usize
-    }
-
-    /// How many of a range begin before this.
-    pub(super) fn first_from(&self, range: Range<usize>, from: f32) -> usize {
-        self.lanes.min[0][range].partition_point(|&begin| begin < from)
-    }
-}
-
-/// Memory to sort a column in.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Sorter {
-    records: Vec<Record>,
-    /// Where copies begin, as integers in the same order, above their places.
-    keys: Vec<u64>,
-    dealt: Vec<u64>,
-    starts: Vec<u32>,
-}
-
-/// Copies that are sorted by comparisons alone.
-const FEW: usize = 32;
-
-/// Slots at most: their counts fit the first cache.
-const MOST_SLOTS: usize = 1 << 11;
-
-/// Copies in a slot above which all are sorted by comparisons: short slots are mended by insertion, in quadratic time.
-const FULLEST: u32 = 24;
-
-impl Sorter {
-    pub(super) fn len(&self) -> usize {
-        self.records.len()
-    }
-
-    pub(super) fn gather<'r>(&mut self, blocks: impl Iterator<Item = &'r [Record]>) {
-        self.records.clear();
-        blocks.for_each(|block| self.records.extend_from_slice(block));
-    }
-
-    /// Adds the gathered copies in order.
-    pub(super) fn sort_onto(&mut self, lanes: &mut Lanes) {
-        self.keys.clear();
-        self.keys.extend(self.records.iter().enumerate().map(|(at, r)| u64::from(ordered(r.min[0])) << 32 | at as u64));
-        if self.keys.len() <= FEW || !self.deal() {
-            self.keys.sort_unstable();
-        }
-        lanes.extend(&self.records, &self.keys);
-    }
-
-    /// Sorts by slots of equal length between the first and the last; whether no slot is so full that it takes too long.
-    fn deal(&mut self) -> bool {
-        let ends = self.records.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], record| {
-            [low.min(record.min[0]), high.max(record.min[0])]
-        });
-        let slots = self.keys.len().next_power_of_two().min(MOST_SLOTS);
-        let scale = slots as f32 / (ends[1] - ends[0]);
-        // Rounded differences and products are monotone; what is not a number falls into the first slot.
-        let slot = |record: &Record| (((record.min[0] - ends[0]) * scale) as usize).min(slots - 1);
-        self.starts.clear();
-        self.starts.resize(slots, 0);
-        for record in &self.records {
-            self.starts[slot(record)] += 1;
-        }
-        let mut before = 0;
-        for start in &mut self.starts {
-            if *start > FULLEST {
-                return false;
-            }
-            (*start, before) = (before, before + *start);
-        }
-        self.dealt.clear();
-        self.dealt.resize(self.keys.len(), 0);
-        for (record, &key) in self.records.iter().zip(&self.keys) {
-            let place = &mut self.starts[slot(record)];
-            self.dealt[*place as usize] = key;
-            *place += 1;
-        }
-        std::mem::swap(&mut self.keys, &mut self.dealt);
-        for at in 1..self.keys.len() {
-            let key = self.keys[at];
-            let mut to = at;
-            while to > 0 && self.keys[to - 1] > key {
-                self.keys[to] = self.keys[to - 1];
-                to -= 1;
-            }
-            self.keys[to] = key;
-        }
-        true
-    }
-}
-
-/// Floats as integers in the same order, zeros of both signs the same.
-fn ordered(x: f32) -> u32 {
-    let bits = (x + 0.0).to_bits();
-    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
 }

@@ -10,6 +10,8 @@
 mod columns;
 mod frame;
 mod lanes;
+mod order;
+mod slots;
 
 use std::ops::Range;
 
@@ -19,8 +21,9 @@ use rayon::prelude::*;
 use crate::simd::best_level;
 use crate::volume::{BoundingVolume, MinMax};
 use columns::Columns;
-use frame::{Frame, LEVELS, Record};
-use lanes::{Coarse, Lanes, Sorter};
+use frame::{Frame, LARGEST, LEVELS, Record};
+use lanes::Lanes;
+use order::sort_pairs;
 
 /// Finds all pairs of boxes that meet, without memory of earlier places: the quickest way where most boxes move.
 ///
@@ -46,10 +49,19 @@ use lanes::{Coarse, Lanes, Sorter};
 pub struct ColumnSweep {
     /// Of each run of boxes, for a thread.
     runs: Vec<Columns>,
+    /// Of each level but the finest.
     coarse: Vec<Coarse>,
     /// Pairs before they are sorted.
     found: Vec<[u32; 2]>,
-    sorter: Sorter,
+    lanes: Lanes,
+}
+
+/// The columns of a level one after the other.
+#[derive(Clone, Debug, Default)]
+struct Coarse {
+    records: Vec<Record>,
+    /// Where each column starts, and the last one ends.
+    starts: Vec<u32>,
 }
 
 /// Boxes that a thread sorts into columns at least.
@@ -70,14 +82,14 @@ impl ColumnSweep {
     pub fn find(&mut self, boxes: &[MinMax], pairs: &mut Vec<[u32; 2]>) {
         self.found.clear();
         if let Some(frame) = Frame::of(boxes) {
-            self.sort_into_columns(&frame, boxes);
-            self.sort_coarse(&frame);
-            self.sweep_columns(&frame, boxes);
+            self.deal(&frame, boxes);
+            self.gather_coarse(&frame);
+            self.sweep(&frame, boxes);
         }
         sort_pairs(&mut self.found, pairs, boxes.len());
     }
 
-    fn sort_into_columns(&mut self, frame: &Frame, boxes: &[MinMax]) {
+    fn deal(&mut self, frame: &Frame, boxes: &[MinMax]) {
         let run = boxes.len().div_ceil(rayon::current_num_threads()).max(SHORTEST_RUN);
         self.runs.resize_with(boxes.len().div_ceil(run), Columns::default);
         if let [columns] = self.runs.as_mut_slice() {
@@ -89,158 +101,122 @@ impl ColumnSweep {
         });
     }
 
-    /// Sorts the columns of all levels but the finest, against which finer ones are swept.
-    fn sort_coarse(&mut self, frame: &Frame) {
+    /// Puts the columns of all levels but the finest together, for finer ones to be compared with.
+    fn gather_coarse(&mut self, frame: &Frame) {
         self.coarse.resize_with(LEVELS - 1, Coarse::default);
-        for level in 1..LEVELS {
-            let coarse = &mut self.coarse[level - 1];
-            coarse.clear();
-            for column in frame.columns(level) {
-                self.sorter.gather(self.runs.iter().flat_map(|run| run.blocks(column)));
-                coarse.push(&mut self.sorter);
+        for (level, coarse) in (1..).zip(&mut self.coarse) {
+            coarse.records.clear();
+            coarse.starts.clear();
+            if self.runs.iter().all(|run| run.count(level) == 0) {
+                continue;
             }
-            coarse.lanes.pad();
+            coarse.starts.push(0);
+            for column in frame.columns(level) {
+                let blocks = self.runs.iter().flat_map(|run| run.blocks(column));
+                blocks.for_each(|block| coarse.records.extend_from_slice(block));
+                coarse.starts.push(coarse.records.len() as u32);
+            }
         }
     }
 
-    fn sweep_columns(&mut self, frame: &Frame, boxes: &[MinMax]) {
+    fn sweep(&mut self, frame: &Frame, boxes: &[MinMax]) {
         let (runs, coarse) = (&self.runs, &self.coarse);
-        let sweep = |(mut sorter, mut lanes, mut found): (Sorter, Lanes, Vec<[u32; 2]>), columns: Range<usize>| {
+        let sweep = |(mut lanes, mut found): (Lanes, Vec<[u32; 2]>), (level, columns): (usize, Range<usize>)| {
             for column in columns {
-                sorter.gather(runs.iter().flat_map(|run| run.blocks(column)));
-                lanes.clear();
-                sorter.sort_onto(&mut lanes);
-                lanes.pad();
-                let bucket = Bucket { frame, boxes, level: 0, lanes: &lanes, range: 0..sorter.len() };
-                bucket.sweep(coarse, &mut found);
+                let blocks = runs.iter().flat_map(|run| run.blocks(column));
+                let mut bucket = Bucket { frame, boxes, level, lanes: &mut lanes };
+                bucket.find(blocks, &coarse[level..], &mut found);
             }
-            (sorter, lanes, found)
+            (lanes, found)
         };
-        let fine = frame.columns(0).len();
-        let tasks = (0..fine.div_ceil(TASK)).map(|task| task * TASK..fine.min((task + 1) * TASK));
+        let used = (0..LEVELS).filter(|&level| level == 0 || !coarse[level - 1].records.is_empty());
+        let tasks = used.flat_map(|level| {
+            let columns = frame.columns(level);
+            columns.clone().step_by(TASK).map(move |first| (level, first..columns.end.min(first + TASK)))
+        });
         if runs.len() == 1 {
-            let start = (std::mem::take(&mut self.sorter), Lanes::default(), std::mem::take(&mut self.found));
-            (self.sorter, _, self.found) = tasks.fold(start, sweep);
-        } else {
-            let parts: Vec<_> = tasks
-                .collect::<Vec<_>>()
-                .into_par_iter()
-                .fold(Default::default, sweep)
-                .map(|(_, _, found)| found)
-                .collect();
-            parts.iter().for_each(|part| self.found.extend_from_slice(part));
+            let start = (std::mem::take(&mut self.lanes), std::mem::take(&mut self.found));
+            (self.lanes, self.found) = tasks.fold(start, sweep);
+            return;
         }
-        for level in 1..LEVELS {
-            let own = &coarse[level - 1];
-            let sweep = |mut found: Vec<[u32; 2]>, ends: &[u32]| {
-                let range = ends[0] as usize..ends[1] as usize;
-                Bucket { frame, boxes, level, lanes: &own.lanes, range }.sweep(&coarse[level..], &mut found);
-                found
-            };
-            if runs.len() == 1 {
-                self.found = own.starts.windows(2).fold(std::mem::take(&mut self.found), sweep);
-            } else if !own.is_empty() {
-                let parts: Vec<Vec<[u32; 2]>> = own.starts.par_windows(2).fold(Vec::new, sweep).collect();
-                parts.iter().for_each(|part| self.found.extend_from_slice(part));
-            }
-        }
+        let parts: Vec<_> =
+            tasks.collect::<Vec<_>>().into_par_iter().fold(Default::default, sweep).map(|(_, found)| found).collect();
+        parts.iter().for_each(|part| self.found.extend_from_slice(part));
     }
 }
 
-/// The sorted boxes of columns that share memory.
+/// A column at work.
 struct Bucket<'a> {
     frame: &'a Frame,
     boxes: &'a [MinMax],
     level: usize,
-    lanes: &'a Lanes,
-    range: Range<usize>,
+    lanes: &'a mut Lanes,
 }
 
 impl Bucket<'_> {
-    /// Finds the pairs among these boxes, and of them with those of coarser levels.
-    fn sweep(&self, coarser: &[Coarse], found: &mut Vec<[u32; 2]>) {
-        if self.range.is_empty() {
-            return;
-        }
-        dispatch!(best_level(), simd => {
-            self.lanes.sweep_self(simd, self.range.clone(), #[inline(always)] |one, other| self.meet(one, self.lanes.record(other), 0, found));
-        });
-        for (above, coarse) in coarser.iter().enumerate().filter(|(_, coarse)| !coarse.is_empty()) {
-            self.sweep_against(coarse, above + 1, found);
+    /// Finds the pairs among these copies, and of them with those of coarser levels.
+    fn find<'r>(&mut self, blocks: impl Iterator<Item = &'r [Record]>, coarser: &[Coarse], found: &mut Vec<[u32; 2]>) {
+        dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || {
+            self.lanes.fill(self.frame.along, blocks);
+            let boxes = self.boxes;
+            self.lanes.sweep_self(simd, #[inline(always)] |one, other| {
+                if one.tag.is_owner(other.tag) {
+                    meet(one, other, boxes, found);
+                }
+            });
+        }));
+        if !self.lanes.records().is_empty() && coarser.iter().any(|coarse| !coarse.records.is_empty()) {
+            self.find_coarser(coarser, found);
         }
     }
 
-    fn sweep_against(&self, coarse: &Coarse, above: usize, found: &mut Vec<[u32; 2]>) {
-        dispatch!(best_level(), simd => self.sweep_against_in(simd, coarse, above, found));
-    }
-
-    #[inline(always)]
-    fn sweep_against_in<S: Simd>(&self, simd: S, coarse: &Coarse, above: usize, found: &mut Vec<[u32; 2]>) {
-        let level = self.level + above;
-        let mut last = (usize::MAX, 0);
-        for at in self.range.clone() {
-            let one = self.lanes.record(at);
-            let bucket = self.frame.coarse_bucket(&one, self.level, level);
-            let range = coarse.range(bucket);
-            if range.is_empty() {
-                continue;
+    /// A coarse copy that comes near these is swept against them: there are few.
+    fn find_coarser(&mut self, coarser: &[Coarse], found: &mut Vec<[u32; 2]>) {
+        let mut columns: Vec<[i32; 2]> = Vec::new();
+        let [mut low, mut high] = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+        for record in self.lanes.records() {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(record.min[axis]);
+                high[axis] = high[axis].max(record.max[axis]);
             }
-            let from = one.min[0] - coarse.widest;
-            let mut cursor =
-                if last.0 == bucket { last.1 } else { range.start + coarse.first_from(range.clone(), from) };
-            while cursor < range.end && coarse.lanes.begin(cursor) < from {
-                cursor += 1;
+            let column = self.frame.own_column(record, self.level);
+            if columns.last() != Some(&column) {
+                columns.push(column);
             }
-            last = (bucket, cursor);
-            coarse.lanes.sweep_one(
-                simd,
-                cursor..range.end,
-                &one,
-                #[inline(always)]
-                |other| self.meet(at, coarse.lanes.record(other), above, found),
-            );
         }
-    }
-
-    /// Reports a pair whose images meet, once: in the column of the finer one that holds the least corner of what they share,
-    /// and if the boxes themselves meet.
-    #[inline]
-    fn meet(&self, one: usize, other: Record, above: usize, found: &mut Vec<[u32; 2]>) {
-        let one = self.lanes.record(one);
-        if !self.frame.is_owner(&one, &other, self.level, above) {
-            return;
-        }
-        let certain = (0..3).all(|axis| one.min[axis] < other.max[axis] && other.min[axis] < one.max[axis]);
-        if certain || self.boxes[one.key as usize].overlaps(&self.boxes[other.key as usize]) {
-            found.push([one.key.min(other.key), one.key.max(other.key)]);
+        // A little more than the sizes of a level, for the rounding of differences.
+        let longest =
+            if self.level == LEVELS - 1 { f32::INFINITY } else { LARGEST * 1.001 * (1_u32 << (2 * self.level)) as f32 };
+        for (coarser_level, coarse) in (self.level + 1..).zip(coarser).filter(|(_, coarse)| !coarse.records.is_empty())
+        {
+            let bucket = |&column: &[i32; 2]| self.frame.coarse_bucket(column, self.level, coarser_level);
+            let mut buckets: Vec<usize> = columns.iter().map(bucket).collect();
+            buckets.sort_unstable();
+            buckets.dedup();
+            for bucket in buckets {
+                for other in &coarse.records[coarse.starts[bucket] as usize..coarse.starts[bucket + 1] as usize] {
+                    if !(0..3).all(|axis| (other.min[axis] <= high[axis]) & (low[axis] <= other.max[axis])) {
+                        continue;
+                    }
+                    dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || {
+                        self.lanes.sweep_one(simd, self.frame.along, other, longest, #[inline(always)] |one| {
+                            if self.frame.is_owner(one, self.level, other, coarser_level) {
+                                meet(one, other, self.boxes, found);
+                            }
+                        });
+                    }));
+                }
+            }
         }
     }
 }
 
-/// Pairs that are sorted as they are; more are dealt out first.
-const FEW: usize = 1 << 11;
-
-/// Deals of pairs by their first number.
-const DEALS: usize = 1 << 12;
-
-/// Sorts pairs of numbers below `len` from one list into another.
-fn sort_pairs(from: &mut [[u32; 2]], to: &mut Vec<[u32; 2]>, len: usize) {
-    to.clear();
-    if from.len() <= FEW {
-        from.sort_unstable();
-        to.extend_from_slice(from);
-        return;
-    }
-    let shift = len.next_power_of_two().ilog2().saturating_sub(DEALS.ilog2());
-    let deal = |pair: [u32; 2]| (pair[0] >> shift) as usize;
-    to.resize(from.len(), [0; 2]);
-    crate::hierarchy::scatter::<DEALS, [u32; 2]>(from, to, deal);
-    // A deal ends where the next begins; few are long.
-    let sort = |deal: &mut [[u32; 2]]| deal.sort_unstable_by_key(|pair| u64::from(pair[0]) << 32 | u64::from(pair[1]));
-    if rayon::current_num_threads() == 1 {
-        to.chunk_by_mut(|one, other| deal(*one) == deal(*other)).for_each(sort);
-    } else {
-        let deals: Vec<_> = to.chunk_by_mut(|one, other| deal(*one) == deal(*other)).collect();
-        deals.into_par_iter().with_min_len(64).for_each(sort);
+/// Reports a pair whose images meet, if the boxes themselves do.
+#[inline(always)]
+fn meet(one: &Record, other: &Record, boxes: &[MinMax], found: &mut Vec<[u32; 2]>) {
+    let certain = (0..3)
+        .fold(true, |certain, axis| certain & (one.min[axis] < other.max[axis]) & (other.min[axis] < one.max[axis]));
+    if certain || boxes[one.key as usize].overlaps(&boxes[other.key as usize]) {
+        found.push([one.key.min(other.key), one.key.max(other.key)]);
     }
 }

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::super::{Visitor, Work};
+use crate::simd::prefetch;
 use crate::volume::{BoundingVolume, MinMax};
 
 /// Cells are counted to here from the origin, and farther ones are the last: whole numbers that a float holds.
@@ -13,6 +14,9 @@ const ROOM: usize = 2;
 
 /// Hashed cells at least.
 const FEWEST: usize = 16;
+
+/// Cells about a way that is short: more are looked through more often than they are worth.
+const SHORT: f64 = 64.0;
 
 /// A cell by its place, counted along each axis.
 type Cell = [i64; 3];
@@ -37,10 +41,13 @@ struct Copy {
 #[derive(Clone, Debug)]
 pub(super) struct Level {
     origin: [f64; 3],
-    cell: f64,
+    /// Of the edge of a cell: a division takes four times as long as a product, which is monotone, too.
+    inverse: f64,
     layout: Layout,
     cells: Vec<Vec<Copy>>,
     copies: usize,
+    /// Memory to list places in.
+    listed: Vec<usize>,
 }
 
 /// The cells that a box reaches into: from, and to with it.
@@ -71,12 +78,16 @@ impl Level {
     /// A block of cells, `counts` of them along each axis, from `origin`.
     pub(super) fn dense(origin: [f64; 3], cell: f64, counts: [usize; 3]) -> Self {
         let cells = vec![Vec::new(); counts.iter().product()];
-        Self { origin, cell, layout: Layout::Dense { counts: counts.map(|count| count as i64) }, cells, copies: 0 }
+        Self::new(origin, cell, Layout::Dense { counts: counts.map(|count| count as i64) }, cells)
     }
 
     /// Cells without an end.
     pub(super) fn hashed(cell: f64) -> Self {
-        Self { origin: [0.0; 3], cell, layout: Layout::Hashed, cells: vec![Vec::new(); FEWEST], copies: 0 }
+        Self::new([0.0; 3], cell, Layout::Hashed, vec![Vec::new(); FEWEST])
+    }
+
+    fn new(origin: [f64; 3], cell: f64, layout: Layout, cells: Vec<Vec<Copy>>) -> Self {
+        Self { origin, inverse: (1.0 / cell).min(f64::MAX), layout, cells, copies: 0, listed: Vec::new() }
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -90,7 +101,7 @@ impl Level {
             Layout::Dense { counts } => [0.0, (counts[axis] - 1) as f64],
             Layout::Hashed => [-FARTHEST, FARTHEST],
         };
-        let cut = ((coordinate - self.origin[axis]) / self.cell).clamp(last[0], last[1]);
+        let cut = ((coordinate - self.origin[axis]) * self.inverse).clamp(last[0], last[1]);
         let whole = cut as i64;
         whole - i64::from(whole as f64 > cut)
     }
@@ -115,35 +126,103 @@ impl Level {
         }
     }
 
-    /// The places in memory of these cells, each once.
-    fn places(&self, reach: &Reach) -> Vec<usize> {
-        let mut places = Vec::new();
+    /// Lists the places in memory of these cells, each once.
+    fn list(&self, reach: &Reach, places: &mut Vec<usize>) {
+        places.clear();
         let _ = reach.each(|cell| {
             places.push(self.place(cell));
             ControlFlow::Continue(())
         });
         places.sort_unstable();
         places.dedup();
-        places
+    }
+
+    fn put(&mut self, copy: Copy) {
+        let mut places = std::mem::take(&mut self.listed);
+        self.list(&self.reach(&copy.bounds), &mut places);
+        places.iter().for_each(|&place| self.cells[place].push(copy));
+        self.copies += places.len();
+        self.listed = places;
     }
 
     pub(super) fn insert(&mut self, key: u32, bounds: &MinMax) {
-        for place in self.places(&self.reach(bounds)) {
-            self.cells[place].push(Copy { bounds: *bounds, key });
-            self.copies += 1;
-        }
+        self.put(Copy { bounds: *bounds, key });
         self.resize();
     }
 
-    pub(super) fn remove(&mut self, key: u32, bounds: &MinMax) {
-        for place in self.places(&self.reach(bounds)) {
+    fn take(&mut self, key: u32, bounds: &MinMax) {
+        let mut places = std::mem::take(&mut self.listed);
+        self.list(&self.reach(bounds), &mut places);
+        for &place in &places {
             let cell = &mut self.cells[place];
             if let Some(at) = cell.iter().position(|copy| copy.key == key) {
                 cell.swap_remove(at);
                 self.copies -= 1;
             }
         }
+        self.listed = places;
+    }
+
+    pub(super) fn remove(&mut self, key: u32, bounds: &MinMax) {
+        self.take(key, bounds);
         self.resize();
+    }
+
+    /// Asks for the cell in which a box begins, and for what it holds: each well before the next is needed.
+    pub(super) fn prefetch(&self, bounds: &MinMax) -> usize {
+        let place = self.place([0, 1, 2].map(|axis| self.along(bounds.min()[axis], axis)));
+        prefetch(&self.cells[place]);
+        place
+    }
+
+    /// Asks for what a cell holds.
+    pub(super) fn prefetch_held(&self, place: usize) {
+        if let Some(copies) = self.cells.get(place).and_then(|cell| cell.first_chunk::<2>()) {
+            prefetch(copies);
+        }
+    }
+
+    /// Moves a box that is here by a short way, and tells which boxes here begin to meet it, and which cease to; false, and
+    /// nothing done, where the way is not short.
+    pub(super) fn follow(&mut self, key: u32, from: &MinMax, to: &MinMax, mut note: impl FnMut(u32, bool)) -> bool {
+        let (before, after) = (self.reach(from), self.reach(to));
+        let both = Reach([
+            [0, 1, 2].map(|axis| before.0[0][axis].min(after.0[0][axis])),
+            [0, 1, 2].map(|axis| before.0[1][axis].max(after.0[1][axis])),
+        ]);
+        if both.count() > SHORT {
+            return false;
+        }
+        let stays = before == after;
+        let _ = both.each(|cell| {
+            let place = self.place(cell);
+            for at in 0..self.cells[place].len() {
+                let copy = &mut self.cells[place][at];
+                if copy.key == key {
+                    // A place that two cells share is written twice.
+                    if stays {
+                        copy.bounds = *to;
+                    }
+                    continue;
+                }
+                let (other, bounds) = (copy.key, copy.bounds);
+                let meets = to.overlaps(&bounds);
+                if from.overlaps(&bounds) != meets {
+                    // Once: in the cell of the least corner of what it shares with the way.
+                    let own = bounds.min();
+                    if (0..3).all(|axis| cell[axis] == both.0[0][axis].max(self.along(own[axis], axis))) {
+                        note(other, meets);
+                    }
+                }
+            }
+            ControlFlow::Continue(())
+        });
+        if !stays {
+            self.take(key, from);
+            self.put(Copy { bounds: *to, key });
+            self.resize();
+        }
+        true
     }
 
     /// Moves a box that is here; one that stays in its cells is only written anew.
@@ -177,12 +256,7 @@ impl Level {
         let count = (2 * ROOM * self.copies).next_power_of_two().max(FEWEST);
         self.cells = vec![Vec::new(); count];
         self.copies = 0;
-        for copy in boxes {
-            for place in self.places(&self.reach(&copy.bounds)) {
-                self.cells[place].push(copy);
-                self.copies += 1;
-            }
-        }
+        boxes.into_iter().for_each(|copy| self.put(copy));
     }
 
     /// Visits each box here once: in the place of its first cell.

@@ -13,16 +13,17 @@ use columns::Columns;
 use every::Every;
 
 /// More boxes than this are looked for through a structure, and fewer than half of it one by one again, so that a world about
-/// as large does not go back and forth. 64 boxes are 3 KiB to look at, about what a few nodes of a tree cost in misses of the
-/// cache: an estimate, which `--bin worlds -- kinds` of the benchmarks is there to correct.
-const MOST_FOR_EVERY: usize = 64;
+/// as large does not go back and forth. By `--bin worlds -- kinds` of the benchmarks: of 100 that move, to look at each takes
+/// as long as columns do, and less than anything else where a fifth of them moves; of 300 it takes 1.6 times as long.
+const MOST_FOR_EVERY: usize = 128;
 
 /// Where a greater share of the boxes moves, all of them are sorted into columns, and where less than half of it does, each is
-/// moved in a tree: a move and a question cost about five times what a box costs in a sort. An estimate, too.
-const SHARE_FOR_COLUMNS: f64 = 0.2;
+/// moved in a tree. By the same measurement: where a twentieth of 1,000 or 10,000 moves, columns take 0.8 and 0.6 of the tree's
+/// time, and 17 times as long where a thousandth of 10,000 does; sizes that are spread change little of that.
+const SHARE_FOR_COLUMNS: f64 = 0.04;
 
-/// How much the last step counts in what share moves: a burst of one step changes nothing, one of ten does.
-const LAST_STEP: f64 = 0.1;
+/// How much the last step counts in what share moves: a burst of one step changes nothing, one of two may.
+const LAST_STEP: f64 = 0.03;
 
 /// The edge of the least cells of a hierarchical grid, in world units: smaller boxes share these.
 const LEAST_CELL: f64 = 1.0 / 1024.0;
