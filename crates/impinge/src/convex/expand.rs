@@ -23,6 +23,10 @@ const IN_PLANE: f64 = 16.0 * f64::EPSILON;
 /// A triangle without area is farther from the origin than this, in the common unit, or nothing is proved: 2^-20.
 const FAR: f64 = 1.0 / (1 << 20) as f64;
 
+/// Triangles for each point, of which a surface without handles has fewer than two: beyond this rounding has made several layers of
+/// them, each step of which may treble their number, and nothing more comes of it.
+const TANGLED: usize = 4;
+
 /// A closed list of triangles about the origin.
 pub(super) struct Polytope {
     points: Vec<Difference>,
@@ -84,7 +88,7 @@ impl Polytope {
     }
 
     /// Grows to a point that is beyond the plane of a triangle. False where it is a corner already, or there are as many as may be:
-    /// each one costs a look at all triangles.
+    /// each one costs a look at all triangles. False, too, where the surface is tangled, which is then of no more use.
     pub(super) fn grow(&mut self, beyond: &Nearest, point: Difference, most_points: usize) -> bool {
         if self.points.len() >= most_points || self.points.iter().any(|known| known.vector == point.vector) {
             return false;
@@ -104,6 +108,9 @@ impl Polytope {
             }
             !is_removed
         });
+        if self.triangles.len() + border.len() > TANGLED * self.points.len() {
+            return false;
+        }
         for [from, to] in border.drain(..) {
             self.push([from, to, number]);
         }

@@ -154,3 +154,28 @@ fn n2_n3_n7_sizes_are_relative() {
     let far = at(Shape::sphere([0.0; 3], 1.0), [1e90, 0.0, -1e90]);
     assert!(shapes::distance(&plate, &far).lower > 1e90);
 }
+
+/// Capsules in cylinders, whose polytopes are tangled by rounding where the way out is along both: they are given up for what is proved.
+#[test]
+fn tangled_polytopes_are_given_up() {
+    let capsule = Shape::capsule([-0.25, 0.0, 0.0], [0.25, 0.0, 0.0], 0.25).unwrap().at(Pose::IDENTITY).unwrap();
+    let sphere = Shape::sphere([0.0; 3], 0.5).unwrap().at(Pose::IDENTITY).unwrap();
+    let cylinder = Shape::cylinder(0.5, 0.375).unwrap();
+    let mut state = 5_u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
+    };
+    let mut meeting = 0;
+    for _ in 0..40 {
+        let (axis, angle) = ([next(), next(), next()], 3.0 * next());
+        let pose = Pose::from_axis_angle(axis, angle, [0.75 * next(), 0.75 * next(), 0.75 * next()]).unwrap();
+        let cylinder = cylinder.at(pose).unwrap();
+        for other in [&capsule, &sphere] {
+            let Some(depth) = shapes::penetration(other, &cylinder) else { continue };
+            assert!(depth.lower <= depth.upper && depth.upper - depth.lower < 1e-6, "{depth:?}");
+            meeting += 1;
+        }
+    }
+    assert!(meeting > 30, "{meeting}");
+}
