@@ -6,6 +6,7 @@
 //! else a boolean is the truth wherever floats prove it; shapes that touch to within rounding count as hits, and
 //! [`proximity`] says so. A mesh is its surface, or a solid ([`Shape::solid`](crate::shape::Shape::solid)).
 
+mod balls;
 mod contacts;
 mod search;
 mod table;
