@@ -18,7 +18,7 @@ use crate::mesh::Placed;
 /// // Its tip, one unit deep in the floor of a copy.
 /// let above = mesh.at(Pose::from_translation([0.5, 0.5, -7.0])?);
 /// let depth = query::penetration(&mesh, above).expect("they meet");
-/// assert!(depth.lower <= depth.upper && depth.upper < 0.51);
+/// assert!(depth.lower <= depth.upper && depth.upper < 1.01);
 /// assert!(query::penetration(&mesh, mesh.at(Pose::from_translation([9.0, 0.0, 0.0])?)).is_none());
 /// # Ok::<(), impinge::InputError>(())
 /// ```
