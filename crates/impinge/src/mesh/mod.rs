@@ -1,6 +1,7 @@
 //! Triangle meshes: judged once, packed, with their hierarchy, and the one descent of two meshes.
 
 mod aging;
+mod bsp;
 mod crossings;
 mod descent;
 mod distance;
@@ -33,6 +34,7 @@ use fearless_simd::dispatch;
 use rayon::prelude::*;
 
 pub use aging::Aging;
+pub use bsp::SolidBsp;
 pub(crate) use descent::collect_intersecting;
 pub use descent::{HostChoice, Options};
 pub(crate) use distance::{nearest, within};

@@ -132,8 +132,11 @@ impl Mesh {
 /// Fewer rays than this are not worth another thread.
 const LEAST_SHARED: usize = 256;
 
+/// A face, and where a ray meets it.
+pub(super) type FaceCrossing = (u32, RayCrossing);
+
 /// By true parameter, then by face.
-fn order(mesh: &Mesh, ray: &Ray, one: (u32, RayCrossing), other: (u32, RayCrossing)) -> Ordering {
+pub(super) fn order(mesh: &Mesh, ray: &Ray, one: FaceCrossing, other: FaceCrossing) -> Ordering {
     let triangles = [mesh.corners(one.0), mesh.corners(other.0)];
     one.1.compare(&other.1, (&ray.origin, &ray.direction), triangles.each_ref()).then(one.0.cmp(&other.0))
 }
@@ -145,7 +148,7 @@ trait Visitor {
 }
 
 /// The faces of a leaf that the ray meets.
-fn crossings<'m>(mesh: &'m Mesh, ray: &'m Ray, leaf: u32) -> impl Iterator<Item = (u32, RayCrossing)> + 'm {
+fn crossings<'m>(mesh: &'m Mesh, ray: &'m Ray, leaf: u32) -> impl Iterator<Item = FaceCrossing> + 'm {
     let faces = &mesh.0.packets[leaf as usize].faces;
     let in_use = faces.iter().enumerate().filter(|&(lane, &face)| lane == 0 || face != faces[0]);
     in_use.filter_map(|(_, &face)| Some((face, ray_triangle(&ray.origin, &ray.direction, &mesh.corners(face))?)))
@@ -154,7 +157,7 @@ fn crossings<'m>(mesh: &'m Mesh, ray: &'m Ray, leaf: u32) -> impl Iterator<Item 
 struct First<'m> {
     mesh: &'m Mesh,
     ray: &'m Ray,
-    best: Option<(u32, RayCrossing)>,
+    best: Option<FaceCrossing>,
 }
 
 impl Visitor for First<'_> {
@@ -184,7 +187,7 @@ impl Visitor for Any<'_> {
 struct All<'m> {
     mesh: &'m Mesh,
     ray: &'m Ray,
-    met: Vec<(u32, RayCrossing)>,
+    met: Vec<FaceCrossing>,
 }
 
 impl Visitor for All<'_> {

@@ -1,5 +1,6 @@
 //! What is inside: winding numbers, containment, interiors that meet, and meshes that meet themselves.
 
+mod bsp;
 mod containment;
 mod depths;
 mod patches;

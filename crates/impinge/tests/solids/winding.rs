@@ -8,7 +8,7 @@ use impinge_testkit::generate::{Rng, solids};
 use crate::shapes::{engine, flipped, is_on_surface, moved, solid_angles, soup, sphere, without_faces};
 
 /// Points on the grid about a mesh on the grid: many are on faces, edges and corners, or in line with them.
-fn grid_points(low: i64, high: i64) -> Vec<[f64; 3]> {
+pub(crate) fn grid_points(low: i64, high: i64) -> Vec<[f64; 3]> {
     let half = |i: i64| i as f64 / 2.0;
     let range = 2 * low..=2 * high;
     range
@@ -18,14 +18,14 @@ fn grid_points(low: i64, high: i64) -> Vec<[f64; 3]> {
 }
 
 /// A box with a box cut out of it, shells within shells, one beside them; all on the grid.
-fn boxes() -> Mesh {
+pub(crate) fn boxes() -> Mesh {
     solids::cuboid([0.0; 3], [6.0; 3])
         .joined(&flipped(solids::cuboid([1.0; 3], [5.0; 3])))
         .joined(&solids::cuboid([2.0; 3], [4.0; 3]))
         .joined(&solids::cuboid([6.0, 6.0, 0.0], [7.0, 7.0, 1.0]))
 }
 
-fn expected(mesh: &Mesh, point: [f64; 3]) -> Containment {
+pub(crate) fn expected(mesh: &Mesh, point: [f64; 3]) -> Containment {
     let winding = solid_angles(mesh, point).round();
     match (is_on_surface(mesh, point), winding) {
         (true, _) => Surface,
