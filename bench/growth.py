@@ -6,15 +6,11 @@ A knot is set against itself moved, deep in each other, as in rivals.py. A knot 
 times the triangles, and its curves of intersection pass twice as many pairs of them.
 """
 
-import argparse
 import json
-from pathlib import Path
 
-import matplotlib as mpl
-from rivals import ROOT, circumstances, output, poses
-
-mpl.use("Agg")
-from matplotlib import pyplot as plt  # noqa: E402: the backend is chosen first
+import plots
+from matplotlib.axes import Axes
+from rivals import circumstances, output, poses
 
 SIZES = [(140, 36), (316, 79), (632, 158), (1412, 354), (2000, 500), (4000, 1000)]
 """Quads along the knot and round its tube."""
@@ -24,6 +20,13 @@ SERIES = [
     ("refit_seconds", "refit", "#6cc5b0"),
     ("all_pairs_seconds", "all pairs", "#ff725c"),
 ]
+
+TITLES = (
+    "growth",
+    "How impinge grows",
+    "One thread; the least of the runs; two torus knots deep in each other.",
+)
+"""The record's name, its head, and a note."""
 
 
 def measure(along: int, around: int, repeats: int) -> dict[str, float]:
@@ -54,8 +57,8 @@ def table(rows: list[dict[str, float]]) -> str:
     return "\n".join(lines)
 
 
-def draw(rows: list[dict[str, float]], path: Path) -> None:
-    figure, axes = plt.subplots(figsize=(7.2, 4.4), layout="constrained")
+def drawn(rows: list[dict[str, float]]) -> Axes:
+    axes = plots.blank()
     triangles = [row["triangles"] for row in rows]
     for key, name, colour in SERIES:
         milliseconds = [row[key] * 1e3 for row in rows]
@@ -64,37 +67,22 @@ def draw(rows: list[dict[str, float]], path: Path) -> None:
     first = rows[0]
     for key, power, label in [("build_seconds", 1.0, "linear"), ("all_pairs_seconds", 0.5, "square root")]:
         ideal = [first[key] * 1e3 * (n / triangles[0]) ** power for n in triangles]
-        axes.loglog(triangles, ideal, color="#9498a0", linewidth=0.8, linestyle=(0, (4, 3)))
-        place = {"textcoords": "offset points", "ha": "right", "color": "#9498a0"}
+        axes.loglog(triangles, ideal, color=plots.GREY, linewidth=0.8, linestyle=(0, (4, 3)))
+        place = {"textcoords": "offset points", "ha": "right", "color": plots.GREY}
         axes.annotate(label, (triangles[3], ideal[3]), (-14, 8), **place)
     axes.set_xlabel("triangles of each mesh")
     axes.set_ylabel("milliseconds, one thread")
     axes.set_xlim(triangles[0] * 0.8, triangles[-1] * 2.6)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.grid(visible=True, which="major", color="#e6e6e6", linewidth=0.6)
-    axes.set_axisbelow(True)
-    figure.savefig(path, dpi=160)
+    return axes
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = plots.arguments(__doc__, TITLES[0])
     parser.add_argument("--repeats", type=int, default=9, help="runs of each, of which the least counts")
-    parser.add_argument("--picture", type=Path, default=ROOT / "docs" / "growth.png")
-    parser.add_argument("--record", type=Path, default=ROOT / "bench" / "record", help="folder of the dated records")
     options = parser.parse_args()
-
-    mpl.rcParams.update({"font.size": 9, "axes.edgecolor": "#9498a0", "xtick.color": "#55585f", "ytick.color": "#55585f"})
     about = circumstances()
-    rows = [measure(along, around, options.repeats) for along, around in SIZES]
-    found = table(rows)
-    print(found)
-    draw(rows, options.picture)
-    record = options.record / f"{about['date']}-growth.md"
-    lines = [f"# How impinge grows, {about['date']}", ""]
-    lines += [f"- {name}: `{value}`" for name, value in about.items() if name != "date"]
-    lines += ["", "One thread; the least of the runs; two torus knots deep in each other.", ""]
-    record.write_text("\n".join([*lines, found]) + "\n")
-    print(f"recorded in {record}, drawn in {options.picture}")
+    answer = [measure(along, around, options.repeats) for along, around in SIZES]
+    plots.keep(drawn(answer), table(answer), about, options, TITLES)
 
 
 if __name__ == "__main__":
