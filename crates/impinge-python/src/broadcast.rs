@@ -1,5 +1,9 @@
 //! NumPy's broadcasting of the leading axes of two arrays of poses.
 
+use pyo3::prelude::*;
+
+use crate::errors::Fault;
+
 /// Which row of either operand each row of the answer takes; rows are counted in row-major order.
 #[derive(Clone, Debug)]
 pub(crate) struct Broadcast {
@@ -38,6 +42,17 @@ impl Broadcast {
             steps
         });
         Some(Self { shape, rows, steps })
+    }
+
+    /// [`new`](Self::new) of the leading axes of two arguments, by their names.
+    ///
+    /// # Errors
+    /// `InputError` naming the second, where they do not fit.
+    pub(crate) fn of(py: Python<'_>, (a, name_a): (&[usize], &str), (b, name_b): (&[usize], &str)) -> PyResult<Self> {
+        Self::new(a, b).ok_or_else(|| {
+            let message = format!("leading axes {b:?} do not broadcast with {a:?}, those of {name_a}");
+            Fault::new("shape", name_b, message).raised(py)
+        })
     }
 
     /// The rows of the two operands that a row of the answer takes.

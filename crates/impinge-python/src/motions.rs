@@ -112,10 +112,7 @@ pub(crate) fn time_of_impact<'py>(py: Python<'py>, moving: Moving<'py>) -> PyRes
     let (mesh_a, mesh_b) = (mesh_of(&a, "a")?, mesh_of(&b, "b")?);
     let (shape_a, motions_a) = motions_of(&motion_a, "motion_a")?;
     let (shape_b, motions_b) = motions_of(&motion_b, "motion_b")?;
-    let Some(rows) = Broadcast::new(&shape_a, &shape_b) else {
-        let message = format!("leading axes {shape_b:?} do not broadcast with {shape_a:?}, those of motion_a");
-        return Err(Fault::new("shape", "motion_b", message).raised(py));
-    };
+    let rows = Broadcast::of(py, (&shape_a, "motion_a"), (&shape_b, "motion_b"))?;
     let shape = rows.shape.clone();
     let asked = Rows { count: rows.rows, brief: false, progress };
     let impacts = workers::rows(
@@ -162,10 +159,7 @@ fn features<'py>(
     let py = t0.py();
     let (shape_t0, corners_t0) = corners(t0, "t0")?;
     let (shape_t1, corners_t1) = corners(t1, "t1")?;
-    let Some(rows) = Broadcast::new(&shape_t0, &shape_t1) else {
-        let message = format!("leading axes {shape_t1:?} do not broadcast with {shape_t0:?}, those of t0");
-        return Err(Fault::new("shape", "t1", message).raised(py));
-    };
+    let rows = Broadcast::of(py, (&shape_t0, "t0"), (&shape_t1, "t1"))?;
     let shape = rows.shape.clone();
     let asked = Rows { count: rows.rows, brief: rows.rows <= MOST_BRIEF_FEATURES, progress: false };
     let impacts = workers::rows(

@@ -63,11 +63,7 @@ impl<'py> FromPyObject<'_, 'py> for Question {
         let on_error = OnError::read(&on_error)?;
         let poses_a = Poses::read(&pose_a, "pose_a", on_error)?;
         let poses_b = Poses::read(&pose_b, "pose_b", on_error)?;
-        let Some(rows) = Broadcast::new(&poses_a.shape, &poses_b.shape) else {
-            let (a, b) = (&poses_a.shape, &poses_b.shape);
-            let message = format!("leading axes {b:?} do not broadcast with {a:?}, those of pose_a");
-            return Err(Fault::new("shape", "pose_b", message).raised(py));
-        };
+        let rows = Broadcast::of(py, (&poses_a.shape, "pose_a"), (&poses_b.shape, "pose_b"))?;
         Ok(Self { a: mesh_a, b: mesh_b, poses_a, poses_b, rows, on_error, progress })
     }
 }

@@ -70,11 +70,7 @@ impl Rays {
             let at = Broadcast::place(&directions.shape, row);
             return Err(Fault::new("zero-direction", "directions", "the direction is zero").at(at).raised(py));
         }
-        let Some(rows) = Broadcast::new(&origins.shape, &directions.shape) else {
-            let (own, others) = (&directions.shape, &origins.shape);
-            let message = format!("leading axes {own:?} do not broadcast with {others:?}, those of origins");
-            return Err(Fault::new("shape", "directions", message).raised(py));
-        };
+        let rows = Broadcast::of(py, (&origins.shape, "origins"), (&directions.shape, "directions"))?;
         Ok(Self { origins, directions, rows })
     }
 

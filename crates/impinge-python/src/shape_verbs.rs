@@ -65,11 +65,7 @@ impl<'py> FromPyObject<'_, 'py> for Question {
         let on_error = OnError::read(&on_error)?;
         let poses_a = Poses::read(&pose_a, "pose_a", on_error)?;
         let poses_b = Poses::read(&pose_b, "pose_b", on_error)?;
-        let Some(rows) = Broadcast::new(&poses_a.shape, &poses_b.shape) else {
-            let (own, others) = (&poses_b.shape, &poses_a.shape);
-            let message = format!("leading axes {own:?} do not broadcast with {others:?}, those of pose_a");
-            return Err(Fault::new("shape", "pose_b", message).raised(py));
-        };
+        let rows = Broadcast::of(py, (&poses_a.shape, "pose_a"), (&poses_b.shape, "pose_b"))?;
         let weight = u128::from(a.weight.max(1)) * u128::from(b.weight.max(1)) * rows.rows as u128;
         let a = Placed::new(py, a, poses_a, "pose_a", on_error)?;
         let b = Placed::new(py, b, poses_b, "pose_b", on_error)?;
@@ -228,10 +224,7 @@ pub(crate) fn shape_time_of_impact<'py>(py: Python<'py>, moving: Moving<'py>) ->
     let (a, b) = (weighed(&a, "a")?.shape, weighed(&b, "b")?.shape);
     let (shape_a, motions_a) = motions_of(&motion_a, "motion_a")?;
     let (shape_b, motions_b) = motions_of(&motion_b, "motion_b")?;
-    let Some(rows) = Broadcast::new(&shape_a, &shape_b) else {
-        let message = format!("leading axes {shape_b:?} do not broadcast with {shape_a:?}, those of motion_a");
-        return Err(Fault::new("shape", "motion_b", message).raised(py));
-    };
+    let rows = Broadcast::of(py, (&shape_a, "motion_a"), (&shape_b, "motion_b"))?;
     // Only where a motion starts may its pose be none for a round shape: it goes on rigidly.
     for (shape, motions, lead, name) in [(&a, &motions_a, &shape_a, "motion_a"), (&b, &motions_b, &shape_b, "motion_b")]
     {

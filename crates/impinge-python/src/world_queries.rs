@@ -134,10 +134,7 @@ pub(crate) fn world_in_boxes<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = world.py();
     let (low, high) = (Points::read(low, "low", EXPONENT)?, Points::read(high, "high", EXPONENT)?);
-    let Some(common) = Broadcast::new(&low.shape, &high.shape) else {
-        let message = format!("leading axes {:?} do not broadcast with {:?}, those of low", high.shape, low.shape);
-        return Err(Fault::new("shape", "high", message).raised(py));
-    };
+    let common = Broadcast::of(py, (&low.shape, "low"), (&high.shape, "high"))?;
     let mut boxes = Vec::with_capacity(common.rows);
     for row in 0..common.rows {
         let [at_low, at_high] = common.sources(row);
