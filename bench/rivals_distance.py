@@ -1,18 +1,22 @@
 """FCL, Coal and impinge: distances of the same two meshes in one run, one thread each.
 
     python3 -m venv .venv && .venv/bin/pip install -r bench/requirements.txt
-    .venv/bin/python bench/rivals_distance.py
+    IMPINGE_DATA=... .venv/bin/python bench/rivals_distance.py
 
-Two knots apart by more and by less, and one moved along a path of small steps, where impinge starts from the last
-witness and Coal from its cached guess. The distances are compared: they must be equal to 1e-9. At full size FCL and
-Coal need 5 GB each, one after the other; --nu and --nv make the meshes smaller.
+Two knots apart by more and by less, and one moved along a path of small steps; and, where IMPINGE_DATA names the folder of
+extra data, the bunny at a thousand places about a human, by chance and along a path. Along paths impinge starts from the
+last witness too, which the others cannot. The distances are compared: they must be equal to 1e-9. At full size FCL and Coal
+need 5 GB each for the knots, one after the other; --nu and --nv make them smaller.
 """
 
 import argparse
 import gc
 import json
+import os
 import subprocess
 import sys
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +24,8 @@ from rivals import ROOT, circumstances, seconds
 from torus_knot import torus_knot, write_ply
 
 TOLERANCE = 1e-9  # relative difference of distances, as no engine but ours says how far it may be off
-STEPS = 20  # poses of the path
+STEPS = 20  # poses of the knots' path
+POSES = 1000  # of the bunny, by chance and along its path
 Mesh = tuple[np.ndarray, np.ndarray]
 Pose = tuple[float, float, float, float, float, float, float]
 
@@ -28,12 +33,6 @@ Pose = tuple[float, float, float, float, float, float, float]
 def turned(translation: tuple[float, float, float], angle: float = 0.7) -> Pose:
     axis = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
     return (*translation, float(np.cos(angle / 2)), *(float(c) for c in np.sin(angle / 2) * axis))
-
-
-def poses() -> list[tuple[str, Pose]]:
-    named = [("apart", turned((6.0, 0.5, 0.3))), ("near", turned((5.72, 0.5, 0.3))), ("far", turned((9.0, 0.0, 0.0)))]
-    path = [(f"step {i}", turned((6.0, 0.5 + 0.002 * i, 0.3), 0.7 + 0.002 * i)) for i in range(STEPS)]
-    return named + path
 
 
 def rotation(pose: Pose) -> np.ndarray:
@@ -47,56 +46,138 @@ def rotation(pose: Pose) -> np.ndarray:
     )
 
 
-def measure_fcl(mesh: Mesh, repeats: int) -> list[dict]:
+@dataclass
+class Scene:
+    name: str
+    meshes: list[Mesh]
+    poses: list[Pose]
+    """Of the second mesh."""
+    labels: list[str]
+    """Of the poses that get a row of their own."""
+
+
+def knots(nu: int, nv: int) -> Scene:
+    mesh = torus_knot(nu, nv)
+    named = [("apart", turned((6.0, 0.5, 0.3))), ("near", turned((5.72, 0.5, 0.3))), ("far", turned((9.0, 0.0, 0.0)))]
+    path = [turned((6.0, 0.5 + 0.002 * i, 0.3), 0.7 + 0.002 * i) for i in range(STEPS)]
+    return Scene("knots", [mesh, mesh], [pose for _, pose in named] + path, [name for name, _ in named])
+
+
+def read_ply(path: Path) -> Mesh:
+    """A mesh of triangles with three floats a vertex, little endian."""
+    content = path.read_bytes()
+    header, body = content.split(b"end_header\n", 1)
+    counts = [int(line.split()[2]) for line in header.splitlines() if line.startswith(b"element")]
+    vertices = np.frombuffer(body, "<f4", 3 * counts[0]).reshape(-1, 3)
+    rows = np.frombuffer(body, [("count", "u1"), ("face", "<i4", 3)], counts[1], offset=vertices.nbytes)
+    return vertices.astype(float), rows["face"].astype(np.int64)
+
+
+def read_obj(path: Path) -> Mesh:
+    """A mesh of triangles, its vertices rounded to single precision, so that all engines have the same."""
+    rows = [line.split() for line in path.read_text().splitlines()]
+    vertices = np.array([row[1:4] for row in rows if row[:1] == ["v"]], dtype=float)
+    faces = [[int(corner.split("/")[0]) - 1 for corner in row[1:]] for row in rows if row[:1] == ["f"]]
+    return vertices.astype(np.float32).astype(float), np.array(faces)
+
+
+def bunny_and_human(folder: Path) -> list[Scene]:
+    human = read_ply(folder / "meshes" / "human_makehuman_cc0.ply")
+    vertices, faces = read_obj(folder / "meshes" / "stanford-bunny.obj")
+    height = np.ptp(human[0], axis=0).max()
+    # A quarter as large as the human, by a power of two, which rounds nothing.
+    bunny = vertices * 2.0 ** np.round(np.log2(height / 4 / np.ptp(vertices, axis=0).max())), faces
+    centres = [(vertices.min(axis=0) + vertices.max(axis=0)) / 2 for vertices, _ in (human, bunny)]
+    rng = np.random.default_rng(1)
+
+    def standing(at: np.ndarray, quaternion: np.ndarray) -> Pose:
+        unit = quaternion / np.linalg.norm(quaternion)
+        turned = rotation((0, 0, 0, *unit))
+        return (*(float(x) for x in at - turned @ centres[1]), *(float(x) for x in unit))
+
+    around = rng.normal(size=(POSES, 3))
+    around *= height * rng.uniform(0.6, 1.5, (POSES, 1)) / np.linalg.norm(around, axis=1)[:, None]
+    chance = [standing(centres[0] + at, rng.normal(size=4)) for at in around]
+    angles = np.linspace(0, 2 * np.pi, POSES)
+    path = [
+        standing(
+            centres[0] + height * np.array([0.7 * np.cos(angle), 0.7 * np.sin(angle), 0.3 * np.sin(2 * angle)]),
+            np.array([np.cos(angle), 0.3, 0.2, np.sin(angle)]),
+        )
+        for angle in angles
+    ]
+    return [
+        Scene("bunny by chance", [human, bunny], chance, []),
+        Scene("bunny along a path", [human, bunny], path, []),
+    ]
+
+
+def measure_fcl(scene: Scene, repeats: int) -> list[dict]:
     import fcl
 
-    vertices, faces = mesh
-    model = fcl.BVHModel()
-    model.beginModel(len(faces), len(vertices))
-    model.addSubModel(vertices, faces.tolist())
-    model.endModel()
+    def model(mesh: Mesh) -> fcl.BVHModel:
+        vertices, faces = mesh
+        model = fcl.BVHModel()
+        model.beginModel(len(faces), len(vertices))
+        model.addSubModel(vertices, faces.tolist())
+        model.endModel()
+        return model
+
+    a, b = models(scene, model)
     answers = []
-    for _, pose in poses():
-        a = fcl.CollisionObject(model, fcl.Transform())
-        b = fcl.CollisionObject(model, fcl.Transform(rotation(pose), np.array(pose[:3])))
+    for pose in scene.poses:
+        one = fcl.CollisionObject(a, fcl.Transform())
+        two = fcl.CollisionObject(b, fcl.Transform(rotation(pose), np.array(pose[:3])))
         request = fcl.DistanceRequest()
-        distance = fcl.distance(a, b, request, fcl.DistanceResult())
-        cold = [seconds(lambda: fcl.distance(a, b, request, fcl.DistanceResult())) for _ in range(repeats)]
+        distance = fcl.distance(one, two, request, fcl.DistanceResult())
+        cold = [seconds(lambda: fcl.distance(one, two, request, fcl.DistanceResult())) for _ in range(repeats)]
         answers.append({"distance": distance, "cold": min(cold)})
     return answers
 
 
-def measure_coal(mesh: Mesh, repeats: int) -> list[dict]:
+def measure_coal(scene: Scene, repeats: int) -> list[dict]:
     import coal
 
-    vertices, faces = mesh
-    model = coal.BVHModelOBBRSS()
-    model.beginModel(len(faces), len(vertices))
-    model.addVertices(vertices)
-    model.addTriangles(faces.astype(np.int64))
-    model.endModel()
+    def model(mesh: Mesh) -> coal.BVHModelOBBRSS:
+        vertices, faces = mesh
+        model = coal.BVHModelOBBRSS()
+        model.beginModel(len(faces), len(vertices))
+        model.addVertices(vertices)
+        model.addTriangles(faces.astype(np.int64))
+        model.endModel()
+        return model
+
+    a, b = models(scene, model)
     answers = []
-    for _, pose in poses():
+    for pose in scene.poses:
         world_from_b = coal.Transform3s(rotation(pose), np.array(pose[:3]))
 
         def query(world_from_b=world_from_b) -> float:
             result = coal.DistanceResult()
-            return coal.distance(model, coal.Transform3s(), model, world_from_b, coal.DistanceRequest(), result)
+            return coal.distance(a, coal.Transform3s(), b, world_from_b, coal.DistanceRequest(), result)
 
         distance = query()
         answers.append({"distance": distance, "cold": min(seconds(query) for _ in range(repeats))})
     return answers
 
 
-def measure_impinge(mesh: Mesh, repeats: int) -> list[dict]:
+def models(scene: Scene, model: Callable[[Mesh], object]) -> list[object]:
+    """A model of each mesh, of the same mesh one."""
+    first = model(scene.meshes[0])
+    return [first, first if scene.meshes[1] is scene.meshes[0] else model(scene.meshes[1])]
+
+
+def measure_impinge(scene: Scene, repeats: int) -> list[dict]:
     folder = ROOT / "target" / "rivals"
     folder.mkdir(parents=True, exist_ok=True)
-    path, rows = folder / f"torus_knot_{len(mesh[1])}.ply", folder / "poses.txt"
-    write_ply(path, *mesh)
-    rows.write_text("".join(",".join(repr(x) for x in pose) + "\n" for _, pose in poses()))
+    rows = folder / "poses.txt"
+    paths = [folder / f"distance_{side}.ply" for side in "ab"]
+    for path, mesh in zip(paths, scene.meshes, strict=True):
+        write_ply(path, *mesh)
+    rows.write_text("".join(",".join(repr(x) for x in pose) + "\n" for pose in scene.poses))
     program = ["cargo", "run", "--quiet", "--release", "-p", "impinge-bench", "--bin", "distance", "--"]
-    arguments = ["--mesh", str(path), "--poses", str(rows), "--repeats", str(repeats), "--json"]
-    run = subprocess.run(program + arguments, cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True)
+    arguments = ["--mesh", str(paths[0]), "--other", str(paths[1]), "--poses", str(rows), "--repeats", str(repeats)]
+    run = subprocess.run([*program, *arguments, "--json"], cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True)
     lines = [json.loads(line) for line in run.stdout.splitlines()]
     return [
         {
@@ -122,23 +203,35 @@ def main() -> int:
 
     for name, value in circumstances().items():
         print(f"- {name}: `{value}`")
-    mesh = torus_knot(options.nu, options.nv)
-    answers = {}
-    for engine in options.engines:
-        answers[engine] = ENGINES[engine](mesh, options.repeats)
-        gc.collect()
-    print("\n| pose | engine | distance | cold, µs | same witness, µs | last witness, µs |\n" + "|---|---|---|---|---|---|")
+    folder = os.environ.get("IMPINGE_DATA")
+    scenes = [knots(options.nu, options.nv)] + (bunny_and_human(Path(folder)) if folder else [])
+    print("\n| poses | engine | distance | cold, µs | same witness, µs | last witness, µs |\n" + "|---" * 6 + "|")
     problems = 0
-    for i, (name, _) in enumerate(poses()):
-        reference = next(iter(answers.values()))[i]["distance"]
+    for scene in scenes:
+        answers = {}
+        for engine in options.engines:
+            answers[engine] = ENGINES[engine](scene, options.repeats)
+            gc.collect()
+        reference = np.array([row["distance"] for row in next(iter(answers.values()))])
+        own = [(label, slice(i, i + 1)) for i, label in enumerate(scene.labels)]
+        for label, which in [*own, (f"{len(scene.poses) - len(own)} others", slice(len(own), None))]:
+            for engine, rows in answers.items():
+                print(f"| {scene.name}: {label} | {engine} | " + " | ".join(cells(rows[which])) + " |")
         for engine, rows in answers.items():
-            row = rows[i]
-            times = [f"{row[key] * 1e6:.1f}" if key in row else "" for key in ("cold", "same witness", "last witness")]
-            print(f"| {name} | {engine} | {row['distance']:.12g} | " + " | ".join(times) + " |")
-            if abs(row["distance"] - reference) > TOLERANCE * abs(reference):
+            distances = np.array([row["distance"] for row in rows])
+            for i in np.flatnonzero(np.abs(distances - reference) > TOLERANCE * np.abs(reference)):
                 problems += 1
-                print(f"error: {name}: {engine} says {row['distance']}, not {reference}", file=sys.stderr)
+                print(f"error: {scene.name} {i}: {engine} says {distances[i]}, not {reference[i]}", file=sys.stderr)
     return 1 if problems else 0
+
+
+def cells(rows: list[dict]) -> list[str]:
+    """The distance of one row or the range of many, and means of microseconds."""
+    distances = [row["distance"] for row in rows]
+    low, high = min(distances), max(distances)
+    keys = [key for key in ("cold", "same witness", "last witness") if key in rows[0]]
+    times = [f"{np.mean([row[key] for row in rows]) * 1e6:.1f}" for key in keys]
+    return [f"{low:.9g}" if low == high else f"{low:.3g} to {high:.3g}", *times, *[""] * (3 - len(times))]
 
 
 if __name__ == "__main__":

@@ -159,7 +159,7 @@ impl WideTree {
 
 impl Node {
     /// The box of one lane.
-    pub(super) fn lane_bounds(&self, lane: usize) -> Aabb {
+    pub(crate) fn lane_bounds(&self, lane: usize) -> Aabb {
         Aabb {
             min: std::array::from_fn(|axis| self.min[axis][lane]),
             max: std::array::from_fn(|axis| self.max[axis][lane]),

@@ -119,7 +119,7 @@ enum Parts {
 fn ordered(a: &[Vector; 3], b: &[Vector; 3]) -> Witness {
     let edges = |corners: &[Vector; 3]| [0, 1, 2].map(|i| sub(&corners[(i + 1) % 3], &corners[i]));
     let (edges_a, edges_b) = (edges(a), edges(b));
-    let squares_b = edges_b.each_ref().map(|edge| dot(edge, edge));
+    let (squares_a, squares_b) = (edges_a.each_ref().map(|u| dot(u, u)), edges_b.each_ref().map(|v| dot(v, v)));
     let mut least = f64::INFINITY;
     let mut parts = Parts::CornerOfA { corner: 0, edge: 0, t: 0.0 };
     let mut offer = |squared: f64, found: Parts| {
@@ -134,7 +134,7 @@ fn ordered(a: &[Vector; 3], b: &[Vector; 3]) -> Witness {
             offer(squared, Parts::CornerOfB { corner: j, edge: i, t });
             let (squared, t) = point_segment(&[-w[0], -w[1], -w[2]], &edges_b[j]);
             offer(squared, Parts::CornerOfA { corner: i, edge: j, t });
-            if let Some((squared, s, t)) = inner_points(&edges_a[i], &edges_b[j], squares_b[j], &w) {
+            if let Some((squared, s, t)) = inner_points((&edges_a[i], squares_a[i]), (&edges_b[j], squares_b[j]), &w) {
                 offer(squared, Parts::Edges { a: i, b: j, s, t });
             }
         }

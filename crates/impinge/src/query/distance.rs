@@ -47,7 +47,8 @@ pub struct WitnessCache {
 /// The distance of the surfaces of two meshes.
 ///
 /// The nearest faces are those with the least distance by the closed form and, among equals, the least face of the first
-/// mesh, then of the second. Where the meshes intersect it is the first pair of faces that do, with a common point.
+/// mesh, then of the second. Where the meshes intersect they are two faces that do, with a common point: those that
+/// [`intersects`](super::intersects) comes to first.
 ///
 /// ```
 /// use impinge::{Mesh, Pose, Positions, query};
@@ -68,11 +69,11 @@ pub struct WitnessCache {
 ///
 /// # Complexity
 /// Logarithmic for meshes apart, and grows with the faces that are as near as the nearest: faces that tie are all
-/// looked at. Meshes that intersect take about as long as all their pairs.
+/// looked at. Meshes that intersect take as long as [`intersects`](super::intersects) does.
 ///
 /// # Source
 /// Larsen, Gottschalk, Lin, Manocha, *Fast proximity queries with swept sphere volumes*, ICRA 2000; ours differs in its
-/// bounds, on boxes eight at a time, and in that they are proved.
+/// bounds, on boxes eight at a time and along the direction between the nearest points so far, and in that they are proved.
 #[must_use]
 pub fn distance<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Distance {
     distance_with(a, b, &mut WitnessCache::default(), &Options::default())

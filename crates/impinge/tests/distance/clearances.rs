@@ -23,7 +23,7 @@ fn boxes_at_exactly_the_clearance_are_within() {
             let pairs = all_pairs(&images(&cuboid([0.0; 3], [1.0; 3]), &scaled)[..], &truth[..]);
             let clearance = distance * scale;
             for clearance in [clearance.next_down(), clearance, clearance.next_up()] {
-                let expected = least(&pairs).1 <= rational(clearance) * rational(clearance);
+                let expected = *least(&pairs) <= rational(clearance) * rational(clearance);
                 assert_eq!(within_in_every_way((&cube, &scaled), (&cube, &moved), clearance), expected);
                 if scale == 1.0 || scale == 1024.0 {
                     assert_eq!(expected, clearance >= distance * scale, "these numbers are exact");
@@ -45,7 +45,7 @@ fn soups_are_within_their_distance_and_not_within_less() {
             _ => (rotation(&mut rng), rotation(&mut rng)),
         };
         let pairs = all_pairs(&images(&a, &pose_a), &images(&b, &pose_b));
-        let squared = &least(&pairs).1;
+        let squared = least(&pairs);
         let root = squared.to_f64().value().sqrt();
         let (mesh_a, mesh_b) = (engine_mesh(&a), engine_mesh(&b));
         for clearance in [root.next_down().next_down(), root.next_down(), root, root.next_up(), root * 1.5, 0.0] {

@@ -4,9 +4,9 @@ use std::ops::ControlFlow::{self, Break, Continue};
 
 use super::Nearest;
 use super::bounds::Bounds;
-use crate::exact::{Placement, triangles_intersect, triangles_within};
-use crate::mesh::Mesh;
+use crate::exact::{Placement, triangles_within};
 use crate::mesh::metric::Metric;
+use crate::mesh::{Mesh, Placed};
 use crate::primitive::{Vector, Witness, common_point, separation, triangle_triangle};
 
 /// How many pairs of faces get a value at most, before only such are looked for as are nearer by more than what values may
@@ -59,19 +59,17 @@ impl Answer {
 
     /// Gives a pair its value, and keeps it where it is better; breaks off where there is nothing more to know.
     #[inline(never)]
-    pub(super) fn meet(&mut self, scene: &Scene<'_>, faces: [u32; 2], corners: &[[Vector; 3]; 2]) -> ControlFlow<()> {
-        // Where faces meet already, only earlier ones that meet are better.
-        if self.best.is_some_and(|best| best.value == 0.0 && best.faces <= faces) {
-            return Continue(());
-        }
+    pub(super) fn meet(&mut self, scene: &Scene<'_>, faces: [u32; 2]) -> ControlFlow<()> {
+        let corners = scene.corners(faces);
         let error = scene.metric.error;
         let witness = triangle_triangle(&corners[0], &corners[1]);
+        // Faces that do not meet are apart, though rounding may bring them together.
         let value = witness.squared.sqrt().max(f64::MIN_POSITIVE);
-        let are_separated = separation(&corners[0], &corners[1], &witness) > error;
         if scene.clearance < f64::INFINITY {
             let valued = Valued { value, faces, witness };
             self.best = Some(self.best.filter(|best| best.precedes(&valued)).unwrap_or(valued));
             // What the value leaves open is decided exactly, and so is everything about triangles that may cross.
+            let are_separated = separation(&corners[0], &corners[1], &witness) > error;
             let is_open = !(are_separated && scene.lower(value) > scene.clearance);
             if is_open && (scene.upper(value) <= scene.clearance || scene.within(faces)) {
                 self.kept = Some(faces);
@@ -79,7 +77,6 @@ impl Answer {
             }
             return Continue(());
         }
-        let value = if !are_separated && scene.intersects(faces) { 0.0 } else { value };
         let valued = Valued { value, faces, witness };
         self.values_left = self.values_left.saturating_sub(1);
         if self.best.is_none_or(|best| valued.precedes(&best)) || self.values_left == 0 {
@@ -103,11 +100,6 @@ impl Scene<'_> {
         [0, 1].map(|m| self.meshes[m].corners(faces[m]).map(|corner| self.metric.maps[m].apply(corner)))
     }
 
-    pub(super) fn intersects(&self, faces: [u32; 2]) -> bool {
-        let [a, b] = [0, 1].map(|m| self.meshes[m].corners(faces[m]));
-        triangles_intersect(&self.placement, &a, &b)
-    }
-
     pub(super) fn within(&self, faces: [u32; 2]) -> bool {
         let [a, b] = [0, 1].map(|m| self.meshes[m].corners(faces[m]));
         triangles_within(&self.placement, &a, &b, self.clearance)
@@ -127,13 +119,21 @@ impl Scene<'_> {
     pub(super) fn finish(&self, best: &Valued, doubt: f64) -> Nearest {
         let faces = best.faces;
         let Witness { on_a, on_b, .. } = best.witness;
-        if best.value > 0.0 {
-            let lower = self.lower(best.value - doubt);
-            let points = [on_a, on_b].map(|point| self.metric.to_world(point));
-            return Nearest { lower, upper: self.upper(best.value), points, faces };
-        }
-        let [a, b] = [0, 1].map(|m| self.meshes[m].corners(faces[m]));
-        let common = common_point(&self.placement, &a, &b).unwrap_or_else(|| self.metric.to_world(on_a));
-        Nearest { lower: 0.0, upper: 0.0, points: [common; 2], faces }
+        let lower = self.lower(best.value - doubt);
+        let points = [on_a, on_b].map(|point| self.metric.to_world(point));
+        Nearest { lower, upper: self.upper(best.value), points, faces }
     }
+}
+
+/// The answer where these faces meet.
+pub(super) fn meeting(a: Placed<'_>, b: Placed<'_>, faces: [u32; 2]) -> Nearest {
+    let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
+    let corners = [a.mesh.corners(faces[0]), b.mesh.corners(faces[1])];
+    let common = common_point(&placement, &corners[0], &corners[1]).unwrap_or_else(|| {
+        // Parts of one plane: the closed form finds a common point.
+        let metric = Metric::new(a, b);
+        let [a, b] = [0, 1].map(|m| corners[m].map(|corner| metric.maps[m].apply(corner)));
+        metric.to_world(triangle_triangle(&a, &b).on_a)
+    });
+    Nearest { lower: 0.0, upper: 0.0, points: [common; 2], faces }
 }

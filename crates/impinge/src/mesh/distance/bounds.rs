@@ -19,7 +19,7 @@ use crate::mesh::metric::Metric;
 use crate::mesh::relation::Relation;
 use crate::mesh::{HostChoice, Placed};
 use crate::primitive::{Vector, dot, length, sub};
-use crate::simd::{LANES, by_axis, load3, outlined};
+use crate::simd::{LANES, Lanes3, by_axis, dot as dot3, load3, outlined};
 use crate::volume::Aabb;
 
 /// The largest relative deviation of a host's squared lengths from a common scale with which its packed frame is used:
@@ -31,6 +31,14 @@ const FAR: f64 = 1024.0;
 
 /// More than the relative rounding of a lower bound's evaluation, seven operations, and of its comparison: 2^-20.
 const ROUNDING: f64 = 1.0 / (1_u64 << 20) as f64;
+
+/// Bounds of eight boxes, and by which to order them: what is least is worth looking at first.
+pub(super) struct LaneBounds {
+    pub(super) bounds: [f32; LANES],
+    pub(super) order: [f32; LANES],
+}
+
+const CENTRES: f32 = 0.0625;
 
 /// How nodes of the two trees are compared.
 #[derive(Clone, Debug)]
@@ -128,11 +136,20 @@ impl Bounds {
     /// Bounds of the distances of eight boxes from one, in the numbers that [`limit`](Self::limit) gives; `guest_is_many`
     /// says on which side the eight are.
     #[inline(always)]
-    pub(super) fn of<S: Simd>(&self, simd: S, many: &BoxLanes, one: &Aabb, guest_is_many: bool) -> [f32; LANES] {
+    pub(super) fn of<S: Simd>(&self, simd: S, many: &BoxLanes, one: &Aabb, guest_is_many: bool) -> LaneBounds {
         let (min, max) = (load3(simd, &many.min), load3(simd, &many.max));
         let mut bounds = [0.0; LANES];
         match &self.far {
-            None => squared_gaps(simd, (&min, &max), one).store_slice(&mut bounds),
+            None => {
+                let squared = squared_gaps(simd, (&min, &max), one);
+                squared.store_slice(&mut bounds);
+                let doubled: Lanes3<S> = by_axis!(axis => {
+                    (min[axis] + max[axis]) - f32x8::splat(simd, one.min[axis] + one.max[axis])
+                });
+                let mut order = [0.0; LANES];
+                (squared + dot3(&doubled, &doubled) * CENTRES).store_slice(&mut order);
+                return LaneBounds { bounds, order };
+            }
             Some(far) => {
                 // What the guest's boxes reach towards the host, less what the host's reach towards the guest.
                 let mut sum = f32x8::splat(simd, 0.0);
@@ -151,7 +168,7 @@ impl Bounds {
                 sum.store_slice(&mut bounds);
             }
         }
-        bounds
+        LaneBounds { bounds, order: bounds }
     }
 }
 

@@ -1,69 +1,70 @@
-//! The triangles of a leaf in the metric frame: in double precision for values, and in single precision about an anchor of
-//! their own for proving in bulk that pairs are too far apart to matter.
+//! The triangles of a leaf in the metric frame, in single precision about an anchor of their own, for proving in bulk that
+//! pairs are too far apart to matter.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 
 use super::bounds::squared_gaps;
-use crate::exact::Corners;
-use crate::hierarchy::{HALF_ULP, LEAF_CAPACITY};
+use crate::hierarchy::HALF_ULP;
 use crate::mesh::Mesh;
 use crate::mesh::metric::MetricMap;
 use crate::simd::{LANES, Lanes3, by_axis, cross, dot, load3, outlined, sub};
 use crate::volume::Aabb;
 
-/// More than the roundings of a bound relative to the coordinates that go into it, in units of 2^-24: corners and offset,
-/// once each, their sum, and three operations of each of two dot products, along a direction whose components sum to at most √3.
+/// More than the roundings of a bound relative to the coordinates that go into it, in units of 2^-24: the offset and its sum
+/// with a corner, and three operations of each of two dot products, along a direction whose components sum to at most √3.
 /// 18 are needed.
 const ROUNDING: f64 = 32.0 * HALF_ULP;
+
+/// More than what the corners of a packet of radius one may be off by on an axis of the metric frame, for each unit of
+/// the map's row: the packed corner's rounding, the row's, and three products and two sums, in units of 2^-24.
+const CARRIED: f64 = 8.0 * HALF_ULP;
 
 /// Up to eight triangles in the metric frame; lanes that are not in use repeat the first.
 #[derive(Clone, Debug)]
 pub(super) struct Leaf {
     pub(super) leaf: u32,
-    pub(super) faces: [u32; LEAF_CAPACITY],
-    pub(super) lanes_in_use: u32,
-    pub(super) corners: [Corners; LANES],
     anchor: [f64; 3],
     /// The largest magnitude of the coordinates about the anchor.
     radius: f32,
+    /// More than what they are off by.
+    error: f64,
     /// `about[corner][axis][lane]`, about the anchor.
     about: [[[f32; LANES]; 3]; 3],
 }
 
 impl Leaf {
-    pub(super) fn new(mesh: &Mesh, leaf: u32, map: &MetricMap) -> Self {
-        let faces = mesh.0.packets[leaf as usize].faces;
-        let mut lanes_in_use = 1;
-        let mut corners = [[[0.0; 3]; 3]; LANES];
-        for lane in 0..LANES {
-            if lane > 0 && faces[lane] == faces[0] {
-                corners[lane] = corners[0];
-                continue;
-            }
-            lanes_in_use |= 1 << lane;
-            corners[lane] = mesh.corners(faces[lane]).map(|corner| map.apply(corner));
-        }
-        let anchor = corners[0][0];
+    /// Carries the packet of a leaf into the metric frame.
+    #[inline(always)]
+    pub(super) fn new<S: Simd>(simd: S, mesh: &Mesh, leaf: u32, map: &MetricMap) -> Self {
+        let packet = &mesh.0.packets[leaf as usize];
+        let unit = 1.0 / mesh.0.frame.scale;
+        let [x, y, z] = packet.anchor.map(f64::from);
+        let linear = map.linear.map(|row| row.map(|entry| entry * unit));
+        let anchor = by_axis!(axis => {
+            let row = &linear[axis];
+            (row[0] * x + row[1] * y + row[2] * z) + map.offset[axis]
+        });
         let mut about = [[[0.0; LANES]; 3]; 3];
-        let mut radius = 0.0_f32;
-        for lane in 0..LANES {
-            for corner in 0..3 {
-                for axis in 0..3 {
-                    let x = (corners[lane][corner][axis] - anchor[axis]) as f32;
-                    about[corner][axis][lane] = x;
-                    radius = radius.max(x.abs());
-                }
+        let mut largest = f32x8::splat(simd, 0.0);
+        for corner in 0..3 {
+            let [x, y, z] = load3(simd, &packet.corners[corner]);
+            for axis in 0..3 {
+                let row: Lanes3<S> = by_axis!(k => f32x8::splat(simd, linear[axis][k] as f32));
+                let along = row[0] * x + row[1] * y + row[2] * z;
+                largest = largest.max(along.abs());
+                along.store_slice(&mut about[corner][axis]);
             }
         }
-        Self { leaf, faces, lanes_in_use, corners, anchor, radius, about }
+        let size = linear.iter().map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
+        let error = CARRIED * size * f64::from(packet.radius);
+        Self { leaf, anchor, radius: largest.reduce_max(), error, about }
     }
 }
 
 /// Two leaves, the guest's triangles moved to the host's anchor.
 pub(super) struct Facing<'l, S: Simd> {
     simd: S,
-    host: &'l Leaf,
     guest: &'l Leaf,
     offset: [f32; 3],
     /// More than what a bound may be above the truth, in metric units.
@@ -79,13 +80,14 @@ impl<'l, S: Simd> Facing<'l, S> {
         let offset = by_axis!(axis => (guest.anchor[axis] - host.anchor[axis]) as f32);
         let reach =
             f64::from(host.radius + guest.radius) + offset.iter().fold(0.0, |most, x| f64::from(x.abs()).max(most));
-        let slack = ((ROUNDING * reach + 4.0 * error) as f32).next_up();
+        // An error on each of three axes moves a point by less than twice as much.
+        let slack = ((ROUNDING * reach + 2.0 * (host.error + guest.error) + 4.0 * error) as f32).next_up();
         let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.about[corner]));
         let host_normal = cross(&sub(&host_corners[1], &host_corners[0]), &sub(&host_corners[2], &host_corners[0]));
-        Self { simd, host, guest, offset, slack, host_corners, host_normal }
+        Self { simd, guest, offset, slack, host_corners, host_normal }
     }
 
-    /// The host's lanes whose boxes are not proved farther than `limit` from the guest's triangle in `lane`.
+    /// The host's lanes, in use or not, whose boxes are not proved farther than `limit` from the guest's triangle in `lane`.
     #[inline(always)]
     pub(super) fn near_boxes(&self, lane: usize, limit: f32) -> u32 {
         let corner = |corner: usize, axis: usize| self.guest.about[corner][axis][lane] + self.offset[axis];
@@ -97,7 +99,7 @@ impl<'l, S: Simd> Facing<'l, S> {
         let squared = squared_gaps(self.simd, (&min, &max), &one);
         let limit = limit * (1.0 + 8.0 * HALF_ULP as f32);
         let far = squared.simd_gt(f32x8::splat(self.simd, limit * limit * (1.0 + 8.0 * HALF_ULP as f32)));
-        !(far.to_bitmask() as u32) & self.host.lanes_in_use
+        !(far.to_bitmask() as u32)
     }
 
     /// Lower bounds of the distances of the guest's triangle in `lane` from the host's, in metric units.

@@ -3,10 +3,10 @@
 //! Source: Larsen, Gottschalk, Lin, Manocha, *Fast proximity queries with swept sphere volumes*, ICRA 2000, for distance by
 //! the descent of two trees; ours opens eight children against eight, nearest first, on bounds that are proved.
 //!
-//! Every pair of faces has a *value*: zero where they intersect, by the exact predicate, else the distance of their metric
-//! corners by the closed form, which depends on nothing but the pair and the query. The answer is the least (value, face
-//! of a, face of b) of all pairs. A pair is left out only where it is proved to be worse, or to be no better and later.
-//! So neither the order of the descent nor the vector unit can be seen in the answer.
+//! Whether the meshes intersect is asked first, and decided exactly. Where they do not, every pair of faces has a *value*,
+//! the distance of their metric corners by the closed form, which depends on nothing but the pair and the query. The answer
+//! is the least (value, face of a, face of b) of all pairs. A pair is left out only where it is proved to be worse. So
+//! neither the order of the descent nor the vector unit can be seen in the answer.
 
 mod answer;
 mod at_hand;
@@ -21,9 +21,9 @@ use std::ops::ControlFlow::{self, Continue};
 use fearless_simd::{Simd, dispatch};
 
 use super::metric::Metric;
-use super::{Options, Placed};
+use super::{HostChoice, Options, Placed, collect_intersecting};
 use crate::exact::Placement;
-use crate::hierarchy::{BoxLanes, Child, Node, bits};
+use crate::hierarchy::{BoxLanes, Child, Node, bits, lanes_in_use};
 use crate::primitive::Vector;
 use crate::simd::by_axis;
 use crate::volume::Aabb;
@@ -31,7 +31,7 @@ use answer::{Answer, MOST_VALUES, Scene};
 use at_hand::AtHand;
 use bounds::Bounds;
 use leaf::{Facing, Leaf};
-use profile::Profiles;
+use profile::{Profiles, Reached};
 use task::{Slot, Sorted, Task};
 
 /// The nearest points of two meshes, in the world.
@@ -44,7 +44,13 @@ pub(crate) struct Nearest {
 }
 
 /// The nearest points, none where a mesh has no faces. The faces of `seed`, if there are such, are tried first.
+///
+/// Where the meshes intersect the faces are the first that meet in the descent that the meshes' own errors choose.
 pub(crate) fn nearest(a: Placed<'_>, b: Placed<'_>, seed: Option<[u32; 2]>, options: &Options) -> Option<Nearest> {
+    let any = Options { host: HostChoice::SmallerError, ..*options };
+    if let Some(&faces) = collect_intersecting(a, b, 1, &any).first() {
+        return Some(answer::meeting(a, b, faces));
+    }
     let mut search = Search::new(a, b, options, f64::INFINITY)?;
     if let Some((best, aside)) = remote::nearest(&search.scene) {
         return Some(search.scene.finish(&best, aside));
@@ -93,7 +99,7 @@ struct Search<'a> {
     leaves: [AtHand<Leaf>; 2],
     carried_host: AtHand<Carried>,
     carried_guest: AtHand<Carried>,
-    profiles: Profiles,
+    profiles: Profiles<'a>,
 }
 
 #[derive(Clone, Debug)]
@@ -133,7 +139,7 @@ impl<'a> Search<'a> {
             leaves: [AtHand::new(LEAVES_AT_HAND), AtHand::new(LEAVES_AT_HAND)],
             carried_host: AtHand::new(CARRIED_AT_HAND),
             carried_guest: AtHand::new(CARRIED_AT_HAND),
-            profiles: Profiles::new(),
+            profiles: Profiles::new([host, guest]),
         })
     }
 
@@ -141,16 +147,23 @@ impl<'a> Search<'a> {
         let scene = &self.scene;
         let exists = |faces: &[u32; 2]| [0, 1].iter().all(|&m| (faces[m] as usize) < scene.meshes[m].faces().len());
         if let Some(faces) = seed.filter(exists)
-            && self.answer.meet(scene, faces, &scene.corners(faces)).is_break()
+            && self.answer.meet(scene, faces).is_break()
         {
             return;
         }
-        if let Some(best) = &self.answer.best {
-            let ([on_host, on_guest], on) = (self.scene.sides(), [&best.witness.on_a, &best.witness.on_b]);
-            self.profiles.take(on[on_host], on[on_guest], best.value);
-        }
+        self.take_direction();
         let level = options.level;
         let _ = dispatch!(level, simd => self.descend(simd));
+    }
+
+    /// Bounds what is left along the direction between the best witnesses.
+    #[inline(always)]
+    fn take_direction(&mut self) {
+        let Self { scene, answer, profiles, .. } = self;
+        if let Some(best) = &answer.best {
+            let (sides, on) = (scene.sides(), [&best.witness.on_a, &best.witness.on_b]);
+            profiles.take(sides.map(|side| on[side]), best.value, &scene.metric, sides);
+        }
     }
 
     #[inline(always)]
@@ -158,6 +171,9 @@ impl<'a> Search<'a> {
         self.open_both(simd, 0, 0);
         while let Some(task) = self.tasks.pop() {
             if task.bound > self.answer.node_limit {
+                continue;
+            }
+            if self.profiles.are_apart(simd, [task.host, task.guest], self.answer.cut) {
                 continue;
             }
             let host = self.host[task.host.node as usize].child(usize::from(task.host.lane));
@@ -186,23 +202,19 @@ impl<'a> Search<'a> {
     fn open_both<S: Simd>(&mut self, simd: S, host: u32, guest: u32) {
         let Self { scene, answer, tasks, carried_host, carried_guest, profiles, .. } = self;
         let (host_node, guest_node) = (&self.host[host as usize], &self.guest[guest as usize]);
-        let [on_host, on_guest] = scene.sides();
-        let side = |side: usize, node: u32| (scene.meshes[side], &scene.metric.maps[side], node);
-        let error = scene.metric.error;
-        let reached = match profiles.reached(side(on_host, host), side(on_guest, guest), answer.cut, error) {
-            profile::Facing::Apart => return,
-            profile::Facing::Leaves(reached) => Some(reached),
-            profile::Facing::Unknown => None,
-        };
+        let reached = profiles.of_nodes(simd, [host, guest]);
+        let near = Reached::near(&reached, simd, answer.cut);
         let host_boxes = carried(carried_host, host, || scene.bounds.carry_host(simd, host_node));
         let guest_boxes = carried(carried_guest, guest, || scene.bounds.carry_guest(simd, guest_node));
         let mut found = Sorted::new();
         for guest_lane in 0..guest_node.count() {
+            let near = near[guest_lane] & lanes_in_use(host_node);
+            if near == 0 {
+                continue;
+            }
             let bounds = scene.bounds.of(simd, host_boxes, &guest_boxes.lane(guest_lane), false);
-            for (host_lane, &bound) in bounds[..host_node.count()].iter().enumerate() {
-                if !reached.as_ref().is_some_and(|reached| reached.is_apart(host_lane, guest_lane)) {
-                    found.add_below(answer.node_limit, bound, host_lane, guest_lane);
-                }
+            for host_lane in bits(near) {
+                found.add_below(answer.node_limit, &bounds, host_lane, host_lane, guest_lane);
             }
         }
         found.push(tasks, |host_lane, guest_lane| {
@@ -219,8 +231,8 @@ impl<'a> Search<'a> {
         let many = carried(carried_host, host, || scene.bounds.carry_host(simd, node));
         let bounds = scene.bounds.of(simd, many, &one, false);
         let mut found = Sorted::new();
-        for (lane, &bound) in bounds[..node.count()].iter().enumerate() {
-            found.add_below(answer.node_limit, bound, lane, 0);
+        for lane in 0..node.count() {
+            found.add_below(answer.node_limit, &bounds, lane, lane, 0);
         }
         found.push(tasks, |lane, _| (Slot { node: host, lane }, guest));
     }
@@ -234,8 +246,8 @@ impl<'a> Search<'a> {
         let many = carried(carried_guest, guest, || scene.bounds.carry_guest(simd, node));
         let bounds = scene.bounds.of(simd, many, &one, true);
         let mut found = Sorted::new();
-        for (lane, &bound) in bounds[..node.count()].iter().enumerate() {
-            found.add_below(answer.node_limit, bound, 0, lane);
+        for lane in 0..node.count() {
+            found.add_below(answer.node_limit, &bounds, lane, 0, lane);
         }
         found.push(tasks, |_, lane| (host, Slot { node: guest, lane }));
     }
@@ -258,18 +270,41 @@ impl<'a> Search<'a> {
     fn meet_leaves<S: Simd>(&mut self, simd: S, host: u32, guest: u32) -> ControlFlow<()> {
         let Self { scene, answer, leaves: [at_host, at_guest], profiles, .. } = self;
         let [on_host, on_guest] = scene.sides();
-        let take_up = |leaf: u32, side: usize| Leaf::new(scene.meshes[side], leaf, &scene.metric.maps[side]);
-        let host = at_host.get(host, |kept| kept.leaf, |leaf| take_up(leaf, on_host));
-        let guest = at_guest.get(guest, |kept| kept.leaf, |leaf| take_up(leaf, on_guest));
+        let (host_packet, guest_packet) =
+            (&scene.meshes[on_host].0.packets[host as usize], &scene.meshes[on_guest].0.packets[guest as usize]);
+        let reached = profiles.of_leaves(simd, [host_packet, guest_packet]);
+        let mut near = Reached::near(&reached, simd, answer.cut);
+        let mut near_guests = 0;
+        for lane in bits(guest_packet.lanes_in_use()) {
+            near[lane] &= host_packet.lanes_in_use();
+            near_guests |= u32::from(near[lane] != 0) << lane;
+        }
+        if near_guests == 0 {
+            return Continue(());
+        }
+        let host = at_host.get(
+            host,
+            |kept| kept.leaf,
+            #[inline(always)]
+            |leaf| Leaf::new(simd, scene.meshes[on_host], leaf, &scene.metric.maps[on_host]),
+        );
+        let guest = at_guest.get(
+            guest,
+            |kept| kept.leaf,
+            #[inline(always)]
+            |leaf| Leaf::new(simd, scene.meshes[on_guest], leaf, &scene.metric.maps[on_guest]),
+        );
         let facing = Facing::new(simd, host, guest, scene.metric.error);
+        let pair = |host_lane: usize, guest_lane: usize| {
+            let faces = [host_packet.faces[host_lane], guest_packet.faces[guest_lane]];
+            [faces[on_host], faces[on_guest]]
+        };
         if answer.best.is_none() {
             // Any pair will do for a first value, and for a first direction.
-            let (faces, corners) = ([host.faces[0], guest.faces[0]], [host.corners[0], guest.corners[0]]);
-            let at = |side: usize| usize::from(side != on_host);
-            answer.meet(scene, [faces[at(0)], faces[at(1)]], &[corners[at(0)], corners[at(1)]])?;
+            answer.meet(scene, pair(0, 0))?;
         }
-        for guest_lane in bits(guest.lanes_in_use) {
-            let mut near = facing.near_boxes(guest_lane, answer.limit);
+        for guest_lane in bits(near_guests) {
+            let mut near = near[guest_lane] & facing.near_boxes(guest_lane, answer.limit);
             if near == 0 {
                 continue;
             }
@@ -279,22 +314,13 @@ impl<'a> Search<'a> {
                     if lower[lane] < lower[least] { lane } else { least }
                 });
                 near &= !(1 << nearest);
-                if lower[nearest] > answer.limit {
+                if lower[nearest] > answer.limit || Reached::are_apart(&reached, [nearest, guest_lane], answer.cut) {
                     continue;
                 }
-                let (face_host, face_guest) = (host.faces[nearest], guest.faces[guest_lane]);
-                let (of_host, of_guest) = (host.corners[nearest], guest.corners[guest_lane]);
-                if scene.bounds.swapped {
-                    answer.meet(scene, [face_guest, face_host], &[of_guest, of_host])?;
-                } else {
-                    answer.meet(scene, [face_host, face_guest], &[of_host, of_guest])?;
-                }
+                answer.meet(scene, pair(nearest, guest_lane))?;
             }
         }
-        if let Some(best) = &answer.best {
-            let on = [&best.witness.on_a, &best.witness.on_b];
-            profiles.take(on[on_host], on[on_guest], best.value);
-        }
+        self.take_direction();
         Continue(())
     }
 }

@@ -1,95 +1,137 @@
-//! How far leaves reach along the direction between the witnesses: a bound that boxes cannot give.
+//! How far parts of the meshes reach along the direction between the witnesses: a bound that boxes cannot give.
 //!
 //! A patch of triangles is thin along its normal, its box is as thick as the patch is wide. Near the nearest points of two
 //! smooth surfaces box bounds therefore leave open all patches around, each with each. Along the direction `n` from one
-//! witness to the other every point of a pair of leaves is at least `min n·guest - max n·host` apart, and these two
-//! numbers are had from the corners, once for a leaf and a direction. Any direction gives a bound; an old one only
-//! gives a weaker one.
+//! witness to the other every point of a pair of parts is at least `min n·guest - max n·host` apart, and these two numbers
+//! are had part by part: of a leaf from its corners, of a node from its box and its slab, once for a direction. Any
+//! direction gives a bound; an old one only gives a weaker one.
 //!
 //! Source: the supporting planes of Gilbert, Johnson, Keerthi, *A fast procedure for computing the distance between complex
 //! objects in three-dimensional space*, IEEE Journal of Robotics and Automation 4(2), 1988, here as lower bounds for parts.
 
-use super::AtHand;
-use crate::hierarchy::{Child, Node};
-use crate::mesh::Mesh;
-use crate::mesh::metric::MetricMap;
-use crate::primitive::{Vector, dot, length, sub};
-use crate::simd::LANES;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
 
-/// Nodes of leaves whose reaches are kept, of either mesh; a power of two.
+use super::AtHand;
+use super::task::Slot;
+use crate::hierarchy::{Child, HALF_ULP, Slab};
+use crate::mesh::Mesh;
+use crate::mesh::metric::Metric;
+use crate::mesh::packet::Packet;
+use crate::primitive::{Vector, dot, length, sub};
+use crate::simd::{LANES, by_axis, load, load3};
+use crate::volume::Aabb;
+
+/// Nodes whose children's reaches are kept, of either mesh; a power of two.
 const KEPT: usize = 256;
 
-/// A new direction is taken where the distance has shrunk by more than this since the last: 2^-10. More often would reach
-/// for all leaves anew for little; a direction that is off by an angle φ loosens bounds by about φ²/2, which is this.
+/// Nodes are looked at along a new direction where the distance has shrunk by more than this since the last: 2^-10. More
+/// often would reach for all of them anew for little; a direction that is off by an angle φ loosens bounds by about φ²/2,
+/// which is this.
 const STALE: f64 = 1.0 / 1024.0;
 
 /// More than what the sum of two reaches is off by, and this number's own rounding, relative to the sum: 2^-21.
 const SUM_ROUNDING: f64 = 1.0 / (1_u64 << 21) as f64;
 
 /// A direction in the metric frame and what is known along it.
-pub(super) struct Profiles {
-    direction: Option<Direction>,
+pub(super) struct Profiles<'m> {
+    /// The host and the guest.
+    meshes: [&'m Mesh; 2],
+    /// Between the best witnesses.
+    newest: Option<Direction>,
+    /// The one along which nodes are looked at, which is not always the newest, and its number.
+    of_nodes: Option<Direction>,
     version: u32,
     nodes: [AtHand<Reaches>; 2],
 }
 
+/// A direction from the host's witness to the guest's.
 #[derive(Clone, Copy)]
 struct Direction {
-    /// Of about unit length.
-    along: Vector,
-    /// The witnesses, of the host and of the guest, along it; reaches are about them.
-    levels: [f64; 2],
+    towards: [Towards; 2],
+    enough: Enough,
     /// The distance at which it was taken.
     value: f64,
 }
 
-/// How far the leaves of a node reach along the direction, beyond their mesh's witness and towards the other mesh.
+/// How far a point of a packed frame reaches, in metric units, beyond its mesh's witness and towards the other mesh:
+/// `gradient · point + base`.
+#[derive(Clone, Copy)]
+struct Towards {
+    gradient: Vector,
+    base: f64,
+    /// The sum of the gradient's magnitudes.
+    size: f64,
+}
+
+/// How far the children of a node reach.
 #[derive(Clone, Copy)]
 struct Reaches {
     node: u32,
     version: u32,
     lanes: [f32; LANES],
-    most: f32,
 }
 
-/// The leaves of two nodes, by how far they reach towards each other, and how far that may be.
-pub(super) struct Reached<'p> {
-    host: &'p [f32; LANES],
-    guest: &'p [f32; LANES],
-    enough: f32,
+/// Eight parts of the host and eight of the guest, by how far they reach towards each other.
+pub(super) struct Reached {
+    host: [f32; LANES],
+    guest: [f32; LANES],
+    enough: Enough,
 }
 
-impl Reached<'_> {
-    /// Whether two leaves are proved to be farther apart than matters.
+/// The bits of all lanes.
+const ALL_LANES: u32 = (1 << LANES) - 1;
+
+/// How far parts have to reach towards each other to matter.
+#[derive(Clone, Copy)]
+pub(super) struct Enough {
+    /// How far the witnesses are apart along the direction.
+    gap: f64,
+    /// What metric coordinates and sums of their products are off by.
+    error: f64,
+}
+
+impl Enough {
+    /// Two parts that reach less far than this, both together, are farther apart than `cut`: they are apart by the gap
+    /// between the witnesses, less both reaches, over the length of the direction, which is one within rounding.
     #[inline(always)]
-    pub(super) fn is_apart(&self, host_lane: usize, guest_lane: usize) -> bool {
-        self.host[host_lane] + self.guest[guest_lane] < self.enough
+    fn at(self, cut: f64) -> f32 {
+        let most = self.gap - cut;
+        (most - (8.0 * self.error + 1e-14 * cut + SUM_ROUNDING * most.abs())) as f32
     }
 }
 
-/// What [`Profiles::reached`] finds.
-pub(super) enum Facing<'p> {
-    /// All leaves of both nodes are farther apart than matters.
-    Apart,
-    /// Some may not be.
-    Leaves(Reached<'p>),
-    /// Nothing is known.
-    Unknown,
-}
-
-impl Profiles {
-    pub(super) fn new() -> Self {
-        Self { direction: None, version: 0, nodes: [AtHand::new(KEPT), AtHand::new(KEPT)] }
-    }
-
-    /// Takes the direction between two witnesses, where it is new enough.
-    pub(super) fn take(&mut self, on_host: &Vector, on_guest: &Vector, value: f64) {
-        if value == 0.0 {
-            // Where surfaces meet no direction parts them.
-            self.direction = None;
-            return;
+impl Reached {
+    /// For each of the guest's lanes the host's that are not proved to be farther away than `cut`; all where nothing is known.
+    #[inline(always)]
+    pub(super) fn near<S: Simd>(reached: &Option<Self>, simd: S, cut: f64) -> [u32; LANES] {
+        let Some(reached) = reached else { return [ALL_LANES; LANES] };
+        let (host, enough) = (load(simd, &reached.host), f32x8::splat(simd, reached.enough.at(cut)));
+        let mut near = [0; LANES];
+        for lane in 0..LANES {
+            let sum = host + f32x8::splat(simd, reached.guest[lane]);
+            near[lane] = !(sum.simd_lt(enough).to_bitmask() as u32);
         }
-        if self.direction.is_some_and(|direction| value > direction.value * (1.0 - STALE)) {
+        near
+    }
+
+    /// Whether two parts are proved to be farther apart than `cut`.
+    #[inline(always)]
+    pub(super) fn are_apart(reached: &Option<Self>, [host_lane, guest_lane]: [usize; 2], cut: f64) -> bool {
+        let Some(reached) = reached else { return false };
+        reached.host[host_lane] + reached.guest[guest_lane] < reached.enough.at(cut)
+    }
+}
+
+impl<'m> Profiles<'m> {
+    pub(super) fn new(meshes: [&'m Mesh; 2]) -> Self {
+        Self { meshes, newest: None, of_nodes: None, version: 0, nodes: [AtHand::new(KEPT), AtHand::new(KEPT)] }
+    }
+
+    /// Takes the direction between two witnesses, of the host and of the guest, where they are nearer than the last; `sides`
+    /// are theirs in the metric.
+    pub(super) fn take(&mut self, [on_host, on_guest]: [&Vector; 2], value: f64, metric: &Metric, sides: [usize; 2]) {
+        if self.newest.is_some_and(|newest| value >= newest.value) {
             return;
         }
         let between = sub(on_guest, on_host);
@@ -97,80 +139,210 @@ impl Profiles {
         // Points that coincide have none.
         if size > f64::MIN_POSITIVE {
             let along = between.map(|x| x / size);
-            self.direction = Some(Direction { along, levels: [dot(&along, on_host), dot(&along, on_guest)], value });
-            self.version += 1;
+            let [level_host, level_guest] = [dot(&along, on_host), dot(&along, on_guest)];
+            let towards = |side: usize, along: Vector, level: f64| {
+                let map = &metric.maps[sides[side]];
+                let column = |j: usize| [map.linear[0][j], map.linear[1][j], map.linear[2][j]];
+                let gradient = [0, 1, 2].map(|j| dot(&along, &column(j)) / self.meshes[side].0.frame.scale);
+                let size = gradient.iter().map(|x| x.abs()).sum();
+                Towards { gradient, base: dot(&along, &map.offset) - level, size }
+            };
+            let towards = [towards(0, along, level_host), towards(1, along.map(|x| -x), -level_guest)];
+            let enough = Enough { gap: level_guest - level_host, error: metric.error };
+            let newest = Direction { towards, enough, value };
+            self.newest = Some(newest);
+            if self.of_nodes.is_none_or(|old| value < old.value * (1.0 - STALE)) {
+                self.of_nodes = Some(newest);
+                self.version += 1;
+            }
         }
     }
 
-    /// How the leaves of two nodes, all of whose children are leaves, reach towards each other. `cut` is the distance
-    /// past which nothing matters, `error` what metric coordinates and sums of their products are off by.
-    #[inline(never)]
-    pub(super) fn reached(
-        &mut self,
-        host: (&Mesh, &MetricMap, u32),
-        guest: (&Mesh, &MetricMap, u32),
-        cut: f64,
-        error: f64,
-    ) -> Facing<'_> {
-        let Some(direction) = &self.direction else { return Facing::Unknown };
-        let version = self.version;
-        let [at_host, at_guest] = &mut self.nodes;
-        let (Some(on_host), Some(on_guest)) = (
-            reaches(at_host, host, direction, 1.0, direction.levels[0], version),
-            reaches(at_guest, guest, direction, -1.0, direction.levels[1], version),
-        ) else {
-            return Facing::Unknown;
-        };
-        // Leaves are apart by the levels' difference, less both reaches, over the length of the direction, which is one
-        // within rounding.
-        let gap = direction.levels[1] - direction.levels[0];
-        let most = gap - cut;
-        let enough = (most - (8.0 * error + 1e-14 * cut + SUM_ROUNDING * most.abs())) as f32;
-        if on_host.most + on_guest.most < enough {
-            return Facing::Apart;
-        }
-        Facing::Leaves(Reached { host: &on_host.lanes, guest: &on_guest.lanes, enough })
+    /// How the children of two nodes reach towards each other; none without a direction.
+    #[inline(always)]
+    pub(super) fn of_nodes<S: Simd>(&mut self, simd: S, nodes: [u32; 2]) -> Option<Reached> {
+        let direction = self.of_nodes?;
+        let host = self.reaches(simd, 0, nodes[0], &direction).lanes;
+        let guest = self.reaches(simd, 1, nodes[1], &direction).lanes;
+        Some(Reached { host, guest, enough: direction.enough })
+    }
+
+    /// Whether two children are proved to be farther apart than `cut`.
+    #[inline(always)]
+    pub(super) fn are_apart<S: Simd>(&mut self, simd: S, slots: [Slot; 2], cut: f64) -> bool {
+        let Some(direction) = self.of_nodes else { return false };
+        let [host_slot, guest_slot] = slots;
+        let host = self.reaches(simd, 0, host_slot.node, &direction).lanes[usize::from(host_slot.lane)];
+        let guest = self.reaches(simd, 1, guest_slot.node, &direction).lanes[usize::from(guest_slot.lane)];
+        host + guest < direction.enough.at(cut)
+    }
+
+    /// How the triangles of two leaves reach towards each other.
+    #[inline(always)]
+    pub(super) fn of_leaves<S: Simd>(&self, simd: S, leaves: [&Packet; 2]) -> Option<Reached> {
+        let direction = self.newest?;
+        let host = direction.towards[0].of_triangles(simd, leaves[0]);
+        let guest = direction.towards[1].of_triangles(simd, leaves[1]);
+        Some(Reached { host, guest, enough: direction.enough })
+    }
+
+    #[inline(always)]
+    fn reaches<S: Simd>(&mut self, simd: S, side: usize, node: u32, direction: &Direction) -> &Reaches {
+        let (mesh, version, towards) = (self.meshes[side], self.version, &direction.towards[side]);
+        let is_current = |kept: &Reaches| kept.node == node && kept.version == version;
+        self.nodes[side].get_current(
+            node,
+            is_current,
+            #[inline(always)]
+            |_| Reaches { node, version, lanes: towards.of_children(simd, mesh, node) },
+        )
     }
 }
 
-/// The reaches of a node's leaves, none where a child is no leaf.
-#[inline(always)]
-fn reaches<'p>(
-    kept: &'p mut AtHand<Reaches>,
-    (mesh, map, node): (&Mesh, &MetricMap, u32),
-    direction: &Direction,
-    towards: f64,
-    level: f64,
-    version: u32,
-) -> Option<&'p Reaches> {
-    let of_leaves = &mesh.0.tree.nodes()[node as usize];
-    if !has_leaves_alone(of_leaves) {
-        return None;
-    }
-    let make = |_| {
-        let along = direction.along.map(|x| x * towards);
-        let column = |j: usize| [map.linear[0][j], map.linear[1][j], map.linear[2][j]];
-        let local = [0, 1, 2].map(|j| dot(&along, &column(j)));
-        let base = dot(&along, &map.offset) - towards * level;
+impl Towards {
+    /// How far the children of a node reach.
+    #[inline(always)]
+    fn of_children<S: Simd>(&self, simd: S, mesh: &Mesh, node: u32) -> [f32; LANES] {
+        let nodes = mesh.0.tree.nodes();
+        let parent = &nodes[node as usize];
         let mut lanes = [f32::NEG_INFINITY; LANES];
-        for (lane, reach) in lanes[..of_leaves.count()].iter_mut().enumerate() {
-            let Child::Leaf(leaf) = of_leaves.child(lane) else { continue };
-            let faces = &mesh.0.packets[leaf as usize].faces;
-            let mut most = f64::NEG_INFINITY;
-            for &face in faces {
-                for corner in mesh.corners(face) {
-                    most = most.max(dot(&local, &sub(&corner, &map.centre)));
+        for (lane, reach) in lanes[..parent.count()].iter_mut().enumerate() {
+            *reach = match parent.child(lane) {
+                Child::Inner(child) => self.of_patch(&parent.lane_bounds(lane), &nodes[child as usize].slab),
+                Child::Leaf(leaf) => self.of_leaf(simd, &mesh.0.packets[leaf as usize]),
+            };
+        }
+        lanes
+    }
+
+    /// How far what is in a box and in a slab reaches at most, both in the packed frame: for every share α of the slab's
+    /// normal, what the slab allows along that and the box along the rest.
+    #[inline(always)]
+    fn of_patch(&self, bounds: &Aabb, slab: &Slab) -> f32 {
+        let normal: Vector = by_axis!(axis => f64::from(slab.normal[axis]));
+        let share = dot(&self.gradient, &normal) / dot(&normal, &normal);
+        let by_box = in_box(&self.gradient, bounds);
+        let rest: Vector = by_axis!(axis => self.gradient[axis] - share * normal[axis]);
+        let height = f64::from(if share > 0.0 { slab.max } else { slab.min });
+        // Not a number, where there is no slab, bounds nothing.
+        let by_slab = in_box(&rest, bounds) + share * height;
+        let most = if by_slab < by_box { by_slab } else { by_box };
+        ((most + self.base) as f32).next_up()
+    }
+
+    /// How far the triangles of a leaf reach.
+    #[inline(always)]
+    fn of_leaf<S: Simd>(&self, simd: S, packet: &Packet) -> f32 {
+        let (lanes, anchor) = self.about_anchor(simd, packet);
+        ((anchor + f64::from(lanes.reduce_max())) as f32).next_up()
+    }
+
+    /// How far each triangle of a leaf reaches.
+    #[inline(always)]
+    fn of_triangles<S: Simd>(&self, simd: S, packet: &Packet) -> [f32; LANES] {
+        let (lanes, anchor) = self.about_anchor(simd, packet);
+        let mut reaches = <[f32; LANES]>::from(lanes);
+        for reach in &mut reaches {
+            *reach = ((anchor + f64::from(*reach)) as f32).next_up();
+        }
+        reaches
+    }
+
+    /// How far each triangle reaches beyond the packet's anchor, and how far that does, outward: eight units of 2^-24 pay for
+    /// the corner's rounding and the gradient's, and for three products and two sums.
+    #[inline(always)]
+    fn about_anchor<S: Simd>(&self, simd: S, packet: &Packet) -> (f32x8<S>, f64) {
+        let gradient = by_axis!(axis => f32x8::splat(simd, self.gradient[axis] as f32));
+        let heights: [f32x8<S>; 3] = by_axis!(corner => {
+            let at = load3(simd, &packet.corners[corner]);
+            gradient[0] * at[0] + gradient[1] * at[1] + gradient[2] * at[2]
+        });
+        let slack = 8.0 * HALF_ULP * f64::from(packet.radius) * self.size + f64::from(f32::MIN_POSITIVE);
+        let anchor = dot(&self.gradient, &by_axis!(axis => f64::from(packet.anchor[axis]))) + self.base + slack;
+        (heights[0].max(heights[1]).max(heights[2]), anchor)
+    }
+}
+
+/// The greatest inner product of a vector with a point of a box.
+#[inline(always)]
+fn in_box(vector: &Vector, bounds: &Aabb) -> f64 {
+    let [x, y, z] =
+        by_axis!(axis => (vector[axis] * f64::from(bounds.min[axis])).max(vector[axis] * f64::from(bounds.max[axis])));
+    x + y + z
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+    use impinge_testkit::Affine;
+    use impinge_testkit::generate::Rng;
+    use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
+    use impinge_testkit::generate::poses::{large_integer_map, rotation};
+
+    use super::*;
+    use crate::math::Pose;
+    use crate::mesh::positions::Positions;
+    use crate::simd::levels;
+
+    /// How far the faces below a child reach, by their metric corners.
+    fn reach(mesh: &Mesh, metric: &Metric, side: usize, along: &Vector, level: f64, child: Child) -> f64 {
+        match child {
+            Child::Leaf(leaf) => mesh.0.packets[leaf as usize].faces.iter().fold(f64::NEG_INFINITY, |most, &face| {
+                let corners = mesh.corners(face).map(|corner| dot(along, &metric.maps[side].apply(corner)) - level);
+                corners.into_iter().fold(most, f64::max)
+            }),
+            Child::Inner(node) => {
+                let node = &mesh.0.tree.nodes()[node as usize];
+                (0..node.count()).fold(f64::NEG_INFINITY, |most, lane| {
+                    most.max(reach(mesh, metric, side, along, level, node.child(lane)))
+                })
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_reaches_farther_than_is_said() {
+        let knot = torus_knot(96, 24, TREFOIL);
+        let mesh = Mesh::new(Positions::F64(knot.vertices), knot.faces).expect("a mesh");
+        let mut rng = Rng::new(33);
+        let (mut said, mut reached, mut parts) = (0.0, 0.0, 0);
+        for round in 0..12 {
+            let pose = |map: Affine| Pose::new(map.linear, map.translation).expect("a pose");
+            let poses = [
+                pose(rotation(&mut rng)),
+                pose(if round % 3 == 0 { large_integer_map(&mut rng) } else { rotation(&mut rng) }),
+            ];
+            let metric = Metric::new(mesh.at(poses[0]), mesh.at(poses[1]));
+            let mut profiles = Profiles::new([&mesh, &mesh]);
+            let on = [0, 1].map(|side| metric.maps[side].apply(mesh.corners(rng.integer(0, 4000) as u32)[0]));
+            let between = sub(&on[1], &on[0]);
+            let along = between.map(|x| x / length(&between));
+            profiles.take([&on[0], &on[1]], length(&between), &metric, [0, 1]);
+            for node in 0..mesh.0.tree.nodes().len() as u32 {
+                let mut found = Vec::new();
+                for (_, level) in levels() {
+                    let reached = dispatch!(level, simd => profiles.of_nodes(simd, [node, node])).expect("a direction");
+                    found.push([reached.host, reached.guest]);
+                }
+                assert!(found.iter().all(|reaches| *reaches == found[0]), "another bound at another level");
+                let of = &mesh.0.tree.nodes()[node as usize];
+                for side in [0, 1] {
+                    let towards = if side == 0 { along } else { along.map(|x| -x) };
+                    for lane in 0..of.count() {
+                        let truth = reach(&mesh, &metric, side, &towards, dot(&towards, &on[side]), of.child(lane));
+                        let bound = f64::from(found[0][side][lane]);
+                        assert!(
+                            truth <= bound + 8.0 * metric.error,
+                            "round {round}, node {node}: {truth} above {bound}"
+                        );
+                        if !of.holds_leaves() {
+                            (said, reached, parts) = (said + bound, reached + truth, parts + 1);
+                        }
+                    }
                 }
             }
-            *reach = ((most + base) as f32).next_up();
         }
-        let most = lanes.iter().fold(f32::NEG_INFINITY, |most, x| most.max(*x));
-        Reaches { node, version, lanes, most }
-    };
-    Some(kept.get_current(node, |kept| kept.node == node && kept.version == version, make))
-}
-
-#[inline(always)]
-fn has_leaves_alone(node: &Node) -> bool {
-    (0..node.count()).all(|lane| matches!(node.child(lane), Child::Leaf(_)))
+        let looseness = (said - reached) / f64::from(parts);
+        assert!(parts > 1000 && looseness < 0.02, "{parts} parts, {looseness} too far");
+    }
 }

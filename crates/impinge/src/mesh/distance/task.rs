@@ -1,5 +1,6 @@
 //! What is left of a search: pairs of children, the nearest to be taken next.
 
+use super::bounds::LaneBounds;
 use crate::simd::LANES;
 
 /// A child of a node.
@@ -20,24 +21,35 @@ pub(super) struct Task {
 /// Pairs of children by their bounds.
 pub(super) struct Sorted {
     keys: [u64; LANES * LANES],
+    bounds: [f32; LANES * LANES],
     count: usize,
 }
 
 impl Sorted {
     #[inline(always)]
     pub(super) fn new() -> Self {
-        Self { keys: [0; LANES * LANES], count: 0 }
+        Self { keys: [0; LANES * LANES], bounds: [0.0; LANES * LANES], count: 0 }
     }
 
     #[inline(always)]
-    pub(super) fn add_below(&mut self, limit: f32, bound: f32, host_lane: usize, guest_lane: usize) {
+    pub(super) fn add_below(
+        &mut self,
+        limit: f32,
+        bounds: &LaneBounds,
+        of: usize,
+        host_lane: usize,
+        guest_lane: usize,
+    ) {
+        let (bound, order) = (bounds.bounds[of], bounds.order[of]);
         // A bound that is not a number proves nothing.
         if bound > limit {
             return;
         }
         // Floats order like integers once those of negative ones are turned over.
-        let ordered = bound.to_bits() ^ (((bound.to_bits() as i32 >> 31) as u32) | 1 << 31);
-        self.keys[self.count] = u64::from(ordered) << 32 | (host_lane * LANES + guest_lane) as u64;
+        let ordered = order.to_bits() ^ (((order.to_bits() as i32 >> 31) as u32) | 1 << 31);
+        let lanes = host_lane * LANES + guest_lane;
+        self.keys[self.count] = u64::from(ordered) << 32 | lanes as u64;
+        self.bounds[lanes] = bound;
         self.count += 1;
     }
 
@@ -47,11 +59,9 @@ impl Sorted {
         let keys = &mut self.keys[..self.count];
         keys.sort_unstable_by(|x, y| y.cmp(x));
         tasks.extend(keys.iter().map(|&key| {
-            let ordered = (key >> 32) as u32;
-            let bits = ordered ^ ((!(ordered as i32 >> 31)) as u32 | 1 << 31);
             let lanes = key as u8;
             let (host, guest) = slots(lanes / LANES as u8, lanes % LANES as u8);
-            Task { bound: f32::from_bits(bits), host, guest }
+            Task { bound: self.bounds[usize::from(lanes)], host, guest }
         }));
     }
 }
