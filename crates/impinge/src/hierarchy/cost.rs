@@ -159,10 +159,11 @@ impl WideTree {
 
 impl Node {
     /// The box of one lane.
+    #[inline(always)]
     pub(crate) fn lane_bounds(&self, lane: usize) -> Aabb {
         Aabb {
-            min: std::array::from_fn(|axis| self.min[axis][lane]),
-            max: std::array::from_fn(|axis| self.max[axis][lane]),
+            min: crate::simd::by_axis!(axis => self.min[axis][lane]),
+            max: crate::simd::by_axis!(axis => self.max[axis][lane]),
         }
     }
 

@@ -14,7 +14,7 @@ use super::{Mesh, Placed};
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{Descent, Large, LeafVisitor, Order, QUEUE, Task, bits};
 use crate::math::RelativeMap;
-use crate::simd::{self, LANES, Level, outlined, prefetch};
+use crate::simd::{self, ALL_LANES, LANES, Level, outlined, prefetch};
 use crate::volume::Aabb;
 
 /// How a query runs. Nothing here changes an answer: the fields are for measuring and for tests that say so.
@@ -152,9 +152,6 @@ fn relate(a: Placed<'_>, b: Placed<'_>, a_from_b: &RelativeMap, choice: HostChoi
     let (relation, back) = if swapped { (by_b, by_a) } else { (by_a, by_b) };
     Relations { relation, back, swapped }
 }
-
-/// The bits of all lanes.
-const ALL_LANES: u32 = (1 << LANES) - 1;
 
 /// Pairs of leaves wait this long for the host leaf's memory. Fewer hide less of its latency; more crowd the first
 /// cache with guests taken up.

@@ -8,12 +8,12 @@ use super::bounds::squared_gaps;
 use crate::hierarchy::HALF_ULP;
 use crate::mesh::Mesh;
 use crate::mesh::metric::MetricMap;
-use crate::simd::{LANES, Lanes3, by_axis, cross, dot, load3, outlined, sub};
+use crate::simd::{ALL_LANES, LANES, Lanes3, by_axis, cross, dot, load3, outlined, sub};
 use crate::volume::Aabb;
 
 /// More than the roundings of a bound relative to the coordinates that go into it, in units of 2^-24: the offset and its sum
 /// with a corner, and three operations of each of two dot products, along a direction whose components sum to at most √3.
-/// 18 are needed.
+/// 18 are needed, and five more along the line between anchors.
 const ROUNDING: f64 = 32.0 * HALF_ULP;
 
 /// More than what the corners of a packet of radius one may be off by on an axis of the metric frame, for each unit of
@@ -85,6 +85,31 @@ impl<'l, S: Simd> Facing<'l, S> {
         let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.about[corner]));
         let host_normal = cross(&sub(&host_corners[1], &host_corners[0]), &sub(&host_corners[2], &host_corners[0]));
         Self { simd, guest, offset, slack, host_corners, host_normal }
+    }
+
+    /// For each of the guest's lanes the host's, in use or not, that are not proved farther than `limit` along the line between
+    /// the anchors. The square of its length and the limit add five roundings to those of [`gap_along`].
+    #[inline(always)]
+    pub(super) fn near_between(&self, limit: f32) -> [u32; LANES] {
+        let simd = self.simd;
+        let [x, y, z] = self.offset;
+        let squared = x * x + y * y + z * z;
+        if squared <= LEAST_SQUARE {
+            return [ALL_LANES; LANES];
+        }
+        let direction: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, self.offset[axis]));
+        let [p, q, r]: Lanes3<S> = by_axis!(corner => dot(&direction, &self.host_corners[corner]));
+        let host = p.max(q).max(r);
+        let [p, q, r]: Lanes3<S> = by_axis!(corner => dot(&direction, &load3(simd, &self.guest.about[corner])));
+        let mut guest = [0.0; LANES];
+        p.min(q).min(r).store_slice(&mut guest);
+        let enough = (limit + self.slack) * squared.sqrt() - squared;
+        let mut near = [0; LANES];
+        for lane in 0..LANES {
+            let far = (f32x8::splat(simd, guest[lane]) - host).simd_gt(f32x8::splat(simd, enough));
+            near[lane] = !(far.to_bitmask() as u32);
+        }
+        near
     }
 
     /// The host's lanes, in use or not, whose boxes are not proved farther than `limit` from the guest's triangle in `lane`.

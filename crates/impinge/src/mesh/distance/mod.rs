@@ -10,6 +10,7 @@
 
 mod answer;
 mod at_hand;
+mod between;
 mod bounds;
 mod leaf;
 mod profile;
@@ -29,6 +30,7 @@ use crate::simd::by_axis;
 use crate::volume::Aabb;
 use answer::{Answer, MOST_VALUES, Scene};
 use at_hand::AtHand;
+use between::Between;
 use bounds::Bounds;
 use leaf::{Facing, Leaf};
 use profile::{Profiles, Reached};
@@ -100,6 +102,7 @@ struct Search<'a> {
     carried_host: AtHand<Carried>,
     carried_guest: AtHand<Carried>,
     profiles: Profiles<'a>,
+    between: Between,
 }
 
 #[derive(Clone, Debug)]
@@ -130,6 +133,7 @@ impl<'a> Search<'a> {
         let metric = &scene.metric;
         let farthest = if clearance == f64::INFINITY { metric.diagonal } else { clearance * metric.scale };
         answer.cut(&scene, farthest + 2.0 * metric.error);
+        let between = Between::new([host, guest], metric, scene.sides());
         Some(Self {
             scene,
             answer,
@@ -140,6 +144,7 @@ impl<'a> Search<'a> {
             carried_host: AtHand::new(CARRIED_AT_HAND),
             carried_guest: AtHand::new(CARRIED_AT_HAND),
             profiles: Profiles::new([host, guest]),
+            between,
         })
     }
 
@@ -176,8 +181,13 @@ impl<'a> Search<'a> {
             if self.profiles.are_apart(simd, [task.host, task.guest], self.answer.cut) {
                 continue;
             }
-            let host = self.host[task.host.node as usize].child(usize::from(task.host.lane));
-            let guest = self.guest[task.guest.node as usize].child(usize::from(task.guest.lane));
+            let (host_node, host_lane) = (&self.host[task.host.node as usize], usize::from(task.host.lane));
+            let (guest_node, guest_lane) = (&self.guest[task.guest.node as usize], usize::from(task.guest.lane));
+            let (host_box, guest_box) = (host_node.lane_bounds(host_lane), guest_node.lane_bounds(guest_lane));
+            if self.between.are_apart(&host_box, &guest_box, self.answer.cut) {
+                continue;
+            }
+            let (host, guest) = (host_node.child(host_lane), guest_node.child(guest_lane));
             match (host, guest) {
                 (Child::Leaf(host), Child::Leaf(guest)) => self.meet_leaves(simd, host, guest)?,
                 (Child::Inner(host), Child::Leaf(_)) => self.open_host(simd, host, task.guest),
@@ -303,8 +313,13 @@ impl<'a> Search<'a> {
             // Any pair will do for a first value, and for a first direction.
             answer.meet(scene, pair(0, 0))?;
         }
+        let near_between = facing.near_between(answer.limit);
         for guest_lane in bits(near_guests) {
-            let mut near = near[guest_lane] & facing.near_boxes(guest_lane, answer.limit);
+            let mut near = near[guest_lane] & near_between[guest_lane];
+            if near == 0 {
+                continue;
+            }
+            near &= facing.near_boxes(guest_lane, answer.limit);
             if near == 0 {
                 continue;
             }

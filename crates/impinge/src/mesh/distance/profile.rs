@@ -19,7 +19,7 @@ use crate::mesh::Mesh;
 use crate::mesh::metric::Metric;
 use crate::mesh::packet::Packet;
 use crate::primitive::{Vector, dot, length, sub};
-use crate::simd::{LANES, by_axis, load, load3};
+use crate::simd::{ALL_LANES, LANES, by_axis, load, load3};
 use crate::volume::Aabb;
 
 /// Nodes whose children's reaches are kept, of either mesh; a power of two.
@@ -78,9 +78,6 @@ pub(super) struct Reached {
     guest: [f32; LANES],
     enough: Enough,
 }
-
-/// The bits of all lanes.
-const ALL_LANES: u32 = (1 << LANES) - 1;
 
 /// How far parts have to reach towards each other to matter.
 #[derive(Clone, Copy)]
