@@ -222,9 +222,10 @@ impl<'a> Search<'a> {
             if near == 0 {
                 continue;
             }
-            let bounds = scene.bounds.of(simd, host_boxes, &guest_boxes.lane(guest_lane), false);
-            for host_lane in bits(near) {
-                found.add_below(answer.node_limit, &bounds, host_lane, host_lane, guest_lane);
+            let guest_box = guest_boxes.lane(guest_lane);
+            let bounds = scene.bounds.of(simd, host_boxes, &guest_box, false, answer.node_limit);
+            for host_lane in bits(near & bounds.near) {
+                found.add(&bounds, host_lane, host_lane, guest_lane);
             }
         }
         found.push(tasks, |host_lane, guest_lane| {
@@ -239,10 +240,10 @@ impl<'a> Search<'a> {
         let Self { scene, answer, tasks, carried_host, .. } = self;
         let node = &self.host[host as usize];
         let many = carried(carried_host, host, || scene.bounds.carry_host(simd, node));
-        let bounds = scene.bounds.of(simd, many, &one, false);
+        let bounds = scene.bounds.of(simd, many, &one, false, answer.node_limit);
         let mut found = Sorted::new();
-        for lane in 0..node.count() {
-            found.add_below(answer.node_limit, &bounds, lane, lane, 0);
+        for lane in bits(bounds.near & lanes_in_use(node)) {
+            found.add(&bounds, lane, lane, 0);
         }
         found.push(tasks, |lane, _| (Slot { node: host, lane }, guest));
     }
@@ -254,10 +255,10 @@ impl<'a> Search<'a> {
         let Self { scene, answer, tasks, carried_guest, .. } = self;
         let node = &self.guest[guest as usize];
         let many = carried(carried_guest, guest, || scene.bounds.carry_guest(simd, node));
-        let bounds = scene.bounds.of(simd, many, &one, true);
+        let bounds = scene.bounds.of(simd, many, &one, true, answer.node_limit);
         let mut found = Sorted::new();
-        for lane in 0..node.count() {
-            found.add_below(answer.node_limit, &bounds, lane, 0, lane);
+        for lane in bits(bounds.near & lanes_in_use(node)) {
+            found.add(&bounds, lane, 0, lane);
         }
         found.push(tasks, |_, lane| (host, Slot { node: guest, lane }));
     }

@@ -31,25 +31,15 @@ impl Sorted {
         Self { keys: [0; LANES * LANES], bounds: [0.0; LANES * LANES], count: 0 }
     }
 
+    /// Adds two children with the bound of the lane `of`.
     #[inline(always)]
-    pub(super) fn add_below(
-        &mut self,
-        limit: f32,
-        bounds: &LaneBounds,
-        of: usize,
-        host_lane: usize,
-        guest_lane: usize,
-    ) {
-        let (bound, order) = (bounds.bounds[of], bounds.order[of]);
-        // A bound that is not a number proves nothing.
-        if bound > limit {
-            return;
-        }
+    pub(super) fn add(&mut self, bounds: &LaneBounds, of: usize, host_lane: usize, guest_lane: usize) {
+        let order = bounds.order[of].to_bits();
         // Floats order like integers once those of negative ones are turned over.
-        let ordered = order.to_bits() ^ (((order.to_bits() as i32 >> 31) as u32) | 1 << 31);
+        let ordered = order ^ (((order as i32 >> 31) as u32) | 1 << 31);
         let lanes = host_lane * LANES + guest_lane;
         self.keys[self.count] = u64::from(ordered) << 32 | lanes as u64;
-        self.bounds[lanes] = bound;
+        self.bounds[lanes] = bounds.bounds[of];
         self.count += 1;
     }
 
