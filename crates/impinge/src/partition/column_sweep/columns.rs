@@ -13,6 +13,9 @@ const BLOCK: usize = 64;
 /// Not a block.
 const NONE: u32 = u32::MAX;
 
+/// Columns that a box reaches into at most.
+const MOST_COPIES: usize = 4;
+
 /// Boxes that are dealt out at a time: in loops of their own they take the vector unit.
 const BATCH: usize = 64;
 
@@ -20,8 +23,10 @@ const BATCH: usize = 64;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Columns {
     records: Vec<Record>,
-    /// For each block in use the one before it in its column.
+    /// For each block the one before it in its column.
     links: Vec<u32>,
+    /// Blocks in use.
+    used: usize,
     /// For each column where its next copy goes: one past its last; zero where it has none.
     next: Vec<u32>,
     /// For each place of a column whether others may share it.
@@ -33,7 +38,7 @@ pub(super) struct Columns {
 impl Columns {
     /// Puts copies of these boxes, whose keys are counted from `first`, in place of all others.
     pub(super) fn fill(&mut self, frame: &Frame, boxes: &[MinMax], first: u32) {
-        self.links.clear();
+        self.used = 0;
         self.next.clear();
         self.next.resize(frame.len(), 0);
         self.shared.clear();
@@ -54,20 +59,26 @@ impl Columns {
 
     #[inline(always)]
     fn push_all(&mut self, frame: &Frame, batch: &Batch, boxes: &[MinMax], first: u32) {
+        self.reserve(MOST_COPIES * boxes.len());
+        // Slices of their own, which no write to another can move.
+        let (records, links, next) = (&mut self.records[..], &mut self.links[..], &mut self.next[..]);
+        let used = &mut self.used;
         for &place in &batch.place[..boxes.len()] {
             // The block is far from the processor, as all columns take turns.
-            if let Some(next) = self.next.get(place as usize).and_then(|&next| self.records.get(next as usize)) {
+            if let Some(next) = records.get(next[place as usize] as usize) {
                 prefetch(next);
             }
         }
+        let mut push = |place: u32, record| push(records, links, next, used, place, record);
+        let mut are_special = 0;
         for at in 0..boxes.len() {
-            let key = first + at as u32;
+            are_special |= batch.is_special[at];
             if batch.is_special[at] != 0 {
-                self.push_special(frame, &boxes[at], key);
                 continue;
             }
+            let key = first + at as u32;
             let [along, x, y] = by_axis!(word => batch.words[word][at]);
-            self.push(batch.place[at], Record::new(along, [x, y], key));
+            push(batch.place[at], Record::new(along, [x, y], key));
             if batch.more[at] == 0 {
                 continue;
             }
@@ -75,11 +86,24 @@ impl Columns {
             for (copy, across) in [(1, [next_x, y]), (2, [x, next_y]), (3, [next_x, next_y])] {
                 if copy & !batch.more[at] == 0 {
                     let columns = [0, 1].map(|axis| batch.first[axis][at] + (copy >> axis & 1) as i32);
-                    self.push(frame.place(0, columns), Record::new(along, across, key));
+                    push(frame.place(0, columns), Record::new(along, across, key));
                 }
             }
         }
         self.counts[0] += boxes.len() as u32;
+        if are_special != 0 {
+            let special = (first..).zip(boxes).zip(&batch.is_special).filter(|&(_, &is_special)| is_special != 0);
+            special.for_each(|((key, bounds), _)| self.push_special(frame, bounds, key));
+        }
+    }
+
+    /// Makes sure that there are blocks for so many copies, each in another column.
+    #[inline(always)]
+    fn reserve(&mut self, copies: usize) {
+        if self.links.len() < self.used + copies {
+            self.links.resize((2 * self.links.len()).max(self.used + copies), NONE);
+            self.records.resize(self.links.len() * BLOCK, Record::default());
+        }
     }
 
     /// A box that is too large for the finest level, or outside of its columns.
@@ -89,10 +113,12 @@ impl Columns {
         let level = Frame::level(&image);
         let [first, last] = frame.reach(&image, level);
         let is_within = frame.is_within(level, [first, last]);
+        self.reserve(MOST_COPIES);
         for row in first[1]..=last[1] {
             for column in first[0]..=last[0] {
                 let place = frame.place(level, [column, row]);
-                self.push(place, frame.record(&image, level, [column, row], key));
+                let record = frame.record(&image, level, [column, row], key);
+                push(&mut self.records, &mut self.links, &mut self.next, &mut self.used, place, record);
                 self.shared[place as usize] |= !is_within;
             }
         }
@@ -109,27 +135,6 @@ impl Columns {
         self.shared[place]
     }
 
-    #[inline(always)]
-    fn push(&mut self, place: u32, record: Record) {
-        let mut at = self.next[place as usize];
-        if at.is_multiple_of(BLOCK as u32) {
-            at = self.open(at);
-        }
-        self.records[at as usize] = record;
-        self.next[place as usize] = at + 1;
-    }
-
-    /// Opens a block for a column that has none, or whose last one ends at `full`.
-    #[cold]
-    fn open(&mut self, full: u32) -> u32 {
-        let block = self.links.len();
-        self.links.push(if full == 0 { NONE } else { full / BLOCK as u32 - 1 });
-        if self.records.len() < (block + 1) * BLOCK {
-            self.records.resize((block + 1) * BLOCK, Record::default());
-        }
-        (block * BLOCK) as u32
-    }
-
     /// The copies in a place, a block at a time.
     pub(super) fn blocks(&self, place: usize) -> impl Iterator<Item = &[Record]> {
         let mut end = self.next[place] as usize;
@@ -140,6 +145,19 @@ impl Columns {
             Some(copies)
         })
     }
+}
+
+/// Puts a copy behind the others of its column: in a new block where there are none, or theirs is full.
+#[inline(always)]
+fn push(records: &mut [Record], links: &mut [u32], next: &mut [u32], used: &mut usize, place: u32, record: Record) {
+    let next = &mut next[place as usize];
+    if next.is_multiple_of(BLOCK as u32) {
+        links[*used] = if *next == 0 { NONE } else { *next / BLOCK as u32 - 1 };
+        *next = (*used * BLOCK) as u32;
+        *used += 1;
+    }
+    records[*next as usize] = record;
+    *next += 1;
 }
 
 /// Boxes side by side on their way to columns of the finest level.

@@ -18,7 +18,7 @@ const SHIFT: usize = 2;
 const SAMPLE: usize = 256;
 
 /// Boxes for each of the sample.
-const SAMPLED: usize = 32;
+const SAMPLED: usize = 64;
 
 /// Boxes of the finest level that a box is to be compared with: a vector of eight costs as much as one, so that narrower
 /// columns would make more copies and few fewer comparisons (half as many took the same time for 100,000 boxes, and 1.1 times

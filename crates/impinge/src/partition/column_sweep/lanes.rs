@@ -14,6 +14,7 @@ const WIDE: usize = 16;
 pub(super) struct Lanes {
     /// As they came.
     unsorted: Vec<Record>,
+    /// In order; here and below what is behind their number means nothing.
     sorted: Vec<Record>,
     slots: Slots,
     /// On each axis across, where they begin and end.
@@ -36,35 +37,38 @@ impl Lanes {
     pub(super) fn fill<'r>(&mut self, blocks: impl Iterator<Item = &'r [Record]>, span: impl Fn(&Record) -> [f32; 2]) {
         self.unsorted.clear();
         blocks.for_each(|block| self.unsorted.extend_from_slice(block));
-        self.slots.sort(&self.unsorted, &mut self.sorted, |record| span(record)[0]);
-        let len = self.sorted.len();
-        for lane in self.across.as_flattened_mut() {
-            lane.resize(len + WIDE, 0);
+        let len = self.unsorted.len();
+        if self.ends.len() < len {
+            self.sorted.resize(2 * len, Record::default());
+            self.ends.resize(2 * len, 0);
+            self.across.as_flattened_mut().iter_mut().for_each(|lane| lane.resize(2 * len + WIDE, 0));
         }
-        self.ends.resize(len, 0);
+        let sorted = &mut self.sorted[..len];
+        self.slots.sort(&self.unsorted, sorted, |record| span(record)[0]);
         let [[x, end_x], [y, end_y]] =
             self.across.each_mut().map(|lanes| lanes.each_mut().map(|lane| &mut lane[..len]));
-        for (at, record) in self.sorted.iter().enumerate() {
+        for (at, record) in sorted.iter().enumerate() {
             [x[at], end_x[at]] = record.across(0);
             [y[at], end_y[at]] = record.across(1);
         }
         let ends = &mut self.ends[..len];
         if self.slots.is_full() {
-            ends.iter_mut().zip(&self.sorted).for_each(|(end, record)| *end = self.slots.full_end(span(record)[1]));
+            ends.iter_mut().zip(sorted).for_each(|(end, record)| *end = self.slots.full_end(span(record)[1]));
         } else {
-            ends.iter_mut().zip(&self.sorted).for_each(|(end, record)| *end = self.slots.end(record.along()[1]));
+            let slots = self.slots.ends();
+            ends.iter_mut().zip(sorted).for_each(|(end, record)| *end = slots.at(record.along()[1]));
         }
     }
 
     /// The copies, in order.
     pub(super) fn records(&self) -> &[Record] {
-        &self.sorted
+        &self.sorted[..self.unsorted.len()]
     }
 
     /// Calls `meet` for each two copies whose images meet across, and may meet along.
     #[inline(always)]
     pub(super) fn sweep_self<S: Simd>(&mut self, simd: S, mut meet: impl FnMut(&Record, &Record)) {
-        let len = self.sorted.len();
+        let len = self.unsorted.len();
         let lanes = self.across.each_ref().map(|lanes| lanes.each_ref().map(|lane| &lane[..len + WIDE]));
         let (records, ends) = (&self.sorted[..len], &self.ends[..len]);
         let mut expand = |hits: &[Hits]| {
@@ -109,7 +113,7 @@ impl Lanes {
         span: &Span,
         mut meet: impl FnMut(&Record),
     ) {
-        let len = self.sorted.len();
+        let len = self.unsorted.len();
         let lanes = self.across.each_ref().map(|lanes| lanes.each_ref().map(|lane| &lane[..len + WIDE]));
         let splats = splats(simd, across);
         let (start, end) = if self.slots.is_full() {

@@ -23,9 +23,9 @@ pub(super) struct Slots {
 }
 
 impl Slots {
-    /// Puts records from one list into the places of another; `begin` tells where a record begins, more exactly than by steps.
+    /// Puts records from one list into places of another, which is as long; `begin` tells where a record begins, more exactly than by steps.
     #[inline(always)]
-    pub(super) fn sort(&mut self, from: &[Record], to: &mut Vec<Record>, begin: impl Fn(&Record) -> f32) {
+    pub(super) fn sort(&mut self, from: &[Record], to: &mut [Record], begin: impl Fn(&Record) -> f32) {
         let (mut low, mut high) = (u32::MAX, 0);
         for record in from {
             let [step, _] = record.along();
@@ -41,15 +41,16 @@ impl Slots {
         self.next.resize(self.last as usize + 1, 0);
         self.sorted.clear();
         let shift = self.shift;
+        // A slice of its own, which no write to another can move.
+        let next = &mut self.next[..];
         for record in from {
-            self.next[((record.along()[0] - low) >> shift) as usize] += 1;
+            next[((record.along()[0] - low) >> shift) as usize] += 1;
         }
         let (mut before, mut fullest) = (0, 0);
-        for next in &mut self.next {
+        for next in &mut *next {
             fullest = fullest.max(*next);
             (*next, before) = (before, before + *next);
         }
-        to.resize(from.len(), Record::default());
         if fullest > FULLEST {
             self.sorted.extend(from.iter().map(begin).zip(0..));
             self.sorted.sort_unstable_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
@@ -57,7 +58,7 @@ impl Slots {
             return;
         }
         for record in from {
-            let next = &mut self.next[((record.along()[0] - low) >> shift) as usize];
+            let next = &mut next[((record.along()[0] - low) >> shift) as usize];
             to[*next as usize] = *record;
             *next += 1;
         }
@@ -78,7 +79,13 @@ impl Slots {
     /// Where the records end that may begin at or before a step.
     #[inline(always)]
     pub(super) fn end(&self, step: u32) -> u32 {
-        self.next[self.slot(step) as usize]
+        self.ends().at(step)
+    }
+
+    /// Asks for many ends.
+    #[inline(always)]
+    pub(super) fn ends(&self) -> Ends<'_> {
+        Ends { low: self.low, shift: self.shift, last: self.last, ends: &self.next }
     }
 
     /// Where the records start that may begin at a step or after it.
@@ -95,6 +102,23 @@ impl Slots {
     /// As [`start`](Self::start) where all are in order.
     pub(super) fn full_start(&self, at: f32) -> u32 {
         self.sorted.partition_point(|&(begin, _)| begin < at) as u32
+    }
+}
+
+/// Where slots end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ends<'s> {
+    low: u32,
+    shift: u32,
+    last: u32,
+    ends: &'s [u32],
+}
+
+impl Ends<'_> {
+    /// As [`Slots::end`].
+    #[inline(always)]
+    pub(super) fn at(&self, step: u32) -> u32 {
+        self.ends[(step.saturating_sub(self.low) >> self.shift).min(self.last) as usize]
     }
 }
 
@@ -118,7 +142,7 @@ mod tests {
         for (kind, len) in [(0, 0), (0, 1), (0, 90), (0, 4000), (1, 500), (1, 5000), (2, 900), (3, 20), (3, 300)] {
             let records: Vec<Record> =
                 steps(kind, len).zip(0..).map(|(step, key)| Record::new(step, [0; 2], key)).collect();
-            let mut sorted = Vec::new();
+            let mut sorted = vec![Record::default(); len];
             slots.sort(&records, &mut sorted, |record| record.along()[0] as f32);
             full += usize::from(slots.is_full());
             let mut keys: Vec<u32> = sorted.iter().map(|record| record.key).collect();
