@@ -69,6 +69,9 @@ impl Lanes {
     #[inline(always)]
     pub(super) fn sweep_self<S: Simd>(&mut self, simd: S, mut meet: impl FnMut(&Record, &Record)) {
         let len = self.unsorted.len();
+        if len == 0 {
+            return; // before there is any memory
+        }
         let lanes = self.across.each_ref().map(|lanes| lanes.each_ref().map(|lane| &lane[..len + WIDE]));
         let (records, ends) = (&self.sorted[..len], &self.ends[..len]);
         let mut expand = |hits: &[Hits]| {

@@ -18,6 +18,17 @@ const FEWEST: usize = 16;
 /// Cells about a way that is short: more are looked through more often than they are worth.
 const SHORT: f64 = 64.0;
 
+/// Copies of a cell that are asked for ahead: most cells hold fewer. Each takes about a line of memory.
+const HELD: usize = 6;
+
+/// Where a few cells are in memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Places {
+    /// Those of a box that is at most as large as a cell; the first of more.
+    places: [usize; 8],
+    count: usize,
+}
+
 /// A cell by its place, counted along each axis.
 type Cell = [i64; 3];
 
@@ -168,17 +179,23 @@ impl Level {
         self.resize();
     }
 
-    /// Asks for the cell in which a box begins, and for what it holds: each well before the next is needed.
-    pub(super) fn prefetch(&self, bounds: &MinMax) -> usize {
-        let place = self.place([0, 1, 2].map(|axis| self.along(bounds.min()[axis], axis)));
-        prefetch(&self.cells[place]);
-        place
+    /// Asks for the cells that a box reaches into, and says where they are, as far as there is room.
+    pub(super) fn prefetch(&self, bounds: &MinMax, places: &mut Places) {
+        places.count = 0;
+        let _ = self.reach(bounds).each(|cell| {
+            let Some(next) = places.places.get_mut(places.count) else { return ControlFlow::Break(()) };
+            *next = self.place(cell);
+            prefetch(&self.cells[*next]);
+            places.count += 1;
+            ControlFlow::Continue(())
+        });
     }
 
-    /// Asks for what a cell holds.
-    pub(super) fn prefetch_held(&self, place: usize) {
-        if let Some(copies) = self.cells.get(place).and_then(|cell| cell.first_chunk::<2>()) {
-            prefetch(copies);
+    /// Asks for what cells hold.
+    pub(super) fn prefetch_held(&self, places: &Places) {
+        for &place in &places.places[..places.count] {
+            // Cells may have become fewer since.
+            self.cells.get(place).into_iter().flatten().take(HELD).for_each(prefetch);
         }
     }
 
