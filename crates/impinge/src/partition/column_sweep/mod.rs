@@ -2,10 +2,10 @@
 //!
 //! Source: Tracy, Buss, Woods, *Efficient large-scale sweep and prune methods with AABB insertion and removal*, IEEE VR 2009
 //! (a grid of sweeps); Ericson, 7.2 (levels for sizes). Ours departs in that nothing is kept from step to step, in columns
-//! that cross space so that a sweep replaces one axis of the grid, in eight boxes a comparison, and in coordinates that are
-//! rounded *monotonically*: if a coordinate is not greater than another, neither are their images. Images that are apart
-//! thus prove boxes apart, images that overlap by more than a touch prove that they meet, and only for a touch are the
-//! boxes themselves asked.
+//! that cross space so that a sweep replaces one axis of the grid, in sixteen boxes a comparison, and in coordinates that are
+//! rounded *monotonically* to whole steps of 16 bits: if a coordinate is not greater than another, neither is its step. Steps
+//! that are apart thus prove boxes apart, steps that overlap by more than a touch prove that they meet, and only for a touch
+//! are the boxes themselves asked.
 
 mod columns;
 mod frame;
