@@ -57,6 +57,8 @@ pub(super) struct Level {
     layout: Layout,
     cells: Vec<Vec<Copy>>,
     copies: usize,
+    /// Memory of cells that became empty, for those that become full: else each cell that ever held something kept its own.
+    spare: Vec<Vec<Copy>>,
     /// Memory to list places in.
     listed: Vec<usize>,
 }
@@ -98,7 +100,15 @@ impl Level {
     }
 
     fn new(origin: [f64; 3], cell: f64, layout: Layout, cells: Vec<Vec<Copy>>) -> Self {
-        Self { origin, inverse: (1.0 / cell).min(f64::MAX), layout, cells, copies: 0, listed: Vec::new() }
+        Self {
+            origin,
+            inverse: (1.0 / cell).min(f64::MAX),
+            layout,
+            cells,
+            copies: 0,
+            spare: Vec::new(),
+            listed: Vec::new(),
+        }
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -151,7 +161,13 @@ impl Level {
     fn put(&mut self, copy: Copy) {
         let mut places = std::mem::take(&mut self.listed);
         self.list(&self.reach(&copy.bounds), &mut places);
-        places.iter().for_each(|&place| self.cells[place].push(copy));
+        for &place in &places {
+            let cell = &mut self.cells[place];
+            if cell.is_empty() {
+                *cell = self.spare.pop().unwrap_or_default();
+            }
+            cell.push(copy);
+        }
         self.copies += places.len();
         self.listed = places;
     }
@@ -169,6 +185,9 @@ impl Level {
             if let Some(at) = cell.iter().position(|copy| copy.key == key) {
                 cell.swap_remove(at);
                 self.copies -= 1;
+                if cell.is_empty() {
+                    self.spare.push(std::mem::take(cell));
+                }
             }
         }
         self.listed = places;
@@ -272,6 +291,7 @@ impl Level {
         });
         let count = (2 * ROOM * self.copies).next_power_of_two().max(FEWEST);
         self.cells = vec![Vec::new(); count];
+        self.spare.clear();
         self.copies = 0;
         boxes.into_iter().for_each(|copy| self.put(copy));
     }
