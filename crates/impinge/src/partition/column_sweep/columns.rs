@@ -2,27 +2,35 @@
 
 use fearless_simd::{Simd, dispatch};
 
-use super::frame::{Frame, LEVELS, Record, Spot, Tag};
-use crate::simd::{best_level, prefetch};
+use super::frame::{Frame, LARGEST, LEVELS, WIDTH, nearest};
+use super::record::{Record, across_word, from_next};
+use crate::simd::{best_level, by_axis, prefetch};
 use crate::volume::MinMax;
 
-/// Copies in a block: 2 KiB, so that what is left empty in the last block of a column is little, and few links are followed.
+/// Copies in a block: 1 KiB, so that what is left empty in the last block of a column is little, and few links are followed.
 const BLOCK: usize = 64;
 
 /// Not a block.
 const NONE: u32 = u32::MAX;
 
-/// Images that are made at a time: in a loop of their own they take the vector unit.
+/// Columns that a box reaches into at most.
+const MOST_COPIES: usize = 4;
+
+/// Boxes that are dealt out at a time: in loops of their own they take the vector unit.
 const BATCH: usize = 64;
 
 /// The copies of a run of boxes, by column.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Columns {
     records: Vec<Record>,
-    /// For each block in use the one before it in its column.
+    /// For each block the one before it in its column.
     links: Vec<u32>,
+    /// Blocks in use.
+    used: usize,
     /// For each column where its next copy goes: one past its last; zero where it has none.
     next: Vec<u32>,
+    /// For each place of a column whether others may share it.
+    shared: Vec<bool>,
     /// Boxes of each level.
     counts: [u32; LEVELS],
 }
@@ -30,71 +38,256 @@ pub(super) struct Columns {
 impl Columns {
     /// Puts copies of these boxes, whose keys are counted from `first`, in place of all others.
     pub(super) fn fill(&mut self, frame: &Frame, boxes: &[MinMax], first: u32) {
-        self.links.clear();
+        self.used = 0;
         self.next.clear();
         self.next.resize(frame.len(), 0);
+        self.shared.clear();
+        for level in 0..LEVELS {
+            self.shared.resize(frame.columns(level).end, frame.is_folded(level));
+        }
         self.counts = [0; LEVELS];
-        let mut images = [Record::default(); BATCH];
-        let mut spots = [Spot::default(); BATCH];
+        let mut batch = Batch::default();
         dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || {
             for (at, boxes) in boxes.chunks(BATCH).enumerate() {
-                let first = first + (at * BATCH) as u32;
-                for ((image, bounds), key) in images.iter_mut().zip(boxes).zip(first..) {
-                    *image = frame.image(bounds, key);
-                }
-                for (spot, image) in spots.iter_mut().zip(&images[..boxes.len()]) {
-                    *spot = frame.spot(image);
-                    // The block is far from the processor, as all columns take turns.
-                    if let Some(next) = self.records.get(self.next[spot.bucket] as usize) {
-                        prefetch(next);
-                    }
-                }
-                for (spot, image) in spots.iter().zip(&images[..boxes.len()]) {
-                    frame.each_copy(spot, #[inline(always)] |column, tag| self.push(column, image, tag));
-                    self.counts[spot.level] += 1;
-                }
+                batch.image(frame, boxes);
+                batch.place(frame);
+                batch.take_steps(frame);
+                self.push_all(frame, &batch, boxes, first + (at * BATCH) as u32);
             }
         }));
     }
 
-    /// Boxes of a level.
+    #[inline(always)]
+    fn push_all(&mut self, frame: &Frame, batch: &Batch, boxes: &[MinMax], first: u32) {
+        self.reserve(MOST_COPIES * boxes.len());
+        // Slices of their own, which no write to another can move.
+        let (records, links, next) = (&mut self.records[..], &mut self.links[..], &mut self.next[..]);
+        let used = &mut self.used;
+        for &place in &batch.place[..boxes.len()] {
+            // The block is far from the processor, as all columns take turns.
+            if let Some(next) = records.get(next[place as usize] as usize) {
+                prefetch(next);
+            }
+        }
+        let mut push = |place: u32, record| push(records, links, next, used, place, record);
+        let mut are_special = 0;
+        for at in 0..boxes.len() {
+            are_special |= batch.is_special[at];
+            if batch.is_special[at] != 0 {
+                continue;
+            }
+            let key = first + at as u32;
+            let [along, x, y] = by_axis!(word => batch.words[word][at]);
+            push(batch.place[at], Record::new(along, [x, y], key));
+            if batch.more[at] == 0 {
+                continue;
+            }
+            let [next_x, next_y] = [from_next(x, WIDTH), from_next(y, WIDTH)];
+            for (copy, across) in [(1, [next_x, y]), (2, [x, next_y]), (3, [next_x, next_y])] {
+                if copy & !batch.more[at] == 0 {
+                    let columns = [0, 1].map(|axis| batch.first[axis][at] + (copy >> axis & 1) as i32);
+                    push(frame.place(0, columns), Record::new(along, across, key));
+                }
+            }
+        }
+        self.counts[0] += boxes.len() as u32;
+        if are_special != 0 {
+            let special = (first..).zip(boxes).zip(&batch.is_special).filter(|&(_, &is_special)| is_special != 0);
+            special.for_each(|((key, bounds), _)| self.push_special(frame, bounds, key));
+        }
+    }
+
+    /// Makes sure that there are blocks for so many copies, each in another column.
+    #[inline(always)]
+    fn reserve(&mut self, copies: usize) {
+        if self.links.len() < self.used + copies {
+            self.links.resize((2 * self.links.len()).max(self.used + copies), NONE);
+            self.records.resize(self.links.len() * BLOCK, Record::default());
+        }
+    }
+
+    /// A box that is too large for the finest level, or outside of its columns.
+    #[cold]
+    fn push_special(&mut self, frame: &Frame, bounds: &MinMax, key: u32) {
+        let image = frame.image(bounds);
+        let level = Frame::level(&image);
+        let [first, last] = frame.reach(&image, level);
+        let is_within = frame.is_within(level, [first, last]);
+        self.reserve(MOST_COPIES);
+        for row in first[1]..=last[1] {
+            for column in first[0]..=last[0] {
+                let place = frame.place(level, [column, row]);
+                let record = frame.record(&image, level, [column, row], key);
+                push(&mut self.records, &mut self.links, &mut self.next, &mut self.used, place, record);
+                self.shared[place as usize] |= !is_within;
+            }
+        }
+        self.counts[level] += u32::from(level > 0);
+    }
+
+    /// Boxes of a level; of the finest all that there are.
     pub(super) fn count(&self, level: usize) -> u32 {
         self.counts[level]
     }
 
-    /// Copies from memory to memory: a record that is put together first is stored in parts and read as a whole, for which
-    /// processors wait.
-    #[inline(always)]
-    fn push(&mut self, column: usize, image: &Record, tag: Tag) {
-        let mut at = self.next[column];
-        if at.is_multiple_of(BLOCK as u32) {
-            at = self.open(at);
-        }
-        let record = &mut self.records[at as usize];
-        *record = *image;
-        record.tag = tag;
-        self.next[column] = at + 1;
+    /// Whether what is in a place may be of several columns.
+    pub(super) fn is_shared(&self, place: usize) -> bool {
+        self.shared[place]
     }
 
-    /// Opens a block for a column that has none, or whose last one ends at `full`.
-    #[cold]
-    fn open(&mut self, full: u32) -> u32 {
-        let block = self.links.len();
-        self.links.push(if full == 0 { NONE } else { full / BLOCK as u32 - 1 });
-        if self.records.len() < (block + 1) * BLOCK {
-            self.records.resize((block + 1) * BLOCK, Record::default());
-        }
-        (block * BLOCK) as u32
-    }
-
-    /// The copies of a column, a block at a time.
-    pub(super) fn blocks(&self, column: usize) -> impl Iterator<Item = &[Record]> {
-        let mut end = self.next[column] as usize;
+    /// The copies in a place, a block at a time.
+    pub(super) fn blocks(&self, place: usize) -> impl Iterator<Item = &[Record]> {
+        let mut end = self.next[place] as usize;
         std::iter::from_fn(move || {
             let block = end.checked_sub(1)? / BLOCK;
             let copies = &self.records[block * BLOCK..end];
             end = if self.links[block] == NONE { 0 } else { (self.links[block] as usize + 1) * BLOCK };
             Some(copies)
         })
+    }
+}
+
+/// Puts a copy behind the others of its column: in a new block where there are none, or theirs is full.
+#[inline(always)]
+fn push(records: &mut [Record], links: &mut [u32], next: &mut [u32], used: &mut usize, place: u32, record: Record) {
+    let next = &mut next[place as usize];
+    if next.is_multiple_of(BLOCK as u32) {
+        links[*used] = if *next == 0 { NONE } else { *next / BLOCK as u32 - 1 };
+        *next = (*used * BLOCK) as u32;
+        *used += 1;
+    }
+    records[*next as usize] = record;
+    *next += 1;
+}
+
+/// Boxes side by side on their way to columns of the finest level.
+#[derive(Clone, Debug)]
+struct Batch {
+    min: [[f32; BATCH]; 3],
+    max: [[f32; BATCH]; 3],
+    first: [[i32; BATCH]; 2],
+    /// Where the first column is in memory.
+    place: [u32; BATCH],
+    /// Whether a box reaches into the next column on each axis: a bit each.
+    more: [u32; BATCH],
+    /// Not zero for boxes that are too large for these columns, or outside of them.
+    is_special: [u32; BATCH],
+    /// What a record holds.
+    words: [[u32; BATCH]; 3],
+}
+
+impl Default for Batch {
+    fn default() -> Self {
+        Self {
+            min: [[0.0; BATCH]; 3],
+            max: [[0.0; BATCH]; 3],
+            first: [[0; BATCH]; 2],
+            place: [0; BATCH],
+            more: [0; BATCH],
+            is_special: [0; BATCH],
+            words: [[0; BATCH]; 3],
+        }
+    }
+}
+
+impl Batch {
+    #[inline(always)]
+    fn image(&mut self, frame: &Frame, boxes: &[MinMax]) {
+        for (at, bounds) in boxes.iter().enumerate().take(BATCH) {
+            let (min, max) = (bounds.min(), bounds.max());
+            for axis in 0..3 {
+                self.min[axis][at] = frame.coordinate(axis, min[axis]);
+                self.max[axis][at] = frame.coordinate(axis, max[axis]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn place(&mut self, frame: &Frame) {
+        let [x, y] = frame.across;
+        let (min, max) = ([&self.min[x % 3], &self.min[y % 3]], [&self.max[x % 3], &self.max[y % 3]]);
+        let along = (&self.min[frame.along % 3], &self.max[frame.along % 3]);
+        for at in 0..BATCH {
+            let first = [nearest(min[0][at]), nearest(min[1][at])];
+            let last = [nearest(max[0][at]), nearest(max[1][at])];
+            let is_small = (max[0][at] - min[0][at] <= LARGEST)
+                & (max[1][at] - min[1][at] <= LARGEST)
+                & (along.1[at] - along.0[at] <= LARGEST);
+            self.is_special[at] = u32::from(!(is_small & frame.is_within(0, [first, last])));
+            self.more[at] = u32::from(last[0] != first[0]) | u32::from(last[1] != first[1]) << 1;
+            self.first[0][at] = first[0];
+            self.first[1][at] = first[1];
+            self.place[at] = frame.place(0, first);
+        }
+    }
+
+    /// As [`Frame::record`]: differences to columns from zero on are exact in single precision.
+    #[inline(always)]
+    fn take_steps(&mut self, frame: &Frame) {
+        let along = (&self.min[frame.along % 3], &self.max[frame.along % 3]);
+        for at in 0..BATCH {
+            self.words[0][at] = frame.step(along.0[at]) | frame.step(along.1[at]) << 16;
+        }
+        for axis in 0..2 {
+            let (min, max) = (&self.min[frame.across[axis] % 3], &self.max[frame.across[axis] % 3]);
+            for at in 0..BATCH {
+                let column = self.first[axis][at] as f32;
+                let step = |x: f32| nearest((x - column) * WIDTH as f32);
+                self.words[1 + axis][at] = across_word(step(min[at]), step(max[at]), false);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use impinge_testkit::generate::Rng;
+
+    /// Boxes whose corners are often where steps and columns part, and some that are too large for a column.
+    fn boxes(rng: &mut Rng, far: f64) -> Vec<MinMax> {
+        let unit = 1.0 / 1024.0;
+        (0..5_000)
+            .map(|_| {
+                let min = [0; 3].map(|_: i32| far + rng.integer(-20_000, 20_000) as f64 * unit);
+                let most = if rng.integer(0, 30) == 0 { 20_000 } else { 1_000 };
+                let max = min.map(|x| x + rng.integer(0, most) as f64 * unit);
+                MinMax::from_ordered(min, max)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn copies_dealt_out_in_batches_are_those_of_one_box_at_a_time() {
+        let (mut rng, mut columns) = (Rng::new(71), Columns::default());
+        let (mut second, mut large) = (0, 0);
+        for far in [0.0, 1e6, -3.0] {
+            let boxes = boxes(&mut rng, far);
+            let frame = Frame::of(&boxes).expect("there are boxes");
+            columns.fill(&frame, &boxes, 0);
+            let mut found: Vec<(usize, u32, String)> = Vec::new();
+            for place in 0..frame.len() {
+                let copies = columns.blocks(place).flatten();
+                found.extend(copies.map(|record| (place, record.key, format!("{record:?}"))));
+            }
+            let mut expected = Vec::new();
+            for (bounds, key) in boxes.iter().zip(0..) {
+                let image = frame.image(bounds);
+                let level = Frame::level(&image);
+                let [first, last] = frame.reach(&image, level);
+                large += usize::from(level > 0);
+                for row in first[1]..=last[1] {
+                    for column in first[0]..=last[0] {
+                        let record = frame.record(&image, level, [column, row], key);
+                        second += usize::from(record.second() != 0);
+                        expected.push((frame.place(level, [column, row]) as usize, key, format!("{record:?}")));
+                    }
+                }
+            }
+            found.sort();
+            expected.sort();
+            assert_eq!(found, expected, "boxes at {far}");
+        }
+        assert!(second > 1_000 && large > 100, "{second} second copies, {large} large boxes");
     }
 }

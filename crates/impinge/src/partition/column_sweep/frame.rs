@@ -3,6 +3,8 @@
 use std::ops::Range;
 
 use super::super::march::LIMIT;
+use super::record::{Record, across_word};
+use crate::simd::by_axis;
 use crate::volume::MinMax;
 
 /// Levels of columns, each four times as wide as the one before, and a last one that is one column: a box of a regular level
@@ -16,11 +18,10 @@ const SHIFT: usize = 2;
 const SAMPLE: usize = 256;
 
 /// Boxes for each of the sample.
-const SAMPLED: usize = 32;
+const SAMPLED: usize = 64;
 
-/// Boxes of the finest level that a box is to be compared with: a vector of eight costs as much as one, so that narrower
-/// columns would make more copies and few fewer comparisons (half as many took the same time for 100,000 boxes, and 1.1 times
-/// as long for 1,000,000).
+/// Boxes of the finest level that a box is to be compared with: nearly always one vector of sixteen. Narrower columns make
+/// more copies, wider ones more second vectors; with 6 and with 12 a step took as long within what runs differ by.
 const CANDIDATES: f64 = 8.0;
 
 /// Boxes of a column: what fits the first two caches while it is sorted and swept.
@@ -35,59 +36,31 @@ pub(super) const LARGEST: f32 = 0.5;
 /// Images are cut off here, far behind the last column: so many columns are counted in single precision, see [`nearest`].
 const FARTHEST: f32 = (1 << 21) as f32;
 
+/// Steps across in a column of a level.
+pub(super) const WIDTH: i32 = 1 << 13;
+
+/// Steps are cut off at so many from a column, which is behind all that reach into it.
+const FARTHEST_STEP: f64 = ((1 << 14) - 2) as f64;
+
+/// The last step along.
+const MOST_STEPS: f32 = 65535.0;
+
+/// Distances between the quartiles that steps along reach beyond these at most.
+const BEYOND: f64 = 2.0;
+
 /// A float of which the lower bits are a whole number: to add it rounds to the nearest, and costs less than a conversion.
 const WHOLE: f32 = (3_u32 << 22) as f32;
 
-/// A copy of a box in a column: its image.
+/// A box in columns of width one.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Record {
+pub(super) struct Image {
     pub(super) min: [f32; 3],
-    pub(super) key: u32,
     pub(super) max: [f32; 3],
-    pub(super) tag: Tag,
-}
-
-/// Which of the columns that a box reaches into a copy is in: two bits of the column on each of two axes, and for each
-/// whether it is the second one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Tag(u32);
-
-impl Tag {
-    /// For the copy in a column, the second on an axis where `copy` has its bit.
-    #[inline(always)]
-    fn new(column: [i32; 2], copy: u32) -> Self {
-        Self(column[0] as u32 & 3 | (column[1] as u32 & 3) << 2 | copy << 4)
-    }
-
-    /// Whether two copies of one level whose boxes meet are those that report the pair: they are in the same column, and
-    /// there is none before it that both reach into. The columns of boxes that meet are two apart at most, so that two
-    /// bits tell them from each other.
-    #[inline(always)]
-    pub(super) fn is_owner(self, other: Self) -> bool {
-        (self.0 ^ other.0) & 15 | self.0 & other.0 & 48 == 0
-    }
-
-    /// Whether it is the second copy on an axis.
-    #[inline(always)]
-    fn is_second(self, axis: usize) -> i32 {
-        (self.0 >> (4 + axis) & 1) as i32
-    }
-}
-
-/// The columns that an image reaches into.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Spot {
-    pub(super) level: usize,
-    first: [i32; 2],
-    /// Where the first is in memory.
-    pub(super) bucket: usize,
-    /// Whether it reaches into the next one on each axis: a bit each.
-    more: u32,
 }
 
 /// The whole number nearest to an image; monotone.
 #[inline(always)]
-fn nearest(coordinate: f32) -> i32 {
+pub(super) fn nearest(coordinate: f32) -> i32 {
     (coordinate + WHOLE).to_bits() as i32 - WHOLE.to_bits() as i32
 }
 
@@ -96,10 +69,13 @@ fn nearest(coordinate: f32) -> i32 {
 pub(super) struct Frame {
     /// The axis along the columns, and those across.
     pub(super) along: usize,
-    across: [usize; 2],
+    pub(super) across: [usize; 2],
     origin: [f64; 3],
     scale: f64,
     grids: [Grid; LEVELS],
+    /// Where steps along begin, and how many there are to one.
+    low: f32,
+    steps: f32,
 }
 
 /// The columns of a level in memory.
@@ -108,8 +84,9 @@ struct Grid {
     first: u32,
     /// How many there are, less one: one less than a power of two.
     mask: u32,
-    /// Columns from one row to the next.
+    /// Columns from one row to the next, and rows.
     stride: u32,
+    rows: u32,
 }
 
 impl Frame {
@@ -154,11 +131,26 @@ impl Frame {
             let [stride, rows] = ranges.map(|range| (range as u32 >> (SHIFT * level)).saturating_add(3));
             let columns = (u64::from(stride) * u64::from(rows)).min(most as u64).next_power_of_two() as u32;
             let columns = if level == LEVELS - 1 { 1 } else { columns };
-            let grid = Grid { first, mask: columns - 1, stride };
+            let grid = Grid { first, mask: columns - 1, stride, rows };
             first += columns;
             grid
         });
-        Some(Self { along, across, origin, scale, grids })
+        // What is far from most lies in the first or the last step.
+        let [least, low, high, greatest] = [0, 1, 2, 3].map(|at| centres[along][at] - origin[along]);
+        let margin = (high - low).max(extents[along]);
+        let low = least.max(low - BEYOND * margin) - extents[along] - 0.03125 * margin;
+        let high = greatest.min(high + BEYOND * margin) + extents[along] + 0.03125 * margin;
+        let range = ((high - low) * scale) as f32;
+        let steps = (MOST_STEPS / range.max(f32::MIN_POSITIVE)).min(f32::MAX);
+        Some(Self {
+            along,
+            across,
+            origin,
+            scale,
+            grids,
+            low: ((low * scale) as f32).clamp(-FARTHEST, FARTHEST),
+            steps,
+        })
     }
 
     /// How many columns there are in memory, of all levels.
@@ -172,27 +164,73 @@ impl Frame {
         first as usize..(first + mask + 1) as usize
     }
 
-    /// The image of a box. Differences, products with a positive number and conversions are all rounded to nearest, and so
-    /// monotone, as is to cut off.
+    /// Whether several columns of a level share places in memory.
+    pub(super) fn is_folded(&self, level: usize) -> bool {
+        let Grid { mask, stride, rows, .. } = self.grids[level];
+        u64::from(mask) + 1 < u64::from(stride) * u64::from(rows)
+    }
+
+    /// The column of a place in memory that no others share.
+    pub(super) fn column_at(&self, level: usize, place: usize) -> [i32; 2] {
+        let Grid { first, stride, .. } = self.grids[level];
+        let index = place as u32 - first;
+        [(index % stride) as i32, (index / stride) as i32]
+    }
+
+    /// The image of a coordinate. Differences, products with a positive number and conversions are all rounded to nearest,
+    /// and so monotone, as is to cut off.
     #[inline(always)]
-    pub(super) fn image(&self, bounds: &MinMax, key: u32) -> Record {
-        let ([x, y, z], [end_x, end_y, end_z]) = (bounds.min(), bounds.max());
-        let [o, p, q] = self.origin;
-        let (corners, origins) = ([x, y, z, end_x, end_y, end_z], [o, p, q, o, p, q]);
-        let mut image = [0.0_f32; 6];
-        for at in 0..6 {
-            let coordinate = ((corners[at] - origins[at]) * self.scale) as f32;
-            let coordinate = if coordinate < FARTHEST { coordinate } else { FARTHEST };
-            image[at] = if coordinate > -FARTHEST { coordinate } else { -FARTHEST };
+    pub(super) fn coordinate(&self, axis: usize, coordinate: f64) -> f32 {
+        let image = ((coordinate - self.origin[axis]) * self.scale) as f32;
+        let image = if image < FARTHEST { image } else { FARTHEST };
+        if image > -FARTHEST { image } else { -FARTHEST }
+    }
+
+    /// The image of a box.
+    #[inline(always)]
+    pub(super) fn image(&self, bounds: &MinMax) -> Image {
+        let (min, max) = (bounds.min(), bounds.max());
+        Image {
+            min: by_axis!(axis => self.coordinate(axis, min[axis])),
+            max: by_axis!(axis => self.coordinate(axis, max[axis])),
         }
-        let [x, y, z, end_x, end_y, end_z] = image;
-        Record { min: [x, y, z], key, max: [end_x, end_y, end_z], tag: Tag::default() }
+    }
+
+    /// The step along the columns that an image is in, of 2^16; monotone.
+    #[inline(always)]
+    pub(super) fn step(&self, along: f32) -> u32 {
+        let step = (along - self.low) * self.steps;
+        let step = if step < MOST_STEPS { step } else { MOST_STEPS };
+        let step = if step > 0.0 { step } else { 0.0 };
+        (step + WHOLE).to_bits() & 0xffff
+    }
+
+    /// The step across that an image is in, counted from a column of a level: the nearest whole number to the exact
+    /// quotient wherever it is near the column, so that what is counted from one column agrees with what is from the next.
+    pub(super) fn step_across(&self, coordinate: f32, level: usize, column: i32) -> i32 {
+        let unit = f64::from(WIDTH) / f64::from(1_u32 << (SHIFT * level));
+        let start = f64::from(column) * f64::from(1_u32 << (SHIFT * level));
+        let step = (f64::from(coordinate) - start) * unit;
+        step.clamp(-FARTHEST_STEP, FARTHEST_STEP).round_ties_even() as i32
+    }
+
+    /// The interval of an image on an axis across, as its copy in a column has it.
+    pub(super) fn word(&self, image: &Image, at: usize, level: usize, column: i32) -> u32 {
+        let axis = self.across[at];
+        let first = Self::column(image.min[axis], level);
+        let [begin, end] = [image.min[axis], image.max[axis]].map(|x| self.step_across(x, level, column));
+        across_word(begin, end, column != first)
+    }
+
+    /// The copy of a box in a column.
+    pub(super) fn record(&self, image: &Image, level: usize, columns: [i32; 2], key: u32) -> Record {
+        let [begin, end] = [image.min, image.max].map(|corner| self.step(corner[self.along]));
+        Record::new(begin | end << 16, [0, 1].map(|at| self.word(image, at, level, columns[at])), key)
     }
 
     /// The level of an image: the first whose columns are twice as wide as it is large.
-    #[inline(always)]
-    fn level(record: &Record) -> usize {
-        let [x, y, z] = [0, 1, 2].map(|axis| record.max[axis] - record.min[axis]);
+    pub(super) fn level(image: &Image) -> usize {
+        let [x, y, z] = [0, 1, 2].map(|axis| image.max[axis] - image.min[axis]);
         let (mut level, mut largest) = (0, LARGEST);
         while level < LEVELS - 1 && !((x <= largest) & (y <= largest) & (z <= largest)) {
             (level, largest) = (level + 1, largest * 4.0);
@@ -202,69 +240,33 @@ impl Frame {
 
     /// The column of a coordinate across, at a level.
     #[inline(always)]
-    fn column(coordinate: f32, level: usize) -> i32 {
+    pub(super) fn column(coordinate: f32, level: usize) -> i32 {
         if level == LEVELS - 1 { 0 } else { nearest(coordinate) >> (SHIFT * level) }
+    }
+
+    /// The first and the last columns across that an image reaches into.
+    #[inline(always)]
+    pub(super) fn reach(&self, image: &Image, level: usize) -> [[i32; 2]; 2] {
+        [image.min, image.max].map(|corner| self.across.map(|axis| Self::column(corner[axis], level)))
     }
 
     /// Where a column is in memory.
     #[inline(always)]
-    fn bucket(&self, level: usize, columns: [i32; 2]) -> usize {
+    pub(super) fn place(&self, level: usize, columns: [i32; 2]) -> u32 {
         let grid = &self.grids[level];
         let index = (columns[0] as u32).wrapping_add((columns[1] as u32).wrapping_mul(grid.stride));
-        (grid.first + (index & grid.mask)) as usize
+        grid.first + (index & grid.mask)
     }
 
-    /// The columns that an image reaches into.
+    /// Whether no column but these shares their places in memory, other than where a level is folded.
     #[inline(always)]
-    pub(super) fn spot(&self, record: &Record) -> Spot {
-        let level = Self::level(record);
-        let first = self.across.map(|axis| Self::column(record.min[axis % 3], level));
-        let last = self.across.map(|axis| Self::column(record.max[axis % 3], level));
-        let more = u32::from(last[0] != first[0]) | u32::from(last[1] != first[1]) << 1;
-        Spot { level, first, bucket: self.bucket(level, first), more }
+    pub(super) fn is_within(&self, level: usize, [first, last]: [[i32; 2]; 2]) -> bool {
+        let Grid { stride, rows, .. } = self.grids[level];
+        (first[0] >= 0) & (first[1] >= 0) & (last[0] < stride as i32) & (last[1] < rows as i32)
     }
 
-    /// Calls for each of these columns, with the tag of the copy for it.
-    #[inline(always)]
-    pub(super) fn each_copy(&self, spot: &Spot, mut put: impl FnMut(usize, Tag)) {
-        let &Spot { level, first, bucket, more } = spot;
-        put(bucket, Tag::new(first, 0));
-        if more == 0 {
-            return;
-        }
-        for copy in 1..4_u32 {
-            if copy & !more == 0 {
-                let columns = [first[0] + (copy & 1) as i32, first[1] + (copy >> 1) as i32];
-                put(self.bucket(level, columns), Tag::new(columns, copy));
-            }
-        }
-    }
-
-    /// The column of a copy.
-    #[inline(always)]
-    pub(super) fn own_column(&self, record: &Record, level: usize) -> [i32; 2] {
-        [0, 1].map(|at| Self::column(record.min[self.across[at] % 3], level) + record.tag.is_second(at))
-    }
-
-    /// Where the column of a coarser level is that a column is part of: counted from the first of that level.
-    pub(super) fn coarse_bucket(&self, column: [i32; 2], level: usize, coarser: usize) -> usize {
-        let column = column.map(|column| Self::coarsened(column, level, coarser));
-        self.bucket(coarser, column) - self.grids[coarser].first as usize
-    }
-
-    #[inline(always)]
-    fn coarsened(column: i32, level: usize, coarser: usize) -> i32 {
+    /// The column of a coarser level that a column is part of.
+    pub(super) fn coarsened(column: i32, level: usize, coarser: usize) -> i32 {
         if coarser == LEVELS - 1 { 0 } else { column >> (SHIFT * (coarser - level)) }
-    }
-
-    /// Whether the copy of a box in a column, and that of a box of a coarser level in the column about it, are those that
-    /// report the pair: the column holds the least corner of what they share.
-    pub(super) fn is_owner(&self, one: &Record, level: usize, other: &Record, coarser: usize) -> bool {
-        let (own, others) = (self.own_column(one, level), self.own_column(other, coarser));
-        (0..2).all(|at| {
-            let axis = self.across[at];
-            own[at] == Self::column(one.min[axis].max(other.min[axis]), level)
-                && others[at] == Self::coarsened(own[at], level, coarser)
-        })
     }
 }

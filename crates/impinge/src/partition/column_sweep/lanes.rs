@@ -1,129 +1,134 @@
-//! A column sorted and swept, eight boxes at a time.
+//! A column sorted and swept, sixteen boxes at a time.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, i16x16};
 
-use super::frame::Record;
+use super::record::Record;
 use super::slots::Slots;
-use crate::simd::{LANES, by_axis};
+
+/// Copies in a vector.
+const WIDE: usize = 16;
 
 /// The copies of a column side by side, by where they begin along it, and memory to sort them in.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lanes {
     /// As they came.
-    records: Vec<Record>,
+    unsorted: Vec<Record>,
+    /// In order; here and below what is behind their number means nothing.
+    sorted: Vec<Record>,
     slots: Slots,
-    min: [Vec<f32>; 3],
-    max: [Vec<f32>; 3],
-    /// Where the sorted ones are among those that came.
-    places: Vec<u32>,
-    /// For each sorted copy the slot in which it ends.
-    last_slots: Vec<u32>,
+    /// On each axis across, where they begin and end.
+    across: [[Vec<i16>; 2]; 2],
+    /// For each sorted copy where those end that may begin before it ends.
+    ends: Vec<u32>,
     hits: Vec<Hits>,
 }
 
+/// Which part of the columns is asked for: the steps and the images of where it begins and ends along.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    pub(super) steps: [u32; 2],
+    pub(super) images: [f32; 2],
+}
+
 impl Lanes {
-    /// Takes these copies in place of all others, sorted along an axis.
+    /// Takes these copies in place of all others; `span` tells where the box of a copy is along.
     #[inline(always)]
-    pub(super) fn fill<'r>(&mut self, along: usize, blocks: impl Iterator<Item = &'r [Record]>) {
-        self.records.clear();
-        blocks.for_each(|block| self.records.extend_from_slice(block));
-        self.slots.sort(self.records.iter().map(|record| record.min[along % 3]));
-        let len = self.records.len();
-        let padded = len + LANES;
-        for lane in self.min.iter_mut().chain(&mut self.max) {
-            lane.resize(padded, f32::NAN);
-            // A vector that starts at the last copy reads what no comparison with holds.
-            lane[len..].fill(f32::NAN);
+    pub(super) fn fill<'r>(&mut self, blocks: impl Iterator<Item = &'r [Record]>, span: impl Fn(&Record) -> [f32; 2]) {
+        self.unsorted.clear();
+        blocks.for_each(|block| self.unsorted.extend_from_slice(block));
+        let len = self.unsorted.len();
+        if self.ends.len() < len {
+            self.sorted.resize(2 * len, Record::default());
+            self.ends.resize(2 * len, 0);
+            self.across.as_flattened_mut().iter_mut().for_each(|lane| lane.resize(2 * len + WIDE, 0));
         }
-        self.places.resize(len, 0);
-        let [x, y, z] = self.min.each_mut().map(|lane| &mut lane[..len]);
-        let [end_x, end_y, end_z] = self.max.each_mut().map(|lane| &mut lane[..len]);
-        let places = &mut self.places[..len];
-        self.slots.each_place(
-            #[inline(always)]
-            |from, to| {
-                let record = &self.records[from];
-                [x[to], y[to], z[to]] = record.min;
-                [end_x[to], end_y[to], end_z[to]] = record.max;
-                places[to] = from as u32;
-            },
-        );
-        self.last_slots.resize(len, 0);
-        for (slot, &end) in self.last_slots.iter_mut().zip(&self.max[along % 3][..len]) {
-            *slot = self.slots.of(end);
+        let sorted = &mut self.sorted[..len];
+        self.slots.sort(&self.unsorted, sorted, |record| span(record)[0]);
+        let [[x, end_x], [y, end_y]] =
+            self.across.each_mut().map(|lanes| lanes.each_mut().map(|lane| &mut lane[..len]));
+        for (at, record) in sorted.iter().enumerate() {
+            [x[at], end_x[at]] = record.across(0);
+            [y[at], end_y[at]] = record.across(1);
+        }
+        let ends = &mut self.ends[..len];
+        if self.slots.is_full() {
+            ends.iter_mut().zip(sorted).for_each(|(end, record)| *end = self.slots.full_end(span(record)[1]));
+        } else {
+            let slots = self.slots.ends();
+            ends.iter_mut().zip(sorted).for_each(|(end, record)| *end = slots.at(record.along()[1]));
         }
     }
 
-    /// The copies, as they came.
+    /// The copies, in order.
     pub(super) fn records(&self) -> &[Record] {
-        &self.records
+        &self.sorted[..self.unsorted.len()]
     }
 
-    /// Calls `meet` for each two copies whose images meet.
+    /// Calls `meet` for each two copies whose images meet across, and may meet along.
     #[inline(always)]
     pub(super) fn sweep_self<S: Simd>(&mut self, simd: S, mut meet: impl FnMut(&Record, &Record)) {
-        let len = self.records.len();
-        let (min, max) = (
-            self.min.each_ref().map(|lane| &lane[..len + LANES]),
-            self.max.each_ref().map(|lane| &lane[..len + LANES]),
-        );
-        let (records, places, last_slots) = (&self.records[..], &self.places[..len], &self.last_slots[..len]);
+        let len = self.unsorted.len();
+        if len == 0 {
+            return; // before there is any memory
+        }
+        let lanes = self.across.each_ref().map(|lanes| lanes.each_ref().map(|lane| &lane[..len + WIDE]));
+        let (records, ends) = (&self.sorted[..len], &self.ends[..len]);
         let mut expand = |hits: &[Hits]| {
             for &Hits { one, first, bits } in hits {
-                let one = &records[places[one as usize] as usize];
+                let one = &records[one as usize];
                 let mut bits = bits;
                 while bits != 0 {
-                    meet(one, &records[places[(first + bits.trailing_zeros()) as usize] as usize]);
+                    meet(one, &records[(first + bits.trailing_zeros()) as usize]);
                     bits &= bits - 1;
                 }
             }
         };
+        // Room for all of one copy, so that nothing but comparisons is in the inner loop.
         let hits = &mut self.hits;
-        hits.resize(MOST_HITS, Hits::default());
-        let hits = &mut hits[..MOST_HITS];
+        hits.resize(MOST_HITS + len.div_ceil(WIDE) + 1, Hits::default());
         let mut count = 0;
         for one in 0..len {
-            let end = self.slots.end(last_slots[one]);
-            let splats = splats(simd, [0, 1, 2].map(|k| [min[k][one], max[k][one]]));
+            let end = ends[one] as usize;
+            if count > MOST_HITS {
+                expand(&hits[..count]);
+                count = 0;
+            }
+            let splats = splats(simd, lanes.map(|lanes| lanes.map(|lane| lane[one])));
             let mut at = one + 1;
             while at < end {
-                let bits = compare(simd, [&min, &max], at, &splats);
+                let bits = compare(simd, &lanes, at, &splats) & first_bits(end - at);
                 // Written in any case and kept where there is a hit: whether there is one is hard to predict.
-                hits[count % MOST_HITS] = Hits { one: one as u32, first: at as u32, bits };
+                hits[count] = Hits { one: one as u32, first: at as u32, bits };
                 count += usize::from(bits != 0);
-                if count == MOST_HITS {
-                    expand(hits);
-                    count = 0;
-                }
-                at += LANES;
+                at += WIDE;
             }
         }
         expand(&hits[..count]);
     }
 
-    /// Calls `meet` for each copy whose image meets that of another column's; none of these is longer than `longest`.
+    /// Calls `meet` for each copy whose image meets these intervals across, and may meet this span along.
     #[inline(always)]
     pub(super) fn sweep_one<S: Simd>(
         &self,
         simd: S,
-        along: usize,
-        one: &Record,
-        longest: f32,
+        across: [[i16; 2]; 2],
+        span: &Span,
         mut meet: impl FnMut(&Record),
     ) {
-        let len = self.records.len();
-        let (min, max) = (
-            self.min.each_ref().map(|lane| &lane[..len + LANES]),
-            self.max.each_ref().map(|lane| &lane[..len + LANES]),
-        );
-        let splats = splats(simd, [0, 1, 2].map(|k| [one.min[k], one.max[k]]));
-        let start = self.slots.start(self.slots.of((one.min[along % 3] - longest).next_down()));
-        let end = self.slots.end(self.slots.of(one.max[along % 3]));
-        for at in (start..end).step_by(LANES) {
-            let mut bits = compare(simd, [&min, &max], at, &splats);
+        let len = self.unsorted.len();
+        let lanes = self.across.each_ref().map(|lanes| lanes.each_ref().map(|lane| &lane[..len + WIDE]));
+        let splats = splats(simd, across);
+        let (start, end) = if self.slots.is_full() {
+            (self.slots.full_start(span.images[0]), self.slots.full_end(span.images[1]))
+        } else {
+            (self.slots.start(span.steps[0]), self.slots.end(span.steps[1]))
+        };
+        let end = end as usize;
+        for at in (start as usize..end).step_by(WIDE) {
+            let mut bits = compare(simd, &lanes, at, &splats) & first_bits(end - at);
             while bits != 0 {
-                meet(&self.records[self.places[at + bits.trailing_zeros() as usize] as usize]);
+                meet(&self.sorted[at + bits.trailing_zeros() as usize]);
                 bits &= bits - 1;
             }
         }
@@ -141,29 +146,33 @@ struct Hits {
 /// Hits that are looked at together.
 const MOST_HITS: usize = 256;
 
-/// The least and the greatest coordinates of one box, on each axis and in each lane.
-type Splats<S> = [[f32x8<S>; 2]; 3];
-
+/// As many bits as there are copies, or as a vector has.
 #[inline(always)]
-fn splats<S: Simd>(simd: S, bounds: [[f32; 2]; 3]) -> Splats<S> {
-    by_axis!(axis => [f32x8::splat(simd, bounds[axis][0]), f32x8::splat(simd, bounds[axis][1])])
+fn first_bits(count: usize) -> u32 {
+    (1 << count.min(WIDE)) - 1
 }
 
-/// Which of eight images meet one's. What is behind the range that is asked for begins in a later slot than the one ends, or
-/// is no number.
+/// Where one box begins and ends on each axis across, in each lane.
+type Splats<S> = [[i16x16<S>; 2]; 2];
+
 #[inline(always)]
-fn compare<S: Simd>(simd: S, [min, max]: [&[&[f32]; 3]; 2], at: usize, one: &Splats<S>) -> u32 {
-    let meets = vector(simd, min[0], at).simd_le(one[0][1])
-        & vector(simd, max[0], at).simd_ge(one[0][0])
-        & vector(simd, min[1], at).simd_le(one[1][1])
-        & vector(simd, max[1], at).simd_ge(one[1][0])
-        & vector(simd, min[2], at).simd_le(one[2][1])
-        & vector(simd, max[2], at).simd_ge(one[2][0]);
+fn splats<S: Simd>(simd: S, across: [[i16; 2]; 2]) -> Splats<S> {
+    let [[x, end_x], [y, end_y]] = across;
+    [[i16x16::splat(simd, x), i16x16::splat(simd, end_x)], [i16x16::splat(simd, y), i16x16::splat(simd, end_y)]]
+}
+
+/// Which of sixteen images meet one's across.
+#[inline(always)]
+fn compare<S: Simd>(simd: S, lanes: &[[&[i16]; 2]; 2], at: usize, one: &Splats<S>) -> u32 {
+    let meets = vector(simd, lanes[0][0], at).simd_lt(one[0][1])
+        & one[0][0].simd_lt(vector(simd, lanes[0][1], at))
+        & vector(simd, lanes[1][0], at).simd_lt(one[1][1])
+        & one[1][0].simd_lt(vector(simd, lanes[1][1], at));
     meets.to_bitmask() as u32
 }
 
-/// Eight coordinates from a place on.
+/// Sixteen coordinates from a place on.
 #[inline(always)]
-fn vector<S: Simd>(simd: S, lane: &[f32], at: usize) -> f32x8<S> {
-    f32x8::from_slice(simd, &lane[at..at + LANES])
+fn vector<S: Simd>(simd: S, lane: &[i16], at: usize) -> i16x16<S> {
+    i16x16::from_slice(simd, &lane[at..at + WIDE])
 }

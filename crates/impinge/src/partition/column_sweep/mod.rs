@@ -2,15 +2,16 @@
 //!
 //! Source: Tracy, Buss, Woods, *Efficient large-scale sweep and prune methods with AABB insertion and removal*, IEEE VR 2009
 //! (a grid of sweeps); Ericson, 7.2 (levels for sizes). Ours departs in that nothing is kept from step to step, in columns
-//! that cross space so that a sweep replaces one axis of the grid, in eight boxes a comparison, and in coordinates that are
-//! rounded *monotonically*: if a coordinate is not greater than another, neither are their images. Images that are apart
-//! thus prove boxes apart, images that overlap by more than a touch prove that they meet, and only for a touch are the
-//! boxes themselves asked.
+//! that cross space so that a sweep replaces one axis of the grid, in sixteen boxes a comparison, and in coordinates that are
+//! rounded *monotonically* to whole steps of 16 bits: if a coordinate is not greater than another, neither is its step. Steps
+//! that are apart thus prove boxes apart, steps that overlap by more than a touch prove that they meet, and only for a touch
+//! are the boxes themselves asked.
 
 mod columns;
 mod frame;
 mod lanes;
 mod order;
+mod record;
 mod slots;
 
 use std::ops::Range;
@@ -21,9 +22,10 @@ use rayon::prelude::*;
 use crate::simd::best_level;
 use crate::volume::{BoundingVolume, MinMax};
 use columns::Columns;
-use frame::{Frame, LARGEST, LEVELS, Record};
-use lanes::Lanes;
+use frame::{Frame, Image, LARGEST, LEVELS, nearest};
+use lanes::{Lanes, Span};
 use order::sort_pairs;
+use record::Record;
 
 /// Finds all pairs of boxes that meet, without memory of earlier places: the quickest way where most boxes move.
 ///
@@ -59,9 +61,19 @@ pub struct ColumnSweep {
 /// The columns of a level one after the other.
 #[derive(Clone, Debug, Default)]
 struct Coarse {
-    records: Vec<Record>,
+    copies: Vec<CoarseCopy>,
     /// Where each column starts, and the last one ends.
     starts: Vec<u32>,
+}
+
+/// A box of a coarse level in one of its columns.
+#[derive(Clone, Copy, Debug)]
+struct CoarseCopy {
+    image: Image,
+    key: u32,
+    column: [i32; 2],
+    /// The columns of the finest level that it reaches into first and last.
+    reach: [[i32; 2]; 2],
 }
 
 /// Boxes that a thread sorts into columns at least.
@@ -83,7 +95,7 @@ impl ColumnSweep {
         self.found.clear();
         if let Some(frame) = Frame::of(boxes) {
             self.deal(&frame, boxes);
-            self.gather_coarse(&frame);
+            self.gather_coarse(&frame, boxes);
             self.sweep(&frame, boxes);
         }
         sort_pairs(&mut self.found, pairs, boxes.len());
@@ -102,37 +114,43 @@ impl ColumnSweep {
     }
 
     /// Puts the columns of all levels but the finest together, for finer ones to be compared with.
-    fn gather_coarse(&mut self, frame: &Frame) {
+    fn gather_coarse(&mut self, frame: &Frame, boxes: &[MinMax]) {
         self.coarse.resize_with(LEVELS - 1, Coarse::default);
         for (level, coarse) in (1..).zip(&mut self.coarse) {
-            coarse.records.clear();
+            coarse.copies.clear();
             coarse.starts.clear();
             if self.runs.iter().all(|run| run.count(level) == 0) {
                 continue;
             }
             coarse.starts.push(0);
-            for column in frame.columns(level) {
-                let blocks = self.runs.iter().flat_map(|run| run.blocks(column));
-                blocks.for_each(|block| coarse.records.extend_from_slice(block));
-                coarse.starts.push(coarse.records.len() as u32);
+            for place in frame.columns(level) {
+                let records = self.runs.iter().flat_map(|run| run.blocks(place)).flatten();
+                coarse.copies.extend(records.map(|record| {
+                    let image = frame.image(&boxes[record.key as usize]);
+                    let column = own_column(frame, level, &image, record);
+                    let reach = [image.min, image.max].map(|corner| frame.across.map(|axis| nearest(corner[axis])));
+                    CoarseCopy { image, key: record.key, column, reach }
+                }));
+                coarse.starts.push(coarse.copies.len() as u32);
             }
         }
     }
 
     fn sweep(&mut self, frame: &Frame, boxes: &[MinMax]) {
         let (runs, coarse) = (&self.runs, &self.coarse);
-        let sweep = |(mut lanes, mut found): (Lanes, Vec<[u32; 2]>), (level, columns): (usize, Range<usize>)| {
-            for column in columns {
-                let blocks = runs.iter().flat_map(|run| run.blocks(column));
-                let mut bucket = Bucket { frame, boxes, level, lanes: &mut lanes };
+        let sweep = |(mut lanes, mut found): (Lanes, Vec<[u32; 2]>), (level, places): (usize, Range<usize>)| {
+            for place in places {
+                let blocks = runs.iter().flat_map(|run| run.blocks(place));
+                let is_shared = runs.iter().any(|run| run.is_shared(place));
+                let mut bucket = Bucket { frame, boxes, level, place, is_shared, lanes: &mut lanes };
                 bucket.find(blocks, &coarse[level..], &mut found);
             }
             (lanes, found)
         };
-        let used = (0..LEVELS).filter(|&level| level == 0 || !coarse[level - 1].records.is_empty());
+        let used = (0..LEVELS).filter(|&level| level == 0 || !coarse[level - 1].copies.is_empty());
         let tasks = used.flat_map(|level| {
-            let columns = frame.columns(level);
-            columns.clone().step_by(TASK).map(move |first| (level, first..columns.end.min(first + TASK)))
+            let places = frame.columns(level);
+            places.clone().step_by(TASK).map(move |first| (level, first..places.end.min(first + TASK)))
         });
         if runs.len() == 1 {
             let start = (std::mem::take(&mut self.lanes), std::mem::take(&mut self.found));
@@ -145,63 +163,91 @@ impl ColumnSweep {
     }
 }
 
-/// A column at work.
+/// The column of a copy, which does not say it.
+fn own_column(frame: &Frame, level: usize, image: &Image, record: &Record) -> [i32; 2] {
+    let [first, _] = frame.reach(image, level);
+    [0, 1].map(|axis| first[axis] + (record.second() >> axis & 1) as i32)
+}
+
+/// A column at work, or several that share its place.
 struct Bucket<'a> {
     frame: &'a Frame,
     boxes: &'a [MinMax],
     level: usize,
+    place: usize,
+    is_shared: bool,
     lanes: &'a mut Lanes,
 }
 
 impl Bucket<'_> {
     /// Finds the pairs among these copies, and of them with those of coarser levels.
     fn find<'r>(&mut self, blocks: impl Iterator<Item = &'r [Record]>, coarser: &[Coarse], found: &mut Vec<[u32; 2]>) {
+        let &mut Self { frame, boxes, level, is_shared, .. } = self;
+        let span = |record: &Record| {
+            let image = frame.image(&boxes[record.key as usize]);
+            [image.min[frame.along], image.max[frame.along]]
+        };
+        let column = |record: &Record| own_column(frame, level, &frame.image(&boxes[record.key as usize]), record);
         dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || {
-            self.lanes.fill(self.frame.along, blocks);
-            let boxes = self.boxes;
+            self.lanes.fill(blocks, span);
             self.lanes.sweep_self(simd, #[inline(always)] |one, other| {
-                if one.tag.is_owner(other.tag) {
+                // Of the columns that both reach into the first reports them.
+                if one.second() & other.second() != 0 {
+                    return;
+                }
+                if !is_shared {
                     meet(one, other, boxes, found);
+                } else if column(one) == column(other) && are_met(one, other, boxes) {
+                    found.push(pair(one, other));
                 }
             });
         }));
-        if !self.lanes.records().is_empty() && coarser.iter().any(|coarse| !coarse.records.is_empty()) {
+        if !self.lanes.records().is_empty() && coarser.iter().any(|coarse| !coarse.copies.is_empty()) {
             self.find_coarser(coarser, found);
         }
     }
 
     /// A coarse copy that comes near these is swept against them: there are few.
-    fn find_coarser(&mut self, coarser: &[Coarse], found: &mut Vec<[u32; 2]>) {
+    fn find_coarser(&self, coarser: &[Coarse], found: &mut Vec<[u32; 2]>) {
+        let &Self { frame, boxes, level, is_shared, .. } = self;
+        let column = |record: &Record| own_column(frame, level, &frame.image(&boxes[record.key as usize]), record);
         let mut columns: Vec<[i32; 2]> = Vec::new();
-        let [mut low, mut high] = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
-        for record in self.lanes.records() {
-            for axis in 0..3 {
-                low[axis] = low[axis].min(record.min[axis]);
-                high[axis] = high[axis].max(record.max[axis]);
-            }
-            let column = self.frame.own_column(record, self.level);
-            if columns.last() != Some(&column) {
-                columns.push(column);
-            }
+        if is_shared {
+            columns.extend(self.lanes.records().iter().map(column));
+            columns.sort_unstable();
+            columns.dedup();
+        } else {
+            columns.push(frame.column_at(level, self.place));
         }
         // A little more than the sizes of a level, for the rounding of differences.
-        let longest =
-            if self.level == LEVELS - 1 { f32::INFINITY } else { LARGEST * 1.001 * (1_u32 << (2 * self.level)) as f32 };
-        for (coarser_level, coarse) in (self.level + 1..).zip(coarser).filter(|(_, coarse)| !coarse.records.is_empty())
-        {
-            let bucket = |&column: &[i32; 2]| self.frame.coarse_bucket(column, self.level, coarser_level);
-            let mut buckets: Vec<usize> = columns.iter().map(bucket).collect();
-            buckets.sort_unstable();
-            buckets.dedup();
-            for bucket in buckets {
-                for other in &coarse.records[coarse.starts[bucket] as usize..coarse.starts[bucket + 1] as usize] {
-                    if !(0..3).all(|axis| (other.min[axis] <= high[axis]) & (low[axis] <= other.max[axis])) {
+        let longest = LARGEST * 1.001 * (1_u32 << (2 * level)) as f32;
+        for (coarser_level, coarse) in (level + 1..).zip(coarser).filter(|(_, coarse)| !coarse.copies.is_empty()) {
+            let first = frame.columns(coarser_level).start;
+            for &own in &columns {
+                let about = own.map(|column| Frame::coarsened(column, level, coarser_level));
+                let bucket = frame.place(coarser_level, about) as usize - first;
+                for other in &coarse.copies[coarse.starts[bucket] as usize..coarse.starts[bucket + 1] as usize] {
+                    let [first, last] =
+                        other.reach.map(|columns| columns.map(|column| Frame::coarsened(column, 0, level)));
+                    let is_near = (0..2).all(|at| (first[at] <= own[at]) & (own[at] <= last[at]));
+                    if !is_near || other.column != about {
                         continue;
                     }
+                    // The column that reports a pair holds the least corner of what the two share.
+                    let begun = u32::from(first[0] < own[0]) | u32::from(first[1] < own[1]) << 1;
+                    let record = frame.record(&other.image, level, own, other.key);
+                    let [begin, end] = [other.image.min, other.image.max].map(|corner| corner[frame.along]);
+                    let images = [(begin - longest).next_down(), end];
+                    let span = Span { steps: images.map(|x| frame.step(x)), images };
                     dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || {
-                        self.lanes.sweep_one(simd, self.frame.along, other, longest, #[inline(always)] |one| {
-                            if self.frame.is_owner(one, self.level, other, coarser_level) {
-                                meet(one, other, self.boxes, found);
+                        self.lanes.sweep_one(simd, [record.across(0), record.across(1)], &span, #[inline(always)] |one| {
+                            if one.second() & begun != 0 {
+                                return;
+                            }
+                            if !is_shared {
+                                meet(one, &record, boxes, found);
+                            } else if column(one) == own && are_met(one, &record, boxes) {
+                                found.push(pair(one, &record));
                             }
                         });
                     }));
@@ -211,12 +257,20 @@ impl Bucket<'_> {
     }
 }
 
-/// Reports a pair whose images meet, if the boxes themselves do.
+/// Reports a pair whose images meet across, if the boxes themselves meet.
 #[inline(always)]
 fn meet(one: &Record, other: &Record, boxes: &[MinMax], found: &mut Vec<[u32; 2]>) {
-    let certain = (0..3)
-        .fold(true, |certain, axis| certain & (one.min[axis] < other.max[axis]) & (other.min[axis] < one.max[axis]));
-    if certain || boxes[one.key as usize].overlaps(&boxes[other.key as usize]) {
-        found.push([one.key.min(other.key), one.key.max(other.key)]);
+    let verdict = one.verdict(other);
+    if !verdict.is_apart && (verdict.is_certain || are_met(one, other, boxes)) {
+        found.push(pair(one, other));
     }
+}
+
+/// Whether the boxes of two copies meet.
+fn are_met(one: &Record, other: &Record, boxes: &[MinMax]) -> bool {
+    boxes[one.key as usize].overlaps(&boxes[other.key as usize])
+}
+
+fn pair(one: &Record, other: &Record) -> [u32; 2] {
+    [one.key.min(other.key), one.key.max(other.key)]
 }

@@ -18,6 +18,17 @@ const FEWEST: usize = 16;
 /// Cells about a way that is short: more are looked through more often than they are worth.
 const SHORT: f64 = 64.0;
 
+/// Copies of a cell that are asked for ahead: most cells hold fewer. Each takes about a line of memory.
+const HELD: usize = 6;
+
+/// Where a few cells are in memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Places {
+    /// Those of a box that is at most as large as a cell; the first of more.
+    places: [usize; 8],
+    count: usize,
+}
+
 /// A cell by its place, counted along each axis.
 type Cell = [i64; 3];
 
@@ -46,6 +57,8 @@ pub(super) struct Level {
     layout: Layout,
     cells: Vec<Vec<Copy>>,
     copies: usize,
+    /// Memory of cells that became empty, for those that become full: else each cell that ever held something kept its own.
+    spare: Vec<Vec<Copy>>,
     /// Memory to list places in.
     listed: Vec<usize>,
 }
@@ -87,7 +100,15 @@ impl Level {
     }
 
     fn new(origin: [f64; 3], cell: f64, layout: Layout, cells: Vec<Vec<Copy>>) -> Self {
-        Self { origin, inverse: (1.0 / cell).min(f64::MAX), layout, cells, copies: 0, listed: Vec::new() }
+        Self {
+            origin,
+            inverse: (1.0 / cell).min(f64::MAX),
+            layout,
+            cells,
+            copies: 0,
+            spare: Vec::new(),
+            listed: Vec::new(),
+        }
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -140,7 +161,13 @@ impl Level {
     fn put(&mut self, copy: Copy) {
         let mut places = std::mem::take(&mut self.listed);
         self.list(&self.reach(&copy.bounds), &mut places);
-        places.iter().for_each(|&place| self.cells[place].push(copy));
+        for &place in &places {
+            let cell = &mut self.cells[place];
+            if cell.is_empty() {
+                *cell = self.spare.pop().unwrap_or_default();
+            }
+            cell.push(copy);
+        }
         self.copies += places.len();
         self.listed = places;
     }
@@ -158,6 +185,9 @@ impl Level {
             if let Some(at) = cell.iter().position(|copy| copy.key == key) {
                 cell.swap_remove(at);
                 self.copies -= 1;
+                if cell.is_empty() {
+                    self.spare.push(std::mem::take(cell));
+                }
             }
         }
         self.listed = places;
@@ -168,17 +198,23 @@ impl Level {
         self.resize();
     }
 
-    /// Asks for the cell in which a box begins, and for what it holds: each well before the next is needed.
-    pub(super) fn prefetch(&self, bounds: &MinMax) -> usize {
-        let place = self.place([0, 1, 2].map(|axis| self.along(bounds.min()[axis], axis)));
-        prefetch(&self.cells[place]);
-        place
+    /// Asks for the cells that a box reaches into, and says where they are, as far as there is room.
+    pub(super) fn prefetch(&self, bounds: &MinMax, places: &mut Places) {
+        places.count = 0;
+        let _ = self.reach(bounds).each(|cell| {
+            let Some(next) = places.places.get_mut(places.count) else { return ControlFlow::Break(()) };
+            *next = self.place(cell);
+            prefetch(&self.cells[*next]);
+            places.count += 1;
+            ControlFlow::Continue(())
+        });
     }
 
-    /// Asks for what a cell holds.
-    pub(super) fn prefetch_held(&self, place: usize) {
-        if let Some(copies) = self.cells.get(place).and_then(|cell| cell.first_chunk::<2>()) {
-            prefetch(copies);
+    /// Asks for what cells hold.
+    pub(super) fn prefetch_held(&self, places: &Places) {
+        for &place in &places.places[..places.count] {
+            // Cells may have become fewer since.
+            self.cells.get(place).into_iter().flatten().take(HELD).for_each(prefetch);
         }
     }
 
@@ -255,6 +291,7 @@ impl Level {
         });
         let count = (2 * ROOM * self.copies).next_power_of_two().max(FEWEST);
         self.cells = vec![Vec::new(); count];
+        self.spare.clear();
         self.copies = 0;
         boxes.into_iter().for_each(|copy| self.put(copy));
     }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::super::{BoxTree, Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visitor, Work, record};
-use super::level::Level;
+use super::level::{Level, Places};
 use crate::input::{InputError, InputErrorKind};
 use crate::volume::{BoundingVolume, MinMax};
 
@@ -224,14 +224,17 @@ macro_rules! is_single_level {
             /// Asks for the memory of the next moves while it does one: in a large scene they are all over it.
             fn step(&mut self, moves: &[Move], changes: &mut Changes) {
                 changes.clear();
-                // The cells of the next moves.
-                let mut places = [usize::MAX; 2 * AHEAD];
+                // Where the cells of the next moves are.
+                let mut places = [Places::default(); AHEAD];
                 for (at, step) in moves.iter().enumerate() {
                     let later = |ahead: usize| moves.get(at + ahead).map(|later| later.key);
                     later(3 * AHEAD).into_iter().for_each(|key| self.0.items.prefetch(key));
-                    let bounds = later(2 * AHEAD).and_then(|key| self.0.items.get(key));
-                    places[at % (2 * AHEAD)] = bounds.map_or(usize::MAX, |bounds| self.0.level.prefetch(bounds));
-                    self.0.level.prefetch_held(places[(at + AHEAD) % (2 * AHEAD)]);
+                    let places = &mut places[at % AHEAD];
+                    self.0.level.prefetch_held(places);
+                    *places = Places::default();
+                    if let Some(bounds) = later(2 * AHEAD).and_then(|key| self.0.items.get(key)) {
+                        self.0.level.prefetch(bounds, places);
+                    }
                     if !self.0.follow(step, changes) {
                         record(self, step, changes);
                         match step.to {
