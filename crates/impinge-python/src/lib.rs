@@ -26,6 +26,7 @@ mod world;
 mod world_bodies;
 mod world_queries;
 mod world_state;
+mod world_turn;
 
 /// What `python/impinge` imports; every name is private to that package.
 #[pyo3::pymodule]

@@ -4,7 +4,7 @@
 //! the interpreter first.
 
 use std::cell::Cell;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use impinge::query::shapes::Proximity;
 use impinge::world::{Body, BodyId, Options, PairKey, Traits, World, WorldError};
@@ -24,6 +24,7 @@ use crate::world_bodies::{
     BROAD_PHASES, Handles, NARROW_PHASES, Standing, chosen, ids, keys, numbers, of_bodies, refused, traits,
 };
 use crate::world_state::{Shapes, Source, WorldState};
+use crate::world_turn::{Shared, Turn};
 
 /// What `impinge.World` holds.
 #[pyclass(frozen, module = "impinge._impinge")]
@@ -31,50 +32,6 @@ pub(crate) struct WorldCore {
     shared: Arc<Shared>,
     /// What a filter raised in the step that is under way.
     raised: Arc<Mutex<Option<PyErr>>>,
-}
-
-/// A world that calls take turns at. They wait for theirs before they go to the pool of threads, never in it: a thread that
-/// steps may take up other work of the pool while it waits, which must not wait for that step.
-struct Shared {
-    world: RwLock<World>,
-    /// For whoever has a turn.
-    shapes: Mutex<Shapes>,
-    is_taken: Mutex<bool>,
-    freed: Condvar,
-}
-
-/// A call's turn, which ends where this is dropped.
-pub(crate) struct Turn(Arc<Shared>);
-
-impl Turn {
-    pub(crate) fn read(&self) -> RwLockReadGuard<'_, World> {
-        self.0.world.read().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn write(&self) -> RwLockWriteGuard<'_, World> {
-        self.0.world.write().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn shapes(&self) -> MutexGuard<'_, Shapes> {
-        self.0.shapes.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Drop for Turn {
-    fn drop(&mut self) {
-        *self.0.is_taken.lock().unwrap_or_else(PoisonError::into_inner) = false;
-        self.0.freed.notify_one();
-    }
-}
-
-impl Shared {
-    /// Waits for its turn, for a while; whether it has it.
-    fn take(&self) -> bool {
-        let is_taken = self.is_taken.lock().unwrap_or_else(PoisonError::into_inner);
-        let waited = self.freed.wait_timeout_while(is_taken, workers::LISTENING_INTERVAL, |is_taken| *is_taken);
-        let mut is_taken = waited.unwrap_or_else(PoisonError::into_inner).0;
-        !std::mem::replace(&mut *is_taken, true)
-    }
 }
 
 thread_local! {
@@ -92,10 +49,12 @@ impl WorldCore {
             let message = "a filter cannot ask the world, which is changing while the filter is asked";
             return Err(PyRuntimeError::new_err(message));
         }
-        while !py.detach(|| self.shared.take()) {
+        loop {
+            if let Some(turn) = py.detach(|| self.shared.take()) {
+                return Ok(turn);
+            }
             py.check_signals()?;
         }
-        Ok(Turn(self.shared.clone()))
     }
 
     /// Looks at the world, without the interpreter.
@@ -137,8 +96,7 @@ impl WorldCore {
             broad_phase: chosen(broad_phase, "broad_phase", &BROAD_PHASES)?,
             narrow_phase: chosen(narrow_phase, "narrow_phase", &NARROW_PHASES)?,
         };
-        let world = RwLock::new(World::with_options(options));
-        let shared = Shared { world, shapes: Mutex::default(), is_taken: Mutex::new(false), freed: Condvar::new() };
+        let shared = Shared::new(World::with_options(options));
         Ok(Self { shared: Arc::new(shared), raised: Arc::default() })
     }
 
