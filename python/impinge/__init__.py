@@ -38,6 +38,7 @@ from impinge._show import show
 from impinge._threads import threads
 from impinge._world import World
 from impinge._world_answers import Bodies, BodyRayHit, BodyRayHits, Step, Work
+from impinge._world_state import WorldState
 from impinge.fit import Hull, Sphere, convex_hull, minimal_sphere
 from impinge.shapes import Penetration
 
@@ -78,6 +79,7 @@ __all__ = [
     "TreeStatistics",
     "Work",
     "World",
+    "WorldState",
     "__version__",
     "ccd",
     "convex_hull",

@@ -184,6 +184,23 @@ def contact_points(
     return points
 
 
+def contact_normals(
+    a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64], pairs: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return unit normals from `a` to `b`, (k, 3), and depths along them, (k,), of the pairs of `contacts`.
+
+    Two convex solids have one of each, the shortest way to part them. Contacts of a shape that is no mesh have their
+    own, and pairs of surfaces those of the region in which they go through each other.
+    """
+    if not (a.is_mesh and b.is_mesh):
+        found = _touches(a, b, pose_a, pose_b)[: len(pairs)]
+        return found.normal, np.maximum(found.depth, 0)
+    if (a.solid and b.solid) or np.array_equal(pairs, CONTAINED):
+        deep = shapes.penetration(a.shape, b.shape, pose_a, pose_b)
+        return np.tile(deep.normal, (len(pairs), 1)), np.full(len(pairs), deep.depth)
+    return _impinge.contact_normals((a.mesh, b.mesh, pose_a, pose_b, "raise", False), pairs.astype(np.uint32))
+
+
 def _placed(points: NDArray[np.floating], pose: NDArray[np.float64]) -> NDArray[np.float64]:
     placed: NDArray[np.float64] = points.astype(float) @ pose[:3, :3].T + pose[:3, 3]
     return placed

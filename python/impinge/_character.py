@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, final
@@ -111,6 +112,12 @@ class Character:
     InputError
         If its content is broken, or no rig: it names the node or the accessor.
 
+    Notes
+    -----
+    A character never changes, so a copy (`copy.copy`, `copy.deepcopy`) is itself. It pickles by the path of its file
+    and the text that `save` writes: where it is loaded the file has to be there, and to hold the same character, which
+    is checked; nothing is fitted again.
+
     Examples
     --------
     What a ray strikes half a second into a walk::
@@ -121,7 +128,7 @@ class Character:
         robot.parts[hit.part].name if hit.hit else None    # "head"
     """
 
-    __slots__ = ("_animations", "_core", "_parts", "_path")
+    __slots__ = ("_animations", "_core", "_parts", "_path", "_pieces")
 
     def __init__(
         self,
@@ -161,9 +168,12 @@ class Character:
         return character
 
     def _open(self, path: str | os.PathLike[str], options: tuple[Any, ...]) -> None:
-        self._path = os.fspath(path)
         volumes, mode, plan, fitted, pieces = options
-        self._core = _impinge.CharacterCore(self._path, volumes, mode, plan, fitted, pieces)
+        path = os.fspath(path)
+        self._take(_impinge.CharacterCore(path, volumes, mode, plan, fitted, pieces), path, pieces)
+
+    def _take(self, core: _impinge.CharacterCore, path: str, pieces: int | None) -> None:
+        self._core, self._path, self._pieces = core, path, pieces
         self._animations = tuple(Animation(*animation) for animation in self._core.animations())
         bones = self._core.bones()
         self._parts = tuple(
@@ -241,7 +251,26 @@ class Character:
             raise InputError("a point of the world is expected, (3,), below 2^128", kind="shape", what="origin")
         if not np.isfinite(time):
             raise InputError(f"{time} is not finite", kind="non-finite", what="time")
-        return CharacterPose(self, self._core.pose(at, float(time), place.tolist()))
+        asked = at, float(time), place.tolist()
+        return CharacterPose(self, self._core.pose(*asked), asked)
+
+    def _fingerprint(self) -> int:
+        """Return a checksum of what the file holds: skin, bones, and where they are at rest and in each animation."""
+        posed = [self.at()] + [self.at(at, (one.start + one.end) / 2) for at, one in enumerate(self._animations)]
+        parts = [repr((self.bones, self._animations)).encode(), self.faces.tobytes(), posed[0].vertices.tobytes()]
+        return zlib.crc32(b"".join(parts + [pose.frames.tobytes() for pose in posed]))
+
+    def __copy__(self) -> Character:
+        """Return the character, which never changes."""
+        return self
+
+    def __deepcopy__(self, memo: object) -> Character:
+        """Return the character, which never changes."""
+        return self
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle the path of the file, and the volumes."""
+        return _reopened, (self._path, self._core.text(), self._pieces, self._fingerprint())
 
     def _number(self, animation: str | int) -> int:
         names = [known.name for known in self._animations]
@@ -255,6 +284,16 @@ class Character:
     def __repr__(self) -> str:
         """Return the file and the numbers of parts and animations."""
         return f"Character({self._path!r}, {len(self._parts)} parts, {len(self._animations)} animations)"
+
+
+def _reopened(path: str, text: str, pieces: int | None, fingerprint: int) -> Character:
+    """Return the character that was pickled."""
+    character = Character.__new__(Character)
+    character._take(_impinge.CharacterCore.reopened(path, text, pieces), path, pieces)
+    if character._fingerprint() != fingerprint:
+        message = "the file does not hold the character that was pickled"
+        raise InputError(message, kind="changed", what=path, hint="pickle it anew, from the file as it is now")
+    return character
 
 
 def _count(number: int | None, name: str) -> int | None:

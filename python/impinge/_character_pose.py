@@ -114,11 +114,12 @@ _PUNCHES = ("sphere", "capsule", "box", "triangle", "hull")
 class CharacterPose:
     """A character at a time of an animation: what `Character.at` returns."""
 
-    __slots__ = ("_character", "_core")
+    __slots__ = ("_asked", "_character", "_core")
 
-    def __init__(self, character: Character, core: _impinge.PosedCore) -> None:
-        self._character = character
-        self._core = core
+    def __init__(
+        self, character: Character, core: _impinge.PosedCore, asked: tuple[int | None, float, list[float]]
+    ) -> None:
+        self._character, self._core, self._asked = character, core, asked
 
     @property
     def character(self) -> Character:
@@ -274,6 +275,22 @@ class CharacterPose:
     def __repr__(self) -> str:
         """Return the character."""
         return f"CharacterPose({self._character!r})"
+
+    def __copy__(self) -> CharacterPose:
+        """Return the pose, which never changes."""
+        return self
+
+    def __deepcopy__(self, memo: object) -> CharacterPose:
+        """Return the pose, which never changes."""
+        return self
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle the character, and when and where it is; poses that are pickled together share it."""
+        return _posed_again, (self._character, *self._asked)
+
+
+def _posed_again(character: Character, animation: int | None, time: float, origin: list[float]) -> CharacterPose:
+    return character.at(animation, time, origin=origin)
 
 
 def _swept(shape: Shape) -> tuple[str, NDArray[np.float64], float]:

@@ -10,7 +10,7 @@ import numpy as np
 from impinge import _impinge
 from impinge._errors import LoadWarning
 from impinge._mesh import Mesh
-from impinge._origin import Origin
+from impinge._origin import Origin, origin_of
 from impinge._scene import Scene
 
 
@@ -20,6 +20,8 @@ def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
     Numbers keep the precision of the file: f32 stays float32, text is read as the nearest float64. Polygons become
     triangles; `Mesh.origin` says which face is of which polygon and part. A file that `Mesh.bake` or ``impinge bake``
     wrote is opened where it lies, unless its unit has to be converted: it is mapped and proved to be a mesh, not built.
+    So is memory that processes share and that has a path, ``/dev/shm/...``; like such a file, it must not be written to
+    while it is in use.
 
     Parameters
     ----------
@@ -61,9 +63,7 @@ def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
     """
     path = os.fspath(path)
     model = _model(path, unit)
-    mesh: Mesh = _impinge.MeshBase.__new__(Mesh, model, None)
-    mesh._origin = Origin(path, model.format, model.unit, model.sources, model.part_of, tuple(model.parts))
-    return mesh
+    return Mesh._of(model, origin_of(model, path))
 
 
 def load_scene(path: str | os.PathLike[str], unit: str | None = None) -> Scene:

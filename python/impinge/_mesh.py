@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from typing import Any, Protocol, final
+from typing import TYPE_CHECKING, Any, Protocol, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,8 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from impinge import _arrays, _impinge
 from impinge._errors import InputError
 from impinge._inspection import Health, TreeStatistics
-from impinge._origin import Origin
-from impinge._points import ClosestPoint, RayHit, RayHits, hits_of, scalar
+from impinge._mesh_points import PointQueries
+from impinge._origin import Origin, origin_of
+
+if TYPE_CHECKING:
+    from typing_extensions import Buffer
 
 
 class HasTriangles(Protocol):
@@ -29,7 +32,7 @@ class HasTriangles(Protocol):
 
 
 @final
-class Mesh(_impinge.MeshBase):
+class Mesh(PointQueries):
     """A triangle mesh with its hierarchy: judged once, for any number of questions and threads.
 
     A mesh is its surface, the union of its closed triangles. A triangle without area is the segment or the point that
@@ -55,8 +58,9 @@ class Mesh(_impinge.MeshBase):
     -----
     Building takes O(n log n) on all cores, without the interpreter's lock.
 
-    A mesh pickles by its vertices and faces; with protocol 5 they may travel out of band, without a copy. The hierarchy
-    is built anew where it is loaded. Many workers share one hierarchy where each loads what `bake` wrote.
+    A copy (`copy.copy`, `copy.deepcopy`) shares all there is, and goes its own way when either is refitted. A mesh
+    pickles by its vertices and faces; with protocol 5 they may travel out of band, without a copy. The hierarchy is
+    built anew where it is loaded. Many workers share one hierarchy where each loads what `bake` wrote.
 
     Examples
     --------
@@ -68,8 +72,10 @@ class Mesh(_impinge.MeshBase):
     array([[0, 1, 2]], dtype=uint32)
     """
 
-    __slots__ = ("_origin",)
+    __slots__ = ("_origin", "_still")
     _origin: Origin | None
+    _still: Mesh | None
+    """A copy of the mesh as it is now, for whoever wants it never to change; none where nobody asked for one."""
 
     def __new__(cls, vertices: ArrayLike | HasTriangles, faces: ArrayLike | None = None) -> Mesh:
         """Judge the arrays and build the hierarchy."""
@@ -80,8 +86,44 @@ class Mesh(_impinge.MeshBase):
                 raise InputError(message, kind="type", what="faces")
             positions, faces = positions.vertices, positions.faces
         self = super().__new__(cls, _arrays.plain_cloud(positions, "vertices"), _arrays.plain_faces(faces))
-        self._origin = None
+        self._origin = self._still = None
         return self
+
+    @classmethod
+    def _of(cls, source: _impinge.Model | _impinge.MeshBase, origin: Origin | None) -> Mesh:
+        """Return the mesh that a file holds, or that shares all of another one."""
+        made: Mesh = _impinge.MeshBase.__new__(cls, source, None)
+        made._origin, made._still = origin, None
+        return made
+
+    @classmethod
+    def from_baked(cls, baked: Buffer) -> Mesh:
+        """Return the mesh that `to_baked` made bytes of, with its hierarchy: proved to be one, not built.
+
+        Parameters
+        ----------
+        baked : bytes or any object with a buffer of bytes
+            ``memoryview``, ``mmap.mmap``, the ``buf`` of a ``multiprocessing.shared_memory.SharedMemory``: exactly the
+            bytes, in one piece. They are copied, once, to where they are aligned; what becomes of them later does not
+            reach the mesh. What is in a file, or in shared memory that has a path, `impinge.load` opens without a copy.
+
+        Raises
+        ------
+        InputError
+            If they are no baked mesh, or were spoiled on the way.
+        BufferError, TypeError
+            If the object has no buffer, or not one of bytes in one piece.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> mesh = impinge.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> impinge.Mesh.from_baked(mesh.to_baked())
+        Mesh(3 vertices, 1 faces)
+        """
+        view = memoryview(baked)
+        model = _impinge.Model.of_baked(view if (view.format, view.ndim) == ("B", 1) else view.cast("B"))
+        return cls._of(model, origin_of(model, ""))
 
     @property
     def vertices(self) -> NDArray[np.float32] | NDArray[np.float64]:
@@ -155,6 +197,7 @@ class Mesh(_impinge.MeshBase):
         (array([0., 0., 5.]), 1.0)
         """
         self.move_vertices(_arrays.plain_cloud(vertices, "vertices"))
+        self._still = None
 
     def refitted(self, vertices: ArrayLike) -> Mesh:
         """Return another mesh of the same faces with its vertices moved; this one stays as it is.
@@ -175,7 +218,7 @@ class Mesh(_impinge.MeshBase):
             As for `refit`.
         """
         moved = super().__new__(Mesh, _arrays.plain_cloud(vertices, "vertices"), self)
-        moved._origin = self._origin
+        moved._origin, moved._still = self._origin, None
         return moved
 
     @property
@@ -189,188 +232,6 @@ class Mesh(_impinge.MeshBase):
     def rebuild(self) -> None:
         """Build the hierarchy anew from where the vertices are. No answer changes."""
         super().rebuild()
-
-    def closest_point(self, points: ArrayLike) -> ClosestPoint:
-        """Return the points of the mesh that are nearest to given ones.
-
-        Parameters
-        ----------
-        points : (..., 3) array_like of float32 or float64
-            In the mesh's own frame and unit, below 2^300 in magnitude.
-
-        Returns
-        -------
-        ClosestPoint
-            Its fields have the leading axes of `points`. The interval from `lower` to `upper` is at most 2^-44 of the
-            mesh's extent and the distance of the point from its centre, added up.
-
-        Raises
-        ------
-        InputError
-            If `points` has another type or shape, or a coordinate is not finite or out of range; it says which.
-
-        Examples
-        --------
-        >>> import impinge
-        >>> mesh = impinge.Mesh([[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
-        >>> near = mesh.closest_point([1, 1, 3])
-        >>> near.point, near.face, round(near.distance, 9)
-        (array([1., 1., 0.]), 0, 3.0)
-        """
-        point, lower, upper, face = _impinge.closest_point(self, points)
-        upper = scalar(upper)
-        return ClosestPoint(point, upper, scalar(lower), upper, scalar(face))
-
-    def signed_distance(self, points: ArrayLike) -> float | NDArray[np.float64]:
-        """Return how far points are from the surface, negative inside the mesh taken as a solid.
-
-        Parameters
-        ----------
-        points : (..., 3) array_like of float32 or float64
-            In the mesh's own frame and unit, below 2^128 in magnitude.
-
-        Returns
-        -------
-        float or (...) float64 array
-            Zero exactly on the surface, negative exactly where `contains` is true off the surface; infinite for an
-            empty mesh. In magnitude as near to the true distance as `closest_point` says.
-
-        Raises
-        ------
-        InputError
-            As for `closest_point`.
-
-        Examples
-        --------
-        >>> import impinge
-        >>> corners = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]]
-        >>> solid = impinge.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-        >>> solid.signed_distance([[1, 1, 0.5], [1, 1, 0], [1, 1, -2]]).round(9)
-        array([-0.5,  0. ,  2. ])
-        """
-        return scalar(_impinge.signed_distance(self, points))  # type: ignore[no-any-return]
-
-    def winding_number(self, points: ArrayLike) -> float | NDArray[np.float64]:
-        """Return how often the mesh winds round points: 1 inside a closed one that faces outward, 0 outside.
-
-        Parameters
-        ----------
-        points : (..., 3) array_like of float32 or float64
-            In the mesh's own frame and unit, below 2^128 in magnitude.
-
-        Returns
-        -------
-        float or (...) float64 array
-            Off the surface of a closed mesh an integer, and exact; for an open one a fraction, within 1e-5 and mostly
-            within 1e-13 of the true one. A face whose plane holds the point counts nothing: within a face of a closed
-            mesh the number is the mean of those of both sides.
-
-        Raises
-        ------
-        InputError
-            As for `closest_point`.
-
-        Examples
-        --------
-        >>> import impinge
-        >>> corners = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]]
-        >>> solid = impinge.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-        >>> solid.winding_number([[1, 1, 1], [5, 5, 5]])
-        array([1., 0.])
-        """
-        return scalar(_impinge.winding_number(self, points))  # type: ignore[no-any-return]
-
-    def contains(self, points: ArrayLike) -> bool | NDArray[np.bool_]:
-        """Whether points are in the mesh taken as a solid: where it winds more than half; the surface counts.
-
-        Parameters
-        ----------
-        points : (..., 3) array_like of float32 or float64
-            In the mesh's own frame and unit, below 2^128 in magnitude.
-
-        Returns
-        -------
-        bool or (...) bool array
-            Exact for a closed mesh, and on the surface of any. Where an open one winds so close to half that nothing is
-            proved, the point counts as contained.
-
-        Raises
-        ------
-        InputError
-            As for `closest_point`.
-
-        Examples
-        --------
-        >>> import impinge
-        >>> corners = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]]
-        >>> solid = impinge.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-        >>> solid.contains([[1, 1, 0], [1, 1, -1e-300]])
-        array([ True, False])
-        """
-        return scalar(_impinge.contains(self, points))  # type: ignore[no-any-return]
-
-    def ray_cast(self, origins: ArrayLike, directions: ArrayLike) -> RayHit:
-        """Return the first face that each ray meets, its origin included.
-
-        Whether a ray meets a face, and which first, is decided exactly: none slips between two faces that share an
-        edge. Faces are closed and have no sides.
-
-        Parameters
-        ----------
-        origins : (..., 3) array_like of float32 or float64
-            In the mesh's own frame and unit, below 2^300 in magnitude.
-        directions : (..., 3) array_like of float32 or float64
-            Of any length but zero. The leading axes of both broadcast as in NumPy.
-
-        Returns
-        -------
-        RayHit
-            Its fields have the leading axes.
-
-        Raises
-        ------
-        InputError
-            As for `closest_point`, or if a direction is zero.
-
-        Examples
-        --------
-        >>> import impinge
-        >>> mesh = impinge.Mesh([[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
-        >>> mesh.ray_cast([1, 1, 3], [0, 0, -2])
-        RayHit(hit=True, t=1.5, face=0, point=array([1., 1., 0.]))
-        >>> mesh.ray_cast([[1, 1, 3], [9, 9, 3]], [0, 0, -2]).t
-        array([1.5, inf])
-        """
-        hit, (t, face, point) = _impinge.ray_cast(self, origins, directions)
-        return RayHit(scalar(hit), scalar(t), scalar(face), point)
-
-    def ray_cast_all(self, origins: ArrayLike, directions: ArrayLike) -> RayHit | RayHits:
-        """Return every face that each ray meets, in the order in which it does and then by number.
-
-        Parameters
-        ----------
-        origins, directions : (..., 3) array_like of float32 or float64
-            As for `ray_cast`.
-
-        Returns
-        -------
-        RayHit or RayHits
-            For a single ray a `RayHit` with as many entries as there are hits; `RayHits` where there are leading axes.
-
-        Raises
-        ------
-        InputError
-            As for `ray_cast`.
-
-        Examples
-        --------
-        >>> import impinge
-        >>> mesh = impinge.Mesh([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0]], [[0, 1, 2], [1, 3, 2]])
-        >>> mesh.ray_cast_all([2, 2, 3], [0, 0, -1]).face
-        array([0, 1])
-        """
-        offsets, (t, face, point), shape = _impinge.ray_cast_all(self, origins, directions)
-        return RayHits(offsets, t, face, point, tuple(shape)) if shape else hits_of(t, face, point)
 
     def bake(self, path: str | os.PathLike[str]) -> None:
         """Write the mesh with its hierarchy to a file that `impinge.load` opens where it lies, without building.
@@ -403,22 +264,53 @@ class Mesh(_impinge.MeshBase):
         path = os.fspath(path)
         if not path.lower().endswith(".impinge"):
             raise InputError(f"{path!r} does not end in .impinge", kind="option", what="path")
-        count = self.face_count
-        polygons, part_of, parts, unit = list(range(count)), [0] * count, [""], None
-        if self._origin is not None:
-            polygons, part_of = self._origin.polygons.tolist(), self._origin.part_of.tolist()
-            parts, unit = list(self._origin.parts), self._origin.unit
         beside = f"{path}.{os.getpid()}.tmp"
         try:
-            _impinge.bake(self, beside, (polygons, part_of, parts, unit))
+            _impinge.bake(self, beside, self._about())
             os.replace(beside, path)
         finally:
             with contextlib.suppress(FileNotFoundError):
                 os.remove(beside)
 
+    def to_baked(self) -> bytes:
+        """Return the bytes that `bake` would write, for `from_baked` or for memory that processes share.
+
+        Examples
+        --------
+        Workers that map one hierarchy, without a file and on Linux; each opens it by the path that it has there::
+
+            baked = mesh.to_baked()
+            shared = multiprocessing.shared_memory.SharedMemory(create=True, size=len(baked))
+            shared.buf[:] = baked
+            impinge.load(f"/dev/shm/{shared.name}")
+        """
+        return _impinge.to_baked(self, self._about())
+
+    def _about(self) -> tuple[list[int], list[int], list[str], str | None]:
+        """Where the faces come from, as the extension takes it."""
+        if self._origin is None:
+            return list(range(self.face_count)), [0] * self.face_count, [""], None
+        origin = self._origin
+        return origin.polygons.tolist(), origin.part_of.tolist(), list(origin.parts), origin.unit
+
+    def _as_it_is(self) -> Mesh:
+        """Return a mesh that shares all of this one as it is now, and that nobody changes; the same until a refit."""
+        still = self._still
+        if still is None:
+            still = self._still = Mesh._of(self, self._origin)
+        return still
+
     def __repr__(self) -> str:
         """Return the numbers of vertices and faces."""
         return f"Mesh({self.vertex_count:,} vertices, {self.face_count:,} faces)"
+
+    def __copy__(self) -> Mesh:
+        """Return a mesh that shares all of this one, until either is refitted."""
+        return Mesh._of(self, self._origin)
+
+    def __deepcopy__(self, memo: object) -> Mesh:
+        """Return a mesh that shares all of this one, until either is refitted: what they share never changes."""
+        return Mesh._of(self, self._origin)
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle the arrays, out of band where the protocol allows it."""

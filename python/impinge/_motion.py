@@ -41,13 +41,17 @@ class Motion(_impinge.MotionBase):
     array([1., 0., 0.])
     """
 
-    __slots__ = ()
+    __slots__ = ("_made_of",)
+    _made_of: tuple[NDArray[np.float64] | None, ...]
+    """Two poses; or a pose, both velocities and the pivot, if there is one."""
 
     def __new__(cls, pose_t0: ArrayLike | None, pose_t1: ArrayLike | None) -> Motion:
         """Judge the poses."""
         start, end = _pose(pose_t0, "pose_t0"), _pose(pose_t1, "pose_t1")
         lead = _common({"pose_t0": start.shape[:-2], "pose_t1": end.shape[:-2]})
-        return super().__new__(cls, _broadcast(start, lead, 2), _broadcast(end, lead, 2), None)
+        self = super().__new__(cls, _broadcast(start, lead, 2), _broadcast(end, lead, 2), None)
+        self._made_of = start.copy(), end.copy()
+        return self
 
     @classmethod
     def screw(
@@ -93,7 +97,10 @@ class Motion(_impinge.MotionBase):
         lead = _common({"pose_t0": start.shape[:-2], **{name: vector.shape[:-1] for name, vector in vectors.items()}})
         spread = {name: _broadcast(vector, lead, 1) for name, vector in vectors.items()}
         screw = (spread["linear"], spread["angular"], spread.get("pivot"))
-        return super().__new__(cls, _broadcast(start, lead, 2), None, screw)
+        self = super().__new__(cls, _broadcast(start, lead, 2), None, screw)
+        pivots = vectors["pivot"].copy() if pivot is not None else None
+        self._made_of = start.copy(), vectors["linear"].copy(), vectors["angular"].copy(), pivots
+        return self
 
     def at(self, t: float) -> NDArray[np.float64]:
         """Return the poses at a time, (..., 4, 4); exactly the first at 0, and at the nearer end outside of [0, 1]."""
@@ -102,6 +109,22 @@ class Motion(_impinge.MotionBase):
     def __repr__(self) -> str:
         """Return how many motions these are."""
         return f"Motion(shape={tuple(self.shape)})" if self.shape else "Motion()"
+
+    def __copy__(self) -> Motion:
+        """Return the motion, which never changes."""
+        return self
+
+    def __deepcopy__(self, memo: object) -> Motion:
+        """Return the motion, which never changes."""
+        return self
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle what it was made of."""
+        return (Motion if len(self._made_of) == _POSES else Motion.screw), self._made_of
+
+
+_POSES = 2
+"""What a motion from pose to pose is made of."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from impinge import _impinge
+
 
 @dataclass(frozen=True, eq=False)
 class Origin:
@@ -15,7 +17,7 @@ class Origin:
     Attributes
     ----------
     path : str
-        The file.
+        The file; empty for a mesh of bytes.
     format : str
         The format that it turned out to have.
     unit : str or None
@@ -38,3 +40,8 @@ class Origin:
     def __repr__(self) -> str:
         """Return all but the arrays."""
         return f"Origin({self.path!r}, {self.format}, unit={self.unit!r}, {len(self.parts)} parts)"
+
+
+def origin_of(model: _impinge.Model, path: str) -> Origin:
+    """Return where the faces of a model come from."""
+    return Origin(path, model.format, model.unit, model.sources, model.part_of, tuple(model.parts))

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Any, Literal, Unpack, overload
 
-from impinge import shapes
-from impinge._errors import InputError
+from impinge import _impinge
 from impinge._mesh import Mesh
-from impinge._rows import Pose, Raising, Stating, Statuses
-from impinge._shape import Shape
-from impinge.shapes import Penetration
+from impinge._rows import Pose, Raising, Stating, Statuses, beside_status
+from impinge._shape_answers import Penetration, penetration_of
 
 
 @overload
@@ -64,15 +62,5 @@ def penetration(
     >>> bool(deep.lower <= 0.5 / 3**0.5 * (1 + 1e-6) and deep.hit)
     True
     """
-    solids = [Shape.mesh(_known(mesh, name), solid=True) for mesh, name in ((a, "a"), (b, "b"))]
-    if on_error == "status":
-        return shapes.penetration(solids[0], solids[1], pose_a, pose_b, on_error="status", progress=progress)
-    return shapes.penetration(solids[0], solids[1], pose_a, pose_b, on_error=on_error, progress=progress)
-
-
-def _known(mesh: Mesh, name: str) -> Mesh:
-    if not isinstance(mesh, Mesh):
-        hint = "impinge.shapes.penetration takes any two shapes"
-        message = f"must be an impinge.Mesh, not {type(mesh).__name__}"
-        raise InputError(message, kind="type", what=name, hint=hint)
-    return mesh
+    answer = _impinge.penetration((a, b, pose_a, pose_b, on_error, progress))
+    return beside_status(answer, on_error, penetration_of)

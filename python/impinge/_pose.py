@@ -84,7 +84,10 @@ def pose(
 
 def _numbers(value: ArrayLike, name: str, core: tuple[int, ...]) -> NDArray[np.float64]:
     try:
-        array = np.asarray(value, dtype=np.float64)
+        given = np.asarray(value)
+        if given.dtype.kind == "c":
+            raise TypeError(f"dtype {given.dtype}")
+        array = given.astype(np.float64)
     except (ValueError, TypeError) as error:
         raise InputError(f"not an array of numbers: {error}", kind="type", what=name) from None
     if array.shape[-len(core) :] != core:

@@ -19,7 +19,8 @@ class Shape(_impinge.ShapeBase):
     """A shape in its own frame, made by one of its constructors: `sphere`, `capsule`, `box`, `hull` and others.
 
     Lengths are in the shape's own unit, finite, not negative and below 2^128. A shape never changes, and costs no more
-    than a few numbers to keep; many bodies and threads may share one. It pickles by what it was made of.
+    than a few numbers to keep; many bodies and threads may share one. It pickles by what it was made of; a copy is the
+    shape itself.
 
     Boxes, triangles, hulls, half-spaces and meshes may be put into any affine pose; what is round wants a rigid one
     within 1e-4.
@@ -213,7 +214,8 @@ class Shape(_impinge.ShapeBase):
         solid : bool
             Whether the inside belongs to it.
         """
-        return cls._of("solid" if solid else "mesh", mesh, [])
+        still = mesh._as_it_is() if isinstance(mesh, Mesh) else mesh
+        return cls._of("solid" if solid else "mesh", still, [])
 
     @classmethod
     def compound(cls, parts: Iterable[tuple[Shape | Mesh, ArrayLike | None]]) -> Shape:
@@ -301,6 +303,14 @@ class Shape(_impinge.ShapeBase):
             return f"Shape.sphere({numbers[0]:g}, center={source[0].tolist()})"
         return f"Shape.{kind}({', '.join(values + [f'{number:g}' for number in numbers])})"
 
+    def __copy__(self) -> Shape:
+        """Return the shape, which never changes."""
+        return self
+
+    def __deepcopy__(self, memo: object) -> Shape:
+        """Return the shape, which never changes."""
+        return self
+
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle what it was made of."""
         return Shape._of, self._made_of
@@ -308,6 +318,11 @@ class Shape(_impinge.ShapeBase):
 
 AnyShape: TypeAlias = Shape | Mesh
 """What the verbs on shapes take; a mesh is its surface."""
+
+
+def settled(shape: AnyShape) -> AnyShape:
+    """Return what never changes: of a mesh its surface as it is now."""
+    return Shape.mesh(shape) if isinstance(shape, Mesh) else shape
 
 
 def _points(value: ArrayLike, name: str, count: int | None) -> NDArray[np.float64]:
@@ -345,5 +360,5 @@ def _parts(
         raise InputError(message, kind="type", what="parts") from None
     copied = []
     for row, (shape, pose) in enumerate(pairs):
-        copied.append((shape, None if pose is None else np.array(_arrays.plain_poses(pose, f"parts[{row}]"))))
+        copied.append((settled(shape), None if pose is None else np.array(_arrays.plain_poses(pose, f"parts[{row}]"))))
     return copied

@@ -13,8 +13,10 @@ from impinge._contacts import ContactRows, contact_rows
 from impinge._errors import InputError
 from impinge._handles import ALL_LAYERS, handle, handles_of, mask, numbers_of, poses_of
 from impinge._points import scalar
-from impinge._shape import AnyShape
-from impinge._world_answers import Bodies, BodyRayHit, BodyRayHits, Step, Work, body_hits_of
+from impinge._shape import AnyShape, settled
+from impinge._world_answers import Step, Work
+from impinge._world_queries import WorldQueries
+from impinge._world_state import WorldState
 
 Kind: TypeAlias = Literal["static", "kinematic", "moving"]
 BroadPhase: TypeAlias = Literal["auto", "every", "tree", "columns", "grid", "one_axis", "three_axes"]
@@ -22,7 +24,7 @@ NarrowPhase: TypeAlias = Literal["boxes", "intersections", "contacts"]
 
 
 @final
-class World:
+class World(WorldQueries):
     """Many bodies, and which of them meet. There are no dynamics: the caller moves the bodies.
 
     A body is named by its handle, an integer that never comes to mean another body. Reports are sorted by the bodies'
@@ -48,6 +50,9 @@ class World:
     Steps and questions use all processors (`impinge.threads`), without Python's lock; calls from several threads take
     turns.
 
+    A copy (`copy.copy`, `copy.deepcopy`) is a world of its own, which shares the shapes. A world pickles with all that
+    `save` keeps, its options and its filter, if that does; so does what `save` returns. Handles stay what they are.
+
     Examples
     --------
     >>> import impinge
@@ -64,10 +69,12 @@ class World:
     (array([0., 0., 1.]), array([0.25, 0.25, 0.25, 0.25]))
     """
 
-    __slots__ = ("_core",)
+    __slots__ = ("_admits", "_options")
+    _admits: Callable[[int, int], object] | None
 
     def __init__(self, *, broad_phase: BroadPhase = "auto", narrow_phase: NarrowPhase = "contacts") -> None:
         self._core = _impinge.WorldCore(broad_phase, narrow_phase)
+        self._options, self._admits = (broad_phase, narrow_phase), None
 
     def insert(
         self,
@@ -112,7 +119,7 @@ class World:
         lead = poses.shape[:-2]
         owners = None if owner is None else numbers_of(owner, "owner", lead)
         standing = kind, mask(layers, "layers"), mask(meets, "meets")
-        return scalar(self._core.insert(shape, poses, standing, owners, numbers_of(tag, "tag", lead)))
+        return scalar(self._core.insert(settled(shape), poses, standing, owners, numbers_of(tag, "tag", lead)))
 
     def remove(self, bodies: ArrayLike) -> None:
         """Take bodies out; pairs that they were in are gone at once, and told as ended by the next step.
@@ -276,7 +283,7 @@ class World:
         InputError
             If the handle is stale, or the shape does not stand the body's pose.
         """
-        self._core.set_shape(handle(body), shape)
+        self._core.set_shape(handle(body), settled(shape))
 
     def refit(self, body: int, vertices: ArrayLike) -> float:
         """Move the vertices of a body that is a mesh, as `Mesh.refit` does; other bodies of the mesh keep it as it is.
@@ -315,16 +322,18 @@ class World:
         if admits is not None and not callable(admits):
             raise InputError(f"must be callable, not {type(admits).__name__}", kind="type", what="admits")
         self._core.set_filter(admits)
+        self._admits = admits
 
-    def save(self) -> _impinge.WorldState:
+    def save(self) -> WorldState:
         """Return all that steps change, for going back to it with `restore`.
 
         From there the same steps give the same bytes. The filter is not part of it. It costs a copy of the bodies'
-        records; shapes are shared.
+        records; shapes are shared. It pickles, the arrays out of band with protocol 5, and shapes once however many
+        bodies have them.
         """
         return self._core.save()
 
-    def restore(self, state: _impinge.WorldState) -> None:
+    def restore(self, state: WorldState) -> None:
         """Go back to what `save` returned, of this world or of one with the same options; handles are those of then.
 
         Raises
@@ -343,143 +352,9 @@ class World:
         >>> world.poses(ball)[:3, 3]
         array([1., 2., 3.])
         """
-        if not isinstance(state, _impinge.WorldState):
+        if not isinstance(state, WorldState):
             raise InputError(f"must be what save() returned, not {type(state).__name__}", kind="type", what="state")
         self._core.restore(state)
-
-    def ray_cast(
-        self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf, layers: int = ALL_LAYERS
-    ) -> BodyRayHit:
-        """Return the first body that each ray meets.
-
-        Parameters
-        ----------
-        origins : (..., 3) array_like of float32 or float64
-            In the world frame, below 2^300 in magnitude.
-        directions : (..., 3) array_like of float32 or float64
-            Of any length but zero. The leading axes of both broadcast as in NumPy.
-        reach : float
-            How far, in units of the directions' lengths.
-        layers : int
-            Bodies on other layers are looked through.
-
-        Returns
-        -------
-        BodyRayHit
-            Its fields have the leading axes.
-
-        Raises
-        ------
-        InputError
-            If a number is not in range or a direction is zero; it says which.
-
-        Examples
-        --------
-        >>> import impinge
-        >>> world = impinge.World()
-        >>> balls = world.insert(impinge.Shape.sphere(1), impinge.pose([[5, 0, 0], [9, 0, 0]]))
-        >>> hit = world.ray_cast([0, 0, 0], [2, 0, 0])
-        >>> hit.body == int(balls[0]), round(hit.t, 9)
-        (True, 2.0)
-        """
-        rays = origins, directions, float(reach)
-        hit, (t, body, point, face) = _impinge.world_ray_cast(self._core, rays, mask(layers, "layers"))
-        return BodyRayHit(scalar(hit), scalar(t), scalar(body), point, scalar(face))
-
-    def ray_cast_all(
-        self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf, layers: int = ALL_LAYERS
-    ) -> BodyRayHit | BodyRayHits:
-        """Return every body that each ray meets, where it does first, in this order.
-
-        Parameters
-        ----------
-        origins, directions, reach, layers
-            As for `ray_cast`.
-
-        Returns
-        -------
-        BodyRayHit or BodyRayHits
-            For a single ray a `BodyRayHit` with as many entries as there are hits.
-
-        Raises
-        ------
-        InputError
-            As for `ray_cast`.
-        """
-        rays = origins, directions, float(reach)
-        offsets, columns, shape = _impinge.world_ray_cast_all(self._core, rays, mask(layers, "layers"))
-        t, body, point, face = columns
-        return BodyRayHits(offsets, t, body, point, face, tuple(shape)) if shape else body_hits_of(t, body, point, face)
-
-    def overlapping(
-        self, shape: AnyShape, pose: ArrayLike | None = None, *, layers: int = ALL_LAYERS
-    ) -> NDArray[np.uint64] | Bodies:
-        """Return the bodies that a shape meets, which is in the world for the question alone.
-
-        Parameters
-        ----------
-        shape : Shape or Mesh
-            The probe.
-        pose : (..., 4, 4) array_like of float32 or float64, optional
-            World from shape.
-        layers : int
-            Bodies on other layers are passed over.
-
-        Returns
-        -------
-        (k,) uint64 array or Bodies
-            Handles, sorted by tags and then by themselves; `Bodies` where the pose has leading axes.
-
-        Raises
-        ------
-        InputError
-            If an argument is none of the above.
-        """
-        return _bodies(_impinge.world_overlapping(self._core, shape, pose, mask(layers, "layers")))
-
-    def in_boxes(self, low: ArrayLike, high: ArrayLike, *, layers: int = ALL_LAYERS) -> NDArray[np.uint64] | Bodies:
-        """Return the bodies whose boxes overlap given ones: what is about there, quickly.
-
-        Parameters
-        ----------
-        low, high : (..., 3) array_like of float32 or float64
-            Lower and upper corners in the world frame. Leading axes broadcast as in NumPy.
-        layers : int
-            As for `overlapping`.
-
-        Returns
-        -------
-        (k,) uint64 array or Bodies
-            As for `overlapping`.
-
-        Raises
-        ------
-        InputError
-            If a number is not in range, or an upper corner is below a lower one.
-        """
-        return _bodies(_impinge.world_in_boxes(self._core, low, high, mask(layers, "layers")))
-
-    def at_points(self, points: ArrayLike, *, layers: int = ALL_LAYERS) -> NDArray[np.uint64] | Bodies:
-        """Return the bodies that hold points; the surface of a mesh holds what is on it.
-
-        Parameters
-        ----------
-        points : (..., 3) array_like of float32 or float64
-            In the world frame, below 2^128 in magnitude.
-        layers : int
-            As for `overlapping`.
-
-        Returns
-        -------
-        (k,) uint64 array or Bodies
-            As for `overlapping`.
-
-        Raises
-        ------
-        InputError
-            If a number is not in range.
-        """
-        return _bodies(_impinge.world_at_points(self._core, points, mask(layers, "layers")))
 
     def __len__(self) -> int:
         """Return the number of bodies."""
@@ -489,7 +364,26 @@ class World:
         """Return the numbers of bodies and of pairs."""
         return f"World({len(self)} bodies, {len(self.pairs())} pairs)"
 
+    def __copy__(self) -> World:
+        """Return another world with the same bodies, pairs and filter; shapes are shared."""
+        return _world_of(*self._options, self._admits, self.save())
 
-def _bodies(answer: Any) -> NDArray[np.uint64] | Bodies:
-    offsets, bodies, shape = answer
-    return Bodies(offsets, bodies, tuple(shape)) if shape else bodies
+    def __deepcopy__(self, memo: object) -> World:
+        """Return another world with the same bodies, pairs and filter; shapes, which never change, are shared."""
+        return self.__copy__()
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle options, filter and state."""
+        return _world_of, (*self._options, self._admits, self.save())
+
+
+def _world_of(
+    broad_phase: BroadPhase,
+    narrow_phase: NarrowPhase,
+    admits: Callable[[int, int], object] | None,
+    state: WorldState,
+) -> World:
+    world = World(broad_phase=broad_phase, narrow_phase=narrow_phase)
+    world.set_filter(admits)
+    world.restore(state)
+    return world

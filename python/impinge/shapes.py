@@ -17,11 +17,9 @@ array([0. , 0. , 0.5])
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Literal, Unpack, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from impinge import _impinge
 from impinge._contacts import ContactRows, Contacts, contact_rows
@@ -30,6 +28,7 @@ from impinge._motion import Impact, Motion
 from impinge._points import scalar
 from impinge._rows import Booleans, Pose, Raising, Stating, Statuses, beside_status
 from impinge._shape import AnyShape
+from impinge._shape_answers import Penetration, ShapeDistance, penetration_of, shape_distance_of
 
 __all__ = [
     "ContactRows",
@@ -43,56 +42,6 @@ __all__ = [
     "time_of_impact",
     "within",
 ]
-
-
-@dataclass(frozen=True, eq=False)
-class ShapeDistance:
-    """How far apart two shapes are, with what was proved about it; arrays where the poses have leading axes.
-
-    Attributes
-    ----------
-    distance : float or (...) float64 array
-        Zero exactly where they intersect, else `upper`.
-    lower, upper : float or (...) float64 array
-        The true distance lies between them, in world units; infinite where a shape is an empty mesh.
-    point_a, point_b : (..., 3) float64 array
-        Nearest points in the world frame, rounded; zero where there are none.
-    """
-
-    distance: float | NDArray[np.float64]
-    lower: float | NDArray[np.float64]
-    upper: float | NDArray[np.float64]
-    point_a: NDArray[np.float64]
-    point_b: NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Penetration:
-    """How deep two shapes are in each other, with what was proved about it; arrays where the poses have leading axes.
-
-    Attributes
-    ----------
-    depth : float or (...) float64 array
-        `upper`; zero where the shapes are apart, and where they touch.
-    lower, upper : float or (...) float64 array
-        No translation shorter than `lower` takes their interiors apart; moving the second by `upper` along the normal
-        does. In world units; infinite where nothing does.
-    normal : (..., 3) float64 array
-        Of length 1, from the first shape to the second, in the world frame; zero where they are apart.
-    point_a, point_b : (..., 3) float64 array
-        The points of either shape that are deepest in the other, in the world frame, rounded; zero where they are
-        apart.
-    hit : bool or (...) bool array
-        Whether they intersect.
-    """
-
-    depth: float | NDArray[np.float64]
-    lower: float | NDArray[np.float64]
-    upper: float | NDArray[np.float64]
-    normal: NDArray[np.float64]
-    point_a: NDArray[np.float64]
-    point_b: NDArray[np.float64]
-    hit: bool | NDArray[np.bool_]
 
 
 @overload
@@ -239,13 +188,8 @@ def distance(
     >>> round(impinge.shapes.distance(box, ball, None, impinge.pose([4, 0, 0])).distance, 9)
     2.0
     """
-
-    def made(columns: Any) -> ShapeDistance:
-        value, lower, upper, point_a, point_b = columns
-        return ShapeDistance(scalar(value), scalar(lower), scalar(upper), point_a, point_b)
-
     answer = _impinge.shape_distance((a, b, pose_a, pose_b, on_error, progress))
-    return beside_status(answer, on_error, made)
+    return beside_status(answer, on_error, shape_distance_of)
 
 
 @overload
@@ -291,14 +235,8 @@ def penetration(
     >>> round(deep.depth, 9), deep.normal
     (0.5, array([1., 0., 0.]))
     """
-
-    def made(columns: Any) -> Penetration:
-        hit, lower, upper, normal, point_a, point_b = columns
-        upper = scalar(upper)
-        return Penetration(upper, scalar(lower), upper, normal, point_a, point_b, scalar(hit))
-
     answer = _impinge.shape_penetration((a, b, pose_a, pose_b, on_error, progress))
-    return beside_status(answer, on_error, made)
+    return beside_status(answer, on_error, penetration_of)
 
 
 @overload

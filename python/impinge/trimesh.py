@@ -4,7 +4,8 @@ Method names, arguments and returns are trimesh's, and so is what a mesh means h
 a solid, which meets what lies inside it, any other a surface. Answers are impinge's: exact, every pair of faces
 once, none dropped at a cap. Transforms keep double precision.
 
-What differs: contacts have names, faces and points, but no normals and depths yet. A body inside a convex one, their
+What differs: normal and depth of a contact are those of the two convex bodies, the shortest way to part them, or of the
+region in which two surfaces go through each other, and not of two triangles. A body inside a convex one, their
 surfaces apart, makes one contact without faces (-1). Distances of convex bodies that are in each other are minus their
 depth; where one of two bodies that collide is not convex, -1, and where neither is, 0.
 
@@ -49,12 +50,16 @@ class ContactData:
         The names of the two objects; ``"__external"`` for one that is in no manager.
     point : (3,) float64 array
         A point of the world that both have in common, rounded.
+    normal : (3,) float64 array
+        Of length 1, in the world: from the mesh of this manager to the other one, or from the one that was added first.
+    depth : float
+        How deep they are in each other along the normal; at least zero.
     """
 
-    def __init__(self, names: tuple[Hashable, Hashable], faces: tuple[int, int], point: NDArray[np.float64]) -> None:
+    def __init__(self, names: tuple[Hashable, Hashable], contact: fcl.Contact) -> None:
         self.names = set(names)
-        self._faces = dict(zip(names, faces, strict=True))
-        self.point = point
+        self._faces = {names[0]: contact.b1, names[1]: contact.b2}
+        self.point, self.normal, self.depth = contact.pos, contact.normal, contact.penetration_depth
 
     def index(self, name: Hashable) -> int:
         """Return the face of the object of this name; -1 where one object is inside the other."""
@@ -257,14 +262,12 @@ def _answer(
         low_b, high_b = boxes.setdefault(id(b), b.box)
         if not ((low_a <= high_b) & (low_b <= high_a)).all():
             continue
-        bodies = (a.geometry.body, b.geometry.body, a.matrix, b.matrix)
-        if not _bodies.collide(*bodies):
+        if not _bodies.collide(a.geometry.body, b.geometry.body, a.matrix, b.matrix):
             continue
         if return_data:
-            found = _bodies.contacts(*bodies, limit=np.iinfo(np.int64).max)
-            points = _bodies.contact_points(*bodies, found)
-            for (face_a, face_b), point in zip(found.tolist(), points, strict=True):
-                data.append(ContactData((name_a, name_b), (face_a, face_b), point))
+            result = fcl.CollisionResult()
+            fcl.collide(a, b, fcl.CollisionRequest(np.iinfo(np.int64).max, enable_contact=True), result)
+            data += [ContactData((name_a, name_b), contact) for contact in result.contacts]
         hit = True
         names.add(called((name_a, name_b)))
         if not (return_names or return_data):

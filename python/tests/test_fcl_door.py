@@ -96,6 +96,62 @@ def test_a_solid_meets_what_lies_inside_it():
         assert (fcl.collide(small, large) > 0) == meets
 
 
+def contacts(one, two, limit=1000):
+    result = fcl.CollisionResult()
+    fcl.collide(one, two, fcl.CollisionRequest(limit, True), result)
+    return result.contacts
+
+
+def test_normals_part_solids_the_shortest_way():
+    """CASES row 8: depth and normal of two boxes; the normal is from the first to the second."""
+    one, two = fcl.CollisionObject(fcl.Box(2, 2, 2)), fcl.CollisionObject(fcl.Box(2, 2, 2))
+    ball = fcl.CollisionObject(fcl.Sphere(1))
+    for sign in (1, -1):
+        for other, depth in ((two, 0.75), (ball, 0.75)):
+            other.setTranslation([sign * 1.25, 0.25, 0])
+            found = contacts(one, other)
+            assert found
+            for contact in found:
+                assert contact.normal == pytest.approx([sign, 0, 0], abs=1e-9)
+                assert contact.penetration_depth == pytest.approx(depth, abs=1e-9)
+            back = contacts(other, one)
+            assert back[0].normal == pytest.approx([-sign, 0, 0], abs=1e-9)
+    two.setTranslation([2, 0, 0])
+    assert max(contact.penetration_depth for contact in contacts(one, two)) < 1e-12
+    inside = fcl.CollisionObject(fcl.Box(0.5, 0.5, 0.5), fcl.Transform(np.array([0, 0.5, 0])))
+    (contact,) = contacts(one, inside)
+    assert contact.normal == pytest.approx([0, 1, 0])
+    assert contact.penetration_depth == pytest.approx(0.75)
+
+
+def test_normals_of_surfaces_are_those_of_the_regions():
+    """Two arms of a comb in a floor, at depths of their own: each pair has the normal and the depth of its arm."""
+    arms = [cube(), cube()]
+    tips = [
+        vertices * [0.5, 0.5, 2] + [x, 0, z] for (vertices, _), x, z in zip(arms, (-2, 2), (0.75, 0.5), strict=True)
+    ]
+    comb = model(np.concatenate(tips), np.concatenate([arms[0][1], arms[1][1] + 8]))
+    vertices, faces = cube()
+    floor = model(vertices * [9, 9, 2] - [0, 0, 1], faces)
+    found = contacts(fcl.CollisionObject(floor), fcl.CollisionObject(comb))
+    assert len(found) >= 16
+    for contact in found:
+        deep = 0.25 if contact.pos[0] < 0 else 0.5
+        assert contact.normal == pytest.approx([0, 0, 1], abs=1e-9)
+        assert contact.penetration_depth == pytest.approx(deep, abs=1e-9)
+    turned = contacts(fcl.CollisionObject(comb), fcl.CollisionObject(floor), limit=3)
+    assert len(turned) == 3
+    assert all(contact.normal == pytest.approx([0, 0, -1], abs=1e-9) for contact in turned)
+
+
+def test_normals_where_one_is_solid_and_holds_the_other():
+    ring = fcl.CollisionObject(model(*torus(radius=0.5, tube=0.1)), fcl.Transform(np.array([2.25, 0, 0])))
+    box = fcl.CollisionObject(fcl.Box(6, 6, 6))
+    (contact,) = contacts(box, ring)
+    assert contact.normal == pytest.approx([1, 0, 0], abs=1e-6)
+    assert contact.penetration_depth == pytest.approx(3 - 1.65, abs=1e-6)
+
+
 def test_transforms():
     turn = fcl.Transform(X_TURN)
     assert np.allclose(turn.getQuatRotation(), [np.sqrt(0.5), np.sqrt(0.5), 0, 0])

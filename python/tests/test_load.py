@@ -1,8 +1,10 @@
 """Files: formats, units, origins, warnings and errors."""
 
+import mmap
 import pickle
 import subprocess
 import sys
+from multiprocessing.shared_memory import SharedMemory
 from pathlib import Path
 
 import impinge
@@ -112,6 +114,66 @@ def test_workers_share_a_baked_mesh(tmp_path):
     is_mapped, answers = done.stdout.splitlines()
     assert is_mapped == "True" or not sys.platform.startswith("linux")
     assert answers == str(impinge.intersects(mesh, mesh, None, poses).tolist())
+
+
+def test_bytes_of_any_buffer_are_a_mesh_without_building(tmp_path):
+    human = impinge.load(HUMAN)
+    human.bake(tmp_path / "human.impinge")
+    baked = human.to_baked()
+    assert baked == (tmp_path / "human.impinge").read_bytes()
+    poses = random_poses(20, 8, 3)
+    expected = impinge.intersects(human, human, None, poses)
+    shared = SharedMemory(create=True, size=len(baked))
+    try:
+        shared.buf[: len(baked)] = baked
+        array = np.frombuffer(b"." + baked, np.uint8)[1:]  # aligned for nothing
+        with (
+            open(tmp_path / "human.impinge", "rb") as file,
+            mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as map_,
+        ):
+            held = [baked, bytearray(baked), memoryview(baked), array, map_, shared.buf[: len(baked)]]
+            meshes = [impinge.Mesh.from_baked(buffer) for buffer in held]
+            del held
+        wide = np.frombuffer(baked + b"\0" * (-len(baked) % 8), np.uint64)
+        if len(baked) % 8 == 0:
+            meshes.append(impinge.Mesh.from_baked(wide.reshape(1, -1)))
+        shared.buf[:] = b"\0" * len(shared.buf)  # which the mesh does not see: it is a copy
+    finally:
+        shared.close()
+        shared.unlink()
+    for mesh in meshes:
+        assert np.array_equal(impinge.intersects(human, mesh, None, poses), expected)
+        assert (mesh.vertices.dtype, mesh.origin.path, mesh.origin.format) == (human.vertices.dtype, "", "baked")
+        assert mesh.aging == human.aging
+        assert mesh.to_baked() == baked
+    for wrong in (None, 5, "text", np.zeros((9, 9))[::2, ::2]):
+        with pytest.raises((TypeError, BufferError)):
+            impinge.Mesh.from_baked(wrong)
+    for spoilt in (b"", baked[:-1], baked + b"\0", baked[1:], bytes(len(baked))):
+        with pytest.raises(impinge.InputError):
+            impinge.Mesh.from_baked(spoilt)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="shared memory has paths on Linux")
+def test_shared_memory_is_mapped_where_it_lies():
+    mesh, poses = impinge.Mesh(*torus()), random_poses(10, 2.5, 6)
+    baked = mesh.to_baked()
+    shared = SharedMemory(create=True, size=len(baked))
+    try:
+        shared.buf[:] = baked
+        program = (
+            "import sys, impinge\n"
+            "mesh = impinge.load(sys.argv[1])\n"
+            "print(any(sys.argv[1] in line for line in open('/proc/self/maps')), mesh.origin.format)\n"
+        )
+        path = f"/dev/shm/{shared.name}"
+        done = subprocess.run([sys.executable, "-c", program, path], capture_output=True, text=True, check=True)
+        assert done.stdout.split() == ["True", "baked"]
+        opened = impinge.load(path)
+    finally:
+        shared.close()
+        shared.unlink()
+    assert np.array_equal(impinge.intersects(opened, mesh, None, poses), impinge.intersects(mesh, mesh, None, poses))
 
 
 def test_baked_files_are_judged(tmp_path):

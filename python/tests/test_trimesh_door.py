@@ -25,10 +25,20 @@ def test_one_against_many():
         assert {contact.index("cube1"), contact.index("__external")} <= set(range(12))
         assert contact.point.shape == (3,)
         assert (np.abs(contact.point - [5, 0, 0]) <= 0.5).all()
+        assert contact.depth == pytest.approx(1)
+        assert sorted(np.abs(contact.normal)) == pytest.approx([0, 0, 1])
     hit, names, data = manager.in_collision_single(CUBE, AT_MINUS_5, return_names=True, return_data=True)
     assert (hit, names, data) == (False, set(), [])
     assert manager.in_collision_single(CUBE, return_data=True)[0] is True
     assert manager.in_collision_single(CUBE, return_names=True) == (True, {"cube0"})
+
+
+def test_normals_are_from_the_manager_s_own():
+    manager = CollisionManager()
+    manager.add_object("cube", CUBE)
+    _, data = manager.in_collision_single(CUBE, impinge.pose([0, 0, 0.75]), return_data=True)
+    for contact in data:
+        assert (contact.normal.tolist(), contact.depth) == ([0, 0, 1], pytest.approx(0.25))
 
 
 def test_within_a_manager():

@@ -1,8 +1,8 @@
 //! Baked files: what comes back is what was baked, and no file is believed (N34).
 
-use std::{fs, path::PathBuf};
+use std::{fs, path::PathBuf, sync::Arc};
 
-use impinge::{Mesh, Positions, query};
+use impinge::{Mesh, Positions, query, storage::AlignedBytes};
 use impinge_files::{Baked, Format, LoadErrorKind, Provenance, Unit, write_baked};
 use tempfile::TempDir;
 
@@ -85,6 +85,28 @@ fn what_was_baked_comes_back() {
         // And is the same again when it is baked again.
         assert_eq!(bytes_of(&opened), bytes_of(&original));
     }
+}
+
+#[test]
+fn bytes_in_memory_are_as_good_as_a_file_where_they_are_aligned() {
+    let original = mesh(0.1);
+    let written = bytes_of(&original);
+    let mut copy = AlignedBytes::zeroed(written.len());
+    copy.as_mut().copy_from_slice(&written);
+    let opened = Baked::from_bytes(Arc::new(copy)).and_then(|baked| baked.mesh()).expect("a mesh");
+    assert!(opened.parts() == original.parts());
+    // One byte before everything else.
+    struct Shifted(AlignedBytes);
+    impl AsRef<[u8]> for Shifted {
+        fn as_ref(&self) -> &[u8] {
+            &self.0.as_ref()[1..]
+        }
+    }
+    let mut shifted = AlignedBytes::zeroed(written.len() + 1);
+    shifted.as_mut()[1..].copy_from_slice(&written);
+    let baked = Baked::from_bytes(Arc::new(Shifted(shifted))).expect("its header is read byte by byte");
+    assert_eq!(baked.mesh().map(|_| ()).map_err(|e| e.kind().name()), Err("corrupt"));
+    assert!(Baked::from_bytes(Arc::new(written[..100].to_vec())).is_err());
 }
 
 #[test]

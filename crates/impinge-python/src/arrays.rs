@@ -34,6 +34,16 @@ impl Plain {
     }
 }
 
+/// The numbers of an array that is of this type and of any layout, row by row.
+///
+/// # Errors
+/// `TypeError` where it is something else.
+pub(crate) fn plain_column<T: Element + Copy>(value: &Bound<'_, PyAny>) -> PyResult<Vec<T>> {
+    let numpy = value.py().import("numpy")?;
+    let plain = numpy.call_method1("require", (value, value.py().None(), ("C_CONTIGUOUS", "ALIGNED")))?;
+    Ok(plain.cast::<PyArrayDyn<T>>()?.readonly().as_slice()?.to_vec())
+}
+
 /// An array with these axes.
 pub(crate) fn array<'py, T: Element>(py: Python<'py>, values: Vec<T>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     Ok(PyArray1::from_vec(py, values).reshape(shape.to_vec())?.into_any())

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use impinge::character::{Character, HitVolume, Mode, Plan, Rig, RigError};
-use impinge_files::{LoadError, character_text, load_character, load_plan, load_rig};
+use impinge_files::{LoadError, character_text, load_character, load_plan, load_rig, parse_character};
 use pyo3::prelude::*;
 
 use crate::arrays::{array, row_array};
@@ -76,25 +76,22 @@ impl CharacterCore {
                 return Err(Fault::new("option", "mode", message).raised(py));
             }
         };
-        let named = path.display().to_string();
-        let made = workers::run(py, move |_| -> Result<Fitted, Refusal> {
-            let rig = load_rig(&path)?;
-            let mut character = match fitted {
-                Some(fitted) => load_character(fitted, &rig)?,
-                None => {
-                    let plan = plan.map_or_else(
-                        || Plan::automatic(&rig, volumes).map_err(Refusal::from),
-                        |plan| Ok(load_plan(plan, &rig)?),
-                    )?;
-                    Character::fit(&rig, &plan, mode)?
-                }
-            };
-            if let Some(faces) = pieces {
-                character.refine(&rig, faces)?;
+        Self::made(py, path, pieces, move |rig| match fitted {
+            Some(fitted) => Ok(load_character(fitted, rig)?),
+            None => {
+                let plan = plan.map_or_else(
+                    || Plan::automatic(rig, volumes).map_err(Refusal::from),
+                    |plan| Ok(load_plan(plan, rig)?),
+                )?;
+                Ok(Character::fit(rig, &plan, mode)?)
             }
-            Ok(Fitted { rig, character })
-        })?;
-        Ok(Self(Arc::new(made.map_err(|refusal| refusal.raised(py, &named))?)))
+        })
+    }
+
+    /// Of a rigged file, with what `text` returned.
+    #[staticmethod]
+    fn reopened(py: Python<'_>, path: PathBuf, text: String, pieces: Option<usize>) -> PyResult<Self> {
+        Self::made(py, path, pieces, move |rig| Ok(parse_character(&text, rig)?))
     }
 
     /// Name, start and end in seconds of each animation.
@@ -145,6 +142,27 @@ impl CharacterCore {
         let pose = animation.map_or_else(|| rig.rest_pose(), |animation| rig.pose_at(animation, time));
         let pose = pose.map_err(|error| Refusal::Rig(error).raised(py, "character"))?;
         Ok(PosedCore::new(self.0.clone(), pose, origin))
+    }
+}
+
+impl CharacterCore {
+    /// Of a rigged file, with volumes that `fit` makes.
+    fn made(
+        py: Python<'_>,
+        path: PathBuf,
+        pieces: Option<usize>,
+        fit: impl FnOnce(&Rig) -> Result<Character, Refusal> + Send + 'static,
+    ) -> PyResult<Self> {
+        let named = path.display().to_string();
+        let made = workers::run(py, move |_| -> Result<Fitted, Refusal> {
+            let rig = load_rig(&path)?;
+            let mut character = fit(&rig)?;
+            if let Some(faces) = pieces {
+                character.refine(&rig, faces)?;
+            }
+            Ok(Fitted { rig, character })
+        })?;
+        Ok(Self(Arc::new(made.map_err(|refusal| refusal.raised(py, &named))?)))
     }
 }
 

@@ -1,9 +1,9 @@
 //! Contacts as columns of arrays.
 
-use impinge::query::shapes::{Feature, Manifold};
+use impinge::query::shapes::{ContactId, ContactPoint, Feature, Manifold};
 use pyo3::prelude::*;
 
-use crate::arrays::{array, ragged, row_array};
+use crate::arrays::{array, plain_column, ragged, row_array};
 
 /// A contact point in a row of the columns.
 #[derive(Clone)]
@@ -60,5 +60,52 @@ fn feature(feature: Feature) -> [u32; 3] {
         Feature::Vertex(vertex) => [0, vertex, 0],
         Feature::Edge(from, to) => [1, from, to],
         Feature::Face(face) => [2, face, 0],
+    }
+}
+
+/// The contacts that [`columns`] were made of; none where these are not.
+///
+/// # Errors
+/// `TypeError` where they are no such arrays.
+pub(crate) fn manifolds(columns: &Bound<'_, PyAny>) -> PyResult<Option<Vec<Vec<Manifold>>>> {
+    type Columns<'py> = [Bound<'py, PyAny>; 7];
+    let (offsets, columns): (Bound<'_, PyAny>, Columns<'_>) = columns.extract()?;
+    let [numbers, normals, points_a, points_b, lower, upper, ids] = columns;
+    let (offsets, numbers): (Vec<i64>, Vec<i64>) = (plain_column(&offsets)?, plain_column(&numbers)?);
+    let (normals, points_a, points_b): (Vec<f64>, Vec<f64>, Vec<f64>) =
+        (plain_column(&normals)?, plain_column(&points_a)?, plain_column(&points_b)?);
+    let (lower, upper): (Vec<f64>, Vec<f64>) = (plain_column(&lower)?, plain_column(&upper)?);
+    let ids: Vec<u32> = plain_column(&ids)?;
+    let [normals, points_a, points_b] = [&normals, &points_a, &points_b].map(|rows| rows.as_chunks::<3>().0);
+    let ids = ids.as_chunks::<8>().0;
+    let count = numbers.len();
+    if [normals.len(), points_a.len(), points_b.len(), lower.len(), upper.len(), ids.len()] != [count; 6] {
+        return Ok(None);
+    }
+    let row = |row: &[i64]| {
+        let places = usize::try_from(row[0]).ok()?..usize::try_from(row[1]).ok()?;
+        let mut found: Vec<Manifold> = Vec::new();
+        for at in places.clone() {
+            if at == places.start || *numbers.get(at)? != numbers[at - 1] {
+                found.push(Manifold { normal: *normals.get(at)?, points: Vec::new() });
+            }
+            let &[part_a, a, b, c, part_b, d, e, f] = ids.get(at)?;
+            let (feature_a, feature_b) = (feature_of([a, b, c])?, feature_of([d, e, f])?);
+            let id = ContactId { part_a, part_b, feature_a, feature_b };
+            let (point_a, point_b) = (points_a[at], points_b[at]);
+            found.last_mut()?.points.push(ContactPoint { point_a, point_b, lower: lower[at], upper: upper[at], id });
+        }
+        Some(found)
+    };
+    Ok(offsets.windows(2).map(row).collect())
+}
+
+/// What [`feature`] was made of.
+fn feature_of([kind, first, second]: [u32; 3]) -> Option<Feature> {
+    match kind {
+        0 => Some(Feature::Vertex(first)),
+        1 => Some(Feature::Edge(first, second)),
+        2 => Some(Feature::Face(first)),
+        _ => None,
     }
 }

@@ -1,12 +1,13 @@
-//! How far apart two meshes are, and whether they keep a clearance. Each row starts from where the last one of its block
-//! was nearest, which changes no answer.
+//! How far apart two meshes are, whether they keep a clearance, and how deep they are in each other. Each row of distances starts
+//! from where the last one of its block was nearest, which changes no answer.
 
 use impinge::mesh::{Options, Placed};
-use impinge::query::{self, Distance, Solid, Witness, WitnessCache};
+use impinge::query::shapes::Penetration;
+use impinge::query::{self, Distance, Witness, WitnessCache};
 use pyo3::prelude::*;
 
 use crate::arrays::{array, row_array};
-use crate::question::{Question, SolidOption};
+use crate::question::{Answers, Question, SolidOption};
 use crate::verbs::yes_or_no;
 
 /// Seven columns: distance, lower and upper bound, (...), points of a and of b, (..., 3), and their faces, (...), which are
@@ -15,8 +16,7 @@ use crate::verbs::yes_or_no;
 pub(crate) fn distance<'py>(py: Python<'py>, question: Question, solid: SolidOption) -> PyResult<Bound<'py, PyAny>> {
     const TOUCHING: Distance = Distance { lower: 0.0, upper: 0.0, witness: None };
     let answers = question.answer_learning(py, TOUCHING, move |cache: &mut WitnessCache, a, b| {
-        let surfaces = query::distance_with(a, b, cache, &Options::default());
-        if surfaces.upper > 0.0 && is_contained(a, b, solid.0) { TOUCHING } else { surfaces }
+        query::distance_of_solids_with(a, b, solid.0, cache, &Options::default())
     })?;
     answers.returned(py, |values, shape| {
         let numbers = |of: fn(&Distance) -> f64| array(py, values.iter().map(of).collect(), shape);
@@ -50,12 +50,40 @@ pub(crate) fn within<'py>(
     solid: SolidOption,
 ) -> PyResult<Bound<'py, PyAny>> {
     let ask = move |cache: &mut WitnessCache, a: Placed<'_>, b: Placed<'_>| {
-        query::within_with(a, b, clearance, cache, &Options::default()) || is_contained(a, b, solid.0)
+        query::within_of_solids_with(a, b, clearance, solid.0, cache, &Options::default())
     };
     yes_or_no(py, question.answer_learning(py, true, ask)?)
 }
 
-/// Whether one of two meshes whose surfaces are apart has a part inside the other, a solid one.
-fn is_contained(a: Placed<'_>, b: Placed<'_>, solid: Solid) -> bool {
-    solid != Solid::Neither && query::intersects_solid(a, b, solid)
+/// What `penetration_columns` makes of two meshes, taken as solids.
+#[pyfunction]
+pub(crate) fn penetration(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
+    let answers = question.that_takes_long().answer(py, Some(UNKNOWN_DEPTH), |a, b| query::penetration(a, b))?;
+    penetration_columns(py, answers)
+}
+
+/// What is known of the depth of two bodies of which nothing is.
+pub(crate) const UNKNOWN_DEPTH: Penetration = Penetration { upper: f64::INFINITY, ..NO_DEPTH };
+
+const NO_DEPTH: Penetration =
+    Penetration { lower: 0.0, upper: 0.0, normal: [0.0; 3], point_a: [0.0; 3], point_b: [0.0; 3] };
+
+/// Six columns: whether they meet, lower and upper bound, (...), and normal and points of a and of b, (..., 3); all are zero
+/// where they do not.
+pub(crate) fn penetration_columns(py: Python<'_>, answers: Answers<Option<Penetration>>) -> PyResult<Bound<'_, PyAny>> {
+    answers.returned(py, |values, shape| {
+        let of = |value: &Option<Penetration>| value.unwrap_or(NO_DEPTH);
+        let numbers = |number: fn(Penetration) -> f64| array(py, values.iter().map(|v| number(of(v))).collect(), shape);
+        let vectors =
+            |vector: fn(Penetration) -> [f64; 3]| row_array(py, values.iter().map(|v| vector(of(v))).collect(), shape);
+        let columns = (
+            array(py, values.iter().map(Option::is_some).collect(), shape)?,
+            numbers(|found| found.lower)?,
+            numbers(|found| found.upper)?,
+            vectors(|found| found.normal)?,
+            vectors(|found| found.point_a)?,
+            vectors(|found| found.point_b)?,
+        );
+        Ok(columns.into_pyobject(py)?.into_any())
+    })
 }

@@ -23,7 +23,10 @@ mod verbs;
 mod volumes;
 mod workers;
 mod world;
+mod world_bodies;
 mod world_queries;
+mod world_state;
+mod world_turn;
 
 /// What `python/impinge` imports; every name is private to that package.
 #[pyo3::pymodule]
@@ -33,13 +36,13 @@ mod _impinge {
     #[pymodule_export]
     use super::character_pose::PosedCore;
     #[pymodule_export]
-    use super::distances::{distance, within};
+    use super::distances::{distance, penetration, within};
     #[pymodule_export]
     use super::inspection::{health, tree_statistics};
     #[pymodule_export]
     use super::mesh::MeshBase;
     #[pymodule_export]
-    use super::model::{Model, bake};
+    use super::model::{Model, bake, to_baked};
     #[pymodule_export]
     use super::motions::{MotionBase, edge_edge, time_of_impact, vertex_face};
     #[pymodule_export]
@@ -57,18 +60,21 @@ mod _impinge {
     use super::shapes::ShapeBase;
     #[pymodule_export]
     use super::verbs::{
-        contact_points, intersecting_pairs, intersection_curves, intersects, penetrates, self_intersecting_pairs,
+        contact_normals, contact_points, intersecting_pairs, intersection_curves, intersects, penetrates,
+        self_intersecting_pairs,
     };
     #[pymodule_export]
     use super::volumes::{convex_hull, fit_volume};
     #[pymodule_export]
     use super::workers::after_fork;
     #[pymodule_export]
-    use super::world::{WorldCore, WorldState};
+    use super::world::WorldCore;
     #[pymodule_export]
     use super::world_queries::{
         world_at_points, world_in_boxes, world_overlapping, world_ray_cast, world_ray_cast_all,
     };
+    #[pymodule_export]
+    use super::world_state::WorldState;
 
     /// Keeps what is asked on the caller's own thread on that thread.
     #[pymodule_init]

@@ -18,7 +18,7 @@ use crate::workers;
 pub(crate) struct MeshBase {
     /// Held for no longer than it takes to read or replace what is in it.
     state: Mutex<State>,
-    faces: PyOnceLock<Py<PyAny>>,
+    faces: Arc<PyOnceLock<Py<PyAny>>>,
 }
 
 /// A mesh with its vertices where they are.
@@ -38,6 +38,12 @@ impl State {
 }
 
 impl MeshBase {
+    /// Of a mesh of the library's.
+    pub(crate) fn of(mesh: &Mesh) -> Self {
+        let is_double = !mesh.is_single_precision();
+        Self { state: Mutex::new(State::new(mesh.clone(), is_double)), faces: Arc::new(PyOnceLock::new()) }
+    }
+
     /// The mesh as it is now; what becomes of it later does not reach whoever holds this.
     fn state(&self) -> State {
         self.state.lock().unwrap_or_else(PoisonError::into_inner).clone()
@@ -47,22 +53,22 @@ impl MeshBase {
 #[pymethods]
 impl MeshBase {
     /// Of a `Model`, or of arrays as `impinge._arrays` makes them: (n, 3) f32 or f64, and (m, 3) integers. Or of the array and
-    /// a mesh whose faces they are to be.
+    /// a mesh whose faces they are to be; or of a mesh as it is now, which is shared.
     #[new]
     fn new(source: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<Self> {
         let py = source.py();
         if let Ok(base) = faces.cast::<Self>() {
             let state = refitted(&base.get().state().mesh, source)?;
-            return Ok(Self { state: Mutex::new(state), faces: PyOnceLock::new() });
+            return Ok(Self { state: Mutex::new(state), faces: base.get().faces.clone() });
+        }
+        if let Ok(base) = source.cast::<Self>() {
+            let base = base.get();
+            return Ok(Self { state: Mutex::new(base.state()), faces: base.faces.clone() });
         }
         let (positions, faces, count) = match source.cast::<Model>() {
             Ok(model) => match model.get().content() {
                 Content::Triangles(positions, faces) => (positions.clone(), faces.clone(), positions.len()),
-                Content::Baked(mesh) => {
-                    let is_double = !mesh.is_single_precision();
-                    let state = State::new(mesh.clone(), is_double);
-                    return Ok(Self { state: Mutex::new(state), faces: PyOnceLock::new() });
-                }
+                Content::Baked(mesh) => return Ok(Self::of(mesh)),
             },
             Err(_) => {
                 let positions = read_positions(source)?;
@@ -77,7 +83,7 @@ impl MeshBase {
             let argument = if names_faces { "faces" } else { "vertices" };
             Fault::new(kind, argument, message(&error)).at(at).hint(error.hint()).raised(py)
         })?;
-        Ok(Self { state: Mutex::new(State::new(mesh, is_double)), faces: PyOnceLock::new() })
+        Ok(Self { state: Mutex::new(State::new(mesh, is_double)), faces: Arc::new(PyOnceLock::new()) })
     }
 
     /// Moves the vertices; whoever asks a question meanwhile is answered about the mesh as it was.

@@ -1,12 +1,16 @@
 //! What a file holds, before a mesh is made of it; and meshes baked to files.
 
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use impinge::storage::AlignedBytes;
 use impinge::{Mesh, Positions};
 use impinge_files::{Baked, Format, LoadError, Provenance, Unit, Warning, write_baked};
+use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::arrays::{array, row_array};
 use crate::errors::{Fault, load_error};
@@ -38,6 +42,20 @@ impl Model {
             .map(|text| text.parse::<Unit>().map_err(|error| Fault::new("unit", "unit", error.to_string()).raised(py)))
             .transpose()?;
         workers::run(py, move |_| Self::read(&path, wanted))?.map_err(|error| load_error(py, &error))
+    }
+
+    /// Of a copy of what `to_baked` returned, in any object with a buffer of bytes.
+    #[staticmethod]
+    fn of_baked(py: Python<'_>, baked: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let buffer = PyBuffer::<u8>::get(baked)?;
+        let mut bytes = AlignedBytes::zeroed(buffer.item_count());
+        buffer.copy_to_slice(py, bytes.as_mut())?;
+        let opened = workers::run(py, move |_| {
+            let baked = Baked::from_bytes(Arc::new(bytes))?;
+            Ok((baked.provenance()?, baked.mesh()?))
+        })?;
+        let (about, mesh) = opened.map_err(|error: LoadError| load_error(py, &error))?;
+        Ok(Self { content: Content::Baked(mesh), about, format: Format::Baked, warnings: Vec::new() })
     }
 
     #[getter]
@@ -98,8 +116,9 @@ impl Model {
     /// A baked file is opened where it lies, unless its lengths have to be converted.
     fn read(path: &Path, wanted: Option<Unit>) -> Result<Self, LoadError> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
-        // What is baked by its name alone is told apart, and warned of, by the reader of all formats.
-        if Format::from_extension(&extension) == Some(Format::Baked)
+        // What is baked by its name alone is told apart, and warned of, by the reader of all formats. A name that says nothing
+        // may be that of shared memory.
+        if Format::from_extension(&extension).is_none_or(|format| format == Format::Baked)
             && let Ok(baked) = Baked::open(path)
         {
             let about = baked.provenance()?;
@@ -123,22 +142,35 @@ impl Model {
     }
 }
 
-/// Writes a mesh with its hierarchy, and where its faces come from: polygons and parts, (m,), names and unit.
+/// Where faces come from, as Python has it: polygons and parts, (m,), names and unit.
+type About = (Vec<u32>, Vec<u32>, Vec<String>, Option<String>);
+
+/// Writes a mesh with its hierarchy, and where its faces come from, to a file.
 #[pyfunction]
-pub(crate) fn bake(
+pub(crate) fn bake(mesh: &Bound<'_, PyAny>, path: PathBuf, about: About) -> PyResult<()> {
+    write(mesh, about, move || Ok(BufWriter::new(File::create(path)?))).map(drop)
+}
+
+/// The bytes that [`bake`] writes.
+#[pyfunction]
+pub(crate) fn to_baked<'py>(mesh: &Bound<'py, PyAny>, about: About) -> PyResult<Bound<'py, PyBytes>> {
+    let written = write(mesh, about, || Ok(Vec::new()))?;
+    Ok(PyBytes::new(mesh.py(), &written))
+}
+
+fn write<W: Write + Send + 'static>(
     mesh: &Bound<'_, PyAny>,
-    path: PathBuf,
-    about: (Vec<u32>, Vec<u32>, Vec<String>, Option<String>),
-) -> PyResult<()> {
-    let py = mesh.py();
-    let (sources, part_of, parts, unit) = about;
+    (sources, part_of, parts, unit): About,
+    open: impl FnOnce() -> io::Result<W> + Send + 'static,
+) -> PyResult<W> {
     let unit = unit.and_then(|unit| unit.parse().ok());
     let provenance = Provenance { sources, part_of, parts, unit };
-    let mesh = mesh_of(mesh, "mesh")?;
-    let written = workers::run(py, move |_| {
-        let mut out = BufWriter::new(File::create(path)?);
+    let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
+    let written: io::Result<W> = workers::run(py, move |_| {
+        let mut out = open()?;
         write_baked(&mesh, &provenance, &mut out)?;
-        out.flush()
+        out.flush()?;
+        Ok(out)
     })?;
     Ok(written?)
 }

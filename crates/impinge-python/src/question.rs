@@ -32,6 +32,7 @@ pub(crate) struct Question {
     rows: Broadcast,
     on_error: OnError,
     progress: bool,
+    is_long: bool,
 }
 
 /// The answers to a question, in row-major order of its leading axes.
@@ -64,7 +65,7 @@ impl<'py> FromPyObject<'_, 'py> for Question {
         let poses_a = Poses::read(&pose_a, "pose_a", on_error)?;
         let poses_b = Poses::read(&pose_b, "pose_b", on_error)?;
         let rows = Broadcast::of(py, (&poses_a.shape, "pose_a"), (&poses_b.shape, "pose_b"))?;
-        Ok(Self { a: mesh_a, b: mesh_b, poses_a, poses_b, rows, on_error, progress })
+        Ok(Self { a: mesh_a, b: mesh_b, poses_a, poses_b, rows, on_error, progress, is_long: false })
     }
 }
 
@@ -93,6 +94,11 @@ impl Question {
         self.rows.shape.is_empty().then(|| ([&self.a, &self.b], poses.map(|pose| *pose)))
     }
 
+    /// The same question, of which even one row may take long.
+    pub(crate) fn that_takes_long(self) -> Self {
+        Self { is_long: true, ..self }
+    }
+
     /// [`answer_learning`](Self::answer_learning), where rows have nothing to learn from each other.
     pub(crate) fn answer<T: Clone + Send + Sync + 'static>(
         self,
@@ -111,7 +117,7 @@ impl Question {
         safe: T,
         ask: impl Fn(&mut S, Placed<'_>, Placed<'_>) -> T + Send + Sync + 'static,
     ) -> PyResult<Answers<T>> {
-        let Self { a, b, poses_a, poses_b, rows, on_error, progress } = self;
+        let Self { a, b, poses_a, poses_b, rows, on_error, progress, is_long } = self;
         let count = rows.rows;
         let shape = rows.shape.clone();
         let status = (on_error == OnError::Status).then(|| {
@@ -125,7 +131,7 @@ impl Question {
         });
         let bad = status.clone().filter(|status| status.iter().any(|&status| status != 0));
         let worst = a.faces().len() as u128 * b.faces().len() as u128 * count as u128;
-        let brief = count <= MOST_BRIEF_ROWS && worst <= MOST_BRIEF_PAIRS;
+        let brief = !is_long && count <= MOST_BRIEF_ROWS && worst <= MOST_BRIEF_PAIRS;
         let safely = safe.clone();
         let values = workers::rows(py, Rows { count, brief, progress }, safe, S::default, move |learned, row| {
             if bad.as_ref().is_some_and(|bad| bad[row] != 0) {

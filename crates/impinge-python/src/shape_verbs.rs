@@ -1,6 +1,6 @@
 //! The verbs on two shapes in rows of poses, and rays against one.
 
-use impinge::query::shapes::{self, Penetration, Proximity, ShapeDistance};
+use impinge::query::shapes::{self, Proximity, ShapeDistance};
 use impinge::shape::PlacedShape;
 use impinge::sweep::{Impact, time_of_impact_of_shapes};
 use impinge::world::{Body, World};
@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use crate::arrays::{array, row_array};
 use crate::broadcast::Broadcast;
 use crate::contacts;
+use crate::distances::{UNKNOWN_DEPTH, penetration_columns};
 use crate::errors::{Fault, kind_and_place, message};
 use crate::motions::{bounds, motions_of};
 use crate::poses::{OnError, Poses};
@@ -174,28 +175,10 @@ pub(crate) fn shape_distance(py: Python<'_>, question: Question) -> PyResult<Bou
     })
 }
 
-/// Six columns: whether they meet, lower and upper bound, (...), and normal and points of a and of b, (..., 3); all are zero
-/// where they do not.
+/// What `penetration_columns` makes of two shapes.
 #[pyfunction]
 pub(crate) fn shape_penetration(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
-    const NONE: Penetration =
-        Penetration { lower: 0.0, upper: 0.0, normal: [0.0; 3], point_a: [0.0; 3], point_b: [0.0; 3] };
-    const SAFE: Penetration = Penetration { upper: f64::INFINITY, ..NONE };
-    question.answer(py, Some(SAFE), shapes::penetration)?.returned(py, |values, shape| {
-        let of = |value: &Option<Penetration>| value.unwrap_or(NONE);
-        let numbers = |number: fn(Penetration) -> f64| array(py, values.iter().map(|v| number(of(v))).collect(), shape);
-        let vectors =
-            |vector: fn(Penetration) -> [f64; 3]| row_array(py, values.iter().map(|v| vector(of(v))).collect(), shape);
-        let columns = (
-            array(py, values.iter().map(Option::is_some).collect(), shape)?,
-            numbers(|found| found.lower)?,
-            numbers(|found| found.upper)?,
-            vectors(|found| found.normal)?,
-            vectors(|found| found.point_a)?,
-            vectors(|found| found.point_b)?,
-        );
-        Ok(columns.into_pyobject(py)?.into_any())
-    })
+    penetration_columns(py, question.answer(py, Some(UNKNOWN_DEPTH), shapes::penetration)?)
 }
 
 /// The leading axes, and the columns of `contacts::columns`.

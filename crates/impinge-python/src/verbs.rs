@@ -1,7 +1,9 @@
 //! The verbs on two meshes, each the library's own in a question's rows.
 
+use std::collections::HashMap;
+
 use impinge::exact::{Crossing, Placement, crossing};
-use impinge::query::{self, Penetrates};
+use impinge::query::{self, ContactPatch, Penetrates};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyList};
@@ -121,4 +123,29 @@ pub(crate) fn contact_points<'py>(
     }
     let count = points.len();
     Ok((row_array(py, points, &[count])?, array(py, coplanar, &[count])?).into_pyobject(py)?.into_any())
+}
+
+/// For each pair of faces that meet, (k, 2), the normal of the region in which it does, (k, 3), and how deep that is, (k,); zeros
+/// for a pair that does not meet.
+#[pyfunction]
+pub(crate) fn contact_normals<'py>(
+    py: Python<'py>,
+    question: Question,
+    pairs: PyReadonlyArray2<'py, u32>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let pairs = pairs.as_slice()?.as_chunks::<2>().0.to_vec();
+    let count = pairs.len();
+    let answers = question.that_takes_long().answer(py, Vec::new(), move |a, b| {
+        let patches = query::contact_patches(a, b);
+        let of_patch = |patch: &ContactPatch| {
+            let found = (patch.normal, patch.depth);
+            patch.pairs.iter().map(move |&pair| (pair, found)).collect::<Vec<_>>()
+        };
+        let found: HashMap<[u32; 2], ([f64; 3], f64)> = patches.iter().flat_map(of_patch).collect();
+        pairs.iter().map(|pair| found.get(pair).copied().unwrap_or_default()).collect::<Vec<_>>()
+    })?;
+    answers.returned(py, |values, _| {
+        let (normals, depths): (Vec<[f64; 3]>, Vec<f64>) = values.into_iter().flatten().unzip();
+        Ok((row_array(py, normals, &[count])?, array(py, depths, &[count])?).into_pyobject(py)?.into_any())
+    })
 }

@@ -4,18 +4,15 @@
 //! the interpreter first.
 
 use std::cell::Cell;
-use std::sync::{Arc, Condvar, Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use impinge::query::shapes::Proximity;
-use impinge::world::{
-    Body, BodyId, BroadPhase, Kind, Layers, NarrowPhase, Options, PairKey, Snapshot, Traits, World, WorldError,
-};
+use impinge::world::{Body, BodyId, Options, PairKey, Traits, World, WorldError};
 use impinge::{Pose, Positions};
-use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-use crate::arrays::{array, row_array};
+use crate::arrays::array;
 use crate::contacts;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::read_positions;
@@ -23,6 +20,11 @@ use crate::motions::matrix;
 use crate::poses::{OnError, Poses};
 use crate::shapes::weighed;
 use crate::workers;
+use crate::world_bodies::{
+    BROAD_PHASES, Handles, NARROW_PHASES, Standing, chosen, ids, keys, numbers, of_bodies, refused, traits,
+};
+use crate::world_state::{Shapes, Source, WorldState};
+use crate::world_turn::{Shared, Turn};
 
 /// What `impinge.World` holds.
 #[pyclass(frozen, module = "impinge._impinge")]
@@ -31,54 +33,6 @@ pub(crate) struct WorldCore {
     /// What a filter raised in the step that is under way.
     raised: Arc<Mutex<Option<PyErr>>>,
 }
-
-/// A world that calls take turns at. They wait for theirs before they go to the pool of threads, never in it: a thread that
-/// steps may take up other work of the pool while it waits, which must not wait for that step.
-struct Shared {
-    world: RwLock<World>,
-    is_taken: Mutex<bool>,
-    freed: Condvar,
-}
-
-/// A call's turn, which ends where this is dropped.
-pub(crate) struct Turn(Arc<Shared>);
-
-impl Turn {
-    pub(crate) fn read(&self) -> RwLockReadGuard<'_, World> {
-        self.0.world.read().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn write(&self) -> RwLockWriteGuard<'_, World> {
-        self.0.world.write().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Drop for Turn {
-    fn drop(&mut self) {
-        *self.0.is_taken.lock().unwrap_or_else(PoisonError::into_inner) = false;
-        self.0.freed.notify_one();
-    }
-}
-
-impl Shared {
-    /// Waits for its turn, for a while; whether it has it.
-    fn take(&self) -> bool {
-        let is_taken = self.is_taken.lock().unwrap_or_else(PoisonError::into_inner);
-        let waited = self.freed.wait_timeout_while(is_taken, workers::LISTENING_INTERVAL, |is_taken| *is_taken);
-        let mut is_taken = waited.unwrap_or_else(PoisonError::into_inner).0;
-        !std::mem::replace(&mut *is_taken, true)
-    }
-}
-
-/// What a world was: `impinge.WorldState`.
-#[pyclass(frozen, module = "impinge._impinge")]
-pub(crate) struct WorldState(Snapshot);
-
-/// Handles, one a row, in an array of u64.
-type Handles<'py> = Bound<'py, PyArray1<u64>>;
-
-/// What a body has to do with others, as Python tells it: what moves it, the layers that it is on and those that it meets.
-type Standing<'py> = (Bound<'py, PyAny>, u32, u32);
 
 thread_local! {
     /// Whether this thread asks a filter of Python's.
@@ -95,10 +49,12 @@ impl WorldCore {
             let message = "a filter cannot ask the world, which is changing while the filter is asked";
             return Err(PyRuntimeError::new_err(message));
         }
-        while !py.detach(|| self.shared.take()) {
+        loop {
+            if let Some(turn) = py.detach(|| self.shared.take()) {
+                return Ok(turn);
+            }
             py.check_signals()?;
         }
-        Ok(Turn(self.shared.clone()))
     }
 
     /// Looks at the world, without the interpreter.
@@ -115,8 +71,20 @@ impl WorldCore {
     /// # Errors
     /// As [`turn`](Self::turn).
     fn change<T: Send>(&self, py: Python<'_>, change: impl FnOnce(&mut World) -> T + Send) -> PyResult<T> {
+        self.reshape(py, |world, _| change(world))
+    }
+
+    /// Changes the world and what the shapes in it are made of, without the interpreter.
+    ///
+    /// # Errors
+    /// As [`turn`](Self::turn).
+    fn reshape<T: Send>(
+        &self,
+        py: Python<'_>,
+        change: impl FnOnce(&mut World, &mut Shapes) -> T + Send,
+    ) -> PyResult<T> {
         let turn = self.turn(py)?;
-        Ok(py.detach(move || change(&mut turn.write())))
+        Ok(py.detach(move || change(&mut turn.write(), &mut turn.shapes())))
     }
 }
 
@@ -128,8 +96,7 @@ impl WorldCore {
             broad_phase: chosen(broad_phase, "broad_phase", &BROAD_PHASES)?,
             narrow_phase: chosen(narrow_phase, "narrow_phase", &NARROW_PHASES)?,
         };
-        let world = RwLock::new(World::with_options(options));
-        let shared = Shared { world, is_taken: Mutex::new(false), freed: Condvar::new() };
+        let shared = Shared::new(World::with_options(options));
         Ok(Self { shared: Arc::new(shared), raised: Arc::default() })
     }
 
@@ -155,12 +122,12 @@ impl WorldCore {
         tags: &Handles<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = shape.py();
-        let body = Body::new(weighed(shape, "shape")?.shape);
+        let (body, made_of) = (Body::new(weighed(shape, "shape")?.shape), Source::object(shape));
         let Traits { kind, layers, .. } = traits(&standing)?;
         let Poses { shape: lead, poses, .. } = Poses::read(poses, "poses", OnError::Raise)?;
         let owners = owners.map(numbers).transpose()?;
         let tags = numbers(tags)?;
-        let inserted = self.change(py, move |world| {
+        let inserted = self.reshape(py, move |world, shapes| {
             let mut inserted = Vec::with_capacity(poses.len());
             for (row, pose) in poses.into_iter().enumerate() {
                 let mut one = body.clone().at(pose).kind(kind).layers(layers).tag(tags[row]);
@@ -177,6 +144,7 @@ impl WorldCore {
                     }
                 }
             }
+            inserted.iter().for_each(|&id| shapes.set(id, Some(made_of.clone())));
             Ok(inserted)
         })?;
         let inserted = inserted.map_err(|(row, error)| refused(&error, "poses", row).raised(py))?;
@@ -189,9 +157,12 @@ impl WorldCore {
         let mut once = ids.clone();
         once.sort_unstable();
         once.dedup();
-        let removed = self.change(bodies.py(), |world| {
+        let removed = self.reshape(bodies.py(), |world, shapes| {
             ids.iter().try_for_each(|&id| world.traits(id).map(drop))?;
-            once.into_iter().try_for_each(|id| world.remove(id).map(drop))
+            once.into_iter().try_for_each(|id| {
+                shapes.set(id, None);
+                world.remove(id).map(drop)
+            })
         })?;
         removed.map_err(|error| of_bodies(&error, &ids, "bodies").raised(bodies.py()))
     }
@@ -311,8 +282,13 @@ impl WorldCore {
     /// Gives a body another shape.
     fn set_shape(&self, body: u64, shape: &Bound<'_, PyAny>) -> PyResult<()> {
         let py = shape.py();
-        let shape = weighed(shape, "shape")?.shape;
-        let set = self.change(py, move |world| world.set_shape(BodyId::from_bits(body), &shape))?;
+        let (made_of, shape) = (Source::object(shape), weighed(shape, "shape")?.shape);
+        let set = self.reshape(py, move |world, shapes| {
+            let body = BodyId::from_bits(body);
+            world.set_shape(body, &shape)?;
+            shapes.set(body, Some(made_of));
+            Ok(())
+        })?;
         set.map_err(|error| refused(&error, "body", 0).at(Vec::new()).raised(py))
     }
 
@@ -321,7 +297,12 @@ impl WorldCore {
         let py = vertices.py();
         let positions: Positions = read_positions(vertices)?;
         let turn = self.turn(py)?;
-        let refitted = workers::run(py, move |_| turn.write().refit(BodyId::from_bits(body), positions))?;
+        let refitted = workers::run(py, move |_| {
+            let (mut world, body) = (turn.write(), BodyId::from_bits(body));
+            let aging = world.refit(body, positions)?;
+            turn.shapes().set(body, Source::of_mesh(world.body(body)?.shape()));
+            Ok(aging)
+        })?;
         let aging = refitted.map_err(|error| match &error {
             WorldError::Input { error, .. } => {
                 let (kind, at) = kind_and_place(error);
@@ -353,11 +334,12 @@ impl WorldCore {
     }
 
     fn save(&self, py: Python<'_>) -> PyResult<WorldState> {
-        Ok(WorldState(self.look(py, World::save)?))
+        let turn = self.turn(py)?;
+        Ok(py.detach(move || WorldState::of(&turn.read(), &turn.shapes())))
     }
 
     fn restore(&self, py: Python<'_>, state: &WorldState) -> PyResult<()> {
-        self.change(py, |world| world.restore(&state.0))
+        self.reshape(py, |world, shapes| state.restore(world, shapes))
     }
 }
 
@@ -378,77 +360,4 @@ impl WorldCore {
             self.look(bodies.py(), |world| ids.iter().map(|&id| of(world, id)).collect())?;
         found.map_err(|error| of_bodies(&error, &ids, "bodies").raised(bodies.py()))
     }
-}
-
-const BROAD_PHASES: [(&str, BroadPhase); 7] = [
-    ("auto", BroadPhase::Auto),
-    ("every", BroadPhase::Every),
-    ("tree", BroadPhase::Tree),
-    ("columns", BroadPhase::Columns),
-    ("grid", BroadPhase::Grid),
-    ("one_axis", BroadPhase::OneAxis),
-    ("three_axes", BroadPhase::ThreeAxes),
-];
-
-const NARROW_PHASES: [(&str, NarrowPhase); 3] =
-    [("boxes", NarrowPhase::Boxes), ("intersections", NarrowPhase::Intersections), ("contacts", NarrowPhase::Contacts)];
-
-const KINDS: [(&str, Kind); 3] = [("static", Kind::Static), ("kinematic", Kind::Kinematic), ("moving", Kind::Moving)];
-
-/// The value of this name.
-///
-/// # Errors
-/// `InputError` where there is none, naming those that there are.
-fn chosen<T: Copy>(option: &Bound<'_, PyAny>, argument: &str, values: &[(&str, T)]) -> PyResult<T> {
-    let name = option.extract::<&str>().ok();
-    let found = values.iter().find(|(own, _)| Some(*own) == name);
-    found.map(|(_, value)| *value).ok_or_else(|| match option.repr() {
-        Ok(given) => {
-            let names: Vec<String> = values.iter().map(|(name, _)| format!("{name:?}")).collect();
-            let message = format!("must be one of {}, not {given}", names.join(", "));
-            Fault::new("option", argument, message).raised(option.py())
-        }
-        Err(error) => error,
-    })
-}
-
-fn traits((kind, on, meets): &Standing<'_>) -> PyResult<Traits> {
-    let (kind, layers) = (chosen(kind, "kind", &KINDS)?, Layers { on: *on, meets: *meets });
-    Ok(Traits { kind, layers, ..Traits::default() })
-}
-
-fn numbers(handles: &Handles<'_>) -> PyResult<Vec<u64>> {
-    Ok(handles.readonly().as_slice()?.to_vec())
-}
-
-fn ids(handles: &Handles<'_>) -> PyResult<Vec<BodyId>> {
-    Ok(handles.readonly().as_slice()?.iter().copied().map(BodyId::from_bits).collect())
-}
-
-/// (k, 2) handles.
-fn keys<'py>(py: Python<'py>, pairs: &[PairKey]) -> PyResult<Bound<'py, PyAny>> {
-    row_array(py, pairs.iter().map(|pair| [pair.a.to_bits(), pair.b.to_bits()]).collect(), &[pairs.len()])
-}
-
-/// A fault of the row of an argument that belongs to the body which the world names; of a pose where that is what is wrong.
-fn of_bodies(error: &WorldError, ids: &[BodyId], poses: &str) -> Fault {
-    let body = match error {
-        WorldError::Stale { body } | WorldError::Static { body } | WorldError::NotAMesh { body } => Some(*body),
-        WorldError::Input { body, .. } => *body,
-        _ => None,
-    };
-    let row = ids.iter().position(|&id| Some(id) == body).unwrap_or(0);
-    refused(error, if matches!(error, WorldError::Input { .. }) { poses } else { "bodies" }, row)
-}
-
-/// A fault of a row of an argument.
-fn refused(error: &WorldError, argument: &str, row: usize) -> Fault {
-    let (kind, text, hint) = match error {
-        WorldError::Input { error, .. } => (kind_and_place(error).0, message(error), error.hint()),
-        WorldError::Stale { .. } => ("stale", error.to_string(), None),
-        WorldError::Static { .. } => ("static", error.to_string(), Some("set_poses() moves it, between two steps")),
-        WorldError::NotAMesh { .. } => ("type", error.to_string(), None),
-        _ => ("too-many", error.to_string(), None),
-    };
-    Fault::new(kind, argument, text).at(vec![row]).hint(hint)
 }

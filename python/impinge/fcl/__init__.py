@@ -3,9 +3,9 @@
 Names, arguments and conventions are python-fcl's: a `BVHModel` is a surface, all else a solid, which
 meet what lies inside them. Answers are impinge's: exact, without false or missing contacts, each pair of faces once.
 
-What differs: a contact has its objects, faces and position, but no normal and no depth yet; two bodies one of which is
-inside the other, their surfaces apart, have one contact without faces (-1). A
-contact of anything but meshes has no faces either. Continuous collision is not there yet.
+What differs: the normal and the depth of a contact of two surfaces are those of the region in which they go through
+each other, and not of its two triangles. Two bodies one of which is inside the other, their surfaces apart, have one
+contact without faces (-1). A contact of anything but meshes has no faces either. Continuous collision is not there.
 
 Examples
 --------

@@ -89,6 +89,38 @@ impl Baked {
         Ok(Self { path, bytes, header })
     }
 
+    /// Takes what [`write_baked`] wrote where it lies in memory, and judges its header and its table. Bytes that others may change
+    /// are to be copied first ([`AlignedBytes`](impinge::storage::AlignedBytes)).
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use impinge::{Mesh, Positions, storage::AlignedBytes};
+    /// use impinge_files::{Baked, Provenance, write_baked};
+    ///
+    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 1, 2]]).expect("a triangle");
+    /// let about = Provenance { sources: vec![0], part_of: vec![0], parts: vec!["flap".to_owned()], unit: None };
+    /// let mut written = Vec::new();
+    /// write_baked(&mesh, &about, &mut written)?;
+    ///
+    /// let mut bytes = AlignedBytes::zeroed(written.len());
+    /// bytes.as_mut().copy_from_slice(&written);
+    /// let baked = Baked::from_bytes(Arc::new(bytes))?;
+    /// assert_eq!((baked.mesh()?.faces(), baked.provenance()?), (mesh.faces(), about));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`open`](Self::open), with an empty path. Bytes that do not start at a multiple of
+    /// [`Mesh::PARTS_ALIGNMENT`] are refused when the mesh is asked for.
+    ///
+    /// # Complexity
+    /// O(1).
+    pub fn from_bytes(bytes: SharedBytes) -> Result<Self, LoadError> {
+        let header = Header::read((*bytes).as_ref())?;
+        Ok(Self { path: PathBuf::new(), bytes, header })
+    }
+
     /// The mesh, proved to be one.
     ///
     /// # Errors

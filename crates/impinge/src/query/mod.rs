@@ -19,8 +19,8 @@ pub use penetrates::{Penetrates, penetrates, penetrates_of_pairs};
 pub use penetration::penetration;
 pub use self_intersection::self_intersecting_pairs;
 pub use solid::{
-    Contained, Solid, SolidIntersection, distance_of_solids, intersects_solid, solid_intersection,
-    solid_intersection_of_pairs,
+    Contained, Solid, SolidIntersection, distance_of_solids, distance_of_solids_with, intersects_solid,
+    solid_intersection, solid_intersection_of_pairs, within_of_solids, within_of_solids_with,
 };
 
 use crate::mesh::{Options, Placed, collect_intersecting};

@@ -5,10 +5,10 @@
 
 use rayon::prelude::*;
 
-use super::distance::{Distance, distance};
-use super::intersecting_pairs;
+use super::distance::{Distance, WitnessCache, distance_with, within_with};
+use super::{intersecting_pairs, intersects};
 use crate::exact::{Placement, PosedPoint, Spot};
-use crate::mesh::{Containment, Judge, Mesh, Options, Placed, collect_intersecting};
+use crate::mesh::{Containment, Judge, Mesh, Options, Placed};
 
 /// Which of two meshes are solid: not their surface alone, but all about which they wind more than half.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -100,15 +100,7 @@ impl Contained {
 #[must_use]
 pub fn intersects_solid<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, solid: Solid) -> bool {
     let (a, b) = (a.into(), b.into());
-    if !collect_intersecting(a, b, 1, &Options::default()).is_empty() {
-        return true;
-    }
-    let [solid_a, solid_b] = solid.sides();
-    let any = |inner: Placed<'_>, outer: Placed<'_>| {
-        let components = Components::of(inner, outer);
-        components.free(&[]).into_par_iter().any(|face| components.containment(face).is_contained())
-    };
-    (solid_b && any(a, b)) || (solid_a && any(b, a))
+    intersects(a, b) || is_either_inside(a, b, solid)
 }
 
 /// How two meshes, one or both of them solid, meet, and which has a component inside the other.
@@ -192,13 +184,79 @@ pub fn solid_intersection_of_pairs<'a, 'b>(
 /// ```
 #[must_use]
 pub fn distance_of_solids<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, solid: Solid) -> Distance {
+    distance_of_solids_with(a, b, solid, &mut WitnessCache::default(), &Options::default())
+}
+
+/// [`distance_of_solids`], run in a stated way, from where the surfaces were nearest last.
+#[must_use]
+pub fn distance_of_solids_with<'a, 'b>(
+    a: impl Into<Placed<'a>>,
+    b: impl Into<Placed<'b>>,
+    solid: Solid,
+    cache: &mut WitnessCache,
+    options: &Options,
+) -> Distance {
     let (a, b) = (a.into(), b.into());
-    let of_surfaces = distance(a, b);
-    let is_apart = of_surfaces.upper > 0.0;
-    if is_apart && solid_intersection_of_pairs(a, b, solid, &[]).intersects {
+    let of_surfaces = distance_with(a, b, cache, options);
+    if of_surfaces.upper > 0.0 && is_either_inside(a, b, solid) {
         return Distance { lower: 0.0, upper: 0.0, witness: None };
     }
     of_surfaces
+}
+
+/// Whether two meshes, one or both of them solid, come within `clearance` of each other: what is inside a solid is within any that
+/// is not negative.
+///
+/// # Accuracy
+/// As [`within`](super::within), and as [`intersects_solid`].
+///
+/// # Complexity
+/// That of [`within`](super::within), and as [`intersects_solid`] where the surfaces keep the clearance.
+///
+/// ```
+/// use impinge::query::{self, Solid};
+/// use impinge::{Mesh, Pose, Positions};
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]];
+/// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+/// let large = Mesh::new(Positions::F32(corners), faces)?;
+/// let inside = large.at(Pose::new([[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]], [1.0; 3])?);
+/// assert!(query::within_of_solids(&large, inside, 0.5, Solid::A));
+/// assert!(!query::within_of_solids(&large, inside, 0.5, Solid::B));
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+#[must_use]
+pub fn within_of_solids<'a, 'b>(
+    a: impl Into<Placed<'a>>,
+    b: impl Into<Placed<'b>>,
+    clearance: f64,
+    solid: Solid,
+) -> bool {
+    within_of_solids_with(a, b, clearance, solid, &mut WitnessCache::default(), &Options::default())
+}
+
+/// [`within_of_solids`], run in a stated way, from where the surfaces were near last.
+#[must_use]
+pub fn within_of_solids_with<'a, 'b>(
+    a: impl Into<Placed<'a>>,
+    b: impl Into<Placed<'b>>,
+    clearance: f64,
+    solid: Solid,
+    cache: &mut WitnessCache,
+    options: &Options,
+) -> bool {
+    let (a, b) = (a.into(), b.into());
+    within_with(a, b, clearance, cache, options) || (clearance >= 0.0 && is_either_inside(a, b, solid))
+}
+
+/// Whether a component of one of two meshes lies inside the other, a solid; their surfaces are apart.
+fn is_either_inside(a: Placed<'_>, b: Placed<'_>, solid: Solid) -> bool {
+    let [solid_a, solid_b] = solid.sides();
+    let any = |inner: Placed<'_>, outer: Placed<'_>| {
+        let components = Components::of(inner, outer);
+        components.free(&[]).into_par_iter().any(|face| components.containment(face).is_contained())
+    };
+    (solid_b && any(a, b)) || (solid_a && any(b, a))
 }
 
 /// The components of one mesh beside another.

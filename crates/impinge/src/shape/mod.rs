@@ -232,6 +232,15 @@ impl Shape {
         Self(Kind::Mesh { mesh: mesh.clone(), is_solid: true })
     }
 
+    /// The mesh that the shape is, and whether it is solid; none where it is something else.
+    #[must_use]
+    pub fn as_mesh(&self) -> Option<(&Mesh, bool)> {
+        match &self.0 {
+            Kind::Mesh { mesh, is_solid } => Some((mesh, *is_solid)),
+            _ => None,
+        }
+    }
+
     /// All of some shapes, each at its place in the frame of the compound. Contacts name parts by their row here; the parts of
     /// a compound among them count one by one.
     ///

@@ -13,6 +13,7 @@ use std::sync::Arc;
 use bytemuck::Pod;
 use memmap2::MmapMut;
 
+pub use room::AlignedBytes;
 pub(crate) use room::{Room, Space};
 
 /// Bytes that outlive every [`Buffer`] that borrows them: a vector, a memory map.

@@ -134,6 +134,24 @@ impl Body {
         Self { shape, outline, world_from_body: Pose::IDENTITY, traits }
     }
 
+    /// Its shape.
+    #[must_use]
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn world_from_body(&self) -> &Pose {
+        &self.world_from_body
+    }
+
+    /// Whom it meets, and its tag.
+    #[must_use]
+    pub fn traits(&self) -> &Traits {
+        &self.traits
+    }
+
     /// The same body elsewhere; whether its shape stands the pose is judged where it is inserted.
     #[must_use]
     pub fn at(mut self, world_from_body: Pose) -> Self {

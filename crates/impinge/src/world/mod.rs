@@ -28,6 +28,7 @@ mod placed;
 mod plane;
 mod queries;
 mod rays;
+mod record;
 mod slots;
 mod state;
 mod step;
@@ -41,6 +42,7 @@ pub use narrow::NarrowPhase;
 pub use outline::Realignment;
 pub use queries::BodyHit;
 pub use rays::BodyRayHit;
+pub use record::{Record, RecordFlaw, RecordedBody, RecordedPair};
 pub use step::Phase;
 
 use std::sync::Arc;
@@ -127,8 +129,9 @@ struct Resident {
 }
 
 /// How a body changed since the last step; the greater holds the lesser.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Change {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Change {
+    /// It did not.
     No,
     /// A step moved it.
     Moved,

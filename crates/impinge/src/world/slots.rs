@@ -78,6 +78,36 @@ impl<T> Slots<T> {
         (0..self.slots.len() as u32).filter_map(|index| self.at(index))
     }
 
+    /// The numbers of all places, and which of them are out of use.
+    pub(super) fn places(&self) -> (Vec<u32>, Vec<u32>) {
+        (self.slots.iter().map(|slot| slot.generation).collect(), self.free.clone())
+    }
+
+    /// Values in such places; none where these contradict each other.
+    pub(super) fn of(generations: &[u32], free: &[u32], values: Vec<(BodyId, T)>) -> Option<Self> {
+        // One place less than there are numbers: the last number names none.
+        let is_countable = u32::try_from(generations.len()).is_ok_and(|count| count < u32::MAX);
+        let mut slots: Vec<Slot<T>> = generations.iter().map(|&generation| Slot { generation, value: None }).collect();
+        let count = values.len();
+        for (id, value) in values {
+            let slot = slots.get_mut(id.index()).filter(|slot| slot.generation == id.generation())?;
+            if slot.generation % 2 == 0 || slot.value.replace(value).is_some() {
+                return None;
+            }
+        }
+        let mut is_free = vec![false; slots.len()];
+        for &index in free {
+            if std::mem::replace(is_free.get_mut(index as usize)?, true) {
+                return None;
+            }
+        }
+        let is_consistent = slots.iter().zip(is_free).all(|(slot, is_free)| {
+            let is_spent = slot.generation == u32::MAX;
+            is_free == (slot.generation % 2 == 0) && (is_free || is_spent || slot.value.is_some())
+        });
+        (is_countable && is_consistent).then(|| Self { slots, free: free.to_vec(), count })
+    }
+
     /// How many values there are.
     pub(super) fn len(&self) -> usize {
         self.count

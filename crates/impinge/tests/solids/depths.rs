@@ -1,7 +1,8 @@
 //! How deep solids are in each other: spheres and boxes, whose depths are known, as ever smaller triangles.
 
+use impinge::mesh::Options;
 use impinge::query::shapes::{self, Penetration};
-use impinge::query::{self, Solid};
+use impinge::query::{self, Solid, WitnessCache};
 use impinge::shape::Shape;
 use impinge::{Mesh, Pose};
 use impinge_testkit::Affine;
@@ -107,5 +108,18 @@ fn distances_of_solids_are_zero_inside() {
         assert_eq!(query::distance_of_solids(&large, apart, solid), query::distance(&large, apart));
         let through = small.at(at([1.0, 0.0, 0.0]));
         assert!(query::distance_of_solids(&large, through, solid).witness.is_some());
+        // Whatever was nearest last.
+        let (mut cache, options) = (WitnessCache::default(), Options::default());
+        for there in [(&small).into(), apart, through, (&small).into()] {
+            let found = query::distance_of_solids_with(&large, there, solid, &mut cache, &options);
+            assert_eq!(found, query::distance_of_solids(&large, there, solid));
+            for clearance in [0.0, 0.5, 2.0] {
+                let near = query::within_of_solids_with(&large, there, clearance, solid, &mut cache, &options);
+                assert_eq!(near, query::within_of_solids(&large, there, clearance, solid));
+                assert_eq!(near, found.upper <= clearance, "{found:?} {clearance}");
+            }
+        }
+        assert!(!query::within_of_solids(&large, &small, f64::NAN, solid));
+        assert!(!query::within_of_solids(&large, &small, -0.5, solid));
     }
 }

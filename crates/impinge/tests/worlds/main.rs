@@ -4,6 +4,7 @@ mod boxes;
 mod events;
 mod laws;
 mod rays;
+mod record;
 mod shapes;
 
 use impinge::Pose;

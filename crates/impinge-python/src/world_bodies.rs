@@ -1,0 +1,88 @@
+//! Options, handles and traits of bodies as Python names them, and faults that name the argument's row.
+
+use impinge::world::{BodyId, BroadPhase, Kind, Layers, NarrowPhase, PairKey, Traits, WorldError};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::arrays::row_array;
+use crate::errors::{Fault, kind_and_place, message};
+
+/// Handles, one a row, in an array of u64.
+pub(crate) type Handles<'py> = Bound<'py, PyArray1<u64>>;
+
+/// What a body has to do with others, as Python tells it: what moves it, the layers that it is on and those that it meets.
+pub(crate) type Standing<'py> = (Bound<'py, PyAny>, u32, u32);
+
+pub(crate) const BROAD_PHASES: [(&str, BroadPhase); 7] = [
+    ("auto", BroadPhase::Auto),
+    ("every", BroadPhase::Every),
+    ("tree", BroadPhase::Tree),
+    ("columns", BroadPhase::Columns),
+    ("grid", BroadPhase::Grid),
+    ("one_axis", BroadPhase::OneAxis),
+    ("three_axes", BroadPhase::ThreeAxes),
+];
+
+pub(crate) const NARROW_PHASES: [(&str, NarrowPhase); 3] =
+    [("boxes", NarrowPhase::Boxes), ("intersections", NarrowPhase::Intersections), ("contacts", NarrowPhase::Contacts)];
+
+pub(crate) const KINDS: [(&str, Kind); 3] =
+    [("static", Kind::Static), ("kinematic", Kind::Kinematic), ("moving", Kind::Moving)];
+
+/// The value of this name.
+///
+/// # Errors
+/// `InputError` where there is none, naming those that there are.
+pub(crate) fn chosen<T: Copy>(option: &Bound<'_, PyAny>, argument: &str, values: &[(&str, T)]) -> PyResult<T> {
+    let name = option.extract::<&str>().ok();
+    let found = values.iter().find(|(own, _)| Some(*own) == name);
+    found.map(|(_, value)| *value).ok_or_else(|| match option.repr() {
+        Ok(given) => {
+            let names: Vec<String> = values.iter().map(|(name, _)| format!("{name:?}")).collect();
+            let message = format!("must be one of {}, not {given}", names.join(", "));
+            Fault::new("option", argument, message).raised(option.py())
+        }
+        Err(error) => error,
+    })
+}
+
+pub(crate) fn traits((kind, on, meets): &Standing<'_>) -> PyResult<Traits> {
+    let (kind, layers) = (chosen(kind, "kind", &KINDS)?, Layers { on: *on, meets: *meets });
+    Ok(Traits { kind, layers, ..Traits::default() })
+}
+
+pub(crate) fn numbers(handles: &Handles<'_>) -> PyResult<Vec<u64>> {
+    Ok(handles.readonly().as_slice()?.to_vec())
+}
+
+pub(crate) fn ids(handles: &Handles<'_>) -> PyResult<Vec<BodyId>> {
+    Ok(handles.readonly().as_slice()?.iter().copied().map(BodyId::from_bits).collect())
+}
+
+/// (k, 2) handles.
+pub(crate) fn keys<'py>(py: Python<'py>, pairs: &[PairKey]) -> PyResult<Bound<'py, PyAny>> {
+    row_array(py, pairs.iter().map(|pair| [pair.a.to_bits(), pair.b.to_bits()]).collect(), &[pairs.len()])
+}
+
+/// A fault of the row of an argument that belongs to the body which the world names; of a pose where that is what is wrong.
+pub(crate) fn of_bodies(error: &WorldError, ids: &[BodyId], poses: &str) -> Fault {
+    let body = match error {
+        WorldError::Stale { body } | WorldError::Static { body } | WorldError::NotAMesh { body } => Some(*body),
+        WorldError::Input { body, .. } => *body,
+        _ => None,
+    };
+    let row = ids.iter().position(|&id| Some(id) == body).unwrap_or(0);
+    refused(error, if matches!(error, WorldError::Input { .. }) { poses } else { "bodies" }, row)
+}
+
+/// A fault of a row of an argument.
+pub(crate) fn refused(error: &WorldError, argument: &str, row: usize) -> Fault {
+    let (kind, text, hint) = match error {
+        WorldError::Input { error, .. } => (kind_and_place(error).0, message(error), error.hint()),
+        WorldError::Stale { .. } => ("stale", error.to_string(), None),
+        WorldError::Static { .. } => ("static", error.to_string(), Some("set_poses() moves it, between two steps")),
+        WorldError::NotAMesh { .. } => ("type", error.to_string(), None),
+        _ => ("too-many", error.to_string(), None),
+    };
+    Fault::new(kind, argument, text).at(vec![row]).hint(hint)
+}

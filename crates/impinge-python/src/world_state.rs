@@ -1,0 +1,289 @@
+//! What a world was, in memory and as plain data that pickles.
+
+use std::sync::Arc;
+
+use impinge::Mesh;
+use impinge::query::shapes::Proximity;
+use impinge::shape::Shape;
+use impinge::world::{
+    Body, BodyId, Change, Options, PairKey, Record, RecordedBody, RecordedPair, Snapshot, Traits, World,
+};
+use pyo3::prelude::*;
+use pyo3::types::PyList;
+
+use crate::arrays::{array, plain_column, row_array};
+use crate::contacts;
+use crate::errors::Fault;
+use crate::mesh::MeshBase;
+use crate::motions::matrix;
+use crate::poses::{OnError, Poses};
+use crate::shapes::weighed;
+use crate::world_bodies::{BROAD_PHASES, KINDS, NARROW_PHASES, chosen};
+
+/// Of the data that a state pickles as; another one is refused.
+const VERSION: u32 = 1;
+
+/// The proximity of pairs as data; what is apart is no pair that meets.
+const PROXIMITIES: [Option<Proximity>; 3] = [None, Some(Proximity::Meets), Some(Proximity::Undecided)];
+
+const CHANGES: [Change; 4] = [Change::No, Change::Moved, Change::Place, Change::Traits];
+
+/// What a shape in a world is made of, for whoever makes it anew.
+#[derive(Clone)]
+pub(crate) enum Source {
+    /// Of an `impinge.Shape`, which never changes.
+    Object(Arc<Py<PyAny>>),
+    /// Of a mesh that the world itself refitted, and whether it is solid.
+    Refitted(Mesh, bool),
+}
+
+impl Source {
+    pub(crate) fn object(shape: &Bound<'_, PyAny>) -> Self {
+        Self::Object(Arc::new(shape.clone().unbind()))
+    }
+
+    /// Of a shape that is a mesh.
+    pub(crate) fn of_mesh(shape: &Shape) -> Option<Self> {
+        shape.as_mesh().map(|(mesh, is_solid)| Self::Refitted(mesh.clone(), is_solid))
+    }
+}
+
+/// What the shapes of bodies are made of; a copy costs nothing until one of the two changes.
+#[derive(Clone, Default)]
+pub(crate) struct Shapes(Arc<Vec<Option<Source>>>);
+
+impl Shapes {
+    /// Of the body in its place: the low half of a handle.
+    pub(crate) fn set(&mut self, body: BodyId, source: Option<Source>) {
+        let (shapes, place) = (Arc::make_mut(&mut self.0), body.to_bits() as u32 as usize);
+        if shapes.len() <= place {
+            shapes.resize(place + 1, None);
+        }
+        shapes[place] = source;
+    }
+
+    fn get(&self, body: BodyId) -> Option<&Source> {
+        self.0.get(body.to_bits() as u32 as usize)?.as_ref()
+    }
+}
+
+/// What a world was, as `World.save` returned it. It never changes, and pickles.
+#[pyclass(frozen, module = "impinge._impinge")]
+pub(crate) struct WorldState {
+    snapshot: Snapshot,
+    shapes: Shapes,
+    options: Options,
+}
+
+impl WorldState {
+    pub(crate) fn of(world: &World, shapes: &Shapes) -> Self {
+        Self { snapshot: world.save(), shapes: shapes.clone(), options: *world.options() }
+    }
+
+    pub(crate) fn restore(&self, world: &mut World, shapes: &mut Shapes) {
+        world.restore(&self.snapshot);
+        *shapes = self.shapes.clone();
+    }
+}
+
+/// The objects that shapes are made of, each once, and the number of that of each body.
+type ShapeTable<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+/// Poses, (n, 4, 4), traits, (n, 4): kind, layers, layers met and what changed; owners, (n,), whether there are any, (n,), and
+/// tags, (n,).
+type BodyTable<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+/// Handles, (p, 2), what was found, (p,), and the contacts as `contacts::columns` makes them.
+type PairTable<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+/// Handles, (n,), the numbers of all places, and the free ones.
+type Places<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+/// The version, the names of the options, and the tables; last the tags and handles of pairs that are gone, (d, 4).
+type Data<'py> = (
+    u32,
+    (Bound<'py, PyAny>, Bound<'py, PyAny>),
+    Places<'py>,
+    ShapeTable<'py>,
+    BodyTable<'py>,
+    PairTable<'py>,
+    Bound<'py, PyAny>,
+);
+
+#[pymethods]
+impl WorldState {
+    /// Of what `data` returned.
+    #[new]
+    fn new(py: Python<'_>, data: Data<'_>) -> PyResult<Self> {
+        let (version, (broad_phase, narrow_phase), places, shapes, bodies, pairs, departed) = data;
+        if version != VERSION {
+            return Err(Fault::new("version", "state", format!("is of form {version}, not {VERSION}")).raised(py));
+        }
+        let broken = |what: &str| Fault::new("state", "state", format!("{what} contradict each other")).raised(py);
+        let options = Options {
+            broad_phase: chosen(&broad_phase, "broad_phase", &BROAD_PHASES)?,
+            narrow_phase: chosen(&narrow_phase, "narrow_phase", &NARROW_PHASES)?,
+        };
+        let ids: Vec<BodyId> = plain_column(&places.0)?.into_iter().map(BodyId::from_bits).collect();
+        let (generations, free) = (plain_column(&places.1)?, plain_column(&places.2)?);
+        let objects: Vec<Bound<'_, PyAny>> = shapes.0.try_iter()?.collect::<PyResult<_>>()?;
+        let made: Vec<(Source, Shape)> = objects
+            .iter()
+            .map(|object| Ok((Source::object(object), weighed(object, "state")?.shape)))
+            .collect::<PyResult<_>>()?;
+        let shape_of: Vec<u32> = plain_column(&shapes.1)?;
+        let traits = traits_of(&bodies)?;
+        let poses = Poses::read(&bodies.0, "state", OnError::Raise)?.poses;
+        if [shape_of.len(), traits.len(), poses.len()] != [ids.len(); 3] {
+            return Err(broken("the numbers of bodies"));
+        }
+        let mut recorded = Vec::with_capacity(ids.len());
+        let mut sources = Shapes::default();
+        for (((id, shape), pose), (traits, change)) in ids.into_iter().zip(shape_of).zip(poses).zip(traits) {
+            let (source, shape) = made.get(shape as usize).ok_or_else(|| broken("the numbers of shapes"))?;
+            sources.set(id, Some(source.clone()));
+            let body = Body::new(shape.clone()).at(pose).kind(traits.kind).layers(traits.layers).tag(traits.tag);
+            let body = if let Some(owner) = traits.owner { body.owner(owner) } else { body };
+            recorded.push(RecordedBody { id, body, change });
+        }
+        let pairs = pairs_of(&pairs)?.ok_or_else(|| broken("the numbers of pairs"))?;
+        let departed: Vec<u64> = plain_column(&departed)?;
+        let departed = departed.as_chunks().0.iter().map(|&[tag_a, tag_b, a, b]| {
+            let [a, b] = [a, b].map(BodyId::from_bits);
+            PairKey { tag_a, tag_b, a, b }
+        });
+        let record = Record { bodies: recorded, generations, free, pairs, departed: departed.collect() };
+        let snapshot = py.detach(|| Snapshot::from_record(&record, &options));
+        let snapshot = snapshot.map_err(|flaw| Fault::new("state", "state", flaw.to_string()).raised(py))?;
+        Ok(Self { snapshot, shapes: sources, options })
+    }
+
+    /// All of it, in arrays and the objects that shapes are made of: `impinge.Shape`, or a mesh without its Python class and
+    /// whether it is solid.
+    fn data<'py>(&self, py: Python<'py>) -> PyResult<Data<'py>> {
+        let record = py.detach(|| self.snapshot.to_record());
+        let bodies = &record.bodies;
+        let count = bodies.len();
+        let body_column = |of: fn(&RecordedBody) -> u64| array(py, bodies.iter().map(of).collect(), &[count]);
+        let traits = bodies.iter().map(|RecordedBody { body, change, .. }| {
+            let Traits { kind, layers, .. } = *body.traits();
+            [place(&KINDS.map(|(_, kind)| kind), kind), layers.on, layers.meets, place(&CHANGES, *change)]
+        });
+        let owns = bodies.iter().map(|recorded| recorded.body.traits().owner.is_some());
+        let poses = bodies.iter().map(|recorded| matrix(recorded.body.world_from_body()));
+        let (options, pairs) = (&self.options, &record.pairs);
+        let handles = pairs.iter().map(|pair| pair.bodies.map(BodyId::to_bits)).collect();
+        let found = pairs.iter().map(|pair| place(&PROXIMITIES, pair.meeting.as_ref().map(|meeting| meeting.0)));
+        let manifolds = pairs.iter().map(|pair| pair.meeting.as_ref().map_or(&[][..], |meeting| &meeting.1));
+        let departed: Vec<[u64; 4]> =
+            record.departed.iter().map(|key| [key.tag_a, key.tag_b, key.a.to_bits(), key.b.to_bits()]).collect();
+        let gone = departed.len();
+        let (places, frees) = (record.generations.len(), record.free.len());
+        Ok((
+            VERSION,
+            (name(py, &BROAD_PHASES, options.broad_phase)?, name(py, &NARROW_PHASES, options.narrow_phase)?),
+            (
+                body_column(|recorded| recorded.id.to_bits())?,
+                array(py, record.generations, &[places])?,
+                array(py, record.free, &[frees])?,
+            ),
+            self.shape_table(py, bodies)?,
+            (
+                array(py, poses.collect::<Vec<_>>().into_flattened(), &[count, 4, 4])?,
+                row_array(py, traits.collect(), &[count])?,
+                body_column(|recorded| recorded.body.traits().owner.unwrap_or(0))?,
+                array(py, owns.collect(), &[count])?,
+                body_column(|recorded| recorded.body.traits().tag)?,
+            ),
+            (
+                row_array(py, handles, &[pairs.len()])?,
+                array(py, found.collect(), &[pairs.len()])?,
+                contacts::columns(py, manifolds)?,
+            ),
+            row_array(py, departed, &[gone])?,
+        ))
+    }
+
+    /// Itself: it never changes.
+    fn __copy__(own: PyRef<'_, Self>) -> PyRef<'_, Self> {
+        own
+    }
+
+    /// Itself: it never changes.
+    fn __deepcopy__<'py>(own: PyRef<'py, Self>, memo: &Bound<'py, PyAny>) -> PyRef<'py, Self> {
+        let _ = memo;
+        own
+    }
+}
+
+impl WorldState {
+    fn shape_table<'py>(&self, py: Python<'py>, bodies: &[RecordedBody]) -> PyResult<ShapeTable<'py>> {
+        let (mut objects, mut numbers) = (PyList::empty(py), Vec::with_capacity(bodies.len()));
+        let mut number_of = std::collections::HashMap::new();
+        for RecordedBody { id, .. } in bodies {
+            let Some(source) = self.shapes.get(*id) else {
+                return Err(Fault::new("state", "state", format!("body {id} has no shape")).raised(py));
+            };
+            let number = match source {
+                Source::Object(object) => *number_of.entry(object.as_ptr()).or_insert_with(|| objects.len()),
+                Source::Refitted(..) => objects.len(),
+            };
+            if number == objects.len() {
+                append(&mut objects, source)?;
+            }
+            numbers.push(number as u32);
+        }
+        let count = numbers.len();
+        Ok((objects.into_any(), array(py, numbers, &[count])?))
+    }
+}
+
+fn append(objects: &mut Bound<'_, PyList>, source: &Source) -> PyResult<()> {
+    match source {
+        Source::Object(object) => objects.append(object.bind(objects.py())),
+        Source::Refitted(mesh, is_solid) => objects.append((MeshBase::of(mesh), *is_solid)),
+    }
+}
+
+/// What the bodies of a table have to do with others, and what of them changed.
+fn traits_of((_, traits, owners, owns, tags): &BodyTable<'_>) -> PyResult<Vec<(Traits, Change)>> {
+    let traits: Vec<u32> = plain_column(traits)?;
+    let (owners, owns, tags): (Vec<u64>, Vec<bool>, Vec<u64>) =
+        (plain_column(owners)?, plain_column(owns)?, plain_column(tags)?);
+    let rows = traits.as_chunks().0.iter().zip(owners.into_iter().zip(owns).zip(tags));
+    let of = |(&[kind, on, meets, change], ((owner, owns), tag)): (&[u32; 4], ((u64, bool), u64))| {
+        let kind = KINDS.get(kind as usize).map_or_else(Default::default, |(_, kind)| *kind);
+        let change = CHANGES.get(change as usize).copied().unwrap_or(Change::Traits);
+        let layers = impinge::world::Layers { on, meets };
+        (Traits { kind, layers, owner: owns.then_some(owner), tag }, change)
+    };
+    Ok(rows.map(of).collect())
+}
+
+/// The pairs of a table; none where its parts are not of the same number.
+fn pairs_of((handles, found, contacts): &PairTable<'_>) -> PyResult<Option<Vec<RecordedPair>>> {
+    let handles: Vec<u64> = plain_column(handles)?;
+    let found: Vec<u32> = plain_column(found)?;
+    let Some(manifolds) = contacts::manifolds(contacts)? else { return Ok(None) };
+    let rows = handles.as_chunks::<2>().0;
+    if rows.len() != found.len() || rows.len() != manifolds.len() {
+        return Ok(None);
+    }
+    let of = |((bodies, found), manifolds): ((&[u64; 2], u32), _)| {
+        let proximity = PROXIMITIES.get(found as usize).copied()?;
+        let meeting = proximity.map(|proximity| (proximity, manifolds));
+        Some(RecordedPair { bodies: bodies.map(BodyId::from_bits), meeting })
+    };
+    Ok(rows.iter().zip(found).zip(manifolds).map(of).collect())
+}
+
+/// Which of some values this is.
+fn place<T: PartialEq>(values: &[T], value: T) -> u32 {
+    values.iter().position(|known| *known == value).unwrap_or(0) as u32
+}
+
+/// What Python calls a value.
+fn name<'py, T: PartialEq>(py: Python<'py>, values: &[(&str, T)], value: T) -> PyResult<Bound<'py, PyAny>> {
+    let found = values.iter().find(|(_, known)| *known == value);
+    Ok(found.map_or("", |(name, _)| name).into_pyobject(py)?.into_any())
+}

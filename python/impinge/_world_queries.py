@@ -1,0 +1,160 @@
+"""What rays meet in a world, and what is in boxes, at points and in the way of shapes there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from impinge import _impinge
+from impinge._handles import ALL_LAYERS, mask
+from impinge._points import scalar
+from impinge._shape import AnyShape
+from impinge._world_answers import Bodies, BodyRayHit, BodyRayHits, body_hits_of
+
+
+class WorldQueries:
+    """A world that is asked what is where; `World` is the only one."""
+
+    __slots__ = ("_core",)
+    _core: _impinge.WorldCore
+
+    def ray_cast(
+        self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf, layers: int = ALL_LAYERS
+    ) -> BodyRayHit:
+        """Return the first body that each ray meets.
+
+        Parameters
+        ----------
+        origins : (..., 3) array_like of float32 or float64
+            In the world frame, below 2^300 in magnitude.
+        directions : (..., 3) array_like of float32 or float64
+            Of any length but zero. The leading axes of both broadcast as in NumPy.
+        reach : float
+            How far, in units of the directions' lengths.
+        layers : int
+            Bodies on other layers are looked through.
+
+        Returns
+        -------
+        BodyRayHit
+            Its fields have the leading axes.
+
+        Raises
+        ------
+        InputError
+            If a number is not in range or a direction is zero; it says which.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> world = impinge.World()
+        >>> balls = world.insert(impinge.Shape.sphere(1), impinge.pose([[5, 0, 0], [9, 0, 0]]))
+        >>> hit = world.ray_cast([0, 0, 0], [2, 0, 0])
+        >>> hit.body == int(balls[0]), round(hit.t, 9)
+        (True, 2.0)
+        """
+        rays = origins, directions, float(reach)
+        hit, (t, body, point, face) = _impinge.world_ray_cast(self._core, rays, mask(layers, "layers"))
+        return BodyRayHit(scalar(hit), scalar(t), scalar(body), point, scalar(face))
+
+    def ray_cast_all(
+        self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf, layers: int = ALL_LAYERS
+    ) -> BodyRayHit | BodyRayHits:
+        """Return every body that each ray meets, where it does first, in this order.
+
+        Parameters
+        ----------
+        origins, directions, reach, layers
+            As for `ray_cast`.
+
+        Returns
+        -------
+        BodyRayHit or BodyRayHits
+            For a single ray a `BodyRayHit` with as many entries as there are hits.
+
+        Raises
+        ------
+        InputError
+            As for `ray_cast`.
+        """
+        rays = origins, directions, float(reach)
+        offsets, columns, shape = _impinge.world_ray_cast_all(self._core, rays, mask(layers, "layers"))
+        t, body, point, face = columns
+        return BodyRayHits(offsets, t, body, point, face, tuple(shape)) if shape else body_hits_of(t, body, point, face)
+
+    def overlapping(
+        self, shape: AnyShape, pose: ArrayLike | None = None, *, layers: int = ALL_LAYERS
+    ) -> NDArray[np.uint64] | Bodies:
+        """Return the bodies that a shape meets, which is in the world for the question alone.
+
+        Parameters
+        ----------
+        shape : Shape or Mesh
+            The probe.
+        pose : (..., 4, 4) array_like of float32 or float64, optional
+            World from shape.
+        layers : int
+            Bodies on other layers are passed over.
+
+        Returns
+        -------
+        (k,) uint64 array or Bodies
+            Handles, sorted by tags and then by themselves; `Bodies` where the pose has leading axes.
+
+        Raises
+        ------
+        InputError
+            If an argument is none of the above.
+        """
+        return _bodies(_impinge.world_overlapping(self._core, shape, pose, mask(layers, "layers")))
+
+    def in_boxes(self, low: ArrayLike, high: ArrayLike, *, layers: int = ALL_LAYERS) -> NDArray[np.uint64] | Bodies:
+        """Return the bodies whose boxes overlap given ones: what is about there, quickly.
+
+        Parameters
+        ----------
+        low, high : (..., 3) array_like of float32 or float64
+            Lower and upper corners in the world frame. Leading axes broadcast as in NumPy.
+        layers : int
+            As for `overlapping`.
+
+        Returns
+        -------
+        (k,) uint64 array or Bodies
+            As for `overlapping`.
+
+        Raises
+        ------
+        InputError
+            If a number is not in range, or an upper corner is below a lower one.
+        """
+        return _bodies(_impinge.world_in_boxes(self._core, low, high, mask(layers, "layers")))
+
+    def at_points(self, points: ArrayLike, *, layers: int = ALL_LAYERS) -> NDArray[np.uint64] | Bodies:
+        """Return the bodies that hold points; the surface of a mesh holds what is on it.
+
+        Parameters
+        ----------
+        points : (..., 3) array_like of float32 or float64
+            In the world frame, below 2^128 in magnitude.
+        layers : int
+            As for `overlapping`.
+
+        Returns
+        -------
+        (k,) uint64 array or Bodies
+            As for `overlapping`.
+
+        Raises
+        ------
+        InputError
+            If a number is not in range.
+        """
+        return _bodies(_impinge.world_at_points(self._core, points, mask(layers, "layers")))
+
+
+def _bodies(answer: Any) -> NDArray[np.uint64] | Bodies:
+    offsets, bodies, shape = answer
+    return Bodies(offsets, bodies, tuple(shape)) if shape else bodies

@@ -1,0 +1,29 @@
+"""What there is to see of a thing, as text that can be compared."""
+
+import impinge
+import numpy as np
+
+VIEWS = [
+    (np.ndarray, lambda array: (str(array.dtype), array.shape, str(array.tolist()))),
+    (impinge.Mesh, lambda mesh: (mesh.vertices, mesh.faces, mesh.origin)),
+    (impinge.World, lambda world: (world.bodies, world.pairs(), world.poses(world.bodies), world.tags(world.bodies))),
+    (impinge.WorldState, lambda kept: kept.data()[4:6]),
+    (impinge.Motion, lambda motion: (motion.at(0.0), motion.at(0.3), motion.at(1.0))),
+    (impinge.CharacterPose, lambda posed: (posed.frames, posed.vertices)),
+    (impinge.Character, lambda character: (character.parts, character.animations, character.faces)),
+    (set | frozenset, lambda items: sorted(map(str, items))),
+    (dict, lambda items: [(str(key), value) for key, value in items.items()]),
+]
+"""What there is to see of things that have no fields that show it."""
+
+
+def state(thing):
+    """What there is to see of a thing, as text."""
+    for kind, view in VIEWS:
+        if isinstance(thing, kind):
+            return state(view(thing))
+    if isinstance(thing, list | tuple):
+        return str([state(item) for item in thing])
+    if hasattr(thing, "__dict__") and not isinstance(thing, type):
+        return type(thing).__name__ + state(vars(thing))
+    return repr(thing)
