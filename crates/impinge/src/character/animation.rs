@@ -1,8 +1,11 @@
 //! Keys over time, and what lies between them (glTF 2.0 specification, appendix C).
 
+use std::collections::HashMap;
+
 use super::error::{RigError, RigErrorKind, RigPlace, judge};
 use super::skeleton::BoneSet;
-use super::transform::{Transform, normalised, slerp};
+use super::timeline::{LANES, Moves, Place, Quad, Side, Timeline};
+use super::transform::{Transform, normalised};
 
 /// What a channel moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -24,6 +27,16 @@ impl Target {
             Self::Translation(_) | Self::Scale(_) => 3,
             Self::Rotation(_) => 4,
             Self::MorphWeight(_) => 1,
+        }
+    }
+
+    /// What it moves of which bone.
+    fn moved(self) -> Option<(Moves, u32)> {
+        match self {
+            Self::Translation(bone) => Some((Moves::Translation, bone)),
+            Self::Rotation(bone) => Some((Moves::Rotation, bone)),
+            Self::Scale(bone) => Some((Moves::Scale, bone)),
+            Self::MorphWeight(_) => None,
         }
     }
 }
@@ -60,15 +73,8 @@ pub struct Animation {
     /// Different lists of times; most rigs have few.
     timelines: Vec<Timeline>,
     tracks: Vec<Track>,
-}
-
-/// Times, and what all channels with keys there have at them: key by key, as a pose asks for one key of all.
-#[derive(Clone, Debug, PartialEq)]
-struct Timeline {
-    times: Vec<f64>,
-    /// How many values each key has, of all channels.
-    width: usize,
-    values: Vec<f64>,
+    /// The tracks that are not in the quads of a timeline.
+    singles: Vec<u32>,
 }
 
 /// A channel over a timeline.
@@ -77,8 +83,9 @@ pub(super) struct Track {
     pub(super) target: Target,
     interpolation: Interpolation,
     timeline: usize,
-    /// The place of its values among those of a key.
+    /// The place of its values among those of a key, and how far apart they are there.
     offset: usize,
+    stride: usize,
 }
 
 /// The keys of one track.
@@ -87,24 +94,7 @@ pub(super) struct Keys<'a> {
     pub(super) interpolation: Interpolation,
     timeline: &'a Timeline,
     offset: usize,
-}
-
-/// Which of the two values a jump has at its own time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Side {
-    /// That from which it comes.
-    Before,
-    /// That to which it goes, which is the one that counts.
-    After,
-}
-
-/// A place between two keys.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    key: usize,
-    /// From 0 at this key to 1 at the next.
-    share: f64,
-    seconds: f64,
+    stride: usize,
 }
 
 impl Animation {
@@ -114,19 +104,18 @@ impl Animation {
     /// Keys that are not finite, out of range, no rotation, of scale zero, or whose times do not increase; other counts of
     /// values than the keys need; each names the channel or the key.
     pub fn new(name: String, channels: Vec<Channel>, index: usize) -> Result<Self, RigError> {
-        let (mut timelines, mut tracks, mut given) = (Vec::<Timeline>::new(), Vec::new(), Vec::new());
+        let (mut timelines, mut tracks, mut given) = (Vec::<Timeline>::new(), Vec::<Track>::new(), Vec::new());
         for (at, channel) in channels.into_iter().enumerate() {
             let Channel { target, interpolation, times, values } = judged(channel, index, at)?;
             let known = timelines.iter().position(|known| known.times == times);
             let timeline = known.unwrap_or_else(|| {
-                timelines.push(Timeline { times, width: 0, values: Vec::new() });
+                timelines.push(Timeline::new(times));
                 timelines.len() - 1
             });
-            let width = &mut timelines[timeline].width;
-            tracks.push(Track { target, interpolation, timeline, offset: *width });
-            *width += values_per_key(target, interpolation);
+            tracks.push(Track { target, interpolation, timeline, offset: 0, stride: 1 });
             given.push(values);
         }
+        let singles = laid_out(&mut timelines, &mut tracks);
         for timeline in &mut timelines {
             timeline.values = vec![0.0; timeline.times.len() * timeline.width];
         }
@@ -134,10 +123,11 @@ impl Animation {
             let Timeline { width, values, .. } = &mut timelines[track.timeline];
             let of_key = values_per_key(track.target, track.interpolation);
             for (all, own) in values.chunks_mut(*width).zip(given.chunks(of_key)) {
-                all[track.offset..track.offset + of_key].copy_from_slice(own);
+                own.iter().enumerate().for_each(|(k, &value)| all[track.offset + k * track.stride] = value);
             }
         }
-        Ok(Self { name, timelines, tracks })
+        timelines.iter_mut().for_each(Timeline::fill);
+        Ok(Self { name, timelines, tracks, singles })
     }
 
     /// The name; empty where the rig has none.
@@ -172,8 +162,8 @@ impl Animation {
     }
 
     pub(super) fn keys(&self, track: &Track) -> Keys<'_> {
-        let Track { interpolation, timeline, offset, .. } = *track;
-        Keys { interpolation, timeline: &self.timelines[timeline], offset }
+        let Track { interpolation, timeline, offset, stride, .. } = *track;
+        Keys { interpolation, timeline: &self.timelines[timeline], offset, stride }
     }
 
     /// Moves what the channels move to where it is at a time: all of it, or the bones of a set.
@@ -185,19 +175,16 @@ impl Animation {
         locals: &mut [Transform],
         morph_weights: &mut [f64],
     ) {
-        let mut places = [Place { key: 0, share: 0.0, seconds: 0.0 }; 8];
-        let many: Vec<Place>;
-        let places: &[Place] = if self.timelines.len() <= places.len() {
-            for (place, timeline) in places.iter_mut().zip(&self.timelines) {
-                *place = find(&timeline.times, time, side);
+        for timeline in self.timelines.iter().filter(|timeline| !timeline.quads.is_empty()) {
+            timeline.sample(timeline.find(time, side), set, locals);
+        }
+        let (mut found, mut place) = (None, Place::START);
+        for &track in &self.singles {
+            let track = &self.tracks[track as usize];
+            let keys = self.keys(track);
+            if found != Some(track.timeline) {
+                (found, place) = (Some(track.timeline), keys.timeline.find(time, side));
             }
-            &places
-        } else {
-            many = self.timelines.iter().map(|timeline| find(&timeline.times, time, side)).collect();
-            &many
-        };
-        for track in &self.tracks {
-            let (keys, place) = (self.keys(track), places[track.timeline]);
             let is_in = |bone: u32| set.is_none_or(|set| set.is_in[bone as usize]);
             match track.target {
                 Target::Translation(bone) | Target::Rotation(bone) | Target::Scale(bone) if !is_in(bone) => {}
@@ -209,6 +196,38 @@ impl Animation {
             }
         }
     }
+}
+
+/// Gives every track its place among the values of a key, the linear ones of bones by fours; those that are left. Of several tracks
+/// with one target the last counts, and the others are nowhere asked for.
+fn laid_out(timelines: &mut [Timeline], tracks: &mut [Track]) -> Vec<u32> {
+    let last: HashMap<Target, usize> = tracks.iter().enumerate().map(|(at, track)| (track.target, at)).collect();
+    let (mut singles, mut open) = (Vec::new(), HashMap::<(usize, Moves), [usize; 2]>::new());
+    for (at, track) in tracks.iter_mut().enumerate() {
+        let moved =
+            track.target.moved().filter(|_| track.interpolation == Interpolation::Linear && last[&track.target] == at);
+        let Some((moves, bone)) = moved else { continue };
+        let timeline = &mut timelines[track.timeline];
+        let [quad, lane] = open.entry((track.timeline, moves)).or_insert([0, LANES]);
+        if *lane == LANES {
+            (*quad, *lane) = (timeline.quads.len(), 0);
+            timeline.quads.push(Quad { offset: timeline.width, moves, bones: [bone; LANES] });
+            timeline.width += LANES * track.target.width();
+        }
+        let own = &mut timeline.quads[*quad];
+        own.bones[*lane..].fill(bone);
+        (track.offset, track.stride) = (own.offset + *lane, LANES);
+        *lane += 1;
+    }
+    for (at, track) in tracks.iter_mut().enumerate().filter(|(_, track)| track.stride == 1) {
+        let width = &mut timelines[track.timeline].width;
+        track.offset = *width;
+        *width += values_per_key(track.target, track.interpolation);
+        if last[&track.target] == at {
+            singles.push(at as u32);
+        }
+    }
+    singles
 }
 
 /// The channel with the rotations of its keys made of length 1, those of splines aside.
@@ -254,21 +273,6 @@ fn values_per_key(target: Target, interpolation: Interpolation) -> usize {
     target.width() * if interpolation == Interpolation::CubicSpline { 3 } else { 1 }
 }
 
-/// Where a time lies among others.
-fn find(times: &[f64], time: f64, side: Side) -> Place {
-    let after = match side {
-        Side::After => times.partition_point(|&key| key <= time),
-        Side::Before => times.partition_point(|&key| key < time),
-    };
-    if after == 0 {
-        return Place { key: 0, share: 0.0, seconds: 0.0 };
-    }
-    let key = after - 1;
-    let Some(&next) = times.get(after) else { return Place { key, share: 0.0, seconds: 0.0 } };
-    let seconds = next - times[key];
-    Place { key, share: ((time - times[key]) / seconds).clamp(0.0, 1.0), seconds }
-}
-
 impl<'a> Keys<'a> {
     pub(super) fn times(&self) -> &'a [f64] {
         &self.timeline.times
@@ -276,9 +280,8 @@ impl<'a> Keys<'a> {
 
     /// The value of a key; where keys have slopes, the one before it for a `part` of 0, the value for 1, the slope after it for 2.
     fn part<const N: usize>(&self, key: usize, part: usize) -> [f64; N] {
-        let start = key * self.timeline.width + self.offset + part * N;
-        let values = &self.timeline.values[start..start + N];
-        std::array::from_fn(|k| values[k])
+        let start = key * self.timeline.width + self.offset + part * N * self.stride;
+        std::array::from_fn(|k| self.timeline.values[start + k * self.stride])
     }
 
     /// The value of a key.
@@ -306,16 +309,14 @@ impl<'a> Keys<'a> {
         std::array::from_fn(|k| a * from[k] + b * seconds * slope_from[k] + c * to[k] + d * seconds * slope_to[k])
     }
 
+    /// Of a track that is not linear.
     fn rotation_at(&self, place: Place) -> [f64; 4] {
         let from = self.value::<4>(place.key);
-        match self.interpolation {
-            Interpolation::Linear if place.share > 0.0 => slerp(from, self.value::<4>(place.key + 1), place.share),
-            Interpolation::CubicSpline => {
-                // A spline through zero has no rotation there; that of its key will do.
-                normalised(self.values_at::<4>(place)).or_else(|| normalised(from)).unwrap_or([1.0, 0.0, 0.0, 0.0])
-            }
-            _ => from,
+        if self.interpolation != Interpolation::CubicSpline {
+            return from;
         }
+        // A spline through zero has no rotation there; that of its key will do.
+        normalised(self.values_at::<4>(place)).or_else(|| normalised(from)).unwrap_or([1.0, 0.0, 0.0, 0.0])
     }
 }
 

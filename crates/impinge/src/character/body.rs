@@ -113,7 +113,7 @@ impl Character {
     pub fn frames(&self, pose: &RigPose) -> Vec<Frame> {
         let frame = |part: &HitPart| {
             let bone = &pose.bones()[part.anchor as usize];
-            Frame::new(bone.rotation_wxyz, bone.origin)
+            Frame::new(bone.rotation_wxyz, bone.origin())
         };
         self.parts.iter().map(frame).collect()
     }

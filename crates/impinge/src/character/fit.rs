@@ -178,7 +178,7 @@ pub(super) fn places(rig: &Rig, pose: &RigPose, held: &[Held], mut show: impl Fn
     rig.skin().morphed(pose.morph_weights(), &mut morphed);
     for (at, part) in held.iter().enumerate() {
         let bone = &pose.bones()[part.anchor as usize];
-        let local = local_palette(&palette, &matrix(bone.rotation_wxyz), bone.origin);
+        let local = local_palette(&palette, &matrix(bone.rotation_wxyz), bone.origin());
         for &vertex in &part.vertices {
             show(at, vertex, blended(&local, rig.skin().influences(vertex), morphed[vertex as usize]));
         }

@@ -5,8 +5,9 @@ use crate::query::shapes;
 use crate::volume::Proximity;
 
 use super::frame::Frame;
+use super::overlap::holds_origin;
 use super::transform::{Vector, apply_transposed};
-use super::vector::{add, dot, length, scale, sub, unit};
+use super::vector::{add, dot, length, scale, sub};
 use super::volume::HitVolume;
 
 /// A volume in its frame.
@@ -49,37 +50,13 @@ pub(super) fn meet(a: &Stood<'_>, b: &Stood<'_>) -> Result<bool, InputError> {
         let gap = least(ends_b) - most(ends_a);
         return Ok(gap <= (reach + 1e-13 * size) * length(between));
     }
-    if let Some(found) = by_supports(a, b) {
+    let size = a.size() + b.size();
+    let difference = |direction: Vector| sub(a.support(direction), b.support(scale(direction, -1.0)));
+    if let Some(found) = holds_origin(difference, sub(b.sphere.0, a.sphere.0), 1e-12 * size, size) {
         return Ok(found);
     }
     let (placed_a, placed_b) = (a.volume.placed(a.frame.pose()?)?, b.volume.placed(b.frame.pose()?)?);
     Ok(shapes::proximity(&placed_a, &placed_b) != Proximity::Apart)
-}
-
-/// Whether two volumes meet, where a few planes or a point between them prove it with more than rounding to spare.
-///
-/// # Source
-/// Chung and Wang, *Quick collision detection of polytopes in virtual environments*, 1996: a plane that does not separate is
-/// turned away from the points which show that.
-fn by_supports(a: &Stood<'_>, b: &Stood<'_>) -> Option<bool> {
-    const TURNS: usize = 4;
-    let slack = 1e-12 * (a.size() + b.size());
-    let mut normal = unit(sub(b.sphere.0, a.sphere.0))?;
-    for _ in 0..TURNS {
-        let (p, q) = (a.support(normal), b.support(scale(normal, -1.0)));
-        let between = sub(q, p);
-        if dot(normal, between) > slack {
-            return Some(false);
-        }
-        let middle = scale(add(p, q), 0.5);
-        let inside = |stood: &Stood<'_>| stood.volume.signed_distance(stood.frame.local(middle)) < -slack;
-        if inside(a) && inside(b) {
-            return Some(true);
-        }
-        let away = unit(between)?;
-        normal = unit(sub(normal, scale(away, 2.0 * dot(normal, away))))?;
-    }
-    None
 }
 
 /// The segment that a sphere sweeps.

@@ -281,7 +281,7 @@ mod tests {
         let x = from.apply(point);
         super::super::transform::apply_transposed(
             &super::super::transform::matrix(to.rotation_wxyz),
-            [0, 1, 2].map(|k| x[k] - to.origin[k]),
+            [0, 1, 2].map(|k| x[k] - to.origin()[k]),
         )
     }
 

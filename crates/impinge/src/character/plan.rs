@@ -149,7 +149,7 @@ impl Clusters {
     fn of(rig: &Rig) -> Result<Self, RigError> {
         let poses = some_poses(rig, POSES)?;
         let frame = |pose: &RigPose| {
-            pose.bones().iter().map(|bone| Frame::new(bone.rotation_wxyz, bone.origin)).collect::<Vec<_>>()
+            pose.bones().iter().map(|bone| Frame::new(bone.rotation_wxyz, bone.origin())).collect::<Vec<_>>()
         };
         let frames: Vec<Vec<Frame>> = poses.iter().map(frame).collect();
         let bones = bones_of_faces(rig);

@@ -87,7 +87,7 @@ impl<'c> Posed<'c> {
         let mut outer = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
         for part in self.character.parts() {
             let bone = &pose.bones()[part.anchor as usize];
-            let frame = Frame::new(bone.rotation_wxyz, add(bone.origin, origin));
+            let frame = Frame::new(bone.rotation_wxyz, add(bone.origin(), origin));
             let (local, radius) = part.sphere;
             let turned = apply(&frame.rotation, local);
             let centre = add(turned, frame.origin);
@@ -104,7 +104,7 @@ impl<'c> Posed<'c> {
         self.piece_frames.clear();
         self.piece_frames.extend(self.character.piece_anchors.iter().map(|&anchor| {
             let bone = &pose.bones()[anchor as usize];
-            Frame::new(bone.rotation_wxyz, add(bone.origin, origin))
+            Frame::new(bone.rotation_wxyz, add(bone.origin(), origin))
         }));
     }
 

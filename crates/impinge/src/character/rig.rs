@@ -1,9 +1,10 @@
 //! A skeleton, the skin over it and the ways in which it moves; and one pose of it.
 
-use super::animation::{Animation, Side, Target};
+use super::animation::{Animation, Target};
 use super::error::{RigError, RigErrorKind, RigPlace};
 use super::skeleton::{BoneSet, PlacedBone, Skeleton};
 use super::skin::Skin;
+use super::timeline::Side;
 use super::transform::Transform;
 
 /// A character as it was modelled and animated: what hit volumes are fitted to.

@@ -1,10 +1,10 @@
 //! Poses that stand for all of a rig's motions: so many that between two of them no vertex strays from its chord, seen from
 //! its part, by more than a known length.
 
-use super::animation::Side;
 use super::error::{RigError, RigErrorKind, RigPlace};
 use super::motion_bound::{IntervalMotion, Jet, mapped};
 use super::rig::{Rig, RigPose};
+use super::timeline::Side;
 use super::transform::Vector;
 use super::vector::length;
 
@@ -183,9 +183,9 @@ pub(super) fn rounding(rig: &Rig, pose: &RigPose) -> f64 {
         let along: f64 = rig
             .skeleton()
             .ancestry(joint.bone)
-            .map(|above| length(pose.bones()[above as usize].origin))
+            .map(|above| length(pose.bones()[above as usize].origin()))
             .fold(0.0, f64::max);
-        let reach = norm(&bone.linear) * (norm(&linear) * farthest + length(bind)) + 2.0 * along;
+        let reach = norm(&bone.linear()) * (norm(&linear) * farthest + length(bind)) + 2.0 * along;
         let depth = f64::from(rig.skeleton().depth(joint.bone));
         worst = worst.max((depth + 4.0) * 32.0 * f64::EPSILON * reach);
     }

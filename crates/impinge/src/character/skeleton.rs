@@ -1,7 +1,12 @@
 //! Bones that hang on each other, and where a pose puts them.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, dispatch, f64x4};
+
+use crate::simd::{best_level, by_axis};
+
 use super::error::{RigError, RigErrorKind, RigPlace};
-use super::transform::{Transform, Vector, apply, matrix, nearly_unit, product, times};
+use super::transform::{Transform, Vector, matrix, nearly_unit, product};
 
 /// A bone: a node of the skeleton, whether vertices follow it or not.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,25 +114,49 @@ impl Skeleton {
         set: Option<&BoneSet>,
         placed: &mut Vec<PlacedBone>,
     ) -> Result<(), RigError> {
-        const LIMIT: f64 = (1_u128 << 100) as f64;
         placed.resize(self.bones.len(), PlacedBone::ORIGIN);
-        for &at in set.map_or(&self.order, |set| &set.order) {
-            let at = at as usize;
-            let own = PlacedBone::of(&locals[at]);
-            let bone = match self.bones[at].parent {
-                Some(parent) => placed[parent as usize].with(&own),
-                None => own,
-            };
-            // Written so that NaN is refused.
-            let within = |x: &f64| x.abs() <= LIMIT;
-            if !(bone.linear.as_flattened().iter().all(within) && bone.origin.iter().all(within)) {
-                return Err(RigError::new(RigErrorKind::OutOfRange { what: "pose" }, RigPlace::Bone(at)));
-            }
-            placed[at] = bone;
+        let order = set.map_or(&self.order, |set| &set.order);
+        if dispatch!(best_level(), simd => self.chain(simd, locals, order, placed)) {
+            return Ok(());
         }
-        Ok(())
+        let beyond = order.iter().find(|&&at| !placed[at as usize].is_within_range());
+        let at = beyond.map_or(0, |&at| at as usize);
+        Err(RigError::new(RigErrorKind::OutOfRange { what: "pose" }, RigPlace::Bone(at)))
+    }
+
+    /// Puts some bones into the world; whether all of them are within range.
+    #[inline(always)]
+    fn chain<S: Simd>(&self, simd: S, locals: &[Transform], order: &[u32], placed: &mut [PlacedBone]) -> bool {
+        // All of them before the first is asked for, so that no vector is loaded whose numbers are still on their way.
+        for &at in order {
+            placed[at as usize] = PlacedBone::of(&locals[at as usize]);
+        }
+        let limit = f64x4::splat(simd, LIMIT);
+        let mut is_within = limit.simd_eq(limit);
+        for &at in order {
+            let own = &placed[at as usize];
+            let mut rows: [f64x4<S>; 3] = by_axis!(i => f64x4::from_slice(simd, &own.rows[i]));
+            if let Some(parent) = self.bones[at as usize].parent {
+                let above = &placed[parent as usize];
+                let rotation_wxyz = nearly_unit(product(above.rotation_wxyz, own.rotation_wxyz));
+                rows = by_axis!(i => {
+                    let [x, y, z, origin] = above.rows[i];
+                    rows[0] * x + rows[1] * y + rows[2] * z + f64x4::from_slice(simd, &[0.0, 0.0, 0.0, origin])
+                });
+                let own = &mut placed[at as usize];
+                by_axis!(i => rows[i].store_slice(&mut own.rows[i]));
+                own.rotation_wxyz = rotation_wxyz;
+            }
+            // NaN is not.
+            let [x, y, z] = by_axis!(i => rows[i].abs().simd_le(limit));
+            is_within = is_within & x & y & z;
+        }
+        is_within.all_true()
     }
 }
+
+/// No pose has larger numbers.
+const LIMIT: f64 = (1_u128 << 100) as f64;
 
 fn parents_first(bones: &[Bone]) -> Result<(Vec<u32>, Vec<u32>), RigError> {
     let (mut order, mut depths) = (Vec::with_capacity(bones.len()), vec![0_u32; bones.len()]);
@@ -153,10 +182,8 @@ fn parents_first(bones: &[Bone]) -> Result<(Vec<u32>, Vec<u32>), RigError> {
 /// A bone in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedBone {
-    /// Maps the bone's own frame to the world, with all scales; rows first.
-    pub linear: [[f64; 3]; 3],
-    /// Where the bone's origin is in the world.
-    pub origin: [f64; 3],
+    /// Map the bone's own frame to the world, with all scales; the last of each is the origin's.
+    rows: [[f64; 4]; 3],
     /// The product of the rotations of the bone and all above it, without their scales: with the origin, the rigid frame that
     /// hit volumes are fixed to.
     pub rotation_wxyz: [f64; 4],
@@ -164,32 +191,40 @@ pub struct PlacedBone {
 
 impl PlacedBone {
     const ORIGIN: Self = Self {
-        linear: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        origin: [0.0; 3],
+        rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
         rotation_wxyz: [1.0, 0.0, 0.0, 0.0],
     };
 
+    /// A bone that stands so relative to the world.
+    #[inline(always)]
     fn of(local: &Transform) -> Self {
-        let scaled = matrix(local.rotation_wxyz).map(|row| [0, 1, 2].map(|k| row[k] * local.scale[k]));
-        Self { linear: scaled, origin: local.translation, rotation_wxyz: local.rotation_wxyz }
+        let ([x, y, z], [a, b, c]) = (matrix(local.rotation_wxyz), local.translation);
+        let [u, v, w] = local.scale;
+        let row = |row: Vector, origin: f64| [row[0] * u, row[1] * v, row[2] * w, origin];
+        Self { rows: [row(x, a), row(y, b), row(z, c)], rotation_wxyz: local.rotation_wxyz }
     }
 
-    /// A child that stands so relative to this bone.
-    fn with(&self, child: &Self) -> Self {
-        let offset = apply(&self.linear, child.origin);
-        let turned = product(self.rotation_wxyz, child.rotation_wxyz);
-        Self {
-            linear: times(&self.linear, &child.linear),
-            origin: [0, 1, 2].map(|k| self.origin[k] + offset[k]),
-            rotation_wxyz: nearly_unit(turned),
-        }
+    /// Maps directions of the bone's own frame to the world, with all scales; rows first.
+    #[must_use]
+    pub fn linear(&self) -> [[f64; 3]; 3] {
+        self.rows.map(|[x, y, z, _]| [x, y, z])
+    }
+
+    /// Where the bone's origin is in the world.
+    #[must_use]
+    pub fn origin(&self) -> [f64; 3] {
+        self.rows.map(|row| row[3])
+    }
+
+    fn is_within_range(&self) -> bool {
+        // Written so that NaN is refused.
+        self.rows.as_flattened().iter().all(|x| x.abs() <= LIMIT)
     }
 
     /// Where a point of the bone's own frame is in the world, scales included.
     #[must_use]
     pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
-        let image: Vector = apply(&self.linear, point);
-        [0, 1, 2].map(|k| image[k] + self.origin[k])
+        self.rows.map(|[x, y, z, origin]| x * point[0] + y * point[1] + z * point[2] + origin)
     }
 }
 

@@ -180,7 +180,7 @@ impl Skin {
         let entry = |joint: &Joint| {
             let bone = &bones[joint.bone as usize];
             let bind = joint.inverse_bind;
-            let linear = times(&bone.linear, &bind.map(|[x, y, z, _]| [x, y, z]));
+            let linear = times(&bone.linear(), &bind.map(|[x, y, z, _]| [x, y, z]));
             (linear, bone.apply(bind.map(|[.., t]| t)))
         };
         self.joints.iter().map(entry).collect()

@@ -54,6 +54,7 @@ pub(super) fn normalised(q: [f64; 4]) -> Option<[f64; 4]> {
 }
 
 /// The product: the rotation `b` first, then `a`.
+#[inline(always)]
 pub(super) fn product([aw, ax, ay, az]: [f64; 4], [bw, bx, by, bz]: [f64; 4]) -> [f64; 4] {
     [
         aw * bw - ax * bx - ay * by - az * bz,
@@ -64,6 +65,7 @@ pub(super) fn product([aw, ax, ay, az]: [f64; 4], [bw, bx, by, bz]: [f64; 4]) ->
 }
 
 /// The matrix of a quaternion of length 1, up to rounding.
+#[inline(always)]
 pub(super) fn matrix([w, x, y, z]: [f64; 4]) -> Matrix {
     let [x2, y2, z2] = [x + x, y + y, z + z];
     let (xx, yy, zz, xy, xz, yz) = (x * x2, y * y2, z * z2, x * y2, x * z2, y * z2);
@@ -122,7 +124,7 @@ pub(super) fn nearly_unit(q: [f64; 4]) -> [f64; 4] {
 }
 
 /// What t² is multiplied with and what is taken off in each term of [`sine_ratios`]: 1 / (i (2i + 1)) and i / (2i + 1).
-const FACTORS: [[f64; 2]; 63] = {
+pub(super) const FACTORS: [[f64; 2]; 63] = {
     let (mut factors, mut at) = ([[0.0; 2]; 63], 0);
     while at < 63 {
         let i = at as f64 + 1.0;

@@ -9,6 +9,7 @@ use crate::math::Pose;
 use crate::shape::{PlacedShape, Shape};
 use crate::volume::{BoundingSphere, BoundingVolume, Capsule, Lozenge, Obb};
 
+use super::corners::Corners;
 use super::transform::Vector;
 use super::vector::{add, cross, dot, length, scale, sub, unit};
 
@@ -71,6 +72,7 @@ pub struct HitHull {
     hull: Arc<Hull>,
     /// Outward normals of length 1 and levels.
     planes: Arc<[(Vector, f64)]>,
+    corners: Arc<Corners>,
 }
 
 impl HitHull {
@@ -98,7 +100,8 @@ impl HitHull {
             Some((normal, level))
         });
         let planes = planes.collect();
-        Self { hull: Arc::new(hull), planes }
+        let corners = Arc::new(Corners::new(hull.positions()));
+        Self { hull: Arc::new(hull), planes, corners }
     }
 
     /// Outward normals of length 1, and levels.
@@ -112,6 +115,9 @@ impl HitHull {
         &self.hull
     }
 }
+
+/// Corners of a hull, of which all are asked for the farthest; of more the way to it over the edges is shorter.
+const FEW: usize = 256;
 
 /// The corners of a cube about a point.
 pub(super) fn cube_about(point: Vector, half: f64) -> [Vector; 8] {
@@ -157,7 +163,7 @@ impl HitVolume {
             Self::Capsule(capsule) => size_of_val(capsule),
             Self::Box(obb) => size_of_val(obb),
             Self::Lozenge(lozenge) => size_of_val(lozenge),
-            Self::Hull(HitHull { hull, planes }) => hull.memory() + size_of_val(&planes[..]),
+            Self::Hull(HitHull { hull, planes, corners }) => hull.memory() + size_of_val(&planes[..]) + corners.bytes(),
         }
     }
 
@@ -201,6 +207,7 @@ impl HitVolume {
                 add(at, scale(axis, obb.half_extents()[k].copysign(dot(axis, direction))))
             }),
             Self::Lozenge(lozenge) => RoundedPlate(*lozenge).support(direction),
+            Self::Hull(HitHull { hull, corners, .. }) if hull.positions().len() <= FEW => corners.support(direction),
             Self::Hull(HitHull { hull, .. }) => hull.positions()[hull.support(direction) as usize],
         }
     }
@@ -258,20 +265,37 @@ impl HitVolume {
     /// # Errors
     /// A volume beyond the range of shapes.
     pub fn placed(&self, world_from_local: Pose) -> Result<PlacedShape, InputError> {
-        match self {
-            Self::Sphere(sphere) => Shape::sphere(sphere.centre(), sphere.radius())?.at(world_from_local),
+        let (shape, world_from_shape) = self.shape_in(world_from_local)?;
+        shape.at(world_from_shape)
+    }
+
+    /// The shape in a frame of its own, and that frame.
+    ///
+    /// # Errors
+    /// A volume beyond the range of shapes.
+    pub(super) fn shape_in(&self, world_from_local: Pose) -> Result<(Shape, Pose), InputError> {
+        let shape = match self {
+            Self::Sphere(sphere) => Shape::sphere(sphere.centre(), sphere.radius())?,
             Self::Capsule(capsule) => {
                 let [a, b] = capsule.ends();
-                Shape::capsule(a, b, capsule.radius())?.at(world_from_local)
+                Shape::capsule(a, b, capsule.radius())?
             }
-            Self::Lozenge(lozenge) => Shape::custom(Arc::new(RoundedPlate(*lozenge)))?.at(world_from_local),
-            Self::Box(obb) => {
-                let columns = obb.axes();
-                let linear = [0, 1, 2].map(|i| [0, 1, 2].map(|k| columns[k][i]));
-                Shape::cuboid(obb.half_extents())?.at(world_from_local.compose(&Pose::new(linear, obb.centre())?)?)
-            }
-            Self::Hull(HitHull { hull, .. }) => Shape::hull(hull.clone()).at(world_from_local),
-        }
+            Self::Lozenge(lozenge) => Shape::custom(Arc::new(RoundedPlate(*lozenge)))?,
+            Self::Box(obb) => Shape::cuboid(obb.half_extents())?,
+            Self::Hull(HitHull { hull, .. }) => Shape::hull(hull.clone()),
+        };
+        Ok((shape, self.pose_in(world_from_local)?))
+    }
+
+    /// The frame of the shape: that of a box is about its axes, that of all else the volume's own.
+    ///
+    /// # Errors
+    /// A box beyond the range of poses.
+    pub(super) fn pose_in(&self, world_from_local: Pose) -> Result<Pose, InputError> {
+        let Self::Box(obb) = self else { return Ok(world_from_local) };
+        let columns = obb.axes();
+        let linear = [0, 1, 2].map(|i| [0, 1, 2].map(|k| columns[k][i]));
+        world_from_local.compose(&Pose::new(linear, obb.centre())?)
     }
 }
 
