@@ -178,7 +178,7 @@ pub(crate) fn characters(root: &Path) -> Result<Vec<(&'static str, Rig)>> {
     let mut found = vec![("robot", impinge_files::load_rig(root.join("data/robot.glb"))?)];
     match std::env::var_os("IMPINGE_DATA").map(|data| Path::new(&data).join("characters/greenman.glb")) {
         Some(path) if path.exists() => found.push(("greenman", impinge_files::load_rig(path)?)),
-        _ => eprintln!("without greenman.glb: IMPINGE_DATA names no folder that has it"),
+        _ => println!("without greenman.glb: IMPINGE_DATA names no folder that has it"),
     }
     Ok(found)
 }
