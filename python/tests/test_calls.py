@@ -72,6 +72,15 @@ def test_a_call_whose_line_cannot_be_written_ends(monkeypatch):
         impinge.intersecting_pairs(TORUS, TORUS, random_poses(200_000, 1.0, 1), limit=1, progress=True)
 
 
+@pytest.fixture
+def python_hears_ctrl_c():
+    """Also where whoever started the tests had them ignore it, as shells do for what runs in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("python_hears_ctrl_c")
 def test_ctrl_c_ends_a_long_call_within_a_fraction_of_a_second():
     sent = []
 
