@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from rivals import circumstances, output
 
 SERIES = [
-    ("pose", "posing", "#4269d0", 2),
-    ("parts", "pairs of parts", "#ff725c", -12),
+    ("pose", "posing", "#4269d0", -6),
+    ("parts", "pairs of parts", "#ff725c", 4),
     ("sweep", "pairs of characters", "#6cc5b0", -4),
     ("rays", "1,000 rays", "#a463f2", -4),
     ("all", "all", "#1b1e23", -4),
