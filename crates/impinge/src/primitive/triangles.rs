@@ -117,6 +117,37 @@ enum Parts {
 }
 
 fn ordered(a: &[Vector; 3], b: &[Vector; 3]) -> Witness {
+    nearest_corners(a, b).unwrap_or_else(|| nearest_of_all(a, b))
+}
+
+/// The nearest corners, where both triangles lie behind the planes through them across what is between them, so that
+/// nothing is nearer: the case of all the faces about two vertices, and a tenth of the work.
+///
+/// # Accuracy
+/// An edge that rounding puts on the wrong side leans over its plane by 4 units of 2^-53 at most, and comes nearer by no more
+/// than that of its length.
+fn nearest_corners(a: &[Vector; 3], b: &[Vector; 3]) -> Option<Witness> {
+    let mut least = (f64::INFINITY, 0, 0);
+    for i in 0..3 {
+        for j in 0..3 {
+            let between = sub(&b[j], &a[i]);
+            let squared = dot(&between, &between);
+            if squared < least.0 {
+                least = (squared, i, j);
+            }
+        }
+    }
+    let (squared, i, j) = least;
+    let (on_a, on_b) = (a[i], b[j]);
+    let between = sub(&on_b, &on_a);
+    let is_behind = |corner: usize| {
+        dot(&sub(&a[corner], &on_a), &between) <= 0.0 && dot(&sub(&b[corner], &on_b), &between) >= 0.0
+    };
+    (is_behind(0) && is_behind(1) && is_behind(2)).then_some(Witness { squared, on_a, on_b })
+}
+
+/// The nearest points of all edges, corners and faces.
+fn nearest_of_all(a: &[Vector; 3], b: &[Vector; 3]) -> Witness {
     let edges = |corners: &[Vector; 3]| [0, 1, 2].map(|i| sub(&corners[(i + 1) % 3], &corners[i]));
     let (edges_a, edges_b) = (edges(a), edges(b));
     let (squares_a, squares_b) = (edges_a.each_ref().map(|u| dot(u, u)), edges_b.each_ref().map(|v| dot(v, v)));
@@ -215,5 +246,37 @@ impl<const N: usize> Scaled<N> {
             point_a: back(on_a),
             point_b: back(on_b),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use impinge_testkit::generate::Rng;
+
+    use super::*;
+
+    #[test]
+    fn corners_that_are_nearest_are_nearest_of_all() {
+        let mut rng = Rng::new(1122);
+        let mut found = [0; 2];
+        for round in 0..100_000 {
+            let is_on_grid = round % 2 == 0;
+            let mut triangle = |reach: f64| -> [Vector; 3] {
+                [0; 3].map(|_| {
+                    [0; 3].map(|axis: usize| {
+                        let x = if is_on_grid { rng.integer(-2, 2) as f64 } else { rng.uniform(-1.0, 1.0) };
+                        if axis == 0 { x + reach } else { x }
+                    })
+                })
+            };
+            let (a, b) = (triangle(0.0), triangle(3.0));
+            let Some(nearest) = nearest_corners(&a, &b) else { continue };
+            found[usize::from(is_on_grid)] += 1;
+            let all = nearest_of_all(&a, &b);
+            let doubt = Scaled::new([a[0], a[1], a[2], b[0], b[1], b[2]]).diagonal * CLOSED_FORM_ERROR;
+            let off = nearest.squared.sqrt() - all.squared.sqrt();
+            assert!(off.abs() <= 4.0 * doubt, "{a:?} {b:?}: {off:e}");
+        }
+        assert!(found.iter().all(|&found| found > 5_000), "{found:?}");
     }
 }
