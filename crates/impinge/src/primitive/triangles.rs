@@ -140,9 +140,8 @@ fn nearest_corners(a: &[Vector; 3], b: &[Vector; 3]) -> Option<Witness> {
     let (squared, i, j) = least;
     let (on_a, on_b) = (a[i], b[j]);
     let between = sub(&on_b, &on_a);
-    let is_behind = |corner: usize| {
-        dot(&sub(&a[corner], &on_a), &between) <= 0.0 && dot(&sub(&b[corner], &on_b), &between) >= 0.0
-    };
+    let is_behind =
+        |corner: usize| dot(&sub(&a[corner], &on_a), &between) <= 0.0 && dot(&sub(&b[corner], &on_b), &between) >= 0.0;
     (is_behind(0) && is_behind(1) && is_behind(2)).then_some(Witness { squared, on_a, on_b })
 }
 
