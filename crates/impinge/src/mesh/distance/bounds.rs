@@ -51,8 +51,8 @@ const CENTRES: f32 = 1.0 / 16.0;
 pub(super) struct Bounds {
     /// Whether the second mesh is the host.
     pub(super) swapped: bool,
-    host: Option<BoxMap>,
-    guest: BoxMap,
+    /// What carries boxes of the host and of the guest there; none for a host's that are used as they are.
+    maps: [Option<BoxMap>; 2],
     /// Metric units, at least, for one unit of the frame of the boxes.
     per_unit: f64,
     far: Option<Far>,
@@ -99,31 +99,24 @@ impl Bounds {
                 let (host_frame, guest_frame) = (&host.mesh.0.frame, &guest.mesh.0.frame);
                 let per_unit = stretch / host_frame.scale * metric.scale * (1.0 - 1e-12);
                 let guest = Relation::new(&local, host_frame, guest_frame).boxes;
-                Self { swapped, host: None, guest, per_unit, far: None }
+                Self { swapped, maps: [None, Some(guest)], per_unit, far: None }
             }
             None => Self {
                 swapped,
-                host: Some(carried(host, host_side)),
-                guest: carried(guest, guest_side),
+                maps: [Some(carried(host, host_side)), Some(carried(guest, guest_side))],
                 per_unit: 1.0,
                 far: is_far.then(|| Far::new(&gap, metric)),
             },
         };
-        let slack = |map: &BoxMap| f64::from(map.slack());
-        let blur = (slack(&bounds.guest) + bounds.host.as_ref().map_or(0.0, slack)) * bounds.per_unit;
+        let slack: f64 = bounds.maps.iter().flatten().map(|map| f64::from(map.slack())).sum();
+        let blur = slack * bounds.per_unit;
         (bounds, blur)
     }
 
-    /// Boxes of a guest node in the frame of comparison.
+    /// Boxes of a node of the host, or of the guest, in the frame of comparison.
     #[inline(always)]
-    pub(super) fn carry_guest<S: Simd>(&self, simd: S, node: &Node) -> BoxLanes {
-        carried(simd, &self.guest, node)
-    }
-
-    /// Boxes of a host node in the frame of comparison.
-    #[inline(always)]
-    pub(super) fn carry_host<S: Simd>(&self, simd: S, node: &Node) -> BoxLanes {
-        match &self.host {
+    pub(super) fn carry<S: Simd>(&self, simd: S, side: usize, node: &Node) -> BoxLanes {
+        match &self.maps[side] {
             Some(map) => carried(simd, map, node),
             None => BoxLanes { min: node.min, max: node.max },
         }

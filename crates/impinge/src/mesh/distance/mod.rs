@@ -89,18 +89,21 @@ const OPENED_TOGETHER: f32 = 4.0;
 /// Leaves of either mesh that are kept at hand; a power of two. They fill half of a second cache.
 const LEAVES_AT_HAND: usize = 128;
 
-/// Guest nodes whose boxes are kept carried over; a power of two.
+/// Nodes of either mesh whose boxes are kept carried over; a power of two.
 const CARRIED_AT_HAND: usize = 32;
 
+/// The two sides of a search, by their places.
+const HOST: usize = 0;
+const GUEST: usize = 1;
+
+/// Of the arrays of two the first is the host's and the second the guest's.
 struct Search<'a> {
     scene: Scene<'a>,
     answer: Answer,
-    host: &'a [Node],
-    guest: &'a [Node],
+    nodes: [&'a [Node]; 2],
     tasks: Vec<Task>,
     leaves: [AtHand<Leaf>; 2],
-    carried_host: AtHand<Carried>,
-    carried_guest: AtHand<Carried>,
+    carried: [AtHand<Carried>; 2],
     profiles: Profiles<'a>,
     between: Between,
 }
@@ -137,12 +140,10 @@ impl<'a> Search<'a> {
         Some(Self {
             scene,
             answer,
-            host: host.0.tree.nodes(),
-            guest: guest.0.tree.nodes(),
+            nodes: [host.0.tree.nodes(), guest.0.tree.nodes()],
             tasks: Vec::new(),
             leaves: [AtHand::new(LEAVES_AT_HAND), AtHand::new(LEAVES_AT_HAND)],
-            carried_host: AtHand::new(CARRIED_AT_HAND),
-            carried_guest: AtHand::new(CARRIED_AT_HAND),
+            carried: [AtHand::new(CARRIED_AT_HAND), AtHand::new(CARRIED_AT_HAND)],
             profiles: Profiles::new([host, guest]),
             between,
         })
@@ -178,29 +179,30 @@ impl<'a> Search<'a> {
             if task.bound > self.answer.node_limit {
                 continue;
             }
-            if self.profiles.are_apart(simd, [task.host, task.guest], self.answer.cut) {
+            if self.profiles.are_apart(simd, task.slots, self.answer.cut) {
                 continue;
             }
-            let (host_node, host_lane) = (&self.host[task.host.node as usize], usize::from(task.host.lane));
-            let (guest_node, guest_lane) = (&self.guest[task.guest.node as usize], usize::from(task.guest.lane));
+            let [host, guest] = task.slots;
+            let (host_node, guest_node) =
+                (&self.nodes[HOST][host.node as usize], &self.nodes[GUEST][guest.node as usize]);
+            let (host_lane, guest_lane) = (usize::from(host.lane), usize::from(guest.lane));
             let (host_box, guest_box) = (host_node.lane_bounds(host_lane), guest_node.lane_bounds(guest_lane));
             if self.between.are_apart(&host_box, &guest_box, self.answer.cut) {
                 continue;
             }
-            let (host, guest) = (host_node.child(host_lane), guest_node.child(guest_lane));
-            match (host, guest) {
+            match (host_node.child(host_lane), guest_node.child(guest_lane)) {
                 (Child::Leaf(host), Child::Leaf(guest)) => self.meet_leaves(simd, host, guest)?,
-                (Child::Inner(host), Child::Leaf(_)) => self.open_host(simd, host, task.guest),
-                (Child::Leaf(_), Child::Inner(guest)) => self.open_guest(simd, guest, task.host),
-                (Child::Inner(host), Child::Inner(guest)) => {
-                    let (host_size, guest_size) =
-                        (size(&self.host_box(simd, task.host)), size(&self.guest_box(simd, task.guest)));
+                (Child::Inner(node), Child::Leaf(_)) => self.open_one(simd, HOST, node, guest),
+                (Child::Leaf(_), Child::Inner(node)) => self.open_one(simd, GUEST, node, host),
+                (Child::Inner(host_node), Child::Inner(guest_node)) => {
+                    let host_size = size(&self.box_of(simd, HOST, host));
+                    let guest_size = size(&self.box_of(simd, GUEST, guest));
                     if host_size > OPENED_TOGETHER * guest_size {
-                        self.open_host(simd, host, task.guest);
+                        self.open_one(simd, HOST, host_node, guest);
                     } else if guest_size > OPENED_TOGETHER * host_size {
-                        self.open_guest(simd, guest, task.host);
+                        self.open_one(simd, GUEST, guest_node, host);
                     } else {
-                        self.open_both(simd, host, guest);
+                        self.open_both(simd, host_node, guest_node);
                     }
                 }
             }
@@ -210,12 +212,12 @@ impl<'a> Search<'a> {
 
     #[inline(always)]
     fn open_both<S: Simd>(&mut self, simd: S, host: u32, guest: u32) {
-        let Self { scene, answer, tasks, carried_host, carried_guest, profiles, .. } = self;
-        let (host_node, guest_node) = (&self.host[host as usize], &self.guest[guest as usize]);
+        let Self { scene, answer, tasks, nodes, carried: [carried_host, carried_guest], profiles, .. } = self;
+        let (host_node, guest_node) = (&nodes[HOST][host as usize], &nodes[GUEST][guest as usize]);
         let reached = profiles.of_nodes(simd, [host, guest]);
         let near = Reached::near(&reached, simd, answer.cut);
-        let host_boxes = carried(carried_host, host, || scene.bounds.carry_host(simd, host_node));
-        let guest_boxes = carried(carried_guest, guest, || scene.bounds.carry_guest(simd, guest_node));
+        let host_boxes = carried_boxes(carried_host, host, || scene.bounds.carry(simd, HOST, host_node));
+        let guest_boxes = carried_boxes(carried_guest, guest, || scene.bounds.carry(simd, GUEST, guest_node));
         let mut found = Sorted::new();
         for guest_lane in 0..guest_node.count() {
             let near = near[guest_lane] & lanes_in_use(host_node);
@@ -225,56 +227,39 @@ impl<'a> Search<'a> {
             let guest_box = guest_boxes.lane(guest_lane);
             let bounds = scene.bounds.of(simd, host_boxes, &guest_box, false, answer.node_limit);
             for host_lane in bits(near & bounds.near) {
-                found.add(&bounds, host_lane, host_lane, guest_lane);
+                found.add(&bounds, host_lane, [host_lane, guest_lane]);
             }
         }
-        found.push(tasks, |host_lane, guest_lane| {
-            (Slot { node: host, lane: host_lane }, Slot { node: guest, lane: guest_lane })
+        found.push(tasks, |[host_lane, guest_lane]| {
+            [Slot { node: host, lane: host_lane }, Slot { node: guest, lane: guest_lane }]
         });
     }
 
-    /// The children of a host node against one child of a guest node.
+    /// The children of a node of one side against one child of the other.
     #[inline(always)]
-    fn open_host<S: Simd>(&mut self, simd: S, host: u32, guest: Slot) {
-        let one = self.guest_box(simd, guest);
-        let Self { scene, answer, tasks, carried_host, .. } = self;
-        let node = &self.host[host as usize];
-        let many = carried(carried_host, host, || scene.bounds.carry_host(simd, node));
-        let bounds = scene.bounds.of(simd, many, &one, false, answer.node_limit);
+    fn open_one<S: Simd>(&mut self, simd: S, side: usize, node: u32, other: Slot) {
+        let one = self.box_of(simd, 1 - side, other);
+        let Self { scene, answer, tasks, nodes, carried, .. } = self;
+        let opened = &nodes[side][node as usize];
+        let many = carried_boxes(&mut carried[side], node, || scene.bounds.carry(simd, side, opened));
+        let bounds = scene.bounds.of(simd, many, &one, side == GUEST, answer.node_limit);
         let mut found = Sorted::new();
-        for lane in bits(bounds.near & lanes_in_use(node)) {
-            found.add(&bounds, lane, lane, 0);
+        for lane in bits(bounds.near & lanes_in_use(opened)) {
+            found.add(&bounds, lane, if side == HOST { [lane, 0] } else { [0, lane] });
         }
-        found.push(tasks, |lane, _| (Slot { node: host, lane }, guest));
+        found.push(tasks, |lanes| {
+            let opened = Slot { node, lane: lanes[side] };
+            if side == HOST { [opened, other] } else { [other, opened] }
+        });
     }
 
-    /// The children of a guest node against one child of a host node.
+    /// The box of a child of a node of one side, carried over.
     #[inline(always)]
-    fn open_guest<S: Simd>(&mut self, simd: S, guest: u32, host: Slot) {
-        let one = self.host_box(simd, host);
-        let Self { scene, answer, tasks, carried_guest, .. } = self;
-        let node = &self.guest[guest as usize];
-        let many = carried(carried_guest, guest, || scene.bounds.carry_guest(simd, node));
-        let bounds = scene.bounds.of(simd, many, &one, true, answer.node_limit);
-        let mut found = Sorted::new();
-        for lane in bits(bounds.near & lanes_in_use(node)) {
-            found.add(&bounds, lane, 0, lane);
-        }
-        found.push(tasks, |_, lane| (host, Slot { node: guest, lane }));
-    }
-
-    #[inline(always)]
-    fn host_box<S: Simd>(&mut self, simd: S, slot: Slot) -> Aabb {
-        let node = &self.host[slot.node as usize];
-        carried(&mut self.carried_host, slot.node, || self.scene.bounds.carry_host(simd, node))
-            .lane(usize::from(slot.lane))
-    }
-
-    #[inline(always)]
-    fn guest_box<S: Simd>(&mut self, simd: S, slot: Slot) -> Aabb {
-        let node = &self.guest[slot.node as usize];
-        carried(&mut self.carried_guest, slot.node, || self.scene.bounds.carry_guest(simd, node))
-            .lane(usize::from(slot.lane))
+    fn box_of<S: Simd>(&mut self, simd: S, side: usize, slot: Slot) -> Aabb {
+        let Self { scene, nodes, carried, .. } = self;
+        let node = &nodes[side][slot.node as usize];
+        let boxes = carried_boxes(&mut carried[side], slot.node, || scene.bounds.carry(simd, side, node));
+        boxes.lane(usize::from(slot.lane))
     }
 
     #[inline(always)]
@@ -349,6 +334,6 @@ fn size(bounds: &Aabb) -> f32 {
 }
 
 #[inline(always)]
-fn carried(at_hand: &mut AtHand<Carried>, node: u32, carry: impl FnOnce() -> BoxLanes) -> &BoxLanes {
+fn carried_boxes(at_hand: &mut AtHand<Carried>, node: u32, carry: impl FnOnce() -> BoxLanes) -> &BoxLanes {
     &at_hand.get(node, |kept| kept.node, |node| Carried { node, boxes: carry() }).boxes
 }

@@ -14,8 +14,8 @@ pub(super) struct Slot {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Task {
     pub(super) bound: f32,
-    pub(super) host: Slot,
-    pub(super) guest: Slot,
+    /// Of the host and of the guest.
+    pub(super) slots: [Slot; 2],
 }
 
 /// Pairs of children by their bounds.
@@ -31,9 +31,9 @@ impl Sorted {
         Self { keys: [0; LANES * LANES], bounds: [0.0; LANES * LANES], count: 0 }
     }
 
-    /// Adds two children with the bound of the lane `of`.
+    /// Adds two children, by their lanes, with the bound of the lane `of`.
     #[inline(always)]
-    pub(super) fn add(&mut self, bounds: &LaneBounds, of: usize, host_lane: usize, guest_lane: usize) {
+    pub(super) fn add(&mut self, bounds: &LaneBounds, of: usize, [host_lane, guest_lane]: [usize; 2]) {
         let order = bounds.order[of].to_bits();
         // Floats order like integers once those of negative ones are turned over.
         let ordered = order ^ (((order as i32 >> 31) as u32) | 1 << 31);
@@ -45,13 +45,13 @@ impl Sorted {
 
     /// Appends tasks, the nearest last.
     #[inline(always)]
-    pub(super) fn push(&mut self, tasks: &mut Vec<Task>, slots: impl Fn(u8, u8) -> (Slot, Slot)) {
+    pub(super) fn push(&mut self, tasks: &mut Vec<Task>, slots: impl Fn([u8; 2]) -> [Slot; 2]) {
         let keys = &mut self.keys[..self.count];
         keys.sort_unstable_by(|x, y| y.cmp(x));
         tasks.extend(keys.iter().map(|&key| {
             let lanes = key as u8;
-            let (host, guest) = slots(lanes / LANES as u8, lanes % LANES as u8);
-            Task { bound: self.bounds[usize::from(lanes)], host, guest }
+            let slots = slots([lanes / LANES as u8, lanes % LANES as u8]);
+            Task { bound: self.bounds[usize::from(lanes)], slots }
         }));
     }
 }
