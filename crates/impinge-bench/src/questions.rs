@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use anyhow::{Result, ensure};
 use impinge::mesh::{Options, Placed};
-use impinge::query;
+use impinge::query::{self, HitCache};
 
 use crate::samples::{Samples, timed};
 
@@ -66,7 +66,7 @@ pub fn ask_impinge(repeats: usize, a: Placed<'_>, b: Placed<'_>, options: &Optio
     ask(
         repeats,
         || query::intersecting_pairs_with(black_box(a), black_box(b), options),
-        || query::intersects_with(black_box(a), black_box(b), options),
+        || query::intersects_with(black_box(a), black_box(b), &mut HitCache::default(), options),
     )
 }
 

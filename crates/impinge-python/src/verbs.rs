@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 
 use impinge::exact::{Crossing, Placement, crossing};
-use impinge::query::{self, ContactPatch, Penetrates};
+use impinge::mesh::{Options, Placed};
+use impinge::query::{self, ContactPatch, HitCache, Penetrates};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyList};
@@ -17,7 +18,10 @@ use crate::workers;
 /// `bool`, or an array of them.
 #[pyfunction]
 pub(crate) fn intersects<'py>(py: Python<'py>, question: Question, solid: SolidOption) -> PyResult<Bound<'py, PyAny>> {
-    yes_or_no(py, question.answer(py, true, move |a, b| query::intersects_solid(a, b, solid.0))?)
+    let ask = move |cache: &mut HitCache, a: Placed<'_>, b: Placed<'_>| {
+        query::intersects_solid_with(a, b, solid.0, cache, &Options::default())
+    };
+    yes_or_no(py, question.answer_learning(py, true, ask)?)
 }
 
 /// `bool`, or an array of them; what is undecided counts as yes.

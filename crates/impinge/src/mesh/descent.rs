@@ -51,6 +51,22 @@ const TASKS_PER_THREAD: usize = 64;
 /// Below this many tasks no threads are woken: less work than this is done sooner than shared.
 const LEAST_SHARED_TASKS: usize = 256;
 
+/// Two faces that intersect, of the first mesh and of the second; none where no two do.
+pub(crate) fn first_hit(a: Placed<'_>, b: Placed<'_>, options: &Options) -> Option<[u32; 2]> {
+    collect_intersecting(a, b, 1, options).first().copied()
+}
+
+/// Whether two faces intersect; faces that there are not do not.
+pub(crate) fn faces_meet(a: Placed<'_>, b: Placed<'_>, [face_a, face_b]: [u32; 2]) -> bool {
+    (face_a as usize) < a.mesh.faces().len()
+        && (face_b as usize) < b.mesh.faces().len()
+        && triangles_intersect(
+            &Placement::new(&a.world_from_mesh, &b.world_from_mesh),
+            &a.mesh.corners(face_a),
+            &b.mesh.corners(face_b),
+        )
+}
+
 /// Pairs of faces (of a, of b) that intersect, each once, in no particular order: all of them, or any `limit` of them
 /// where there are more.
 pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, options: &Options) -> Vec<[u32; 2]> {

@@ -3,6 +3,7 @@
 
 mod curves;
 mod distance;
+mod hits;
 mod pair_order;
 mod patches;
 mod penetrates;
@@ -13,6 +14,7 @@ mod solid;
 
 pub use curves::{Curves, curves_of_pairs, intersection_curves};
 pub use distance::{Distance, Witness, WitnessCache, distance, distance_with, within, within_with};
+pub use hits::{HitCache, intersects, intersects_with};
 pub(crate) use patches::contacts_of_patches;
 pub use patches::{ContactPatch, contact_patches};
 pub use penetrates::{Penetrates, penetrates, penetrates_of_pairs};
@@ -20,27 +22,10 @@ pub use penetration::penetration;
 pub use self_intersection::self_intersecting_pairs;
 pub use solid::{
     Contained, Solid, SolidIntersection, distance_of_solids, distance_of_solids_with, intersects_solid,
-    solid_intersection, solid_intersection_of_pairs, within_of_solids, within_of_solids_with,
+    intersects_solid_with, solid_intersection, solid_intersection_of_pairs, within_of_solids, within_of_solids_with,
 };
 
 use crate::mesh::{Options, Placed, collect_intersecting};
-
-/// Whether the surfaces of two meshes have a point in common; touching counts.
-///
-/// The answer is the truth about the real images of the closed triangles under the given maps: no tolerance, no scale.
-///
-/// # Complexity
-/// Stops at the first pair found: logarithmic where the meshes are deep in each other or well apart.
-#[must_use]
-pub fn intersects<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> bool {
-    intersects_with(a, b, &Options::default())
-}
-
-/// [`intersects`], run in a stated way.
-#[must_use]
-pub fn intersects_with<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, options: &Options) -> bool {
-    !collect_intersecting(a.into(), b.into(), 1, options).is_empty()
-}
 
 /// Every pair of faces (of `a`, of `b`) that have a point in common, sorted, without duplicates.
 ///

@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::distance::{Distance, WitnessCache, distance_with, within_with};
-use super::{intersecting_pairs, intersects};
+use super::{HitCache, intersecting_pairs, intersects_with};
 use crate::exact::{Placement, PosedPoint, Spot};
 use crate::mesh::{Containment, Judge, Mesh, Options, Placed};
 
@@ -99,8 +99,20 @@ impl Contained {
 /// ```
 #[must_use]
 pub fn intersects_solid<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, solid: Solid) -> bool {
+    intersects_solid_with(a, b, solid, &mut HitCache::default(), &Options::default())
+}
+
+/// [`intersects_solid`], run in a stated way, with the faces that met last.
+#[must_use]
+pub fn intersects_solid_with<'a, 'b>(
+    a: impl Into<Placed<'a>>,
+    b: impl Into<Placed<'b>>,
+    solid: Solid,
+    cache: &mut HitCache,
+    options: &Options,
+) -> bool {
     let (a, b) = (a.into(), b.into());
-    intersects(a, b) || is_either_inside(a, b, solid)
+    intersects_with(a, b, cache, options) || is_either_inside(a, b, solid)
 }
 
 /// How two meshes, one or both of them solid, meet, and which has a component inside the other.

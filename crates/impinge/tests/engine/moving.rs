@@ -1,14 +1,17 @@
 //! Meshes that move: refitted and rebuilt in part or whole, they answer as if they were new.
 
 use impinge::hierarchy::Builder;
-use impinge::mesh::{Aging, Ray};
+use impinge::mesh::{Aging, Options, Ray};
+use impinge::query::HitCache;
 use impinge::{InputErrorKind, Mesh, Positions, query};
+use impinge_testkit::cases::Precision;
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
+use impinge_testkit::generate::poses::rotation;
 use impinge_testkit::generate::solids::{cube_sphere, grid_soup};
 use impinge_testkit::{Affine, oracle};
 
-use crate::ways::{on_threads, pairs_in_every_way};
+use crate::ways::{engine_mesh, engine_pose, on_threads, pairs_in_every_way};
 
 /// The arrays of the hierarchy, to the bit.
 fn bits(mesh: &Mesh) -> [Vec<u8>; 3] {
@@ -262,4 +265,29 @@ fn parts_that_are_rebuilt_answer_like_new_ones_whatever_moved() {
         }
     }
     assert!(rebuilt_in_part > 20, "{rebuilt_in_part} of 120 in part");
+}
+
+#[test]
+fn faces_that_met_last_change_no_answer() {
+    let knot = torus_knot(60, 12, TREFOIL);
+    let ball = cube_sphere(6);
+    let meshes = [&knot, &ball].map(|mesh| engine_mesh(mesh, Precision::F64));
+    let mut rng = Rng::new(2211);
+    let (mut met, mut apart) = (0, 0);
+    // One cache for all: faces of one mesh are tried on another, which may not have them.
+    let mut cache = HitCache::default();
+    for _ in 0..40 {
+        let [a, b] = [0; 2].map(|_| &meshes[rng.integer(0, 1) as usize]);
+        let turn = rotation(&mut rng);
+        let from = [0; 3].map(|_| rng.uniform(-4.0, 4.0));
+        for step in 0..30 {
+            // Along a line, and now and then far from it.
+            let stray = if rng.one_in(8) { 3.0 } else { 0.02 * f64::from(step) };
+            let pose = engine_pose(&Affine::new(turn.linear, from.map(|x| x - x.signum() * stray)));
+            let truth = query::intersects(a, b.at(pose));
+            assert_eq!(query::intersects_with(a, b.at(pose), &mut cache, &Options::default()), truth);
+            *(if truth { &mut met } else { &mut apart }) += 1;
+        }
+    }
+    assert!(met > 200 && apart > 200, "{met} met, {apart} apart");
 }
