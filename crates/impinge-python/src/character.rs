@@ -117,6 +117,25 @@ impl CharacterCore {
         self.0.character.parts().iter().map(of).collect()
     }
 
+    /// The parts as bodies: kind, points and numbers of each, as the constructor of shapes takes them. Where they are to be is
+    /// what `PosedCore.body_poses` says.
+    fn shapes<'py>(&self, py: Python<'py>) -> PyResult<Vec<(&'static str, Bound<'py, PyAny>, Vec<f64>)>> {
+        let of = |part: &impinge::character::HitPart| {
+            let (points, numbers) = match part.volume() {
+                HitVolume::Sphere(sphere) => (vec![sphere.centre()], vec![sphere.radius()]),
+                HitVolume::Capsule(capsule) => (capsule.ends().to_vec(), vec![capsule.radius()]),
+                HitVolume::Box(obb) => (Vec::new(), obb.half_extents().to_vec()),
+                HitVolume::Lozenge(plate) => {
+                    (vec![plate.corner(), plate.edges()[0], plate.edges()[1]], vec![plate.radius()])
+                }
+                HitVolume::Hull(hull) => (hull.hull().positions().to_vec(), Vec::new()),
+            };
+            let count = points.len();
+            Ok((part.volume().kind().name(), row_array(py, points, &[count])?, numbers))
+        };
+        self.0.character.parts().iter().map(of).collect()
+    }
+
     /// The text of a file that keeps the fit.
     fn text(&self) -> String {
         character_text(&self.0.rig, &self.0.character)

@@ -73,7 +73,7 @@ fn so_they_do_where_vertices_are_shared_among_bones() {
 fn so_they_do_where_surfaces_swell_and_bulge() {
     let mut random = Random(41);
     let hits: usize = (0..12).map(|_| all_agree(&bulging(&mut random), &mut random, 20, 40)).sum();
-    assert!((7_000..9_500).contains(&hits), "{hits}");
+    assert!((5_500..9_000).contains(&hits), "{hits}");
 }
 
 #[test]
