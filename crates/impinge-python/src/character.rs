@@ -53,6 +53,9 @@ impl Refusal {
 /// and the points whose hull a ball of a radius sweeps.
 type Row = (String, Vec<u32>, u32, &'static str, f64, Vec<[f64; 3]>, f64);
 
+/// A part as the constructor of shapes takes it: kind, points and numbers.
+type ShapeRow<'py> = (&'static str, Bound<'py, PyAny>, Vec<f64>);
+
 #[pymethods]
 impl CharacterCore {
     /// Of a rigged file: fitted to at most so many parts, or to those of a plan; or as it was fitted and saved. Volumes are
@@ -117,9 +120,8 @@ impl CharacterCore {
         self.0.character.parts().iter().map(of).collect()
     }
 
-    /// The parts as bodies: kind, points and numbers of each, as the constructor of shapes takes them. Where they are to be is
-    /// what `PosedCore.body_poses` says.
-    fn shapes<'py>(&self, py: Python<'py>) -> PyResult<Vec<(&'static str, Bound<'py, PyAny>, Vec<f64>)>> {
+    /// The parts as bodies, which stand where `PosedCore.body_poses` says.
+    fn shapes<'py>(&self, py: Python<'py>) -> PyResult<Vec<ShapeRow<'py>>> {
         let of = |part: &impinge::character::HitPart| {
             let (points, numbers) = match part.volume() {
                 HitVolume::Sphere(sphere) => (vec![sphere.centre()], vec![sphere.radius()]),

@@ -25,7 +25,7 @@ fn ray(rig: &Rig, vertices: &[[f64; 3]], random: &mut Random, case: usize) -> Ra
             let origin = random.vector(6.0);
             Ray::new(origin, sub(a, origin).map(|x| 1e-200 * x)).unwrap()
         }
-        4 => Ray::new(random.vector(5.0), random.unit().map(|x| 1e150 * x)).unwrap(),
+        4 => Ray::new(random.vector(5.0), random.unit().map(|x| 1e80 * x)).unwrap(),
         _ => aimed(rig, vertices, random),
     }
 }
