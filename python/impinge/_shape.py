@@ -104,34 +104,6 @@ class Shape(_impinge.ShapeBase):
         return cls._of("box", None, _three(half_extents, "half_extents"))
 
     @classmethod
-    def lozenge(cls, corner: ArrayLike, edges: ArrayLike, radius: float) -> Shape:
-        """Return all points within a radius of a parallelogram, a rectangle mostly: a rounded plate.
-
-        Parameters
-        ----------
-        corner : (3,) array_like of float32 or float64
-            In the shape's own frame.
-        edges : (2, 3) array_like of float32 or float64
-            From the corner to its two neighbours; they may be zero.
-        radius : float
-            At least zero.
-
-        Raises
-        ------
-        InputError
-            If a number is not in range.
-
-        Examples
-        --------
-        >>> import impinge
-        >>> plate = impinge.Shape.lozenge([-1, -1, 0], [[2, 0, 0], [0, 2, 0]], 0.25)
-        >>> round(plate.ray_cast([0, 0, 2], [0, 0, -1]).t, 9)
-        1.75
-        """
-        rectangle = np.concatenate([_points(corner, "corner", 1), _points(edges, "edges", 2)])
-        return cls._of("lozenge", rectangle, [_number(radius, "radius")])
-
-    @classmethod
     def cylinder(cls, half_height: float, radius: float) -> Shape:
         """Return the cylinder about the z axis, from ``-half_height`` to ``half_height``.
 

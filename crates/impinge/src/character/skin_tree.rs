@@ -175,10 +175,7 @@ impl SkinTree {
         let of_leaf = faces.iter().map(|&face| LeafFace { face, corners: skin.faces()[face as usize].map(place) });
         self.faces.extend(of_leaf);
         self.vertices.extend(vertices);
-        Below::Faces {
-            faces: [starts[0], self.faces.len() as u32],
-            vertices: [starts[1], self.vertices.len() as u32],
-        }
+        Below::Faces { faces: [starts[0], self.faces.len() as u32], vertices: [starts[1], self.vertices.len() as u32] }
     }
 
     /// A node about some vertices, without what is below.
@@ -278,7 +275,13 @@ impl SkinTree {
     }
 
     /// Where the vertices of a leaf are in the world in a pose; to the bit what [`Skin::skinned`] says, where the origin is zero.
-    pub(super) fn skin(&self, skin: &Skin, [start, end]: [u32; 2], pose: &SkinPose, places: &mut [Vector; LEAF_VERTICES]) {
+    pub(super) fn skin(
+        &self,
+        skin: &Skin,
+        [start, end]: [u32; 2],
+        pose: &SkinPose,
+        places: &mut [Vector; LEAF_VERTICES],
+    ) {
         for (place, &vertex) in places.iter_mut().zip(&self.vertices[start as usize..end as usize]) {
             let mut point = skin.positions()[vertex as usize];
             for &(morph, offset) in self.offsets_of(vertex) {
@@ -384,14 +387,16 @@ mod tests {
         assert_eq!(sorted, (0..rig.skin().faces().len() as u32).collect::<Vec<_>>());
         let mut nearest = 0.0_f64;
         for case in 0..60 {
-            // Any affine maps at all, of very different sizes, and some that are nearly flat.
+            // Any affine maps at all, of very different sizes, some that are nearly flat, and some that agree about a point.
             let size = [1.0, 1e-3, 1e3][case % 3];
-            let mut map = || {
+            let mut map = |joint: u32| {
+                let size = size * if joint as usize == case % 4 { 20.0 } else { 1.0 };
                 let linear = [[0.0; 3]; 3].map(|row| row.map(|_| size * random(&mut state)));
                 let linear = if case % 5 == 0 { [linear[0], linear[0], linear[2]] } else { linear };
-                (linear, [0; 3].map(|_| 10.0 * random(&mut state)))
+                let agreed = scale(apply(&linear, [4.5 * (1 + case % 4) as f64, 9.0, 0.0]), -1.0);
+                (linear, if case % 2 == 0 { agreed } else { [0; 3].map(|_| 10.0 * random(&mut state)) })
             };
-            let palette: Vec<(Matrix, Vector)> = (0..JOINTS).map(|_| map()).collect();
+            let palette: Vec<(Matrix, Vector)> = (0..JOINTS).map(&mut map).collect();
             let stretches = palette.iter().map(|(linear, _)| stretch(linear)).collect();
             let morph_weights = vec![random(&mut state), 3.0 * random(&mut state)];
             let origin = [0; 3].map(|_| [0.0, 1e9][case % 2] * random(&mut state));

@@ -50,11 +50,14 @@ fn crowd(rig: &Rig, character: &Character, count: usize, repeats: usize, narrow_
     let mut least = Stepped { pose: f64::INFINITY, step: f64::INFINITY, bodies: world.len(), pairs: 0 };
     for frame in 0..repeats.max(1) {
         let (pose_seconds, posing) = timed(|| {
-            posed.par_iter_mut().zip(&members).try_for_each_init(RigPose::default, |pose, (posed, member): (_, &Member)| {
-                rig.pose_bones_into(member.animation, member.time(rig, frame), &bones, pose)?;
-                posed.set_at(pose, member.place);
-                anyhow::Ok(())
-            })?;
+            posed.par_iter_mut().zip(&members).try_for_each_init(
+                RigPose::default,
+                |pose, (posed, member): (_, &Member)| {
+                    rig.pose_bones_into(member.animation, member.time(rig, frame), &bones, pose)?;
+                    posed.set_at(pose, member.place);
+                    anyhow::Ok(())
+                },
+            )?;
             moves.clear();
             posed.iter().zip(&bodies).try_for_each(|(posed, bodies)| bodies.moves(posed, &mut moves))?;
             anyhow::Ok(())

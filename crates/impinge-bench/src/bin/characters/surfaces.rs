@@ -14,7 +14,10 @@ const POSES: usize = 100;
 const RAYS: usize = 100;
 
 /// Poses, rays at the surface in them, and the part that each strikes in truth.
-struct Cases(Vec<(RigPose, Vec<(Ray, Option<u32>)>)>);
+struct Cases(Vec<(RigPose, Vec<Aimed>)>);
+
+/// A ray, and the part that it strikes.
+type Aimed = (Ray, Option<u32>);
 
 /// The least seconds of a pose and of a ray, and the share of hits of which the part is right.
 struct Measured {
