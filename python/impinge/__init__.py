@@ -11,7 +11,7 @@ on all cores. `impinge.trimesh` and `impinge.fcl` stand in for the collision par
 
 from impinge import ccd, fit, shapes
 from impinge._character import Animation, Character, Leaks, Part
-from impinge._character_pose import CharacterPose, PartHit, PartHits, PartPairs
+from impinge._character_pose import CharacterPose, PartHit, PartHits, PartPairs, SurfaceHit
 from impinge._contacts import ContactRows, Contacts
 from impinge._distances import Distance, distance, within
 from impinge._errors import InputError, LoadWarning, Status
@@ -29,6 +29,7 @@ from impinge._mesh import Mesh
 from impinge._motion import Impact, Motion, time_of_impact
 from impinge._origin import Origin
 from impinge._pairs import Pairs
+from impinge._part_bodies import PartBodies
 from impinge._penetration import penetration
 from impinge._points import ClosestPoint, RayHit, RayHits
 from impinge._pose import pose
@@ -64,6 +65,7 @@ __all__ = [
     "Origin",
     "Pairs",
     "Part",
+    "PartBodies",
     "PartHit",
     "PartHits",
     "PartPairs",
@@ -76,6 +78,7 @@ __all__ = [
     "Sphere",
     "Status",
     "Step",
+    "SurfaceHit",
     "TreeStatistics",
     "Work",
     "World",

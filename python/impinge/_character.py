@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from impinge import _impinge
 from impinge._character_pose import CharacterPose
 from impinge._errors import InputError
+from impinge._shape import Shape
 
 
 @dataclass(frozen=True)
@@ -253,6 +254,13 @@ class Character:
             raise InputError(f"{time} is not finite", kind="non-finite", what="time")
         asked = at, float(time), place.tolist()
         return CharacterPose(self, self._core.pose(*asked), asked)
+
+    def _shapes(self) -> list[Shape]:
+        """Return the parts as shapes of bodies, which stand where `PosedCore.body_poses` says."""
+        rows = self._core.shapes()
+        for _, points, _ in rows:
+            points.setflags(write=False)
+        return [Shape._of(kind, points if len(points) else None, numbers) for kind, points, numbers in rows]
 
     def _fingerprint(self) -> int:
         """Return a checksum of what the file holds: skin, bones, and where they are at rest and in each animation."""

@@ -1,5 +1,9 @@
 """Characters: the volumes against NumPy's closed forms and against the shapes that they are."""
 
+import inspect
+import pickle
+import re
+import textwrap
 from math import inf
 from pathlib import Path
 
@@ -145,6 +149,122 @@ def test_a_punch_is_caught_and_never_late(robot):
     assert len(before.strikes(after, fist, pose([30, 0, 40]), pose([30, 0, -40])).part) == 0
     for shape in (Shape.box([0.1, 0.1, 0.1]), Shape.capsule([0, 0, 0], [0, 1, 0], 0.1), Shape.hull(cube()[0])):
         assert before.strikes(after, shape, pose(start), pose(end)).t[0] < 0.6
+
+
+def test_rays_at_the_surface_meet_what_the_mesh_says(robot):
+    rng = np.random.default_rng(6)
+    for animation, time, origin in [("Robot_Punch", 0.4, [0, 0, 0]), ("Robot_Running", 0.2, [5, -1, 1000])]:
+        posed = robot.at(animation, time, origin=origin)
+        low, high = posed.bounds
+        origins, aims = rng.uniform(low - 4, high + 4, (2, 400, 3)), rng.uniform(low, high, (400, 3))
+        found, truth = posed.surface_ray_cast(origins, aims - origins), posed.mesh().ray_cast(origins, aims - origins)
+        for name in ("hit", "t", "face", "point"):
+            assert np.array_equal(getattr(found, name), getattr(truth, name))
+        assert 0.2 < found.hit.mean() < 0.9
+        assert np.array_equal(found.part[found.hit], robot.part_of[found.face[found.hit]])
+        assert set(found.part[~found.hit]) == set(found.bone[~found.hit]) == {-1}
+        assert set(found.bone[found.hit]) <= {robot.bones.index(name) for part in robot.parts for name in part.bones}
+        row = tuple(np.argwhere(found.hit)[0])
+        single = posed.surface_ray_cast(origins[row], aims[row[1]] - origins[row])
+        assert (single.hit, single.part, single.t) == (True, found.part[row], found.t[row])
+
+
+@pytest.mark.parametrize("options", [{}, {"volumes": 12}, {"mode": "snug"}])
+def test_parts_are_bodies_of_a_world(options):
+    robot = impinge.Character(ROBOT, **options)
+    world = impinge.World(narrow_phase="intersections")
+    places, names = [[0, 0, 0], [2.5, 0, 0.5], [1, 0, 3]], ["Robot_Punch", "Robot_Running", "Robot_Dance"]
+    crowd = [
+        impinge.PartBodies.insert(world, robot.at(origin=place), owner=owner, tag=100 * owner)
+        for owner, place in enumerate(places)
+    ]
+    count = len(robot.parts)
+    assert len(world) == 3 * count
+    assert world.tags(crowd[2].bodies).tolist() == list(range(200, 200 + count))
+    now, began, ended = set(), 0, 0
+    for frame in range(8):
+        poses = [robot.at(name, 0.15 * frame, origin=place) for name, place in zip(names, places, strict=True)]
+        bodies, moved = zip(*(own.moves(at) for own, at in zip(crowd, poses, strict=True)), strict=True)
+        step = world.step(np.concatenate(bodies), np.concatenate(moved))
+        now = (now | {tuple(pair) for pair in step.began.tolist()}) - {tuple(pair) for pair in step.ended.tolist()}
+        began, ended = began + len(step.began), ended + len(step.ended)
+        expected = set()
+        for a in range(3):
+            for b in range(a):
+                pairs = poses[a].struck_by_character(poses[b])
+                sides = crowd[a].bodies[pairs.part_a].tolist(), crowd[b].bodies[pairs.part_b].tolist()
+                expected |= {frozenset(pair) for pair in zip(*sides, strict=True)}
+        assert {frozenset(pair) for pair in now} == expected
+    assert began > 5
+    assert ended > 0
+    assert crowd[1].part(crowd[1].bodies).tolist() == list(range(count))
+    assert crowd[1].part(np.stack([crowd[0].bodies, crowd[2].bodies])).tolist() == [[-1] * count] * 2
+    assert crowd[1].part(int(crowd[1].bodies[3])) == 3
+    crowd[0].remove(world)
+    assert len(world) == 2 * count
+    assert len(world.step().ended) == len([pair for pair in now if set(pair) & set(crowd[0].bodies.tolist())]) > 0
+    with pytest.raises(impinge.InputError, match="any more"):
+        crowd[0].remove(world)
+    # A world pickles with the shapes of parts.
+    again = pickle.loads(pickle.dumps((world, crowd[1])))
+    assert again[0].pairs().tolist() == world.pairs().tolist()
+    assert again[1].part(world.bodies).tolist() == crowd[1].part(world.bodies).tolist()
+
+
+@pytest.mark.parametrize("kind", ["sphere", "capsule", "box", "lozenge", "hull"])
+def test_bodies_of_parts_are_where_the_volumes_are(kind, robot, tmp_path):
+    robot.save(tmp_path / "parts.toml")
+    text = (tmp_path / "parts.toml").read_text()
+    (tmp_path / "parts.toml").write_text(re.sub(r'kind = "\w+"', f'kind = "{kind}"', text))
+    fitted = impinge.Character(ROBOT, plan=tmp_path / "parts.toml")
+    assert {part.kind for part in fitted.parts} == {kind}
+    world = impinge.World()
+    posed = fitted.at("Robot_Jump", 0.3, origin=[0, 7, 0])
+    bodies = impinge.PartBodies.insert(world, posed, owner=1).bodies
+    rng = np.random.default_rng(7)
+    probe, places = Shape.sphere(0.5), pose(rng.uniform(*posed.bounds, (80, 3)))
+    found = world.overlapping(probe, places)
+    struck = [posed.struck_by(probe, place).part for place in places]
+    assert [row.tolist() for row in found] == [bodies[parts].tolist() for parts in struck]
+    assert 15 < found.counts.sum() < 300
+
+
+def test_self_hits_are_of_parts_without_an_owner_alone(robot):
+    for owner, meets in [(None, True), (3, False)]:
+        world = impinge.World()
+        bodies = impinge.PartBodies.insert(world, robot.at(), owner=owner)
+        assert (len(world.step().began) > 0) == meets
+        assert repr(bodies).startswith("PartBodies(6 bodies of Character(")
+
+
+def test_what_is_wrong_about_bodies_is_named(robot):
+    world, other = impinge.World(), impinge.Character(ROBOT, volumes=1)
+    bodies = impinge.PartBodies.insert(world, robot.at())
+    for what, ask in [
+        ("world", lambda: impinge.PartBodies.insert(robot, robot.at())),
+        ("pose", lambda: impinge.PartBodies.insert(world, robot)),
+        ("pose", lambda: bodies.moves(other.at())),
+        ("pose", lambda: bodies.moves(np.eye(4))),
+        ("kind", lambda: impinge.PartBodies.insert(world, robot.at(), kind="flying")),
+        ("tag", lambda: impinge.PartBodies.insert(world, robot.at(), tag=2**64 - 3)),
+    ]:
+        with pytest.raises(impinge.InputError) as caught:
+            ask()
+        assert caught.value.what == what
+        assert len(world) == 6
+
+
+@pytest.mark.parametrize("documented", [impinge.PartBodies, impinge.CharacterPose.surface_ray_cast])
+def test_examples_that_need_a_file_run(documented, robot):
+    """The literal blocks of a docstring, one after another, with what they take for granted."""
+    blocks = re.findall(r"::\n\n((?:[ ]{4,}.*\n|\n)+)", inspect.getdoc(documented) + "\n")
+    assert blocks
+    known = {"impinge": impinge, "np": np, "robot": robot, "crowd": [], "crowd_poses": []}
+    for block in blocks:
+        exec(textwrap.dedent(block), known)
+        known.update(crowd=[known.get("boxer")], crowd_poses=[robot.at()])
+    if "struck" in known:
+        assert known["struck"]
 
 
 def test_saved_and_loaded(robot, tmp_path):

@@ -58,6 +58,7 @@ def examples():
         mesh, world, balls, step, step.work, world.save(), world.ray_cast(ray, [0, 0, 1]), robot, posed,
         world.ray_cast_all(rays, [0, 0, 1]), world.at_points(np.zeros((1, 3))), world.contacts(), world.contacts()[0],
         robot.parts[0], robot.animations[0], robot.leaks(), posed.ray_cast(ray, [0, 0, 1]),
+        posed.surface_ray_cast(ray, [0, 0, 1]), impinge.PartBodies.insert(impinge.World(), posed),
         posed.ray_cast_all(rays, [0, 0, 1]), posed.struck_by_character(robot.at(origin=[1, 2, 3])),
         mesh.closest_point(ray), mesh.ray_cast(ray, ray), mesh.ray_cast_all(rays, ray), mesh.health(),
         mesh.tree_statistics(), loaded.origin, impinge.distance(mesh, box), impinge.convex_hull(points),

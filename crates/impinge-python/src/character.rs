@@ -53,6 +53,9 @@ impl Refusal {
 /// and the points whose hull a ball of a radius sweeps.
 type Row = (String, Vec<u32>, u32, &'static str, f64, Vec<[f64; 3]>, f64);
 
+/// A part as the constructor of shapes takes it: kind, points and numbers.
+type ShapeRow<'py> = (&'static str, Bound<'py, PyAny>, Vec<f64>);
+
 #[pymethods]
 impl CharacterCore {
     /// Of a rigged file: fitted to at most so many parts, or to those of a plan; or as it was fitted and saved. Volumes are
@@ -113,6 +116,24 @@ impl CharacterCore {
             let (points, radius) = core(part.volume());
             let kind = part.volume().kind().name();
             (part.name.clone(), part.bones.clone(), part.anchor, kind, part.looseness, points, radius)
+        };
+        self.0.character.parts().iter().map(of).collect()
+    }
+
+    /// The parts as bodies, which stand where `PosedCore.body_poses` says.
+    fn shapes<'py>(&self, py: Python<'py>) -> PyResult<Vec<ShapeRow<'py>>> {
+        let of = |part: &impinge::character::HitPart| {
+            let (points, numbers) = match part.volume() {
+                HitVolume::Sphere(sphere) => (vec![sphere.centre()], vec![sphere.radius()]),
+                HitVolume::Capsule(capsule) => (capsule.ends().to_vec(), vec![capsule.radius()]),
+                HitVolume::Box(obb) => (Vec::new(), obb.half_extents().to_vec()),
+                HitVolume::Lozenge(plate) => {
+                    (vec![plate.corner(), plate.edges()[0], plate.edges()[1]], vec![plate.radius()])
+                }
+                HitVolume::Hull(hull) => (hull.hull().positions().to_vec(), Vec::new()),
+            };
+            let count = points.len();
+            Ok((part.volume().kind().name(), row_array(py, points, &[count])?, numbers))
         };
         self.0.character.parts().iter().map(of).collect()
     }

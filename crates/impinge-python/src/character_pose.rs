@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use impinge::character::{HitHull, HitVolume, PartHit, PartPair, Posed, RigPose, Strike};
+use impinge::character::{HitHull, HitVolume, PartHit, PartPair, Posed, RigPose, Strike, SurfaceHit, SurfaceRays};
 use impinge::mesh::Ray;
 use impinge::volume::{BoundingSphere, Capsule};
 use impinge::{InputError, Pose};
@@ -46,33 +46,23 @@ impl PosedCore {
         Self(Arc::new(Placing { fitted, pose, origin }))
     }
 
-    /// What `ask` answers about each ray.
+    /// What `ask` answers about each ray of a block, of all blocks.
     fn ask<T: Clone + Send + Sync + 'static>(
         &self,
         py: Python<'_>,
-        rays: Rays,
-        ask: impl Fn(&Posed<'_>, &Ray) -> T + Send + Sync + 'static,
+        rays: &Rays,
+        ask: impl Fn(&Placing, &[Ray]) -> Vec<T> + Send + Sync + 'static,
     ) -> PyResult<Vec<T>> {
-        let (placing, count, shape) = (self.0.clone(), rays.len(), rays.lead().to_vec());
+        let judged = |row| {
+            let [origin, direction] = rays.at(row);
+            let place = |error| fault(&error, "directions", Broadcast::place(rays.lead(), row)).raised(py);
+            Ray::new(origin, direction).map_err(place)
+        };
+        let (placing, count) = (self.0.clone(), rays.len());
+        let all: Vec<Ray> = (0..count).map(judged).collect::<PyResult<_>>()?;
         let rows = Rows { count: count.div_ceil(BLOCK), brief: count <= BLOCK, progress: false };
-        let blocks = workers::rows(
-            py,
-            rows,
-            Vec::new(),
-            || (),
-            move |(), block| {
-                let posed = placing.posed();
-                let of = |row| {
-                    let [origin, direction] = rays.at(row);
-                    Ray::new(origin, direction).map(|ray| ask(&posed, &ray))
-                };
-                (block * BLOCK..count.min((block + 1) * BLOCK)).map(of).collect::<Vec<Result<T, InputError>>>()
-            },
-        )?;
-        let judged = blocks.into_iter().flatten().enumerate().map(|(row, answer)| {
-            answer.map_err(|error| fault(&error, "directions", Broadcast::place(&shape, row)).raised(py))
-        });
-        judged.collect()
+        let of = move |(): &mut (), block: usize| ask(&placing, &all[block * BLOCK..count.min((block + 1) * BLOCK)]);
+        Ok(workers::rows(py, rows, Vec::new(), || (), of)?.into_iter().flatten().collect())
     }
 }
 
@@ -119,10 +109,53 @@ impl PosedCore {
         directions: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (py, rays) = (origins.py(), Rays::read(origins, directions)?);
-        let shape = rays.lead().to_vec();
-        let found = self.ask(py, rays, |posed, ray| posed.ray_cast(ray))?;
-        let hit = array(py, found.iter().map(Option::is_some).collect(), &shape)?;
-        Ok((hit, columns(py, &found, &shape)?).into_pyobject(py)?.into_any())
+        let found = self.ask(py, &rays, |placing, rays| {
+            let posed = placing.posed();
+            rays.iter().map(|ray| posed.ray_cast(ray)).collect()
+        })?;
+        let hit = array(py, found.iter().map(Option::is_some).collect(), rays.lead())?;
+        Ok((hit, columns(py, &found, rays.lead())?).into_pyobject(py)?.into_any())
+    }
+
+    /// Whether each ray meets the skinned surface, (...), part, bone, face and t, (...), and point, (..., 3).
+    fn surface_ray_cast<'py>(
+        &self,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (py, rays) = (origins.py(), Rays::read(origins, directions)?);
+        let found = self.ask(py, &rays, |placing, rays| {
+            let Fitted { rig, character } = &*placing.fitted;
+            let mut surface = SurfaceRays::new(character, rig, &placing.pose);
+            surface.set_at(&placing.pose, placing.origin);
+            rays.iter().map(|ray| surface.ray_cast(ray)).collect()
+        })?;
+        let numbers = |of: fn(&SurfaceHit) -> u32| {
+            let numbers = found.iter().map(|hit| hit.as_ref().map_or(-1, |hit| i64::from(of(hit))));
+            array(py, numbers.collect(), rays.lead())
+        };
+        let columns = (
+            array(py, found.iter().map(Option::is_some).collect(), rays.lead())?,
+            numbers(|hit| hit.part)?,
+            numbers(|hit| hit.bone)?,
+            numbers(|hit| hit.face)?,
+            array(py, found.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t)).collect(), rays.lead())?,
+            row_array(py, found.iter().map(|hit| hit.map_or([0.0; 3], |hit| hit.point)).collect(), rays.lead())?,
+        );
+        Ok(columns.into_pyobject(py)?.into_any())
+    }
+
+    /// (p, 4, 4) poses of the parts as bodies, whose shapes are those of `CharacterCore.shapes`.
+    fn body_poses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let posed = self.0.posed();
+        let poses = posed.character().parts().iter().zip(posed.frames()).map(|(part, frame)| {
+            let (_, world_from_shape) = part.volume().shape_in(frame.pose()?)?;
+            Ok(matrix(&world_from_shape))
+        });
+        let poses: Result<Vec<[f64; 16]>, InputError> = poses.collect();
+        let poses = poses.map_err(|error| fault(&error, "origin", Vec::new()).raised(py))?;
+        let count = poses.len();
+        array(py, poses.into_flattened(), &[count, 4, 4])
     }
 
     /// Offsets of each ray's hits, the columns of those of all rays, (k,), and the leading axes.
@@ -133,7 +166,10 @@ impl PosedCore {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (py, rays) = (origins.py(), Rays::read(origins, directions)?);
         let shape = rays.lead().to_vec();
-        let (offsets, hits) = ragged(self.ask(py, rays, |posed, ray| posed.ray_cast_all(ray))?);
+        let (offsets, hits) = ragged(self.ask(py, &rays, |placing, rays| {
+            let posed = placing.posed();
+            rays.iter().map(|ray| posed.ray_cast_all(ray)).collect()
+        })?);
         let (places, count) = (offsets.len(), hits.len());
         let hits: Vec<Option<PartHit>> = hits.into_iter().map(Some).collect();
         Ok((array(py, offsets, &[places])?, columns(py, &hits, &[count])?, shape).into_pyobject(py)?.into_any())

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use impinge::character::HitVolume;
 use impinge::hull::Hull;
 use impinge::shape::Shape;
+use impinge::volume::Lozenge;
 use impinge::{InputError, InputErrorKind, Pose};
 use pyo3::prelude::*;
 
@@ -46,6 +48,12 @@ impl ShapeBase {
                 Shape::capsule(ends[0], ends[1], radius)
             }
             ("box", &[x, y, z]) => Shape::cuboid([x, y, z]),
+            ("lozenge", &[radius]) => {
+                let rectangle = points("edges")?;
+                Lozenge::new(rectangle[0], [rectangle[1], rectangle[2]], radius)
+                    .and_then(|plate| HitVolume::Lozenge(plate).shape_in(Pose::IDENTITY))
+                    .map(|(shape, _)| shape)
+            }
             ("cylinder", &[half_height, radius]) => Shape::cylinder(half_height, radius),
             ("cone", &[half_height, radius]) => Shape::cone(half_height, radius),
             ("ellipsoid", &[x, y, z]) => Shape::ellipsoid([x, y, z]),

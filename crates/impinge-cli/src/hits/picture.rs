@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use impinge::character::{Character, Posed, Rig, RigPose};
+use impinge::character::{Character, Frame, HitPart, Posed, Rig, RigPose};
 
 use crate::failure::Failure;
 use crate::inspect::picture::camera::Camera;
@@ -55,12 +55,8 @@ pub(super) struct Sheet(Canvas);
 
 impl Sheet {
     pub(super) fn draw(rig: &Rig, character: &Character, poses: &[RigPose]) -> Self {
-        let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-        for pose in poses {
-            let [low, high] = Posed::new(character, pose).outer();
-            bounds = [[0, 1, 2].map(|k| bounds[0][k].min(low[k])), [0, 1, 2].map(|k| bounds[1][k].max(high[k]))];
-        }
-        let camera = Camera::around(&[bounds], 1, SIDE);
+        let boxes: Vec<[[f64; 3]; 2]> = poses.iter().flat_map(|pose| boxes(character, pose)).collect();
+        let camera = Camera::around(&boxes, 1, SIDE);
         let (columns, rows) = (poses.len().clamp(1, COLUMNS), poses.len().div_ceil(COLUMNS).max(1));
         let [width, height] = camera.size();
         let mut canvas = Canvas::new([width * columns as u32, height * rows as u32]);
@@ -88,6 +84,25 @@ impl Sheet {
     }
 }
 
+/// A box about each volume in a pose.
+fn boxes(character: &Character, pose: &RigPose) -> Vec<[[f64; 3]; 2]> {
+    let of_part = |(part, frame): (&HitPart, Frame)| {
+        let end = |axis: usize, sign: f64| {
+            let direction = [0, 1, 2].map(|k| if k == axis { sign } else { 0.0 });
+            farthest(part, &frame, direction)[axis]
+        };
+        [-1.0, 1.0].map(|sign| [0, 1, 2].map(|axis| end(axis, sign)))
+    };
+    character.parts().iter().zip(character.frames(pose)).map(of_part).collect()
+}
+
+/// The point of a part's volume that is farthest along a direction, in the world.
+fn farthest(part: &HitPart, frame: &Frame, direction: [f64; 3]) -> [f64; 3] {
+    let origin = frame.apply([0.0; 3]);
+    let local = frame.local([0, 1, 2].map(|k| origin[k] + direction[k]));
+    frame.apply(part.volume().support(local))
+}
+
 /// Those that are nearer over those that are farther.
 fn volumes(canvas: &mut Canvas, camera: &Camera, corner: [f64; 2], character: &Character, pose: &RigPose) {
     let posed = Posed::new(character, pose);
@@ -105,9 +120,7 @@ fn volumes(canvas: &mut Canvas, camera: &Camera, corner: [f64; 2], character: &C
             .map(|step| {
                 let (sine, cosine) = (std::f64::consts::TAU * step as f64 / OUTLINE as f64).sin_cos();
                 let direction = [0, 1, 2].map(|k| cosine * right[k] + sine * down[k]);
-                let origin = frame.apply([0.0; 3]);
-                let local = frame.local([0, 1, 2].map(|k| origin[k] + direction[k]));
-                let [x, y, _] = camera.project(frame.apply(character.parts()[part].volume().support(local)));
+                let [x, y, _] = camera.project(farthest(&character.parts()[part], frame, direction));
                 [x + corner[0], y + corner[1]]
             })
             .collect();

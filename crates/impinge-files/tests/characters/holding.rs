@@ -109,7 +109,7 @@ fn no_vertex_of_a_body_of_one_piece_is_outside() {
 }
 
 /// A chain of three bones whose skin bulges: every target and every interpolation, jumps among them.
-fn bulging(random: &mut Random) -> Rig {
+pub(super) fn bulging(random: &mut Random) -> Rig {
     let bone = |parent: Option<u32>| Bone {
         name: format!("bone {}", parent.map_or(0, |parent| parent + 1)),
         parent,

@@ -4,6 +4,7 @@ mod holding;
 mod rays;
 mod saving;
 mod strikes;
+mod surface;
 mod world;
 
 use std::path::Path;

@@ -1,5 +1,7 @@
 //! A character ready to be struck: parts with their volumes, and one pose of it.
 
+use std::sync::Arc;
+
 use super::error::RigError;
 use super::fit::{self, HitPart, Mode, Piece, places};
 use super::frame::Frame;
@@ -7,6 +9,7 @@ use super::plan::{PartPlan, Plan, bones_of_faces, some_poses};
 use super::rig::{Rig, RigPose};
 use super::samples::Held;
 use super::skeleton::BoneSet;
+use super::skin_tree::SkinTree;
 use super::vector::length;
 
 /// The hit volumes of a rigged character.
@@ -14,6 +17,8 @@ use super::vector::length;
 pub struct Character {
     parts: Vec<HitPart>,
     part_of_face: Vec<u32>,
+    /// Of the faces, for rays at the surface itself.
+    skin_tree: Arc<SkinTree>,
     /// By part; empty unless the character was refined.
     pub(super) pieces: Vec<Piece>,
     /// The bones that pieces are fixed to, each once.
@@ -47,7 +52,12 @@ impl Character {
     /// each of its keys.
     pub fn fit(rig: &Rig, plan: &Plan, mode: Mode) -> Result<Self, RigError> {
         let (parts, part_of_face) = fit::parts(rig, plan, mode)?;
-        Ok(Self { parts, part_of_face, pieces: Vec::new(), piece_anchors: Vec::new() })
+        Ok(Self::new(rig, parts, part_of_face))
+    }
+
+    fn new(rig: &Rig, parts: Vec<HitPart>, part_of_face: Vec<u32>) -> Self {
+        let skin_tree = Arc::new(SkinTree::new(rig));
+        Self { parts, part_of_face, skin_tree, pieces: Vec::new(), piece_anchors: Vec::new() }
     }
 
     /// Opens the volumes into hulls about groups of at most `faces` faces that go with one bone, which conservatively hold them.
@@ -86,7 +96,7 @@ impl Character {
         });
         let part_of_bone = Plan { parts: plans.collect() }.part_of_bones(rig)?;
         let part_of_face = bones_of_faces(rig).into_iter().map(|bone| part_of_bone[bone as usize]).collect();
-        Ok(Self { parts, part_of_face, pieces: Vec::new(), piece_anchors: Vec::new() })
+        Ok(Self::new(rig, parts, part_of_face))
     }
 
     /// The parts.
@@ -106,6 +116,10 @@ impl Character {
     #[must_use]
     pub fn part_of_face(&self) -> &[u32] {
         &self.part_of_face
+    }
+
+    pub(super) fn skin_tree(&self) -> &SkinTree {
+        &self.skin_tree
     }
 
     /// The frames of the parts in a pose of the rig.

@@ -269,11 +269,12 @@ impl HitVolume {
         shape.at(world_from_shape)
     }
 
-    /// The shape in a frame of its own, and that frame.
+    /// The shape in a frame of its own, and where in the world that frame is: what a body of a [`World`](crate::world::World) is
+    /// made of. A box is about its axes there, and all else as it is in the volume's own frame.
     ///
     /// # Errors
     /// A volume beyond the range of shapes.
-    pub(super) fn shape_in(&self, world_from_local: Pose) -> Result<(Shape, Pose), InputError> {
+    pub fn shape_in(&self, world_from_local: Pose) -> Result<(Shape, Pose), InputError> {
         let shape = match self {
             Self::Sphere(sphere) => Shape::sphere(sphere.centre(), sphere.radius())?,
             Self::Capsule(capsule) => {

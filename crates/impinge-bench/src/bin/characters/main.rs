@@ -5,7 +5,9 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
 
+mod bodies;
 mod layers;
+mod surfaces;
 
 use std::hint::black_box;
 use std::path::Path;
@@ -57,7 +59,11 @@ fn main() -> Result<()> {
     for (name, rig) in layers::characters(Path::new(ROOT))? {
         println!("\nVolumes about some parts of a {name}, beside one box about all; on one thread");
         print!("{}", layers::table(name, &rig, volumes, 6, repeats)?);
+        println!("\nThe part that a ray strikes, on one thread");
+        print!("{}", surfaces::table(name, &rig, 6, repeats)?);
     }
+    println!("\nA step of a world of characters on {threads} threads");
+    print!("{}", bodies::table(&rig, &character, most.min(1000), repeats)?);
     println!("\nA frame of characters of {} volumes on {threads} threads, and 1,000 rays", character.parts().len());
     let mut table = Table::new(["", "pose", "sweep", "parts", "rays", "all", "pairs", "of parts", "hits"]);
     for count in counts {
@@ -127,18 +133,32 @@ struct Member {
     place: [f64; 3],
 }
 
-fn crowd(rig: &Rig, character: &Character, count: usize, repeats: usize) -> Result<Crowd> {
+impl Member {
+    /// The time of its animation in a frame.
+    fn time(&self, rig: &Rig, frame: usize) -> f64 {
+        let [start, end] = rig.animations()[self.animation].span();
+        start + (frame as f64 / 60.0 + self.offset) % (end - start)
+    }
+}
+
+/// A crowd on a square, of which the side is returned, too.
+fn members(rig: &Rig, count: usize) -> (Vec<Member>, f64) {
     let mut random = Rng::new(3);
     // Some four square metres each: many touch one other, few more.
     let side = (40.0 * count as f64).sqrt();
     let mut share = || random.unit();
-    let members: Vec<Member> = (0..count)
-        .map(|_| Member {
-            animation: (share() * rig.animations().len() as f64) as usize,
-            offset: 10.0 * share(),
-            place: [side * share(), 0.0, side * share()],
-        })
-        .collect();
+    let member = |_| Member {
+        animation: (share() * rig.animations().len() as f64) as usize,
+        offset: 10.0 * share(),
+        place: [side * share(), 0.0, side * share()],
+    };
+    ((0..count).map(member).collect(), side)
+}
+
+fn crowd(rig: &Rig, character: &Character, count: usize, repeats: usize) -> Result<Crowd> {
+    let (members, side) = members(rig, count);
+    let mut random = Rng::new(4);
+    let mut share = || random.unit();
     let rays: Vec<([f64; 3], [f64; 3])> = (0..1000)
         .map(|_| {
             let from = [side * share(), 1.0 + 2.0 * share(), side * share()];
@@ -151,13 +171,10 @@ fn crowd(rig: &Rig, character: &Character, count: usize, repeats: usize) -> Resu
     let mut phases = vec![Vec::new(); 5];
     let (mut pairs_of_bodies, mut pairs_of_parts, mut hits) = (0, 0, 0);
     for frame in 0..repeats.max(1) {
-        let now = frame as f64 / 60.0;
         let (pose_seconds, posing) = timed(|| {
             // One pose of the rig for all that a thread does: volumes are what is kept.
             posed.par_iter_mut().zip(&members).try_for_each_init(RigPose::default, |pose, (posed, member)| {
-                let [start, end] = rig.animations()[member.animation].span();
-                let at = start + (now + member.offset) % (end - start);
-                rig.pose_bones_into(member.animation, at, &bones, pose)?;
+                rig.pose_bones_into(member.animation, member.time(rig, frame), &bones, pose)?;
                 posed.set_at(pose, member.place);
                 anyhow::Ok(())
             })
