@@ -47,10 +47,11 @@ pub(super) struct Level {
     lines: Lines,
 }
 
-/// How a box moves, a short way.
-#[derive(Clone, Copy, Debug)]
+/// How a box moves, a short way. Kept by the caller and written anew in place: it is large beside what it costs to find.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Way {
-    pub(super) from: MinMax,
+    /// The box where it comes from and where it goes to; none where the way is not short, and the rest means nothing.
+    pub(super) boxes: Option<[MinMax; 2]>,
     before: Block,
     after: Block,
     /// The first cell about it, and how many there are along each axis.
@@ -184,19 +185,21 @@ impl Level {
         self.resize(items);
     }
 
-    /// How a box moves; none where the way is not short.
-    pub(super) fn way(&self, from: &MinMax, to: &MinMax) -> Option<Way> {
+    /// Finds how a box moves.
+    pub(super) fn trace(&self, from: &MinMax, to: &MinMax, way: &mut Way) {
         let reaches = [from, to].map(|bounds| self.frame.reach(bounds));
         let [before, after] = reaches.map(|reach| reach.block());
         let block = before.merged(&after);
         let counts = [0, 1, 2].map(|axis| block.high[axis] - block.low[axis] + 1);
         if counts.iter().any(|&count| count > WIDE as i64) || counts.iter().product::<i64>() > SHORT as i64 {
-            return None;
+            way.boxes = None;
+            return;
         }
-        let counts = counts.map(|count| count as usize);
-        let mut slices = [[Slice::default(); WIDE]; 3];
-        for (axis, slices) in slices.iter_mut().enumerate() {
-            for (at, slice) in slices[..counts[axis]].iter_mut().enumerate() {
+        way.boxes = Some([*from, *to]);
+        (way.before, way.after, way.low) = (before, after, block.low);
+        way.counts = counts.map(|count| count as usize);
+        for (axis, slices) in way.slices.iter_mut().enumerate() {
+            for (at, slice) in slices[..way.counts[axis]].iter_mut().enumerate() {
                 let cell = block.low[axis] + at as i64;
                 let [[begin, end], [next_begin, next_end]] = reaches.map(|reach| reach.along(axis, cell));
                 let word = |steps| Word::along(axis, steps, cell);
@@ -207,9 +210,7 @@ impl Level {
                 };
             }
         }
-        let places = Places { room: self.lines.len(), ..Places::default() };
-        let mut way = Way { from: *from, before, after, low: block.low, counts, slices, places };
-        let mut places = way.places;
+        let mut places = Places { room: self.lines.len(), ..Places::default() };
         way.each(|_, cell, _| {
             if let Some(next) = places.places.get_mut(places.count) {
                 *next = self.place(cell);
@@ -217,7 +218,6 @@ impl Level {
             }
         });
         way.places = places;
-        Some(way)
     }
 
     /// Where the cells about a way are, as far as that is known and still true.
@@ -286,10 +286,10 @@ impl Level {
 
     /// Whether a box that is open after a way begins to meet what moved, or ceases to; none where it does neither.
     #[inline]
-    pub(super) fn settle(&self, open: &Open, way: &Way, to: &MinMax, bounds: &MinMax) -> Option<bool> {
-        let meets = to.overlaps(bounds);
+    pub(super) fn settle(&self, open: &Open, way: &Way, bounds: &MinMax) -> Option<bool> {
+        let [met, meets] = way.boxes?.map(|one| one.overlaps(bounds));
         let block = Block { low: way.low, high: way.low };
-        (way.from.overlaps(bounds) != meets && self.frame.is_first(open.cell, &block, bounds)).then_some(meets)
+        (met != meets && self.frame.is_first(open.cell, &block, bounds)).then_some(meets)
     }
 
     /// Moves a box that is here; one that stays in its cells is only written anew.

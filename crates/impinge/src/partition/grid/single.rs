@@ -124,17 +124,20 @@ impl Single {
         !self.level.takes(bounds, MOST_CELLS)
     }
 
-    /// How a box moves that is in cells and stays in cells; none where this is not short.
-    fn way(&self, step: &Move) -> Option<Way> {
-        self.level.way(self.items.get(step.key)?, step.to.as_ref()?)
+    /// Finds how a box moves that is in cells and stays in cells.
+    fn trace(&self, step: &Move, way: &mut Way) {
+        match (self.items.get(step.key), &step.to) {
+            (Some(from), Some(to)) => self.level.trace(from, to, way),
+            _ => way.boxes = None,
+        }
     }
 
     /// Notes which pairs with large boxes a way changes.
-    fn follow_among_large(&self, way: &Way, (key, to): (u32, &MinMax), changes: &mut Changes) {
-        let _ = self.large.overlapping(&way.from.merged(to), &mut |other| {
+    fn follow_among_large(&self, key: u32, [from, to]: &[MinMax; 2], changes: &mut Changes) {
+        let _ = self.large.overlapping(&from.merged(to), &mut |other| {
             if let Some(bounds) = self.items.get(other) {
                 let meets = to.overlaps(bounds);
-                if way.from.overlaps(bounds) != meets {
+                if from.overlaps(bounds) != meets {
                     changes.note(key, other, meets);
                 }
             }
@@ -210,30 +213,28 @@ impl Dynamic for Single {
     /// for the cells that these tell, then for what these cells tell.
     fn step(&mut self, moves: &[Move], changes: &mut Changes) {
         changes.clear();
-        let mut ways = [None; TOGETHER];
+        let mut ways = [Way::default(); TOGETHER];
         let mut open = Vec::new();
         for moves in moves.chunks(TOGETHER) {
+            let ways = &mut ways[..moves.len()];
             moves.iter().for_each(|step| self.items.prefetch(step.key));
-            for (step, way) in moves.iter().zip(&mut ways) {
-                *way = self.way(step);
-            }
-            let ways = &ways[..moves.len()];
-            ways.iter().flatten().for_each(|way| self.level.prefetch(way));
-            ways.iter().flatten().for_each(|way| self.level.prefetch_more(way));
-            for (at, (step, way)) in moves.iter().zip(ways).enumerate() {
+            moves.iter().zip(&mut *ways).for_each(|(step, way)| self.trace(step, way));
+            let short = || ways.iter().filter(|way| way.boxes.is_some());
+            short().for_each(|way| self.level.prefetch(way));
+            short().for_each(|way| self.level.prefetch_more(way));
+            for (at, (step, way)) in moves.iter().zip(&*ways).enumerate() {
                 // A box that moves twice is elsewhere by now.
                 let earlier = moves[..at].iter().any(|earlier| earlier.key == step.key);
-                match (way, &step.to) {
-                    (Some(way), Some(to)) if !earlier => self.follow((at, moves), (way, to), &mut open, changes),
+                match &way.boxes {
+                    Some(boxes) if !earlier => self.follow((at, moves), (way, boxes), &mut open, changes),
                     _ => self.do_alone(step, changes),
                 }
             }
             for (at, open) in open.drain(..) {
-                let (step, way): (&Move, &Option<Way>) = (&moves[at], &ways[at]);
-                if let (Some(way), Some(to), Some(bounds)) = (way, &step.to, self.items.get(open.key))
-                    && let Some(began) = self.level.settle(&open, way, to, bounds)
+                if let Some(bounds) = self.items.get(open.key)
+                    && let Some(began) = self.level.settle(&open, &ways[at], bounds)
                 {
-                    changes.note(step.key, open.key, began);
+                    changes.note(moves[at].key, open.key, began);
                 }
             }
         }
@@ -243,39 +244,37 @@ impl Dynamic for Single {
 
 impl Single {
     /// Moves a box within the cells, and notes what that changes, or that this is open; at once where the other box moves,
-    /// too.
+    /// too, as that may be next.
     fn follow(
         &mut self,
         (at, moves): (usize, &[Move]),
-        (way, to): (&Way, &MinMax),
+        (way, boxes): (&Way, &[MinMax; 2]),
         open: &mut Vec<(usize, Open)>,
         changes: &mut Changes,
     ) {
         let key = moves[at].key;
         let Self { level, large, items } = self;
-        items.insert(key, *to);
+        items.insert(key, boxes[1]);
         let first = open.len();
         level.follow(items, way, key, |next| {
             items.prefetch(next.key);
             open.push((at, next));
         });
-        if open.len() > first {
-            let mut kept = first;
-            for next in first..open.len() {
-                let (_, other) = open[next];
-                if !moves.iter().any(|step| step.key == other.key) {
-                    open[kept] = open[next];
-                    kept += 1;
-                } else if let Some(bounds) = items.get(other.key)
-                    && let Some(began) = level.settle(&other, way, to, bounds)
-                {
-                    changes.note(key, other.key, began);
-                }
+        let mut kept = first;
+        for next in first..open.len() {
+            let (_, other) = open[next];
+            if !moves.iter().any(|step| step.key == other.key) {
+                open[kept] = open[next];
+                kept += 1;
+            } else if let Some(bounds) = items.get(other.key)
+                && let Some(began) = level.settle(&other, way, bounds)
+            {
+                changes.note(key, other.key, began);
             }
-            open.truncate(kept);
         }
+        open.truncate(kept);
         if !large.is_empty() {
-            self.follow_among_large(way, (key, to), changes);
+            self.follow_among_large(key, boxes, changes);
         }
     }
 
