@@ -103,11 +103,8 @@ impl Place {
     /// The step as it is seen from a cell: 0 for what is before it, 255 for what is behind it, and 1 to 254 between.
     #[inline]
     fn seen_from(self, cell: i64) -> u8 {
-        match self.0 - (cell << PARTS) {
-            before if before < 0 => 0,
-            within if within >> PARTS == 0 => 1 + ((within * 254) >> PARTS) as u8,
-            _ => u8::MAX,
-        }
+        let part = (self.0 - (cell << PARTS)).clamp(-1, 1 << PARTS);
+        (1 + ((part * 254) >> PARTS)) as u8
     }
 }
 

@@ -18,12 +18,12 @@ const _: () = assert!(SHORT as f64 <= MOST_CELLS);
 /// processor looks up several pages at once.
 const TOGETHER: usize = 16;
 
-/// Cells of a uniform grid at most: 384 MiB of them.
+/// Cells of a uniform grid at most: a GiB of them.
 const MOST_DENSE: f64 = (1 << 24) as f64;
 
 /// Equal cells in a block, one after the other in memory: the kind for boxes of like size that fill a known space evenly.
 ///
-/// A box is in each cell that it reaches into, at most 27; larger ones are in a tree beside them. What lies outside the
+/// A box is in each cell that it reaches into, at most 27 and eight along an axis; larger ones are in a tree beside them. What lies outside the
 /// block belongs to the cells at its border: nothing is lost, but many boxes there are many in one cell.
 ///
 /// # Complexity

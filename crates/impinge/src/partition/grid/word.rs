@@ -114,7 +114,7 @@ mod tests {
             let (one, other) = (draw(), draw());
             let [word, seen] = [one, other].map(|(min, max)| word(min, max, cell));
             let verdict = seen.probe().with(word);
-            let axes = || (0..3).map(|k| [(one.0[k], other.1[k]), (other.0[k], one.1[k])]).flatten();
+            let axes = || (0..3).flat_map(|k| [(one.0[k], other.1[k]), (other.0[k], one.1[k])]);
             assert_eq!(verdict.may_meet, axes().all(|(min, max)| min <= max));
             assert_eq!(verdict.meet, axes().all(|(min, max)| min < max));
             assert_eq!([0, 1, 2].map(|axis| word.begins_before(axis)), one.0.map(|step| step == 0));
