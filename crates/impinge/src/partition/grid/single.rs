@@ -7,8 +7,8 @@ use super::level::{Level, Open, SHORT, Way};
 use crate::input::{InputError, InputErrorKind};
 use crate::volume::{BoundingVolume, MinMax};
 
-/// Cells that a box reaches into at most; larger ones, and those that reach into more than eight along an axis, are kept in a tree beside the cells, so that no box touches cells
-/// without bound.
+/// Cells that a box reaches into at most; larger ones, and those that reach into more than eight along an axis, are kept in a
+/// tree beside the cells, so that no box touches cells without bound.
 const MOST_CELLS: f64 = 27.0;
 
 /// A short way is all in cells.
@@ -23,8 +23,8 @@ const MOST_DENSE: f64 = (1 << 24) as f64;
 
 /// Equal cells in a block, one after the other in memory: the kind for boxes of like size that fill a known space evenly.
 ///
-/// A box is in each cell that it reaches into, at most 27 and eight along an axis; larger ones are in a tree beside them. What lies outside the
-/// block belongs to the cells at its border: nothing is lost, but many boxes there are many in one cell.
+/// A box is in each cell that it reaches into, at most 27 and eight along an axis; larger ones are in a tree beside them. What
+/// lies outside the block belongs to the cells at its border: nothing is lost, but many boxes there are many in one cell.
 ///
 /// # Complexity
 /// O(1 + boxes in the same cells) for each change and question, where cells are about as large as boxes. Memory for each
