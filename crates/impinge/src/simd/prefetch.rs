@@ -9,7 +9,7 @@ pub(crate) fn prefetch<T>(target: &T) {
     {
         const CACHE_LINE: usize = 64;
         let address = std::ptr::from_ref(target).cast::<i8>();
-        for offset in (0..size_of::<T>()).step_by(CACHE_LINE) {
+        let ask = |offset: usize| {
             // SAFETY: a prefetch is a hint that cannot fault, whatever the address; this one lies inside `target`,
             // so the pointer arithmetic stays within one live object. SSE, which has the instruction, is part of
             // every x86-64 processor.
@@ -17,6 +17,13 @@ pub(crate) fn prefetch<T>(target: &T) {
             unsafe {
                 std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(address.add(offset));
             }
+        };
+        for offset in (0..size_of::<T>()).step_by(CACHE_LINE) {
+            ask(offset);
+        }
+        // What is most of a line long and not aligned to lines often ends in the next.
+        if size_of::<T>() % CACHE_LINE > CACHE_LINE / 2 && align_of::<T>() < CACHE_LINE {
+            ask(size_of::<T>() - 1);
         }
     }
     #[cfg(not(target_arch = "x86_64"))]

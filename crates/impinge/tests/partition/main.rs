@@ -2,6 +2,7 @@
 
 mod brute;
 mod built;
+mod cells;
 mod churn;
 mod columns;
 mod hostile;

@@ -14,8 +14,8 @@ use crate::scenes::{like, nudged};
 /// Boxes for each that moves.
 const SHARE: usize = 1000;
 
-/// Edges of cells: somewhat more than twice the boxes, which are 1 on average.
-const CELL: f64 = 2.5;
+/// Edges of cells: so much larger than the boxes, which are 1 on average, that most cells' copies are in one line of memory.
+const CELL: f64 = 1.75;
 
 pub(crate) fn compare(count: usize, steps: usize) -> Result<()> {
     println!("one in {SHARE} of {count} boxes moves, a step that reports the pairs that began and ended");

@@ -84,7 +84,7 @@ impl HierarchicalGrid {
     fn take(&mut self, key: u32, from: &MinMax) {
         let at = self.level_of(from);
         if let Some(level) = self.levels.get_mut(&at) {
-            level.remove(key, from);
+            level.remove(&self.items, key, from);
             if level.is_empty() {
                 self.levels.remove(&at);
             }
@@ -104,7 +104,7 @@ impl Partition for HierarchicalGrid {
     }
 
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {
-        self.levels.values().try_for_each(|level| level.overlapping(bounds, work, visit))
+        self.levels.values().try_for_each(|level| level.overlapping(&self.items, bounds, work, visit))
     }
 }
 
@@ -114,11 +114,11 @@ impl Dynamic for HierarchicalGrid {
         let at = self.level_of(&to);
         match &from {
             Some(from) if self.level_of(from) == at => {
-                self.levels.entry(at).or_insert_with(|| Level::hashed(cell(at))).relocate(key, from, &to);
+                self.levels.entry(at).or_insert_with(|| Level::hashed(cell(at))).relocate(&self.items, key, from, &to);
             }
             from => {
                 from.iter().for_each(|from| self.take(key, from));
-                self.levels.entry(at).or_insert_with(|| Level::hashed(cell(at))).insert(key, &to);
+                self.levels.entry(at).or_insert_with(|| Level::hashed(cell(at))).insert(&self.items, key, &to);
             }
         }
         from

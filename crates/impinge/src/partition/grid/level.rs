@@ -1,36 +1,30 @@
-//! Cells of one size, in an array or hashed.
+//! Cells of one size, in an array or hashed, and which boxes reach into them.
 
 use std::ops::ControlFlow;
 
-use super::super::{Visitor, Work};
+use super::super::{Items, Visitor, Work};
+use super::frame::{Block, Cell, Frame};
+use super::lines::{HELD, Lines};
+use super::word::Word;
 use crate::simd::prefetch;
 use crate::volume::{BoundingVolume, MinMax};
 
-/// Cells are counted to here from the origin, and farther ones are the last: whole numbers that a float holds.
-const FARTHEST: f64 = (1_u64 << 40) as f64;
+/// Hashed lines for each copy that they hold at least, and at most.
+const ROOM: [f64; 2] = [0.3, 2.4];
 
-/// Hashed cells for each copy that they hold, at least; there are at most eight times as many.
-const ROOM: usize = 2;
+/// Hashed cells that are neighbours in memory are so many along each axis, as a power of two: a page of memory. A box that
+/// moves touches one or two of them.
+const NEAR: u32 = 2;
 
 /// Hashed cells at least.
-const FEWEST: usize = 16;
+const FEWEST: usize = 1 << (3 * NEAR);
 
-/// Cells about a way that is short: more are looked through more often than they are worth.
-const SHORT: f64 = 64.0;
+/// Cells about a way that is short, along each axis and in all: more are looked through more often than they are worth.
+const WIDE: usize = 4;
+pub(super) const SHORT: usize = 27;
 
-/// Copies of a cell that are asked for ahead: most cells hold fewer. Each takes about a line of memory.
-const HELD: usize = 6;
-
-/// Where a few cells are in memory.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Places {
-    /// Those of a box that is at most as large as a cell; the first of more.
-    places: [usize; 8],
-    count: usize,
-}
-
-/// A cell by its place, counted along each axis.
-type Cell = [i64; 3];
+/// Cells about a way of which it is kept where they are.
+const KEPT: usize = 8;
 
 /// Where cells are in memory.
 #[derive(Clone, Debug)]
@@ -41,95 +35,109 @@ enum Layout {
     Hashed,
 }
 
-/// A copy of a box in a cell.
-#[derive(Clone, Copy, Debug)]
-struct Copy {
-    bounds: MinMax,
-    key: u32,
-}
-
 /// Equal cells, each with a copy of each box that reaches into it.
+///
+/// A copy says where its box begins and ends in steps as seen from its cell, and boxes themselves are looked at where steps
+/// decide nothing. Cells that share a place in memory have marks, and one box has no two copies of one mark, so that the
+/// copy of another cell with the same mark is one of a box that is not in this cell.
 #[derive(Clone, Debug)]
 pub(super) struct Level {
-    origin: [f64; 3],
-    /// Of the edge of a cell: a division takes four times as long as a product, which is monotone, too.
-    inverse: f64,
+    frame: Frame,
     layout: Layout,
-    cells: Vec<Vec<Copy>>,
-    copies: usize,
-    /// Memory of cells that became empty, for those that become full: else each cell that ever held something kept its own.
-    spare: Vec<Vec<Copy>>,
-    /// Memory to list places in.
-    listed: Vec<usize>,
+    lines: Lines,
 }
 
-/// The cells that a box reaches into: from, and to with it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Reach([Cell; 2]);
+/// How a box moves, a short way. Kept by the caller and written anew in place: it is large beside what it costs to find.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Way {
+    /// The box where it comes from and where it goes to; none where the way is not short, and the rest means nothing.
+    pub(super) boxes: Option<[MinMax; 2]>,
+    before: Block,
+    after: Block,
+    /// The first cell about it, and how many there are along each axis.
+    low: Cell,
+    counts: [usize; 3],
+    slices: [[Slice; WIDE]; 3],
+    places: Places,
+}
 
-impl Reach {
-    /// How many there are.
-    pub(super) fn count(&self) -> f64 {
-        let [low, high] = self.0;
-        (0..3).map(|axis| (high[axis] - low[axis] + 1) as f64).product()
-    }
+/// What is seen of a way from a cell along one axis.
+#[derive(Clone, Copy, Debug, Default)]
+struct Slice {
+    /// The box where it goes.
+    after: Word,
+    /// What is about both boxes.
+    around: Word,
+    /// What both share; where they are apart it ends before it begins.
+    shared: Word,
+}
 
-    fn each(&self, mut visit: impl FnMut(Cell) -> ControlFlow<()>) -> ControlFlow<()> {
-        let [low, high] = self.0;
-        for z in low[2]..=high[2] {
-            for y in low[1]..=high[1] {
-                for x in low[0]..=high[0] {
-                    visit([x, y, z])?;
+/// Where the first cells about a way are in memory, which has room for so many.
+#[derive(Clone, Copy, Debug, Default)]
+struct Places {
+    places: [usize; KEPT],
+    count: usize,
+    room: usize,
+}
+
+/// A box that steps do not tell from one that begins or ceases to meet what moved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Open {
+    pub(super) key: u32,
+    /// From where it is seen.
+    cell: Cell,
+}
+
+impl Way {
+    /// Visits the cells about it: each with its number, its place along each axis and what is seen from it.
+    #[inline]
+    fn each(&self, mut visit: impl FnMut(usize, Cell, Slice)) {
+        let [xs, ys, zs] = &self.slices;
+        let mut number = 0;
+        for (z, zs) in zs[..self.counts[2]].iter().enumerate() {
+            for (y, ys) in ys[..self.counts[1]].iter().enumerate() {
+                let upper = ys.with(zs);
+                for (x, xs) in xs[..self.counts[0]].iter().enumerate() {
+                    let cell = [self.low[0] + x as i64, self.low[1] + y as i64, self.low[2] + z as i64];
+                    visit(number, cell, xs.with(&upper));
+                    number += 1;
                 }
             }
         }
-        ControlFlow::Continue(())
+    }
+}
+
+impl Slice {
+    #[inline]
+    fn with(&self, other: &Self) -> Self {
+        Self {
+            after: self.after.with(other.after),
+            around: self.around.with(other.around),
+            shared: self.shared.with(other.shared),
+        }
     }
 }
 
 impl Level {
     /// A block of cells, `counts` of them along each axis, from `origin`.
     pub(super) fn dense(origin: [f64; 3], cell: f64, counts: [usize; 3]) -> Self {
-        let cells = vec![Vec::new(); counts.iter().product()];
-        Self::new(origin, cell, Layout::Dense { counts: counts.map(|count| count as i64) }, cells)
+        let lines = Lines::new(counts.iter().product());
+        let layout = Layout::Dense { counts: counts.map(|count| count as i64) };
+        Self { frame: Frame::dense(origin, cell, counts), layout, lines }
     }
 
     /// Cells without an end.
     pub(super) fn hashed(cell: f64) -> Self {
-        Self::new([0.0; 3], cell, Layout::Hashed, vec![Vec::new(); FEWEST])
-    }
-
-    fn new(origin: [f64; 3], cell: f64, layout: Layout, cells: Vec<Vec<Copy>>) -> Self {
-        Self {
-            origin,
-            inverse: (1.0 / cell).min(f64::MAX),
-            layout,
-            cells,
-            copies: 0,
-            spare: Vec::new(),
-            listed: Vec::new(),
-        }
+        Self { frame: Frame::endless(cell), layout: Layout::Hashed, lines: Lines::new(FEWEST) }
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.copies == 0
+        self.lines.copies() == 0
     }
 
-    /// The cell of a coordinate. Every step is monotone, so that what is between two corners is in the cells between theirs.
-    #[inline]
-    fn along(&self, coordinate: f64, axis: usize) -> i64 {
-        let last = match &self.layout {
-            Layout::Dense { counts } => [0.0, (counts[axis] - 1) as f64],
-            Layout::Hashed => [-FARTHEST, FARTHEST],
-        };
-        let cut = ((coordinate - self.origin[axis]) * self.inverse).clamp(last[0], last[1]);
-        let whole = cut as i64;
-        whole - i64::from(whole as f64 > cut)
-    }
-
-    pub(super) fn reach(&self, bounds: &MinMax) -> Reach {
-        let (min, max) = (bounds.min(), bounds.max());
-        Reach([[0, 1, 2].map(|axis| self.along(min[axis], axis)), [0, 1, 2].map(|axis| self.along(max[axis], axis))])
+    /// Whether a box reaches into at most so many cells, and into none that look alike.
+    pub(super) fn takes(&self, bounds: &MinMax, most: f64) -> bool {
+        self.frame.reach(bounds).block().is_small(most)
     }
 
     #[inline]
@@ -138,170 +146,197 @@ impl Level {
             Layout::Dense { counts } => ((cell[2] * counts[1] + cell[1]) * counts[0] + cell[0]) as usize,
             Layout::Hashed => {
                 // Large odd numbers without pattern, one for each axis (Teschner et al., 2003), and the upper bits, which all
-                // bits of the cell reach.
-                let mixed = (cell[0] as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
-                    ^ (cell[1] as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f)
-                    ^ (cell[2] as u64).wrapping_mul(0x1656_67b1_9e37_79f9);
-                (mixed.wrapping_mul(0xff51_afd7_ed55_8ccd) >> 32) as usize & (self.cells.len() - 1)
+                // bits of the cell reach; where a page has few cells in use they differ from page to page.
+                let [x, y, z] = cell.map(|along| (along >> NEAR) as u64);
+                let mixed = (x.wrapping_mul(0x9e37_79b9_7f4a_7c15)
+                    ^ y.wrapping_mul(0xc2b2_ae3d_27d4_eb4f)
+                    ^ z.wrapping_mul(0x1656_67b1_9e37_79f9))
+                .wrapping_mul(0xff51_afd7_ed55_8ccd);
+                let [x, y, z] = cell.map(|along| (along & ((1 << NEAR) - 1)) as u64);
+                let within = z << (2 * NEAR) | y << NEAR | x;
+                ((mixed >> 26) ^ within) as usize & (self.lines.len() - 1)
             }
         }
     }
 
-    /// Lists the places in memory of these cells, each once.
-    fn list(&self, reach: &Reach, places: &mut Vec<usize>) {
-        places.clear();
-        let _ = reach.each(|cell| {
-            places.push(self.place(cell));
+    fn put(&mut self, key: u32, bounds: &MinMax) {
+        let reach = self.frame.reach(bounds);
+        let _ = reach.block().each(|cell| {
+            self.lines.put(self.place(cell), key, reach.seen_from(cell));
             ControlFlow::Continue(())
         });
-        places.sort_unstable();
-        places.dedup();
     }
 
-    fn put(&mut self, copy: Copy) {
-        let mut places = std::mem::take(&mut self.listed);
-        self.list(&self.reach(&copy.bounds), &mut places);
-        for &place in &places {
-            let cell = &mut self.cells[place];
-            if cell.is_empty() {
-                *cell = self.spare.pop().unwrap_or_default();
-            }
-            cell.push(copy);
-        }
-        self.copies += places.len();
-        self.listed = places;
-    }
-
-    pub(super) fn insert(&mut self, key: u32, bounds: &MinMax) {
-        self.put(Copy { bounds: *bounds, key });
-        self.resize();
+    pub(super) fn insert(&mut self, items: &Items, key: u32, bounds: &MinMax) {
+        self.put(key, bounds);
+        self.resize(items);
     }
 
     fn take(&mut self, key: u32, bounds: &MinMax) {
-        let mut places = std::mem::take(&mut self.listed);
-        self.list(&self.reach(bounds), &mut places);
-        for &place in &places {
-            let cell = &mut self.cells[place];
-            if let Some(at) = cell.iter().position(|copy| copy.key == key) {
-                cell.swap_remove(at);
-                self.copies -= 1;
-                if cell.is_empty() {
-                    self.spare.push(std::mem::take(cell));
-                }
-            }
-        }
-        self.listed = places;
-    }
-
-    pub(super) fn remove(&mut self, key: u32, bounds: &MinMax) {
-        self.take(key, bounds);
-        self.resize();
-    }
-
-    /// Asks for the cells that a box reaches into, and says where they are, as far as there is room.
-    pub(super) fn prefetch(&self, bounds: &MinMax, places: &mut Places) {
-        places.count = 0;
-        let _ = self.reach(bounds).each(|cell| {
-            let Some(next) = places.places.get_mut(places.count) else { return ControlFlow::Break(()) };
-            *next = self.place(cell);
-            prefetch(&self.cells[*next]);
-            places.count += 1;
+        let reach = self.frame.reach(bounds);
+        let _ = reach.block().each(|cell| {
+            self.lines.take(self.place(cell), key, reach.seen_from(cell));
             ControlFlow::Continue(())
         });
     }
 
-    /// Asks for what cells hold.
-    pub(super) fn prefetch_held(&self, places: &Places) {
-        for &place in &places.places[..places.count] {
-            // Cells may have become fewer since.
-            self.cells.get(place).into_iter().flatten().take(HELD).for_each(prefetch);
+    pub(super) fn remove(&mut self, items: &Items, key: u32, bounds: &MinMax) {
+        self.take(key, bounds);
+        self.resize(items);
+    }
+
+    /// Finds how a box moves.
+    pub(super) fn trace(&self, from: &MinMax, to: &MinMax, way: &mut Way) {
+        let reaches = [from, to].map(|bounds| self.frame.reach(bounds));
+        let [before, after] = reaches.map(|reach| reach.block());
+        let block = before.merged(&after);
+        let counts = [0, 1, 2].map(|axis| block.high[axis] - block.low[axis] + 1);
+        if counts.iter().any(|&count| count > WIDE as i64) || counts.iter().product::<i64>() > SHORT as i64 {
+            way.boxes = None;
+            return;
+        }
+        way.boxes = Some([*from, *to]);
+        (way.before, way.after, way.low) = (before, after, block.low);
+        way.counts = counts.map(|count| count as usize);
+        for (axis, slices) in way.slices.iter_mut().enumerate() {
+            for (at, slice) in slices[..way.counts[axis]].iter_mut().enumerate() {
+                let cell = block.low[axis] + at as i64;
+                let [[begin, end], [next_begin, next_end]] = reaches.map(|reach| reach.along(axis, cell));
+                let word = |steps| Word::along(axis, steps, cell);
+                *slice = Slice {
+                    after: word([next_begin, next_end]),
+                    around: word([begin.min(next_begin), end.max(next_end)]),
+                    shared: word([begin.max(next_begin), end.min(next_end)]),
+                };
+            }
+        }
+        let mut places = Places { room: self.lines.len(), ..Places::default() };
+        way.each(|_, cell, _| {
+            if let Some(next) = places.places.get_mut(places.count) {
+                *next = self.place(cell);
+                places.count += 1;
+            }
+        });
+        way.places = places;
+    }
+
+    /// Where the cells about a way are, as far as that is known and still true.
+    #[inline]
+    fn known<'w>(&self, way: &'w Way) -> &'w [usize] {
+        let known = if way.places.room == self.lines.len() { way.places.count } else { 0 };
+        &way.places.places[..known]
+    }
+
+    /// Asks for the memory of the cells about a way.
+    #[inline]
+    pub(super) fn prefetch(&self, way: &Way) {
+        self.known(way).iter().for_each(|&place| prefetch(self.lines.first(place)));
+    }
+
+    /// Asks for that of the lines that follow.
+    #[inline]
+    pub(super) fn prefetch_more(&self, way: &Way) {
+        for &place in self.known(way) {
+            self.lines.after(self.lines.first(place)).into_iter().for_each(prefetch);
         }
     }
 
-    /// Moves a box that is here by a short way, and tells which boxes here begin to meet it, and which cease to; false, and
-    /// nothing done, where the way is not short.
-    pub(super) fn follow(&mut self, key: u32, from: &MinMax, to: &MinMax, mut note: impl FnMut(u32, bool)) -> bool {
-        let (before, after) = (self.reach(from), self.reach(to));
-        let both = Reach([
-            [0, 1, 2].map(|axis| before.0[0][axis].min(after.0[0][axis])),
-            [0, 1, 2].map(|axis| before.0[1][axis].max(after.0[1][axis])),
-        ]);
-        if both.count() > SHORT {
-            return false;
-        }
-        let stays = before == after;
-        let _ = both.each(|cell| {
-            let place = self.place(cell);
-            for at in 0..self.cells[place].len() {
-                let copy = &mut self.cells[place][at];
-                if copy.key == key {
-                    // A place that two cells share is written twice.
-                    if stays {
-                        copy.bounds = *to;
-                    }
-                    continue;
+    /// Moves a box that is here, and tells which boxes here may begin to meet it, or cease to.
+    pub(super) fn follow(&mut self, items: &Items, way: &Way, key: u32, mut tell: impl FnMut(Open)) {
+        let stays = way.before == way.after;
+        way.each(|number, cell, slice| {
+            let place = self.known(way).get(number).copied().unwrap_or_else(|| self.place(cell));
+            let (around, shared) = (slice.around.probe(), slice.shared.probe());
+            self.lines.each_of(place, |line| {
+                let (mut open, mut own) = (0_u32, 0_u32);
+                for at in 0..HELD {
+                    let word = line.words[at];
+                    let here = word.is_marked_as(slice.after);
+                    let undecided = around.with(word).may_meet & !shared.with(word).meet & here;
+                    open |= u32::from(undecided) << at;
+                    own |= u32::from((line.keys[at] == key) & here) << at;
                 }
-                let (other, bounds) = (copy.key, copy.bounds);
-                let meets = to.overlaps(&bounds);
-                if from.overlaps(&bounds) != meets {
+                if own != 0 && stays {
+                    line.words[own.trailing_zeros() as usize] = slice.after;
+                }
+                open &= !own;
+                while open != 0 {
+                    let at = open.trailing_zeros() as usize;
+                    open &= open - 1;
                     // Once: in the cell of the least corner of what it shares with the way.
-                    let own = bounds.min();
-                    if (0..3).all(|axis| cell[axis] == both.0[0][axis].max(self.along(own[axis], axis))) {
-                        note(other, meets);
+                    if !(0..3).any(|axis| cell[axis] != way.low[axis] && line.words[at].begins_before(axis)) {
+                        tell(Open { key: line.keys[at], cell });
                     }
                 }
+            });
+            if stays {
+                return;
             }
-            ControlFlow::Continue(())
+            match (way.before.holds(cell), way.after.holds(cell)) {
+                (true, true) => self.lines.write(place, key, slice.after),
+                (true, false) => self.lines.take(place, key, slice.after),
+                (false, true) => self.lines.put(place, key, slice.after),
+                (false, false) => {}
+            }
         });
         if !stays {
-            self.take(key, from);
-            self.put(Copy { bounds: *to, key });
-            self.resize();
+            self.resize(items);
         }
-        true
+    }
+
+    /// Whether a box that is open after a way begins to meet what moved, or ceases to; none where it does neither.
+    #[inline]
+    pub(super) fn settle(&self, open: &Open, way: &Way, bounds: &MinMax) -> Option<bool> {
+        let [met, meets] = way.boxes?.map(|one| one.overlaps(bounds));
+        let block = Block { low: way.low, high: way.low };
+        (met != meets && self.frame.is_first(open.cell, &block, bounds)).then_some(meets)
     }
 
     /// Moves a box that is here; one that stays in its cells is only written anew.
-    pub(super) fn relocate(&mut self, key: u32, from: &MinMax, to: &MinMax) {
-        let reach = self.reach(from);
-        if reach != self.reach(to) {
-            self.remove(key, from);
-            self.insert(key, to);
+    pub(super) fn relocate(&mut self, items: &Items, key: u32, from: &MinMax, to: &MinMax) {
+        let (before, after) = (self.frame.reach(from), self.frame.reach(to));
+        if before.block() != after.block() {
+            self.remove(items, key, from);
+            self.insert(items, key, to);
             return;
         }
-        // A place that two cells share is written twice.
-        let _ = reach.each(|cell| {
-            let place = self.place(cell);
-            let copy = self.cells[place].iter_mut().find(|copy| copy.key == key);
-            copy.into_iter().for_each(|copy| copy.bounds = *to);
+        let _ = after.block().each(|cell| {
+            self.lines.write(self.place(cell), key, after.seen_from(cell));
             ControlFlow::Continue(())
         });
     }
 
     /// Keeps the number of hashed cells in proportion to what they hold.
-    fn resize(&mut self) {
-        let fits = self.copies * ROOM <= self.cells.len() && self.cells.len() <= FEWEST.max(self.copies * ROOM * 8);
-        if matches!(self.layout, Layout::Dense { .. }) || fits {
-            return;
+    #[inline]
+    fn resize(&mut self, items: &Items) {
+        let (cells, copies) = (self.lines.len(), self.lines.copies() as f64);
+        let fits = ROOM[0] * copies <= cells as f64 && (cells as f64 <= ROOM[1] * copies || cells == FEWEST);
+        if matches!(self.layout, Layout::Hashed) && !fits {
+            self.rebuild(items);
         }
-        let mut boxes: Vec<Copy> = Vec::new();
-        let _ = self.each_once(|copy| {
-            boxes.push(*copy);
-            ControlFlow::Continue(())
-        });
-        let count = (2 * ROOM * self.copies).next_power_of_two().max(FEWEST);
-        self.cells = vec![Vec::new(); count];
-        self.spare.clear();
-        self.copies = 0;
-        boxes.into_iter().for_each(|copy| self.put(copy));
     }
 
-    /// Visits each box here once: in the place of its first cell.
-    fn each_once(&self, mut visit: impl FnMut(&Copy) -> ControlFlow<()>) -> ControlFlow<()> {
-        for (place, cell) in self.cells.iter().enumerate() {
-            for copy in cell {
-                if self.place(self.reach(&copy.bounds).0[0]) == place {
-                    visit(copy)?;
+    fn rebuild(&mut self, items: &Items) {
+        let mut keys = Vec::new();
+        let _ = self.each_once(&mut |key| {
+            keys.push(key);
+            ControlFlow::Continue(())
+        });
+        let count = (ROOM[0] * ROOM[1]).sqrt() * self.lines.copies() as f64;
+        self.lines = Lines::new((count as usize).next_power_of_two().max(FEWEST));
+        for key in keys {
+            items.get(key).into_iter().for_each(|bounds| self.put(key, bounds));
+        }
+    }
+
+    /// Visits each box here once: in its first cell.
+    fn each_once(&self, visit: &mut impl FnMut(u32) -> ControlFlow<()>) -> ControlFlow<()> {
+        for place in 0..self.lines.len() {
+            for line in self.lines.of(place) {
+                for (&word, &key) in line.words.iter().zip(&line.keys) {
+                    if !word.is_none() && !(0..3).any(|axis| word.begins_before(axis)) {
+                        visit(key)?;
+                    }
                 }
             }
         }
@@ -309,23 +344,37 @@ impl Level {
     }
 
     /// Visits each box that meets this one, once: in the cell of the least corner of what they share.
-    pub(super) fn overlapping(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {
-        let reach = self.reach(bounds);
-        if reach.count() > self.cells.len() as f64 {
-            work.nodes += self.cells.len() as u64;
-            return self.each_once(|copy| {
+    pub(super) fn overlapping(
+        &self,
+        items: &Items,
+        bounds: &MinMax,
+        work: &mut Work,
+        visit: &mut Visitor<'_>,
+    ) -> ControlFlow<()> {
+        let meets = |key: u32| items.get(key).filter(|other| other.overlaps(bounds));
+        let reach = self.frame.reach(bounds);
+        let block = reach.block();
+        if block.count() > self.lines.len() as f64 {
+            work.nodes += self.lines.len() as u64;
+            return self.each_once(&mut |key| {
                 work.boxes += 1;
-                if copy.bounds.overlaps(bounds) { visit(copy.key) } else { ControlFlow::Continue(()) }
+                if meets(key).is_some() { visit(key) } else { ControlFlow::Continue(()) }
             });
         }
-        reach.each(|cell| {
+        block.each(|cell| {
             work.nodes += 1;
-            for copy in &self.cells[self.place(cell)] {
-                work.boxes += 1;
-                if copy.bounds.overlaps(bounds) {
-                    let (first, own) = (reach.0[0], copy.bounds.min());
-                    if (0..3).all(|axis| cell[axis] == first[axis].max(self.along(own[axis], axis))) {
-                        visit(copy.key)?;
+            let like = reach.seen_from(cell);
+            let probe = like.probe();
+            for line in self.lines.of(self.place(cell)) {
+                for (&word, &key) in line.words.iter().zip(&line.keys) {
+                    work.boxes += u64::from(!word.is_none());
+                    if word.is_marked_as(like)
+                        && probe.with(word).may_meet
+                        && (0..3).all(|axis| cell[axis] == block.low[axis] || !word.begins_before(axis))
+                        && let Some(other) = meets(key)
+                        && self.frame.is_first(cell, &block, other)
+                    {
+                        visit(key)?;
                     }
                 }
             }
@@ -333,18 +382,30 @@ impl Level {
         })
     }
 
-    /// Calls for each two boxes here that meet, once, in the place of the cell of the least corner of what they share.
-    pub(super) fn pairs(&self, mut meet: impl FnMut(u32, u32)) {
-        for (place, cell) in self.cells.iter().enumerate() {
-            for (at, one) in cell.iter().enumerate() {
-                for other in &cell[at + 1..] {
-                    if !one.bounds.overlaps(&other.bounds) {
-                        continue;
-                    }
-                    let (min, others) = (one.bounds.min(), other.bounds.min());
-                    let shared = [0, 1, 2].map(|axis| self.along(min[axis].max(others[axis]), axis));
-                    if self.place(shared) == place {
-                        meet(one.key, other.key);
+    /// Calls for each two boxes here that meet, once, in the cell of the least corner of what they share.
+    pub(super) fn pairs(&self, items: &Items, mut meet: impl FnMut(u32, u32)) {
+        let mut here: Vec<(u32, Word)> = Vec::new();
+        for place in 0..self.lines.len() {
+            here.clear();
+            here.extend(self.lines.of(place).flat_map(|line| line.keys.into_iter().zip(line.words)));
+            here.retain(|(_, word)| !word.is_none());
+            for (at, &(key, word)) in here.iter().enumerate() {
+                let probe = word.probe();
+                for &(other, like) in &here[at + 1..] {
+                    // One of them begins in the cell along each axis.
+                    if like.is_marked_as(word)
+                        && probe.with(like).may_meet
+                        && !(0..3).any(|axis| word.begins_before(axis) && like.begins_before(axis))
+                        && key != other
+                        && let (Some(one), Some(two)) = (items.get(key), items.get(other))
+                        && one.overlaps(two)
+                    {
+                        let (min, others) = (one.min(), two.min());
+                        let cell = [0, 1, 2].map(|axis| self.frame.cell_along(min[axis].max(others[axis]), axis));
+                        let [one, two] = [one, two].map(|bounds| self.frame.reach(bounds).seen_from(cell));
+                        if self.place(cell) == place && one == word && two == like {
+                            meet(key, other);
+                        }
                     }
                 }
             }

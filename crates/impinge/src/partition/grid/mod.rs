@@ -1,8 +1,11 @@
 //! Grids: space in equal cells, each of which knows the boxes that reach into it (Ericson, 7.1 and 7.2).
 
+mod frame;
 mod hierarchical;
 mod level;
+mod lines;
 mod single;
+mod word;
 
 pub use hierarchical::HierarchicalGrid;
 pub use single::{HashedGrid, UniformGrid};

@@ -3,24 +3,28 @@
 use std::ops::ControlFlow;
 
 use super::super::{BoxTree, Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visitor, Work, record};
-use super::level::{Level, Places};
+use super::level::{Level, Open, SHORT, Way};
 use crate::input::{InputError, InputErrorKind};
 use crate::volume::{BoundingVolume, MinMax};
 
-/// Cells that a box reaches into at most; larger ones are kept in a tree beside the cells, so that no box touches cells
-/// without bound.
+/// Cells that a box reaches into at most; larger ones, and those that reach into more than eight along an axis, are kept in a
+/// tree beside the cells, so that no box touches cells without bound.
 const MOST_CELLS: f64 = 27.0;
 
-/// Moves from the one whose memory is asked for to the one that is done: some hundred nanoseconds, as memory takes.
-const AHEAD: usize = 4;
+/// A short way is all in cells.
+const _: () = assert!(SHORT as f64 <= MOST_CELLS);
 
-/// Cells of a uniform grid at most: 384 MiB of them.
+/// Moves that are done together: what they touch is in the first cache, and memory is asked for so often in a row that a
+/// processor looks up several pages at once.
+const TOGETHER: usize = 16;
+
+/// Cells of a uniform grid at most: a GiB of them.
 const MOST_DENSE: f64 = (1 << 24) as f64;
 
 /// Equal cells in a block, one after the other in memory: the kind for boxes of like size that fill a known space evenly.
 ///
-/// A box is in each cell that it reaches into, at most 27; larger ones are in a tree beside them. What lies outside the
-/// block belongs to the cells at its border: nothing is lost, but many boxes there are many in one cell.
+/// A box is in each cell that it reaches into, at most 27 and eight along an axis; larger ones are in a tree beside them. What
+/// lies outside the block belongs to the cells at its border: nothing is lost, but many boxes there are many in one cell.
 ///
 /// # Complexity
 /// O(1 + boxes in the same cells) for each change and question, where cells are about as large as boxes. Memory for each
@@ -117,19 +121,61 @@ impl Single {
     }
 
     fn is_large(&self, bounds: &MinMax) -> bool {
-        self.level.reach(bounds).count() > MOST_CELLS
+        !self.level.takes(bounds, MOST_CELLS)
     }
 
-    fn overlapping(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {
+    /// Finds how a box moves that is in cells and stays in cells.
+    fn trace(&self, step: &Move, way: &mut Way) {
+        match (self.items.get(step.key), &step.to) {
+            (Some(from), Some(to)) => self.level.trace(from, to, way),
+            _ => way.boxes = None,
+        }
+    }
+
+    /// Notes which pairs with large boxes a way changes.
+    fn follow_among_large(&self, key: u32, [from, to]: &[MinMax; 2], changes: &mut Changes) {
+        let _ = self.large.overlapping(&from.merged(to), &mut |other| {
+            if let Some(bounds) = self.items.get(other) {
+                let meets = to.overlaps(bounds);
+                if from.overlaps(bounds) != meets {
+                    changes.note(key, other, meets);
+                }
+            }
+            ControlFlow::Continue(())
+        });
+    }
+
+    fn take(&mut self, key: u32, from: &MinMax) {
+        if self.large.remove(key).is_none() {
+            self.level.remove(&self.items, key, from);
+        }
+    }
+}
+
+impl Holds for Single {
+    fn items(&self) -> &Items {
+        &self.items
+    }
+}
+
+impl Partition for Single {
+    fn cells(&self) -> Cells {
+        Cells::Disjoint
+    }
+
+    fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {
+        if !self.items.bounds().is_some_and(|all| all.overlaps(bounds)) {
+            return ControlFlow::Continue(());
+        }
         self.large.overlapping_counted(bounds, work, visit)?;
-        self.level.overlapping(bounds, work, visit)
+        self.level.overlapping(&self.items, bounds, work, visit)
     }
 
     fn pairs(&self) -> Vec<[u32; 2]> {
         let mut pairs = self.large.pairs();
-        self.level.pairs(|one, other| pairs.push([one.min(other), one.max(other)]));
+        self.level.pairs(&self.items, |one, other| pairs.push([one.min(other), one.max(other)]));
         self.large.each(&mut |key, bounds| {
-            let _ = self.level.overlapping(bounds, &mut Work::default(), &mut |other| {
+            let _ = self.level.overlapping(&self.items, bounds, &mut Work::default(), &mut |other| {
                 pairs.push([key.min(other), key.max(other)]);
                 ControlFlow::Continue(())
             });
@@ -137,47 +183,107 @@ impl Single {
         pairs.sort_unstable();
         pairs
     }
+}
 
+impl Dynamic for Single {
     fn insert(&mut self, key: u32, to: MinMax) -> Option<MinMax> {
         let from = self.items.insert(key, to);
         match (&from, self.is_large(&to)) {
-            (Some(from), false) if !self.is_large(from) => self.level.relocate(key, from, &to),
+            (Some(from), false) if !self.is_large(from) => self.level.relocate(&self.items, key, from, &to),
             (Some(from), true) if self.is_large(from) => _ = self.large.insert(key, to),
             (from, is_large) => {
                 from.iter().for_each(|from| self.take(key, from));
                 if is_large {
                     self.large.insert(key, to);
                 } else {
-                    self.level.insert(key, &to);
+                    self.level.insert(&self.items, key, &to);
                 }
             }
         }
         from
     }
 
-    /// Moves a box within the cells, and notes what that changes; whether this is all.
-    fn follow(&mut self, step: &Move, changes: &mut Changes) -> bool {
-        let (Some(from), Some(to)) = (self.items.get(step.key).copied(), step.to) else { return false };
-        if !self.large.is_empty() || self.is_large(&to) {
-            return false;
-        }
-        let followed = self.level.follow(step.key, &from, &to, |other, began| changes.note(step.key, other, began));
-        if followed {
-            self.items.insert(step.key, to);
-        }
-        followed
-    }
-
-    fn take(&mut self, key: u32, from: &MinMax) {
-        if self.large.remove(key).is_none() {
-            self.level.remove(key, from);
-        }
-    }
-
     fn remove(&mut self, key: u32) -> Option<MinMax> {
         let from = self.items.remove(key)?;
         self.take(key, &from);
         Some(from)
+    }
+
+    /// Asks for the memory of several moves before it does them: in a large scene they are all over it. First for boxes, then
+    /// for the cells that these tell, then for what these cells tell.
+    fn step(&mut self, moves: &[Move], changes: &mut Changes) {
+        changes.clear();
+        let mut ways = [Way::default(); TOGETHER];
+        let mut open = Vec::new();
+        for moves in moves.chunks(TOGETHER) {
+            let ways = &mut ways[..moves.len()];
+            moves.iter().for_each(|step| self.items.prefetch(step.key));
+            moves.iter().zip(&mut *ways).for_each(|(step, way)| self.trace(step, way));
+            let short = || ways.iter().filter(|way| way.boxes.is_some());
+            short().for_each(|way| self.level.prefetch(way));
+            short().for_each(|way| self.level.prefetch_more(way));
+            for (at, (step, way)) in moves.iter().zip(&*ways).enumerate() {
+                // A box that moves twice is elsewhere by now.
+                let earlier = moves[..at].iter().any(|earlier| earlier.key == step.key);
+                match &way.boxes {
+                    Some(boxes) if !earlier => self.follow((at, moves), (way, boxes), &mut open, changes),
+                    _ => self.do_alone(step, changes),
+                }
+            }
+            for (at, open) in open.drain(..) {
+                if let Some(bounds) = self.items.get(open.key)
+                    && let Some(began) = self.level.settle(&open, &ways[at], bounds)
+                {
+                    changes.note(moves[at].key, open.key, began);
+                }
+            }
+        }
+        changes.settle();
+    }
+}
+
+impl Single {
+    /// Moves a box within the cells, and notes what that changes, or that this is open; at once where the other box moves,
+    /// too, as that may be next.
+    fn follow(
+        &mut self,
+        (at, moves): (usize, &[Move]),
+        (way, boxes): (&Way, &[MinMax; 2]),
+        open: &mut Vec<(usize, Open)>,
+        changes: &mut Changes,
+    ) {
+        let key = moves[at].key;
+        let Self { level, large, items } = self;
+        items.insert(key, boxes[1]);
+        let first = open.len();
+        level.follow(items, way, key, |next| {
+            items.prefetch(next.key);
+            open.push((at, next));
+        });
+        let mut kept = first;
+        for next in first..open.len() {
+            let (_, other) = open[next];
+            if !moves.iter().any(|step| step.key == other.key) {
+                open[kept] = open[next];
+                kept += 1;
+            } else if let Some(bounds) = items.get(other.key)
+                && let Some(began) = level.settle(&other, way, bounds)
+            {
+                changes.note(key, other.key, began);
+            }
+        }
+        open.truncate(kept);
+        if !large.is_empty() {
+            self.follow_among_large(key, boxes, changes);
+        }
+    }
+
+    fn do_alone(&mut self, step: &Move, changes: &mut Changes) {
+        record(self, step, changes);
+        match step.to {
+            Some(bounds) => self.insert(step.key, bounds),
+            None => self.remove(step.key),
+        };
     }
 }
 
@@ -186,13 +292,13 @@ macro_rules! is_single_level {
     ($grid:ident) => {
         impl Holds for $grid {
             fn items(&self) -> &Items {
-                &self.0.items
+                self.0.items()
             }
         }
 
         impl Partition for $grid {
             fn cells(&self) -> Cells {
-                Cells::Disjoint
+                self.0.cells()
             }
 
             fn overlapping_counted(
@@ -201,10 +307,7 @@ macro_rules! is_single_level {
                 work: &mut Work,
                 visit: &mut Visitor<'_>,
             ) -> ControlFlow<()> {
-                match self.0.items.bounds() {
-                    Some(all) if all.overlaps(bounds) => self.0.overlapping(bounds, work, visit),
-                    _ => ControlFlow::Continue(()),
-                }
+                self.0.overlapping_counted(bounds, work, visit)
             }
 
             fn pairs(&self) -> Vec<[u32; 2]> {
@@ -221,29 +324,8 @@ macro_rules! is_single_level {
                 self.0.remove(key)
             }
 
-            /// Asks for the memory of the next moves while it does one: in a large scene they are all over it.
             fn step(&mut self, moves: &[Move], changes: &mut Changes) {
-                changes.clear();
-                // Where the cells of the next moves are.
-                let mut places = [Places::default(); AHEAD];
-                for (at, step) in moves.iter().enumerate() {
-                    let later = |ahead: usize| moves.get(at + ahead).map(|later| later.key);
-                    later(3 * AHEAD).into_iter().for_each(|key| self.0.items.prefetch(key));
-                    let places = &mut places[at % AHEAD];
-                    self.0.level.prefetch_held(places);
-                    *places = Places::default();
-                    if let Some(bounds) = later(2 * AHEAD).and_then(|key| self.0.items.get(key)) {
-                        self.0.level.prefetch(bounds, places);
-                    }
-                    if !self.0.follow(step, changes) {
-                        record(self, step, changes);
-                        match step.to {
-                            Some(bounds) => self.0.insert(step.key, bounds),
-                            None => self.0.remove(step.key),
-                        };
-                    }
-                }
-                changes.settle();
+                self.0.step(moves, changes);
             }
         }
     };

@@ -1,0 +1,227 @@
+//! What cells hold: a few copies of boxes in a line of memory each, and more lines where there are more.
+
+use super::word::Word;
+
+/// Copies in a line, so that it has 64 bytes.
+pub(super) const HELD: usize = 5;
+
+/// Where no line follows.
+const LAST: u32 = u32::MAX;
+
+/// Copies of boxes, as many as a line of memory of a processor's cache holds.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(super) struct Line {
+    /// Those that are there come first, in the first line of a cell; the lines that follow are full.
+    pub(super) words: [Word; HELD],
+    pub(super) keys: [u32; HELD],
+    /// The next line of the same cell, among those that are shared.
+    next: u32,
+}
+
+const _: () = assert!(size_of::<Line>() == 64);
+
+const EMPTY: Line = Line { words: [Word::NONE; HELD], keys: [0; HELD], next: LAST };
+
+/// A line for each of a number of cells, and more where one does not do.
+#[derive(Clone, Debug)]
+pub(super) struct Lines {
+    first: Vec<Line>,
+    more: Vec<Line>,
+    /// The first of the lines in `more` that are not in use, which follow each other.
+    free: u32,
+    copies: usize,
+}
+
+impl Line {
+    fn held(&self) -> usize {
+        self.words.iter().position(|word| word.is_none()).unwrap_or(HELD)
+    }
+
+    /// The place of a copy, by its key and the mark of its cell.
+    fn find(&self, key: u32, like: Word) -> Option<usize> {
+        (0..HELD).find(|&at| self.keys[at] == key && self.words[at].is_marked_as(like))
+    }
+}
+
+impl Lines {
+    pub(super) fn new(cells: usize) -> Self {
+        Self { first: vec![EMPTY; cells], more: Vec::new(), free: LAST, copies: 0 }
+    }
+
+    /// How many cells there are.
+    pub(super) fn len(&self) -> usize {
+        self.first.len()
+    }
+
+    /// How many copies they hold.
+    pub(super) fn copies(&self) -> usize {
+        self.copies
+    }
+
+    /// The first line of a cell.
+    #[inline]
+    pub(super) fn first(&self, at: usize) -> &Line {
+        &self.first[at]
+    }
+
+    /// The line that follows one.
+    #[inline]
+    pub(super) fn after(&self, line: &Line) -> Option<&Line> {
+        self.more.get(line.next as usize)
+    }
+
+    /// The lines of a cell.
+    #[inline]
+    pub(super) fn of(&self, at: usize) -> impl Iterator<Item = &Line> {
+        std::iter::successors(self.first.get(at), |line| self.after(line))
+    }
+
+    /// Visits the lines of a cell, to write copies anew.
+    #[inline]
+    pub(super) fn each_of(&mut self, at: usize, mut visit: impl FnMut(&mut Line)) {
+        let first = &mut self.first[at];
+        visit(first);
+        let mut next = first.next;
+        while let Some(line) = self.more.get_mut(next as usize) {
+            visit(line);
+            next = line.next;
+        }
+    }
+
+    /// Adds a copy. The mark of its word is not among those of the copies of this key here.
+    pub(super) fn put(&mut self, at: usize, key: u32, word: Word) {
+        self.copies += 1;
+        let mut held = self.first[at].held();
+        if held == HELD {
+            // The full line makes room and follows.
+            let next = self.lend(self.first[at]);
+            self.first[at] = Line { next, ..EMPTY };
+            held = 0;
+        }
+        self.first[at].words[held] = word;
+        self.first[at].keys[held] = key;
+    }
+
+    /// Takes the copy with this key and the mark of this word away.
+    pub(super) fn take(&mut self, at: usize, key: u32, like: Word) {
+        let Some((line, place)) = self.find(at, key, like) else { return };
+        // The last of the first line fills the gap.
+        let first = &mut self.first[at];
+        let last = first.held() - 1;
+        let (last_word, last_key) = (first.words[last], first.keys[last]);
+        first.words[last] = Word::NONE;
+        let next = first.next;
+        match line {
+            None if place == last => {}
+            None => (first.words[place], first.keys[place]) = (last_word, last_key),
+            Some(line) => {
+                let line = &mut self.more[line as usize];
+                (line.words[place], line.keys[place]) = (last_word, last_key);
+            }
+        }
+        if last == 0 && next != LAST {
+            self.first[at] = self.more[next as usize];
+            self.more[next as usize] = Line { next: self.free, ..EMPTY };
+            self.free = next;
+        }
+        self.copies -= 1;
+    }
+
+    /// Writes a copy anew, that with the same key and mark.
+    pub(super) fn write(&mut self, at: usize, key: u32, word: Word) {
+        match self.find(at, key, word) {
+            Some((None, place)) => self.first[at].words[place] = word,
+            Some((Some(line), place)) => self.more[line as usize].words[place] = word,
+            None => {}
+        }
+    }
+
+    /// The line of a copy, none for the first, and its place there.
+    fn find(&self, at: usize, key: u32, like: Word) -> Option<(Option<u32>, usize)> {
+        let mut line = &self.first[at];
+        let mut number = None;
+        loop {
+            if let Some(place) = line.find(key, like) {
+                return Some((number, place));
+            }
+            number = Some(line.next);
+            line = self.after(line)?;
+        }
+    }
+
+    fn lend(&mut self, line: Line) -> u32 {
+        match self.more.get_mut(self.free as usize) {
+            Some(free) => {
+                let at = self.free;
+                self.free = free.next;
+                *free = line;
+                at
+            }
+            None => {
+                self.more.push(line);
+                self.more.len() as u32 - 1
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use impinge_testkit::generate::Rng;
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn lines_hold_what_was_put_and_lend_no_more_than_they_need() {
+        let mut rng = Rng::new(92);
+        let mut lines = Lines::new(3);
+        let mut expected = BTreeMap::new();
+        for round in 0..30_000_u32 {
+            // Filled and emptied in turns.
+            let fills = round / 3000 % 2 == 0;
+            let (at, key, cell) = (rng.integer(0, 2) as usize, rng.integer(0, 20) as u32, rng.integer(0, 3));
+            let now = word(cell, rng.integer(1, 99) as u8);
+            match expected.get_mut(&(at, key, cell)) {
+                Some(before) if fills => {
+                    lines.write(at, key, now);
+                    *before = now;
+                }
+                Some(_) => {
+                    lines.take(at, key, now);
+                    expected.remove(&(at, key, cell));
+                }
+                None if fills || rng.one_in(4) => {
+                    lines.put(at, key, now);
+                    expected.insert((at, key, cell), now);
+                }
+                None => {
+                    lines.take(at, key, now);
+                    lines.write(at, key, now);
+                }
+            }
+            assert_eq!(lines.copies(), expected.len());
+            if round % 50 != 0 {
+                continue;
+            }
+            let mut in_use = 0;
+            for at in 0..3 {
+                let copies = lines.of(at).flat_map(|line| (0..line.held()).map(|k| (line.keys[k], line.words[k])));
+                let mut copies: Vec<_> = copies.collect();
+                copies.sort_by_key(|(key, seen)| (*key, (0..4).find(|&cell| seen.is_marked_as(word(cell, 1)))));
+                let wanted = expected.iter().filter(|((place, ..), _)| *place == at);
+                assert_eq!(copies, wanted.map(|((_, key, _), word)| (*key, *word)).collect::<Vec<_>>());
+                let count = lines.of(at).count();
+                assert_eq!(count, copies.len().div_ceil(HELD).max(1));
+                in_use += count - 1;
+            }
+            let free = std::iter::successors(lines.more.get(lines.free as usize), |line| lines.after(line)).count();
+            assert_eq!(in_use + free, lines.more.len());
+        }
+        assert!(lines.more.len() > 10);
+    }
+
+    fn word(cell: i64, step: u8) -> Word {
+        Word::along(0, [step, 200], cell)
+    }
+}
