@@ -5,7 +5,7 @@ use crate::mesh::{self, Options};
 
 /// Two faces that met when two meshes were last asked about; the caller keeps one for each two meshes.
 ///
-/// They are asked first, which makes the next answer several times faster where meshes in contact have moved little, and
+/// They are asked first, which makes the next answer faster where meshes in contact have moved little, and
 /// never another. Each time that they no longer meet, which costs a fifth of a microsecond, it is twice as long until
 /// faces are tried again, up to 64 questions, so that poses that have nothing to do with each other pay next to nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
