@@ -42,7 +42,7 @@ impl Line {
     /// # Accuracy
     /// Let u be 2^-24 and X the sum of how far the packet reaches from its anchor and the line passes from there, seen along itself.
     /// Corner and line are off from each other by 9 u X for what is rounded in single precision, and by `error` for what was before:
-    /// two packed coordinates (L1), the origin, and 6 units of 2^-53 of what is subtracted. As no coordinate is beyond 2 X, a side,
+    /// two packed coordinates (L1), two of the origin, and 6 units of 2^-53 of what is subtracted. As no coordinate is beyond 2 X, a side,
     /// the difference of two products, is off by 10 X times that and 16 u X² for its own rounding, fused or not:
     /// 106 u X² + 10 X `error`, taken as 128 and 16.
     #[inline(always)]
@@ -51,7 +51,7 @@ impl Line {
         let from: [f64; 3] = by_axis!(axis => self.origin[axis] - f64::from(packet.anchor[axis]));
         let passes = [from[i] - self.slopes[0] * from[k], from[j] - self.slopes[1] * from[k]];
         let far = from[0].abs().max(from[1].abs()).max(from[2].abs());
-        let error = 2.0 * PACKING_ERROR + self.error + 8.0 * UNIT_ROUNDOFF * far;
+        let error = 2.0 * (PACKING_ERROR + self.error) + 8.0 * UNIT_ROUNDOFF * far;
         let size = f64::from(packet.radius) + passes[0].abs().max(passes[1].abs());
         let bound = 128.0 * HALF_ULP * size * size + 16.0 * size * error + UNDERFLOW;
         let bound = splat(simd, bound);
