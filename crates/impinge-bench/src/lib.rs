@@ -5,7 +5,8 @@
 //! - `realign`: the ways in which a box follows a turn; `hulls`: the time of a convex hull, for `bench/hulls.py`.
 //! - `box_forms`: what n rotations and m translations cost the three forms of a box.
 //! - `characters`: crowds of animated characters, all against all, and rays against each kind of hit volume.
-//! - `ccd`: recorded queries of continuous collision, their answers and their times.
+//! - `ccd`: recorded queries of continuous collision, their answers and their times; a cloth with itself.
+//! - `rays`: the first hits of rays from a file, for `bench/rivals_rays.py`.
 //! - `hierarchies`: builders, degrees and volumes of trees; wrapped and layered.
 //! - `real`: large CAD parts, and a mesh against itself, where every face meets its neighbours.
 //! - `worlds`: many moving bodies, their meshes and their broad phases.

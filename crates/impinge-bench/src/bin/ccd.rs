@@ -1,4 +1,5 @@
-//! Continuous collision: the recorded queries of a vertex and a face and of two edges, their answers and their times.
+//! Continuous collision: the recorded queries of a vertex and a face and of two edges, their answers and their times; and all contacts of
+//! a cloth with itself between two frames of a recorded simulation, on one thread.
 //!
 //! `IMPINGE_DATA=... cargo run --release -p impinge-bench --bin ccd`
 //!
@@ -8,11 +9,13 @@
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
 
 use std::hint::black_box;
+use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use impinge::sweep::{Impact, edge_edge, vertex_face};
-use impinge_bench::samples::timed;
-use impinge_bench::table::Table;
+use impinge::sweep::{Deforming, Impact, edge_edge, vertex_face};
+use impinge_bench::samples::{Samples, timed};
+use impinge_bench::scene::Surface;
+use impinge_bench::table::{Table, spread};
 use impinge_testkit::ccd::{Query, QueryKind, read_all};
 use impinge_testkit::env_rob::data_folder;
 
@@ -20,6 +23,7 @@ use impinge_testkit::env_rob::data_folder;
 const ROUNDS: usize = 15;
 
 fn main() -> Result<()> {
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
     let data = data_folder().context("IMPINGE_DATA must name the folder that holds ccd/")?;
     let mut table =
         Table::new(["queries", "number", "touch", "false alarms", "of misses", "undecided", "mean", "median", "worst"]);
@@ -48,8 +52,34 @@ fn main() -> Result<()> {
             ]);
         }
     }
-    print!("{table}");
+    print!("{table}\n{}", cloth(&data)?);
     Ok(())
+}
+
+/// Frames 92 to 93 of a cloth that falls over a ball.
+fn cloth(data: &Path) -> Result<Table<6>> {
+    let frame = |number: u32| -> Result<(Vec<[f64; 3]>, Vec<[u32; 3]>)> {
+        let Surface { positions, faces } = Surface::load(&data.join(format!("animation/cloth_ball{number}.ply")))?;
+        Ok(((0..positions.len()).map(|vertex| positions.get(vertex)).collect(), faces))
+    };
+    let ((t0, faces), (t1, same)) = (frame(92)?, frame(93)?);
+    ensure!(faces == same, "the frames have other faces");
+    let contacts = Deforming::new(&faces, &t0, &t1)?.self_contacts();
+    let build = Samples::take(ROUNDS, || {
+        let (seconds, cloth) = timed(|| Deforming::new(&faces, &t0, &t1));
+        cloth.map(|_| seconds)
+    })?;
+    let all = Samples::take(ROUNDS, || {
+        let cloth = Deforming::new(&faces, &t0, &t1)?;
+        let (seconds, found) = timed(|| cloth.self_contacts());
+        ensure!(found == contacts, "other contacts than before");
+        Ok(seconds)
+    })?;
+    let mut table = Table::new(["cloth", "contacts", "tree min", "median", "all contacts min", "median"]);
+    let ([build_min, build_median], [all_min, all_median]) = (spread(&build), spread(&all));
+    let name = format!("{} triangles", faces.len());
+    table.row([name, contacts.len().to_string(), build_min, build_median, all_min, all_median]);
+    Ok(table)
 }
 
 fn answer(query: &Query) -> Result<Impact> {

@@ -47,8 +47,12 @@ pub(super) struct Effort {
 }
 
 impl Effort {
-    /// For a depth.
+    /// For a depth of polytopes, which is that of a facet in the end.
     const DEPTH: Self = Self { narrow: NARROW, most_points: 320, is_thorough: true };
+
+    /// For a depth of anything round. What rounding leaves of an interval is up to 2^-44 wide, which more steps do not narrow: they are
+    /// three or four for each two digits before, and would be hundreds. 2^-40.
+    const ROUND_DEPTH: Self = Self { narrow: 1.0 / (1_u64 << 40) as f64, ..Self::DEPTH };
 
     /// For the normal of a contact, which the next step of a simulation finds anew.
     pub(super) const CONTACT: Self = Self { narrow: 1.0 / (1 << 24) as f64, most_points: 64, is_thorough: false };
@@ -72,10 +76,12 @@ pub(super) struct CoreWitness {
 
 /// The depth of two shapes; meaningful for any two, and zero at the lower end where they may be apart.
 pub(crate) fn depth(a: &Swept<'_>, b: &Swept<'_>) -> Depth {
+    let are_polytopes = a.core.corners().is_some() && b.core.corners().is_some();
+    let effort = if are_polytopes { Effort::DEPTH } else { Effort::ROUND_DEPTH };
     if a.is_before(b) {
-        return depth_in_order(&Pair::new(a, b), a, b, Effort::DEPTH).depth;
+        return depth_in_order(&Pair::new(a, b), a, b, effort).depth;
     }
-    let mut found = depth_in_order(&Pair::new(b, a), b, a, Effort::DEPTH).depth;
+    let mut found = depth_in_order(&Pair::new(b, a), b, a, effort).depth;
     found.points.swap(0, 1);
     found.normal = found.normal.map(|x| 0.0 - x);
     found
@@ -157,17 +163,21 @@ fn expand(pair: &Pair<'_>, gap: &Gap, effort: Effort) -> CoreDepth {
 
 /// Grows a polytope until its nearest facet is one of the set's, or no more is to be gained.
 fn grow(pair: &Pair<'_>, mut polytope: Polytope, best: &mut CoreDepth, effort: Effort) {
+    let mut lowest = None;
     while let Some(nearest) = polytope.nearest() {
         // What an earlier polytope held, the set holds.
         best.lower = best.lower.max(nearest.lower - pair.point_error());
         let push = Push::along(pair, nearest.direction);
         if push.height < best.upper {
             (best.upper, best.direction) = (push.height, nearest.direction);
-            best.points = polytope.foot(&nearest);
+            lowest = Some(nearest);
         }
         if best.upper - best.lower <= effort.narrow || !polytope.grow(&nearest, push.farthest, effort.most_points) {
             break;
         }
+    }
+    if let Some(nearest) = lowest {
+        best.points = polytope.foot(&nearest);
     }
 }
 

@@ -1,8 +1,8 @@
 //! The expanding polytope, grown facet by facet: how deep the origin is in the set of differences of two cores.
 //!
-//! The polytope is a list of oriented triangles that is closed: every directed edge is as often in it as its reverse. A step takes the
-//! nearest triangle, finds the farthest difference along its normal, and puts a cone from there over the border of the triangles
-//! that see it. The border of any triangles is closed, so whichever are taken, the list stays so; which ones see a point is a
+//! The polytope is a list of oriented triangles that is closed: every directed edge is linked with one that is its reverse. A step takes
+//! the nearest triangle, finds the farthest difference along its normal, and puts a cone from there over the border of the triangles
+//! around that see it. The border of any triangles is closed, so whichever are taken, the list stays so; which ones see a point is a
 //! matter of floats and may be wrong. What is proved needs no more: where all triangles of a closed list have the origin at least
 //! ρ > 0 below their planes, their hull holds the ball of ρ about the origin (docs/proof.md, L29). Where that does not come
 //! about, for sets without a volume or an origin on their border, the hulls of `depth` take over.
@@ -10,6 +10,9 @@
 //! # Source
 //! Van den Bergen, *Proximity queries and penetration depth computation on 3D game objects*, GDC 2001, whose polytope has to stay
 //! convex; ours only has to stay closed.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 
 use super::facet::Facet;
 use super::posed::{Difference, Pair};
@@ -30,20 +33,71 @@ const TANGLED: usize = 4;
 /// A closed list of triangles about the origin.
 pub(super) struct Polytope {
     points: Vec<Difference>,
+    /// The points' vectors, side by side, as every step looks at all of them.
+    vectors: Vec<[f64; 3]>,
+    /// Those that are no longer in the list keep their places until others need them.
     triangles: Vec<Triangle>,
-    /// Kept for its memory.
-    border: Vec<[u32; 2]>,
+    vacant: Vec<u32>,
+    /// The triangles by what they bound, and some that have left the list.
+    order: BinaryHeap<Entry>,
+    /// What a step works on, kept for its memory.
+    removed: Vec<u32>,
+    border: Vec<BorderEdge>,
+    unlinked: Vec<Unlinked>,
 }
 
 #[derive(Clone, Copy)]
 struct Triangle {
     corners: [u32; 3],
+    /// Beyond the edge from each corner to the next.
+    neighbours: [Side; 3],
+    is_listed: bool,
     direction: [f64; 3],
     /// How far below the plane the origin is at least; infinite for a triangle without area, which bounds nothing, and negative
     /// infinity where that may hold the origin.
     lower: f64,
     /// The height of the plane along the direction, which has no length of 1.
     height: f64,
+}
+
+/// An edge of a triangle: from the corner of that number to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Side {
+    triangle: u32,
+    edge: u8,
+}
+
+/// An edge of removed triangles, and what is beyond.
+struct BorderEdge {
+    ends: [u32; 2],
+    beyond: Side,
+}
+
+/// An edge whose reverse has not come yet.
+struct Unlinked {
+    ends: [u32; 2],
+    side: Side,
+}
+
+/// Ordered so that the least bound is the greatest entry; of equal ones the first triangle.
+#[derive(PartialEq)]
+struct Entry {
+    lower: f64,
+    triangle: u32,
+}
+
+impl Eq for Entry {}
+
+impl PartialOrd for Entry {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Entry {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.lower.total_cmp(&self.lower).then(other.triangle.cmp(&self.triangle))
+    }
 }
 
 /// The triangle that is nearest to the origin.
@@ -53,7 +107,8 @@ pub(super) struct Nearest {
     pub(super) lower: f64,
     /// Across the triangle, outwards; its greatest entry is ±1.
     pub(super) direction: [f64; 3],
-    at: usize,
+    at: u32,
+    corners: [u32; 3],
 }
 
 impl Polytope {
@@ -74,45 +129,59 @@ impl Polytope {
 
     /// The closed surface of these triangles.
     pub(super) fn new(points: Vec<Difference>, faces: &[[u32; 3]]) -> Self {
-        let mut polytope = Self { points, triangles: Vec::with_capacity(64), border: Vec::new() };
+        let mut polytope = Self {
+            vectors: points.iter().map(|point| point.vector).collect(),
+            points,
+            triangles: Vec::with_capacity(64),
+            vacant: Vec::new(),
+            order: BinaryHeap::with_capacity(64),
+            removed: Vec::new(),
+            border: Vec::new(),
+            unlinked: Vec::new(),
+        };
         for &face in faces {
-            polytope.push(face);
+            let triangle = polytope.push(face);
+            for edge in 0..3 {
+                polytope.link_with_reverse(Side { triangle, edge });
+            }
         }
         polytope
     }
 
     /// The triangle that bounds least.
-    pub(super) fn nearest(&self) -> Option<Nearest> {
-        let (at, triangle) = self.triangles.iter().enumerate().min_by(|x, y| x.1.lower.total_cmp(&y.1.lower))?;
-        triangle.lower.is_finite().then_some(Nearest { lower: triangle.lower, direction: triangle.direction, at })
+    pub(super) fn nearest(&mut self) -> Option<Nearest> {
+        loop {
+            let &Entry { lower, triangle: at } = self.order.peek()?;
+            let triangle = &self.triangles[at as usize];
+            if triangle.is_listed && triangle.lower == lower {
+                let Triangle { direction, corners, .. } = *triangle;
+                return lower.is_finite().then_some(Nearest { lower, direction, at, corners });
+            }
+            self.order.pop();
+        }
     }
 
-    /// Grows to a point that is beyond the plane of a triangle. False where it is a corner already, or there are as many as may be:
-    /// each one costs a look at all triangles. False, too, where the surface is tangled, which is then of no more use.
+    /// Grows to a point that is beyond the plane of a triangle. False where it is a corner already, or there are as many as may be.
+    /// False, too, where the surface is tangled. It is then of no more use.
     pub(super) fn grow(&mut self, beyond: &Nearest, point: Difference, most_points: usize) -> bool {
-        if self.points.len() >= most_points || self.points.iter().any(|known| known.vector == point.vector) {
+        let [x, y, z] = point.vector;
+        if self.points.len() >= most_points || self.vectors.iter().any(|v| v[0] == x && v[1] == y && v[2] == z) {
             return false;
         }
         let number = self.points.len() as u32;
         self.points.push(point);
-        let mut border = std::mem::take(&mut self.border);
-        let mut at = 0..;
-        self.triangles.retain(|triangle| {
-            let is_seen = dot(&triangle.direction, &point.vector) - triangle.height >= -IN_PLANE;
-            let is_removed = at.next() == Some(beyond.at) || is_seen;
-            if is_removed {
-                let [p, q, r] = triangle.corners;
-                for edge in [[p, q], [q, r], [r, p]] {
-                    add_to_border(&mut border, edge);
-                }
-            }
-            !is_removed
-        });
-        if self.triangles.len() + border.len() > TANGLED * self.points.len() {
+        self.vectors.push(point.vector);
+        self.remove_seen(beyond.at, &point.vector);
+        let listed = self.triangles.len() - self.vacant.len();
+        if listed + self.border.len() > TANGLED * self.points.len() {
             return false;
         }
-        for [from, to] in border.drain(..) {
-            self.push([from, to, number]);
+        let mut border = std::mem::take(&mut self.border);
+        for BorderEdge { ends: [from, to], beyond } in border.drain(..) {
+            let triangle = self.push([from, to, number]);
+            self.link(Side { triangle, edge: 0 }, beyond);
+            self.link_with_reverse(Side { triangle, edge: 1 });
+            self.link_with_reverse(Side { triangle, edge: 2 });
         }
         self.border = border;
         true
@@ -120,32 +189,71 @@ impl Polytope {
 
     /// The points of A and of B whose difference is the nearest of a triangle.
     pub(super) fn foot(&self, nearest: &Nearest) -> [[f64; 3]; 2] {
-        let corners = self.triangles[nearest.at].corners.map(|corner| self.points[corner as usize]);
+        let corners = nearest.corners.map(|corner| self.points[corner as usize]);
         super::gjk::means(&corners, &simplex::nearest(&corners.map(|corner| corner.vector)).weights)
     }
 
-    fn push(&mut self, corners: [u32; 3]) {
-        let [a, b, c] = corners.map(|corner| self.points[corner as usize].vector);
-        let triangle = match Facet::of(&a, &b, &c) {
-            Some(Facet { direction, lower }) => Triangle { corners, direction, lower, height: dot(&direction, &a) },
+    /// Removes a triangle, those that see a point and are reached from there over others that do, and triangles without area between
+    /// them, which see nothing and would only be in the way; their border is kept.
+    fn remove_seen(&mut self, first: u32, point: &[f64; 3]) {
+        self.triangles[first as usize].is_listed = false;
+        self.removed.push(first);
+        while let Some(at) = self.removed.pop() {
+            let Triangle { corners, neighbours, .. } = self.triangles[at as usize];
+            for edge in 0..3 {
+                let beyond = neighbours[edge];
+                let next = &mut self.triangles[beyond.triangle as usize];
+                if !next.is_listed {
+                    continue;
+                }
+                if next.height == f64::INFINITY || dot(&next.direction, point) - next.height >= -IN_PLANE {
+                    next.is_listed = false;
+                    self.removed.push(beyond.triangle);
+                } else {
+                    self.border.push(BorderEdge { ends: [corners[edge], corners[(edge + 1) % 3]], beyond });
+                }
+            }
+            self.vacant.push(at);
+        }
+    }
+
+    fn push(&mut self, corners: [u32; 3]) -> u32 {
+        let [a, b, c] = corners.map(|corner| self.vectors[corner as usize]);
+        let (direction, lower, height) = match Facet::of(&a, &b, &c) {
+            Some(Facet { direction, lower }) => (direction, lower, dot(&direction, &a)),
             // Far from the origin it covers no direction of its own; near, nothing is proved any more.
             None => {
                 let away = length(&simplex::nearest(&[a, b, c]).vector);
-                let lower = if away > FAR { f64::INFINITY } else { f64::NEG_INFINITY };
-                Triangle { corners, direction: [0.0; 3], lower, height: f64::INFINITY }
+                ([0.0; 3], if away > FAR { f64::INFINITY } else { f64::NEG_INFINITY }, f64::INFINITY)
             }
         };
-        self.triangles.push(triangle);
-    }
-}
-
-/// An edge that is on the border, unless its reverse is: then neither is.
-fn add_to_border(border: &mut Vec<[u32; 2]>, [from, to]: [u32; 2]) {
-    match border.iter().position(|edge| *edge == [to, from]) {
-        Some(reverse) => {
-            border.swap_remove(reverse);
+        let at = self.vacant.pop().unwrap_or(self.triangles.len() as u32);
+        let neighbours = [0, 1, 2].map(|edge| Side { triangle: at, edge });
+        let triangle = Triangle { corners, neighbours, is_listed: true, direction, lower, height };
+        match self.triangles.get_mut(at as usize) {
+            Some(place) => *place = triangle,
+            None => self.triangles.push(triangle),
         }
-        None => border.push([from, to]),
+        self.order.push(Entry { lower, triangle: at });
+        at
+    }
+
+    fn link(&mut self, one: Side, other: Side) {
+        self.triangles[one.triangle as usize].neighbours[usize::from(one.edge)] = other;
+        self.triangles[other.triangle as usize].neighbours[usize::from(other.edge)] = one;
+    }
+
+    /// Links an edge with one that is its reverse, now or when that comes. Which one does not matter where there are several.
+    fn link_with_reverse(&mut self, side: Side) {
+        let (corners, edge) = (self.triangles[side.triangle as usize].corners, usize::from(side.edge));
+        let [from, to] = [corners[edge], corners[(edge + 1) % 3]];
+        match self.unlinked.iter().rposition(|other| other.ends == [to, from]) {
+            Some(reverse) => {
+                let other = self.unlinked.swap_remove(reverse).side;
+                self.link(side, other);
+            }
+            None => self.unlinked.push(Unlinked { ends: [from, to], side }),
+        }
     }
 }
 
@@ -205,9 +313,18 @@ mod tests {
             let Some(nearest) = polytope.nearest() else { break };
             grown += u32::from(polytope.grow(&nearest, difference([digit(1), digit(3), digit(5)]), 64));
             let mut edges: Vec<[u32; 2]> = Vec::new();
-            for triangle in &polytope.triangles {
+            assert!(polytope.unlinked.is_empty());
+            for triangle in polytope.triangles.iter().filter(|triangle| triangle.is_listed) {
                 let [p, q, r] = triangle.corners;
                 edges.extend([[p, q], [q, r], [r, p]]);
+                for (edge, side) in triangle.neighbours.iter().enumerate() {
+                    let other = &polytope.triangles[side.triangle as usize];
+                    let [from, to] =
+                        [other.corners[usize::from(side.edge)], other.corners[usize::from(side.edge + 1) % 3]];
+                    assert!(
+                        other.is_listed && [to, from] == [triangle.corners[edge], triangle.corners[(edge + 1) % 3]]
+                    );
+                }
             }
             let mut reversed: Vec<[u32; 2]> = edges.iter().map(|&[from, to]| [to, from]).collect();
             edges.sort_unstable();

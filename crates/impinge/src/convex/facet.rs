@@ -1,9 +1,10 @@
 //! How far the plane of a triangle is from the origin, bounded from below, whatever the triangle's shape.
 
 use super::posed::to_unit_entries;
+use crate::exact::double_double::{self, DoubleDouble};
 use crate::math::Sign;
 use crate::math::dyadic::{self, Dyadic};
-use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
+use crate::math::relative::{INFLATE, UNDERFLOW, UNIT_ROUNDOFF};
 use crate::primitive::{dot, length, sub};
 
 /// The plane of three points of the common frame.
@@ -19,10 +20,19 @@ impl Facet {
     /// The facet of three points whose coordinates are at most a few units; none where they are in one line.
     ///
     /// # Accuracy
-    /// With e, f the edges and `N_k` the magnitudes of the two products of component k of the normal n = e × f, that is off by 5 u
+    /// With e, f the edges at one corner a and `N_k` the magnitudes of the two products of component k of the normal n = e × f, that is off by 5 u
     /// N_k and n·a by 9 u Σ N_k |a_k| (docs/proof.md, L22). Where that is not little next to |n|, integers give both.
     pub(super) fn of(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> Option<Self> {
         let (e, f) = (sub(b, a), sub(c, a));
+        let (squared_e, squared_f, squared_g) = (dot(&e, &e), dot(&f, &f), dot(&sub(c, b), &sub(c, b)));
+        // From the corner between the shorter edges: two long ones beside a short one are nearly parallel, and lose digits.
+        let (corner, e, f) = if squared_g >= squared_e.max(squared_f) {
+            (a, e, f)
+        } else if squared_f >= squared_e {
+            (b, sub(c, b), sub(a, b))
+        } else {
+            (c, sub(a, c), sub(b, c))
+        };
         let (mut normal, mut off, mut size) = ([0.0; 3], 0.0, 0.0);
         for k in 0..3 {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
@@ -30,18 +40,38 @@ impl Facet {
             normal[k] = forward - backward;
             let magnitude = forward.abs() + backward.abs();
             off += magnitude;
-            size += magnitude * a[k].abs();
+            size += magnitude * corner[k].abs();
         }
         let (off, size) = (5.0 * UNIT_ROUNDOFF * off + UNDERFLOW, 9.0 * UNIT_ROUNDOFF * size + UNDERFLOW);
+        Self::across(normal, off, dot(&normal, corner) - size)
+            .or_else(|| Self::in_doubled_floats(a, b, c))
+            .or_else(|| Self::exactly(a, b, c))
+    }
+
+    /// The facet across a normal that is off by at most `off`, whose product with a corner is at least `height`; none where that is not
+    /// little next to the normal, or its length may have lost digits.
+    fn across(normal: [f64; 3], off: f64, height: f64) -> Option<Self> {
         let across = length(&normal);
         // 2^-36: of lengths of 2^-18 next to each other no digits are lost that would show in an answer.
-        if across.is_normal() && off < across * 1.5e-11 && across * across > 1e-280 {
-            let height = dot(&normal, a) - size;
-            let divisor = if height > 0.0 { across + off } else { across - off };
-            let lower = height / divisor;
-            return Some(Self { direction: to_unit_entries(normal), lower: lower - lower.abs() * super::gjk::SLACK });
-        }
-        Self::exactly(a, b, c)
+        let is_certain = across.is_normal() && off < across * 1.5e-11 && across * across > 1e-280 && height.is_finite();
+        is_certain.then(|| {
+            let lower = height / if height > 0.0 { across + off } else { across - off };
+            Self { direction: to_unit_entries(normal), lower: lower - lower.abs() * super::gjk::SLACK }
+        })
+    }
+
+    /// What has no digits left in floats mostly has them here, at a fiftieth of the price of integers.
+    #[cold]
+    fn in_doubled_floats(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> Option<Self> {
+        let [a, b, c] = [a, b, c].map(|point| point.map(DoubleDouble::of));
+        let normal = double_double::cross(&double_double::difference(&b, &a), &double_double::difference(&c, &a));
+        let [height, height_error] = double_double::dot(&normal, &a).rounded();
+        let normal = normal.each_ref().map(DoubleDouble::rounded);
+        Self::across(
+            normal.map(|[x, _]| x),
+            normal.iter().map(|[_, error]| error).sum::<f64>() * INFLATE,
+            height - height_error,
+        )
     }
 
     #[cold]

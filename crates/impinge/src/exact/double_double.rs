@@ -17,14 +17,14 @@ const GREATEST_SPLIT: f64 = f64::from_bits((1023 + 900) << 52);
 /// `high + low`, where high is the float nearest to the sum, and at most `error` away from the number that is meant. An error that
 /// is infinite or NaN says nothing.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct DoubleDouble {
+pub(crate) struct DoubleDouble {
     high: f64,
     low: f64,
     error: f64,
 }
 
 impl DoubleDouble {
-    pub(super) fn of(x: f64) -> Self {
+    pub(crate) fn of(x: f64) -> Self {
         Self { high: x, low: 0.0, error: 0.0 }
     }
 
@@ -44,6 +44,11 @@ impl DoubleDouble {
         let is_exact = self.low == 0.0 && self.error == 0.0;
         let is_settled = self.high + least == self.high && self.high + greatest == self.high;
         (self.high.is_finite() && (is_exact || is_settled)).then_some(self.high + 0.0)
+    }
+
+    /// A float, and more than what it is off by.
+    pub(crate) fn rounded(&self) -> [f64; 2] {
+        [self.high, (self.low.abs() + self.error) * INFLATE]
     }
 
     #[inline]
@@ -112,18 +117,18 @@ impl DoubleDouble {
     }
 }
 
-pub(super) fn difference(p: &[DoubleDouble; 3], q: &[DoubleDouble; 3]) -> [DoubleDouble; 3] {
+pub(crate) fn difference(p: &[DoubleDouble; 3], q: &[DoubleDouble; 3]) -> [DoubleDouble; 3] {
     std::array::from_fn(|k| p[k].minus(&q[k]))
 }
 
-pub(super) fn cross(u: &[DoubleDouble; 3], v: &[DoubleDouble; 3]) -> [DoubleDouble; 3] {
+pub(crate) fn cross(u: &[DoubleDouble; 3], v: &[DoubleDouble; 3]) -> [DoubleDouble; 3] {
     std::array::from_fn(|k| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         u[i].times(&v[j]).minus(&u[j].times(&v[i]))
     })
 }
 
-pub(super) fn dot(u: &[DoubleDouble; 3], v: &[DoubleDouble; 3]) -> DoubleDouble {
+pub(crate) fn dot(u: &[DoubleDouble; 3], v: &[DoubleDouble; 3]) -> DoubleDouble {
     u[0].times(&v[0]).plus(&u[1].times(&v[1])).plus(&u[2].times(&v[2]))
 }
 

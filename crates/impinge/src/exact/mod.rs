@@ -15,7 +15,7 @@
 mod contact;
 mod corners;
 mod crossing;
-mod double_double;
+pub(crate) mod double_double;
 mod fan;
 mod filter;
 mod fixed;

@@ -19,6 +19,7 @@ mod nearest;
 mod packet;
 mod parts;
 mod positions;
+mod ray_packet;
 mod rays;
 mod refit;
 mod relation;

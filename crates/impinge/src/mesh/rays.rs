@@ -14,11 +14,12 @@ use rayon::prelude::*;
 
 use super::Mesh;
 use super::frame::reciprocal_power_of_two;
+use super::ray_packet::Line;
 use crate::hierarchy::{Child, HALF_ULP, Node, bits};
 use crate::input::{InputError, InputErrorKind};
 use crate::math::relative::UNIT_ROUNDOFF;
 use crate::primitive::{RayCrossing, Vector, dot, ray_triangle, sub};
-use crate::simd::{self, LANES, Level, by_axis, load};
+use crate::simd::{self, LANES, Level, by_axis, load, prefetch};
 
 /// A ray: the points `origin + t direction` with `t` zero or more, in a mesh's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,10 +122,9 @@ impl Mesh {
 
     #[inline(never)]
     fn cast<V: Visitor>(&self, ray: &Ray, level: Level, visitor: &mut V) {
-        let moving = MovingPoint::new(self, ray);
-        let nodes = self.0.tree.nodes();
-        if !nodes.is_empty() {
-            let _ = dispatch!(level, simd => descend(simd, nodes, &moving, |leaf| visitor.meet(leaf)));
+        if !self.0.tree.nodes().is_empty() {
+            let moving = MovingPoint::new(self, ray);
+            let _ = dispatch!(level, simd => descend(simd, self, &moving, visitor));
         }
     }
 }
@@ -141,17 +141,14 @@ pub(super) fn order(mesh: &Mesh, ray: &Ray, one: FaceCrossing, other: FaceCrossi
     one.1.compare(&other.1, (&ray.origin, &ray.direction), triangles.each_ref()).then(one.0.cmp(&other.0))
 }
 
-/// What is done with the leaves that a ray may meet.
+/// What is done with the faces that a ray may meet.
 trait Visitor {
     /// Returns the parameter past which nothing matters.
-    fn meet(&mut self, leaf: u32) -> ControlFlow<(), f64>;
+    fn meet(&mut self, faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64>;
 }
 
-/// The faces of a leaf that the ray meets.
-fn crossings<'m>(mesh: &'m Mesh, ray: &'m Ray, leaf: u32) -> impl Iterator<Item = FaceCrossing> + 'm {
-    let faces = &mesh.0.packets[leaf as usize].faces;
-    let in_use = faces.iter().enumerate().filter(|&(lane, &face)| lane == 0 || face != faces[0]);
-    in_use.filter_map(|(_, &face)| Some((face, ray_triangle(&ray.origin, &ray.direction, &mesh.corners(face))?)))
+fn crossing(mesh: &Mesh, ray: &Ray, face: u32) -> Option<FaceCrossing> {
+    Some((face, ray_triangle(&ray.origin, &ray.direction, &mesh.corners(face))?))
 }
 
 struct First<'m> {
@@ -161,8 +158,8 @@ struct First<'m> {
 }
 
 impl Visitor for First<'_> {
-    fn meet(&mut self, leaf: u32) -> ControlFlow<(), f64> {
-        for met in crossings(self.mesh, self.ray, leaf) {
+    fn meet(&mut self, faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64> {
+        for met in faces.filter_map(|face| crossing(self.mesh, self.ray, face)) {
             if self.best.is_none_or(|best| order(self.mesh, self.ray, met, best) == Ordering::Less) {
                 self.best = Some(met);
             }
@@ -178,8 +175,8 @@ struct Any<'m> {
 }
 
 impl Visitor for Any<'_> {
-    fn meet(&mut self, leaf: u32) -> ControlFlow<(), f64> {
-        self.is_met = crossings(self.mesh, self.ray, leaf).next().is_some();
+    fn meet(&mut self, mut faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64> {
+        self.is_met = faces.any(|face| crossing(self.mesh, self.ray, face).is_some());
         if self.is_met { Break(()) } else { Continue(f64::INFINITY) }
     }
 }
@@ -191,15 +188,17 @@ struct All<'m> {
 }
 
 impl Visitor for All<'_> {
-    fn meet(&mut self, leaf: u32) -> ControlFlow<(), f64> {
-        self.met.extend(crossings(self.mesh, self.ray, leaf));
+    fn meet(&mut self, faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64> {
+        self.met.extend(faces.filter_map(|face| crossing(self.mesh, self.ray, face)));
         Continue(f64::INFINITY)
     }
 }
 
 /// A ray in the packed frame, from a point near the mesh, in single precision.
 struct MovingPoint {
-    origin: [f32; 3],
+    line: Line,
+    /// The origin, less and more what boxes are grown by: what their near and their far planes are compared with.
+    origin: [[f32; 3]; 2],
     /// One over the direction, whose largest component is between 1/2 and 1; finite.
     inverse: [f32; 3],
     /// What boxes are grown by.
@@ -229,9 +228,11 @@ impl MovingPoint {
             if far > 4.0 { (-dot(&from, &direction) / dot(&direction, &direction) - 4.0).max(0.0) } else { 0.0 };
         let origin: Vector = std::array::from_fn(|k| from[k] + moved * direction[k]);
         let reach = origin.iter().fold(4.0_f64, |most, x| most.max(x.abs()));
-        let slack = 16.0 * HALF_ULP * (reach + 4.0) + 16.0 * UNIT_ROUNDOFF * (far + moved);
+        let error = 16.0 * UNIT_ROUNDOFF * (far + moved);
+        let slack = 16.0 * HALF_ULP * (reach + 4.0) + error;
         Self {
-            origin: origin.map(|x| x as f32),
+            line: Line::new(origin, direction, error),
+            origin: [origin.map(|x| ((x - slack) as f32).next_down()), origin.map(|x| ((x + slack) as f32).next_up())],
             inverse: direction.map(|x| (1.0 / if x.abs() < LEAST { LEAST.copysign(x) } else { x }) as f32),
             slack: (slack as f32).next_up(),
             per_given: frame.scale / units[0] / units[1],
@@ -249,13 +250,14 @@ impl MovingPoint {
     /// The children of a node that the ray may meet before `last`, as bits, and where it enters their boxes.
     #[inline(always)]
     fn enter<S: Simd>(&self, simd: S, node: &Node, last: f32) -> (u32, [f32; LANES]) {
-        let slack = f32x8::splat(simd, self.slack);
         let planes: [[f32x8<S>; 2]; 3] = by_axis!(axis => {
-            let (min, max) = (load(simd, &node.min[axis]) - slack, load(simd, &node.max[axis]) + slack);
-            let (near, far) = if self.inverse[axis] < 0.0 { (max, min) } else { (min, max) };
-            let origin = f32x8::splat(simd, self.origin[axis]);
+            let (low, high) = ((&node.min[axis], self.origin[1][axis]), (&node.max[axis], self.origin[0][axis]));
+            let (near, far) = if self.inverse[axis] < 0.0 { (high, low) } else { (low, high) };
             let inverse = f32x8::splat(simd, self.inverse[axis]);
-            [(near - origin) * inverse, (far - origin) * inverse]
+            [
+                (load(simd, near.0) - f32x8::splat(simd, near.1)) * inverse,
+                (load(simd, far.0) - f32x8::splat(simd, far.1)) * inverse,
+            ]
         });
         let enter = planes[0][0].max(planes[1][0]).max(planes[2][0]);
         let leave = planes[0][1].min(planes[1][1]).min(planes[2][1]);
@@ -269,35 +271,47 @@ impl MovingPoint {
     }
 }
 
-/// Shows the leaves that the ray may meet, the nearest first.
+/// Shows the faces that the ray may meet, leaf by leaf, the nearest first.
 #[inline(always)]
-fn descend<S: Simd>(
-    simd: S,
-    nodes: &[Node],
-    ray: &MovingPoint,
-    mut meet: impl FnMut(u32) -> ControlFlow<(), f64>,
-) -> ControlFlow<()> {
+fn descend<S: Simd>(simd: S, mesh: &Mesh, ray: &MovingPoint, visitor: &mut impl Visitor) -> ControlFlow<()> {
+    let (nodes, packets) = (mesh.0.tree.nodes(), &mesh.0.packets[..]);
     let mut last = f32::INFINITY;
-    let mut tasks = vec![(f32::NEG_INFINITY, Child::Inner(0))];
+    let mut tasks = Vec::with_capacity(ROOM);
+    tasks.push((f32::NEG_INFINITY, Child::Inner(0)));
     while let Some((entered, child)) = tasks.pop() {
         if entered > last {
             continue;
         }
         match child {
-            Child::Leaf(leaf) => last = ray.parameter(meet(leaf)?),
+            Child::Leaf(leaf) => {
+                let packet = &packets[leaf as usize];
+                let may_meet = ray.line.may_meet(simd, packet);
+                if may_meet != 0 {
+                    last = ray.parameter(visitor.meet(bits(may_meet).map(|lane| packet.faces[lane]))?);
+                }
+            }
             Child::Inner(node) => {
                 let node = &nodes[node as usize];
                 let (met, entered) = ray.enter(simd, node, last);
                 let start = tasks.len();
                 for lane in bits(met) {
-                    let mut at = tasks.len();
-                    while at > start && tasks[at - 1].0 < entered[lane] {
+                    let child = node.child(lane);
+                    match child {
+                        Child::Inner(node) => prefetch(&nodes[node as usize]),
+                        Child::Leaf(leaf) => prefetch(&packets[leaf as usize]),
+                    }
+                    tasks.push((entered[lane], child));
+                    let mut at = tasks.len() - 1;
+                    while at > start && tasks[at - 1].0 < tasks[at].0 {
+                        tasks.swap(at - 1, at);
                         at -= 1;
                     }
-                    tasks.insert(at, (entered[lane], node.child(lane)));
                 }
             }
         }
     }
     Continue(())
 }
+
+/// Tasks that there is room for to begin with: of eight levels, which few trees exceed.
+const ROOM: usize = 64;

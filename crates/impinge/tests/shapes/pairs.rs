@@ -110,7 +110,7 @@ fn ask(a: &Placed, b: &Placed) -> bool {
     assert!(depth.lower <= -best + 1e-12, "{depth:?} {}", context());
     let n = if directions.len() == 1 { directions[0] } else { depth.normal };
     assert!((-gap_along(a, b, &n) - depth.upper).abs() < 1e-9, "{depth:?} {}", context());
-    assert!(depth.upper - depth.lower < if is_exact { 1e-12 } else { 1e-3 }, "{depth:?} {}", context());
+    assert!(depth.upper - depth.lower < if is_exact { 1e-12 } else { 1e-10 }, "{depth:?} {}", context());
     // Moved apart by the upper end they are apart.
     let mut place = b.place;
     let by = depth.upper + 1e-9;

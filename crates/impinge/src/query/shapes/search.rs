@@ -110,8 +110,8 @@ fn directions(a: &PlacedShape, b: &PlacedShape) -> Vec<Vector> {
             }
         }
     }
+    found.extend(out_of_hulls(a, b));
     if let Some([a, b]) = surfaces(a, b) {
-        found.extend(out_of_hulls(&a, &b));
         let mut patches = contact_patches(placed(&a), placed(&b));
         patches.sort_by(|x, y| y.area.total_cmp(&x.area));
         found.extend(patches.iter().take(PATCHES).map(|patch| patch.normal));
@@ -119,17 +119,33 @@ fn directions(a: &PlacedShape, b: &PlacedShape) -> Vec<Vector> {
     found
 }
 
-/// The way out of each other of the hulls of two meshes of few vertices, which is theirs where they are convex.
-fn out_of_hulls(a: &Surface<'_>, b: &Surface<'_>) -> Option<Vector> {
-    let hull = |surface: &Surface<'_>| {
-        let positions = surface.mesh.positions();
-        let is_small = positions.len() <= SMALL;
-        let points: Vec<Vector> = is_small.then(|| (0..positions.len()).map(|i| positions.get(i)).collect())?;
-        Hull::new(&points).ok()
-    };
-    let (hull_a, hull_b) = (hull(a)?, hull(b)?);
-    let swept = |hull, pose| Swept { core: Core::Hull(hull), pose, radius: [0.0; 2] };
-    Some(depth(&swept(&hull_a, a.pose), &swept(&hull_b, b.pose)).normal)
+/// The way out of each other of two convex shapes or the hulls of meshes of few vertices, which is theirs where they are convex.
+fn out_of_hulls(a: &PlacedShape, b: &PlacedShape) -> Option<Vector> {
+    let ([a], [b]) = (a.parts(), b.parts()) else { return None };
+    let (form_a, form_b) = (a.form(), b.form());
+    let hulls = [&form_a, &form_b].map(|form| match form {
+        Form::Surface(surface) => hull_of_few(surface),
+        _ => None,
+    });
+    let [swept_a, swept_b] = [swept(&form_a, hulls[0].as_ref())?, swept(&form_b, hulls[1].as_ref())?];
+    Some(depth(&swept_a, &swept_b).normal)
+}
+
+fn swept<'h>(form: &Form<'h>, hull: Option<&'h Hull>) -> Option<Swept<'h>> {
+    match (form, hull) {
+        (Form::Convex(swept), _) => Some(*swept),
+        (Form::Surface(surface), Some(hull)) => {
+            Some(Swept { core: Core::Hull(hull), pose: surface.pose, radius: [0.0; 2] })
+        }
+        _ => None,
+    }
+}
+
+fn hull_of_few(surface: &Surface<'_>) -> Option<Hull> {
+    let positions = surface.mesh.positions();
+    let is_small = positions.len() <= SMALL;
+    let points: Vec<Vector> = is_small.then(|| (0..positions.len()).map(|i| positions.get(i)).collect())?;
+    Hull::new(&points).ok()
 }
 
 /// Along the axes of the world and of either shape's own frame, both ways.
