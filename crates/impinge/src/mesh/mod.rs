@@ -35,8 +35,8 @@ use rayon::prelude::*;
 
 pub use aging::Aging;
 pub use bsp::SolidBsp;
-pub(crate) use descent::collect_intersecting;
 pub use descent::{HostChoice, Options};
+pub(crate) use descent::{collect_intersecting, meet};
 pub(crate) use distance::{nearest, within};
 pub(crate) use face_search::FaceSearch;
 pub use health::Health;

@@ -23,7 +23,7 @@ pub use solid::{
     solid_intersection, solid_intersection_of_pairs, within_of_solids, within_of_solids_with,
 };
 
-use crate::mesh::{Options, Placed, collect_intersecting};
+use crate::mesh::{Options, Placed, collect_intersecting, meet};
 
 /// Whether the surfaces of two meshes have a point in common; touching counts.
 ///
@@ -39,7 +39,7 @@ pub fn intersects<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) ->
 /// [`intersects`], run in a stated way.
 #[must_use]
 pub fn intersects_with<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, options: &Options) -> bool {
-    !collect_intersecting(a.into(), b.into(), 1, options).is_empty()
+    meet(a.into(), b.into(), options)
 }
 
 /// Every pair of faces (of `a`, of `b`) that have a point in common, sorted, without duplicates.
