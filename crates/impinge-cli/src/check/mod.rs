@@ -228,8 +228,11 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
         let curves = arguments.wants_curves().then(|| query::curves_of_pairs(a, b, &pairs));
         let solid = arguments.solid.map(|side| query::solid_intersection_of_pairs(a, b, side.into(), &pairs));
         let penetrates = arguments.penetrates.then(|| query::penetrates_of_pairs(a, b, &pairs));
-        let side = arguments.solid.map_or(Solid::Neither, Into::into);
-        let distance = arguments.distance.then(|| query::distance_of_solids(a, b, side));
+        let distance = arguments.distance.then(|| match solid {
+            // One lies inside the other, apart from its surface.
+            Some(solid) if solid.intersects && pairs.is_empty() => Distance { lower: 0.0, upper: 0.0, witness: None },
+            _ => query::distance(a, b),
+        });
         let clearance = arguments.clearance.map(|required| {
             let is_violated = solid.is_some_and(|solid| solid.intersects) || query::within(a, b, required);
             Clearance { required, is_violated }

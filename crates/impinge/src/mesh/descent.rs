@@ -51,9 +51,23 @@ const TASKS_PER_THREAD: usize = 64;
 /// Below this many tasks no threads are woken: less work than this is done sooner than shared.
 const LEAST_SHARED_TASKS: usize = 256;
 
-/// Two faces that intersect, of the first mesh and of the second; none where no two do.
-pub(crate) fn first_hit(a: Placed<'_>, b: Placed<'_>, options: &Options) -> Option<[u32; 2]> {
-    collect_intersecting(a, b, 1, options).first().copied()
+/// Room for the tasks of most searches for a first pair, a kilobyte: more grow, which takes as long as opening one.
+const TASKS_OF_A_FIRST_HIT: usize = 128;
+
+/// When pairs that the filter leaves open are decided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Deciding {
+    /// At once: where only some pairs are wanted, they are the first ones in the order of the descent, which is the same for
+    /// every vector unit.
+    AtOnce,
+    /// Once nothing else is left, or too many wait, as the filter may be sure of another pair: of which, differs between
+    /// vector units.
+    Last,
+}
+
+/// Two faces that intersect, of the first mesh and of the second, of those that do any; none where no two do.
+pub(crate) fn any_hit(a: Placed<'_>, b: Placed<'_>, options: &Options) -> Option<[u32; 2]> {
+    found(a, b, (1, Deciding::Last), options).first().copied()
 }
 
 /// Whether two faces intersect; faces that there are not do not.
@@ -67,9 +81,13 @@ pub(crate) fn faces_meet(a: Placed<'_>, b: Placed<'_>, [face_a, face_b]: [u32; 2
         )
 }
 
-/// Pairs of faces (of a, of b) that intersect, each once, in no particular order: all of them, or any `limit` of them
+/// Pairs of faces (of a, of b) that intersect, each once: all of them in no particular order, or the first `limit` of them
 /// where there are more.
 pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, options: &Options) -> Vec<[u32; 2]> {
+    found(a, b, (limit, Deciding::AtOnce), options)
+}
+
+fn found(a: Placed<'_>, b: Placed<'_>, (limit, deciding): (usize, Deciding), options: &Options) -> Vec<[u32; 2]> {
     let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
     let Relations { relation, back, swapped } = &relate(a, b, placement.relative(), options.host);
     let swapped = *swapped;
@@ -84,32 +102,25 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, o
     };
     let (Some(root), true) = (descent.root(), limit > 0) else { return Vec::new() };
 
-    // Whoever wants the first pairs only wants them before others are looked at.
-    let ahead = if limit == usize::MAX { QUEUE } else { 1 };
-    let worker = || Pairs {
-        host,
-        guest,
-        host_packets: &host.0.packets,
-        guest_packets: &guest.0.packets,
-        relation,
-        back,
-        guests: [const { (u32::MAX, Guest::EMPTY) }; WAITING],
-        last: 0,
-        is_awaited: false,
-        patience: ahead.min(WAITING),
-        waiting: [Meeting { guest: 0, host_leaf: 0 }; WAITING],
-        next: 0,
-        count: 0,
-        placement: &placement,
-        swapped,
-        limit,
-        found: Vec::new(),
-    };
-    let mut first = worker();
+    let question = Question { host, guest, relation, back, placement: &placement, swapped, limit, deciding };
+    if limit < usize::MAX {
+        // Whoever wants the first pairs only wants them before others are looked at: no pair waits for another.
+        let mut guests = [const { TakenUp::NONE }; 1];
+        let mut pairs = question.pairs(&mut guests);
+        let mut tasks = Vec::with_capacity(TASKS_OF_A_FIRST_HIT);
+        tasks.push(root);
+        work(options.level, &descent, Order::DepthFirst { ahead: 1 }, &mut tasks, &mut pairs);
+        let mut found = pairs.found;
+        found.truncate(limit);
+        return found;
+    }
+
+    let ahead = QUEUE;
+    let mut guests = [const { TakenUp::NONE }; WAITING];
+    let mut first = question.pairs(&mut guests);
     let mut tasks = vec![root];
     let threads = rayon::current_num_threads();
-    // The first few pairs are found sooner than threads could be woken.
-    if threads > 1 && limit == usize::MAX {
+    if threads > 1 {
         let enough = LEAST_SHARED_TASKS.max(TASKS_PER_THREAD * threads);
         work(options.level, &descent, Order::BreadthFirstUntil(enough), &mut tasks, &mut first);
         if tasks.len() >= enough {
@@ -117,9 +128,10 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, o
             let shared: Vec<Vec<[u32; 2]>> = tasks
                 .par_chunks(chunk)
                 .map(|tasks| {
-                    let mut worker = worker();
-                    work(options.level, &descent, Order::DepthFirst { ahead }, &mut tasks.to_vec(), &mut worker);
-                    worker.found
+                    let mut guests = [const { TakenUp::NONE }; WAITING];
+                    let mut pairs = question.pairs(&mut guests);
+                    work(options.level, &descent, Order::DepthFirst { ahead }, &mut tasks.to_vec(), &mut pairs);
+                    pairs.found
                 })
                 .collect();
             tasks.clear();
@@ -127,9 +139,7 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, o
         }
     }
     work(options.level, &descent, Order::DepthFirst { ahead }, &mut tasks, &mut first);
-    let mut found = first.found;
-    found.truncate(limit);
-    found
+    first.found
 }
 
 /// The descent, compiled once for each vector unit.
@@ -173,6 +183,10 @@ fn relate(a: Placed<'_>, b: Placed<'_>, a_from_b: &RelativeMap, choice: HostChoi
 /// cache with guests taken up.
 const WAITING: usize = 8;
 
+/// With more pairs put off than this, they are decided. One takes as long as some leaves to meet, any of which may hold a pair that
+/// the filter is sure of; where surfaces touch, none does, and looking on is in vain.
+const MOST_OPEN: usize = 8;
+
 /// A guest leaf taken up, by its place among them, and a host leaf that it will meet.
 #[derive(Clone, Copy, Debug)]
 struct Meeting {
@@ -180,16 +194,57 @@ struct Meeting {
     host_leaf: u32,
 }
 
-/// Leaf pairs of two meshes, filtered and decided.
-struct Pairs<'a> {
+/// A guest leaf and what it holds, turned.
+struct TakenUp {
+    leaf: u32,
+    guest: Guest,
+}
+
+impl TakenUp {
+    /// No leaf.
+    const NONE: Self = Self { leaf: u32::MAX, guest: Guest::EMPTY };
+}
+
+/// Two meshes, how they lie to each other, and how many of their pairs are wanted.
+#[derive(Clone, Copy)]
+struct Question<'a> {
     host: &'a Mesh,
     guest: &'a Mesh,
-    host_packets: &'a [Packet],
-    guest_packets: &'a [Packet],
     relation: &'a Relation,
     back: &'a Relation,
+    placement: &'a Placement,
+    /// Whether the host is the second mesh.
+    swapped: bool,
+    limit: usize,
+    deciding: Deciding,
+}
+
+impl Question<'_> {
+    /// No pairs so far. There is room for as many guest leaves as there are `guests`, up to [`WAITING`]; as many pairs wait.
+    fn pairs<'a>(&'a self, guests: &'a mut [TakenUp]) -> Pairs<'a> {
+        Pairs {
+            question: *self,
+            host_packets: &self.host.0.packets,
+            guest_packets: &self.guest.0.packets,
+            guests,
+            last: 0,
+            is_awaited: false,
+            waiting: [Meeting { guest: 0, host_leaf: 0 }; WAITING],
+            next: 0,
+            count: 0,
+            open: Vec::new(),
+            found: Vec::new(),
+        }
+    }
+}
+
+/// Leaf pairs of two meshes, filtered and decided.
+struct Pairs<'a> {
+    question: Question<'a>,
+    host_packets: &'a [Packet],
+    guest_packets: &'a [Packet],
     /// The guest leaves taken up last, in turn, and which of them is the last.
-    guests: [(u32, Guest); WAITING],
+    guests: &'a mut [TakenUp],
     last: usize,
     /// Whether the last one is part of a pair that was put off.
     is_awaited: bool,
@@ -197,11 +252,8 @@ struct Pairs<'a> {
     waiting: [Meeting; WAITING],
     next: usize,
     count: usize,
-    patience: usize,
-    placement: &'a Placement,
-    /// Whether the host is the second mesh.
-    swapped: bool,
-    limit: usize,
+    /// Pairs that the filter left open, where they are decided last; few more than [`MOST_OPEN`].
+    open: Vec<[u32; 2]>,
     found: Vec<[u32; 2]>,
 }
 
@@ -212,7 +264,8 @@ impl Pairs<'_> {
         let Meeting { guest, host_leaf } = self.waiting[self.next];
         self.next = (self.next + 1) % WAITING;
         self.count -= 1;
-        let (guest_leaf, guest) = &self.guests[guest];
+        self.is_awaited &= self.count > 0;
+        let TakenUp { leaf: guest_leaf, guest } = &self.guests[guest];
         let mut verdicts = [Verdict::default(); LANES];
         let met = guest.meet(simd, &self.host_packets[host_leaf as usize], ALL_LANES, &mut verdicts);
         let guest_leaf = *guest_leaf;
@@ -235,36 +288,64 @@ impl Pairs<'_> {
         for lane in bits(met) {
             let verdict = verdicts[lane];
             for other in bits(verdict.meets | verdict.open) {
-                let pair = if self.swapped == turned { [many[other], one[lane]] } else { [one[lane], many[other]] };
-                if verdict.open >> other & 1 == 0 || self.decide(pair) {
+                let pair =
+                    if self.question.swapped == turned { [many[other], one[lane]] } else { [one[lane], many[other]] };
+                if verdict.open >> other & 1 == 0 {
+                    self.found.push(pair);
+                } else if self.question.deciding == Deciding::Last {
+                    self.open.push(pair);
+                } else if self.decide(pair) {
                     self.found.push(pair);
                 }
             }
         }
-        if self.found.len() < self.limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        self.go_on(MOST_OPEN)
+    }
+
+    /// Breaks off where enough is found; before that, decides what was put off where that is more than so many pairs.
+    #[inline(always)]
+    fn go_on(&mut self, most: usize) -> ControlFlow<()> {
+        if self.found.len() < self.question.limit && self.open.len() > most {
+            self.decide_open();
+        }
+        if self.found.len() < self.question.limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    }
+
+    /// Decides the pairs that were put off, until enough meet.
+    #[cold]
+    fn decide_open(&mut self) {
+        while self.found.len() < self.question.limit
+            && let Some(pair) = self.open.pop()
+        {
+            if self.decide(pair) {
+                self.found.push(pair);
+            }
+        }
     }
 
     /// Whether two faces, of the first mesh and of the second, meet.
     #[cold]
     fn decide(&self, [face_a, face_b]: [u32; 2]) -> bool {
-        let (a, b) = if self.swapped { (self.guest, self.host) } else { (self.host, self.guest) };
-        triangles_intersect(self.placement, &a.corners(face_a), &b.corners(face_b))
+        let Question { host, guest, placement, swapped, .. } = self.question;
+        let (a, b) = if swapped { (guest, host) } else { (host, guest) };
+        triangles_intersect(placement, &a.corners(face_a), &b.corners(face_b))
     }
 }
 
 impl LeafVisitor for Pairs<'_> {
     #[inline(always)]
     fn take_up<S: Simd>(&mut self, simd: S, guest_leaf: u32) -> Aabb {
-        if self.guests[self.last].0 != guest_leaf {
+        if self.guests[self.last].leaf != guest_leaf {
             // A guest that nobody waits for makes room for the next. The others take turns: fewer than all places are
             // waited for when a guest is taken up, so that the oldest place is free.
             self.last = (self.last + usize::from(self.is_awaited)) % WAITING;
             self.is_awaited = false;
-            let (leaf, guest) = &mut self.guests[self.last];
+            let Question { relation, back, .. } = self.question;
+            let TakenUp { leaf, guest } = &mut self.guests[self.last];
             *leaf = guest_leaf;
-            guest.take_up(simd, &self.guest_packets[guest_leaf as usize], self.relation, self.back);
+            guest.take_up(simd, &self.guest_packets[guest_leaf as usize], relation, back);
         }
-        self.guests[self.last].1.bounds
+        self.guests[self.last].guest.bounds
     }
 
     #[inline(always)]
@@ -273,24 +354,24 @@ impl LeafVisitor for Pairs<'_> {
         self.waiting[(self.next + self.count) % WAITING] = Meeting { guest: self.last, host_leaf };
         self.count += 1;
         self.is_awaited = true;
-        if self.count < self.patience { ControlFlow::Continue(()) } else { self.meet_next(simd) }
+        if self.count < self.guests.len() { ControlFlow::Continue(()) } else { self.meet_next(simd) }
     }
 
     fn meet_below<S: Simd>(&mut self, simd: S, large: Large, node: u32) -> ControlFlow<()> {
-        let (host, guest) =
-            ((self.host.0.tree.nodes(), self.host_packets), (self.guest.0.tree.nodes(), self.guest_packets));
+        let Question { relation, back, host, guest, .. } = self.question;
+        let (host, guest) = ((host.0.tree.nodes(), self.host_packets), (guest.0.tree.nodes(), self.guest_packets));
         outlined(
             simd,
             #[inline(always)]
             || match large {
                 Large::Guest(leaf) => {
-                    let large = LargeLeaf::new(simd, &guest.1[leaf as usize], self.relation, self.back);
+                    let large = LargeLeaf::new(simd, &guest.1[leaf as usize], relation, back);
                     large.descend(simd, host, node, |host_leaf, met, verdicts| {
                         self.report([host_leaf, leaf], met, verdicts, false)
                     })
                 }
                 Large::Host(leaf) => {
-                    let large = LargeLeaf::new(simd, &host.1[leaf as usize], self.back, self.relation);
+                    let large = LargeLeaf::new(simd, &host.1[leaf as usize], back, relation);
                     large.descend(simd, guest, node, |guest_leaf, met, verdicts| {
                         self.report([leaf, guest_leaf], met, verdicts, true)
                     })
@@ -304,7 +385,7 @@ impl LeafVisitor for Pairs<'_> {
         while self.count > 0 {
             self.meet_next(simd)?;
         }
-        ControlFlow::Continue(())
+        self.go_on(0)
     }
 
     #[inline(always)]

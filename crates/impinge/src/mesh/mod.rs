@@ -37,7 +37,7 @@ use rayon::prelude::*;
 pub use aging::Aging;
 pub use bsp::SolidBsp;
 pub use descent::{HostChoice, Options};
-pub(crate) use descent::{collect_intersecting, faces_meet, first_hit};
+pub(crate) use descent::{any_hit, collect_intersecting, faces_meet};
 pub(crate) use distance::{nearest, within};
 pub(crate) use face_search::FaceSearch;
 pub use health::Health;

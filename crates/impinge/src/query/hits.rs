@@ -78,7 +78,7 @@ pub fn intersects_with<'a, 'b>(
             return true;
         }
     }
-    let hit = mesh::first_hit(a, b, options);
+    let hit = mesh::any_hit(a, b, options);
     cache.faces = hit.or(cache.faces);
     hit.is_some()
 }

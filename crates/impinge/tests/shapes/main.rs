@@ -2,8 +2,10 @@
 
 mod boxes;
 mod coherence;
+mod compounds;
 mod contacts;
 mod degenerate;
+mod depths;
 mod hulls;
 mod pairs;
 mod support;

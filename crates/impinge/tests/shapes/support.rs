@@ -1,9 +1,15 @@
-//! Shapes as the tests know them: by closed forms of their support heights, which share nothing with the product.
+//! Shapes as the tests know them, by closed forms of their support heights, which share nothing with the product; and their
+//! meshes and poses, as the product has them.
 
 use std::sync::Arc;
 
 use impinge::hull::Hull;
 use impinge::shape::Shape;
+use impinge::{Mesh, Pose, Positions};
+use impinge_testkit::{Affine, Mesh as Plain};
+
+pub(crate) const IDENTITY: Affine =
+    Affine { linear: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
 
 /// A shape of which the height along a direction is known.
 #[derive(Clone, Debug)]
@@ -30,6 +36,14 @@ impl impinge::convex::Support for Corners {
     fn reach(&self) -> [f64; 3] {
         std::array::from_fn(|k| self.0.iter().map(|p| p[k].abs()).fold(0.0, f64::max))
     }
+}
+
+pub(crate) fn engine(mesh: &Plain) -> Mesh {
+    Mesh::new(Positions::F64(mesh.vertices.clone()), mesh.faces.clone()).expect("a legal mesh")
+}
+
+pub(crate) fn at(translation: [f64; 3]) -> Pose {
+    Pose::from_translation(translation).expect("in range")
 }
 
 pub(crate) fn dot(p: &[f64; 3], q: &[f64; 3]) -> f64 {

@@ -22,7 +22,7 @@ use std::ops::ControlFlow::{self, Continue};
 use fearless_simd::{Simd, dispatch};
 
 use super::metric::Metric;
-use super::{HostChoice, Options, Placed, first_hit};
+use super::{HostChoice, Options, Placed, collect_intersecting};
 use crate::exact::Placement;
 use crate::hierarchy::{BoxLanes, Child, Node, bits, lanes_in_use};
 use crate::primitive::Vector;
@@ -50,7 +50,7 @@ pub(crate) struct Nearest {
 /// Where the meshes intersect the faces are the first that meet in the descent that the meshes' own errors choose.
 pub(crate) fn nearest(a: Placed<'_>, b: Placed<'_>, seed: Option<[u32; 2]>, options: &Options) -> Option<Nearest> {
     let any = Options { host: HostChoice::SmallerError, ..*options };
-    if let Some(faces) = first_hit(a, b, &any) {
+    if let Some(&faces) = collect_intersecting(a, b, 1, &any).first() {
         return Some(answer::meeting(a, b, faces));
     }
     let mut search = Search::new(a, b, options, f64::INFINITY)?;

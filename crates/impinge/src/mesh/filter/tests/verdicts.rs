@@ -1,0 +1,162 @@
+//! Whether what the filter says of pairs of triangles is true.
+
+use fearless_simd::dispatch;
+use impinge_testkit::generate::Rng;
+use impinge_testkit::generate::poses::{large_integer_map, rotation};
+use impinge_testkit::{Affine, oracle};
+
+use super::super::*;
+use super::{Point, Side8, along, power_of_two, relate, unit_point};
+use crate::exact::{Placement, triangles_intersect};
+use crate::simd::levels;
+
+/// A triangle made to meet or just miss `host`, by `gap`.
+fn close_to(rng: &mut Rng, host: &[Point; 3], gap: f64) -> [Point; 3] {
+    let [p, q, r] = host;
+    let edge = along(p, q, rng.unit());
+    let inside = along(&edge, r, rng.unit());
+    let shift = |rng: &mut Rng, point: &Point| {
+        let step = unit_point(rng);
+        std::array::from_fn(|axis| point[axis] + gap * step[axis])
+    };
+    let far = |rng: &mut Rng, from: &Point| {
+        let step = unit_point(rng);
+        std::array::from_fn::<f64, 3, _>(|axis| from[axis] + step[axis])
+    };
+    match rng.integer(0, 3) {
+        // A corner near the face.
+        0 => [shift(rng, &inside), far(rng, &inside), far(rng, &inside)],
+        // All corners near the plane.
+        1 => {
+            let (s, t) = (rng.uniform(-1.0, 2.0), rng.uniform(-1.0, 2.0));
+            [shift(rng, &inside), shift(rng, &along(&inside, q, s)), shift(rng, &along(&inside, r, t))]
+        }
+        // Edges that cross.
+        2 => {
+            let (on, end) = (shift(rng, &edge), far(rng, &edge));
+            [end, along(&end, &on, rng.uniform(1.0, 3.0)), far(rng, &edge)]
+        }
+        // A sliver.
+        _ => {
+            let (on, end) = (shift(rng, &inside), far(rng, &inside));
+            let other = along(&end, &on, rng.uniform(1.0, 3.0));
+            let between = along(&end, &other, rng.unit());
+            [end, other, shift(rng, &between)]
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Generic,
+    Close,
+    /// Of other sizes by up to 2^50, and close.
+    Sized,
+}
+
+/// Counts of pairs that were proved to meet, proved apart, and left open.
+#[derive(Clone, Copy, Debug, Default)]
+struct Outcomes {
+    meet: usize,
+    apart: usize,
+    open: usize,
+}
+
+fn judge_packets(kind: Kind, seed: u64, packets: usize) -> Outcomes {
+    let mut rng = Rng::new(seed);
+    let mut outcomes = Outcomes::default();
+    let mut asked = 0;
+    for _ in 0..packets {
+        let (hosts, guests) = (rng.integer(1, 8) as usize, rng.integer(1, 8) as usize);
+        let mut host: Vec<[Point; 3]> = (0..hosts).map(|_| [0; 3].map(|_| unit_point(&mut rng))).collect();
+        let size = if kind == Kind::Sized { power_of_two(&mut rng, -50, 50) } else { 1.0 };
+        let mut guest: Vec<[Point; 3]> = (0..guests)
+            .map(|i| match kind {
+                Kind::Generic => [0; 3].map(|_| unit_point(&mut rng)),
+                Kind::Close | Kind::Sized => {
+                    let gap = if rng.one_in(8) { 0.0 } else { power_of_two(&mut rng, -54, -4) };
+                    let host = &host[i % hosts];
+                    let near = close_to(&mut rng, host, gap);
+                    // About its first corner, which is close in half of the cases.
+                    let size = if rng.one_in(4) { size.sqrt() } else { size };
+                    near.map(|corner| along(&near[0], &corner, size))
+                }
+            })
+            .collect();
+        if rng.one_in(3) {
+            // On the grid of single precision.
+            for x in host.iter_mut().chain(&mut guest).flatten().flatten() {
+                *x = f64::from(*x as f32);
+            }
+        }
+        // A map of both changes no answer, nor does a power of two that the pose takes back.
+        let common = match rng.integer(0, 3) {
+            0 => large_integer_map(&mut rng),
+            1 => rotation(&mut rng),
+            _ => Affine::IDENTITY,
+        };
+        let range = if common.linear[0][1].abs() > 2.0 { 40 } else { 60 };
+        let range = if rng.one_in(2) { 0 } else { range };
+        let side = |rng: &mut Rng, corners: &[[Point; 3]]| {
+            let scale = power_of_two(rng, -range, range);
+            let stray = rng.one_in(3).then(|| [power_of_two(rng, 0, 12) / scale; 3]);
+            let own: Vec<[Point; 3]> = corners.iter().map(|c| c.map(|point| point.map(|x| x / scale))).collect();
+            let linear = common.linear.map(|row| row.map(|x| x * scale));
+            Side8::new(&own, stray, Affine { linear, translation: common.translation })
+        };
+        let (host, guest) = (side(&mut rng, &host), side(&mut rng, &guest));
+        let (relation, back) = (relate(&host, &guest), relate(&guest, &host));
+        let placement = Placement::new(&host.world_from_mesh(), &guest.world_from_mesh());
+        let truths: Vec<Vec<bool>> = (0..guests)
+            .map(|g| (0..hosts).map(|h| triangles_intersect(&placement, &host.corners(h), &guest.corners(g))).collect())
+            .collect();
+        for (name, level) in levels() {
+            let mut verdicts = [Verdict::default(); LANES];
+            let met = dispatch!(level, simd => {
+                let mut taken = Guest::EMPTY;
+                taken.take_up(simd, guest.packet(), &relation, &back);
+                taken.meet(simd, host.packet(), 0xff, &mut verdicts)
+            });
+            for (lane, verdict) in verdicts.into_iter().enumerate() {
+                let verdict = if met >> lane & 1 == 1 { verdict } else { Verdict::default() };
+                assert_eq!(verdict.meets & verdict.open, 0, "{name}");
+                let hosts = if lane < guests { hosts } else { 0 };
+                assert_eq!((verdict.meets | verdict.open) >> hosts, 0, "{name}: a lane without a triangle");
+                for h in 0..hosts {
+                    if verdict.open >> h & 1 == 1 {
+                        outcomes.open += 1;
+                        continue;
+                    }
+                    let meets = verdict.meets >> h & 1 == 1;
+                    let truth = truths[lane][h];
+                    assert_eq!(meets, truth, "{name}, {kind:?}, lanes {h} and {lane}: {host:?} {guest:?}");
+                    *(if meets { &mut outcomes.meet } else { &mut outcomes.apart }) += 1;
+                    asked += 1;
+                    if asked % 101 == 0 {
+                        // An oracle that shares nothing with the engine.
+                        let (a, b) = (host.corners(h), guest.corners(lane));
+                        assert_eq!(truth, oracle::triangles_meet(&a, &host.pose, &b, &guest.pose));
+                    }
+                }
+            }
+        }
+    }
+    outcomes
+}
+
+#[test]
+fn generic_pairs_are_decided_and_truly() {
+    let Outcomes { meet, apart, open } = judge_packets(Kind::Generic, 84, 800);
+    let total = meet + apart + open;
+    assert!(open * 50 < total, "{open} of {total} are open");
+    assert!(meet * 10 > total && apart * 3 > total, "{meet} meet and {apart} are apart of {total}");
+}
+
+#[test]
+fn close_pairs_are_never_wrong() {
+    for (kind, seed, rare) in [(Kind::Close, 85, 20), (Kind::Sized, 86, 200)] {
+        let Outcomes { meet, apart, open } = judge_packets(kind, seed, 1_500);
+        let total = meet + apart + open;
+        assert!(meet * rare > total && apart * 10 > total && open * 20 > total, "{kind:?}: {meet} {apart} {open}");
+    }
+}
