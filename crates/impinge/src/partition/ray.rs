@@ -76,7 +76,7 @@ impl Ray {
 
     /// Where it enters and leaves the box, its reach aside.
     #[inline]
-    pub(super) fn through(&self, bounds: &MinMax) -> Option<[f64; 2]> {
+    pub(crate) fn through(&self, bounds: &MinMax) -> Option<[f64; 2]> {
         let (min, max) = (bounds.min(), bounds.max());
         let (mut enter, mut leave) = (0.0_f64, f64::MAX);
         for axis in 0..3 {

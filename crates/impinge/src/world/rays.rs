@@ -105,14 +105,18 @@ fn is_before(one: &BodyRayHit, other: &BodyRayHit) -> bool {
 
 /// Where a ray first meets a body, and on which face.
 fn meets(placed: &Placed, bounds: &Bounds, ray: &Ray) -> Option<(f64, Option<u32>)> {
-    let enter = match bounds {
+    let [enter, leave] = match bounds {
         Bounds::Nowhere => return None,
-        Bounds::Box(bounds) => ray.enters(bounds)?,
-        Bounds::Behind(_) | Bounds::Anywhere => 0.0,
+        Bounds::Box(bounds) => ray.through(bounds)?,
+        Bounds::Behind(_) | Bounds::Anywhere => [0.0, f64::MAX],
     };
+    let end = leave.min(ray.reach());
+    if enter > end {
+        return None;
+    }
     let meets = |part: &PlacedShape| match part.form() {
         Form::Surface(surface) => meets_mesh(&surface, ray, enter),
-        Form::Convex(_) | Form::HalfSpace(_) => Some((meets_shape(part, ray, enter)?, None)),
+        Form::Convex(_) | Form::HalfSpace(_) => Some((meets_shape(part, ray, [enter, end])?, None)),
     };
     let parts = placed.in_world().parts().iter().filter_map(meets);
     parts.min_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)))
@@ -149,19 +153,21 @@ impl Inverse {
 }
 
 /// By conservative advancement: the nearest points of the shape and the ray's front are those of a plane that keeps the shape
-/// on its far side, so that the front can go on to the plane.
+/// on its far side, so that the front can go on to the plane. What there is of the ray lies between `enter` and `end`.
 ///
 /// Source: van den Bergen, *Ray casting against general convex objects with application to continuous collision detection*,
-/// 2004; ours asks for the distance anew at each front. Whether the ray meets the shape at all is decided as for a segment.
-fn meets_shape(shape: &PlacedShape, ray: &Ray, enter: f64) -> Option<f64> {
+/// 2004; ours asks for the distance anew at each front, and leans the plane by as much as the nearest points may be off.
+/// Whether the ray meets the shape at all is decided as for a segment; what that leaves open, by whether a front gets past.
+fn meets_shape(shape: &PlacedShape, ray: &Ray, [enter, end]: [f64; 2]) -> Option<f64> {
     let (origin, direction) = (ray.origin(), ray.direction());
     let at = |t: f64| -> [f64; 3] { std::array::from_fn(|k| origin[k] + t * direction[k]) };
     let steepest = direction.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     // Beyond this the coordinates of a segment are out of range.
     const FAR: f64 = (1_u128 << 126) as f64;
-    let end = ray.reach().min(FAR / steepest);
+    let end = end.min(FAR / steepest);
     let segment = Shape::segment([origin, at(end)]).and_then(|segment| segment.at(Pose::IDENTITY));
-    if segment.is_ok_and(|segment| shapes::proximity(&segment, shape) == Proximity::Apart) {
+    let proximity = segment.map_or(Proximity::Undecided, |segment| shapes::proximity(&segment, shape));
+    if proximity == Proximity::Apart {
         return None;
     }
     let mut t = enter;
@@ -174,13 +180,19 @@ fn meets_shape(shape: &PlacedShape, ray: &Ray, enter: f64) -> Option<f64> {
             break;
         }
         let gap = sub(&found.point_b, &found.point_a);
-        let closing = dot(&gap, &direction) / length(&gap);
+        // The normal of the true plane is off by an angle whose cosine is at least `lower / upper`: seen from the nearest point
+        // of a convex set, the front and any other of its points are not at an acute angle.
+        let askew = (2.0 * (1.0 - found.lower / found.upper)).max(0.0).sqrt() * length(&direction);
+        let closing = dot(&gap, &direction) / length(&gap) + askew;
         let next = t + found.lower / closing;
-        // It is met: what seems to go past it is there, to within rounding.
-        if !(closing > 0.0 && next > t && next <= end) {
+        if !(closing > 0.0 && next <= end) {
+            // It gets past; where it is known to meet the shape, it is there, to within rounding.
+            return (proximity == Proximity::Meets).then_some(t);
+        }
+        if next <= t {
             break;
         }
         t = next;
     }
-    (t <= ray.reach()).then_some(t)
+    Some(t)
 }

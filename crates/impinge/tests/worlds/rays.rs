@@ -1,5 +1,8 @@
 //! Rays through worlds beside closed forms and beside all bodies asked in turn.
 
+use std::sync::Arc;
+
+use impinge::convex::Support;
 use impinge::partition::Ray;
 use impinge::shape::Shape;
 use impinge::world::{Body, BodyId, BodyRayHit, Options, World};
@@ -118,4 +121,69 @@ fn a_floor_is_met_from_above() {
     assert_eq!(world.ray_cast(&below, |_| true).unwrap().t, 0.0);
     let short = Ray::new([3.0, 4.0, 5.0], [0.0, 0.0, -2.0], 1.5).unwrap();
     assert!(world.ray_cast(&short, |_| true).is_none());
+}
+
+/// A rectangle in the plane of x and y, swept by a ball.
+#[derive(Debug)]
+struct RoundedPlate {
+    half: [f64; 2],
+    radius: f64,
+}
+
+impl RoundedPlate {
+    /// How far a point is from the surface; negative inside.
+    fn height(&self, [x, y, z]: [f64; 3]) -> f64 {
+        let beyond = |x: f64, half: f64| (x.abs() - half).max(0.0);
+        let (x, y) = (beyond(x, self.half[0]), beyond(y, self.half[1]));
+        (x * x + y * y + z * z).sqrt() - self.radius
+    }
+}
+
+impl Support for RoundedPlate {
+    fn support(&self, direction: [f64; 3]) -> [f64; 3] {
+        let size = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let out = direction.map(|x| if size > 0.0 { self.radius * x / size } else { 0.0 });
+        let [x, y] = [0, 1].map(|k| self.half[k].copysign(direction[k]) + out[k]);
+        [x, y, out[2]]
+    }
+
+    fn reach(&self) -> [f64; 3] {
+        let [x, y] = self.half.map(|half| (half + self.radius) * (1.0 + 1e-14));
+        [x, y, self.radius * (1.0 + 1e-14)]
+    }
+}
+
+#[test]
+fn sets_known_by_their_support_are_met_on_their_surface() {
+    let mut rng = Rng::new(103);
+    let plate = Arc::new(RoundedPlate { half: [1.0, 0.5], radius: 0.25 });
+    let mut world = World::new();
+    world.insert(Body::new(Shape::custom(plate.clone()).unwrap())).unwrap();
+    let (mut hits, mut misses, mut past, mut short) = (0, 0, 0.0_f64, 0.0_f64);
+    for _ in 0..4_000 {
+        let ray = random_ray(&mut rng);
+        let at = |t: f64| -> [f64; 3] { std::array::from_fn(|k| ray.origin()[k] + t * ray.direction()[k]) };
+        // Heights along a ray are convex: the least lies between two thirds that are higher.
+        let (mut from, mut to) = (0.0, ray.reach().min(100.0));
+        for _ in 0..200 {
+            let [low, high] = [from + (to - from) / 3.0, to - (to - from) / 3.0];
+            if plate.height(at(low)) < plate.height(at(high)) { to = high } else { from = low }
+        }
+        let least = plate.height(at(from));
+        let Some(hit) = world.ray_cast(&ray, |_| true) else {
+            assert!(least > -1e-9, "{ray:?} goes {least} deep");
+            misses += 1;
+            continue;
+        };
+        assert!(least < 1e-9, "{ray:?} stays {least} away");
+        hits += 1;
+        let height = plate.height(hit.point);
+        if hit.t > 0.0 {
+            past = past.max(-height);
+        }
+        short = short.max(height);
+    }
+    assert!(hits > 200 && misses > 2_000, "{hits} hits, {misses} misses");
+    // A ray that grazes the plate is advanced by little at a time.
+    assert!(past < 1e-11 && short < 1e-8, "past by {past:e}, short by {short:e}");
 }
