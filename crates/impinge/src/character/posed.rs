@@ -364,5 +364,7 @@ fn misses(sphere: &(Vector, f64), ray: &Ray) -> bool {
     let squared = dot(direction, direction);
     let across = sub(offset, scale(direction, dot(direction, offset) / squared));
     let reach = sphere.1 + ROUNDING * (length(offset) + length(ray.origin()) + length(sphere.0));
-    dot(across, across) > reach * reach * (1.0 + 1e-12)
+    // The square of a direction that short has lost its digits.
+    const LEAST: f64 = 1e-280;
+    squared > LEAST && dot(across, across) > reach * reach * (1.0 + 1e-12)
 }
