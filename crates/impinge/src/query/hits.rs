@@ -5,9 +5,9 @@ use crate::mesh::{self, Options};
 
 /// Two faces that met when two meshes were last asked about; the caller keeps one for each two meshes.
 ///
-/// They are asked first, which makes the next answer faster where meshes in contact have moved little, and
-/// never another. Each time that they no longer meet, which costs a fifth of a microsecond, it is twice as long until
-/// faces are tried again, up to 64 questions, so that poses that have nothing to do with each other pay next to nothing.
+/// They are asked first, which makes the next answer faster where meshes in contact have moved little, and never another. Each
+/// time that they no longer meet it is twice as long until faces are tried again, up to 64 questions, so that poses that have
+/// nothing to do with each other pay next to nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HitCache {
     faces: Option<[u32; 2]>,

@@ -184,7 +184,8 @@ pub fn distance(a: &PlacedShape, b: &PlacedShape) -> ShapeDistance {
 /// each shape: a mesh that is no solid holds none. Two spheres of ever smaller triangles have depths that close in on the spheres'.
 ///
 /// # Complexity
-/// Some 10 to 30 supports and as many facets for boxes and small hulls, 30 to 60 for round ones and at most 320. A search takes some hundred distances.
+/// Some 10 to 30 supports and as many facets for boxes and small hulls, 30 to 60 for round ones and at most 320. A search
+/// takes some hundred distances.
 #[must_use]
 pub fn penetration(a: &PlacedShape, b: &PlacedShape) -> Option<Penetration> {
     if !intersects(a, b) {
