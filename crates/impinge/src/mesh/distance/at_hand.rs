@@ -1,15 +1,15 @@
 //! What was made last and may be wanted again.
 
-/// The last few of many things that are dear to make, by number.
-pub(super) struct AtHand<T> {
+/// The last few of many things that are dear to make, by number: at most `MOST`, a power of two.
+pub(super) struct AtHand<T, const MOST: usize> {
     /// One more than the place of the thing whose number ends in this index.
-    places: Vec<u16>,
+    places: [u16; MOST],
     kept: Vec<T>,
 }
 
-impl<T> AtHand<T> {
-    pub(super) fn new(most: usize) -> Self {
-        Self { places: vec![0; most], kept: Vec::new() }
+impl<T, const MOST: usize> AtHand<T, MOST> {
+    pub(super) fn new() -> Self {
+        Self { places: [0; MOST], kept: Vec::new() }
     }
 
     /// The thing of this number, made where it is not at hand.
@@ -26,7 +26,7 @@ impl<T> AtHand<T> {
         is_current: impl Fn(&T) -> bool,
         make: impl FnOnce(u32) -> T,
     ) -> &T {
-        let index = number as usize % self.places.len();
+        let index = number as usize % MOST;
         let place = match self.places[index] {
             0 => {
                 self.kept.push(make(number));

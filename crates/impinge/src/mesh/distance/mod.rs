@@ -19,14 +19,15 @@ mod task;
 
 use std::ops::ControlFlow::{self, Continue};
 
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, dispatch, f32x8};
 
 use super::metric::Metric;
 use super::{HostChoice, Options, Placed, collect_intersecting};
 use crate::exact::Placement;
 use crate::hierarchy::{BoxLanes, Child, Node, bits, lanes_in_use};
 use crate::primitive::Vector;
-use crate::simd::by_axis;
+use crate::simd::{LANES, by_axis};
 use crate::volume::Aabb;
 use answer::{Answer, MOST_VALUES, Scene};
 use at_hand::AtHand;
@@ -102,8 +103,8 @@ struct Search<'a> {
     answer: Answer,
     nodes: [&'a [Node]; 2],
     tasks: Vec<Task>,
-    leaves: [AtHand<Leaf>; 2],
-    carried: [AtHand<Carried>; 2],
+    leaves: [AtHand<Leaf, LEAVES_AT_HAND>; 2],
+    carried: [AtHand<Carried, CARRIED_AT_HAND>; 2],
     profiles: Profiles<'a>,
     between: Between,
 }
@@ -142,8 +143,8 @@ impl<'a> Search<'a> {
             answer,
             nodes: [host.0.tree.nodes(), guest.0.tree.nodes()],
             tasks: Vec::new(),
-            leaves: [AtHand::new(LEAVES_AT_HAND), AtHand::new(LEAVES_AT_HAND)],
-            carried: [AtHand::new(CARRIED_AT_HAND), AtHand::new(CARRIED_AT_HAND)],
+            leaves: [AtHand::new(), AtHand::new()],
+            carried: [AtHand::new(), AtHand::new()],
             profiles: Profiles::new([host, guest]),
             between,
         })
@@ -179,7 +180,7 @@ impl<'a> Search<'a> {
             if task.bound > self.answer.node_limit {
                 continue;
             }
-            if self.profiles.are_apart(simd, task.slots, self.answer.cut) {
+            if self.profiles.are_apart(simd, task.reach, task.slots, self.answer.cut) {
                 continue;
             }
             let [host, guest] = task.slots;
@@ -227,10 +228,11 @@ impl<'a> Search<'a> {
             let guest_box = guest_boxes.lane(guest_lane);
             let bounds = scene.bounds.of(simd, host_boxes, &guest_box, false, answer.node_limit);
             for host_lane in bits(near & bounds.near) {
-                found.add(&bounds, host_lane, [host_lane, guest_lane]);
+                let reach = Reached::both(&reached, [host_lane, guest_lane]);
+                found.add(&bounds, host_lane, reach, [host_lane, guest_lane]);
             }
         }
-        found.push(tasks, |[host_lane, guest_lane]| {
+        found.push(tasks, profiles.along(), |[host_lane, guest_lane]| {
             [Slot { node: host, lane: host_lane }, Slot { node: guest, lane: guest_lane }]
         });
     }
@@ -239,15 +241,24 @@ impl<'a> Search<'a> {
     #[inline(always)]
     fn open_one<S: Simd>(&mut self, simd: S, side: usize, node: u32, other: Slot) {
         let one = self.box_of(simd, 1 - side, other);
-        let Self { scene, answer, tasks, nodes, carried, .. } = self;
+        let Self { scene, answer, tasks, nodes, carried, profiles, .. } = self;
         let opened = &nodes[side][node as usize];
+        let mut reaches = [f32::INFINITY; LANES];
+        let mut near = lanes_in_use(opened);
+        if let Some((both, enough)) = profiles.of_one(simd, side, node, other) {
+            near &= !(both.simd_lt(f32x8::splat(simd, enough.at(answer.cut))).to_bitmask() as u32);
+            both.store_slice(&mut reaches);
+        }
+        if near == 0 {
+            return;
+        }
         let many = carried_boxes(&mut carried[side], node, || scene.bounds.carry(simd, side, opened));
         let bounds = scene.bounds.of(simd, many, &one, side == GUEST, answer.node_limit);
         let mut found = Sorted::new();
-        for lane in bits(bounds.near & lanes_in_use(opened)) {
-            found.add(&bounds, lane, if side == HOST { [lane, 0] } else { [0, lane] });
+        for lane in bits(bounds.near & near) {
+            found.add(&bounds, lane, reaches[lane], if side == HOST { [lane, 0] } else { [0, lane] });
         }
-        found.push(tasks, |lanes| {
+        found.push(tasks, profiles.along(), |lanes| {
             let opened = Slot { node, lane: lanes[side] };
             if side == HOST { [opened, other] } else { [other, opened] }
         });
@@ -334,6 +345,6 @@ fn size(bounds: &Aabb) -> f32 {
 }
 
 #[inline(always)]
-fn carried_boxes(at_hand: &mut AtHand<Carried>, node: u32, carry: impl FnOnce() -> BoxLanes) -> &BoxLanes {
+fn carried_boxes(at_hand: &mut AtHand<Carried, CARRIED_AT_HAND>, node: u32, carry: impl FnOnce() -> BoxLanes) -> &BoxLanes {
     &at_hand.get(node, |kept| kept.node, |node| Carried { node, boxes: carry() }).boxes
 }

@@ -10,17 +10,16 @@
 //! objects in three-dimensional space*, IEEE Journal of Robotics and Automation 4(2), 1988, here as lower bounds for parts.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, f32x8, f64x4};
 
 use super::AtHand;
 use super::task::Slot;
-use crate::hierarchy::{Child, HALF_ULP, Slab};
+use crate::hierarchy::{HALF_ULP, Node};
 use crate::mesh::Mesh;
 use crate::mesh::metric::Metric;
 use crate::mesh::packet::Packet;
 use crate::primitive::{Vector, dot, length, sub};
-use crate::simd::{ALL_LANES, LANES, by_axis, load, load3};
-use crate::volume::Aabb;
+use crate::simd::{ALL_LANES, LANES, by_axis, load, load3, outlined};
 
 /// Nodes whose children's reaches are kept, of either mesh; a power of two.
 const KEPT: usize = 256;
@@ -42,7 +41,7 @@ pub(super) struct Profiles<'m> {
     /// The one along which nodes are looked at, which is not always the newest, and its number.
     of_nodes: Option<Direction>,
     version: u32,
-    nodes: [AtHand<Reaches>; 2],
+    nodes: [AtHand<Reaches, KEPT>; 2],
 }
 
 /// A direction from the host's witness to the guest's.
@@ -79,6 +78,13 @@ pub(super) struct Reached {
     enough: Enough,
 }
 
+/// How far two children reach towards each other, both together, and the number of the direction along which they do.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach {
+    pub(super) both: f32,
+    pub(super) along: u32,
+}
+
 /// How far parts have to reach towards each other to matter.
 #[derive(Clone, Copy)]
 pub(super) struct Enough {
@@ -92,7 +98,7 @@ impl Enough {
     /// Two parts that reach less far than this, both together, are farther apart than `cut`: they are apart by the gap
     /// between the witnesses, less both reaches, over the length of the direction, which is one within rounding.
     #[inline(always)]
-    fn at(self, cut: f64) -> f32 {
+    pub(super) fn at(self, cut: f64) -> f32 {
         let most = self.gap - cut;
         (most - (8.0 * self.error + 1e-14 * cut + SUM_ROUNDING * most.abs())) as f32
     }
@@ -118,11 +124,17 @@ impl Reached {
         let Some(reached) = reached else { return false };
         reached.host[host_lane] + reached.guest[guest_lane] < reached.enough.at(cut)
     }
+
+    /// How far two parts reach, both together; without bound where nothing is known.
+    #[inline(always)]
+    pub(super) fn both(reached: &Option<Self>, [host_lane, guest_lane]: [usize; 2]) -> f32 {
+        reached.as_ref().map_or(f32::INFINITY, #[inline(always)] |reached| reached.host[host_lane] + reached.guest[guest_lane])
+    }
 }
 
 impl<'m> Profiles<'m> {
     pub(super) fn new(meshes: [&'m Mesh; 2]) -> Self {
-        Self { meshes, newest: None, of_nodes: None, version: 0, nodes: [AtHand::new(KEPT), AtHand::new(KEPT)] }
+        Self { meshes, newest: None, of_nodes: None, version: 0, nodes: [AtHand::new(), AtHand::new()] }
     }
 
     /// Takes the direction between two witnesses, of the host and of the guest, where they are nearer than the last; `sides`
@@ -164,14 +176,35 @@ impl<'m> Profiles<'m> {
         Some(Reached { host, guest, enough: direction.enough })
     }
 
-    /// Whether two children are proved to be farther apart than `cut`.
+    /// Whether two children are proved to be farther apart than `cut`; `reach` is what was known of them.
     #[inline(always)]
-    pub(super) fn are_apart<S: Simd>(&mut self, simd: S, slots: [Slot; 2], cut: f64) -> bool {
+    pub(super) fn are_apart<S: Simd>(&mut self, simd: S, reach: Reach, slots: [Slot; 2], cut: f64) -> bool {
         let Some(direction) = self.of_nodes else { return false };
-        let [host_slot, guest_slot] = slots;
-        let host = self.reaches(simd, 0, host_slot.node, &direction).lanes[usize::from(host_slot.lane)];
-        let guest = self.reaches(simd, 1, guest_slot.node, &direction).lanes[usize::from(guest_slot.lane)];
-        host + guest < direction.enough.at(cut)
+        let both = if reach.along == self.version {
+            reach.both
+        } else {
+            let [host_slot, guest_slot] = slots;
+            let host = self.reaches(simd, 0, host_slot.node, &direction).lanes[usize::from(host_slot.lane)];
+            let guest = self.reaches(simd, 1, guest_slot.node, &direction).lanes[usize::from(guest_slot.lane)];
+            host + guest
+        };
+        both < direction.enough.at(cut)
+    }
+
+    /// The number of the direction along which nodes reach; zero while there is none.
+    #[inline(always)]
+    pub(super) fn along(&self) -> u32 {
+        self.version
+    }
+
+    /// How far the children of a node of one side reach, and one child of the other, together; nothing bounds them
+    /// without a direction.
+    #[inline(always)]
+    pub(super) fn of_one<S: Simd>(&mut self, simd: S, side: usize, node: u32, other: Slot) -> Option<(f32x8<S>, Enough)> {
+        let direction = self.of_nodes?;
+        let one = self.reaches(simd, 1 - side, other.node, &direction).lanes[usize::from(other.lane)];
+        let many = load(simd, &self.reaches(simd, side, node, &direction).lanes);
+        Some((many + f32x8::splat(simd, one), direction.enough))
     }
 
     /// How the triangles of two leaves reach towards each other.
@@ -202,36 +235,63 @@ impl Towards {
     fn of_children<S: Simd>(&self, simd: S, mesh: &Mesh, node: u32) -> [f32; LANES] {
         let nodes = mesh.0.tree.nodes();
         let parent = &nodes[node as usize];
+        if !parent.holds_leaves() {
+            return outlined(
+                simd,
+                #[inline(always)]
+                || self.of_patches(simd, nodes, parent),
+            );
+        }
         let mut lanes = [f32::NEG_INFINITY; LANES];
         for (lane, reach) in lanes[..parent.count()].iter_mut().enumerate() {
-            *reach = match parent.child(lane) {
-                Child::Inner(child) => self.of_patch(&parent.lane_bounds(lane), &nodes[child as usize].slab),
-                Child::Leaf(leaf) => self.of_leaf(simd, &mesh.0.packets[leaf as usize]),
-            };
+            *reach = self.of_leaf(simd, &mesh.0.packets[parent.index(lane) as usize]);
         }
         lanes
     }
 
-    /// How far what is in a box and in a slab reaches at most, both in the packed frame: for every share α of the slab's
-    /// normal, what the slab allows along that and the box along the rest.
+    /// How far what is in the boxes of a node and in the slabs of its children reaches at most, all in the packed frame: for
+    /// the share α of a slab's normal, what the slab allows along that and the box along the rest.
     #[inline(always)]
-    fn of_patch(&self, bounds: &Aabb, slab: &Slab) -> f32 {
-        let normal: Vector = by_axis!(axis => f64::from(slab.normal[axis]));
-        let share = dot(&self.gradient, &normal) / dot(&normal, &normal);
-        let by_box = in_box(&self.gradient, bounds);
-        let rest: Vector = by_axis!(axis => self.gradient[axis] - share * normal[axis]);
-        let height = f64::from(if share > 0.0 { slab.max } else { slab.min });
-        // Not a number, where there is no slab, bounds nothing.
-        let by_slab = in_box(&rest, bounds) + share * height;
-        let most = if by_slab < by_box { by_slab } else { by_box };
-        ((most + self.base) as f32).next_up()
+    fn of_patches<S: Simd>(&self, simd: S, nodes: &[Node], parent: &Node) -> [f32; LANES] {
+        let mut slabs = Slabs { normal: [[0.0; LANES]; 3], min: [0.0; LANES], max: [0.0; LANES] };
+        for lane in 0..parent.count() {
+            let slab = &nodes[parent.index(lane) as usize].slab;
+            for axis in 0..3 {
+                slabs.normal[axis][lane] = slab.normal[axis];
+            }
+            (slabs.min[lane], slabs.max[lane]) = (slab.min, slab.max);
+        }
+        let half = |lanes: &[f32; LANES], half: usize| -> f64x4<S> {
+            let (low, high) = load(simd, lanes).widen();
+            if half == 0 { low } else { high }
+        };
+        let mut lanes = [f32::NEG_INFINITY; LANES];
+        for (part, reaches) in lanes.chunks_exact_mut(LANES / 2).enumerate() {
+            let min = by_axis!(axis => half(&parent.min[axis], part));
+            let max = by_axis!(axis => half(&parent.max[axis], part));
+            let normal = by_axis!(axis => half(&slabs.normal[axis], part));
+            let gradient = by_axis!(axis => f64x4::splat(simd, self.gradient[axis]));
+            let share = inner(&gradient, &normal) / inner(&normal, &normal);
+            let by_box = in_boxes(&gradient, &min, &max);
+            let rest = by_axis!(axis => gradient[axis] - share * normal[axis]);
+            let is_along = share.simd_gt(f64x4::splat(simd, 0.0));
+            let height = is_along.select(half(&slabs.max, part), half(&slabs.min, part));
+            let by_slab = in_boxes(&rest, &min, &max) + share * height;
+            // Not a number, where there is no slab, bounds nothing.
+            let most = by_slab.simd_lt(by_box).select(by_slab, by_box) + f64x4::splat(simd, self.base);
+            for (reach, most) in reaches.iter_mut().zip(<[f64; LANES / 2]>::from(most)) {
+                *reach = upward(most);
+            }
+        }
+        lanes[parent.count()..].fill(f32::NEG_INFINITY);
+        lanes
     }
 
     /// How far the triangles of a leaf reach.
     #[inline(always)]
     fn of_leaf<S: Simd>(&self, simd: S, packet: &Packet) -> f32 {
         let (lanes, anchor) = self.about_anchor(simd, packet);
-        ((anchor + f64::from(lanes.reduce_max())) as f32).next_up()
+        upward(anchor + f64::from(lanes.reduce_max()))
     }
 
     /// How far each triangle of a leaf reaches.
@@ -240,7 +300,7 @@ impl Towards {
         let (lanes, anchor) = self.about_anchor(simd, packet);
         let mut reaches = <[f32; LANES]>::from(lanes);
         for reach in &mut reaches {
-            *reach = ((anchor + f64::from(*reach)) as f32).next_up();
+            *reach = upward(anchor + f64::from(*reach));
         }
         reaches
     }
@@ -260,12 +320,31 @@ impl Towards {
     }
 }
 
-/// The greatest inner product of a vector with a point of a box.
+/// The slabs of eight children.
+struct Slabs {
+    normal: [[f32; LANES]; 3],
+    min: [f32; LANES],
+    max: [f32; LANES],
+}
+
+/// The greatest inner products of vectors with points of boxes.
 #[inline(always)]
-fn in_box(vector: &Vector, bounds: &Aabb) -> f64 {
-    let [x, y, z] =
-        by_axis!(axis => (vector[axis] * f64::from(bounds.min[axis])).max(vector[axis] * f64::from(bounds.max[axis])));
+fn in_boxes<S: Simd>(vectors: &[f64x4<S>; 3], min: &[f64x4<S>; 3], max: &[f64x4<S>; 3]) -> f64x4<S> {
+    let [x, y, z]: [f64x4<S>; 3] =
+        by_axis!(axis => (vectors[axis] * min[axis]).max(vectors[axis] * max[axis]));
     x + y + z
+}
+
+/// Not fused: what is found is the same on every vector unit.
+#[inline(always)]
+fn inner<S: Simd>(a: &[f64x4<S>; 3], b: &[f64x4<S>; 3]) -> f64x4<S> {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Rounded to single precision, and no less.
+#[inline(always)]
+fn upward(reach: f64) -> f32 {
+    (reach + (reach.abs() * (2.0 * HALF_ULP) + f64::from(f32::MIN_POSITIVE))) as f32
 }
 
 #[cfg(test)]
@@ -277,6 +356,7 @@ mod tests {
     use impinge_testkit::generate::poses::{large_integer_map, rotation};
 
     use super::*;
+    use crate::hierarchy::Child;
     use crate::math::Pose;
     use crate::mesh::positions::Positions;
     use crate::simd::levels;

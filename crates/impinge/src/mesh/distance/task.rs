@@ -1,6 +1,7 @@
 //! What is left of a search: pairs of children, the nearest to be taken next.
 
 use super::bounds::LaneBounds;
+use super::profile::Reach;
 use crate::simd::LANES;
 
 /// A child of a node.
@@ -14,6 +15,7 @@ pub(super) struct Slot {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Task {
     pub(super) bound: f32,
+    pub(super) reach: Reach,
     /// Of the host and of the guest.
     pub(super) slots: [Slot; 2],
 }
@@ -21,37 +23,38 @@ pub(super) struct Task {
 /// Pairs of children by their bounds.
 pub(super) struct Sorted {
     keys: [u64; LANES * LANES],
-    bounds: [f32; LANES * LANES],
+    bounds: [[f32; 2]; LANES * LANES],
     count: usize,
 }
 
 impl Sorted {
     #[inline(always)]
     pub(super) fn new() -> Self {
-        Self { keys: [0; LANES * LANES], bounds: [0.0; LANES * LANES], count: 0 }
+        Self { keys: [0; LANES * LANES], bounds: [[0.0; 2]; LANES * LANES], count: 0 }
     }
 
-    /// Adds two children, by their lanes, with the bound of the lane `of`.
+    /// Adds two children, by their lanes, with the bound of the lane `of` and how far they reach towards each other.
     #[inline(always)]
-    pub(super) fn add(&mut self, bounds: &LaneBounds, of: usize, [host_lane, guest_lane]: [usize; 2]) {
+    pub(super) fn add(&mut self, bounds: &LaneBounds, of: usize, reach: f32, [host_lane, guest_lane]: [usize; 2]) {
         let order = bounds.order[of].to_bits();
         // Floats order like integers once those of negative ones are turned over.
         let ordered = order ^ (((order as i32 >> 31) as u32) | 1 << 31);
         let lanes = host_lane * LANES + guest_lane;
         self.keys[self.count] = u64::from(ordered) << 32 | lanes as u64;
-        self.bounds[lanes] = bounds.bounds[of];
+        self.bounds[lanes] = [bounds.bounds[of], reach];
         self.count += 1;
     }
 
-    /// Appends tasks, the nearest last.
+    /// Appends tasks, the nearest last; `along` is the number of the direction along which they reach.
     #[inline(always)]
-    pub(super) fn push(&mut self, tasks: &mut Vec<Task>, slots: impl Fn([u8; 2]) -> [Slot; 2]) {
+    pub(super) fn push(&mut self, tasks: &mut Vec<Task>, along: u32, slots: impl Fn([u8; 2]) -> [Slot; 2]) {
         let keys = &mut self.keys[..self.count];
         keys.sort_unstable_by(|x, y| y.cmp(x));
         tasks.extend(keys.iter().map(|&key| {
             let lanes = key as u8;
             let slots = slots([lanes / LANES as u8, lanes % LANES as u8]);
-            Task { bound: self.bounds[usize::from(lanes)], slots }
+            let [bound, both] = self.bounds[usize::from(lanes)];
+            Task { bound, reach: Reach { both, along }, slots }
         }));
     }
 }
