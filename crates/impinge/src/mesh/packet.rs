@@ -48,6 +48,14 @@ impl Packet {
         by_axis!(axis => f32::from(self.normal[axis]) * NORMAL_STEP)
     }
 
+    /// The normal, and the least and greatest height along it of all that the packet stands for, about the anchor, outward.
+    #[inline(always)]
+    pub(crate) fn slab(&self) -> ([f64; 3], [f64; 2]) {
+        let [low, high] = self.heights.map(f64::from);
+        let error = 3.0 * (HALF_ULP * f64::from(self.radius) + PACKING_ERROR);
+        (self.normal().map(f64::from), [low - error, high + error])
+    }
+
     /// The packet of these faces, at least one and at most eight, whose packed boxes `bounds` holds, of all `faces`
     /// over `vertices`.
     #[inline(always)]

@@ -8,6 +8,7 @@
 
 use crate::mesh::Mesh;
 use crate::mesh::metric::{Metric, MetricMap};
+use crate::mesh::packet::Packet;
 use crate::primitive::{Vector, dot, sub};
 use crate::simd::by_axis;
 use crate::volume::Aabb;
@@ -37,33 +38,97 @@ impl Between {
         Self { frames, slack: 8.0 * metric.error }
     }
 
-    /// Whether the triangles in two boxes are proved to be farther apart than `cut`.
+    /// The line between the centres of two boxes.
     #[inline(always)]
-    pub(super) fn are_apart(&self, host: &Aabb, guest: &Aabb, cut: f64) -> bool {
+    pub(super) fn line(&self, host: &Aabb, guest: &Aabb) -> Line {
         let [of_host, of_guest] = &self.frames;
-        let between = sub(&of_guest.centre(guest), &of_host.centre(host));
-        let squared = dot(&between, &between);
-        let left = squared - (of_host.reach(host, &between) + of_guest.reach(guest, &between));
+        let middles = [Middle::of(host), Middle::of(guest)];
+        let between = sub(&of_guest.place(&middles[1].centre), &of_host.place(&middles[0].centre));
+        let along = [of_host.turn_back(&between), of_guest.turn_back(&between)];
+        let reaches = [middles[0].reach(&along[0]), middles[1].reach(&along[1])];
+        Line { middles, along, squared: dot(&between, &between), reaches, slack: self.slack }
+    }
+}
+
+/// The line between the centres of two boxes, the host's and the guest's, as long as it is.
+pub(super) struct Line {
+    middles: [Middle; 2],
+    /// The line's vector as either packed frame sees it.
+    along: [Vector; 2],
+    squared: f64,
+    /// How far the boxes reach from their centres along it, times its length.
+    reaches: [f64; 2],
+    slack: f64,
+}
+
+impl Line {
+    /// Whether the triangles in the boxes are proved to be farther apart than `cut`.
+    #[inline(always)]
+    pub(super) fn is_longer(&self, cut: f64) -> bool {
+        self.leaves_more(&self.reaches, cut)
+    }
+
+    /// Whether they are, where each box is that of a leaf, for what their slabs allow along the slabs' normals.
+    #[inline(always)]
+    pub(super) fn is_longer_for_leaves(&self, [host, guest]: [&Packet; 2], cut: f64) -> bool {
+        let [along_host, along_guest] = &self.along;
+        // Not a number, where there is no slab, bounds nothing.
+        let by_host = self.middles[0].reach_in_slab(host, along_host).min(self.reaches[0]);
+        let by_guest = self.middles[1].reach_in_slab(guest, &along_guest.map(|x| -x)).min(self.reaches[1]);
+        self.leaves_more(&[by_host, by_guest], cut)
+    }
+
+    #[inline(always)]
+    fn leaves_more(&self, [host, guest]: &[f64; 2], cut: f64) -> bool {
+        let (left, cut) = (self.squared - (host + guest), cut + self.slack);
         // Comparisons with NaN prove nothing.
-        let cut = cut + self.slack;
-        left > 0.0 && left * left > cut * cut * squared * (1.0 + 1e-12)
+        left > 0.0 && left * left > cut * cut * self.squared * (1.0 + 1e-12)
+    }
+}
+
+/// A box by its centre and half of its extents.
+struct Middle {
+    centre: Vector,
+    half: Vector,
+}
+
+impl Middle {
+    #[inline(always)]
+    fn of(bounds: &Aabb) -> Self {
+        let (min, max): (Vector, Vector) =
+            (by_axis!(k => f64::from(bounds.min[k])), by_axis!(k => f64::from(bounds.max[k])));
+        Self { centre: by_axis!(k => 0.5 * (min[k] + max[k])), half: by_axis!(k => 0.5 * (max[k] - min[k])) }
+    }
+
+    /// How far the box reaches from its centre along a vector, times the vector's length.
+    #[inline(always)]
+    fn reach(&self, along: &Vector) -> f64 {
+        let [x, y, z]: Vector = by_axis!(k => self.half[k] * along[k].abs());
+        x + y + z
+    }
+
+    /// How far the leaf in the box does at most: for the share of its normal in the vector what its slab allows along that,
+    /// and what the box allows along the rest.
+    #[inline(always)]
+    fn reach_in_slab(&self, leaf: &Packet, along: &Vector) -> f64 {
+        let (normal, [low, high]) = leaf.slab();
+        let share = dot(along, &normal) / dot(&normal, &normal);
+        let rest: Vector = by_axis!(k => along[k] - share * normal[k]);
+        let aside: Vector = by_axis!(k => f64::from(leaf.anchor[k]) - self.centre[k]);
+        self.reach(&rest) + share * (dot(&normal, &aside) + if share > 0.0 { high } else { low })
     }
 }
 
 impl Frame {
     #[inline(always)]
-    fn centre(&self, bounds: &Aabb) -> Vector {
-        let [x, y, z]: Vector = by_axis!(k => 0.5 * (f64::from(bounds.min[k]) + f64::from(bounds.max[k])));
+    fn place(&self, point: &Vector) -> Vector {
         let [a, b, c] = &self.columns;
-        by_axis!(k => (a[k] * x + b[k] * y + c[k] * z) + self.offset[k])
+        by_axis!(k => (a[k] * point[0] + b[k] * point[1] + c[k] * point[2]) + self.offset[k])
     }
 
-    /// How far a box reaches from its centre along a vector, times the vector's length.
+    /// The vector of the packed frame whose inner products are those with the images.
     #[inline(always)]
-    fn reach(&self, bounds: &Aabb, along: &Vector) -> f64 {
-        let [x, y, z]: Vector = by_axis!(k => {
-            0.5 * (f64::from(bounds.max[k]) - f64::from(bounds.min[k])) * dot(along, &self.columns[k]).abs()
-        });
-        x + y + z
+    fn turn_back(&self, vector: &Vector) -> Vector {
+        by_axis!(k => dot(vector, &self.columns[k]))
     }
 }

@@ -23,6 +23,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch, f32x8};
 
 use super::metric::Metric;
+use super::packet::Packet;
 use super::{HostChoice, Options, Placed, collect_intersecting};
 use crate::exact::Placement;
 use crate::hierarchy::{BoxLanes, Child, Node, bits, lanes_in_use};
@@ -103,6 +104,7 @@ struct Search<'a> {
     answer: Answer,
     nodes: [&'a [Node]; 2],
     tasks: Vec<Task>,
+    found: Sorted,
     leaves: [AtHand<Leaf, LEAVES_AT_HAND>; 2],
     carried: [AtHand<Carried, CARRIED_AT_HAND>; 2],
     profiles: Profiles<'a>,
@@ -143,6 +145,7 @@ impl<'a> Search<'a> {
             answer,
             nodes: [host.0.tree.nodes(), guest.0.tree.nodes()],
             tasks: Vec::new(),
+            found: Sorted::new(),
             leaves: [AtHand::new(), AtHand::new()],
             carried: [AtHand::new(), AtHand::new()],
             profiles: Profiles::new([host, guest]),
@@ -188,11 +191,16 @@ impl<'a> Search<'a> {
                 (&self.nodes[HOST][host.node as usize], &self.nodes[GUEST][guest.node as usize]);
             let (host_lane, guest_lane) = (usize::from(host.lane), usize::from(guest.lane));
             let (host_box, guest_box) = (host_node.lane_bounds(host_lane), guest_node.lane_bounds(guest_lane));
-            if self.between.are_apart(&host_box, &guest_box, self.answer.cut) {
+            let line = self.between.line(&host_box, &guest_box);
+            if line.is_longer(self.answer.cut) {
                 continue;
             }
             match (host_node.child(host_lane), guest_node.child(guest_lane)) {
-                (Child::Leaf(host), Child::Leaf(guest)) => self.meet_leaves(simd, host, guest)?,
+                (Child::Leaf(host), Child::Leaf(guest)) => {
+                    if !line.is_longer_for_leaves(self.packets([host, guest]), self.answer.cut) {
+                        self.meet_leaves(simd, host, guest)?;
+                    }
+                }
                 (Child::Inner(node), Child::Leaf(_)) => self.open_one(simd, HOST, node, guest),
                 (Child::Leaf(_), Child::Inner(node)) => self.open_one(simd, GUEST, node, host),
                 (Child::Inner(host_node), Child::Inner(guest_node)) => {
@@ -213,13 +221,12 @@ impl<'a> Search<'a> {
 
     #[inline(always)]
     fn open_both<S: Simd>(&mut self, simd: S, host: u32, guest: u32) {
-        let Self { scene, answer, tasks, nodes, carried: [carried_host, carried_guest], profiles, .. } = self;
+        let Self { scene, answer, tasks, found, nodes, carried: [carried_host, carried_guest], profiles, .. } = self;
         let (host_node, guest_node) = (&nodes[HOST][host as usize], &nodes[GUEST][guest as usize]);
         let reached = profiles.of_nodes(simd, [host, guest]);
         let near = Reached::near(&reached, simd, answer.cut);
         let host_boxes = carried_boxes(carried_host, host, || scene.bounds.carry(simd, HOST, host_node));
         let guest_boxes = carried_boxes(carried_guest, guest, || scene.bounds.carry(simd, GUEST, guest_node));
-        let mut found = Sorted::new();
         for guest_lane in 0..guest_node.count() {
             let near = near[guest_lane] & lanes_in_use(host_node);
             if near == 0 {
@@ -241,7 +248,7 @@ impl<'a> Search<'a> {
     #[inline(always)]
     fn open_one<S: Simd>(&mut self, simd: S, side: usize, node: u32, other: Slot) {
         let one = self.box_of(simd, 1 - side, other);
-        let Self { scene, answer, tasks, nodes, carried, profiles, .. } = self;
+        let Self { scene, answer, tasks, found, nodes, carried, profiles, .. } = self;
         let opened = &nodes[side][node as usize];
         let mut reaches = [f32::INFINITY; LANES];
         let mut near = lanes_in_use(opened);
@@ -254,7 +261,6 @@ impl<'a> Search<'a> {
         }
         let many = carried_boxes(&mut carried[side], node, || scene.bounds.carry(simd, side, opened));
         let bounds = scene.bounds.of(simd, many, &one, side == GUEST, answer.node_limit);
-        let mut found = Sorted::new();
         for lane in bits(bounds.near & near) {
             found.add(&bounds, lane, reaches[lane], if side == HOST { [lane, 0] } else { [0, lane] });
         }
@@ -273,12 +279,19 @@ impl<'a> Search<'a> {
         boxes.lane(usize::from(slot.lane))
     }
 
+    /// What a leaf of either side holds.
+    #[inline(always)]
+    fn packets(&self, leaves: [u32; 2]) -> [&'a Packet; 2] {
+        let sides = self.scene.sides();
+        let [of_host, of_guest] = [self.scene.meshes[sides[HOST]], self.scene.meshes[sides[GUEST]]];
+        [&of_host.0.packets[leaves[HOST] as usize], &of_guest.0.packets[leaves[GUEST] as usize]]
+    }
+
     #[inline(always)]
     fn meet_leaves<S: Simd>(&mut self, simd: S, host: u32, guest: u32) -> ControlFlow<()> {
+        let [host_packet, guest_packet] = self.packets([host, guest]);
         let Self { scene, answer, leaves: [at_host, at_guest], profiles, .. } = self;
         let [on_host, on_guest] = scene.sides();
-        let (host_packet, guest_packet) =
-            (&scene.meshes[on_host].0.packets[host as usize], &scene.meshes[on_guest].0.packets[guest as usize]);
         let reached = profiles.of_leaves(simd, [host_packet, guest_packet]);
         let mut near = Reached::near(&reached, simd, answer.cut);
         let mut near_guests = 0;
@@ -320,7 +333,7 @@ impl<'a> Search<'a> {
             if near == 0 {
                 continue;
             }
-            let lower = facing.lower_bounds(guest_lane, answer.limit);
+            let lower = facing.lower_bounds(guest_lane, near, answer.limit);
             while near != 0 {
                 let nearest = bits(near).fold(near.trailing_zeros() as usize, |least, lane| {
                     if lower[lane] < lower[least] { lane } else { least }

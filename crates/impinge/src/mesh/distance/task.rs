@@ -45,16 +45,18 @@ impl Sorted {
         self.count += 1;
     }
 
-    /// Appends tasks, the nearest last; `along` is the number of the direction along which they reach.
+    /// Moves what was added to the tasks, the nearest last; `along` is the number of the direction along which they reach.
     #[inline(always)]
     pub(super) fn push(&mut self, tasks: &mut Vec<Task>, along: u32, slots: impl Fn([u8; 2]) -> [Slot; 2]) {
         let keys = &mut self.keys[..self.count];
         keys.sort_unstable_by(|x, y| y.cmp(x));
-        tasks.extend(keys.iter().map(|&key| {
+        tasks.reserve(keys.len());
+        for &key in &*keys {
             let lanes = key as u8;
             let slots = slots([lanes / LANES as u8, lanes % LANES as u8]);
             let [bound, both] = self.bounds[usize::from(lanes)];
-            Task { bound, reach: Reach { both, along }, slots }
-        }));
+            tasks.push(Task { bound, reach: Reach { both, along }, slots });
+        }
+        self.count = 0;
     }
 }
