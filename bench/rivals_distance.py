@@ -184,7 +184,7 @@ def measure_impinge(scene: Scene, repeats: int) -> list[dict]:
             "distance": line["distance"],
             "cold": min(line["cold_seconds"]),
             "same witness": min(line["seeded_seconds"]),
-            "last witness": line["following_seconds"],
+            "last witness": min(line["following_seconds"]),
         }
         for line in lines
     ]

@@ -88,9 +88,10 @@ impl Arguments {
 struct Measured {
     distance: f64,
     cold: Samples,
-    /// From the witness of the pose before, once; the rest from that of this pose.
+    /// From the witness of the pose before.
+    following: Samples,
+    /// From that of this pose.
     seeded: Samples,
-    follows: f64,
 }
 
 impl Measured {
@@ -99,31 +100,30 @@ impl Measured {
             "distance": self.distance,
             "cold_seconds": self.cold.seconds(),
             "seeded_seconds": self.seeded.seconds(),
-            "following_seconds": self.follows,
+            "following_seconds": self.following.seconds(),
         })
     }
 }
 
-fn measure(a: &Mesh, b: &Mesh, pose: Pose, following: &mut WitnessCache, repeats: usize) -> Result<Measured> {
+fn measure(a: &Mesh, b: &Mesh, pose: Pose, last: &mut WitnessCache, repeats: usize) -> Result<Measured> {
     let options = Options::default();
     let ask = |cache: &mut WitnessCache| distance_with(black_box(a), black_box(b.at(pose)), cache, &options);
-    let (follows, first) = timed(|| ask(following));
-    let mut witness = *following;
     let (once, cold) = timed(|| ask(&mut WitnessCache::default()));
-    ensure!(first == cold, "{first:?} from the last witness and {cold:?} without");
     let calls = (BATCH_SECONDS / once).clamp(1.0, 100.0) as usize;
-    let batch = |mut cache: WitnessCache, keep: bool| {
-        let (seconds, ()) = timed(|| {
-            for _ in 0..calls {
-                let mut own = if keep { cache } else { WitnessCache::default() };
-                black_box(ask(&mut own));
-                cache = own;
-            }
-        });
-        anyhow::Ok(seconds / calls as f64)
+    let from = |witness: WitnessCache| {
+        Samples::take(repeats, || {
+            let (seconds, ()) = timed(|| {
+                for _ in 0..calls {
+                    black_box(ask(&mut black_box(witness)));
+                }
+            });
+            anyhow::Ok(seconds / calls as f64)
+        })
     };
-    let cold = Samples::take(repeats, || batch(witness, true))?;
-    let seeded = Samples::take(repeats, || batch(witness, true))?;
-    ensure!(ask(&mut witness) == first, "asked again, the distance is another");
-    Ok(Measured { distance: first.upper, cold, seeded, follows })
+    let following = from(*last)?;
+    let first = ask(last);
+    ensure!(first == cold, "{first:?} from the last witness and {cold:?} without");
+    let (cold, seeded) = (from(WitnessCache::default())?, from(*last)?);
+    ensure!(ask(last) == first, "asked again, the distance is another");
+    Ok(Measured { distance: first.upper, cold, following, seeded })
 }
