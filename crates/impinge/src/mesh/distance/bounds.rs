@@ -147,10 +147,7 @@ impl Bounds {
         let (lower, order) = match &self.far {
             None => {
                 let squared = squared_gaps(simd, (&min, &max), one);
-                let doubled: Lanes3<S> = by_axis!(axis => {
-                    (min[axis] + max[axis]) - f32x8::splat(simd, one.min[axis] + one.max[axis])
-                });
-                (squared, squared + dot3(&doubled, &doubled) * CENTRES)
+                (squared, by_centres(simd, squared, (&min, &max), one))
             }
             Some(far) => {
                 // What the guest's boxes reach towards the host, less what the host's reach towards the guest.
@@ -205,6 +202,19 @@ pub(super) fn squared_gaps<S: Simd>(simd: S, many: (&[f32x8<S>; 3], &[f32x8<S>; 
         before.max(after).max(zero)
     });
     gaps[0] * gaps[0] + gaps[1] * gaps[1] + gaps[2] * gaps[2]
+}
+
+/// What is least for the box to look at first, of eight at these squared distances from one.
+#[inline(always)]
+pub(super) fn by_centres<S: Simd>(
+    simd: S,
+    squared: f32x8<S>,
+    (min, max): (&[f32x8<S>; 3], &[f32x8<S>; 3]),
+    one: &Aabb,
+) -> f32x8<S> {
+    let doubled: Lanes3<S> =
+        by_axis!(axis => (min[axis] + max[axis]) - f32x8::splat(simd, one.min[axis] + one.max[axis]));
+    squared + dot3(&doubled, &doubled) * CENTRES
 }
 
 /// A lower bound of the stretch of a matrix that keeps the shape of things; none for others.

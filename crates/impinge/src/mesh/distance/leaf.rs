@@ -4,8 +4,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 
-use super::bounds::squared_gaps;
-use crate::hierarchy::HALF_ULP;
+use super::bounds::{by_centres, squared_gaps};
+use crate::hierarchy::{HALF_ULP, bits};
 use crate::mesh::Mesh;
 use crate::mesh::metric::MetricMap;
 use crate::simd::{ALL_LANES, LANES, Lanes3, by_axis, cross, dot, load3, outlined, sub};
@@ -112,19 +112,24 @@ impl<'l, S: Simd> Facing<'l, S> {
         near
     }
 
-    /// The host's lanes, in use or not, whose boxes are not proved farther than `limit` from the guest's triangle in `lane`.
+    /// The host's lanes among these whose boxes are not proved farther than `limit` from the guest's triangle in `lane`; and
+    /// what says, where it is least among the guest's, that this one is worth looking at first.
     #[inline(always)]
-    pub(super) fn near_boxes(&self, lane: usize, limit: f32) -> u32 {
+    pub(super) fn near_boxes(&self, lane: usize, lanes: u32, limit: f32) -> (u32, f32) {
+        let simd = self.simd;
         let corner = |corner: usize, axis: usize| self.guest.about[corner][axis][lane] + self.offset[axis];
         let one = Aabb {
             min: by_axis!(axis => corner(0, axis).min(corner(1, axis)).min(corner(2, axis)) - self.slack),
             max: by_axis!(axis => corner(0, axis).max(corner(1, axis)).max(corner(2, axis)) + self.slack),
         };
         let (min, max) = bounds(&self.host_corners);
-        let squared = squared_gaps(self.simd, (&min, &max), &one);
+        let squared = squared_gaps(simd, (&min, &max), &one);
         let limit = limit * (1.0 + 8.0 * HALF_ULP as f32);
-        let far = squared.simd_gt(f32x8::splat(self.simd, limit * limit * (1.0 + 8.0 * HALF_ULP as f32)));
-        !(far.to_bitmask() as u32)
+        let far = squared.simd_gt(f32x8::splat(simd, limit * limit * (1.0 + 8.0 * HALF_ULP as f32)));
+        let near = !(far.to_bitmask() as u32) & lanes;
+        let mut order = [0.0; LANES];
+        by_centres(simd, squared, (&min, &max), &one).store_slice(&mut order);
+        (near, bits(near).fold(f32::INFINITY, |least, lane| least.min(order[lane])))
     }
 
     /// Lower bounds of the distances of the guest's triangle in `lane` from the host's, in metric units; only those of

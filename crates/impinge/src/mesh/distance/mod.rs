@@ -319,25 +319,29 @@ impl<'a> Search<'a> {
             let faces = [host_packet.faces[host_lane], guest_packet.faces[guest_lane]];
             [faces[on_host], faces[on_guest]]
         };
-        if answer.best.is_none() {
-            // Any pair will do for a first value, and for a first direction.
-            answer.meet(scene, pair(0, 0))?;
-        }
-        let near_between = facing.near_between(answer.limit);
+        let limit = answer.limit;
+        let near_between = facing.near_between(limit);
+        let (mut left, mut order) = (0, [f32::INFINITY; LANES]);
         for guest_lane in bits(near_guests) {
-            let mut near = near[guest_lane] & near_between[guest_lane];
-            if near == 0 {
-                continue;
+            near[guest_lane] &= near_between[guest_lane];
+            if near[guest_lane] != 0 {
+                (near[guest_lane], order[guest_lane]) = facing.near_boxes(guest_lane, near[guest_lane], limit);
+                left |= u32::from(near[guest_lane] != 0) << guest_lane;
             }
-            near &= facing.near_boxes(guest_lane, answer.limit);
-            if near == 0 {
-                continue;
+        }
+        while left != 0 {
+            let guest_lane = least_of(left, &order);
+            left &= !(1 << guest_lane);
+            let mut near = near[guest_lane];
+            if answer.limit < limit {
+                (near, _) = facing.near_boxes(guest_lane, near, answer.limit);
+                if near == 0 {
+                    continue;
+                }
             }
             let lower = facing.lower_bounds(guest_lane, near, answer.limit);
             while near != 0 {
-                let nearest = bits(near).fold(near.trailing_zeros() as usize, |least, lane| {
-                    if lower[lane] < lower[least] { lane } else { least }
-                });
+                let nearest = least_of(near, &lower);
                 near &= !(1 << nearest);
                 if lower[nearest] > answer.limit || Reached::are_apart(&reached, [nearest, guest_lane], answer.cut) {
                     continue;
@@ -348,6 +352,14 @@ impl<'a> Search<'a> {
         self.take_direction();
         Continue(())
     }
+}
+
+/// Which of the lanes, one at least, has the least number.
+#[inline(always)]
+fn least_of(lanes: u32, numbers: &[f32; LANES]) -> usize {
+    bits(lanes).fold(lanes.trailing_zeros() as usize, |least, lane| {
+        if numbers[lane] < numbers[least] { lane } else { least }
+    })
 }
 
 /// The greatest extent of a box.
