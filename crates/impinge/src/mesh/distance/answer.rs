@@ -14,6 +14,9 @@ use crate::primitive::{Vector, Witness, common_point, separation, triangle_trian
 /// interval stays proved. A value takes about a microsecond.
 pub(super) const MOST_VALUES: usize = 1 << 24;
 
+/// How many pairs of faces are put off at most; beyond that they get their values at once.
+const MOST_PUT_OFF: usize = 1 << 12;
+
 /// A pair of faces with its value, in metric units.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Valued {
@@ -48,10 +51,58 @@ pub(super) struct Answer {
     pub(super) limit: f32,
     pub(super) node_limit: f32,
     pub(super) values_left: usize,
+    /// Pairs that tie with the best at most, and a lower bound of each: neighbours share the edge or corner that is nearest,
+    /// and of those that were the best for a while nobody has to know which was the first.
+    put_off: Vec<([u32; 2], f32)>,
 }
 
 impl Answer {
-    pub(super) fn cut(&mut self, scene: &Scene<'_>, metric: f64) {
+    /// Nothing is known but that what is farther than this does not matter.
+    pub(super) fn new(scene: &Scene<'_>, farthest: f64) -> Self {
+        let mut answer = Self {
+            best: None,
+            kept: None,
+            cut: f64::INFINITY,
+            limit: f32::INFINITY,
+            node_limit: f32::INFINITY,
+            values_left: MOST_VALUES,
+            put_off: Vec::new(),
+        };
+        answer.cut(scene, farthest);
+        answer
+    }
+
+    /// Meets a pair, of which `lower` says how near it is at least; later, where that is hardly nearer than the best.
+    #[inline(always)]
+    pub(super) fn meet_or_put_off(
+        &mut self,
+        scene: &Scene<'_>,
+        faces: [u32; 2],
+        lower: f32,
+        slack: f32,
+    ) -> ControlFlow<()> {
+        let hardly = |best: &Valued| f64::from(lower) + 2.0 * f64::from(slack) >= best.value;
+        if scene.clearance == f64::INFINITY
+            && self.put_off.len() < MOST_PUT_OFF
+            && self.best.as_ref().is_some_and(hardly)
+        {
+            self.put_off.push((faces, lower));
+            return Continue(());
+        }
+        self.meet(scene, faces)
+    }
+
+    /// Meets what was put off and still matters.
+    pub(super) fn meet_put_off(&mut self, scene: &Scene<'_>) -> ControlFlow<()> {
+        for (faces, lower) in std::mem::take(&mut self.put_off) {
+            if lower <= self.limit {
+                self.meet(scene, faces)?;
+            }
+        }
+        Continue(())
+    }
+
+    fn cut(&mut self, scene: &Scene<'_>, metric: f64) {
         self.cut = metric;
         self.limit = (metric as f32).next_up();
         self.node_limit = scene.bounds.limit(metric);

@@ -68,7 +68,7 @@ pub(super) struct Facing<'l, S: Simd> {
     guest: &'l Leaf,
     offset: [f32; 3],
     /// More than what a bound may be above the truth, in metric units.
-    slack: f32,
+    pub(super) slack: f32,
     host_corners: [Lanes3<S>; 3],
     host_normal: Lanes3<S>,
 }

@@ -30,7 +30,7 @@ use crate::hierarchy::{BoxLanes, Child, Node, bits, lanes_in_use};
 use crate::primitive::Vector;
 use crate::simd::{LANES, by_axis};
 use crate::volume::Aabb;
-use answer::{Answer, MOST_VALUES, Scene};
+use answer::{Answer, Scene};
 use at_hand::AtHand;
 use between::Between;
 use bounds::Bounds;
@@ -128,17 +128,9 @@ impl<'a> Search<'a> {
         let (host, guest) = if bounds.swapped { (b.mesh, a.mesh) } else { (a.mesh, b.mesh) };
         let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
         let scene = Scene { meshes: [a.mesh, b.mesh], metric, placement, bounds, clearance };
-        let mut answer = Answer {
-            best: None,
-            kept: None,
-            cut: f64::INFINITY,
-            limit: f32::INFINITY,
-            node_limit: f32::INFINITY,
-            values_left: MOST_VALUES,
-        };
         let metric = &scene.metric;
         let farthest = if clearance == f64::INFINITY { metric.diagonal } else { clearance * metric.scale };
-        answer.cut(&scene, farthest + 2.0 * metric.error);
+        let answer = Answer::new(&scene, farthest + 2.0 * metric.error);
         let between = Between::new([host, guest], metric, scene.sides());
         Some(Self {
             scene,
@@ -163,7 +155,9 @@ impl<'a> Search<'a> {
         }
         self.take_direction();
         let level = options.level;
-        let _ = dispatch!(level, simd => self.descend(simd));
+        if dispatch!(level, simd => self.descend(simd)).is_continue() {
+            let _ = self.answer.meet_put_off(&self.scene);
+        }
     }
 
     /// Bounds what is left along the direction between the best witnesses.
@@ -346,7 +340,7 @@ impl<'a> Search<'a> {
                 if lower[nearest] > answer.limit || Reached::are_apart(&reached, [nearest, guest_lane], answer.cut) {
                     continue;
                 }
-                answer.meet(scene, pair(nearest, guest_lane))?;
+                answer.meet_or_put_off(scene, pair(nearest, guest_lane), lower[nearest], facing.slack)?;
             }
         }
         self.take_direction();
