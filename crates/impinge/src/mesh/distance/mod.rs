@@ -351,9 +351,12 @@ impl<'a> Search<'a> {
 /// Which of the lanes, one at least, has the least number.
 #[inline(always)]
 fn least_of(lanes: u32, numbers: &[f32; LANES]) -> usize {
-    bits(lanes).fold(lanes.trailing_zeros() as usize, |least, lane| {
-        if numbers[lane] < numbers[least] { lane } else { least }
-    })
+    bits(lanes).fold(
+        lanes.trailing_zeros() as usize,
+        |least, lane| {
+            if numbers[lane] < numbers[least] { lane } else { least }
+        },
+    )
 }
 
 /// The greatest extent of a box.
@@ -364,6 +367,10 @@ fn size(bounds: &Aabb) -> f32 {
 }
 
 #[inline(always)]
-fn carried_boxes(at_hand: &mut AtHand<Carried, CARRIED_AT_HAND>, node: u32, carry: impl FnOnce() -> BoxLanes) -> &BoxLanes {
+fn carried_boxes(
+    at_hand: &mut AtHand<Carried, CARRIED_AT_HAND>,
+    node: u32,
+    carry: impl FnOnce() -> BoxLanes,
+) -> &BoxLanes {
     &at_hand.get(node, |kept| kept.node, |node| Carried { node, boxes: carry() }).boxes
 }

@@ -128,7 +128,11 @@ impl Reached {
     /// How far two parts reach, both together; without bound where nothing is known.
     #[inline(always)]
     pub(super) fn both(reached: &Option<Self>, [host_lane, guest_lane]: [usize; 2]) -> f32 {
-        reached.as_ref().map_or(f32::INFINITY, #[inline(always)] |reached| reached.host[host_lane] + reached.guest[guest_lane])
+        reached.as_ref().map_or(
+            f32::INFINITY,
+            #[inline(always)]
+            |reached| reached.host[host_lane] + reached.guest[guest_lane],
+        )
     }
 }
 
@@ -200,7 +204,13 @@ impl<'m> Profiles<'m> {
     /// How far the children of a node of one side reach, and one child of the other, together; nothing bounds them
     /// without a direction.
     #[inline(always)]
-    pub(super) fn of_one<S: Simd>(&mut self, simd: S, side: usize, node: u32, other: Slot) -> Option<(f32x8<S>, Enough)> {
+    pub(super) fn of_one<S: Simd>(
+        &mut self,
+        simd: S,
+        side: usize,
+        node: u32,
+        other: Slot,
+    ) -> Option<(f32x8<S>, Enough)> {
         let direction = self.of_nodes?;
         let one = self.reaches(simd, 1 - side, other.node, &direction).lanes[usize::from(other.lane)];
         let many = load(simd, &self.reaches(simd, side, node, &direction).lanes);
@@ -224,7 +234,14 @@ impl<'m> Profiles<'m> {
             node,
             is_current,
             #[inline(always)]
-            |_| Reaches { node, version, lanes: towards.of_children(simd, mesh, node) },
+            |_| {
+                let lanes = outlined(
+                    simd,
+                    #[inline(always)]
+                    || towards.of_children(simd, mesh, node),
+                );
+                Reaches { node, version, lanes }
+            },
         )
     }
 }
@@ -236,11 +253,7 @@ impl Towards {
         let nodes = mesh.0.tree.nodes();
         let parent = &nodes[node as usize];
         if !parent.holds_leaves() {
-            return outlined(
-                simd,
-                #[inline(always)]
-                || self.of_patches(simd, nodes, parent),
-            );
+            return self.of_patches(simd, nodes, parent);
         }
         let mut lanes = [f32::NEG_INFINITY; LANES];
         for (lane, reach) in lanes[..parent.count()].iter_mut().enumerate() {
@@ -330,8 +343,7 @@ struct Slabs {
 /// The greatest inner products of vectors with points of boxes.
 #[inline(always)]
 fn in_boxes<S: Simd>(vectors: &[f64x4<S>; 3], min: &[f64x4<S>; 3], max: &[f64x4<S>; 3]) -> f64x4<S> {
-    let [x, y, z]: [f64x4<S>; 3] =
-        by_axis!(axis => (vectors[axis] * min[axis]).max(vectors[axis] * max[axis]));
+    let [x, y, z]: [f64x4<S>; 3] = by_axis!(axis => (vectors[axis] * min[axis]).max(vectors[axis] * max[axis]));
     x + y + z
 }
 
