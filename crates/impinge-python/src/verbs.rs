@@ -46,13 +46,9 @@ pub(crate) fn intersecting_pairs<'py>(
     question: Question,
     limit: Option<usize>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let answers = question.answer(py, Vec::new(), move |a, b| {
-        let mut pairs = query::intersecting_pairs(a, b);
-        if let Some(limit) = limit.filter(|&limit| limit < pairs.len()) {
-            pairs.truncate(limit);
-            pairs.shrink_to_fit();
-        }
-        pairs
+    let answers = question.answer(py, Vec::new(), move |a, b| match limit {
+        Some(limit) => query::intersecting_pairs_up_to(a, b, limit, &Options::default()).pairs,
+        None => query::intersecting_pairs(a, b),
     })?;
     answers.returned(py, |values, shape| {
         let (offsets, pairs) = ragged(values);

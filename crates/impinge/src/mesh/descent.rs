@@ -9,11 +9,10 @@ use rayon::prelude::*;
 use super::filter::{Guest, Verdict};
 use super::large_leaf::LargeLeaf;
 use super::packet::Packet;
-use super::relation::Relation;
+use super::relation::{HostChoice, Relation, Relations};
 use super::{Mesh, Placed};
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{Descent, Large, LeafVisitor, Order, QUEUE, Task, bits};
-use crate::math::RelativeMap;
 use crate::simd::{self, ALL_LANES, LANES, Level, outlined, prefetch};
 use crate::volume::Aabb;
 
@@ -30,18 +29,6 @@ impl Default for Options {
     fn default() -> Self {
         Self { level: simd::best_level(), host: HostChoice::SmallerError }
     }
-}
-
-/// In whose frame two meshes are compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HostChoice {
-    /// The one in which rounding costs less, relative to the mesh carried into it (*Notes on Real Time Collision
-    /// Detection*, 2.2).
-    SmallerError,
-    /// Always the first mesh's.
-    First,
-    /// Always the second mesh's.
-    Second,
 }
 
 /// Tasks for each thread that the upper levels are opened into before threads share them out; more even out their
@@ -65,9 +52,23 @@ enum Deciding {
     Last,
 }
 
+/// Which of the pairs that meet are wanted.
+#[derive(Clone, Copy, Debug)]
+struct Wanted {
+    /// With so many the descent is over.
+    limit: usize,
+    /// How many of the least are kept, of those found.
+    kept: usize,
+    deciding: Deciding,
+}
+
+impl Wanted {
+    const ALL: Self = Self { limit: usize::MAX, kept: usize::MAX, deciding: Deciding::AtOnce };
+}
+
 /// Two faces that intersect, of the first mesh and of the second, of those that do any; none where no two do.
 pub(crate) fn any_hit(a: Placed<'_>, b: Placed<'_>, options: &Options) -> Option<[u32; 2]> {
-    found(a, b, (1, Deciding::Last), options).first().copied()
+    found(a, b, Wanted { limit: 1, deciding: Deciding::Last, ..Wanted::ALL }, options).first().copied()
 }
 
 /// Whether two faces intersect; faces that there are not do not.
@@ -81,15 +82,20 @@ pub(crate) fn faces_meet(a: Placed<'_>, b: Placed<'_>, [face_a, face_b]: [u32; 2
         )
 }
 
-/// Pairs of faces (of a, of b) that intersect, each once: all of them in no particular order, or the first `limit` of them
-/// where there are more.
-pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, limit: usize, options: &Options) -> Vec<[u32; 2]> {
-    found(a, b, (limit, Deciding::AtOnce), options)
+/// Two faces that intersect, the first in the order of the descent; none where no two do.
+pub(crate) fn first_hit(a: Placed<'_>, b: Placed<'_>, options: &Options) -> Option<[u32; 2]> {
+    found(a, b, Wanted { limit: 1, ..Wanted::ALL }, options).first().copied()
 }
 
-fn found(a: Placed<'_>, b: Placed<'_>, (limit, deciding): (usize, Deciding), options: &Options) -> Vec<[u32; 2]> {
+/// Pairs of faces (of a, of b) that intersect, each once, in no particular order: all of them, or the least `kept` where
+/// there are more. There is never room for many more than are kept.
+pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, kept: usize, options: &Options) -> Vec<[u32; 2]> {
+    found(a, b, Wanted { kept, ..Wanted::ALL }, options)
+}
+
+fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options) -> Vec<[u32; 2]> {
     let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
-    let Relations { relation, back, swapped } = &relate(a, b, placement.relative(), options.host);
+    let Relations { relation, back, swapped } = &Relations::new(a, b, placement.relative(), options.host);
     let swapped = *swapped;
     let (host, guest) = if swapped { (b.mesh, a.mesh) } else { (a.mesh, b.mesh) };
     let descent = Descent {
@@ -100,19 +106,17 @@ fn found(a: Placed<'_>, b: Placed<'_>, (limit, deciding): (usize, Deciding), opt
         guest_slabs: &back.slabs,
         stretch: relation.stretch as f32,
     };
-    let (Some(root), true) = (descent.root(), limit > 0) else { return Vec::new() };
+    let (Some(root), true) = (descent.root(), wanted.kept > 0) else { return Vec::new() };
 
-    let question = Question { host, guest, relation, back, placement: &placement, swapped, limit, deciding };
-    if limit < usize::MAX {
+    let question = Question { host, guest, relation, back, placement: &placement, swapped, wanted };
+    if wanted.limit < usize::MAX {
         // Whoever wants the first pairs only wants them before others are looked at: no pair waits for another.
         let mut guests = [const { TakenUp::NONE }; 1];
         let mut pairs = question.pairs(&mut guests);
         let mut tasks = Vec::with_capacity(TASKS_OF_A_FIRST_HIT);
         tasks.push(root);
         work(options.level, &descent, Order::DepthFirst { ahead: 1 }, &mut tasks, &mut pairs);
-        let mut found = pairs.found;
-        found.truncate(limit);
-        return found;
+        return pairs.found;
     }
 
     let ahead = QUEUE;
@@ -125,21 +129,37 @@ fn found(a: Placed<'_>, b: Placed<'_>, (limit, deciding): (usize, Deciding), opt
         work(options.level, &descent, Order::BreadthFirstUntil(enough), &mut tasks, &mut first);
         if tasks.len() >= enough {
             let chunk = tasks.len().div_ceil(TASKS_PER_THREAD * threads);
-            let shared: Vec<Vec<[u32; 2]>> = tasks
-                .par_chunks(chunk)
-                .map(|tasks| {
-                    let mut guests = [const { TakenUp::NONE }; WAITING];
-                    let mut pairs = question.pairs(&mut guests);
-                    work(options.level, &descent, Order::DepthFirst { ahead }, &mut tasks.to_vec(), &mut pairs);
-                    pairs.found
-                })
-                .collect();
+            let shared = tasks.par_chunks(chunk).map(|tasks| {
+                let mut guests = [const { TakenUp::NONE }; WAITING];
+                let mut pairs = question.pairs(&mut guests);
+                work(options.level, &descent, Order::DepthFirst { ahead }, &mut tasks.to_vec(), &mut pairs);
+                pairs.found
+            });
+            if wanted.kept < usize::MAX {
+                let shared = shared.reduce(Vec::new, |mut some, others| {
+                    some.extend(others);
+                    keep_least(&mut some, wanted.kept);
+                    some
+                });
+                first.found.extend(shared);
+            } else {
+                let shared: Vec<Vec<[u32; 2]>> = shared.collect();
+                first.found.extend(shared.iter().flatten());
+            }
             tasks.clear();
-            first.found.extend(shared.iter().flatten());
         }
     }
     work(options.level, &descent, Order::DepthFirst { ahead }, &mut tasks, &mut first);
+    keep_least(&mut first.found, wanted.kept);
     first.found
+}
+
+/// Leaves the least pairs, so many where there are more.
+fn keep_least(pairs: &mut Vec<[u32; 2]>, kept: usize) {
+    if pairs.len() > kept {
+        pairs.select_nth_unstable(kept);
+        pairs.truncate(kept);
+    }
 }
 
 /// The descent, compiled once for each vector unit.
@@ -151,34 +171,6 @@ fn work(level: Level, descent: &Descent<'_>, order: Order, tasks: &mut Vec<Task>
     }
 }
 
-/// How two meshes lie to each other.
-struct Relations {
-    /// Of the guest to the host.
-    relation: Relation,
-    /// Of the host to the guest.
-    back: Relation,
-    /// Whether the host is the second mesh.
-    swapped: bool,
-}
-
-/// The relations by the frame that the choice names.
-fn relate(a: Placed<'_>, b: Placed<'_>, a_from_b: &RelativeMap, choice: HostChoice) -> Relations {
-    let (frame_a, frame_b) = (&a.mesh.0.frame, &b.mesh.0.frame);
-    let by_a = Relation::new(a_from_b, frame_a, frame_b);
-    let by_b = Relation::new(&RelativeMap::a_from_b(&b.world_from_mesh, &a.world_from_mesh), frame_b, frame_a);
-    let swapped = match choice {
-        HostChoice::First => false,
-        HostChoice::Second => true,
-        HostChoice::SmallerError => {
-            // The error in units of the guest, whose boxes it blurs: a stretch of one unit of the guest is one unit.
-            let blur = |relation: &Relation| f64::from(relation.boxes.slack()) / relation.stretch;
-            blur(&by_b) / frame_a.scale < blur(&by_a) / frame_b.scale
-        }
-    };
-    let (relation, back) = if swapped { (by_b, by_a) } else { (by_a, by_b) };
-    Relations { relation, back, swapped }
-}
-
 /// Pairs of leaves wait this long for the host leaf's memory. Fewer hide less of its latency; more crowd the first
 /// cache with guests taken up.
 const WAITING: usize = 8;
@@ -186,6 +178,9 @@ const WAITING: usize = 8;
 /// With more pairs put off than this, they are decided. One takes as long as some leaves to meet, any of which may hold a pair that
 /// the filter is sure of; where surfaces touch, none does, and looking on is in vain.
 const MOST_OPEN: usize = 8;
+
+/// Half of the pairs that there is always room for, 256 KiB: less would save nothing.
+const LEAST_ROOM: usize = 1 << 14;
 
 /// A guest leaf taken up, by its place among them, and a host leaf that it will meet.
 #[derive(Clone, Copy, Debug)]
@@ -205,7 +200,7 @@ impl TakenUp {
     const NONE: Self = Self { leaf: u32::MAX, guest: Guest::EMPTY };
 }
 
-/// Two meshes, how they lie to each other, and how many of their pairs are wanted.
+/// Two meshes, how they lie to each other, and which of their pairs are wanted.
 #[derive(Clone, Copy)]
 struct Question<'a> {
     host: &'a Mesh,
@@ -215,8 +210,7 @@ struct Question<'a> {
     placement: &'a Placement,
     /// Whether the host is the second mesh.
     swapped: bool,
-    limit: usize,
-    deciding: Deciding,
+    wanted: Wanted,
 }
 
 impl Question<'_> {
@@ -292,12 +286,16 @@ impl Pairs<'_> {
                     if self.question.swapped == turned { [many[other], one[lane]] } else { [one[lane], many[other]] };
                 if verdict.open >> other & 1 == 0 {
                     self.found.push(pair);
-                } else if self.question.deciding == Deciding::Last {
+                } else if self.question.wanted.deciding == Deciding::Last {
                     self.open.push(pair);
                 } else if self.decide(pair) {
                     self.found.push(pair);
                 }
             }
+        }
+        let kept = self.question.wanted.kept;
+        if self.found.len() / 2 > kept.max(LEAST_ROOM) {
+            keep_least(&mut self.found, kept);
         }
         self.go_on(MOST_OPEN)
     }
@@ -305,16 +303,16 @@ impl Pairs<'_> {
     /// Breaks off where enough is found; before that, decides what was put off where that is more than so many pairs.
     #[inline(always)]
     fn go_on(&mut self, most: usize) -> ControlFlow<()> {
-        if self.found.len() < self.question.limit && self.open.len() > most {
+        if self.found.len() < self.question.wanted.limit && self.open.len() > most {
             self.decide_open();
         }
-        if self.found.len() < self.question.limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        if self.found.len() < self.question.wanted.limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
     /// Decides the pairs that were put off, until enough meet.
     #[cold]
     fn decide_open(&mut self) {
-        while self.found.len() < self.question.limit
+        while self.found.len() < self.question.wanted.limit
             && let Some(pair) = self.open.pop()
         {
             if self.decide(pair) {

@@ -36,8 +36,8 @@ use rayon::prelude::*;
 
 pub use aging::Aging;
 pub use bsp::SolidBsp;
-pub use descent::{HostChoice, Options};
-pub(crate) use descent::{any_hit, collect_intersecting, faces_meet};
+pub use descent::Options;
+pub(crate) use descent::{any_hit, collect_intersecting, faces_meet, first_hit};
 pub(crate) use distance::{nearest, within};
 pub(crate) use face_search::FaceSearch;
 pub use health::Health;
@@ -46,6 +46,7 @@ pub use parts::{Flaw, Parts};
 pub use positions::Positions;
 use positions::{Vertex, VertexSlice, Vertices};
 pub use rays::{Ray, RayHit};
+pub use relation::HostChoice;
 pub(crate) use self_descent::{Wanted, collect_self_intersecting};
 pub(crate) use walls::{Wall, Walls};
 pub(crate) use winding::Judge;

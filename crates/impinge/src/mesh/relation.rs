@@ -1,5 +1,6 @@
 //! How one mesh's packed frame lies in the other's: the map that the descent and the filter carry boxes and corners by.
 
+use super::Placed;
 use super::frame::{PACKING_ERROR, PackedFrame, REACH};
 use crate::hierarchy::{BoxMap, HALF_ULP, SlabMap};
 use crate::math::RelativeMap;
@@ -14,6 +15,48 @@ const LARGEST_FOR_BOXES: f64 = (1_u128 << 100) as f64;
 /// Triangles carried by maps that stretch or move by more than this are left to the exact stage: determinants are cubic
 /// in their size, and the cube of four times this is a single precision number with room for their sums.
 const LARGEST_FOR_TRIANGLES: f64 = (1_u64 << 36) as f64;
+
+/// In whose frame two meshes are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HostChoice {
+    /// The one in which rounding costs less, relative to the mesh carried into it (*Notes on Real Time Collision
+    /// Detection*, 2.2).
+    SmallerError,
+    /// Always the first mesh's.
+    First,
+    /// Always the second mesh's.
+    Second,
+}
+
+/// How two meshes lie to each other.
+pub(crate) struct Relations {
+    /// Of the guest to the host.
+    pub(crate) relation: Relation,
+    /// Of the host to the guest.
+    pub(crate) back: Relation,
+    /// Whether the host is the second mesh.
+    pub(crate) swapped: bool,
+}
+
+impl Relations {
+    /// The relations by the frame that the choice names.
+    pub(crate) fn new(a: Placed<'_>, b: Placed<'_>, a_from_b: &RelativeMap, choice: HostChoice) -> Self {
+        let (frame_a, frame_b) = (&a.mesh.0.frame, &b.mesh.0.frame);
+        let by_a = Relation::new(a_from_b, frame_a, frame_b);
+        let by_b = Relation::new(&RelativeMap::a_from_b(&b.world_from_mesh, &a.world_from_mesh), frame_b, frame_a);
+        let swapped = match choice {
+            HostChoice::First => false,
+            HostChoice::Second => true,
+            HostChoice::SmallerError => {
+                // The error in units of the guest, whose boxes it blurs: a stretch of one unit of the guest is one unit.
+                let blur = |relation: &Relation| f64::from(relation.boxes.slack()) / relation.stretch;
+                blur(&by_b) / frame_a.scale < blur(&by_a) / frame_b.scale
+            }
+        };
+        let (relation, back) = if swapped { (by_b, by_a) } else { (by_a, by_b) };
+        Self { relation, back, swapped }
+    }
+}
 
 /// The map from the guest's packed frame into the host's, in double precision, and how far it may be off.
 #[derive(Clone, Debug)]

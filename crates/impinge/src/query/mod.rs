@@ -55,3 +55,43 @@ pub fn intersecting_pairs_with<'a, 'b>(
 ) -> Vec<[u32; 2]> {
     pair_order::sorted(collect_intersecting(a.into(), b.into(), usize::MAX, options))
 }
+
+/// Some of the pairs that there are, where a limit was set.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SomePairs {
+    /// The first ones in their order, each a face of `a` and one of `b`.
+    pub pairs: Vec<[u32; 2]>,
+    /// Whether there are more than these.
+    pub truncated: bool,
+}
+
+/// The first `limit` of all [`intersecting_pairs`] in their order, and whether there are more: for meshes of which so many
+/// faces may meet that not all pairs fit in memory.
+///
+/// ```
+/// use impinge::mesh::Options;
+/// use impinge::{Mesh, Positions, query};
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let pile = Mesh::new(Positions::F32(corners), vec![[0, 1, 2]; 100])?;
+/// let some = query::intersecting_pairs_up_to(&pile, &pile, 3, &Options::default());
+/// assert_eq!(some.pairs, [[0, 0], [0, 1], [0, 2]]);
+/// assert!(some.truncated);
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+///
+/// # Complexity
+/// As long as all pairs take; the memory of a few times `limit` pairs for each thread.
+#[must_use]
+pub fn intersecting_pairs_up_to<'a, 'b>(
+    a: impl Into<Placed<'a>>,
+    b: impl Into<Placed<'b>>,
+    limit: usize,
+    options: &Options,
+) -> SomePairs {
+    // One more than is wanted says whether there are more.
+    let mut pairs = pair_order::sorted(collect_intersecting(a.into(), b.into(), limit.saturating_add(1), options));
+    let truncated = pairs.len() > limit;
+    pairs.truncate(limit);
+    SomePairs { pairs, truncated }
+}

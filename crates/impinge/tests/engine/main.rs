@@ -4,6 +4,7 @@
 mod animations;
 mod cases;
 mod curves;
+mod digits;
 mod judged;
 mod laws;
 mod moving;

@@ -24,7 +24,7 @@ use fearless_simd::{Simd, dispatch, f32x8};
 
 use super::metric::Metric;
 use super::packet::Packet;
-use super::{HostChoice, Options, Placed, collect_intersecting};
+use super::{HostChoice, Options, Placed, first_hit};
 use crate::exact::Placement;
 use crate::hierarchy::{BoxLanes, Child, Node, bits, lanes_in_use};
 use crate::primitive::Vector;
@@ -52,7 +52,7 @@ pub(crate) struct Nearest {
 /// Where the meshes intersect the faces are the first that meet in the descent that the meshes' own errors choose.
 pub(crate) fn nearest(a: Placed<'_>, b: Placed<'_>, seed: Option<[u32; 2]>, options: &Options) -> Option<Nearest> {
     let any = Options { host: HostChoice::SmallerError, ..*options };
-    if let Some(&faces) = collect_intersecting(a, b, 1, &any).first() {
+    if let Some(faces) = first_hit(a, b, &any) {
         return Some(answer::meeting(a, b, faces));
     }
     let mut search = Search::new(a, b, options, f64::INFINITY)?;
