@@ -66,6 +66,14 @@ impl Loaded {
         &self.about
     }
 
+    /// The file, where it is a baked one.
+    pub(crate) fn baked(&self) -> Option<&Baked> {
+        match &self.content {
+            Content::Baked(baked) => Some(baked),
+            Content::Triangles { .. } => None,
+        }
+    }
+
     /// Builds the hierarchy, or proves the one that the file brings.
     ///
     /// # Errors

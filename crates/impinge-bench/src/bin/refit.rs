@@ -1,23 +1,19 @@
-//! Refitting beside building, how trees age under animations, and baked files beside refits.
+//! Refitting beside building, and how trees age under animations.
 //!
 //! `IMPINGE_DATA=... cargo run --release -p impinge-bench --bin refit`
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use clap::Parser;
 use impinge::mesh::Placed;
 use impinge::{InputError, Mesh, Pose, Positions, query};
-use impinge_bench::real_points::unpacked;
 use impinge_bench::samples::{Samples, timed};
 use impinge_bench::scene::Surface;
 use impinge_bench::table::{Table, time};
-use impinge_files::{Baked, Provenance, write_baked};
 use impinge_testkit::animation::{ANIMATIONS, Animation};
 use impinge_testkit::env_rob::data_folder;
 use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
@@ -35,7 +31,7 @@ const TWIST_OF_FRAME: f64 = 0.1;
 /// Frames of an animation of which one row is printed.
 const EVERY: u32 = 10;
 
-/// Times refits, rebuilds and baked files, and checks every answer
+/// Times refits and rebuilds, and checks every answer
 #[derive(Parser)]
 struct Arguments {
     /// Threads to build, refit and ask with
@@ -70,10 +66,6 @@ fn main() -> Result<()> {
             let named = numbered.map(|(number, frame)| (number.to_string(), frame));
             println!("{name}\n{}", aging_table("frame", named));
         }
-    }
-    if !json {
-        let ventilator = unpacked(&folder.join("big/cad_ventilator.ply.gz"), "cad_ventilator.ply")?;
-        println!("{}", baked(&Surface::load(&ventilator)?, repeats)?);
     }
     Ok(())
 }
@@ -228,41 +220,6 @@ fn print_json(name: &str, frames: &[Frame]) {
             })
         );
     }
-}
-
-/// A baked file: to open, to prove, to believe.
-fn baked(surface: &Surface, repeats: usize) -> Result<Table<6>> {
-    let (mut mesh, _) = surface.build(1)?;
-    let faces = mesh.faces().len();
-    let parts = vec![String::new()];
-    let provenance = Provenance { sources: (0..faces as u32).collect(), part_of: vec![0; faces], parts, unit: None };
-    let path = std::env::temp_dir().join(format!("impinge-refit-{}.impinge", std::process::id()));
-    let mut out = BufWriter::new(File::create(&path)?);
-    let (write, written) = timed(|| write_baked(&mesh, &provenance, &mut out).and_then(|()| out.flush()));
-    written?;
-    let read = || -> Result<[f64; 4]> {
-        let opened = Samples::take(repeats, || timed_ok(|| Baked::open(&path)).map(|(seconds, _)| seconds))?;
-        let baked = Baked::open(&path)?;
-        let proved = Samples::take(repeats, || {
-            let (seconds, proved) = timed_ok(|| baked.mesh())?;
-            ensure!(proved.parts() == mesh.parts(), "what was baked is another mesh");
-            Ok(seconds)
-        })?;
-        let believed = Samples::take(repeats, || timed_ok(|| baked.trusted_mesh()).map(|(seconds, _)| seconds))?;
-        Ok([opened.min(), proved.min(), believed.min(), std::fs::metadata(&path)?.len() as f64 / 1e6])
-    };
-    let times = read();
-    std::fs::remove_file(&path).context("removing the baked file")?;
-    let [opened, proved, believed, megabytes] = times?;
-    let refit = Samples::take(repeats, || {
-        let positions = surface.positions.clone();
-        timed_ok(|| mesh.refit(positions)).map(|(seconds, _)| seconds)
-    })?
-    .min();
-    let mut table = Table::new(["ventilator, baked", "write", "open", "prove", "believe", "prove / refit"]);
-    let share = format!("{:.2}", proved / refit);
-    table.row([format!("{megabytes:.0} MB"), time(write), time(opened), time(proved), time(believed), share]);
-    Ok(table)
 }
 
 fn timed_ok<T, E: std::error::Error + Send + Sync + 'static>(run: impl FnOnce() -> Result<T, E>) -> Result<(f64, T)> {
