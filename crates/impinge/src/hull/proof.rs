@@ -35,28 +35,27 @@ const PROBES: usize = 64;
 const SQUARES: usize = 1 << 14;
 
 impl Hull {
-    /// Whether this is the hull of these points, of which there is at least one: each vertex is extreme, no point is
-    /// outside, faces and neighbours are those of the boundary. How a facet is cut into triangles is left open. That the
-    /// vertices are among the points is for the caller to know.
+    /// Whether this is the hull of its own vertices and other points: each vertex is extreme, no point is outside, faces and
+    /// neighbours are those of the boundary. How a facet is cut into triangles is left open.
     ///
     /// # Complexity
     /// O(n log n) for sorting, and one walk from each point's cone to the next one's: with n points and f faces, some n
     /// steps where they are spread evenly, and n·√f steps on shapes as bad as needles. What is flat or too thin takes what
     /// [`Hull::new`] takes.
-    pub(crate) fn is_of(&self, points: &[[f64; 3]]) -> bool {
+    pub(crate) fn is_of(&self, others: &[[f64; 3]]) -> bool {
         if self.kind != HullKind::Solid {
-            return self.is_rebuilt(points);
+            return self.is_rebuilt(others);
         }
         let Some(across) = self.across() else { return false };
-        let Some(inside) = Inside::of(self, across) else { return self.is_rebuilt(points) };
+        let Some(inside) = Inside::of(self, across) else { return self.is_rebuilt(others) };
         match inside.covers_once() {
-            Some(is_once) => is_once && inside.is_convex() && inside.hold_all(points),
-            None => self.is_rebuilt(points),
+            Some(is_once) => is_once && inside.is_convex() && inside.hold_all(others),
+            None => self.is_rebuilt(others),
         }
     }
 
-    fn is_rebuilt(&self, points: &[[f64; 3]]) -> bool {
-        Self::new(points).is_ok_and(|anew| {
+    fn is_rebuilt(&self, others: &[[f64; 3]]) -> bool {
+        Self::new(&[&self.positions, others].concat()).is_ok_and(|anew| {
             self.kind == anew.kind
                 && self.positions == anew.positions
                 && self.faces == anew.faces

@@ -55,16 +55,20 @@ impl Mesh {
     /// What is wrong first.
     ///
     /// # Complexity
-    /// O(n log n), nearly linear in effect, on all cores of the current rayon pool: less than making the hull takes.
+    /// O(n log n), nearly linear in effect, on all cores of the current rayon pool; about what making them takes.
     pub fn validate_proxies(&self, proxies: &Proxies) -> Result<(), ProxyFlaw> {
         let (numbers, points) = self.surface_points();
-        let position = |vertex: &u32| numbers.binary_search(vertex).ok().map(|at| points[at]);
         let hull = proxies.hull();
-        let is_own = hull.vertices().iter().zip(hull.positions()).all(|(vertex, own)| position(vertex) == Some(*own));
-        if !is_own {
-            return Err(ProxyFlaw::Shape);
+        let mut is_corner = vec![false; numbers.len()];
+        for (vertex, own) in hull.vertices().iter().zip(hull.positions()) {
+            match numbers.binary_search(vertex) {
+                Ok(at) if points[at] == *own => is_corner[at] = true,
+                _ => return Err(ProxyFlaw::Shape),
+            }
         }
-        proxies.validate(&points)
+        let others: Vec<[f64; 3]> =
+            points.iter().zip(&is_corner).filter(|(_, is)| !**is).map(|(&point, _)| point).collect();
+        proxies.validate(&others)
     }
 
     /// The vertices that faces have, with their numbers, ascending.

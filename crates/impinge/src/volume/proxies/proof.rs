@@ -27,15 +27,15 @@ pub enum ProxyFlaw {
 }
 
 impl Proxies {
-    /// Whether the hull is that of these points, and each volume holds it.
+    /// Whether the hull is that of its own vertices and these points, and each volume holds it.
     ///
     /// # Errors
     /// What is wrong first.
     ///
     /// # Complexity
     /// That of [`Hull::is_of`](crate::hull::Hull::is_of), on all cores of the current rayon pool, and a pass over the hull's corners.
-    pub(crate) fn validate(&self, points: &[[f64; 3]]) -> Result<(), ProxyFlaw> {
-        if !self.hull.is_of(points) {
+    pub(crate) fn validate(&self, others: &[[f64; 3]]) -> Result<(), ProxyFlaw> {
+        if !self.hull.is_of(others) {
             return Err(ProxyFlaw::Hull);
         }
         let corners = self.hull.positions();
