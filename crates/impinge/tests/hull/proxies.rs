@@ -237,13 +237,13 @@ fn n34_volumes_that_are_too_small_are_refused_and_larger_ones_are_not() {
     let lows = (0..3).chain(42..49).chain(56..65).chain(74..87);
     let highs = (3..6).chain([9, 16, 26]).chain(39..42).chain(49..56).chain(65..74).chain(87..100);
     let which = |at: usize| match at {
-        ..6 => "box",
-        ..10 => "sphere",
-        ..17 => "capsule",
-        ..27 => "lozenge",
-        ..42 => "oriented box",
-        ..56 => "14-DOP",
-        ..74 => "18-DOP",
+        0..6 => "box",
+        6..10 => "sphere",
+        10..17 => "capsule",
+        17..27 => "lozenge",
+        27..42 => "oriented box",
+        42..56 => "14-DOP",
+        56..74 => "18-DOP",
         _ => "26-DOP",
     };
     for (bounds, outward) in [(lows.collect::<Vec<usize>>(), -1.0), (highs.collect(), 1.0)] {
