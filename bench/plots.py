@@ -26,16 +26,21 @@ def arguments(about: str | None, name: str) -> argparse.ArgumentParser:
 def blank() -> Axes:
     """Axes without a frame, over a faint grid."""
     _, axes = plt.subplots(figsize=(7.2, 4.4), layout="constrained")
+    bare(axes)
+    return axes
+
+
+def bare(axes: Axes) -> None:
+    """Take the frame away and lay a faint grid beneath."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(visible=True, which="major", color="#e6e6e6", linewidth=0.6)
     axes.set_axisbelow(True)
-    return axes
 
 
 def keep(
     axes: Axes, table: str, about: dict[str, str], options: argparse.Namespace, titles: tuple[str, str, str]
 ) -> None:
-    """Print a table, save its plot, and record it with the circumstances before it; the titles are the record's name, its head and a note."""
+    """Print a table, save the figure of these axes, and record it with the circumstances before it; the titles are the record's name, its head and a note."""
     name, title, note = titles
     print(table)
     axes.figure.savefig(options.picture, dpi=160)

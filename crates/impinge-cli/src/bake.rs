@@ -14,7 +14,8 @@ use crate::{Verdict, console, output};
 
 /// Save a mesh with its hierarchy, to be opened without parsing and without building
 ///
-/// The file holds vertices, faces and hierarchy as they are in memory, and the polygons, parts and unit of the original.
+/// The file holds vertices, faces and hierarchy as they are in memory, the polygons, parts and unit of the original, and with
+/// --proxies the convex hull and the bounding volumes.
 /// `check`, `inspect` and `fit` take it in place of a mesh; what they answer is the same. The same mesh gives the same bytes on
 /// every machine. Another version of impinge may refuse the file and ask for it to be baked anew.
 ///
@@ -29,6 +30,12 @@ pub(crate) struct Arguments {
     /// How the hierarchy is built: quickly, or so that questions take less time
     #[arg(long, value_enum, default_value_t = Hierarchy::Fast)]
     hierarchy: Hierarchy,
+    /// Save the convex hull and the bounding volumes fitted to it too
+    ///
+    /// That takes up to some four times as long as building the hierarchy does (1.3 s for 3 million triangles), and does not make the file take longer to open: they are
+    /// proved when they are asked for. `inspect` tells their sizes.
+    #[arg(long)]
+    proxies: bool,
     /// Print one JSON object in place of the report
     #[arg(long)]
     json: bool,
@@ -50,6 +57,8 @@ struct Report {
     version: &'static str,
     path: String,
     triangles: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hull_vertices: Option<usize>,
     bytes: u64,
     seconds: Seconds,
 }
@@ -59,6 +68,8 @@ struct Report {
 struct Seconds {
     load: f64,
     build: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    proxies: Option<f64>,
     write: f64,
 }
 
@@ -85,10 +96,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         Ok::<Body, Failure>(body)
     });
     let Body { mesh, about } = body?;
+    let timed_proxies = arguments.proxies.then(|| timed("fitting the hull and the volumes", || mesh.proxies()));
+    let (proxies, proxy_seconds) = timed_proxies.map_or((None, None), |(proxies, seconds)| (proxies, Some(seconds)));
     let provenance =
         Provenance { sources: about.sources, part_of: about.part_of, parts: about.parts, unit: about.unit };
-    let (written, write) =
-        timed("writing", || output::write(path, |out| impinge_files::write_baked(&mesh, &provenance, out)));
+    let (written, write) = timed("writing", || {
+        output::write(path, |out| impinge_files::write_baked(&mesh, &provenance, proxies.as_ref(), out))
+    });
     written?;
     let bytes = std::fs::metadata(path).map_or(0, |file| file.len());
     let report = Report {
@@ -96,14 +110,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         version: env!("CARGO_PKG_VERSION"),
         path: path.display().to_string(),
         triangles: mesh.faces().len(),
+        hull_vertices: proxies.as_ref().map(|proxies| proxies.hull().vertices().len()),
         bytes,
-        seconds: Seconds { load, build, write },
+        seconds: Seconds { load, build, proxies: proxy_seconds, write },
     };
     console::conclude(&if arguments.json {
         console::to_line(&report)
     } else {
         let (triangles, bytes) = (counted(report.triangles, "triangle"), count(report.bytes as usize));
-        format!("{}: {triangles}, {bytes} bytes\n", report.path)
+        let hull = report.hull_vertices.map_or(String::new(), |n| format!(", a hull of {}", counted(n, "corner")));
+        format!("{}: {triangles}{hull}, {bytes} bytes\n", report.path)
     })?;
     Ok(Verdict::Clear)
 }

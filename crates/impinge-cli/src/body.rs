@@ -22,7 +22,7 @@ enum Content {
         faces: Vec<[u32; 3]>,
     },
     /// A hierarchy too, which is not yet proved to be one.
-    Baked(Baked),
+    Baked(Box<Baked>),
 }
 
 /// A mesh and where it comes from.
@@ -54,7 +54,7 @@ impl Loaded {
         if Format::from_extension(&extension) == Some(Format::Baked) {
             let baked = Baked::open(path)?;
             let about = About::new(path, Format::Baked, baked.provenance()?, unit);
-            return Ok(Self { content: Content::Baked(baked), about, warnings: Vec::new() });
+            return Ok(Self { content: Content::Baked(Box::new(baked)), about, warnings: Vec::new() });
         }
         let Model { positions, faces, sources, part_of, parts, unit: stated, warnings, format } =
             impinge_files::load(path)?;
@@ -64,6 +64,14 @@ impl Loaded {
 
     pub(crate) fn about(&self) -> &About {
         &self.about
+    }
+
+    /// The file, where it is a baked one.
+    pub(crate) fn baked(&self) -> Option<&Baked> {
+        match &self.content {
+            Content::Baked(baked) => Some(baked),
+            Content::Triangles { .. } => None,
+        }
     }
 
     /// Builds the hierarchy, or proves the one that the file brings.

@@ -2,7 +2,13 @@
 
 use std::{fs, path::PathBuf, sync::Arc};
 
-use impinge::{Mesh, Positions, query, storage::AlignedBytes};
+use impinge::{
+    Mesh, Positions,
+    hull::Hull,
+    query,
+    storage::AlignedBytes,
+    volume::{BoundingVolume, Proxies},
+};
 use impinge_files::{Baked, Format, LoadErrorKind, Provenance, Unit, write_baked};
 use tempfile::TempDir;
 
@@ -42,9 +48,19 @@ fn provenance(faces: usize) -> Provenance {
 
 fn bytes_of(mesh: &Mesh) -> Vec<u8> {
     let mut bytes = Vec::new();
-    write_baked(mesh, &provenance(mesh.faces().len()), &mut bytes).expect("room");
+    write_baked(mesh, &provenance(mesh.faces().len()), None, &mut bytes).expect("room");
     bytes
 }
+
+fn bytes_with_proxies(mesh: &Mesh) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let proxies = mesh.proxies();
+    write_baked(mesh, &provenance(mesh.faces().len()), proxies.as_ref(), &mut bytes).expect("room");
+    bytes
+}
+
+/// Where the table of sections ends.
+const HEAD: usize = 64 + 9 * 24;
 
 /// A file for one question.
 struct File(TempDir);
@@ -84,6 +100,66 @@ fn what_was_baked_comes_back() {
         assert_eq!(query::intersecting_pairs(&opened, &other), query::intersecting_pairs(&original, &other));
         // And is the same again when it is baked again.
         assert_eq!(bytes_of(&opened), bytes_of(&original));
+    }
+}
+
+/// What stands for a mesh holds it, and its hull is that of the vertices that faces have.
+fn assert_true(proxies: &Proxies, mesh: &Mesh) {
+    let corners: Vec<[f64; 3]> =
+        mesh.faces().as_flattened().iter().map(|&vertex| mesh.positions().get(vertex as usize)).collect();
+    let sorted = |positions: &[[f64; 3]]| {
+        let mut positions = positions.to_vec();
+        positions.sort_by(|a, b| a.partial_cmp(b).expect("no NaN"));
+        positions
+    };
+    let expected = Hull::new(&corners).expect("in range");
+    assert_eq!(sorted(proxies.hull().positions()), sorted(expected.positions()));
+    for point in corners {
+        let holds = [
+            proxies.hull().contains(point),
+            proxies.bounds().contains(point),
+            proxies.sphere().contains(point),
+            proxies.capsule().contains(point),
+            proxies.lozenge().contains(point),
+            proxies.obb().contains(point),
+            proxies.kdop14().contains(point),
+            proxies.kdop18().contains(point),
+            proxies.kdop26().contains(point),
+        ];
+        assert_eq!(holds, [true; 9], "{point:?}");
+    }
+}
+
+#[test]
+fn proxies_come_back() {
+    let file = File::new();
+    let flap =
+        |corners: [[f64; 3]; 3]| Mesh::new(Positions::F64(corners.to_vec()), vec![[0, 1, 2]]).expect("a legal mesh");
+    let triangle = flap([[0.1, 0.0, 0.0], [1.0, 0.0, 0.3], [0.0, 1.0, 0.0]]);
+    let collinear = flap([[0.0; 3], [0.25; 3], [1.0; 3]]);
+    let point = flap([[0.7; 3]; 3]);
+    // In single precision and in double, flat, with an unused vertex far away, of a line, of a point.
+    for original in [mesh(0.5), mesh(0.1), mesh(0.0), triangle, collinear, point] {
+        let bytes = bytes_with_proxies(&original);
+        let baked = Baked::open(file.write(&bytes)).expect("a baked file");
+        let opened = baked.mesh().expect("a mesh");
+        let (proved, believed) =
+            (baked.proxies(&opened).expect("proved"), baked.trusted_proxies(&opened).expect("read"));
+        let made = original.proxies().expect("faces").to_bytes();
+        for proxies in [proved.expect("there"), believed.expect("there")] {
+            assert_true(&proxies, &original);
+            assert_eq!(proxies.to_bytes(), made);
+        }
+        assert!(baked.has_proxies() && bytes_with_proxies(&opened) == bytes);
+        // Those of another mesh they are not.
+        let other = mesh(0.25);
+        assert_eq!(baked.proxies(&other).map(drop).map_err(|e| e.kind().name()), Err("corrupt"));
+    }
+    let empty = Mesh::new(Positions::F32(Vec::new()), Vec::new()).expect("a legal mesh");
+    for (mesh, bytes) in [(mesh(0.1), bytes_of(&mesh(0.1))), (empty.clone(), bytes_with_proxies(&empty))] {
+        let baked = Baked::open(file.write(&bytes)).expect("a baked file");
+        assert!(!baked.has_proxies());
+        assert!(baked.proxies(&mesh).expect("none").is_none() && baked.trusted_proxies(&mesh).expect("none").is_none());
     }
 }
 
@@ -140,19 +216,20 @@ fn what_is_no_baked_file_says_so() {
         kind(&changed)
     };
     assert_eq!(with(8, &[1, 2, 3, 4]), Err("unsupported-feature"), "the other byte order");
-    assert_eq!(with(12, &[2]), Err("unsupported-feature"), "a later form");
+    assert_eq!(with(12, &[1]), Err("unsupported-feature"), "an earlier form");
+    assert_eq!(with(12, &[3]), Err("unsupported-feature"), "a later form");
     assert_eq!(with(16, &[0]), Err("unsupported-feature"), "earlier arrays");
     assert_eq!(with(24, &[2]), Err("corrupt"), "another unit than the checksum is of");
     let missing = Baked::open(file.0.path().join("none.impinge")).map(|_| ()).map_err(|e| e.kind().clone());
     assert!(matches!(missing, Err(LoadErrorKind::Io { .. })), "{missing:?}");
     let incomplete = Provenance { sources: vec![0], ..provenance(162) };
-    assert!(write_baked(&mesh(0.1), &incomplete, &mut Vec::new()).is_err());
+    assert!(write_baked(&mesh(0.1), &incomplete, None, &mut Vec::new()).is_err());
 }
 
 /// Makes the checksums right again, as somebody with ill intent would.
 fn with_right_checksums(bytes: &mut [u8]) {
     let number = |bytes: &[u8], at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight")) as usize;
-    for entry in (64..256).step_by(24) {
+    for entry in (64..HEAD).step_by(24) {
         let (start, length) = (number(bytes, entry + 8), number(bytes, entry + 16));
         if let Some(section) = bytes.get(start..start.saturating_add(length)) {
             let checksum = crc32fast::hash(section).to_le_bytes();
@@ -161,7 +238,7 @@ fn with_right_checksums(bytes: &mut [u8]) {
     }
     let mut hasher = crc32fast::Hasher::new();
     hasher.update(&bytes[..60]);
-    hasher.update(&bytes[64..256]);
+    hasher.update(&bytes[64..HEAD]);
     bytes[60..64].copy_from_slice(&hasher.finalize().to_le_bytes());
 }
 
@@ -169,17 +246,21 @@ fn with_right_checksums(bytes: &mut [u8]) {
 fn n34_a_thousand_corrupted_copies_are_refused_or_harmless() {
     let file = File::new();
     let (original, other) = (mesh(0.1), mesh(0.25));
-    let whole = bytes_of(&original);
+    let files = [bytes_of(&original), bytes_with_proxies(&original)];
     let expected = query::intersecting_pairs(&original, &other);
     assert!(expected.len() > 30, "{}", expected.len());
     let mut random = Random(34);
     let (mut refused, mut harmless, mut in_the_arrays) = (0, 0, 0);
-    for copy in 0..1_500 {
+    let (mut refused_proxies, mut harmless_proxies) = (0, 0);
+    for copy in 0..3_000 {
+        let whole = &files[copy % 2];
+        let proxies_at = u64::from_le_bytes(whole[HEAD - 16..HEAD - 8].try_into().expect("eight")) as usize;
         let mut bytes = whole.clone();
         for _ in 0..1 + random.below(3) {
             let at = match copy % 4 {
                 // The head alone.
-                0 => random.below(256),
+                0 => random.below(HEAD),
+                1 if proxies_at < whole.len() => proxies_at + random.below(whole.len() - proxies_at),
                 _ => random.below(bytes.len()),
             };
             match random.below(4) {
@@ -211,6 +292,11 @@ fn n34_a_thousand_corrupted_copies_are_refused_or_harmless() {
             continue;
         };
         let _ = baked.provenance();
+        // Believed, no answer need be true, but there is one.
+        if let Ok(Some(proxies)) = baked.trusted_mesh().and_then(|mesh| baked.trusted_proxies(&mesh)) {
+            let vertex = proxies.hull().support_from([1.0, -0.5, 2.0], 0);
+            assert!((vertex as usize) < proxies.hull().positions().len(), "copy {copy}");
+        }
         match baked.mesh() {
             Err(_) => {
                 refused += 1;
@@ -222,14 +308,26 @@ fn n34_a_thousand_corrupted_copies_are_refused_or_harmless() {
                 let anew = Mesh::new(mesh.positions().clone(), mesh.faces().to_vec()).expect("proved to be a mesh");
                 let found = query::intersecting_pairs(&mesh, &other);
                 assert_eq!(found, query::intersecting_pairs(&anew, &other), "copy {copy}");
-                if bytes[256..] == whole[256..] || copy % 3 == 0 {
+                match baked.proxies(&mesh) {
+                    Ok(Some(proxies)) => {
+                        harmless_proxies += 1;
+                        assert_true(&proxies, &mesh);
+                    }
+                    Ok(None) => assert!(!baked.has_proxies()),
+                    Err(_) => refused_proxies += 1,
+                }
+                if bytes[HEAD..] == whole[HEAD..] || copy % 3 == 0 {
                     assert_eq!(found, expected, "copy {copy}");
                 }
             }
         }
     }
     assert!(
-        refused > 900 && in_the_arrays > 300 && harmless > 50,
+        refused > 1500 && in_the_arrays > 500 && harmless > 100,
         "{refused} refused ({in_the_arrays}), {harmless} harmless"
+    );
+    assert!(
+        refused_proxies > 100 && harmless_proxies > 30,
+        "of proxies of sound meshes {refused_proxies} refused, {harmless_proxies} harmless"
     );
 }

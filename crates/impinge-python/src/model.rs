@@ -168,7 +168,7 @@ fn write<W: Write + Send + 'static>(
     let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
     let written: io::Result<W> = workers::run(py, move |_| {
         let mut out = open()?;
-        write_baked(&mesh, &provenance, &mut out)?;
+        write_baked(&mesh, &provenance, None, &mut out)?;
         out.flush()?;
         Ok(out)
     })?;

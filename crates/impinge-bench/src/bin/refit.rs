@@ -1,24 +1,19 @@
-//! Refitting beside building, how trees age under animations, and baked files beside refits.
+//! Refitting beside building, and how trees age under animations.
 //!
 //! `IMPINGE_DATA=... cargo run --release -p impinge-bench --bin refit`
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use clap::Parser;
-use impinge::hierarchy::Builder;
-use impinge::mesh::{Aging, Placed};
-use impinge::{Mesh, Pose, Positions, query};
-use impinge_bench::real_points::unpacked;
+use impinge::mesh::Placed;
+use impinge::{InputError, Mesh, Pose, Positions, query};
 use impinge_bench::samples::{Samples, timed};
 use impinge_bench::scene::Surface;
 use impinge_bench::table::{Table, time};
-use impinge_files::{Baked, Provenance, write_baked};
 use impinge_testkit::animation::{ANIMATIONS, Animation};
 use impinge_testkit::env_rob::data_folder;
 use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
@@ -29,10 +24,14 @@ const SIZES: [[u32; 2]; 3] = [[200, 50], [632, 158], [2000, 500]];
 /// How far the knot is turned about its axis for each unit along it, in radians.
 const TWISTS: [f64; 6] = [0.0, 0.25, 0.5, 1.0, 2.0, 4.0];
 
-/// Frames of an animation of which one row is printed.
-const EVERY: usize = 10;
+/// The same as an animation: so many frames, and how far each is turned beyond the one before.
+const FRAMES_OF_TWIST: u32 = 40;
+const TWIST_OF_FRAME: f64 = 0.1;
 
-/// Times refits, rebuilds and baked files, and checks every answer
+/// Frames of an animation of which one row is printed.
+const EVERY: u32 = 10;
+
+/// Times refits and rebuilds, and checks every answer
 #[derive(Parser)]
 struct Arguments {
     /// Threads to build, refit and ask with
@@ -41,19 +40,33 @@ struct Arguments {
     /// Runs of each
     #[arg(long, value_name = "N", default_value_t = 5)]
     repeats: usize,
+    /// Print one JSON object for each frame of a knot that is twisted and of the recorded animations, and nothing else
+    #[arg(long)]
+    json: bool,
 }
 
 fn main() -> Result<()> {
-    let Arguments { threads, repeats } = Arguments::parse();
+    let Arguments { threads, repeats, json } = Arguments::parse();
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
-    println!("{}", growth(repeats)?);
-    println!("{}", twisted(repeats)?);
+    if json {
+        let twists: Vec<f64> = (1..=FRAMES_OF_TWIST).map(|frame| f64::from(frame) * TWIST_OF_FRAME).collect();
+        print_json("twist", &twisted(&twists, repeats)?);
+    } else {
+        println!("{}", growth(repeats)?);
+        let names = TWISTS.map(|twist| twist.to_string());
+        println!("{}", aging_table("twist, rad", names.into_iter().zip(twisted(&TWISTS, repeats)?)));
+    }
     let Some(folder) = data_folder() else { return Ok(()) };
     for name in ANIMATIONS {
-        println!("{name}\n{}", animated(&folder, name, repeats)?);
+        let frames = animated(&folder, name, repeats)?;
+        if json {
+            print_json(name, &frames);
+        } else {
+            let numbered = (1..).zip(frames).filter(|(number, _)| number % EVERY == 0);
+            let named = numbered.map(|(number, frame)| (number.to_string(), frame));
+            println!("{name}\n{}", aging_table("frame", named));
+        }
     }
-    let ventilator = unpacked(&folder.join("big/cad_ventilator.ply.gz"), "cad_ventilator.ply")?;
-    println!("{}", baked(&Surface::load(&ventilator)?, repeats)?);
     Ok(())
 }
 
@@ -89,118 +102,124 @@ fn growth(repeats: usize) -> Result<Table<6>> {
     Ok(table)
 }
 
-/// What a question takes of a mesh that was refitted, of one rebuilt where it has aged, and of a new one, which must all answer alike.
-struct Asked {
-    refitted: f64,
-    partly: f64,
-    rebuilt: f64,
-    faces: usize,
+/// One of three ways to keep up with a mesh that moves: what its hierarchy costs by the surface area heuristic, and how long
+/// the way took to follow and takes to ask.
+struct Way {
+    cost: f64,
+    update: f64,
+    query: f64,
+}
+
+/// A frame of a motion, and the ways there.
+struct Frame {
     pairs: usize,
+    /// The watch's, of what was only ever refitted.
+    ratio: f64,
+    /// How many faces the watch had built anew.
+    faces: usize,
+    refitted: Way,
+    watched: Way,
+    rebuilt: Way,
 }
 
-fn ask(mesh: &Mesh, other: Placed<'_>, repeats: usize) -> Result<Asked> {
-    let (mut partly, mut rebuilt) = (mesh.clone(), mesh.clone());
-    let faces = partly.rebuild_aged();
-    rebuilt.rebuild(Builder::default());
-    let expected = query::intersecting_pairs(&rebuilt, other);
-    let time_of = |mesh: &Mesh| {
-        Samples::take(repeats, || {
-            let (seconds, pairs) = timed(|| query::intersecting_pairs(mesh, other));
-            ensure!(pairs == expected, "{} pairs, and {} of a new tree", pairs.len(), expected.len());
-            Ok(seconds)
-        })
-    };
-    let [refitted, partly, rebuilt] = [time_of(mesh)?, time_of(&partly)?, time_of(&rebuilt)?].map(|times| times.min());
-    Ok(Asked { refitted, partly, rebuilt, faces, pairs: expected.len() })
+/// Follows a mesh by refits alone, by refits with the watch, and by building it anew in each frame; asks each for its pairs
+/// with another mesh, in turns, and compares what they answer.
+fn follow(
+    still: &Mesh,
+    frames: impl IntoIterator<Item = Positions>,
+    other: Placed<'_>,
+    repeats: usize,
+) -> Result<Vec<Frame>> {
+    let (mut refitted, mut watched) = (still.clone(), still.clone());
+    let mut followed = Vec::new();
+    for positions in frames {
+        let [first, second] = [positions.clone(), positions.clone()];
+        let (refit, aging) = timed_ok(|| refitted.refit(first))?;
+        let (watch, faces) = timed_ok(|| {
+            let is_aged = watched.refit(second)?.is_worth_rebuilding();
+            Ok::<usize, InputError>(if is_aged { watched.rebuild_aged() } else { 0 })
+        })?;
+        let faces_of = still.faces().to_vec();
+        let (build, rebuilt) = timed_ok(|| Mesh::new(positions, faces_of))?;
+        let meshes = [&refitted, &watched, &rebuilt];
+        let pairs = query::intersecting_pairs(&rebuilt, other);
+        let mut queries = [f64::INFINITY; 3];
+        for _ in 0..repeats.max(1) {
+            for (least, mesh) in queries.iter_mut().zip(meshes) {
+                let (seconds, found) = timed(|| query::intersecting_pairs(mesh, other));
+                ensure!(found == pairs, "{} pairs, and {} of a new tree", found.len(), pairs.len());
+                *least = least.min(seconds);
+            }
+        }
+        let way = |at: usize, update| Way { cost: meshes[at].aging().cost, update, query: queries[at] };
+        let [refitted, watched, rebuilt] = [way(0, refit), way(1, watch), way(2, build)];
+        followed.push(Frame { pairs: pairs.len(), ratio: aging.ratio(), faces, refitted, watched, rebuilt });
+    }
+    Ok(followed)
 }
 
-fn aging_cells(name: String, aging: &Aging, asked: &Asked) -> [String; 7] {
-    [
-        name,
-        format!("{:.3}", aging.ratio()),
-        asked.pairs.to_string(),
-        time(asked.refitted),
-        time(asked.partly),
-        time(asked.rebuilt),
-        asked.faces.to_string(),
-    ]
-}
-
-const AGING: [&str; 6] = ["ratio of costs", "pairs", "refitted", "in part", "rebuilt", "faces rebuilt"];
-
-fn aging_table(first: &'static str) -> Table<7> {
-    let [ratio, pairs, refitted, partly, rebuilt, faces] = AGING;
-    Table::new([first, ratio, pairs, refitted, partly, rebuilt, faces])
+/// Rows of frames by their names.
+fn aging_table(first: &'static str, frames: impl IntoIterator<Item = (String, Frame)>) -> Table<8> {
+    let mut table =
+        Table::new([first, "ratio of costs", "to new", "pairs", "refitted", "watched", "rebuilt", "faces rebuilt"]);
+    for (name, frame) in frames {
+        table.row([
+            name,
+            format!("{:.3}", frame.ratio),
+            format!("{:.3}", frame.refitted.cost / frame.rebuilt.cost),
+            frame.pairs.to_string(),
+            time(frame.refitted.query),
+            time(frame.watched.query),
+            time(frame.rebuilt.query),
+            frame.faces.to_string(),
+        ]);
+    }
+    table
 }
 
 /// A knot of 200,000 triangles twisted about its axis, more and more, against itself as it was.
-fn twisted(repeats: usize) -> Result<Table<7>> {
+fn twisted(twists: &[f64], repeats: usize) -> Result<Vec<Frame>> {
     let knot = torus_knot(632, 158, TREFOIL);
-    let still = Mesh::new(Positions::F64(knot.vertices.clone()), knot.faces.clone())?;
-    let mut table = aging_table("twist, rad");
-    for twist in TWISTS {
+    let still = Mesh::new(Positions::F64(knot.vertices.clone()), knot.faces)?;
+    let frames = twists.iter().map(|twist| {
         let turned = |v: &[f64; 3]| {
             let (s, c) = (twist * v[2]).sin_cos();
             [c * v[0] - s * v[1], s * v[0] + c * v[1], v[2] + 0.01]
         };
-        let mut mesh = still.clone();
-        let aging = mesh.refit(Positions::F64(knot.vertices.iter().map(turned).collect()))?;
-        table.row(aging_cells(twist.to_string(), &aging, &ask(&mesh, (&still).into(), repeats)?));
-    }
-    Ok(table)
+        Positions::F64(knot.vertices.iter().map(turned).collect())
+    });
+    follow(&still, frames, (&still).into(), repeats)
 }
 
-/// Each frame refitted from the one before, against the first, moved aside.
-fn animated(folder: &Path, name: &str, repeats: usize) -> Result<Table<7>> {
+/// A recorded animation against its first frame, moved aside.
+fn animated(folder: &Path, name: &str, repeats: usize) -> Result<Vec<Frame>> {
     let Animation { frames, faces } = Animation::read(folder, name)?;
-    let mut mesh = Mesh::new(Positions::F32(frames[0].clone()), faces)?;
-    let still = mesh.clone();
+    let still = Mesh::new(Positions::F32(frames[0].clone()), faces)?;
     let xs = || frames[0].iter().map(|v| f64::from(v[0]));
     let width = xs().fold(f64::MIN, f64::max) - xs().fold(f64::MAX, f64::min);
     let aside = Pose::from_translation([0.25 * width, 0.0, 0.0])?;
-    let mut table = aging_table("frame");
-    for (number, frame) in frames.into_iter().enumerate() {
-        let aging = mesh.refit(Positions::F32(frame))?;
-        if number % EVERY == EVERY - 1 {
-            table.row(aging_cells((number + 1).to_string(), &aging, &ask(&mesh, still.at(aside), repeats)?));
-        }
-    }
-    Ok(table)
+    follow(&still, frames.into_iter().map(Positions::F32), still.at(aside), repeats)
 }
 
-/// A baked file: to open, to prove, to believe.
-fn baked(surface: &Surface, repeats: usize) -> Result<Table<6>> {
-    let (mut mesh, _) = surface.build(1)?;
-    let faces = mesh.faces().len();
-    let parts = vec![String::new()];
-    let provenance = Provenance { sources: (0..faces as u32).collect(), part_of: vec![0; faces], parts, unit: None };
-    let path = std::env::temp_dir().join(format!("impinge-refit-{}.impinge", std::process::id()));
-    let mut out = BufWriter::new(File::create(&path)?);
-    let (write, written) = timed(|| write_baked(&mesh, &provenance, &mut out).and_then(|()| out.flush()));
-    written?;
-    let read = || -> Result<[f64; 4]> {
-        let opened = Samples::take(repeats, || timed_ok(|| Baked::open(&path)).map(|(seconds, _)| seconds))?;
-        let baked = Baked::open(&path)?;
-        let proved = Samples::take(repeats, || {
-            let (seconds, proved) = timed_ok(|| baked.mesh())?;
-            ensure!(proved.parts() == mesh.parts(), "what was baked is another mesh");
-            Ok(seconds)
-        })?;
-        let believed = Samples::take(repeats, || timed_ok(|| baked.trusted_mesh()).map(|(seconds, _)| seconds))?;
-        Ok([opened.min(), proved.min(), believed.min(), std::fs::metadata(&path)?.len() as f64 / 1e6])
-    };
-    let times = read();
-    std::fs::remove_file(&path).context("removing the baked file")?;
-    let [opened, proved, believed, megabytes] = times?;
-    let refit = Samples::take(repeats, || {
-        let positions = surface.positions.clone();
-        timed_ok(|| mesh.refit(positions)).map(|(seconds, _)| seconds)
-    })?
-    .min();
-    let mut table = Table::new(["ventilator, baked", "write", "open", "prove", "believe", "prove / refit"]);
-    let share = format!("{:.2}", proved / refit);
-    table.row([format!("{megabytes:.0} MB"), time(write), time(opened), time(proved), time(believed), share]);
-    Ok(table)
+/// What `bench/animation.py` reads: one line a frame.
+fn print_json(name: &str, frames: &[Frame]) {
+    let way =
+        |way: &Way| serde_json::json!({ "cost": way.cost, "update_seconds": way.update, "query_seconds": way.query });
+    for (number, frame) in (1..).zip(frames) {
+        println!(
+            "{}",
+            serde_json::json!({
+                "animation": name,
+                "frame": number,
+                "pairs": frame.pairs,
+                "ratio": frame.ratio,
+                "faces_rebuilt": frame.faces,
+                "refitted": way(&frame.refitted),
+                "watched": way(&frame.watched),
+                "rebuilt": way(&frame.rebuilt),
+            })
+        );
+    }
 }
 
 fn timed_ok<T, E: std::error::Error + Send + Sync + 'static>(run: impl FnOnce() -> Result<T, E>) -> Result<(f64, T)> {

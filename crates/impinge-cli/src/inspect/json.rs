@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::proxies::Summary;
 use super::{Drawn, Inspection, Seconds};
 use crate::console;
 
@@ -17,6 +18,8 @@ struct Object<'a> {
     unit: Option<&'static str>,
     hierarchy: Hierarchy,
     health: Health,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    proxies: Option<&'a Summary>,
     #[serde(skip_serializing_if = "Option::is_none")]
     picture: Option<&'a Drawn>,
     seconds: Seconds,
@@ -52,7 +55,7 @@ struct Health {
 
 /// The object, as one line.
 pub(super) fn object(inspection: &Inspection) -> String {
-    let Inspection { body, tree, health, drawn, seconds, .. } = inspection;
+    let Inspection { body, tree, health, proxies, drawn, seconds, .. } = inspection;
     console::to_line(&Object {
         schema: "impinge.inspect/1",
         version: env!("CARGO_PKG_VERSION"),
@@ -84,6 +87,7 @@ pub(super) fn object(inspection: &Inspection) -> String {
             misoriented_edges: health.misoriented_edges,
             double_coordinates: health.double_coordinates,
         },
+        proxies: proxies.as_ref(),
         picture: drawn.as_ref(),
         seconds: *seconds,
     })

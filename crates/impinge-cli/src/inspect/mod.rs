@@ -2,6 +2,7 @@
 
 mod json;
 pub(crate) mod picture;
+mod proxies;
 mod report;
 
 use std::path::PathBuf;
@@ -17,6 +18,7 @@ use crate::check::timed;
 use crate::failure::Failure;
 use crate::{Verdict, console, output};
 use picture::{Picture, PictureFormat};
+use proxies::Summary;
 
 /// The level that is drawn where none is asked for is the last one with no more boxes than this: more of them hide each
 /// other.
@@ -25,7 +27,8 @@ const MOST_BOXES: usize = 160;
 /// What is this mesh like, and what does its hierarchy look like?
 ///
 /// Reports how well the hierarchy is built, what it takes, and what is odd about the mesh: faces without area, duplicates,
-/// open and non-manifold edges, pieces. All counts are exact. None of it keeps a mesh from being checked.
+/// open and non-manifold edges, pieces. All counts are exact. None of it keeps a mesh from being checked. Of a file that was baked
+/// with proxies, their sizes too.
 ///
 /// Exit code: 0, or 2 where the mesh cannot be read.
 #[derive(Args)]
@@ -61,6 +64,8 @@ struct Inspection {
     bounds: Option<Bounds>,
     tree: TreeStatistics,
     health: Health,
+    /// Of a baked file that brings some.
+    proxies: Option<Summary>,
     drawn: Option<Drawn>,
     seconds: Seconds,
 }
@@ -98,8 +103,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     for warning in &loaded.warnings {
         console::warn(&format!("{}: {warning}", arguments.mesh.display()));
     }
+    let baked = loaded.baked().cloned();
     let (body, build) = timed("building the hierarchy", || loaded.build());
     let body = body?;
+    let proxies = match baked {
+        Some(baked) => timed("proving the proxies", || baked.proxies(&body.mesh)).0?,
+        None => None,
+    };
+    let proxies = proxies.as_ref().map(Summary::of);
     let ((tree, health), inspect) = timed("inspecting", || (body.mesh.tree_statistics(), body.mesh.health()));
 
     let mut drawn = None;
@@ -112,7 +123,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     }
     let bounds = Bounds::of(&body.mesh, &Pose::IDENTITY);
     let seconds = Seconds { load, build, inspect };
-    let inspection = Inspection { body, bounds, tree, health, drawn, seconds };
+    let inspection = Inspection { body, bounds, tree, health, proxies, drawn, seconds };
     console::conclude(&if arguments.json { json::object(&inspection) } else { report::text(&inspection) })?;
     Ok(Verdict::Clear)
 }

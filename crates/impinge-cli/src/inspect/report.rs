@@ -24,6 +24,9 @@ pub(super) fn text(inspection: &Inspection) -> String {
     };
     section("hierarchy", hierarchy(inspection));
     section("mesh", health(inspection));
+    if let Some(proxies) = &inspection.proxies {
+        section("proxies", proxies.rows());
+    }
     let seconds = inspection.seconds;
     let times = [("load", seconds.load), ("build", seconds.build), ("inspect", seconds.inspect)];
     text += "\n";

@@ -54,7 +54,7 @@ fn n34_a_spoiled_file_is_no_answer() {
     let folder = Folder::new();
     folder.run("bake cube.obj -o cube.impinge");
     let whole = fs::read(folder.path("cube.impinge")).unwrap();
-    for (at, kind) in [(0, "syntax"), (12, "unsupported-feature"), (70, "corrupt"), (700, "corrupt"), (1500, "corrupt")]
+    for (at, kind) in [(0, "syntax"), (12, "unsupported-feature"), (70, "corrupt"), (720, "corrupt"), (1500, "corrupt")]
     {
         let mut spoiled = whole.clone();
         spoiled[at] ^= 0x55;
@@ -67,4 +67,39 @@ fn n34_a_spoiled_file_is_no_answer() {
     assert_eq!(folder.run("bake cube.obj -o cube.ply").code, 2, "not the name of a baked file");
     assert_eq!(folder.run("bake cube.impinge -o cube.impinge").code, 2, "would overwrite what it reads");
     assert_eq!(fs::read(folder.path("cube.impinge")).unwrap(), whole);
+}
+
+#[test]
+fn proxies_are_baked_where_they_are_asked_for() {
+    let folder = Folder::new();
+    let run = folder.run("bake cube.obj -o cube.impinge --proxies");
+    assert_eq!((run.code, run.stderr.as_str()), (0, ""));
+    assert!(run.stdout.starts_with("cube.impinge: 12 triangles, a hull of 8 corners, "), "{}", run.stdout);
+    let object = |command: &str| -> serde_json::Value {
+        serde_json::from_str(&folder.run(&format!("{command} --json")).stdout).unwrap()
+    };
+    let baked = object("bake cube.obj -o again.impinge --proxies");
+    assert_eq!(baked["hull_vertices"], 8);
+    assert!(baked["seconds"]["proxies"].as_f64().unwrap() >= 0.0);
+    assert!(fs::read(folder.path("again.impinge")).unwrap() == fs::read(folder.path("cube.impinge")).unwrap());
+    let plain = object("bake cube.obj -o plain.impinge");
+    assert!(plain.get("hull_vertices").is_none() && plain["seconds"].get("proxies").is_none());
+
+    let proxies = &object("inspect cube.impinge")["proxies"];
+    assert_eq!((&proxies["hull_vertices"], &proxies["hull_faces"]), (&8.into(), &12.into()));
+    let volume = |kind: &str| proxies["volumes"][kind].as_f64().unwrap();
+    assert!(volume("box") == 1.0 && (volume("26-DOP") - 1.0).abs() < 1e-12 && volume("sphere") > 2.7, "{proxies}");
+    assert!(object("inspect plain.impinge").get("proxies").is_none());
+    let report = folder.run("inspect cube.impinge").stdout;
+    assert!(report.contains("8 corners, 12 triangles") && report.contains("26-DOP"), "{report}");
+
+    // What is not asked for does no harm; what is asked for is proved.
+    let mut spoiled = fs::read(folder.path("cube.impinge")).unwrap();
+    let last = spoiled.len() - 1;
+    spoiled[last] ^= 1;
+    fs::write(folder.path("spoiled.impinge"), &spoiled).unwrap();
+    let check = |mesh: &str| folder.run(&format!("check {mesh} big.obj --pose-b 0.5,2.5,0.25")).code;
+    assert_eq!((check("cube.impinge"), check("spoiled.impinge")), (1, 1));
+    assert_eq!(folder.run("inspect spoiled.impinge").code, 2);
+    assert_eq!(object("inspect spoiled.impinge")["error"]["kind"], "corrupt");
 }

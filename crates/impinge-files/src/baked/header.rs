@@ -8,7 +8,7 @@
 //! | 16 .. 20 | the version of the arrays ([`Mesh::PARTS_VERSION`]) |
 //! | 20 .. 24 | bytes a coordinate, 4 or 8 |
 //! | 24 .. 28 | the unit of length by its place in [`Unit::ALL`], counted from one; zero where none is stated |
-//! | 28 .. 32 | how many sections there are, 8 |
+//! | 28 .. 32 | how many sections there are, 9 |
 //! | 32 .. 40 | how long the file is |
 //! | 40 .. 60 | zeros |
 //! | 60 .. 64 | the checksum of the first 60 bytes and of the table |
@@ -29,7 +29,7 @@ pub(crate) const MAGIC: [u8; 8] = *b"impinge\n";
 const BYTE_ORDER: u32 = 0x0102_0304;
 
 /// The version of header, table and sections.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Sections start at multiples of this many bytes.
 pub(super) const ALIGNMENT: usize = 64;
@@ -55,10 +55,11 @@ pub(super) enum Section {
     Sources,
     PartOf,
     Parts,
+    Proxies,
 }
 
 impl Section {
-    pub(super) const ALL: [Self; 8] = [
+    pub(super) const ALL: [Self; 9] = [
         Self::Frame,
         Self::Positions,
         Self::Faces,
@@ -67,6 +68,7 @@ impl Section {
         Self::Sources,
         Self::PartOf,
         Self::Parts,
+        Self::Proxies,
     ];
 }
 
@@ -173,7 +175,7 @@ impl Header {
             *entry = Entry { range: start as usize..end as usize, checksum: number(place + 4) };
         }
         if number(28) != Section::ALL.len() as u32 || end != bytes.len() as u64 {
-            return Err(super::corrupt("there is more than eight sections"));
+            return Err(super::corrupt("there is more than its sections"));
         }
         Ok(Self { is_single_precision, unit, sections })
     }

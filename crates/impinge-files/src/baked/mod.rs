@@ -3,11 +3,11 @@
 //! | bytes | what |
 //! |---|---|
 //! | 0 .. 64 | the header, whose fields are in [`header`] |
-//! | 64 .. 256 | eight sections: what it is, its checksum (CRC-32), where it starts, how long it is |
-//! | from 256 | the sections in that order, each from a multiple of 64 on, with zeros between them |
+//! | 64 .. 280 | nine sections: what it is, its checksum (CRC-32), where it starts, how long it is |
+//! | from 320 | the sections in that order, each from a multiple of 64 on, with zeros between them |
 //!
 //! All numbers are little-endian, on every machine; one of the other byte order is told so. The sections are those of
-//! [`Parts`], and where each face comes from.
+//! [`Parts`], where each face comes from, and the [`Proxies`], of which a file may have none.
 //!
 //! Opening looks at the header and the table alone. Before the first answer the arrays are proved to be a mesh
 //! ([`Mesh::validate`]), and what that cannot prove, the numbers of the vertices and faces themselves, is compared with the
@@ -24,7 +24,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use impinge::{Mesh, Positions, mesh::Parts, storage::SharedBytes};
+use impinge::{Mesh, Positions, mesh::Parts, storage::SharedBytes, volume::Proxies};
 
 use crate::{
     error::{LoadError, LoadErrorKind},
@@ -101,7 +101,7 @@ impl Baked {
     /// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 1, 2]]).expect("a triangle");
     /// let about = Provenance { sources: vec![0], part_of: vec![0], parts: vec!["flap".to_owned()], unit: None };
     /// let mut written = Vec::new();
-    /// write_baked(&mesh, &about, &mut written)?;
+    /// write_baked(&mesh, &about, None, &mut written)?;
     ///
     /// let mut bytes = AlignedBytes::zeroed(written.len());
     /// bytes.as_mut().copy_from_slice(&written);
@@ -157,6 +157,55 @@ impl Baked {
             .map_err(|flaw| corrupt(flaw.to_string()).in_file(&self.path))
     }
 
+    /// Whether there are proxies in the file.
+    #[must_use]
+    pub fn has_proxies(&self) -> bool {
+        !self.header.range(Section::Proxies).is_empty()
+    }
+
+    /// The proxies of the mesh that [`mesh`](Self::mesh) returned, proved to be some; none where the file has none.
+    ///
+    /// ```no_run
+    /// use impinge::shape::Shape;
+    ///
+    /// let baked = impinge_files::Baked::open("engine.impinge")?;
+    /// let mesh = baked.mesh()?;
+    /// let shape = baked.proxies(&mesh)?.map(|proxies| Shape::hull(proxies.hull().clone()));
+    /// # Ok::<(), impinge_files::LoadError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where they are not what was baked, or not those of this mesh ([`Mesh::validate_proxies`]).
+    ///
+    /// # Complexity
+    /// Nearly linear in the mesh's vertices and faces, on all cores of the current rayon pool.
+    pub fn proxies(&self, mesh: &Mesh) -> Result<Option<Proxies>, LoadError> {
+        let read = self.trusted_proxies(mesh)?;
+        if let Some(proxies) = &read {
+            let proved = mesh.validate_proxies(proxies).map_err(|flaw| corrupt(flaw.to_string()));
+            let checked = proved.and_then(|()| self.check(&[Section::Proxies]));
+            checked.map_err(|e| e.in_file(&self.path))?;
+        }
+        Ok(read)
+    }
+
+    /// The proxies, believed: as [`proxies`](Self::proxies) for a file that this machine has just written. From any other, what
+    /// they answer may be wrong.
+    ///
+    /// # Errors
+    /// Where the section is not that of a hull of some vertices of this mesh, and of volumes.
+    ///
+    /// # Complexity
+    /// Linear in the hull.
+    pub fn trusted_proxies(&self, mesh: &Mesh) -> Result<Option<Proxies>, LoadError> {
+        if !self.has_proxies() {
+            return Ok(None);
+        }
+        let bytes = &(*self.bytes).as_ref()[self.header.range(Section::Proxies)];
+        let read = mesh.proxies_from_bytes(bytes).map_err(|flaw| corrupt(flaw.to_string()).in_file(&self.path))?;
+        Ok(Some(read))
+    }
+
     /// Where the faces come from, with an entry for each face of the mesh.
     ///
     /// # Errors
@@ -175,11 +224,17 @@ impl Baked {
     }
 }
 
-/// Writes a mesh with its hierarchy, and where its faces come from: the same bytes on every machine.
+/// Writes a mesh with its hierarchy, where its faces come from, and its [proxies](Mesh::proxies) where they are wanted: the
+/// same bytes on every machine.
 ///
 /// # Errors
 /// Where `out` refuses, where `provenance` has not an entry for each face, or where this machine is big-endian.
-pub fn write_baked(mesh: &Mesh, provenance: &Provenance, out: &mut dyn Write) -> io::Result<()> {
+pub fn write_baked(
+    mesh: &Mesh,
+    provenance: &Provenance,
+    proxies: Option<&Proxies>,
+    out: &mut dyn Write,
+) -> io::Result<()> {
     if cfg!(target_endian = "big") {
         return Err(io::Error::new(io::ErrorKind::Unsupported, "baked files are written on little-endian machines"));
     }
@@ -193,8 +248,9 @@ pub fn write_baked(mesh: &Mesh, provenance: &Provenance, out: &mut dyn Write) ->
     let little = |numbers: &[u32]| numbers.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
     let (sources, part_of) = (little(&provenance.sources), little(&provenance.part_of));
     let names = names::to_bytes(&provenance.parts);
+    let proxies = proxies.map(Proxies::to_bytes).unwrap_or_default();
     let Parts { frame, positions, faces, nodes, packets } = mesh.parts();
-    let contents = [frame, positions, faces, nodes, packets, &sources, &part_of, &names];
+    let contents = [frame, positions, faces, nodes, packets, &sources, &part_of, &names, &proxies];
     let header = Header::new(mesh.is_single_precision(), provenance.unit, &contents);
     out.write_all(&header.to_bytes())?;
     let mut written = HEADER;

@@ -361,10 +361,15 @@ fn farthest(
 }
 
 /// How far the points spread along each axis, rounded up.
-fn extent(points: &[[f64; 3]]) -> [f64; 3] {
-    std::array::from_fn(|k| {
-        let low = points.iter().fold(f64::INFINITY, |low, point| low.min(point[k]));
-        let high = points.iter().fold(f64::NEG_INFINITY, |high, point| high.max(point[k]));
-        (high - low).next_up()
-    })
+pub(super) fn extent(points: &[[f64; 3]]) -> [f64; 3] {
+    let [low, high] = bounds(points);
+    std::array::from_fn(|k| (high[k] - low[k]).next_up())
+}
+
+/// The corners of the box of the points.
+pub(super) fn bounds(points: &[[f64; 3]]) -> [[f64; 3]; 2] {
+    let folded = |start: f64, pick: fn(f64, f64) -> f64| {
+        std::array::from_fn(|k| points.iter().fold(start, |best, point| pick(best, point[k])))
+    };
+    [folded(f64::INFINITY, f64::min), folded(f64::NEG_INFINITY, f64::max)]
 }

@@ -87,11 +87,11 @@ struct Frame {
 }
 
 /// A cell of a cube map, and where in it a point is.
-struct Place {
+pub(super) struct Place {
     /// The side: twice the axis, one more where it is the positive end.
-    side: usize,
+    pub(super) side: usize,
     /// The square of the side's grid, and the place within it, from 0 to 1.
-    square: [usize; 2],
+    pub(super) square: [usize; 2],
     within: [f64; 2],
     /// The distance from the centre along the side's axis.
     distance: f64,
@@ -114,7 +114,7 @@ impl Frame {
 impl Place {
     /// Where a point is on a cube map of `cells` squares along each edge.
     #[inline(always)]
-    fn of(p: &[f64; 3], cells: usize) -> Self {
+    pub(super) fn of(p: &[f64; 3], cells: usize) -> Self {
         let size = p.map(f64::abs);
         let axis = if size[0] >= size[1] && size[0] >= size[2] { 0 } else { 1 + usize::from(size[2] > size[1]) };
         let distance = size[axis];

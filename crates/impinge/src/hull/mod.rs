@@ -10,6 +10,8 @@ mod extremes;
 mod facets;
 mod flat;
 mod order;
+mod parts;
+mod proof;
 
 use rayon::prelude::*;
 
@@ -22,6 +24,7 @@ pub(crate) use cull::stored;
 pub(crate) use extremes::Extremes;
 use facets::Facets;
 use flat::Flat;
+pub(crate) use parts::HullParts;
 
 /// Coordinates stay below this magnitude: the range of the proofs.
 const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;

@@ -19,6 +19,7 @@ mod nearest;
 mod packet;
 mod parts;
 mod positions;
+mod proxies;
 mod ray_packet;
 mod rays;
 mod refit;

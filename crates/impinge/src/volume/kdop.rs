@@ -62,6 +62,26 @@ impl<const D: usize> Kdop<D> {
         directions
     };
 
+    /// The polytope between these bounds.
+    ///
+    /// # Errors
+    /// [`NonFinite`](InputErrorKind::NonFinite) and [`OutOfRange`](InputErrorKind::OutOfRange) (beyond 3 · 2^320) name the slab,
+    /// [`Negative`](InputErrorKind::Negative) one whose bounds are the wrong way round.
+    pub fn new(low: [f64; D], high: [f64; D]) -> Result<Self, InputError> {
+        for (index, (low, high)) in low.into_iter().zip(high).enumerate() {
+            if !(low.is_finite() && high.is_finite()) {
+                return Err(InputError::new(InputErrorKind::NonFinite { what: "slab", index }));
+            }
+            if low.abs().max(high.abs()) > 3.0 * LIMIT {
+                return Err(InputError::new(InputErrorKind::OutOfRange { what: "slab", index, limit: "2^320" }));
+            }
+            if low > high {
+                return Err(InputError::new(InputErrorKind::Negative { what: "slab", index }));
+            }
+        }
+        Ok(Self { low, high })
+    }
+
     /// The least of these points: every slab is the exact one, rounded outward.
     ///
     /// # Errors
@@ -93,6 +113,14 @@ impl<const D: usize> Kdop<D> {
     #[must_use]
     pub fn high(&self) -> [f64; D] {
         self.high
+    }
+
+    /// Whether the point is proved to be inside.
+    pub(super) fn certainly_contains(&self, point: [f64; 3]) -> bool {
+        (0..D).all(|k| {
+            let [low, high] = project(&Self::DIRECTIONS[k], point);
+            self.low[k] <= low && high <= self.high[k]
+        })
     }
 
     /// A bound on d · x over the polytope, for d known within `off` in each component.

@@ -14,7 +14,7 @@
 //!
 //! Each is the set of *real* points that its numbers define, and is wrong in one direction only: whatever is computed from
 //! it, a conversion, a union or a moved copy, holds the exact result; a test says *apart* only where that is proved.
-//! [`fit`] makes them from points.
+//! [`fit`] makes them from points; [`Proxies`] are one of each kind about a convex hull.
 
 mod aabb;
 mod batch;
@@ -29,6 +29,7 @@ mod min_max;
 mod min_widths;
 mod obb;
 mod packed;
+mod proxies;
 pub mod realign;
 mod rigid;
 mod round;
@@ -46,6 +47,7 @@ pub use min_max::MinMax;
 pub use min_widths::MinWidths;
 pub use obb::Obb;
 pub use packed::{PackedCentreRadius, PackedMinWidths, Steps};
+pub use proxies::{Proxies, ProxyFlaw};
 pub(crate) use rigid::stretch;
 pub use round::{DistanceBounds, Proximity, Round};
 pub use sphere::BoundingSphere;

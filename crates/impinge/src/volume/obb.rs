@@ -83,6 +83,12 @@ impl Obb {
         Self { centre, axes, half_extents: reach.map(|y| add_up(y, skew)) }
     }
 
+    /// The box about a centre with these axes, orthonormal up to rounding, that holds the points.
+    pub(super) fn about(centre: [f64; 3], axes: [[f64; 3]; 3], points: &[[f64; 3]]) -> Self {
+        let reach = |axis| points.iter().map(|&point| projection_up(axis, point, centre)).fold(0.0, f64::max);
+        Self::of_reach(centre, axes, axes.map(reach))
+    }
+
     /// The corners, rounded.
     #[must_use]
     pub fn corners(&self) -> [[f64; 3]; 8] {

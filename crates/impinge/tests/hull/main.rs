@@ -3,5 +3,6 @@
 mod kinds;
 mod large;
 mod oracle;
+mod proxies;
 mod support;
 mod surface;

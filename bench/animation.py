@@ -1,0 +1,101 @@
+"""How the tree of a mesh ages under an animation, and what questions cost then, on one thread, as a plot.
+
+    IMPINGE_DATA=... .venv/bin/python bench/animation.py
+
+A knot that is twisted by 0.1 radians more in each frame, and two recorded animations, are followed in three ways: by refits alone;
+by refits with the watch, which has the subtrees rebuilt that have aged; by building the mesh anew in each frame. All three are
+asked for all pairs with the mesh as it was at first, and have to answer alike.
+"""
+
+import itertools
+import json
+import statistics
+
+import plots
+from matplotlib.axes import Axes
+from plots import plt
+from rivals import circumstances, output
+
+WAYS = [
+    ("refitted", "refits alone", "#ff725c", 3.0),
+    ("watched", "refits with the watch", "#4269d0", 1.4),
+    ("rebuilt", "a build each frame", "#6cc5b0", 1.0),
+]
+"""Key, label, colour, width of the line: where two are the same, the wider one is seen beneath."""
+
+NAMES = {
+    "twist": "twisted knot, 199,712 triangles",
+    "anim_robot_cc0.npz": "robot, 3,238 triangles",
+    "anim_makehuman_morph.npz": "human, 26,756 triangles",
+}
+"""What the program calls an animation, and what its column is headed."""
+
+TITLES = (
+    "animation",
+    "How trees age under animations",
+    "One thread; the least of the runs of a query, the median over the frames of an update, which is timed once in each. "
+    "The cost is that of a new tree's, by the surface area heuristic.",
+)
+"""The record's name, its head, and a note."""
+
+Rows = list[dict]
+
+
+def measure(repeats: int) -> dict[str, Rows]:
+    """The frames of each animation."""
+    command = ["cargo", "run", "--quiet", "--release", "-p", "impinge-bench", "--bin", "refit", "--", "--json"]
+    rows = [json.loads(line) for line in output(*command, "--repeats", str(repeats)).splitlines()]
+    return {name: list(frames) for name, frames in itertools.groupby(rows, lambda row: row["animation"])}
+
+
+def relative_cost(row: dict, way: str) -> float:
+    return row[way]["cost"] / row["rebuilt"]["cost"]
+
+
+def table(animations: dict[str, Rows]) -> str:
+    heads = ["animation", "frames", "way", "greatest cost", "update", "query", "both", "frames with rebuilds"]
+    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
+    for name, rows in animations.items():
+        for way, label, _, _ in WAYS:
+            update, query = (statistics.median(row[way][f"{key}_seconds"] * 1e3 for row in rows) for key in ("update", "query"))
+            rebuilds = {"refitted": 0, "watched": sum(row["faces_rebuilt"] > 0 for row in rows), "rebuilt": len(rows)}[way]
+            cost = max(relative_cost(row, way) for row in rows)
+            cells = [NAMES[name], str(len(rows)), label, f"{cost:.2f}", *(f"{x:.3g} ms" for x in (update, query, update + query))]
+            lines.append("| " + " | ".join([*cells, str(rebuilds)]) + " |")
+    return "\n".join(lines)
+
+
+def drawn(animations: dict[str, Rows]) -> Axes:
+    """Above what the tree costs, below how long a query takes, an animation in each column."""
+    figure, grid = plt.subplots(2, len(animations), figsize=(9.2, 4.6), sharex="col", layout="constrained")
+    highest = max(relative_cost(row, "refitted") for rows in animations.values() for row in rows)
+    for (above, below), (name, rows) in zip(grid.T, animations.items(), strict=True):
+        for axes in (above, below):
+            plots.bare(axes)
+        frames = [row["frame"] for row in rows]
+        for way, label, colour, width in WAYS:
+            above.plot(frames, [relative_cost(row, way) for row in rows], color=colour, linewidth=width, label=label)
+            below.plot(frames, [row[way]["query_seconds"] * 1e3 for row in rows], color=colour, linewidth=width)
+        above.set_title(NAMES[name], fontsize=9)
+        above.set_ylim(0.8, highest * 1.05)
+        below.set_ylim(bottom=0)
+        below.set_xlabel("frame")
+        for number in (row["frame"] for row in rows if row["faces_rebuilt"]):
+            above.axvline(number, color=plots.GREY, linewidth=0.6, linestyle=(0, (2, 2)), zorder=0)
+    grid[0, 0].set_ylabel("cost of the tree,\nin that of a new one")
+    grid[1, 0].set_ylabel("all pairs, milliseconds")
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=len(WAYS), frameon=False)
+    return grid[0, 0]
+
+
+def main() -> None:
+    parser = plots.arguments(__doc__, TITLES[0])
+    parser.add_argument("--repeats", type=int, default=9, help="runs of each query, of which the least counts")
+    options = parser.parse_args()
+    about = circumstances()
+    animations = measure(options.repeats)
+    plots.keep(drawn(animations), table(animations), about, options, TITLES)
+
+
+if __name__ == "__main__":
+    main()
