@@ -32,8 +32,8 @@ struct Look {
     seen: Seen,
     place: u32,
     mover: u8,
-    /// Where the cell is from the first about the way.
-    along: [u8; 3],
+    /// Which of the cells about the way it is.
+    number: u8,
 }
 
 /// How a box moves among the cells.
@@ -41,8 +41,9 @@ struct Look {
 struct Way {
     before: Block,
     after: Block,
-    /// The first cell about it.
+    /// The first cell about it, and how many there are along two axes.
     low: Cell,
+    counts: [u8; 2],
     /// Whether it has copies in this level, and whether these are in other cells afterwards.
     is_here: bool,
     stays: bool,
@@ -53,7 +54,7 @@ struct Way {
 struct Open {
     key: u32,
     mover: u8,
-    along: [u8; 3],
+    number: u8,
 }
 
 impl Default for Looks {
@@ -90,8 +91,9 @@ impl Looks {
         let [before, after] = [reaches[0].block(), reaches[1].block()];
         let block = before.merged(&after);
         let counts = [0, 1, 2].map(|axis| block.high[axis] - block.low[axis] + 1);
-        self.ways[mover] = Way { before, after, low: block.low, is_here, stays: before == after };
         let most = counts[0].max(counts[1]).max(counts[2]);
+        let in_rows = [counts[0] as u8, counts[1] as u8];
+        self.ways[mover] = Way { before, after, low: block.low, counts: in_rows, is_here, stays: before == after };
         if most <= 2 {
             self.spread::<8>(level, mover, &reaches, counts);
         } else if most <= 4 && counts.iter().product::<i64>() <= SHORT as i64 {
@@ -133,12 +135,12 @@ impl Looks {
         let [mut x, mut y, mut z] = [0, wide, 2 * wide];
         let end = counts.map(|count| count as usize);
         let number = end[0] * end[1] * end[2];
-        for look in &mut self.looks[self.count..][..number] {
+        for (at, look) in self.looks[self.count..][..number].iter_mut().enumerate() {
+            // What they never exceed.
             let lanes = [x % LANES, y % LANES, z % LANES];
             let place = level.layout.place([places[lanes[0]], places[lanes[1]], places[lanes[2]]]);
             let seen = Seen::all(&slices[lanes[0]], &slices[lanes[1]], &slices[lanes[2]]);
-            let along = [x as u8, (y - wide) as u8, (z - 2 * wide) as u8];
-            *look = Look { seen, place: place as u32, mover: mover as u8, along };
+            *look = Look { seen, place: place as u32, mover: mover as u8, number: at as u8 };
             x += 1;
             let is_row = x == end[0];
             x = if is_row { 0 } else { x };
@@ -185,7 +187,7 @@ impl Looks {
                 while undecided != 0 {
                     let key = line.keys[undecided.trailing_zeros() as usize];
                     undecided &= undecided - 1;
-                    self.open.push(Open { key, mover: look.mover, along: look.along });
+                    self.open.push(Open { key, mover: look.mover, number: look.number });
                 }
                 let next = line.next;
                 match level.lines.more_mut(next) {
@@ -194,7 +196,7 @@ impl Looks {
                 }
             }
             if way.is_here && !way.stays {
-                let cell = way.cell(look.along);
+                let cell = way.cell(look.number);
                 let (place, after) = (look.place as usize, look.seen.after());
                 match (way.before.holds(cell), way.after.holds(cell)) {
                     (true, true) => level.lines.write(place, key, after),
@@ -214,7 +216,7 @@ impl Looks {
             let Some(bounds) = movers.at_turn(items, mover, open.key) else { continue };
             let (met, meets) = (overlap(from, bounds), overlap(to, bounds));
             let block = Block { low: way.low, high: way.low };
-            if met != meets && level.frame.is_first(way.cell(open.along), &block, bounds) {
+            if met != meets && level.frame.is_first(way.cell(open.number), &block, bounds) {
                 changes.note(key, open.key, meets);
             }
         }
@@ -230,7 +232,9 @@ fn places_of<S: Simd>(simd: S, key: u32, keys: &[u32; HELD]) -> u32 {
 }
 
 impl Way {
-    fn cell(&self, along: [u8; 3]) -> Cell {
+    fn cell(&self, number: u8) -> Cell {
+        let (row, x) = (number / self.counts[0], number % self.counts[0]);
+        let along = [x, row % self.counts[1], row / self.counts[1]];
         [0, 1, 2].map(|axis| self.low[axis] + i64::from(along[axis]))
     }
 }

@@ -9,10 +9,6 @@ use super::lines::HELD;
 const STEPS: u32 = 6;
 const ALL: u64 = (1 << (8 * STEPS)) - 1;
 
-/// The lowest and the highest bit of each step.
-const ONES: u64 = 0x0101_0101_0101;
-const HIGHEST: u64 = ONES << 7;
-
 /// How far above the first step of an axis is the other one.
 const END: u32 = 24;
 
@@ -119,21 +115,25 @@ impl Seen {
             after: steps(axis, next_begin, 255 - next_end) | mark,
             least: steps(axis, nth.min(1) as u64, 0) | mark,
             most: steps(axis, end.max(next_end), 255 - begin.min(next_begin)) | mark,
-            within: steps(axis, end.min(next_end), 255 - begin.max(next_begin)),
+            within: Self::within(axis, end.min(next_end), 255 - begin.max(next_begin)),
         }
+    }
+
+    /// Bytes that are strictly less along an axis, and any along the others; none where nothing is, as no mark is.
+    #[inline(always)]
+    fn within(axis: usize, first: u64, second: u64) -> u64 {
+        let less = steps(axis, first.wrapping_sub(1), second.wrapping_sub(1)) | !steps(axis, 255, 255);
+        if (first == 0) | (second == 0) { 0 } else { less }
     }
 
     /// Of three axes together.
     #[inline(always)]
     pub(super) fn all(x: &Self, y: &Self, z: &Self) -> Self {
-        let within = x.within | y.within | z.within;
-        // Nothing is strictly less than nothing, and no mark is.
-        let has_zero = within.wrapping_sub(ONES) & !within & HIGHEST != 0;
         Self {
             after: x.after | y.after | z.after,
             least: x.least | y.least | z.least,
             most: x.most | y.most | z.most,
-            within: if has_zero { 0 } else { (within - ONES) | !ALL },
+            within: x.within & y.within & z.within,
         }
     }
 

@@ -293,3 +293,63 @@ impl Structure {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn world_of(sizes: impl Fn(u32) -> f64) -> Broad {
+        let mut broad = Broad::default();
+        for body in 0..300 {
+            let low = [f64::from(body), 0.0, 0.0];
+            let size = sizes(body);
+            broad.insert(body, &MinMax::from_ordered(low, low.map(|x| x + size)));
+        }
+        broad
+    }
+
+    fn kind_after(broad: &mut Broad, steps: usize, moved: usize) -> BroadPhase {
+        (0..steps).for_each(|_| broad.adapt(moved));
+        broad.structure.kind()
+    }
+
+    #[test]
+    fn a_choice_goes_by_numbers_moves_sizes_and_rays() {
+        let mut broad = world_of(|_| 1.0);
+        assert_eq!(kind_after(&mut broad, 1, 1), BroadPhase::Grid);
+        assert_eq!(kind_after(&mut broad, 20, 300), BroadPhase::Columns);
+        assert_eq!(kind_after(&mut broad, 200, 1), BroadPhase::Grid);
+        let ray = Ray::new([0.5; 3], [1.0, 0.0, 0.0], f64::INFINITY).expect("a ray");
+        let mut met = 0;
+        broad.along(&ray, &mut |_| {
+            met += 1;
+            f64::INFINITY
+        });
+        assert_eq!(met, 300);
+        assert_eq!(kind_after(&mut broad, 1, 1), BroadPhase::Tree);
+        (64..300).for_each(|body| broad.remove(body));
+        assert_eq!(kind_after(&mut broad, 1, 1), BroadPhase::Tree);
+        broad.remove(63);
+        assert_eq!(kind_after(&mut broad, 1, 1), BroadPhase::Every);
+        let mut spread = world_of(|body| 1.1_f64.powi(body as i32));
+        assert_eq!(kind_after(&mut spread, 1, 1), BroadPhase::Tree);
+    }
+
+    #[test]
+    fn cells_of_a_grid_follow_the_boxes() {
+        let mut broad = Broad::new(BroadPhase::Grid);
+        let cell = |broad: &Broad| match &broad.structure {
+            Structure::Grid(grid) => grid.cell(),
+            _ => 0.0,
+        };
+        for size in [1.0, 100.0, 2.0] {
+            for body in 0..300 {
+                let low = [f64::from(body), 0.0, 0.0];
+                broad.insert(body, &MinMax::from_ordered(low, low.map(|x| x + size)));
+            }
+            broad.adapt(300);
+            assert!(cell(&broad) > size && cell(&broad) < 2.0 * size, "{} for {size}", cell(&broad));
+            assert_eq!(broad.structure.len(), 300);
+        }
+    }
+}

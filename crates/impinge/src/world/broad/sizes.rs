@@ -18,7 +18,7 @@ const STANDS: f64 = 1.5;
 /// Sizes that an eighth of the boxes exceed are alike if they are less than so many times those that an eighth falls short of.
 const ALIKE: f64 = 16.0;
 
-/// Boxes that may come or move, beyond as many as there are, before they are looked at again.
+/// Boxes that may come or move, beyond half as many as there are, before they are looked at again.
 const PATIENCE: usize = 64;
 
 /// What is known of the sizes.
@@ -57,11 +57,33 @@ impl Sizes {
 
     /// Whether what is known of so many boxes is old.
     pub(super) fn are_old(&self, len: usize) -> bool {
-        self.since > len + PATIENCE
+        self.since > len / 2 + PATIENCE
     }
 
     /// Whether a grid with such cells still suits the boxes.
     pub(super) fn suit(&self, cell: f64) -> bool {
         cell <= STANDS * self.cell && self.cell <= STANDS * cell
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sizes(edges: impl Iterator<Item = f64>) -> Sizes {
+        Sizes::of(edges.map(|edge| MinMax::from_ordered([0.0; 3], [0.1 * edge, edge, 0.0])))
+    }
+
+    #[test]
+    fn cells_are_a_little_larger_than_most_boxes() {
+        let even = sizes((0..200).map(|at| 0.5 + f64::from(at) / 200.0));
+        assert!(even.are_alike && even.cell > 1.4 && even.cell < 1.7, "{even:?}");
+        // A floor under them changes neither, and points have cells, too.
+        let floor = sizes((0..200).map(|at| if at == 77 { 1e9 } else { 1.0 }));
+        assert!(floor.are_alike && floor.cell == ROOM, "{floor:?}");
+        let points = sizes(std::iter::repeat_n(0.0, 50));
+        assert!(points.are_alike && points.cell == LEAST_CELL);
+        assert!(!sizes((0..200).map(|at| 1.1_f64.powi(at))).are_alike);
+        assert!(even.suit(1.2 * even.cell) && !even.suit(1.6 * even.cell) && !even.suit(0.6 * even.cell));
     }
 }
