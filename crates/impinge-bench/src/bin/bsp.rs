@@ -1,4 +1,5 @@
-//! `SolidBsp` beside the mesh that it is of: what it takes to build, and what a point and a ray cost. Every answer is compared.
+//! `SolidBsp` beside the mesh that it is of: what it takes to build, and what a point and a ray cost. Every answer is
+//! compared.
 //!
 //! `cargo run --release -p impinge-bench --bin bsp`
 

@@ -79,14 +79,7 @@ impl Looks {
     /// Finds the cells about a way and asks for their memory, unless they are too many. Copies of the box are in this level, or
     /// it only looks here.
     #[inline(always)]
-    pub(super) fn trace<S: Simd>(
-        &mut self,
-        _simd: S,
-        level: &Level,
-        mover: usize,
-        [from, to]: &[MinMax; 2],
-        is_here: bool,
-    ) -> bool {
+    pub(super) fn trace(&mut self, level: &Level, mover: usize, [from, to]: &[MinMax; 2], is_here: bool) -> bool {
         let reaches = [level.frame.reach(from), level.frame.reach(to)];
         let [before, after] = [reaches[0].block(), reaches[1].block()];
         let block = before.merged(&after);
@@ -114,8 +107,8 @@ impl Looks {
         let mut steps = [[0; LANES]; 4];
         for (steps, places) in steps.iter_mut().zip(ends) {
             let parts = by_axis!(axis => places[axis].parts_from(low[axis]) as i32);
-            for lane in 0..LANES {
-                steps[lane] = parts[(lane / wide).min(2)];
+            for (lane, step) in steps.iter_mut().enumerate() {
+                *step = parts[(lane / wide).min(2)];
             }
             for (lane, step) in steps.iter_mut().enumerate() {
                 *step = seen_step(*step, lane % wide);
@@ -123,9 +116,9 @@ impl Looks {
         }
         let mut slices = [Seen::default(); LANES];
         let mut places = [Along::default(); LANES];
-        for axis in 0..3 {
+        for (axis, first) in low.into_iter().enumerate() {
             for nth in 0..wide {
-                let (lane, cell) = (axis * wide + nth, low[axis] + nth as i64);
+                let (lane, cell) = (axis * wide + nth, first + nth as i64);
                 let (from, to) = ([steps[0][lane], steps[1][lane]], [steps[2][lane], steps[3][lane]]);
                 slices[lane] = Seen::along(axis, from, to, cell, nth);
                 places[lane] = level.layout.along(axis, cell);

@@ -154,13 +154,13 @@ impl Follows for HierarchicalGrid {
     }
 
     #[inline(always)]
-    fn trace<S: Simd>(&self, simd: S, mover: usize, way: &[MinMax; 2], looks: &mut [Looks]) -> bool {
+    fn trace(&self, mover: usize, way: &[MinMax; 2], looks: &mut [Looks]) -> bool {
         let [from, to] = way.each_ref().map(|bounds| self.level_of(bounds));
         if from != to {
             return false;
         }
         for ((&number, level), looks) in self.levels.iter().zip(looks) {
-            if !looks.trace(simd, level, mover, way, number == from) {
+            if !looks.trace(level, mover, way, number == from) {
                 return false;
             }
         }

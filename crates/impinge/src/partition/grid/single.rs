@@ -212,8 +212,8 @@ impl Follows for Single {
     }
 
     #[inline(always)]
-    fn trace<S: Simd>(&self, simd: S, mover: usize, way: &[MinMax; 2], looks: &mut [Looks]) -> bool {
-        looks[0].trace(simd, &self.level, mover, way, true)
+    fn trace(&self, mover: usize, way: &[MinMax; 2], looks: &mut [Looks]) -> bool {
+        looks[0].trace(&self.level, mover, way, true)
     }
 
     #[inline(always)]

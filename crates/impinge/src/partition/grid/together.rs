@@ -29,7 +29,7 @@ pub(super) trait Follows: Dynamic {
     fn levels(&self) -> usize;
 
     /// Where a box that is in cells and stays there looks, in each level; whether that is all, and the way is short.
-    fn trace<S: Simd>(&self, simd: S, mover: usize, way: &[MinMax; 2], looks: &mut [Looks]) -> bool;
+    fn trace(&self, mover: usize, way: &[MinMax; 2], looks: &mut [Looks]) -> bool;
 
     /// Moves the boxes, and notes what that changes.
     fn follow<S: Simd>(&mut self, simd: S, movers: &Movers, looks: &mut [Looks], changes: &mut Changes);
@@ -92,7 +92,7 @@ fn in_turn<S: Simd>(simd: S, grid: &mut impl Follows, moves: &[Move], changes: &
             }
             let mover = movers.count;
             movers.boxes[mover] = [from, to];
-            if grid.trace(simd, mover, &movers.boxes[mover], &mut looks) {
+            if grid.trace(mover, &movers.boxes[mover], &mut looks) {
                 movers.keys[mover] = step.key;
                 movers.count += 1;
                 if movers.count == TOGETHER {
