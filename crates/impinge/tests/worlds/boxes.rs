@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use impinge::Pose;
-use impinge::mesh::Ray;
 use impinge::shape::Shape;
 use impinge::world::{Body, BodyId, BroadPhase, Kind, NarrowPhase, Options, World};
 use impinge_testkit::generate::Rng;
@@ -121,51 +120,6 @@ fn boxes_that_coincide_are_paired_as_by_brute_force() {
     for broad_phase in BROAD_PHASES {
         let churn = Churn { steps: 100, most: 60, size: |_| 1.0, place: |rng| rng.choose(&[0.0, 0.0, 0.0, 5.0]) };
         churned(broad_phase, 84, &churn);
-    }
-}
-
-#[test]
-fn a_world_that_changes_its_broad_phase_pairs_as_by_brute_force() {
-    for broad_phase in [BroadPhase::Auto, BroadPhase::Grid] {
-        let mut rng = Rng::new(85);
-        let mut world = World::with_options(Options { broad_phase, narrow_phase: NarrowPhase::Boxes });
-        let mut alive: Vec<BodyId> = Vec::new();
-        let (mut met, mut gained) = (0, 0);
-        let ray = Ray::new([-20.0, 0.0, 0.0], [1.0, 0.0, 0.0]).unwrap();
-        for step in 0..240 {
-            // Few move, all do, few again, larger ones among them, and rays are asked for at last.
-            let era = step / 48;
-            while alive.len() < 300 {
-                let size = if era == 3 && rng.one_in(2) { 3.0 } else { rng.choose(&[0.25, 0.5, 0.75]) };
-                let at = Pose::from_translation([0; 3].map(|_| rng.integer(-6, 6) as f64)).unwrap();
-                alive.push(world.insert(Body::new(Shape::cuboid([size; 3]).unwrap()).at(at)).unwrap());
-            }
-            for _ in 0..rng.integer(0, if era == 3 { 12 } else { 2 }) {
-                let gone = alive.swap_remove(rng.integer(0, alive.len() as i64 - 1) as usize);
-                world.remove(gone).unwrap();
-            }
-            let moving = if era == 1 { alive.len() } else { 5 };
-            let moves: Vec<(BodyId, Pose)> = (0..moving)
-                .map(|at| {
-                    let body = if era == 1 { alive[at] } else { rng.choose(&alive) };
-                    let from = *world.pose(body).unwrap().translation();
-                    (body, Pose::from_translation(from.map(|x| x + rng.choose(&[-0.25, 0.0, 0.25]))).unwrap())
-                })
-                .collect();
-            gained += world.step(&moves).unwrap().work.gained;
-            if era == 4 {
-                assert!(world.ray_cast(&ray, |_| true).is_some());
-            }
-            let boxes = alive.iter().map(|&body| {
-                let bounds = world.bounds(body).unwrap().unwrap();
-                (body, [bounds.min(), bounds.max()])
-            });
-            let expected = brute_force(&boxes.collect());
-            let found: Vec<[BodyId; 2]> = world.pairs().map(|pair| [pair.key.a, pair.key.b]).collect();
-            assert!(found == expected, "{broad_phase:?}, step {step}: {} pairs for {}", found.len(), expected.len());
-            met += expected.len();
-        }
-        assert!(met > 20_000 && gained > 2_000, "{broad_phase:?}: {met} pairs, {gained} gained");
     }
 }
 
