@@ -63,6 +63,19 @@ impl Items {
         before
     }
 
+    /// Puts a box in the place of the one that a key has.
+    #[inline]
+    pub(super) fn replace(&mut self, key: u32, bounds: MinMax) {
+        if let Some(own) = self.boxes.get_mut(key as usize) {
+            *own = bounds;
+        }
+        // Most boxes stay within what there was.
+        if !self.bounds.is_some_and(|all| all.encloses(&bounds)) {
+            self.bounds = Some(self.bounds.map_or(bounds, |all| all.merged(&bounds)));
+        }
+        self.age();
+    }
+
     /// Takes a box away.
     pub(super) fn remove(&mut self, key: u32) -> Option<MinMax> {
         let before = *self.get(key)?;
@@ -73,12 +86,18 @@ impl Items {
     }
 
     /// Makes the bounds exact from time to time, at a constant price for each change.
+    #[inline]
     fn age(&mut self) {
         self.stale += 1;
         if self.len == 0 || self.stale > self.len + STALE {
-            self.stale = 0;
-            self.bounds = self.iter().map(|(_, bounds)| *bounds).reduce(|all, one| all.merged(&one));
+            self.measure();
         }
+    }
+
+    #[cold]
+    fn measure(&mut self) {
+        self.stale = 0;
+        self.bounds = self.iter().map(|(_, bounds)| *bounds).reduce(|all, one| all.merged(&one));
     }
 
     /// By ascending keys.

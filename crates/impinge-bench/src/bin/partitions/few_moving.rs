@@ -23,7 +23,7 @@ pub(crate) fn compare(count: usize, steps: usize) -> Result<()> {
     let boxes = like(count, &mut rng);
     let mut table = Table::new(["", "the same ones", "median", "others each time", "median"]);
     measure("hashed grid", HashedGrid::new(CELL)?, &boxes, steps, &mut table)?;
-    measure("hierarchical grid", HierarchicalGrid::new(2.0)?, &boxes, steps, &mut table)?;
+    measure("hierarchical grid", HierarchicalGrid::new(CELL)?, &boxes, steps, &mut table)?;
     measure("tree", BoxTree::build(&boxes), &boxes, steps, &mut table)?;
     measure("tree with margin", BoxTree::with_margin(0.2), &boxes, steps, &mut table)?;
     println!("{table}");

@@ -29,13 +29,13 @@ pub(super) struct Frame {
 
 /// A coordinate in parts of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Place(i64);
+pub(super) struct Place(i64);
 
 /// Where a box begins and ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Reach {
-    low: [Place; 3],
-    high: [Place; 3],
+    pub(super) low: [Place; 3],
+    pub(super) high: [Place; 3],
 }
 
 /// A block of cells, from one corner to the other, with them.
@@ -94,17 +94,31 @@ fn scale(cell: f64) -> f64 {
     (f64::from(1 << PARTS) / cell).min(f64::MAX)
 }
 
+/// The step of a place so many parts behind the beginning of a cell as it is seen from the `nth` that follows.
+#[inline(always)]
+pub(super) fn seen_step(parts: i32, nth: usize) -> i32 {
+    let part = (parts - ((nth as i32) << PARTS)).clamp(-1, 1 << PARTS);
+    // Of 256 parts 254 steps are made, which are in order as these are.
+    1 + part - ((part + 127) >> 7)
+}
+
 impl Place {
     #[inline]
     fn cell(self) -> i64 {
         self.0 >> PARTS
     }
 
+    /// How far the place is behind the beginning of a cell, in parts of one.
+    #[inline(always)]
+    pub(super) fn parts_from(self, cell: i64) -> i64 {
+        self.0 - (cell << PARTS)
+    }
+
     /// The step as it is seen from a cell: 0 for what is before it, 255 for what is behind it, and 1 to 254 between.
     #[inline]
     fn seen_from(self, cell: i64) -> u8 {
-        let part = (self.0 - (cell << PARTS)).clamp(-1, 1 << PARTS);
-        (1 + ((part * 254) >> PARTS)) as u8
+        let parts = self.parts_from(cell).clamp(-1, 1 << PARTS);
+        seen_step(parts as i32, 0) as u8
     }
 }
 

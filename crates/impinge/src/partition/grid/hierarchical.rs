@@ -3,24 +3,28 @@
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-use super::super::{Cells, Dynamic, Holds, Items, Partition, Visitor, Work};
+use fearless_simd::Simd;
+
+use super::super::{Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visitor, Work};
+use super::follow::Looks;
 use super::level::Level;
 use super::single::judge_cell;
+use super::together::{self, Follows, Movers};
 use crate::input::InputError;
 use crate::volume::MinMax;
 
-/// Cells have edges between these powers of two: twice the largest box is less, and a float of the least size still has an
-/// inverse.
-const EXPONENTS: [i32; 2] = [-1020, 1020];
+/// Edges of the least cells are between these: all boxes are less than so many times as large as cells that no product
+/// overflows, and a float of the least size still has an inverse.
+const EDGES: [f64; 2] = [f64::from_bits((1023 - 600) << 52), f64::from_bits((1023 + 1020) << 52)];
 
 /// Levels are so many powers of two apart: each box is looked for in every level that holds one, and in larger cells are
 /// more boxes that it misses.
 const STEP: i32 = 2;
 
-/// Hashed grids, one for each fourfold size of boxes, each box in the one whose cells are two to eight times as large as it
-/// is: the kind for boxes of unlike sizes that come, go and move.
+/// Hashed grids, one for each fourfold size of boxes, each box in the first one whose cells are as large as it is: the kind for
+/// boxes of unlike sizes that come, go and move.
 ///
-/// A box has at most eight copies, mostly one or two. Nothing is large: however the sizes are spread, a box touches no more
+/// A box has eight copies or so at most, mostly two or four. Nothing is large: however the sizes are spread, a box touches no more
 /// cells, and only levels that hold boxes are looked at. Boxes smaller than the least cells, and points, share these.
 ///
 /// # Complexity
@@ -46,39 +50,48 @@ const STEP: i32 = 2;
 /// ```
 #[derive(Clone, Debug)]
 pub struct HierarchicalGrid {
-    /// The exponent of the least cells.
-    least: i32,
-    /// By the exponent of their cells.
+    /// The edge of the least cells.
+    least: f64,
+    /// By how many levels of larger cells could be below them.
     levels: BTreeMap<i32, Level>,
     items: Items,
 }
 
-fn exponent(x: f64) -> i32 {
-    (x.to_bits() >> 52) as i32 - 1023
-}
-
-fn cell(level: i32) -> f64 {
-    f64::from_bits(((1023 + level) as u64) << 52)
+/// Of two.
+fn power(exponent: i32) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
 impl HierarchicalGrid {
-    /// A grid of nothing, whose least cells have edges of `cell`, rounded down to a power of two: about twice the size of the
-    /// smallest boxes of which there are many.
+    /// A grid of nothing, whose least cells have edges of `cell`: a little more than most boxes have, or than the smallest of which
+    /// there are many.
     ///
     /// # Errors
     /// [`NonFinite`](crate::input::InputErrorKind::NonFinite) and [`Negative`](crate::input::InputErrorKind::Negative) for a
     /// `"cell size"` that is not above zero.
     pub fn new(cell: f64) -> Result<Self, InputError> {
         judge_cell(cell)?;
-        let least = exponent(cell).clamp(EXPONENTS[0], EXPONENTS[1]);
-        Ok(Self { least, levels: BTreeMap::new(), items: Items::default() })
+        Ok(Self::with_cell(cell))
     }
 
-    /// The exponent of the cells of a box: of a power of two that is at least twice its longest edge.
+    /// As [`new`](Self::new), for a number above zero.
+    pub(crate) fn with_cell(cell: f64) -> Self {
+        Self { least: cell.clamp(EDGES[0], EDGES[1]), levels: BTreeMap::new(), items: Items::default() }
+    }
+
+    /// The edge of the least cells.
+    pub(crate) fn cell(&self) -> f64 {
+        self.least
+    }
+
+    /// The level of a box: the first whose cells are at least as large as the next power of two above its longest edge, in least cells.
     fn level_of(&self, bounds: &MinMax) -> i32 {
-        let size = (0..3).map(|axis| bounds.max()[axis] - bounds.min()[axis]).fold(0.0, f64::max);
-        let above = (exponent(size) + 2 - self.least).max(0);
-        self.least + (above + STEP - 1) / STEP * STEP
+        let edge = (0..3).map(|axis| bounds.max()[axis] - bounds.min()[axis]).fold(0.0, f64::max) / self.least;
+        if edge <= 1.0 {
+            return 0;
+        }
+        let above = (edge.to_bits() >> 52) as i32 - 1022;
+        (above + STEP - 1) / STEP
     }
 
     fn take(&mut self, key: u32, from: &MinMax) {
@@ -112,14 +125,14 @@ impl Dynamic for HierarchicalGrid {
     fn insert(&mut self, key: u32, to: MinMax) -> Option<MinMax> {
         let from = self.items.insert(key, to);
         let at = self.level_of(&to);
+        let is_moved = from.as_ref().is_some_and(|from| self.level_of(from) == at);
+        if let Some(from) = from.as_ref().filter(|_| !is_moved) {
+            self.take(key, from);
+        }
+        let level = self.levels.entry(at).or_insert_with(|| Level::hashed(self.least * power(STEP * at)));
         match &from {
-            Some(from) if self.level_of(from) == at => {
-                self.levels.entry(at).or_insert_with(|| Level::hashed(cell(at))).relocate(&self.items, key, from, &to);
-            }
-            from => {
-                from.iter().for_each(|from| self.take(key, from));
-                self.levels.entry(at).or_insert_with(|| Level::hashed(cell(at))).insert(&self.items, key, &to);
-            }
+            Some(from) if is_moved => level.relocate(&self.items, key, from, &to),
+            _ => level.insert(&self.items, key, &to),
         }
         from
     }
@@ -128,5 +141,41 @@ impl Dynamic for HierarchicalGrid {
         let from = self.items.remove(key)?;
         self.take(key, &from);
         Some(from)
+    }
+
+    fn step(&mut self, moves: &[Move], changes: &mut Changes) {
+        together::step(self, moves, changes);
+    }
+}
+
+impl Follows for HierarchicalGrid {
+    fn levels(&self) -> usize {
+        self.levels.len()
+    }
+
+    #[inline(always)]
+    fn trace(&self, mover: usize, way: &[MinMax; 2], looks: &mut [Looks]) -> bool {
+        let [from, to] = way.each_ref().map(|bounds| self.level_of(bounds));
+        if from != to {
+            return false;
+        }
+        for ((&number, level), looks) in self.levels.iter().zip(looks) {
+            if !looks.trace(level, mover, way, number == from) {
+                return false;
+            }
+        }
+        true
+    }
+
+    #[inline(always)]
+    fn follow<S: Simd>(&mut self, simd: S, movers: &Movers, looks: &mut [Looks], changes: &mut Changes) {
+        let Self { levels, items, .. } = self;
+        for (level, looks) in levels.values_mut().zip(looks) {
+            looks.follow(simd, level, items, movers, changes);
+        }
+        for (key, [_, to]) in movers.iter() {
+            items.replace(key, *to);
+        }
+        levels.values_mut().for_each(|level| level.resize(items));
     }
 }

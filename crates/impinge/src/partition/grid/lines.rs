@@ -16,7 +16,7 @@ pub(super) struct Line {
     pub(super) words: [Word; HELD],
     pub(super) keys: [u32; HELD],
     /// The next line of the same cell, among those that are shared.
-    next: u32,
+    pub(super) next: u32,
 }
 
 const _: () = assert!(size_of::<Line>() == 64);
@@ -77,16 +77,16 @@ impl Lines {
         std::iter::successors(self.first.get(at), |line| self.after(line))
     }
 
-    /// Visits the lines of a cell, to write copies anew.
+    /// The first line of a cell, to write copies anew.
     #[inline]
-    pub(super) fn each_of(&mut self, at: usize, mut visit: impl FnMut(&mut Line)) {
-        let first = &mut self.first[at];
-        visit(first);
-        let mut next = first.next;
-        while let Some(line) = self.more.get_mut(next as usize) {
-            visit(line);
-            next = line.next;
-        }
+    pub(super) fn first_mut(&mut self, at: usize) -> &mut Line {
+        &mut self.first[at]
+    }
+
+    /// A line that follows one.
+    #[inline]
+    pub(super) fn more_mut(&mut self, next: u32) -> Option<&mut Line> {
+        self.more.get_mut(next as usize)
     }
 
     /// Adds a copy. The mark of its word is not among those of the copies of this key here.

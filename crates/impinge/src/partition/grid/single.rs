@@ -2,8 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use super::super::{BoxTree, Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visitor, Work, record};
-use super::level::{Level, Open, SHORT, Way};
+use fearless_simd::Simd;
+
+use super::super::{BoxTree, Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visitor, Work};
+use super::follow::{Looks, SHORT};
+use super::level::Level;
+use super::together::{self, Follows, Movers};
 use crate::input::{InputError, InputErrorKind};
 use crate::volume::{BoundingVolume, MinMax};
 
@@ -14,11 +18,7 @@ const MOST_CELLS: f64 = 27.0;
 /// A short way is all in cells.
 const _: () = assert!(SHORT as f64 <= MOST_CELLS);
 
-/// Moves that are done together: what they touch is in the first cache, and memory is asked for so often in a row that a
-/// processor looks up several pages at once.
-const TOGETHER: usize = 16;
-
-/// Cells of a uniform grid at most: a GiB of them.
+/// Cells of a uniform grid at most: a GiB of them, where they are full.
 const MOST_DENSE: f64 = (1 << 24) as f64;
 
 /// Equal cells in a block, one after the other in memory: the kind for boxes of like size that fill a known space evenly.
@@ -124,14 +124,6 @@ impl Single {
         !self.level.takes(bounds, MOST_CELLS)
     }
 
-    /// Finds how a box moves that is in cells and stays in cells.
-    fn trace(&self, step: &Move, way: &mut Way) {
-        match (self.items.get(step.key), &step.to) {
-            (Some(from), Some(to)) => self.level.trace(from, to, way),
-            _ => way.boxes = None,
-        }
-    }
-
     /// Notes which pairs with large boxes a way changes.
     fn follow_among_large(&self, key: u32, [from, to]: &[MinMax; 2], changes: &mut Changes) {
         let _ = self.large.overlapping(&from.merged(to), &mut |other| {
@@ -209,81 +201,32 @@ impl Dynamic for Single {
         Some(from)
     }
 
-    /// Asks for the memory of several moves before it does them: in a large scene they are all over it. First for boxes, then
-    /// for the cells that these tell, then for what these cells tell.
     fn step(&mut self, moves: &[Move], changes: &mut Changes) {
-        changes.clear();
-        let mut ways = [Way::default(); TOGETHER];
-        let mut open = Vec::new();
-        for moves in moves.chunks(TOGETHER) {
-            let ways = &mut ways[..moves.len()];
-            moves.iter().for_each(|step| self.items.prefetch(step.key));
-            moves.iter().zip(&mut *ways).for_each(|(step, way)| self.trace(step, way));
-            let short = || ways.iter().filter(|way| way.boxes.is_some());
-            short().for_each(|way| self.level.prefetch(way));
-            short().for_each(|way| self.level.prefetch_more(way));
-            for (at, (step, way)) in moves.iter().zip(&*ways).enumerate() {
-                // A box that moves twice is elsewhere by now.
-                let earlier = moves[..at].iter().any(|earlier| earlier.key == step.key);
-                match &way.boxes {
-                    Some(boxes) if !earlier => self.follow((at, moves), (way, boxes), &mut open, changes),
-                    _ => self.do_alone(step, changes),
-                }
-            }
-            for (at, open) in open.drain(..) {
-                if let Some(bounds) = self.items.get(open.key)
-                    && let Some(began) = self.level.settle(&open, &ways[at], bounds)
-                {
-                    changes.note(moves[at].key, open.key, began);
-                }
-            }
-        }
-        changes.settle();
+        together::step(self, moves, changes);
     }
 }
 
-impl Single {
-    /// Moves a box within the cells, and notes what that changes, or that this is open; at once where the other box moves,
-    /// too, as that may be next.
-    fn follow(
-        &mut self,
-        (at, moves): (usize, &[Move]),
-        (way, boxes): (&Way, &[MinMax; 2]),
-        open: &mut Vec<(usize, Open)>,
-        changes: &mut Changes,
-    ) {
-        let key = moves[at].key;
-        let Self { level, large, items } = self;
-        items.insert(key, boxes[1]);
-        let first = open.len();
-        level.follow(items, way, key, |next| {
-            items.prefetch(next.key);
-            open.push((at, next));
-        });
-        let mut kept = first;
-        for next in first..open.len() {
-            let (_, other) = open[next];
-            if !moves.iter().any(|step| step.key == other.key) {
-                open[kept] = open[next];
-                kept += 1;
-            } else if let Some(bounds) = items.get(other.key)
-                && let Some(began) = level.settle(&other, way, bounds)
-            {
-                changes.note(key, other.key, began);
-            }
-        }
-        open.truncate(kept);
-        if !large.is_empty() {
-            self.follow_among_large(key, boxes, changes);
-        }
+impl Follows for Single {
+    fn levels(&self) -> usize {
+        1
     }
 
-    fn do_alone(&mut self, step: &Move, changes: &mut Changes) {
-        record(self, step, changes);
-        match step.to {
-            Some(bounds) => self.insert(step.key, bounds),
-            None => self.remove(step.key),
-        };
+    #[inline(always)]
+    fn trace(&self, mover: usize, way: &[MinMax; 2], looks: &mut [Looks]) -> bool {
+        looks[0].trace(&self.level, mover, way, true)
+    }
+
+    #[inline(always)]
+    fn follow<S: Simd>(&mut self, simd: S, movers: &Movers, looks: &mut [Looks], changes: &mut Changes) {
+        let Self { level, large, items } = self;
+        looks[0].follow(simd, level, items, movers, changes);
+        for (key, [_, to]) in movers.iter() {
+            items.replace(key, *to);
+        }
+        level.resize(items);
+        if !large.is_empty() {
+            movers.iter().for_each(|(key, way)| self.follow_among_large(key, way, changes));
+        }
     }
 }
 

@@ -2,8 +2,10 @@
 
 mod columns;
 mod every;
+mod sizes;
 
 use std::ops::ControlFlow;
+use std::sync::OnceLock;
 
 use crate::partition::{
     BoxTree, Changes, Dynamic, HierarchicalGrid, Move, Partition, Ray, SweepOneAxis, SweepThreeAxes,
@@ -11,6 +13,7 @@ use crate::partition::{
 use crate::volume::MinMax;
 use columns::Columns;
 use every::Every;
+use sizes::{SAMPLE, Sizes};
 
 /// More boxes than this are looked for through a structure, and fewer than half of it one by one again, so that a world about
 /// as large does not go back and forth. By `--bin worlds -- kinds` of the benchmarks: of 100 that move, to look at each takes
@@ -25,17 +28,14 @@ const SHARE_FOR_COLUMNS: f64 = 0.04;
 /// How much the last step counts in what share moves: a burst of one step changes nothing, one of two may.
 const LAST_STEP: f64 = 0.03;
 
-/// The edge of the least cells of a hierarchical grid, in world units: smaller boxes share these.
-const LEAST_CELL: f64 = 1.0 / 1024.0;
-
 /// No place.
 const NONE: u32 = u32::MAX;
 
 /// How pairs of boxes are found. No answer depends on it; `docs/worlds.md` says which is at home where.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BroadPhase {
-    /// By the number of bodies and how many of them move: [`Every`](Self::Every) for a few, [`Columns`](Self::Columns) where
-    /// many move, else [`Tree`](Self::Tree).
+    /// By the number of bodies, how many of them move, and what they are: [`Every`](Self::Every) for a few, [`Columns`](Self::Columns)
+    /// where many move, [`Grid`](Self::Grid) for bodies of like size in a world that was never asked about rays, else [`Tree`](Self::Tree).
     #[default]
     Auto,
     /// Every box is compared with every box that moved.
@@ -45,7 +45,7 @@ pub enum BroadPhase {
     /// All pairs anew at each step, by [`ColumnSweep`](crate::partition::ColumnSweep). Queries look at every box, so that a world
     /// that is asked about many rays a step is better off with a tree.
     Columns,
-    /// The [`HierarchicalGrid`].
+    /// The [`HierarchicalGrid`], with least cells that follow the sizes of the boxes.
     Grid,
     /// Sort and sweep along one axis, [`SweepOneAxis`].
     OneAxis,
@@ -60,6 +60,11 @@ pub(super) struct Broad {
     structure: Structure,
     /// The share of the bodies that moves in a step, as it was of late.
     moving: f64,
+    sizes: Sizes,
+    /// Keys are below this.
+    keys: u32,
+    /// Set once rays were asked about.
+    knows_rays: OnceLock<()>,
 }
 
 /// What is at work.
@@ -92,13 +97,29 @@ impl Default for Broad {
 
 impl Broad {
     pub(super) fn new(choice: BroadPhase) -> Self {
-        Self { choice, structure: Structure::of(choice), moving: 0.0 }
+        Self {
+            choice,
+            structure: Structure::of(choice),
+            moving: 0.0,
+            sizes: Sizes::default(),
+            keys: 0,
+            knows_rays: OnceLock::new(),
+        }
     }
 
     /// Takes up the structure that suits what there is now, where the choice is left to it.
     pub(super) fn adapt(&mut self, moved: usize) {
         let len = self.structure.len();
         self.moving += LAST_STEP * (moved.min(len) as f64 / len.max(1) as f64 - self.moving);
+        self.sizes.age(moved);
+        if self.sizes.are_old(len) {
+            self.sizes = Sizes::of(self.structure.sample(self.keys));
+            if let Structure::Grid(grid) = &self.structure
+                && !self.sizes.suit(grid.cell())
+            {
+                self.structure = self.build(BroadPhase::Grid);
+            }
+        }
         if self.choice != BroadPhase::Auto {
             return;
         }
@@ -107,25 +128,31 @@ impl Broad {
             _ if len < MOST_FOR_EVERY / 2 => BroadPhase::Every,
             _ if self.moving > SHARE_FOR_COLUMNS => BroadPhase::Columns,
             Structure::Columns(_) if self.moving > 0.5 * SHARE_FOR_COLUMNS => return,
+            _ if self.sizes.are_alike && self.knows_rays.get().is_none() => BroadPhase::Grid,
             _ => BroadPhase::Tree,
         };
-        if wanted == self.structure.kind() {
-            return;
+        if wanted != self.structure.kind() {
+            self.structure = self.build(wanted);
         }
+    }
+
+    /// A structure of the boxes that there are.
+    fn build(&self, kind: BroadPhase) -> Structure {
         let boxes = self.structure.boxes();
-        self.structure = match wanted {
+        let mut structure = match kind {
             // All at once, by a builder.
-            BroadPhase::Tree => Structure::Tree(Box::new(boxes.into_iter().collect())),
-            _ => {
-                let mut structure = Structure::of(wanted);
-                boxes.iter().for_each(|(body, bounds)| structure.insert(*body, bounds));
-                structure
-            }
+            BroadPhase::Tree => return Structure::Tree(Box::new(boxes.into_iter().collect())),
+            BroadPhase::Grid => Structure::Grid(Box::new(HierarchicalGrid::with_cell(self.sizes.cell))),
+            _ => Structure::of(kind),
         };
+        boxes.iter().for_each(|(body, bounds)| structure.insert(*body, bounds));
+        structure
     }
 
     /// A new box, or another one for a body that has one.
     pub(super) fn insert(&mut self, body: u32, bounds: &MinMax) {
+        self.sizes.age(1);
+        self.keys = self.keys.max(body + 1);
         self.structure.insert(body, bounds);
     }
 
@@ -142,7 +169,8 @@ impl Broad {
 
     /// Moves boxes, and tells what is known by that.
     pub(super) fn step(&mut self, moves: &[Move]) -> Told {
-        let sweep: &mut dyn Dynamic = match &mut self.structure {
+        let dynamic: &mut dyn Dynamic = match &mut self.structure {
+            Structure::Grid(grid) => &mut **grid,
             Structure::OneAxis(sweep) => &mut **sweep,
             Structure::ThreeAxes(sweep) => &mut **sweep,
             structure => {
@@ -155,7 +183,7 @@ impl Broad {
             }
         };
         let mut changes = Changes::default();
-        sweep.step(moves, &mut changes);
+        dynamic.step(moves, &mut changes);
         Told::Changes(changes)
     }
 
@@ -173,6 +201,9 @@ impl Broad {
 
     /// Visits the bodies whose boxes a ray meets before what `visit` last returned.
     pub(super) fn along(&self, ray: &Ray, visit: &mut dyn FnMut(u32) -> f64) {
+        if self.knows_rays.get().is_none() {
+            let _ = self.knows_rays.set(());
+        }
         match self.structure.look() {
             Look::Through(every) => every.along(ray, visit),
             Look::In(partition) => partition.ray(ray, &mut |met| visit(met.key)),
@@ -193,11 +224,7 @@ impl Structure {
             BroadPhase::Auto | BroadPhase::Every => Self::Every(Every::default()),
             BroadPhase::Tree => Self::Tree(Box::default()),
             BroadPhase::Columns => Self::Columns(Box::default()),
-            BroadPhase::Grid => match HierarchicalGrid::new(LEAST_CELL) {
-                Ok(grid) => Self::Grid(Box::new(grid)),
-                // Only for cells that are not above zero.
-                Err(_) => Self::Tree(Box::default()),
-            },
+            BroadPhase::Grid => Self::Grid(Box::new(HierarchicalGrid::with_cell(Sizes::default().cell))),
             BroadPhase::OneAxis => Self::OneAxis(Box::default()),
             BroadPhase::ThreeAxes => Self::ThreeAxes(Box::default()),
         }
@@ -243,6 +270,18 @@ impl Structure {
         }
     }
 
+    /// Some of the boxes, spread over the keys, which are below this.
+    fn sample(&self, keys: u32) -> impl Iterator<Item = MinMax> {
+        let len = match self.look() {
+            Look::Through(every) => every.boxes().len(),
+            Look::In(_) => keys as usize,
+        };
+        (0..len).step_by(len.div_ceil(SAMPLE).max(1)).filter_map(move |at| match self.look() {
+            Look::Through(every) => every.boxes().get(at).map(|(bounds, _)| *bounds),
+            Look::In(partition) => partition.get(at as u32),
+        })
+    }
+
     fn insert(&mut self, body: u32, bounds: &MinMax) {
         match self {
             Self::Every(every) => every.insert(body, bounds),
@@ -251,6 +290,66 @@ impl Structure {
             Self::Grid(grid) => _ = grid.insert(body, *bounds),
             Self::OneAxis(sweep) => _ = sweep.insert(body, *bounds),
             Self::ThreeAxes(sweep) => _ = sweep.insert(body, *bounds),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn world_of(sizes: impl Fn(u32) -> f64) -> Broad {
+        let mut broad = Broad::default();
+        for body in 0..300 {
+            let low = [f64::from(body), 0.0, 0.0];
+            let size = sizes(body);
+            broad.insert(body, &MinMax::from_ordered(low, low.map(|x| x + size)));
+        }
+        broad
+    }
+
+    fn kind_after(broad: &mut Broad, steps: usize, moved: usize) -> BroadPhase {
+        (0..steps).for_each(|_| broad.adapt(moved));
+        broad.structure.kind()
+    }
+
+    #[test]
+    fn a_choice_goes_by_numbers_moves_sizes_and_rays() {
+        let mut broad = world_of(|_| 1.0);
+        assert_eq!(kind_after(&mut broad, 1, 1), BroadPhase::Grid);
+        assert_eq!(kind_after(&mut broad, 20, 300), BroadPhase::Columns);
+        assert_eq!(kind_after(&mut broad, 200, 1), BroadPhase::Grid);
+        let ray = Ray::new([0.5; 3], [1.0, 0.0, 0.0], f64::INFINITY).expect("a ray");
+        let mut met = 0;
+        broad.along(&ray, &mut |_| {
+            met += 1;
+            f64::INFINITY
+        });
+        assert_eq!(met, 300);
+        assert_eq!(kind_after(&mut broad, 1, 1), BroadPhase::Tree);
+        (64..300).for_each(|body| broad.remove(body));
+        assert_eq!(kind_after(&mut broad, 1, 1), BroadPhase::Tree);
+        broad.remove(63);
+        assert_eq!(kind_after(&mut broad, 1, 1), BroadPhase::Every);
+        let mut spread = world_of(|body| 1.1_f64.powi(body as i32));
+        assert_eq!(kind_after(&mut spread, 1, 1), BroadPhase::Tree);
+    }
+
+    #[test]
+    fn cells_of_a_grid_follow_the_boxes() {
+        let mut broad = Broad::new(BroadPhase::Grid);
+        let cell = |broad: &Broad| match &broad.structure {
+            Structure::Grid(grid) => grid.cell(),
+            _ => 0.0,
+        };
+        for size in [1.0, 100.0, 2.0] {
+            for body in 0..300 {
+                let low = [f64::from(body), 0.0, 0.0];
+                broad.insert(body, &MinMax::from_ordered(low, low.map(|x| x + size)));
+            }
+            broad.adapt(300);
+            assert!(cell(&broad) > size && cell(&broad) < 2.0 * size, "{} for {size}", cell(&broad));
+            assert_eq!(broad.structure.len(), 300);
         }
     }
 }

@@ -1,0 +1,122 @@
+//! Moves that are done together, so that the memory that they need is asked for at once.
+
+use fearless_simd::{Simd, dispatch};
+
+use super::super::{Changes, Dynamic, Items, Move, record};
+use super::follow::Looks;
+use crate::simd::best_level;
+use crate::volume::MinMax;
+
+/// Moves that are done together: what they touch is in the first cache, and memory is asked for so often in a row that a
+/// processor looks up several pages at once.
+pub(super) const TOGETHER: usize = 16;
+
+/// No key: they are less.
+const NONE: u32 = u32::MAX;
+
+/// Boxes that move in their cells, each a short way and each once.
+#[derive(Clone, Debug)]
+pub(super) struct Movers {
+    keys: [u32; TOGETHER],
+    /// Where each comes from, and where it goes.
+    boxes: [[MinMax; 2]; TOGETHER],
+    count: usize,
+}
+
+/// A grid that can do moves together.
+pub(super) trait Follows: Dynamic {
+    /// How many levels of cells it looks into.
+    fn levels(&self) -> usize;
+
+    /// Where a box that is in cells and stays there looks, in each level; whether that is all, and the way is short.
+    fn trace(&self, mover: usize, way: &[MinMax; 2], looks: &mut [Looks]) -> bool;
+
+    /// Moves the boxes, and notes what that changes.
+    fn follow<S: Simd>(&mut self, simd: S, movers: &Movers, looks: &mut [Looks], changes: &mut Changes);
+}
+
+impl Movers {
+    fn new() -> Self {
+        let nowhere = MinMax::from_ordered([0.0; 3], [0.0; 3]);
+        Self { keys: [NONE; TOGETHER], boxes: [[nowhere; 2]; TOGETHER], count: 0 }
+    }
+
+    #[inline]
+    pub(super) fn of(&self, mover: usize) -> (u32, &[MinMax; 2]) {
+        (self.keys[mover], &self.boxes[mover])
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = (u32, &[MinMax; 2])> {
+        (0..self.count).map(|mover| self.of(mover))
+    }
+
+    fn holds(&self, key: u32) -> bool {
+        // All of them, as that takes no branch.
+        self.keys.iter().fold(false, |held, &own| held | (own == key))
+    }
+
+    /// Where the box of a key is when it is a mover's turn: those before it have moved.
+    #[inline]
+    pub(super) fn at_turn<'b>(&'b self, items: &'b Items, mover: usize, key: u32) -> Option<&'b MinMax> {
+        if !self.holds(key) {
+            return items.get(key);
+        }
+        let own = self.keys.iter().position(|&own| own == key)?;
+        Some(&self.boxes[own][usize::from(own < mover)])
+    }
+}
+
+/// Does these moves, in turn as far as anything can tell.
+pub(super) fn step(grid: &mut impl Follows, moves: &[Move], changes: &mut Changes) {
+    changes.clear();
+    dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || in_turn(simd, grid, moves, changes)));
+    changes.settle();
+}
+
+#[inline(always)]
+fn in_turn<S: Simd>(simd: S, grid: &mut impl Follows, moves: &[Move], changes: &mut Changes) {
+    let mut movers = Movers::new();
+    let mut looks: Vec<Looks> = Vec::new();
+    for (at, step) in moves.iter().enumerate() {
+        if at % TOGETHER == 0 {
+            for step in &moves[at..moves.len().min(at + TOGETHER)] {
+                grid.items().prefetch(step.key);
+            }
+        }
+        if movers.holds(step.key) {
+            follow(simd, grid, &mut movers, &mut looks, changes);
+        }
+        if let (Some(&from), Some(to)) = (grid.items().get(step.key), step.to) {
+            if looks.len() != grid.levels() {
+                looks.resize_with(grid.levels(), Looks::default);
+            }
+            let mover = movers.count;
+            movers.boxes[mover] = [from, to];
+            if grid.trace(mover, &movers.boxes[mover], &mut looks) {
+                movers.keys[mover] = step.key;
+                movers.count += 1;
+                if movers.count == TOGETHER {
+                    follow(simd, grid, &mut movers, &mut looks, changes);
+                }
+                continue;
+            }
+            looks.iter_mut().for_each(|looks| looks.forget(mover));
+        }
+        follow(simd, grid, &mut movers, &mut looks, changes);
+        record(grid, step, changes);
+        match step.to {
+            Some(bounds) => grid.insert(step.key, bounds),
+            None => grid.remove(step.key),
+        };
+    }
+    follow(simd, grid, &mut movers, &mut looks, changes);
+}
+
+#[inline(always)]
+fn follow<S: Simd>(simd: S, grid: &mut impl Follows, movers: &mut Movers, looks: &mut [Looks], changes: &mut Changes) {
+    if movers.count > 0 {
+        grid.follow(simd, movers, looks, changes);
+        movers.keys = [NONE; TOGETHER];
+        movers.count = 0;
+    }
+}
