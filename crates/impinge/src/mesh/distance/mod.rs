@@ -16,6 +16,7 @@ mod leaf;
 mod profile;
 mod remote;
 mod task;
+mod towards;
 
 use std::ops::ControlFlow::{self, Continue};
 
