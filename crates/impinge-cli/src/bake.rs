@@ -32,8 +32,8 @@ pub(crate) struct Arguments {
     hierarchy: Hierarchy,
     /// Save the convex hull and the bounding volumes fitted to it too
     ///
-    /// That takes up to some four times as long as building the hierarchy does (1.3 s for 3 million triangles), and does not make the file take longer to open: they are
-    /// proved when they are asked for. `inspect` tells their sizes.
+    /// That takes up to some four times as long as building the hierarchy does (1.3 s for 3 million triangles), and does not
+    /// make the file take longer to open: they are proved when they are asked for. `inspect` tells their sizes.
     #[arg(long)]
     proxies: bool,
     /// Print one JSON object in place of the report

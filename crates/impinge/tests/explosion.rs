@@ -35,6 +35,8 @@ fn first_of_soups_are_first_of_all() {
                 let some = on_threads(threads, || query::intersecting_pairs_up_to(&a, &b, limit, &Options::default()));
                 assert_eq!(some.pairs, all[..limit.min(all.len())], "seed {seed}, limit {limit}, {threads} threads");
                 assert_eq!(some.truncated, limit < all.len(), "seed {seed}, limit {limit}");
+                let room = some.pairs.capacity();
+                assert!(!some.truncated || room == limit, "room for {room} pairs, limit {limit}");
                 *(if some.truncated { &mut reached } else { &mut not_reached }) += 1;
             }
         }

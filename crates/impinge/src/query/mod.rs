@@ -93,5 +93,9 @@ pub fn intersecting_pairs_up_to<'a, 'b>(
     let mut pairs = pair_order::sorted(collect_intersecting(a.into(), b.into(), limit.saturating_add(1), options));
     let truncated = pairs.len() > limit;
     pairs.truncate(limit);
+    if truncated {
+        // Whoever asks about many poses keeps as many answers: the room for what was found and not kept is not theirs.
+        pairs.shrink_to_fit();
+    }
     SomePairs { pairs, truncated }
 }
