@@ -35,7 +35,7 @@ def measure(along: int, around: int, repeats: int) -> dict[str, float]:
     numbers = ",".join(repr(x) for x in (*pose.translation, *pose.quaternion))
     command = ["cargo", "run", "--quiet", "--release", "-p", "impinge-bench", "--bin", "headline", "--", "--json"]
     size = ["--along", str(along), "--around", str(around), "--repeats", str(repeats)]
-    answer = json.loads(output(*command, *size, "--pose-b", numbers, "--threads", "1"))
+    answer = json.loads(output(*command, *size, "--pose-b", numbers, "--threads", "1", "--builder", "morton"))
     least = {key: min(answer[key]) for key, _, _ in SERIES}
     return {"triangles": 2 * along * around, "pairs": answer["pairs"], **least}
 

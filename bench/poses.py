@@ -137,6 +137,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--poses", type=int, default=10_000)
     parser.add_argument("--repeats", type=int, default=5, help="runs of each; the least time counts")
+    parser.add_argument("--builder", default="auto", help="how impinge builds its hierarchies, as Mesh.rebuild names it")
     options = parser.parse_args()
     folder = os.environ.get("IMPINGE_DATA")
     if folder is None:
@@ -144,6 +145,8 @@ def main() -> int:
     meshes = Path(folder) / "nasty" / "fcl_resources"
     about = circumstances()
     env, rob = impinge.load(meshes / "env.obj"), impinge.load(meshes / "rob.obj")
+    for mesh in (env, rob):
+        mesh.rebuild(options.builder)
     low, high = env.vertices.min(axis=0), env.vertices.max(axis=0)
     world_from_rob = random_poses(options.poses, (high - low) / 2, seed=1)
     world_from_rob[:, :3, 3] += (low + high) / 2

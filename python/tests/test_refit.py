@@ -2,10 +2,12 @@
 
 import pickle
 import threading
+from typing import get_args
 
 import impinge
 import numpy as np
 import pytest
+from impinge._mesh import BuilderName
 from shapes import cube, random_poses, torus
 
 POSES = random_poses(30, 1.5, 7)
@@ -43,10 +45,16 @@ def test_an_aged_mesh_can_be_built_anew():
     mesh = impinge.Mesh(vertices, faces)
     mesh.refit(rng.permutation(vertices))
     assert mesh.aging > 1.5
-    before = impinge.intersecting_pairs(mesh, mesh, POSES).rows
-    mesh.rebuild()
-    assert mesh.aging == 1.0
-    assert np.array_equal(impinge.intersecting_pairs(mesh, mesh, POSES).rows, before)
+    for builder in get_args(BuilderName):
+        mesh.refit(vertices)
+        mesh.refit(rng.permutation(vertices))
+        before = impinge.intersecting_pairs(mesh, mesh, POSES).rows
+        mesh.rebuild(builder)
+        assert mesh.aging == 1.0
+        assert np.array_equal(impinge.intersecting_pairs(mesh, mesh, POSES).rows, before)
+    with pytest.raises(impinge.InputError, match="none of auto, morton") as raised:
+        mesh.rebuild("fast")  # type: ignore[arg-type]
+    assert (raised.value.kind, raised.value.what) == ("option", "builder")
 
 
 def test_a_failed_refit_leaves_the_mesh_as_it_was():

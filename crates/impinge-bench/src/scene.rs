@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use impinge::hierarchy::Builder;
 use impinge::{Mesh, Pose, Positions};
 use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
 
@@ -35,11 +36,19 @@ impl Surface {
     /// # Errors
     /// As [`Mesh::new`].
     pub fn build(&self, repeats: usize) -> Result<(Mesh, Samples)> {
+        self.build_with(Builder::default(), repeats)
+    }
+
+    /// As [`build`](Self::build), by a stated builder.
+    ///
+    /// # Errors
+    /// As [`Mesh::new`].
+    pub fn build_with(&self, builder: Builder, repeats: usize) -> Result<(Mesh, Samples)> {
         let mut mesh = None;
         let samples = Samples::take(repeats, || {
             let (positions, faces) = (self.positions.clone(), self.faces.clone());
             drop(mesh.take()); // outside the time, and before the next, so that there are never two
-            let (seconds, built) = timed(|| Mesh::new(positions, faces));
+            let (seconds, built) = timed(|| Mesh::with_builder(positions, faces, builder));
             mesh = Some(built?);
             anyhow::Ok(seconds)
         })?;

@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// How the hierarchy is built: quickly, or so that questions take less time
-    #[arg(long, value_enum, default_value_t = Hierarchy::Fast)]
+    #[arg(long, value_enum, default_value_t = Hierarchy::Auto)]
     hierarchy: Hierarchy,
     /// Save the convex hull and the bounding volumes fitted to it too
     ///
@@ -44,6 +44,8 @@ pub(crate) struct Arguments {
 /// Which builder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Hierarchy {
+    /// At the cheapest of all planes by surface area for up to 65,536 faces, or else quickly
+    Auto,
     /// Along a space-filling curve
     Fast,
     /// At the cheapest of a few planes by surface area
@@ -88,13 +90,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     for warning in &loaded.warnings {
         console::warn(&format!("{}: {warning}", arguments.mesh.display()));
     }
-    let (body, build) = timed("building the hierarchy", || {
-        let mut body = loaded.build()?;
-        if arguments.hierarchy == Hierarchy::Tight {
-            body.mesh.rebuild(Builder::BinnedSah);
-        }
-        Ok::<Body, Failure>(body)
-    });
+    let builder = match arguments.hierarchy {
+        Hierarchy::Auto => Builder::Auto,
+        Hierarchy::Fast => Builder::Morton,
+        Hierarchy::Tight => Builder::BinnedSah,
+    };
+    let (body, build) = timed("building the hierarchy", || loaded.build(builder));
     let Body { mesh, about } = body?;
     let timed_proxies = arguments.proxies.then(|| timed("fitting the hull and the volumes", || mesh.proxies()));
     let (proxies, proxy_seconds) = timed_proxies.map_or((None, None), |(proxies, seconds)| (proxies, Some(seconds)));

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use impinge::hierarchy::Builder;
 use impinge::{Mesh, Positions};
 use impinge_files::{Baked, Format, Model, Provenance, Unit, Warning};
 
@@ -74,16 +75,17 @@ impl Loaded {
         }
     }
 
-    /// Builds the hierarchy, or proves the one that the file brings.
+    /// Builds the hierarchy in this way, or proves the one that the file brings.
     ///
     /// # Errors
     /// Where a vertex is out of the range of the proofs, or there are too many faces; where a baked file is not what was
     /// baked.
-    pub(crate) fn build(self) -> Result<Body, Failure> {
+    pub(crate) fn build(self, builder: Builder) -> Result<Body, Failure> {
         let Self { content, about, .. } = self;
         let mesh = match content {
             Content::Triangles { positions, faces } => {
-                Mesh::new(positions, faces).map_err(|error| Failure::from_input(&error).in_file(&about.path))?
+                let mesh = Mesh::with_builder(positions, faces, builder);
+                mesh.map_err(|error| Failure::from_input(&error).in_file(&about.path))?
             }
             Content::Baked(baked) => baked.mesh()?,
         };

@@ -94,10 +94,15 @@ impl MeshBase {
     }
 
     /// Builds the hierarchy anew; what a move of the vertices meanwhile puts in its place stays.
-    fn rebuild(&self, py: Python<'_>) -> PyResult<()> {
+    fn rebuild(&self, py: Python<'_>, builder: &str) -> PyResult<()> {
+        let builder = Builder::named(builder).ok_or_else(|| {
+            let names: Vec<&str> = [Builder::Auto].into_iter().chain(Builder::ALL).map(Builder::name).collect();
+            let what = format!("{builder:?} is none of {}", names.join(", "));
+            Fault::new("option", "builder", what).raised(py)
+        })?;
         let State { mut mesh, is_double, vertices } = self.state();
         let mesh = workers::run(py, move |_| {
-            mesh.rebuild(Builder::default());
+            mesh.rebuild(builder);
             mesh
         })?;
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);

@@ -9,6 +9,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
+use impinge::hierarchy::Builder;
 use impinge::mesh::Options;
 use impinge::simd::{Level, levels};
 use impinge::{Mesh, Pose};
@@ -31,6 +32,9 @@ struct Arguments {
     /// Where the second mesh stands, in place of three poses: a translation, then a unit quaternion
     #[arg(long, value_name = "TX,TY,TZ,QW,QX,QY,QZ", value_parser = parse_pose, allow_hyphen_values = true)]
     pose_b: Option<Pose>,
+    /// How hierarchies are built: auto, morton, median, binned-sah, sweep-sah, ploc, insertion or reinsertion
+    #[arg(long, value_name = "NAME", default_value = "auto", value_parser = parse_builder)]
+    builder: Builder,
     /// Threads to build and to ask with
     #[arg(long, value_name = "N", default_value_t = 1)]
     threads: usize,
@@ -53,10 +57,10 @@ fn main() -> Result<()> {
     rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global()?;
     let builds = arguments.repeats.clamp(1, MOST_BUILDS);
     let surface = arguments.mesh.surface()?;
-    let (mut mesh, build) = surface.build(builds)?;
+    let (mut mesh, build) = surface.build_with(arguments.builder, builds)?;
     let refit = refits(&mut mesh, &surface, builds)?;
     let other = match &arguments.other {
-        Some(path) => Surface::load(path)?.build(1)?.0,
+        Some(path) => Surface::load(path)?.build_with(arguments.builder, 1)?.0,
         None => mesh.clone(),
     };
     let mut options = Options::default();
@@ -98,6 +102,10 @@ fn parse_level(name: &str) -> Result<Level, String> {
         let names: Vec<&str> = levels.iter().map(|&(name, _)| name).collect();
         format!("this processor has {}", names.join(", "))
     })
+}
+
+fn parse_builder(name: &str) -> Result<Builder, String> {
+    Builder::named(name).ok_or_else(|| "that is none of the builders".to_owned())
 }
 
 /// Times of refits to the same places, which must leave the tree as it is.

@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
+use impinge::hierarchy::Builder;
 use impinge::mesh::Placed;
 use impinge::query::{self, Curves, Distance, Penetrates, Solid, SolidIntersection};
 use impinge::{InputError, Pose};
@@ -203,7 +204,9 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
     let poses = scaled(poses, units::scales(stated))?;
 
     let [a, b] = loaded;
-    let ((a, b), build) = timed("building hierarchies", || rayon::join(|| a.build(), || b.build()));
+    // Whoever asks once waits longer for a better hierarchy than for the answer.
+    let ((a, b), build) =
+        timed("building hierarchies", || rayon::join(|| a.build(Builder::Morton), || b.build(Builder::Morton)));
     let bodies = [a?, b?];
     let bounds = [0, 1].map(|side| Bounds::of(&bodies[side].mesh, &Pose::IDENTITY));
     if let [Some(a), Some(b)] = &bounds {

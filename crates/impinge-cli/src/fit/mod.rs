@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
+use impinge::hierarchy::Builder;
 
 use crate::body::{Body, Loaded};
 use crate::failure::Failure;
@@ -59,7 +60,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     for warning in &loaded.warnings {
         console::warn(&format!("{}: {warning}", loaded.about().path.display()));
     }
-    let body = loaded.build()?;
+    let body = loaded.build(Builder::default())?;
     drop(phase);
     let load = start.elapsed().as_secs_f64();
     let points = corners(&body);

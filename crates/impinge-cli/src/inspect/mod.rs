@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use impinge::Pose;
-use impinge::hierarchy::{MAX_DEPTH, TreeStatistics};
+use impinge::hierarchy::{Builder, MAX_DEPTH, TreeStatistics};
 use impinge::mesh::Health;
 
 use crate::body::{Body, Loaded};
@@ -104,7 +104,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         console::warn(&format!("{}: {warning}", arguments.mesh.display()));
     }
     let baked = loaded.baked().cloned();
-    let (body, build) = timed("building the hierarchy", || loaded.build());
+    let (body, build) = timed("building the hierarchy", || loaded.build(Builder::default()));
     let body = body?;
     let proxies = match baked {
         Some(baked) => timed("proving the proxies", || baked.proxies(&body.mesh)).0?,

@@ -242,10 +242,10 @@ fn hierarchy<V: Vertex>(
         let packed = space.take(vertices.len());
         face_boxes::pack(vertices, frame, packed);
         let boxes = FaceBoxes::new(packed, faces);
-        match builder {
+        match builder.strategy(faces.len()) {
             // The one that needs no list of boxes.
             Builder::Morton => build_over(&boxes, &mut space),
-            _ => builder.build(&listed(&boxes)),
+            strategy => strategy.build(&listed(&boxes)),
         }
     };
     let (mut tree, leaves) = WideTree::collapse(&binary);

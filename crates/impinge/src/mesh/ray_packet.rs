@@ -85,6 +85,7 @@ mod tests {
     use impinge_testkit::generate::Rng;
 
     use super::*;
+    use crate::hierarchy::Builder;
     use crate::mesh::{Mesh, Positions};
     use crate::primitive::ray_triangle;
     use crate::simd::levels;
@@ -103,7 +104,9 @@ mod tests {
                 (0..24).map(|_| centre.map(|x| x + size * rng.integer(-4, 4) as f64 / 4.0)).collect();
             vertices.extend([[-1.0; 3], [1.0; 3]]);
             let faces: Vec<[u32; 3]> = (0..8).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).chain([[24, 25, 25]]).collect();
-            let mesh = Mesh::new(Positions::F64(vertices.clone()), faces).expect("legal");
+            // The small ones have a packet of their own.
+            let positions = Positions::F64(vertices.clone());
+            let mesh = Mesh::with_builder(positions, faces, Builder::Morton).expect("legal");
             for _ in 0..10 {
                 let far = 2.0_f64.powi(rng.integer(-4, 12) as i32);
                 let origin = [0, 1, 2].map(|k| centre[k] + far * rng.uniform(-1.0, 1.0));

