@@ -8,7 +8,7 @@ use super::bounds::{by_centres, squared_gaps};
 use crate::hierarchy::{HALF_ULP, bits};
 use crate::mesh::Mesh;
 use crate::mesh::metric::MetricMap;
-use crate::simd::{ALL_LANES, LANES, Lanes3, by_axis, cross, dot, load3, outlined, sub};
+use crate::simd::{ALL_LANES, LANES, Lanes3, by_axis, cross, dot, load3, sub};
 use crate::volume::Aabb;
 
 /// More than the roundings of a bound relative to the coordinates that go into it, in units of 2^-24: the offset and its sum
@@ -65,6 +65,7 @@ impl Leaf {
 /// Two leaves, the guest's triangles moved to the host's anchor.
 pub(super) struct Facing<'l, S: Simd> {
     simd: S,
+    host: &'l Leaf,
     guest: &'l Leaf,
     offset: [f32; 3],
     /// More than what a bound may be above the truth, in metric units.
@@ -83,8 +84,8 @@ impl<'l, S: Simd> Facing<'l, S> {
         // An error on each of three axes moves a point by less than twice as much.
         let slack = ((ROUNDING * reach + 2.0 * (host.error + guest.error) + 4.0 * error) as f32).next_up();
         let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.about[corner]));
-        let host_normal = cross(&sub(&host_corners[1], &host_corners[0]), &sub(&host_corners[2], &host_corners[0]));
-        Self { simd, guest, offset, slack, host_corners, host_normal }
+        let host_normal = normal(&host_corners);
+        Self { simd, host, guest, offset, slack, host_corners, host_normal }
     }
 
     /// For each of the guest's lanes the host's, in use or not, that are not proved farther than `limit` along the line between
@@ -132,33 +133,44 @@ impl<'l, S: Simd> Facing<'l, S> {
         (near, bits(near).fold(f32::INFINITY, |least, lane| least.min(order[lane])))
     }
 
-    /// Lower bounds of the distances of the guest's triangle in `lane` from the host's, in metric units; only those of
-    /// `near` matter.
+    /// Lower bounds of the distances of the guest's triangle in `lane` from the host's along the normals of both, in metric
+    /// units, and the lanes of `near` in which they are not above `limit`.
     #[inline(always)]
-    pub(super) fn lower_bounds(&self, lane: usize, near: u32, limit: f32) -> [f32; LANES] {
+    pub(super) fn by_planes(&self, lane: usize, near: u32, limit: f32) -> ([f32; LANES], u32) {
         let simd = self.simd;
         let guest: [Lanes3<S>; 3] = by_axis!(corner => by_axis!(axis => {
             f32x8::splat(simd, self.guest.about[corner][axis][lane] + self.offset[axis])
         }));
         let host = &self.host_corners;
-        let guest_normal = cross(&sub(&guest[1], &guest[0]), &sub(&guest[2], &guest[0]));
+        let guest_normal = normal(&guest);
         // Along the normal of a face its corners are level, in truth; in rounded numbers they are not, and all are taken.
-        let by_planes = gap_along(&self.host_normal, host, &guest).max(gap_along(&guest_normal, host, &guest));
-        let slack = f32x8::splat(simd, self.slack);
+        let gap = gap_along(&self.host_normal, host, &guest).max(gap_along(&guest_normal, host, &guest));
+        let bound = gap - f32x8::splat(simd, self.slack);
+        let far = bound.simd_gt(f32x8::splat(simd, limit)).to_bitmask() as u32;
         let mut lower = [0.0; LANES];
-        let far = (by_planes - slack).simd_gt(f32x8::splat(simd, limit)).to_bitmask() as u32;
-        // What follows takes longer than giving one pair its value.
-        if (near & !far).count_ones() <= 1 {
-            (by_planes - slack).store_slice(&mut lower);
-            return lower;
+        bound.store_slice(&mut lower);
+        (lower, near & !far)
+    }
+
+    /// Lower bounds of the distances of eight pairs of triangles, by their lanes in either leaf: along the line between points that
+    /// are roughly nearest.
+    #[inline(always)]
+    pub(super) fn by_points(&self, lanes: &[[usize; 2]; LANES]) -> [f32; LANES] {
+        let simd = self.simd;
+        let mut corners = [[[[0.0_f32; LANES]; 3]; 3]; 2];
+        for corner in 0..3 {
+            for axis in 0..3 {
+                for (at, &[host, guest]) in lanes.iter().enumerate() {
+                    corners[0][corner][axis][at] = self.host.about[corner][axis][host % LANES];
+                    corners[1][corner][axis][at] = self.guest.about[corner][axis][guest % LANES] + self.offset[axis];
+                }
+            }
         }
-        let normals = [&self.host_normal, &guest_normal];
-        let direction = outlined(
-            simd,
-            #[inline(always)]
-            || nearest_difference(host, &guest, normals),
-        );
-        (by_planes.max(gap_along(&direction, host, &guest)) - slack).store_slice(&mut lower);
+        let host: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &corners[0][corner]));
+        let guest: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &corners[1][corner]));
+        let direction = nearest_difference(&host, &guest);
+        let mut lower = [0.0; LANES];
+        (gap_along(&direction, &host, &guest) - f32x8::splat(simd, self.slack)).store_slice(&mut lower);
         lower
     }
 }
@@ -183,12 +195,9 @@ const LEAST_SQUARE: f32 = 1.0 / (1_u128 << 100) as f32;
 
 /// From the host's to the guest's nearest point, roughly: whatever it is, it only serves as a direction.
 #[inline(always)]
-fn nearest_difference<S: Simd>(
-    host: &[Lanes3<S>; 3],
-    guest: &[Lanes3<S>; 3],
-    [host_normal, guest_normal]: [&Lanes3<S>; 2],
-) -> Lanes3<S> {
+fn nearest_difference<S: Simd>(host: &[Lanes3<S>; 3], guest: &[Lanes3<S>; 3]) -> Lanes3<S> {
     let simd = host[0][0].token();
+    let (host_normal, guest_normal) = (normal(host), normal(guest));
     let zero = f32x8::splat(simd, 0.0);
     let one = f32x8::splat(simd, 1.0);
     let least = f32x8::splat(simd, f32::MIN_POSITIVE);
@@ -211,8 +220,8 @@ fn nearest_difference<S: Simd>(
     }
     for corner in 0..3 {
         for (face, edges, normal, point, sign) in [
-            (host, &host_edges, host_normal, &guest[corner], one),
-            (guest, &guest_edges, guest_normal, &host[corner], zero - one),
+            (host, &host_edges, &host_normal, &guest[corner], one),
+            (guest, &guest_edges, &guest_normal, &host[corner], zero - one),
         ] {
             let w = sub(point, &face[0]);
             let squared = dot(normal, normal).max(least);
@@ -245,6 +254,12 @@ fn choose<S: Simd>(best: &mut (f32x8<S>, Lanes3<S>), squared: f32x8<S>, differen
 fn bounds<S: Simd>(corners: &[Lanes3<S>; 3]) -> (Lanes3<S>, Lanes3<S>) {
     let [p, q, r] = corners;
     (by_axis!(axis => p[axis].min(q[axis]).min(r[axis])), by_axis!(axis => p[axis].max(q[axis]).max(r[axis])))
+}
+
+/// Across the triangles, of any length.
+#[inline(always)]
+fn normal<S: Simd>(corners: &[Lanes3<S>; 3]) -> Lanes3<S> {
+    cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0]))
 }
 
 /// From each corner to the next.

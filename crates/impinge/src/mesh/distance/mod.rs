@@ -16,6 +16,7 @@ mod leaf;
 mod profile;
 mod remote;
 mod task;
+mod together;
 mod towards;
 
 use std::ops::ControlFlow::{self, Continue};
@@ -38,6 +39,7 @@ use bounds::Bounds;
 use leaf::{Facing, Leaf};
 use profile::{Profiles, Reached};
 use task::{Slot, Sorted, Task};
+use together::Together;
 
 /// The nearest points of two meshes, in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -316,6 +318,16 @@ impl<'a> Search<'a> {
         };
         let limit = answer.limit;
         let near_between = facing.near_between(limit);
+        let meet = |together: &mut Together, answer: &mut Answer| {
+            together.raise(simd, &facing);
+            while let Some(([host_lane, guest_lane], lower)) = together.take_nearest(answer.limit) {
+                if !Reached::are_apart(&reached, [host_lane, guest_lane], answer.cut) {
+                    answer.meet_or_put_off(scene, pair(host_lane, guest_lane), lower, facing.slack)?;
+                }
+            }
+            Continue(())
+        };
+        let mut together = Together::NONE;
         let (mut left, mut order) = (0, [f32::INFINITY; LANES]);
         for guest_lane in bits(near_guests) {
             near[guest_lane] &= near_between[guest_lane];
@@ -334,16 +346,15 @@ impl<'a> Search<'a> {
                     continue;
                 }
             }
-            let lower = facing.lower_bounds(guest_lane, near, answer.limit);
-            while near != 0 {
-                let nearest = least_of(near, &lower);
-                near &= !(1 << nearest);
-                if lower[nearest] > answer.limit || Reached::are_apart(&reached, [nearest, guest_lane], answer.cut) {
-                    continue;
+            let (lower, near) = facing.by_planes(guest_lane, near, answer.limit);
+            for host_lane in bits(near) {
+                together.push([host_lane, guest_lane], lower[host_lane]);
+                if together.is_full() {
+                    meet(&mut together, answer)?;
                 }
-                answer.meet_or_put_off(scene, pair(nearest, guest_lane), lower[nearest], facing.slack)?;
             }
         }
+        meet(&mut together, answer)?;
         self.take_direction();
         Continue(())
     }
