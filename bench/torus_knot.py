@@ -12,7 +12,7 @@ BUMP = 0.03  # of the tube's radius; without bumps the faces would lie in regula
 BUMPS_ALONG, BUMPS_ROUND = 40, 6
 
 
-def torus_knot(nu: int, nv: int) -> tuple[np.ndarray, np.ndarray]:
+def torus_knot(nu: int, nv: int, tube_radius: float = TUBE_RADIUS) -> tuple[np.ndarray, np.ndarray]:
     """Returns (nu * nv, 3) float64 vertices and (2 * nu * nv, 3) int32 faces, nu quads along the knot and nv round its tube.
 
     The mesh is closed; its faces wind clockwise where they are seen from outside.
@@ -28,7 +28,7 @@ def torus_knot(nu: int, nv: int) -> tuple[np.ndarray, np.ndarray]:
     normal = _unit(outward - np.sum(outward * tangent, axis=1, keepdims=True) * tangent)
     binormal = np.cross(tangent, normal)
 
-    radius = TUBE_RADIUS * (1.0 + BUMP * np.sin(BUMPS_ALONG * u)[:, None] * np.sin(BUMPS_ROUND * v)[None, :])
+    radius = tube_radius * (1.0 + BUMP * np.sin(BUMPS_ALONG * u)[:, None] * np.sin(BUMPS_ROUND * v)[None, :])
     across = np.cos(v)[None, :, None] * normal[:, None] + np.sin(v)[None, :, None] * binormal[:, None]
     vertices = centre[:, None] + radius[..., None] * across
     return vertices.reshape(-1, 3), _faces(nu, nv)
