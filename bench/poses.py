@@ -137,7 +137,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--poses", type=int, default=10_000)
     parser.add_argument("--repeats", type=int, default=5, help="runs of each; the least time counts")
-    parser.add_argument("--builder", default="auto", help="how impinge builds its hierarchies, as Mesh.rebuild names it")
+    parser.add_argument("--builder", default="auto", help="how impinge builds its hierarchies")
     options = parser.parse_args()
     folder = os.environ.get("IMPINGE_DATA")
     if folder is None:
