@@ -156,6 +156,73 @@ fn n34_a_surface_that_winds_twice_is_no_hull() {
     assert_eq!(proved(&mesh, &bytes(2)).err(), Some(ProxyFlaw::Hull));
 }
 
+/// Once round is the hull, twice round is a surface of as many corners, edges and faces as one that is, bent outward everywhere, beyond
+/// which there is no point: the one thing wrong with it is that each direction is covered twice.
+#[test]
+fn n34_a_surface_that_covers_each_direction_twice_is_no_hull() {
+    let ring = [[10.0, 0.0], [3.0, 9.5], [-8.0, 6.0], [-8.0, -6.0], [3.0, -9.5]];
+    let tips = [[0.0, 0.0, 5.0], [0.0, 0.0, -5.0]];
+    for rounds in [1, 2] {
+        let mut points: Vec<[f64; 3]> = ring.repeat(rounds).iter().map(|&[x, y]| [x, y, 0.0]).collect();
+        points.extend(tips);
+        let mesh = mesh(&points);
+        let around = 5 * rounds as u32;
+        let faces: Vec<[u32; 3]> = (0..around)
+            .map(|at| [at, (at + 1) % around])
+            .flat_map(|[from, to]| [[from, to, around], [to, from, around + 1]])
+            .collect();
+        let vertices: Vec<u32> = (1..=around + 2).collect();
+        let bytes = told(4, &vertices, &faces, &ends(points.len(), &faces), &proxies(&mesh).to_bytes());
+        assert_eq!(proved(&mesh, &bytes).err(), (rounds == 2).then_some(ProxyFlaw::Hull), "{rounds}");
+    }
+}
+
+/// Each surface is wrong in one way alone, and all points that there are are its corners, so that none is outside.
+#[test]
+fn n34_surfaces_with_one_dent_or_one_gap_are_no_hull() {
+    // Nearly the regular icosahedron: each corner has five neighbours, and no four are in a plane.
+    let mut points = Vec::new();
+    for [x, y] in [[5.0, 8.0], [5.0, -8.0], [-5.0, 8.0], [-5.0, -8.0]] {
+        points.extend([[0.0, x, y], [x, y, 0.0], [y, 0.0, x]]);
+    }
+    let mesh = mesh(&points);
+    let own = proxies(&mesh);
+    let (vertices, faces, volumes) = (own.hull().vertices(), own.hull().faces(), own.to_bytes());
+    assert_eq!((vertices.len(), faces.len()), (12, 20));
+    let judge = |faces: &[[u32; 3]], neighbours: &[Vec<u32>]| {
+        proved(&mesh, &told(4, vertices, faces, neighbours, &volumes)).err()
+    };
+    assert_eq!(judge(faces, &ends(12, faces)), None);
+
+    for at in 0..20 {
+        // The other diagonal of two faces that share an edge: it is bent inward, whether or not its ends are told as neighbours.
+        let [a, b, c] = faces[at];
+        let has_edge = |face: &[u32; 3]| (0..3).any(|edge| [face[edge], face[(edge + 1) % 3]] == [b, a]);
+        let beyond = faces.iter().position(has_edge).expect("a face across the edge");
+        let d = faces[beyond].into_iter().find(|corner| ![a, b].contains(corner)).expect("a third corner");
+        let mut dented = faces.to_vec();
+        (dented[at], dented[beyond]) = ([d, b, c], [c, a, d]);
+        let mut around = ends(12, &dented);
+        assert_eq!(judge(&dented, &around), Some(ProxyFlaw::Hull), "{at}");
+        around[c as usize].retain(|&end| end != d);
+        around[d as usize].retain(|&end| end != c);
+        assert_eq!(judge(&dented, &around), Some(ProxyFlaw::Hull), "{at}");
+
+        // A face is missing, and another one there twice, so that there are as many.
+        for twice in (0..20).filter(|&twice| twice != at) {
+            let mut gaping = faces.to_vec();
+            gaping[at] = faces[twice];
+            assert_eq!(judge(&gaping, &ends(12, &gaping)), Some(ProxyFlaw::Hull), "{at} {twice}");
+        }
+    }
+
+    // Faces more or fewer than there are of corners are none of a hull's arrays, and are not read.
+    for count in [19, 21] {
+        let other: Vec<[u32; 3]> = faces.iter().cycle().take(count).copied().collect();
+        assert_eq!(judge(&other, &ends(12, &other)), Some(ProxyFlaw::Shape), "{count}");
+    }
+}
+
 #[test]
 fn n34_surfaces_that_are_no_hull_are_refused() {
     // A cube, the middles of a facet and of an edge, and a point inside near a facet.
