@@ -3,7 +3,7 @@
 //! Source: Tracy, Buss, Woods, *Efficient large-scale sweep and prune methods with AABB insertion and removal*, IEEE VR 2009
 //! (a grid of sweeps); Ericson, 7.2 (levels for sizes). Ours departs in that nothing is kept from step to step, in columns
 //! that cross space so that a sweep replaces one axis of the grid, in sixteen boxes a comparison, and in coordinates that are
-//! rounded *monotonically* to whole steps of 16 bits: if a coordinate is not greater than another, neither is its step. Steps
+//! rounded *monotonically* to whole steps of 15 bits: if a coordinate is not greater than another, neither is its step. Steps
 //! that are apart thus prove boxes apart, steps that overlap by more than a touch prove that they meet, and only for a touch
 //! are the boxes themselves asked.
 
@@ -34,7 +34,7 @@ use record::{Record, Verdict};
 /// questions but this; what it keeps is memory to work in.
 ///
 /// # Complexity
-/// O(n) and a sweep of each column: boxes that are spread are compared with about eight others each, and sizes over any
+/// O(n) and a sweep of each column: boxes that are spread are compared with about ten others each, and sizes over any
 /// ratio add a comparison for each level of fourfold size. Boxes that are long and thin, many side by side in one column,
 /// are compared with each other: then a [`BoxTree`](super::BoxTree) is the better kind.
 ///
