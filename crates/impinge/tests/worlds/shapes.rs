@@ -35,7 +35,7 @@ fn every_shape() -> Vec<Shape> {
 #[test]
 fn a_body_that_a_step_moved_is_where_one_that_was_put_there_is() {
     let mut rng = Rng::new(64);
-    let (mut refused, mut taken) = (0, 0);
+    let (mut refused, mut taken, mut boxes) = (0, 0, 0);
     let mesh = knot();
     let meshes = [Shape::solid(&mesh), Shape::mesh(&mesh)];
     for shape in every_shape().into_iter().chain(meshes) {
@@ -57,10 +57,11 @@ fn a_body_that_a_step_moved_is_where_one_that_was_put_there_is() {
             taken += 1;
             let bounds = world.bounds(id).unwrap().map(|bounds| [bounds.min(), bounds.max()]);
             assert_eq!(format!("{bounds:?}"), format!("{:?}", other.bounds()), "{shape:?}");
+            boxes += u32::from(bounds.is_some());
             assert_eq!(world.pose(id).unwrap(), &to);
         }
     }
-    assert!(refused > 40 && taken > 400, "{refused} refused, {taken} taken");
+    assert!(refused > 40 && taken > 400 && boxes > 400, "{refused} refused, {taken} taken, {boxes} in boxes");
 }
 
 fn dumbbell() -> Shape {
