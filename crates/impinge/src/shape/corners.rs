@@ -4,6 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::convex::{Core, Facets};
 use crate::hull::Hull;
+use crate::simd::prefetch;
 
 /// A few points, or a hull; cheap to clone.
 #[derive(Clone, Debug)]
@@ -39,6 +40,14 @@ impl Corners {
         match self {
             Self::Few(few) => Core::Points(&few.corners),
             Self::Hull(hull) => Core::Hull(&hull.corners),
+        }
+    }
+
+    /// Asks for the memory that says where they are.
+    pub(super) fn prefetch(&self) {
+        match self {
+            Self::Few(few) => prefetch(&few.corners),
+            Self::Hull(hull) => prefetch(&hull.corners),
         }
     }
 

@@ -18,8 +18,8 @@ use crate::math::Pose;
 use crate::mesh::Mesh;
 use corners::Corners;
 use parts::PartTree;
+pub(crate) use placed::Motion;
 pub use placed::PlacedShape;
-use placed::images_of_radius;
 use round::{Cone, Cylinder, Ellipsoid};
 
 /// Coordinates and lengths stay below this magnitude: the range of the proofs, that of meshes.
@@ -288,20 +288,20 @@ impl Shape {
     /// cylinders, cones, ellipsoids and custom sets. All others are at home under any affine map. For a compound, where its pose
     /// cannot be composed with a part's.
     pub fn at(&self, world_from_local: Pose) -> Result<PlacedShape, InputError> {
-        let (mut radius, mut parts) = ([0.0; 2], Vec::new());
-        match &self.0 {
-            Kind::Round { radius: own, .. } => radius = images_of_radius(*own, &world_from_local)?,
-            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. } => {}
-            Kind::Compound(shapes) => {
-                for (shape, compound_from_part) in &**shapes {
-                    parts.push(shape.at(world_from_local.compose(compound_from_part)?)?);
-                }
+        let mut parts = Vec::new();
+        if let Kind::Compound(shapes) = &self.0 {
+            for (shape, compound_from_part) in &**shapes {
+                parts.push(shape.at(world_from_local.compose(compound_from_part)?)?);
             }
         }
         let kind = self.0.clone();
         let tree = PartTree::of(&parts).map(Arc::new);
-        let mut placed = PlacedShape { kind, world_from_local, radius, parts: parts.into(), tree, bounds: None };
-        placed.bounds = placed.world_bounds();
+        let mut placed =
+            PlacedShape { kind, world_from_local, radius: [0.0; 2], parts: parts.into(), tree, bounds: None };
+        match placed.motion(&world_from_local)? {
+            Some(motion) => placed.follow(motion),
+            None => placed.bounds = placed.world_bounds(),
+        }
         Ok(placed)
     }
 

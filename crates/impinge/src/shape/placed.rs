@@ -8,7 +8,11 @@ use crate::convex::{Core, Faceted, HalfSpace, Surface, Swept};
 use crate::input::InputError;
 use crate::math::Pose;
 use crate::mesh::Placed;
+use crate::simd::prefetch;
 use crate::volume::stretch;
+
+/// Corners of which the memory is asked for: those of a box.
+const MOST_ASKED: usize = 8;
 
 /// A shape in the world.
 #[derive(Clone, Debug)]
@@ -23,6 +27,14 @@ pub struct PlacedShape {
     pub(super) tree: Option<Arc<PartTree>>,
     /// Holds the shape, where that is finite.
     pub(super) bounds: Option<[[f64; 3]; 2]>,
+}
+
+/// Another pose of a shape that is no compound, and all that it changes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion {
+    world_from_local: Pose,
+    radius: [f64; 2],
+    bounds: Option<[[f64; 3]; 2]>,
 }
 
 impl PlacedShape {
@@ -70,9 +82,52 @@ impl PlacedShape {
         Shape(self.kind.clone()).at(world_from_local)
     }
 
+    /// The shape elsewhere, without what is the same everywhere; none for a compound, of which each part has a pose of its own.
+    ///
+    /// # Errors
+    /// As [`Shape::at`].
+    pub(crate) fn motion(&self, world_from_local: &Pose) -> Result<Option<Motion>, InputError> {
+        let radius = match &self.kind {
+            Kind::Compound(_) => return Ok(None),
+            Kind::Round { radius, .. } => images_of_radius(*radius, world_from_local)?,
+            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. } => [0.0; 2],
+        };
+        let bounds = match self.form_in(world_from_local, radius) {
+            Form::Convex(swept) => Some(swept.world_bounds()),
+            Form::Surface(surface) => surface.world_bounds(),
+            Form::HalfSpace(_) => None,
+        };
+        Ok(Some(Motion { world_from_local: *world_from_local, radius, bounds }))
+    }
+
+    /// Moves the shape to where it was found to be.
+    pub(crate) fn follow(&mut self, motion: Motion) {
+        (self.world_from_local, self.radius, self.bounds) = (motion.world_from_local, motion.radius, motion.bounds);
+    }
+
+    /// Asks for the memory where the corners of a polytope are said to be.
+    pub(crate) fn prefetch(&self) {
+        if let Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } = &self.kind {
+            corners.prefetch();
+        }
+    }
+
+    /// Asks for the memory of a few corners, which reads where they are.
+    pub(crate) fn prefetch_corners(&self) {
+        if let Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } = &self.kind
+            && let Core::Points(points) = corners.core()
+        {
+            points.iter().take(MOST_ASKED).step_by(2).for_each(prefetch);
+        }
+    }
+
     /// What a part is; a compound, which is asked part by part, counts as its first.
     pub(crate) fn form(&self) -> Form<'_> {
-        let pose = &self.world_from_local;
+        self.form_in(&self.world_from_local, self.radius)
+    }
+
+    /// What this is, or the first part of it, were it in a pose in which balls have these images.
+    fn form_in<'a>(&'a self, pose: &'a Pose, radius: [f64; 2]) -> Form<'a> {
         let core = match &self.kind {
             Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.core(),
             Kind::Round { core: RoundCore::Curved(set), .. } => Core::Curved(&**set),
@@ -82,7 +137,7 @@ impl PlacedShape {
             Kind::Mesh { mesh, is_solid } => return Form::Surface(Surface { mesh, pose, is_solid: *is_solid }),
             Kind::Compound(_) => return self.parts[0].form(),
         };
-        Form::Convex(Swept { core, pose, radius: self.radius })
+        Form::Convex(Swept { core, pose, radius })
     }
 
     /// A swept core of this shape with its facets, where it is a polytope.

@@ -3,7 +3,7 @@
 use crate::input::InputError;
 use crate::math::Pose;
 use crate::mesh::{self, Mesh};
-use crate::shape::{Form, PlacedShape, Shape};
+use crate::shape::{Form, Motion, PlacedShape, Shape};
 
 /// A shape in the world, and what it was made of.
 #[derive(Clone, Debug)]
@@ -12,6 +12,15 @@ pub(super) struct Placed {
     in_world: PlacedShape,
     /// The one mesh that the shape is, and whether it is solid.
     mesh: Option<(Mesh, bool)>,
+}
+
+/// A placed shape as it will be in another pose.
+#[derive(Clone, Debug)]
+pub(super) enum Judged {
+    /// What the pose changes of a shape of one part, so that what it is made of is not written anew.
+    Alone(Motion),
+    /// A compound, of which every part is.
+    Compound(Box<Placed>),
 }
 
 impl Placed {
@@ -37,6 +46,25 @@ impl Placed {
     /// As [`Shape::at`].
     pub(super) fn moved(&self, world_from_body: Pose) -> Result<Self, InputError> {
         Self::new(&self.shape, world_from_body)
+    }
+
+    /// The same elsewhere, for [`follow`](Self::follow).
+    ///
+    /// # Errors
+    /// As [`Shape::at`].
+    pub(super) fn judge(&self, world_from_body: &Pose) -> Result<Judged, InputError> {
+        match self.in_world.motion(world_from_body)? {
+            Some(motion) => Ok(Judged::Alone(motion)),
+            None => Ok(Judged::Compound(Box::new(self.moved(*world_from_body)?))),
+        }
+    }
+
+    /// Moves the shape to where it was judged. A shape of one part is the mesh that it is wherever it goes.
+    pub(super) fn follow(&mut self, judged: Judged) {
+        match judged {
+            Judged::Alone(motion) => self.in_world.follow(motion),
+            Judged::Compound(placed) => *self = *placed,
+        }
     }
 
     pub(super) fn shape(&self) -> &Shape {

@@ -1,6 +1,7 @@
 //! Places for bodies, used again and again, and handles that tell the bodies in one place from each other.
 
 use super::body::BodyId;
+use crate::simd::prefetch;
 
 /// Values by handle.
 #[derive(Clone, Debug)]
@@ -56,6 +57,13 @@ impl<T> Slots<T> {
     pub(super) fn get(&self, id: BodyId) -> Option<&T> {
         let slot = self.slots.get(id.index()).filter(|slot| slot.generation == id.generation())?;
         slot.value.as_ref()
+    }
+
+    /// Asks for the memory of a value.
+    pub(super) fn prefetch(&self, id: BodyId) {
+        if let Some(slot) = self.slots.get(id.index()) {
+            prefetch(slot);
+        }
     }
 
     pub(super) fn get_mut(&mut self, id: BodyId) -> Option<&mut T> {

@@ -8,13 +8,18 @@ use super::error::WorldError;
 use super::events::{Events, Work};
 use super::narrow::Meeting;
 use super::outline::{Bounds, Extremes};
-use super::placed::Placed;
+use super::placed::Judged;
 use super::{Change, Resident, World, refused};
 use crate::math::Pose;
 use crate::partition::Move;
+use crate::simd::prefetch;
 
 /// Bodies, or pairs, that are one task at least: less work than this is done sooner than handed over.
 const LEAST_SHARED: usize = 64;
+
+/// Bodies whose memory is asked for at once: a processor waits for so many places in memory at the same time, and they stay in
+/// its first caches meanwhile.
+const TOGETHER: usize = 16;
 
 /// The phases of a step, for whoever measures them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -97,11 +102,15 @@ impl World {
     }
 
     /// The bodies in their new poses; none where a body is in this pose already.
-    fn judge(&self, moves: &[(BodyId, Pose)]) -> Result<Vec<Option<Placed>>, WorldError> {
-        let judged: Vec<Result<Option<Placed>, WorldError>> = moves
+    fn judge(&self, moves: &[(BodyId, Pose)]) -> Result<Vec<Option<Judged>>, WorldError> {
+        let judged: Vec<Result<Option<Judged>, WorldError>> = moves
             .par_iter()
+            .enumerate()
             .with_min_len(LEAST_SHARED)
-            .map(|&(body, pose)| {
+            .map(|(at, &(body, pose))| {
+                if at % TOGETHER == 0 {
+                    self.prefetch(&moves[at..moves.len().min(at + TOGETHER)]);
+                }
                 let resident = self.resident(body)?;
                 if resident.traits.kind == Kind::Static {
                     return Err(WorldError::Static { body });
@@ -109,27 +118,38 @@ impl World {
                 if *resident.placed.world_from_body() == pose {
                     return Ok(None);
                 }
-                resident.placed.moved(pose).map(Some).map_err(|error| refused(body, error))
+                resident.placed.judge(&pose).map(Some).map_err(|error| refused(body, error))
             })
             .collect();
         judged.into_iter().collect()
     }
 
+    /// Asks for the memory of bodies that move, one level of it after the other.
+    fn prefetch(&self, moves: &[(BodyId, Pose)]) {
+        moves.iter().for_each(|&(body, _)| self.state.residents.prefetch(body));
+        let residents = || moves.iter().filter_map(|&(body, _)| self.state.residents.get(body));
+        for resident in residents() {
+            prefetch(&*resident.outline);
+            resident.placed.in_world().prefetch();
+        }
+        residents().for_each(|resident| resident.placed.in_world().prefetch_corners());
+    }
+
     /// Puts the bodies into their new poses; returns them, each once.
-    fn take(&mut self, moves: &[(BodyId, Pose)], taken: Vec<Option<Placed>>) -> Vec<BodyId> {
+    fn take(&mut self, moves: &[(BodyId, Pose)], taken: Vec<Option<Judged>>) -> Vec<BodyId> {
         let mut moved = Vec::with_capacity(moves.len());
-        for ((body, pose), placed) in moves.iter().zip(taken) {
+        for ((body, pose), judged) in moves.iter().zip(taken) {
             let Some(resident) = self.state.residents.get_mut(*body) else { continue };
             // A body that is named twice may go back to where it was.
-            let placed = match placed {
-                Some(placed) => placed,
+            let judged = match judged {
+                Some(judged) => judged,
                 None if resident.placed.world_from_body() == pose => continue,
-                None => match resident.placed.moved(*pose) {
-                    Ok(placed) => placed,
+                None => match resident.placed.judge(pose) {
+                    Ok(judged) => judged,
                     Err(_) => continue,
                 },
             };
-            resident.placed = placed;
+            resident.placed.follow(judged);
             moved.push(*body);
             self.state.mark(*body, Change::Moved);
         }

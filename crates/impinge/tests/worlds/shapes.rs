@@ -31,6 +31,39 @@ fn every_shape() -> Vec<Shape> {
     ]
 }
 
+/// A step takes over of a pose what it changes of a shape, where another place of the code makes the shape anew.
+#[test]
+fn a_body_that_a_step_moved_is_where_one_that_was_put_there_is() {
+    let mut rng = Rng::new(64);
+    let (mut refused, mut taken, mut boxes) = (0, 0, 0);
+    let mesh = knot();
+    let meshes = [Shape::solid(&mesh), Shape::mesh(&mesh)];
+    for shape in every_shape().into_iter().chain(meshes) {
+        let mut world = World::new();
+        let id = world.insert(Body::new(shape.clone())).unwrap();
+        for step in 0..60 {
+            let rigid = pose(&mut rng, 3.0);
+            let scale = 1.0 + if step % 3 == 0 { 0.5 } else { 1e-5 * rng.uniform(-1.0, 1.0) };
+            let to = Pose::new(rigid.linear().map(|row| row.map(|x| x * scale)), *rigid.translation()).unwrap();
+            let before = format!("{:?} {:?}", world.pose(id).unwrap(), world.bounds(id).unwrap());
+            let other = shape.at(to);
+            let outcome = world.step(&[(id, to)]).map(|_| ());
+            assert_eq!(outcome.is_ok(), other.is_ok());
+            let Ok(other) = other else {
+                refused += 1;
+                assert_eq!(format!("{:?} {:?}", world.pose(id).unwrap(), world.bounds(id).unwrap()), before);
+                continue;
+            };
+            taken += 1;
+            let bounds = world.bounds(id).unwrap().map(|bounds| [bounds.min(), bounds.max()]);
+            assert_eq!(format!("{bounds:?}"), format!("{:?}", other.bounds()), "{shape:?}");
+            boxes += u32::from(bounds.is_some());
+            assert_eq!(world.pose(id).unwrap(), &to);
+        }
+    }
+    assert!(refused > 40 && taken > 400 && boxes > 400, "{refused} refused, {taken} taken, {boxes} in boxes");
+}
+
 fn dumbbell() -> Shape {
     let at = |x| Pose::from_translation([x, 0.0, 0.0]).unwrap();
     let end = Shape::sphere([0.0; 3], 0.3).unwrap();

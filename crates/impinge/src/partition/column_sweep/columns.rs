@@ -1,9 +1,10 @@
 //! Columns in memory: each a chain of blocks, so that boxes find their places in one pass.
 
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, dispatch, u32x16};
 
 use super::frame::{Frame, LARGEST, LEVELS, WIDTH, nearest};
-use super::record::{Record, across_word, from_next};
+use super::record::{Record, from_next, interval};
 use crate::simd::{best_level, by_axis, prefetch};
 use crate::volume::MinMax;
 
@@ -15,6 +16,9 @@ const NONE: u32 = u32::MAX;
 
 /// Columns that a box reaches into at most.
 const MOST_COPIES: usize = 4;
+
+/// The bit of boxes that are too large for the columns of the finest level, or outside of them, beside those of axes.
+const SPECIAL: u32 = 1 << 2;
 
 /// Boxes that are dealt out at a time: in loops of their own they take the vector unit.
 const BATCH: usize = 64;
@@ -52,13 +56,13 @@ impl Columns {
                 batch.image(frame, boxes);
                 batch.place(frame);
                 batch.take_steps(frame);
-                self.push_all(frame, &batch, boxes, first + (at * BATCH) as u32);
+                self.push_all(simd, frame, &batch, boxes, first + (at * BATCH) as u32);
             }
         }));
     }
 
     #[inline(always)]
-    fn push_all(&mut self, frame: &Frame, batch: &Batch, boxes: &[MinMax], first: u32) {
+    fn push_all<S: Simd>(&mut self, simd: S, frame: &Frame, batch: &Batch, boxes: &[MinMax], first: u32) {
         self.reserve(MOST_COPIES * boxes.len());
         // Slices of their own, which no write to another can move.
         let (records, links, next) = (&mut self.records[..], &mut self.links[..], &mut self.next[..]);
@@ -70,29 +74,29 @@ impl Columns {
             }
         }
         let mut push = |place: u32, record| push(records, links, next, used, place, record);
-        let mut are_special = 0;
-        for at in 0..boxes.len() {
-            are_special |= batch.is_special[at];
-            if batch.is_special[at] != 0 {
-                continue;
-            }
-            let key = first + at as u32;
-            let [along, x, y] = by_axis!(word => batch.words[word][at]);
-            push(batch.place[at], Record::new(along, [x, y], key));
-            if batch.more[at] == 0 {
-                continue;
-            }
-            let [next_x, next_y] = [from_next(x, WIDTH), from_next(y, WIDTH)];
-            for (copy, across) in [(1, [next_x, y]), (2, [x, next_y]), (3, [next_x, next_y])] {
-                if copy & !batch.more[at] == 0 {
-                    let columns = [0, 1].map(|axis| batch.first[axis][at] + (copy >> axis & 1) as i32);
-                    push(frame.place(0, columns), Record::new(along, across, key));
-                }
+        let all = u64::MAX >> (BATCH - boxes.len());
+        let [regular, x, y] = [SPECIAL, 1, 2].map(
+            #[inline(always)]
+            |lacked| batch.with(simd, lacked) & all,
+        );
+        // Bits of who has which copies, as asking each box would be a branch that is as good as chance.
+        for (copy, boxes) in (0..).zip([regular, regular & x, regular & y, regular & x & y]) {
+            let mut left = boxes;
+            while left != 0 {
+                let at = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let [along, x, y] = by_axis!(word => batch.words[word][at]);
+                let across = [
+                    if copy & 1 == 0 { x } else { from_next(x, WIDTH) },
+                    if copy & 2 == 0 { y } else { from_next(y, WIDTH) },
+                ];
+                let columns = [0, 1].map(|axis| batch.first[axis][at] + (copy >> axis & 1));
+                push(frame.place(0, columns), Record::new(along, across, first + at as u32));
             }
         }
         self.counts[0] += boxes.len() as u32;
-        if are_special != 0 {
-            let special = (first..).zip(boxes).zip(&batch.is_special).filter(|&(_, &is_special)| is_special != 0);
+        if regular != all {
+            let special = (first..).zip(boxes).zip(&batch.lacks).filter(|&(_, &lacks)| lacks & SPECIAL != 0);
             special.for_each(|((key, bounds), _)| self.push_special(frame, bounds, key));
         }
     }
@@ -168,10 +172,8 @@ struct Batch {
     first: [[i32; BATCH]; 2],
     /// Where the first column is in memory.
     place: [u32; BATCH],
-    /// Whether a box reaches into the next column on each axis: a bit each.
-    more: [u32; BATCH],
-    /// Not zero for boxes that are too large for these columns, or outside of them.
-    is_special: [u32; BATCH],
+    /// For each axis a bit where a box does not reach into the next column, and one for boxes that have no copies here.
+    lacks: [u32; BATCH],
     /// What a record holds.
     words: [[u32; BATCH]; 3],
 }
@@ -183,14 +185,27 @@ impl Default for Batch {
             max: [[0.0; BATCH]; 3],
             first: [[0; BATCH]; 2],
             place: [0; BATCH],
-            more: [0; BATCH],
-            is_special: [0; BATCH],
+            lacks: [0; BATCH],
             words: [[0; BATCH]; 3],
         }
     }
 }
 
 impl Batch {
+    /// The boxes that have what others lack, a bit each.
+    #[inline(always)]
+    fn with<S: Simd>(&self, simd: S, lacked: u32) -> u64 {
+        let lacked = u32x16::splat(simd, lacked);
+        (0..BATCH / 16).fold(
+            0,
+            #[inline(always)]
+            |bits, at| {
+                let lacks = u32x16::from_slice(simd, &self.lacks[16 * at..16 * at + 16]);
+                bits | (lacks & lacked).simd_eq(u32x16::splat(simd, 0)).to_bitmask() << (16 * at)
+            },
+        )
+    }
+
     #[inline(always)]
     fn image(&mut self, frame: &Frame, boxes: &[MinMax]) {
         for (at, bounds) in boxes.iter().enumerate().take(BATCH) {
@@ -213,8 +228,10 @@ impl Batch {
             let is_small = (max[0][at] - min[0][at] <= LARGEST)
                 & (max[1][at] - min[1][at] <= LARGEST)
                 & (along.1[at] - along.0[at] <= LARGEST);
-            self.is_special[at] = u32::from(!(is_small & frame.is_within(0, [first, last])));
-            self.more[at] = u32::from(last[0] != first[0]) | u32::from(last[1] != first[1]) << 1;
+            let is_special = !(is_small & frame.is_within(0, [first, last]));
+            self.lacks[at] = u32::from(last[0] == first[0])
+                | u32::from(last[1] == first[1]) << 1
+                | if is_special { SPECIAL } else { 0 };
             self.first[0][at] = first[0];
             self.first[1][at] = first[1];
             self.place[at] = frame.place(0, first);
@@ -226,14 +243,14 @@ impl Batch {
     fn take_steps(&mut self, frame: &Frame) {
         let along = (&self.min[frame.along % 3], &self.max[frame.along % 3]);
         for at in 0..BATCH {
-            self.words[0][at] = frame.step(along.0[at]) | frame.step(along.1[at]) << 16;
+            self.words[0][at] = interval(frame.step(along.0[at]), frame.step(along.1[at]));
         }
         for axis in 0..2 {
             let (min, max) = (&self.min[frame.across[axis] % 3], &self.max[frame.across[axis] % 3]);
             for at in 0..BATCH {
                 let column = self.first[axis][at] as f32;
-                let step = |x: f32| nearest((x - column) * WIDTH as f32);
-                self.words[1 + axis][at] = across_word(step(min[at]), step(max[at]), false);
+                let step = |x: f32| (nearest((x - column) * WIDTH as f32) + WIDTH as i32) as u32;
+                self.words[1 + axis][at] = interval(step(min[at]), step(max[at]));
             }
         }
     }
@@ -247,7 +264,7 @@ mod tests {
     /// Boxes whose corners are often where steps and columns part, and some that are too large for a column.
     fn boxes(rng: &mut Rng, far: f64) -> Vec<MinMax> {
         let unit = 1.0 / 1024.0;
-        (0..5_000)
+        (0..8_000)
             .map(|_| {
                 let min = [0; 3].map(|_: i32| far + rng.integer(-20_000, 20_000) as f64 * unit);
                 let most = if rng.integer(0, 30) == 0 { 20_000 } else { 1_000 };

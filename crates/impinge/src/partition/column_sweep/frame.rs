@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::super::march::LIMIT;
-use super::record::{Record, across_word};
+use super::record::{LAST, Record, as_second, interval};
 use crate::simd::by_axis;
 use crate::volume::MinMax;
 
@@ -20,9 +20,9 @@ const SAMPLE: usize = 256;
 /// Boxes for each of the sample.
 const SAMPLED: usize = 64;
 
-/// Boxes of the finest level that a box is to be compared with: nearly always one vector of sixteen. Narrower columns make
-/// more copies, wider ones more second vectors; with 6 and with 12 a step took as long within what runs differ by.
-const CANDIDATES: f64 = 8.0;
+/// Boxes of the finest level that a box is to be compared with: mostly the sixteen that are compared at a time. Narrower columns
+/// make more copies, wider ones more comparisons; with 8 and with 14 a step took 1.03 times as long.
+const CANDIDATES: f64 = 10.0;
 
 /// Boxes of a column: what fits the first two caches while it is sorted and swept.
 const FULL: f64 = 1024.0;
@@ -31,20 +31,18 @@ const FULL: f64 = 1024.0;
 /// an eighth of these. Each is a place in memory that is written to in turn.
 const MOST_COLUMNS: usize = 1 << 15;
 
-/// The part of a column that boxes of its level are wide at most, so that they reach into two on an axis.
-pub(super) const LARGEST: f32 = 0.5;
+/// The part of a column that boxes of its level are wide at most, so that they reach into two on an axis, and are within a width
+/// of the middle of either: a little less than a half, for the rounding of differences.
+pub(super) const LARGEST: f32 = 0.5 - 1.0 / 1024.0;
 
 /// Images are cut off here, far behind the last column: so many columns are counted in single precision, see [`nearest`].
 const FARTHEST: f32 = (1 << 21) as f32;
 
-/// Steps across in a column of a level.
-pub(super) const WIDTH: i32 = 1 << 13;
-
-/// Steps are cut off at so many from a column, which is behind all that reach into it.
-const FARTHEST_STEP: f64 = ((1 << 14) - 2) as f64;
+/// Steps across in a column of a level, of which a width on either side of its middle is counted.
+pub(super) const WIDTH: u32 = 1 << 14;
 
 /// The last step along.
-const MOST_STEPS: f32 = 65535.0;
+const MOST_STEPS: f32 = LAST as f32;
 
 /// Distances between the quartiles that steps along reach beyond these at most.
 const BEYOND: f64 = 2.0;
@@ -197,7 +195,7 @@ impl Frame {
         }
     }
 
-    /// The step along the columns that an image is in, of 2^16; monotone.
+    /// The step along the columns that an image is in; monotone.
     #[inline(always)]
     pub(super) fn step(&self, along: f32) -> u32 {
         let step = (along - self.low) * self.steps;
@@ -206,27 +204,27 @@ impl Frame {
         (step + WHOLE).to_bits() & 0xffff
     }
 
-    /// The step across that an image is in, counted from a column of a level: the nearest whole number to the exact
-    /// quotient wherever it is near the column, so that what is counted from one column agrees with what is from the next.
-    pub(super) fn step_across(&self, coordinate: f32, level: usize, column: i32) -> i32 {
-        let unit = f64::from(WIDTH) / f64::from(1_u32 << (SHIFT * level));
-        let start = f64::from(column) * f64::from(1_u32 << (SHIFT * level));
-        let step = (f64::from(coordinate) - start) * unit;
-        step.clamp(-FARTHEST_STEP, FARTHEST_STEP).round_ties_even() as i32
+    /// The step across that an image is in, counted from a width before the middle of a column of a level, and cut off beyond one
+    /// behind it. Where it is not cut off, what is counted from one column agrees with what is from the next.
+    pub(super) fn step_across(&self, coordinate: f32, level: usize, column: i32) -> u32 {
+        let width = f64::from(1_u32 << (SHIFT * level));
+        let middle = f64::from(column) * width + 0.5 * (width - 1.0);
+        let step = (f64::from(coordinate) - middle) * (f64::from(WIDTH) / width) + f64::from(WIDTH);
+        step.clamp(0.0, f64::from(LAST)).round_ties_even() as u32
     }
 
     /// The interval of an image on an axis across, as its copy in a column has it.
-    pub(super) fn word(&self, image: &Image, at: usize, level: usize, column: i32) -> u32 {
+    fn interval(&self, image: &Image, at: usize, level: usize, column: i32) -> u32 {
         let axis = self.across[at];
-        let first = Self::column(image.min[axis], level);
         let [begin, end] = [image.min[axis], image.max[axis]].map(|x| self.step_across(x, level, column));
-        across_word(begin, end, column != first)
+        let interval = interval(begin, end);
+        if column == Self::column(image.min[axis], level) { interval } else { as_second(interval) }
     }
 
     /// The copy of a box in a column.
     pub(super) fn record(&self, image: &Image, level: usize, columns: [i32; 2], key: u32) -> Record {
         let [begin, end] = [image.min, image.max].map(|corner| self.step(corner[self.along]));
-        Record::new(begin | end << 16, [0, 1].map(|at| self.word(image, at, level, columns[at])), key)
+        Record::new(interval(begin, end), [0, 1].map(|at| self.interval(image, at, level, columns[at])), key)
     }
 
     /// The level of an image: the first whose columns are twice as wide as it is large.

@@ -1,15 +1,16 @@
 //! A column sorted and swept, sixteen boxes at a time.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, i16x16};
+use fearless_simd::{Simd, u8x32, u32x8};
 
-use super::record::Record;
+use super::record::{Record, Verdict, probe};
 use super::slots::Slots;
 
-/// Copies in a vector.
+/// Copies that are compared at a time, and in a vector.
 const WIDE: usize = 16;
+const VECTOR: usize = 8;
 
-/// The copies of a column side by side, by where they begin along it, and memory to sort them in.
+/// The copies of a column, by where they begin along it, and memory to sort them in.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lanes {
     /// As they came.
@@ -17,11 +18,13 @@ pub(super) struct Lanes {
     /// In order; here and below what is behind their number means nothing.
     sorted: Vec<Record>,
     slots: Slots,
-    /// On each axis across, where they begin and end.
-    across: [[Vec<i16>; 2]; 2],
-    /// For each sorted copy where those end that may begin before it ends.
+    /// Of each where it is across, in four bytes.
+    words: Vec<u32>,
+    /// Where those end that may begin before a copy ends, for each; only where they are sorted in full.
     ends: Vec<u32>,
     hits: Vec<Hits>,
+    /// Pairs of which images are not certain.
+    open: Vec<[u32; 2]>,
 }
 
 /// Which part of the columns is asked for: the steps and the images of where it begins and ends along.
@@ -38,19 +41,14 @@ impl Lanes {
         self.unsorted.clear();
         blocks.for_each(|block| self.unsorted.extend_from_slice(block));
         let len = self.unsorted.len();
-        if self.ends.len() < len {
+        if self.sorted.len() < len {
             self.sorted.resize(2 * len, Record::default());
+            self.words.resize(2 * len + WIDE, 0);
             self.ends.resize(2 * len, 0);
-            self.across.as_flattened_mut().iter_mut().for_each(|lane| lane.resize(2 * len + WIDE, 0));
         }
         let sorted = &mut self.sorted[..len];
         self.slots.sort(&self.unsorted, sorted, |record| span(record)[0]);
-        let [[x, end_x], [y, end_y]] =
-            self.across.each_mut().map(|lanes| lanes.each_mut().map(|lane| &mut lane[..len]));
-        for (at, record) in sorted.iter().enumerate() {
-            [x[at], end_x[at]] = record.across(0);
-            [y[at], end_y[at]] = record.across(1);
-        }
+        self.words.iter_mut().zip(&*sorted).for_each(|(word, record)| *word = record.word());
         let ends = &mut self.ends[..len];
         if self.slots.is_full() {
             ends.iter_mut().zip(sorted).for_each(|(end, record)| *end = self.slots.full_end(span(record)[1]));
@@ -65,23 +63,47 @@ impl Lanes {
         &self.sorted[..self.unsorted.len()]
     }
 
-    /// Calls `meet` for each two copies whose images meet across, and may meet along.
+    /// Adds each two copies to `found` whose boxes meet: as `judge` says, or `decide` where it is not certain.
     #[inline(always)]
-    pub(super) fn sweep_self<S: Simd>(&mut self, simd: S, mut meet: impl FnMut(&Record, &Record)) {
+    pub(super) fn sweep_self<S: Simd>(
+        &mut self,
+        simd: S,
+        found: &mut Vec<[u32; 2]>,
+        judge: impl Fn(&Record, &Record) -> Verdict,
+        decide: impl Fn([u32; 2]) -> bool,
+    ) {
         let len = self.unsorted.len();
         if len == 0 {
             return; // before there is any memory
         }
-        let lanes = self.across.each_ref().map(|lanes| lanes.each_ref().map(|lane| &lane[..len + WIDE]));
+        let words = &self.words[..len + WIDE];
         let (records, ends) = (&self.sorted[..len], &self.ends[..len]);
-        let mut expand = |hits: &[Hits]| {
-            for &Hits { one, first, bits } in hits {
-                let one = &records[one as usize];
-                let mut bits = bits;
-                while bits != 0 {
-                    meet(one, &records[(first + bits.trailing_zeros()) as usize]);
-                    bits &= bits - 1;
+        let open = &mut self.open;
+        // Each has one hit taken at a time, so that how many it has is no branch, nor what is judged of it.
+        let mut expand = |hits: &mut [Hits]| {
+            let mut left = hits.len();
+            while left > 0 {
+                let before = found.len();
+                found.resize(before + left, [0; 2]);
+                open.resize(open.len().max(left), [0; 2]);
+                let (met, asked) = (&mut found[before..], &mut open[..left]);
+                let (mut kept, mut certain, mut uncertain) = (0, 0, 0);
+                for at in 0..left {
+                    let Hits { one, first, bits } = hits[at];
+                    let (one_record, other) =
+                        (&records[one as usize], &records[(first + bits.trailing_zeros()) as usize]);
+                    let Verdict { is_apart, is_certain } = judge(one_record, other);
+                    let pair = [one_record.key.min(other.key), one_record.key.max(other.key)];
+                    (met[certain], asked[uncertain]) = (pair, pair);
+                    certain += usize::from(is_certain & !is_apart);
+                    uncertain += usize::from(!is_certain & !is_apart);
+                    let bits = bits & (bits - 1);
+                    hits[kept] = Hits { one, first, bits };
+                    kept += usize::from(bits != 0);
                 }
+                found.truncate(before + certain);
+                found.extend(open[..uncertain].iter().filter(|&&pair| decide(pair)));
+                left = kept;
             }
         };
         // Room for all of one copy, so that nothing but comparisons is in the inner loop.
@@ -91,34 +113,27 @@ impl Lanes {
         for one in 0..len {
             let end = ends[one] as usize;
             if count > MOST_HITS {
-                expand(&hits[..count]);
+                expand(&mut hits[..count]);
                 count = 0;
             }
-            let splats = splats(simd, lanes.map(|lanes| lanes.map(|lane| lane[one])));
+            let most = u32x8::splat(simd, probe(words[one]));
             let mut at = one + 1;
             while at < end {
-                let bits = compare(simd, &lanes, at, &splats) & first_bits(end - at);
+                let bits = compare(simd, words, at, most) & first_bits(end - at);
                 // Written in any case and kept where there is a hit: whether there is one is hard to predict.
                 hits[count] = Hits { one: one as u32, first: at as u32, bits };
                 count += usize::from(bits != 0);
                 at += WIDE;
             }
         }
-        expand(&hits[..count]);
+        expand(&mut hits[..count]);
     }
 
-    /// Calls `meet` for each copy whose image meets these intervals across, and may meet this span along.
+    /// Calls `meet` for each copy whose image may meet one that has this word across, and may meet this span along.
     #[inline(always)]
-    pub(super) fn sweep_one<S: Simd>(
-        &self,
-        simd: S,
-        across: [[i16; 2]; 2],
-        span: &Span,
-        mut meet: impl FnMut(&Record),
-    ) {
-        let len = self.unsorted.len();
-        let lanes = self.across.each_ref().map(|lanes| lanes.each_ref().map(|lane| &lane[..len + WIDE]));
-        let splats = splats(simd, across);
+    pub(super) fn sweep_one<S: Simd>(&self, simd: S, word: u32, span: &Span, mut meet: impl FnMut(&Record)) {
+        let words = &self.words[..self.unsorted.len() + WIDE];
+        let most = u32x8::splat(simd, probe(word));
         let (start, end) = if self.slots.is_full() {
             (self.slots.full_start(span.images[0]), self.slots.full_end(span.images[1]))
         } else {
@@ -126,7 +141,7 @@ impl Lanes {
         };
         let end = end as usize;
         for at in (start as usize..end).step_by(WIDE) {
-            let mut bits = compare(simd, &lanes, at, &splats) & first_bits(end - at);
+            let mut bits = compare(simd, words, at, most) & first_bits(end - at);
             while bits != 0 {
                 meet(&self.sorted[at + bits.trailing_zeros() as usize]);
                 bits &= bits - 1;
@@ -146,33 +161,22 @@ struct Hits {
 /// Hits that are looked at together.
 const MOST_HITS: usize = 256;
 
-/// As many bits as there are copies, or as a vector has.
+/// As many bits as there are copies, or as are compared at a time.
 #[inline(always)]
 fn first_bits(count: usize) -> u32 {
     (1 << count.min(WIDE)) - 1
 }
 
-/// Where one box begins and ends on each axis across, in each lane.
-type Splats<S> = [[i16x16<S>; 2]; 2];
-
+/// Which words from a place on have no byte that is more than one's.
 #[inline(always)]
-fn splats<S: Simd>(simd: S, across: [[i16; 2]; 2]) -> Splats<S> {
-    let [[x, end_x], [y, end_y]] = across;
-    [[i16x16::splat(simd, x), i16x16::splat(simd, end_x)], [i16x16::splat(simd, y), i16x16::splat(simd, end_y)]]
-}
-
-/// Which of sixteen images meet one's across.
-#[inline(always)]
-fn compare<S: Simd>(simd: S, lanes: &[[&[i16]; 2]; 2], at: usize, one: &Splats<S>) -> u32 {
-    let meets = vector(simd, lanes[0][0], at).simd_lt(one[0][1])
-        & one[0][0].simd_lt(vector(simd, lanes[0][1], at))
-        & vector(simd, lanes[1][0], at).simd_lt(one[1][1])
-        & one[1][0].simd_lt(vector(simd, lanes[1][1], at));
-    meets.to_bitmask() as u32
-}
-
-/// Sixteen coordinates from a place on.
-#[inline(always)]
-fn vector<S: Simd>(simd: S, lane: &[i16], at: usize) -> i16x16<S> {
-    i16x16::from_slice(simd, &lane[at..at + WIDE])
+fn compare<S: Simd>(simd: S, words: &[u32], at: usize, most: u32x8<S>) -> u32 {
+    let most = most.bitcast::<u8x32<S>>();
+    let words = &words[at..at + WIDE];
+    let mut bits = 0;
+    for vector in 0..WIDE / VECTOR {
+        let words = u32x8::from_slice(simd, &words[vector * VECTOR..][..VECTOR]);
+        let is_near = words.bitcast::<u8x32<S>>().min(most).bitcast::<u32x8<S>>().simd_eq(words);
+        bits |= (is_near.to_bitmask() as u32) << (vector * VECTOR);
+    }
+    bits
 }

@@ -3,7 +3,7 @@
 //! Source: Tracy, Buss, Woods, *Efficient large-scale sweep and prune methods with AABB insertion and removal*, IEEE VR 2009
 //! (a grid of sweeps); Ericson, 7.2 (levels for sizes). Ours departs in that nothing is kept from step to step, in columns
 //! that cross space so that a sweep replaces one axis of the grid, in sixteen boxes a comparison, and in coordinates that are
-//! rounded *monotonically* to whole steps of 16 bits: if a coordinate is not greater than another, neither is its step. Steps
+//! rounded *monotonically* to whole steps of 15 bits: if a coordinate is not greater than another, neither is its step. Steps
 //! that are apart thus prove boxes apart, steps that overlap by more than a touch prove that they meet, and only for a touch
 //! are the boxes themselves asked.
 
@@ -25,7 +25,7 @@ use columns::Columns;
 use frame::{Frame, Image, LARGEST, LEVELS, nearest};
 use lanes::{Lanes, Span};
 use order::sort_pairs;
-use record::Record;
+use record::{Record, Verdict};
 
 /// Finds all pairs of boxes that meet, without memory of earlier places: the quickest way where most boxes move.
 ///
@@ -34,7 +34,7 @@ use record::Record;
 /// questions but this; what it keeps is memory to work in.
 ///
 /// # Complexity
-/// O(n) and a sweep of each column: boxes that are spread are compared with about eight others each, and sizes over any
+/// O(n) and a sweep of each column: boxes that are spread are compared with about ten others each, and sizes over any
 /// ratio add a comparison for each level of fourfold size. Boxes that are long and thin, many side by side in one column,
 /// are compared with each other: then a [`BoxTree`](super::BoxTree) is the better kind.
 ///
@@ -190,17 +190,17 @@ impl Bucket<'_> {
         let column = |record: &Record| own_column(frame, level, &frame.image(&boxes[record.key as usize]), record);
         dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || {
             self.lanes.fill(blocks, span);
-            self.lanes.sweep_self(simd, #[inline(always)] |one, other| {
+            let judge = |one: &Record, other: &Record| {
                 // Of the columns that both reach into the first reports them.
-                if one.second() & other.second() != 0 {
-                    return;
+                let is_seen = one.second() & other.second() != 0;
+                let Verdict { is_apart, is_certain } = one.verdict(other);
+                if is_shared {
+                    return Verdict { is_apart: is_seen || column(one) != column(other), is_certain: false };
                 }
-                if !is_shared {
-                    meet(one, other, boxes, found);
-                } else if column(one) == column(other) && are_met(one, other, boxes) {
-                    found.push(pair(one, other));
-                }
-            });
+                Verdict { is_apart: is_seen | is_apart, is_certain }
+            };
+            let decide = |[one, other]: [u32; 2]| boxes[one as usize].overlaps(&boxes[other as usize]);
+            self.lanes.sweep_self(simd, found, judge, decide);
         }));
         if !self.lanes.records().is_empty() && coarser.iter().any(|coarse| !coarse.copies.is_empty()) {
             self.find_coarser(coarser, found);
@@ -240,7 +240,7 @@ impl Bucket<'_> {
                     let images = [(begin - longest).next_down(), end];
                     let span = Span { steps: images.map(|x| frame.step(x)), images };
                     dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || {
-                        self.lanes.sweep_one(simd, [record.across(0), record.across(1)], &span, #[inline(always)] |one| {
+                        self.lanes.sweep_one(simd, record.word(), &span, #[inline(always)] |one| {
                             if one.second() & begun != 0 {
                                 return;
                             }

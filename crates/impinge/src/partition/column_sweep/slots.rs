@@ -124,14 +124,15 @@ impl Ends<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::record::{LAST, interval};
     use super::*;
 
     /// Steps that are alike, repeat, or crowd about one place so that all are sorted in full.
     fn steps(kind: usize, len: usize) -> impl Iterator<Item = u32> {
         (0..len).map(move |at| match kind {
             0 => (at * at % 97) as u32,
-            1 => (at * 7919 % 65_521) as u32,
-            2 => 60_000 / (1 + at * 31 % 1009) as u32,
+            1 => (at * 7919 % 32_749) as u32,
+            2 => 30_000 / (1 + at * 31 % 1009) as u32,
             _ => 500,
         })
     }
@@ -141,7 +142,7 @@ mod tests {
         let (mut slots, mut full) = (Slots::default(), 0);
         for (kind, len) in [(0, 0), (0, 1), (0, 90), (0, 4000), (1, 500), (1, 5000), (2, 900), (3, 20), (3, 300)] {
             let records: Vec<Record> =
-                steps(kind, len).zip(0..).map(|(step, key)| Record::new(step, [0; 2], key)).collect();
+                steps(kind, len).zip(0..).map(|(step, key)| Record::new(interval(step, step), [0; 2], key)).collect();
             let mut sorted = vec![Record::default(); len];
             slots.sort(&records, &mut sorted, |record| record.along()[0] as f32);
             full += usize::from(slots.is_full());
@@ -149,7 +150,8 @@ mod tests {
             keys.sort_unstable();
             assert!(keys.iter().copied().eq(0..len as u32), "kind {kind}, {len}: not each record once");
             let begin = |record: &Record| record.along()[0];
-            for step in steps(kind, len).flat_map(|step| [step, step + 1, step.saturating_sub(1), 0, 65_535]) {
+            for step in steps(kind, len).flat_map(|step| [step, (step + 1).min(LAST), step.saturating_sub(1), 0, LAST])
+            {
                 let (start, end) = if slots.is_full() {
                     (slots.full_start(step as f32), slots.full_end(step as f32))
                 } else {
