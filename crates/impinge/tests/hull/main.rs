@@ -6,3 +6,4 @@ mod oracle;
 mod proxies;
 mod support;
 mod surface;
+mod told_hulls;
