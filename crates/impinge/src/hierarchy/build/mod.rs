@@ -92,6 +92,14 @@ impl Builder {
     }
 
     /// The strategy for so many boxes.
+    ///
+    /// ```
+    /// use impinge::hierarchy::Builder;
+    ///
+    /// assert_eq!(Builder::Auto.strategy(65_536), Builder::SweepSah);
+    /// assert_eq!(Builder::Auto.strategy(65_537), Builder::Morton);
+    /// assert_eq!(Builder::named("ploc").map(|named| named.strategy(3)), Some(Builder::Ploc));
+    /// ```
     #[must_use]
     pub fn strategy(self, boxes: usize) -> Self {
         match self {
