@@ -6,10 +6,11 @@ use std::ops::ControlFlow;
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 
-use super::filter::{Guest, Verdict};
+use super::filter::Verdict;
 use super::large_leaf::LargeLeaf;
 use super::packet::Packet;
 use super::relation::{HostChoice, Relation, Relations};
+use super::taken_up::Guests;
 use super::{Mesh, Placed};
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{Descent, Large, LeafVisitor, Order, QUEUE, Task, bits};
@@ -111,8 +112,7 @@ fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options) -> Vec
     let question = Question { host, guest, relation, back, placement: &placement, swapped, wanted };
     if wanted.limit < usize::MAX {
         // Whoever wants the first pairs only wants them before others are looked at: no pair waits for another.
-        let mut guests = [const { TakenUp::NONE }; 1];
-        let mut pairs = question.pairs(&mut guests);
+        let mut pairs = question.pairs(1);
         let mut tasks = Vec::with_capacity(TASKS_OF_A_FIRST_HIT);
         tasks.push(root);
         work(options.level, &descent, Order::DepthFirst { ahead: 1 }, &mut tasks, &mut pairs);
@@ -120,8 +120,7 @@ fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options) -> Vec
     }
 
     let ahead = QUEUE;
-    let mut guests = [const { TakenUp::NONE }; WAITING];
-    let mut first = question.pairs(&mut guests);
+    let mut first = question.pairs(KEPT);
     let mut tasks = vec![root];
     let threads = rayon::current_num_threads();
     if threads > 1 {
@@ -130,8 +129,7 @@ fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options) -> Vec
         if tasks.len() >= enough {
             let chunk = tasks.len().div_ceil(TASKS_PER_THREAD * threads);
             let shared = tasks.par_chunks(chunk).map(|tasks| {
-                let mut guests = [const { TakenUp::NONE }; WAITING];
-                let mut pairs = question.pairs(&mut guests);
+                let mut pairs = question.pairs(KEPT);
                 work(options.level, &descent, Order::DepthFirst { ahead }, &mut tasks.to_vec(), &mut pairs);
                 pairs.found
             });
@@ -171,9 +169,12 @@ fn work(level: Level, descent: &Descent<'_>, order: Order, tasks: &mut Vec<Task>
     }
 }
 
-/// Pairs of leaves wait this long for the host leaf's memory. Fewer hide less of its latency; more crowd the first
-/// cache with guests taken up.
+/// Pairs of leaves wait this long for the host leaf's memory: fewer hide less of its latency.
 const WAITING: usize = 8;
+
+/// Guest leaves that are kept taken up; a power of two, more than wait. More than half of all come again while they are; twice as
+/// many would fill the first cache and hardly save more.
+const KEPT: usize = 32;
 
 /// With more pairs put off than this, they are decided. One takes as long as some leaves to meet, any of which may hold a pair that
 /// the filter is sure of; where surfaces touch, none does, and looking on is in vain.
@@ -187,17 +188,6 @@ const LEAST_ROOM: usize = 1 << 14;
 struct Meeting {
     guest: usize,
     host_leaf: u32,
-}
-
-/// A guest leaf and what it holds, turned.
-struct TakenUp {
-    leaf: u32,
-    guest: Guest,
-}
-
-impl TakenUp {
-    /// No leaf.
-    const NONE: Self = Self { leaf: u32::MAX, guest: Guest::EMPTY };
 }
 
 /// Two meshes, how they lie to each other, and which of their pairs are wanted.
@@ -214,15 +204,14 @@ struct Question<'a> {
 }
 
 impl Question<'_> {
-    /// No pairs so far. There is room for as many guest leaves as there are `guests`, up to [`WAITING`]; as many pairs wait.
-    fn pairs<'a>(&'a self, guests: &'a mut [TakenUp]) -> Pairs<'a> {
+    /// No pairs so far; at most so many guest leaves are kept, a power of two, and no more pairs wait.
+    fn pairs(&self, kept: usize) -> Pairs<'_> {
         Pairs {
             question: *self,
             host_packets: &self.host.0.packets,
             guest_packets: &self.guest.0.packets,
-            guests,
-            last: 0,
-            is_awaited: false,
+            patience: kept.min(WAITING),
+            guests: Guests::new(kept),
             waiting: [Meeting { guest: 0, host_leaf: 0 }; WAITING],
             next: 0,
             count: 0,
@@ -237,12 +226,10 @@ struct Pairs<'a> {
     question: Question<'a>,
     host_packets: &'a [Packet],
     guest_packets: &'a [Packet],
-    /// The guest leaves taken up last, in turn, and which of them is the last.
-    guests: &'a mut [TakenUp],
-    last: usize,
-    /// Whether the last one is part of a pair that was put off.
-    is_awaited: bool,
-    /// Pairs put off until their host leaf is at hand, the oldest at `next`.
+    guests: Guests,
+    /// How many pairs are put off at most, until their host leaf is at hand, and one more is met.
+    patience: usize,
+    /// Those that are, the oldest at `next`.
     waiting: [Meeting; WAITING],
     next: usize,
     count: usize,
@@ -258,11 +245,9 @@ impl Pairs<'_> {
         let Meeting { guest, host_leaf } = self.waiting[self.next];
         self.next = (self.next + 1) % WAITING;
         self.count -= 1;
-        self.is_awaited &= self.count > 0;
-        let TakenUp { leaf: guest_leaf, guest } = &self.guests[guest];
+        let (guest_leaf, guest) = self.guests.awaited(guest);
         let mut verdicts = [Verdict::default(); LANES];
         let met = guest.meet(simd, &self.host_packets[host_leaf as usize], ALL_LANES, &mut verdicts);
-        let guest_leaf = *guest_leaf;
         if met == 0 { ControlFlow::Continue(()) } else { self.report([host_leaf, guest_leaf], met, &verdicts, false) }
     }
 
@@ -333,26 +318,16 @@ impl Pairs<'_> {
 impl LeafVisitor for Pairs<'_> {
     #[inline(always)]
     fn take_up<S: Simd>(&mut self, simd: S, guest_leaf: u32) -> Aabb {
-        if self.guests[self.last].leaf != guest_leaf {
-            // A guest that nobody waits for makes room for the next. The others take turns: fewer than all places are
-            // waited for when a guest is taken up, so that the oldest place is free.
-            self.last = (self.last + usize::from(self.is_awaited)) % WAITING;
-            self.is_awaited = false;
-            let Question { relation, back, .. } = self.question;
-            let TakenUp { leaf, guest } = &mut self.guests[self.last];
-            *leaf = guest_leaf;
-            guest.take_up(simd, &self.guest_packets[guest_leaf as usize], relation, back);
-        }
-        self.guests[self.last].guest.bounds
+        let Question { relation, back, .. } = self.question;
+        self.guests.take_up(simd, guest_leaf, self.guest_packets, relation, back)
     }
 
     #[inline(always)]
     fn pair<S: Simd>(&mut self, simd: S, host_leaf: u32) -> ControlFlow<()> {
         prefetch(&self.host_packets[host_leaf as usize]);
-        self.waiting[(self.next + self.count) % WAITING] = Meeting { guest: self.last, host_leaf };
+        self.waiting[(self.next + self.count) % WAITING] = Meeting { guest: self.guests.await_last(), host_leaf };
         self.count += 1;
-        self.is_awaited = true;
-        if self.count < self.guests.len() { ControlFlow::Continue(()) } else { self.meet_next(simd) }
+        if self.count < self.patience { ControlFlow::Continue(()) } else { self.meet_next(simd) }
     }
 
     fn meet_below<S: Simd>(&mut self, simd: S, large: Large, node: u32) -> ControlFlow<()> {

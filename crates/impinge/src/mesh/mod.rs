@@ -26,6 +26,7 @@ mod refit;
 mod relation;
 mod self_descent;
 mod solid_angle;
+mod taken_up;
 mod topology;
 mod walls;
 mod winding;

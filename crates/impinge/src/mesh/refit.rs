@@ -127,7 +127,10 @@ impl Moved<'_> {
         let mut bounds = Vec::with_capacity(packets.len());
         dispatch!(level, simd => {
             for at in 0..packets.len() {
-                // The vertices of a leaf lie anywhere: they are asked for one leaf ahead.
+                // The faces of a leaf lie anywhere, and their vertices too: they are asked for three leaves and one leaf ahead.
+                for &face in packets.get(at + 3).map_or(&[][..], Packet::held) {
+                    prefetch(&self.faces[face as usize]);
+                }
                 for &face in packets.get(at + 1).map_or(&[][..], Packet::held) {
                     for vertex in self.faces[face as usize] {
                         prefetch(&vertices[vertex as usize]);
