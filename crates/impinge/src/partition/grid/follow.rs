@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x4};
 
 use super::super::{Changes, Items};
-use super::frame::{Block, Cell, Reach, seen_step};
+use super::frame::{Block, Frame, PARTS};
 use super::layout::Along;
 use super::level::Level;
 use super::lines::HELD;
@@ -16,13 +16,16 @@ use crate::volume::MinMax;
 /// Cells about a short way in all, and four along each axis: more are looked through more often than they are worth.
 pub(super) const SHORT: usize = 27;
 
+/// Cells along each axis that a short way is seen from at most.
+const WIDEST: usize = 4;
+
 /// What boxes that move together look at in a level: cells, in the order in which they move. Kept, as it is written anew for each few moves.
 #[derive(Clone, Debug)]
 pub(super) struct Looks {
     /// As many as `count`, and others that mean nothing.
     looks: Vec<Look>,
     count: usize,
-    ways: [Way; TOGETHER],
+    ways: Ways,
     open: Vec<Open>,
 }
 
@@ -32,21 +35,23 @@ struct Look {
     seen: Seen,
     place: u32,
     mover: u8,
-    /// Which of the cells about the way it is.
+    /// Which of the cells about the way it is: along each axis how far from the first, in two bits.
     number: u8,
 }
 
-/// How a box moves among the cells.
-#[derive(Clone, Copy, Debug, Default)]
-struct Way {
-    before: Block,
-    after: Block,
-    /// The first cell about it, and how many there are along two axes.
-    low: Cell,
-    counts: [u8; 2],
-    /// Whether it has copies in this level, and whether these are in other cells afterwards.
-    is_here: bool,
-    stays: bool,
+/// How boxes move among the cells, side by side.
+#[derive(Clone, Debug, Default)]
+struct Ways {
+    /// Along each axis the first cell about a way.
+    low: [[i64; TOGETHER]; 3],
+    /// Where the box begins and ends before and after, in parts of a cell behind the beginning of the first.
+    parts: [[[i16; TOGETHER]; 4]; 3],
+    /// Which cells there are about it, a bit for each by its number, and whether they are more than two along an axis.
+    cells: [u64; TOGETHER],
+    is_wide: [bool; TOGETHER],
+    /// Whether the box has copies in this level, and whether these are in other cells afterwards.
+    is_here: [bool; TOGETHER],
+    stays: [bool; TOGETHER],
 }
 
 /// A box that steps do not tell from one that begins or ceases to meet what moved.
@@ -59,90 +64,74 @@ struct Open {
 
 impl Default for Looks {
     fn default() -> Self {
-        Self {
-            looks: vec![Look::default(); TOGETHER * SHORT],
-            count: 0,
-            ways: [Way::default(); TOGETHER],
-            open: Vec::new(),
-        }
+        Self { looks: vec![Look::default(); TOGETHER * SHORT + 1], count: 0, ways: Ways::default(), open: Vec::new() }
     }
 }
 
 impl Looks {
-    /// Forgets the cells of the last mover, if they are known.
-    pub(super) fn forget(&mut self, mover: usize) {
-        while self.count > 0 && usize::from(self.looks[self.count - 1].mover) == mover {
-            self.count -= 1;
-        }
-    }
-
-    /// Finds the cells about a way and asks for their memory, unless they are too many. Copies of the box are in this level, or
-    /// it only looks here.
+    /// Notes a way among the cells of a level, unless the cells about it are too many. Copies of the box are in this level, or it
+    /// only looks here.
     #[inline(always)]
     pub(super) fn trace(&mut self, level: &Level, mover: usize, [from, to]: &[MinMax; 2], is_here: bool) -> bool {
-        let reaches = [level.frame.reach(from), level.frame.reach(to)];
-        let [before, after] = [reaches[0].block(), reaches[1].block()];
-        let block = before.merged(&after);
-        let counts = [0, 1, 2].map(|axis| block.high[axis] - block.low[axis] + 1);
+        let [before, after] = [level.frame.reach(from), level.frame.reach(to)];
+        let low = by_axis!(axis => before.low[axis].min(after.low[axis]).cell());
+        let counts = by_axis!(axis => before.high[axis].max(after.high[axis]).cell() - low[axis] + 1);
         let most = counts[0].max(counts[1]).max(counts[2]);
-        let in_rows = [counts[0] as u8, counts[1] as u8];
-        self.ways[mover] = Way { before, after, low: block.low, counts: in_rows, is_here, stays: before == after };
-        if most <= 2 {
-            self.spread::<8>(level, mover, &reaches, counts);
-        } else if most <= 4 && counts.iter().product::<i64>() <= SHORT as i64 {
-            self.spread::<16>(level, mover, &reaches, counts);
-        } else {
+        if most > WIDEST as i64 || counts[0] * counts[1] * counts[2] > SHORT as i64 {
             return false;
         }
+        let ways = &mut self.ways;
+        let mut changed = 0;
+        for axis in 0..3 {
+            let ends = [before.low[axis], before.high[axis], after.low[axis], after.high[axis]];
+            ways.low[axis][mover] = low[axis];
+            let parts = ends.map(|end| end.parts_from(low[axis]) as i16);
+            for (parts, all) in parts.into_iter().zip(&mut ways.parts[axis]) {
+                all[mover] = parts;
+            }
+            changed |= (parts[0] ^ parts[2]) | (parts[1] ^ parts[3]);
+        }
+        ways.cells[mover] = cells_of(counts);
+        ways.is_wide[mover] = most > 2;
+        (ways.is_here[mover], ways.stays[mover]) = (is_here, changed >> PARTS == 0);
         true
     }
 
-    /// Notes the cells, a quarter of the lanes along each axis at most.
+    /// Finds the cells about the ways.
     #[inline(always)]
-    fn spread<const LANES: usize>(&mut self, level: &Level, mover: usize, reaches: &[Reach; 2], counts: [i64; 3]) {
-        let low = self.ways[mover].low;
-        let wide = LANES / 4;
-        // Plain loops over lanes, one axis after the other, which become vectors; some lanes mean nothing.
-        let ends = [&reaches[0].low, &reaches[0].high, &reaches[1].low, &reaches[1].high];
-        let mut steps = [[0; LANES]; 4];
-        for (steps, places) in steps.iter_mut().zip(ends) {
-            let parts = by_axis!(axis => places[axis].parts_from(low[axis]) as i32);
-            for (lane, step) in steps.iter_mut().enumerate() {
-                *step = parts[(lane / wide).min(2)];
-            }
-            for (lane, step) in steps.iter_mut().enumerate() {
-                *step = seen_step(*step, lane % wide);
+    fn spread<const WIDE: usize, S: Simd>(&mut self, simd: S, level: &Level, movers: usize) {
+        let ways = &self.ways;
+        let mut slices = [[[Seen::default(); TOGETHER]; WIDE]; 3];
+        for axis in 0..3 {
+            for nth in 0..WIDE {
+                slices[axis][nth] = Seen::along(simd, axis, &ways.parts[axis], &ways.low[axis], nth);
             }
         }
-        let mut slices = [Seen::default(); LANES];
-        let mut places = [Along::default(); LANES];
-        for (axis, first) in low.into_iter().enumerate() {
-            for nth in 0..wide {
-                let (lane, cell) = (axis * wide + nth, first + nth as i64);
-                let (from, to) = ([steps[0][lane], steps[1][lane]], [steps[2][lane], steps[3][lane]]);
-                slices[lane] = Seen::along(axis, from, to, cell, nth);
-                places[lane] = level.layout.along(axis, cell);
+        let mut count = 0;
+        let looks = &mut self.looks[..];
+        for mover in 0..movers {
+            let mut along = [[Along::default(); WIDE]; 3];
+            for axis in 0..3 {
+                for nth in 0..WIDE {
+                    along[axis][nth] = level.layout.along(axis, ways.low[axis][mover] + nth as i64);
+                }
+            }
+            // Written in any case and kept where there is such a cell: how many there are is hard to foresee.
+            for z in 0..WIDE {
+                for y in 0..WIDE {
+                    let row = slices[1][y][mover].lanes(simd) | slices[2][z][mover].lanes(simd);
+                    for x in 0..WIDE {
+                        let place = level.layout.place([along[0][x], along[1][y], along[2][z]]) as u32;
+                        let number = x | y << 2 | z << 4;
+                        let look = &mut looks[count];
+                        look.seen = Seen::all(simd, slices[0][x][mover].lanes(simd) | row);
+                        (look.place, look.mover, look.number) = (place, mover as u8, number as u8);
+                        count += (ways.cells[mover] >> number & 1) as usize;
+                    }
+                }
             }
         }
-        // One loop for all cells: where it ends is hard enough to foresee.
-        let [mut x, mut y, mut z] = [0, wide, 2 * wide];
-        let end = counts.map(|count| count as usize);
-        let number = end[0] * end[1] * end[2];
-        for (at, look) in self.looks[self.count..][..number].iter_mut().enumerate() {
-            // What they never exceed.
-            let lanes = [x % LANES, y % LANES, z % LANES];
-            let place = level.layout.place([places[lanes[0]], places[lanes[1]], places[lanes[2]]]);
-            let seen = Seen::all(&slices[lanes[0]], &slices[lanes[1]], &slices[lanes[2]]);
-            *look = Look { seen, place: place as u32, mover: mover as u8, number: at as u8 };
-            x += 1;
-            let is_row = x == end[0];
-            x = if is_row { 0 } else { x };
-            y += usize::from(is_row);
-            let is_layer = y == wide + end[1];
-            y = if is_layer { wide } else { y };
-            z += usize::from(is_layer);
-        }
-        self.count += number;
+        self.count = count;
     }
 
     /// Moves the boxes in a level, and notes which pairs with boxes there begin and end.
@@ -155,27 +144,37 @@ impl Looks {
         movers: &Movers,
         changes: &mut Changes,
     ) {
+        let number = movers.iter().len();
+        if self.ways.is_wide[..number].contains(&true) {
+            self.spread::<WIDEST, S>(simd, level, number);
+        } else {
+            self.spread::<2, S>(simd, level, number);
+        }
         let looks = &self.looks[..self.count];
         // Close together, so that a processor looks for many pages at once.
+        let first = level.lines.first();
         for look in looks {
-            prefetch(level.lines.first(look.place as usize));
+            prefetch(&first[look.place as usize]);
         }
         for look in looks {
-            if let Some(more) = level.lines.after(level.lines.first(look.place as usize)) {
+            if let Some(more) = level.lines.after(&first[look.place as usize]) {
                 prefetch(more);
             }
         }
         self.open.clear();
         for look in looks {
-            let way = &self.ways[usize::from(look.mover)];
-            let key = movers.of(usize::from(look.mover)).0;
+            let mover = usize::from(look.mover);
+            let (stays, key) = (self.ways.stays[mover], movers.of(mover).0);
             let mut line = level.lines.first_mut(look.place as usize);
             loop {
-                let (open, here) = look.seen.compare(simd, &line.words);
-                let own = here & places_of(simd, key, &line.keys);
-                let mut undecided = open & !own;
-                if own != 0 && way.stays {
-                    line.words[own.trailing_zeros() as usize] = look.seen.after();
+                let mut own = places_of(simd, key, &line.keys);
+                let mut undecided = look.seen.compare(simd, &line.words) & !own;
+                while stays && own != 0 {
+                    let word = &mut line.words[own.trailing_zeros() as usize];
+                    own &= own - 1;
+                    if word.is_marked_as(look.seen.after()) {
+                        *word = look.seen.after();
+                    }
                 }
                 while undecided != 0 {
                     let key = line.keys[undecided.trailing_zeros() as usize];
@@ -188,28 +187,25 @@ impl Looks {
                     None => break,
                 }
             }
-            if way.is_here && !way.stays {
-                let cell = way.cell(look.number);
+            if self.ways.is_here[mover] && !stays {
                 let (place, after) = (look.place as usize, look.seen.after());
-                match (way.before.holds(cell), way.after.holds(cell)) {
-                    (true, true) => level.lines.write(place, key, after),
-                    (true, false) => level.lines.take(place, key, after),
-                    (false, true) => level.lines.put(place, key, after),
-                    (false, false) => {}
+                match self.ways.holds(mover, look.number) {
+                    [true, true] => level.lines.write(place, key, after),
+                    [true, false] => level.lines.take(place, key, after),
+                    [false, true] => level.lines.put(place, key, after),
+                    [false, false] => {}
                 }
             }
         }
-        self.count = 0;
         for open in &self.open {
             items.prefetch(open.key);
         }
         for open in &self.open {
-            let (mover, way) = (usize::from(open.mover), &self.ways[usize::from(open.mover)]);
+            let mover = usize::from(open.mover);
             let (key, [from, to]) = movers.of(mover);
             let Some(bounds) = movers.at_turn(items, mover, open.key) else { continue };
             let (met, meets) = (overlap(from, bounds), overlap(to, bounds));
-            let block = Block { low: way.low, high: way.low };
-            if met != meets && level.frame.is_first(way.cell(open.number), &block, bounds) {
+            if met != meets && self.ways.is_first(mover, open.number, &level.frame, bounds) {
                 changes.note(key, open.key, meets);
             }
         }
@@ -224,12 +220,40 @@ fn places_of<S: Simd>(simd: S, key: u32, keys: &[u32; HELD]) -> u32 {
     are_first | u32::from(*last == key) << (HELD - 1)
 }
 
-impl Way {
-    fn cell(&self, number: u8) -> Cell {
-        let (row, x) = (number / self.counts[0], number % self.counts[0]);
-        let along = [x, row % self.counts[1], row / self.counts[1]];
-        [0, 1, 2].map(|axis| self.low[axis] + i64::from(along[axis]))
+impl Ways {
+    /// Whether a box has a copy in a cell before and after.
+    #[inline(always)]
+    fn holds(&self, mover: usize, number: u8) -> [bool; 2] {
+        let cell = from_first(number);
+        let mut holds = [true; 2];
+        for axis in 0..3 {
+            let at = i16::from(cell[axis]);
+            for (time, holds) in holds.iter_mut().enumerate() {
+                let [first, last] = [2 * time, 2 * time + 1].map(|end| self.parts[axis][end][mover] >> PARTS);
+                *holds &= (first <= at) & (at <= last);
+            }
+        }
+        holds
     }
+
+    /// Whether a cell is the one of the least corner of what a box shares with the cells about a way.
+    fn is_first(&self, mover: usize, number: u8, frame: &Frame, bounds: &MinMax) -> bool {
+        let (low, cell) = ([0, 1, 2].map(|axis| self.low[axis][mover]), from_first(number));
+        frame.is_first([0, 1, 2].map(|axis| low[axis] + i64::from(cell[axis])), &Block { low, high: low }, bounds)
+    }
+}
+
+/// Bits of as many cells along each axis, of four at most.
+#[inline(always)]
+fn cells_of(counts: [i64; 3]) -> u64 {
+    let [x, y, z] = by_axis!(axis => u64::MAX >> (64 - (counts[axis] << (2 * axis))));
+    // Those of all rows along x, and so on.
+    (x * 0x1111_1111_1111_1111) & (y * 0x0001_0001_0001_0001) & z
+}
+
+/// A cell about a way by its number, counted along each axis from the first.
+fn from_first(number: u8) -> [u8; 3] {
+    [number & 3, number >> 2 & 3, number >> 4]
 }
 
 /// As [`BoundingVolume::overlaps`](crate::volume::BoundingVolume::overlaps), without a branch: it is as often true as not.

@@ -9,7 +9,7 @@ use crate::volume::MinMax;
 const FARTHEST: f64 = (1_u64 << 40) as f64;
 
 /// Parts of the edge of a cell, as a power of two.
-const PARTS: u32 = 8;
+pub(super) const PARTS: u32 = 8;
 
 /// A sum with it ends in the whole number that is nearest to the other part, which has to be below 2^51.
 const WHOLE: f64 = (3_u64 << 51) as f64;
@@ -28,7 +28,7 @@ pub(super) struct Frame {
 }
 
 /// A coordinate in parts of a cell.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Place(i64);
 
 /// Where a box begins and ends.
@@ -96,15 +96,15 @@ fn scale(cell: f64) -> f64 {
 
 /// The step of a place so many parts behind the beginning of a cell as it is seen from the `nth` that follows.
 #[inline(always)]
-pub(super) fn seen_step(parts: i32, nth: usize) -> i32 {
-    let part = (parts - ((nth as i32) << PARTS)).clamp(-1, 1 << PARTS);
+pub(super) fn seen_step(parts: i16, nth: usize) -> i16 {
+    let part = (parts - ((nth as i16) << PARTS)).clamp(-1, 1 << PARTS);
     // Of 256 parts 254 steps are made, which are in order as these are.
     1 + part - ((part + 127) >> 7)
 }
 
 impl Place {
     #[inline]
-    fn cell(self) -> i64 {
+    pub(super) fn cell(self) -> i64 {
         self.0 >> PARTS
     }
 
@@ -118,7 +118,7 @@ impl Place {
     #[inline]
     fn seen_from(self, cell: i64) -> u8 {
         let parts = self.parts_from(cell).clamp(-1, 1 << PARTS);
-        seen_step(parts as i32, 0) as u8
+        seen_step(parts as i16, 0) as u8
     }
 }
 
@@ -152,19 +152,6 @@ impl Block {
     /// Whether there are at most so many cells, of which no two look alike.
     pub(super) fn is_small(&self, most: f64) -> bool {
         self.count() <= most && (0..3).all(|axis| self.high[axis] - self.low[axis] < MARKED_APART)
-    }
-
-    #[inline]
-    pub(super) fn merged(&self, other: &Self) -> Self {
-        Self {
-            low: [0, 1, 2].map(|axis| self.low[axis].min(other.low[axis])),
-            high: [0, 1, 2].map(|axis| self.high[axis].max(other.high[axis])),
-        }
-    }
-
-    #[inline]
-    pub(super) fn holds(&self, cell: Cell) -> bool {
-        (0..3).all(|axis| self.low[axis] <= cell[axis] && cell[axis] <= self.high[axis])
     }
 
     #[inline]

@@ -1,21 +1,24 @@
 //! What cells hold: a few copies of boxes in a line of memory each, and more lines where there are more.
 
+use bytemuck::{Pod, Zeroable};
+
 use super::word::Word;
+use crate::storage::{Buffer, Pages};
 
 /// Copies in a line, so that it has 64 bytes.
 pub(super) const HELD: usize = 5;
 
-/// Where no line follows.
-const LAST: u32 = u32::MAX;
+/// Where no line follows, as in memory that is all zeros.
+const LAST: u32 = 0;
 
-/// Copies of boxes, as many as a line of memory of a processor's cache holds.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
+/// Copies of boxes, as many as a line of memory of a processor's cache holds. One of zeros is empty.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(64))]
 pub(super) struct Line {
     /// Those that are there come first, in the first line of a cell; the lines that follow are full.
     pub(super) words: [Word; HELD],
     pub(super) keys: [u32; HELD],
-    /// The next line of the same cell, among those that are shared.
+    /// The next line of the same cell, among those that are shared, counted from one.
     pub(super) next: u32,
 }
 
@@ -24,11 +27,12 @@ const _: () = assert!(size_of::<Line>() == 64);
 const EMPTY: Line = Line { words: [Word::NONE; HELD], keys: [0; HELD], next: LAST };
 
 /// A line for each of a number of cells, and more where one does not do.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Lines {
-    first: Vec<Line>,
+    /// In large pages: cells that are looked at lie anywhere, and to find a small page takes longer than to have a line.
+    first: Buffer<Line>,
     more: Vec<Line>,
-    /// The first of the lines in `more` that are not in use, which follow each other.
+    /// The first of the lines in `more` that are not in use, which follow each other, counted from one.
     free: u32,
     copies: usize,
 }
@@ -46,7 +50,7 @@ impl Line {
 
 impl Lines {
     pub(super) fn new(cells: usize) -> Self {
-        Self { first: vec![EMPTY; cells], more: Vec::new(), free: LAST, copies: 0 }
+        Self { first: Pages::zeroed(cells), more: Vec::new(), free: LAST, copies: 0 }
     }
 
     /// How many cells there are.
@@ -59,16 +63,16 @@ impl Lines {
         self.copies
     }
 
-    /// The first line of a cell.
+    /// The first lines of all cells.
     #[inline]
-    pub(super) fn first(&self, at: usize) -> &Line {
-        &self.first[at]
+    pub(super) fn first(&self) -> &[Line] {
+        &self.first
     }
 
     /// The line that follows one.
     #[inline]
     pub(super) fn after(&self, line: &Line) -> Option<&Line> {
-        self.more.get(line.next as usize)
+        self.more.get(shared(line.next))
     }
 
     /// The lines of a cell.
@@ -80,13 +84,13 @@ impl Lines {
     /// The first line of a cell, to write copies anew.
     #[inline]
     pub(super) fn first_mut(&mut self, at: usize) -> &mut Line {
-        &mut self.first[at]
+        &mut self.first.to_mut()[at]
     }
 
     /// A line that follows one.
     #[inline]
     pub(super) fn more_mut(&mut self, next: u32) -> Option<&mut Line> {
-        self.more.get_mut(next as usize)
+        self.more.get_mut(shared(next))
     }
 
     /// Adds a copy. The mark of its word is not among those of the copies of this key here.
@@ -96,18 +100,19 @@ impl Lines {
         if held == HELD {
             // The full line makes room and follows.
             let next = self.lend(self.first[at]);
-            self.first[at] = Line { next, ..EMPTY };
+            *self.first_mut(at) = Line { next, ..EMPTY };
             held = 0;
         }
-        self.first[at].words[held] = word;
-        self.first[at].keys[held] = key;
+        let line = self.first_mut(at);
+        line.words[held] = word;
+        line.keys[held] = key;
     }
 
     /// Takes the copy with this key and the mark of this word away.
     pub(super) fn take(&mut self, at: usize, key: u32, like: Word) {
         let Some((line, place)) = self.find(at, key, like) else { return };
         // The last of the first line fills the gap.
-        let first = &mut self.first[at];
+        let first = &mut self.first.to_mut()[at];
         let last = first.held() - 1;
         let (last_word, last_key) = (first.words[last], first.keys[last]);
         first.words[last] = Word::NONE;
@@ -116,13 +121,14 @@ impl Lines {
             None if place == last => {}
             None => (first.words[place], first.keys[place]) = (last_word, last_key),
             Some(line) => {
-                let line = &mut self.more[line as usize];
+                let line = &mut self.more[line];
                 (line.words[place], line.keys[place]) = (last_word, last_key);
             }
         }
         if last == 0 && next != LAST {
-            self.first[at] = self.more[next as usize];
-            self.more[next as usize] = Line { next: self.free, ..EMPTY };
+            let line = &mut self.more[shared(next)];
+            *first = *line;
+            *line = Line { next: self.free, ..EMPTY };
             self.free = next;
         }
         self.copies -= 1;
@@ -131,27 +137,28 @@ impl Lines {
     /// Writes a copy anew, that with the same key and mark.
     pub(super) fn write(&mut self, at: usize, key: u32, word: Word) {
         match self.find(at, key, word) {
-            Some((None, place)) => self.first[at].words[place] = word,
-            Some((Some(line), place)) => self.more[line as usize].words[place] = word,
+            Some((None, place)) => self.first_mut(at).words[place] = word,
+            Some((Some(line), place)) => self.more[line].words[place] = word,
             None => {}
         }
     }
 
-    /// The line of a copy, none for the first, and its place there.
-    fn find(&self, at: usize, key: u32, like: Word) -> Option<(Option<u32>, usize)> {
+    /// The line of a copy among those that are shared, none for the first, and its place there.
+    fn find(&self, at: usize, key: u32, like: Word) -> Option<(Option<usize>, usize)> {
         let mut line = &self.first[at];
         let mut number = None;
         loop {
             if let Some(place) = line.find(key, like) {
                 return Some((number, place));
             }
-            number = Some(line.next);
+            number = Some(shared(line.next));
             line = self.after(line)?;
         }
     }
 
+    /// Puts a line among those that are shared, and says which it is there, counted from one.
     fn lend(&mut self, line: Line) -> u32 {
-        match self.more.get_mut(self.free as usize) {
+        match self.more.get_mut(shared(self.free)) {
             Some(free) => {
                 let at = self.free;
                 self.free = free.next;
@@ -160,10 +167,23 @@ impl Lines {
             }
             None => {
                 self.more.push(line);
-                self.more.len() as u32 - 1
+                self.more.len() as u32
             }
         }
     }
+}
+
+impl Clone for Lines {
+    fn clone(&self) -> Self {
+        let Self { first, more, free, copies } = self;
+        Self { first: Pages::copied(first), more: more.clone(), free: *free, copies: *copies }
+    }
+}
+
+/// Where a line is that is counted from one; nowhere for none.
+#[inline(always)]
+fn shared(next: u32) -> usize {
+    (next as usize).wrapping_sub(1)
 }
 
 #[cfg(test)]
@@ -215,7 +235,7 @@ mod tests {
                 assert_eq!(count, copies.len().div_ceil(HELD).max(1));
                 in_use += count - 1;
             }
-            let free = std::iter::successors(lines.more.get(lines.free as usize), |line| lines.after(line)).count();
+            let free = std::iter::successors(lines.more.get(shared(lines.free)), |line| lines.after(line)).count();
             assert_eq!(in_use + free, lines.more.len());
         }
         assert!(lines.more.len() > 10);

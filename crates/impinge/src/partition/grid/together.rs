@@ -7,8 +7,8 @@ use super::follow::Looks;
 use crate::simd::best_level;
 use crate::volume::MinMax;
 
-/// Moves that are done together: what they touch is in the first cache, and memory is asked for so often in a row that a
-/// processor looks up several pages at once.
+/// Moves that are done together, side by side in a vector: what they touch is in the first cache, and memory is asked for so often
+/// in a row that a processor looks up several pages at once. With 32 a step took 1.07 times as long.
 pub(super) const TOGETHER: usize = 16;
 
 /// No key: they are less.
@@ -46,7 +46,7 @@ impl Movers {
         (self.keys[mover], &self.boxes[mover])
     }
 
-    pub(super) fn iter(&self) -> impl Iterator<Item = (u32, &[MinMax; 2])> {
+    pub(super) fn iter(&self) -> impl ExactSizeIterator<Item = (u32, &[MinMax; 2])> {
         (0..self.count).map(|mover| self.of(mover))
     }
 
@@ -79,19 +79,22 @@ fn in_turn<S: Simd>(simd: S, grid: &mut impl Follows, moves: &[Move], changes: &
     let mut looks: Vec<Looks> = Vec::new();
     for (at, step) in moves.iter().enumerate() {
         if at % TOGETHER == 0 {
-            for step in &moves[at..moves.len().min(at + TOGETHER)] {
+            // Those of the next moves, too, which come while what these need is waited for.
+            let first = if at == 0 { 0 } else { at + TOGETHER };
+            for step in moves.iter().take(at + 2 * TOGETHER).skip(first) {
                 grid.items().prefetch(step.key);
             }
         }
         if movers.holds(step.key) {
             follow(simd, grid, &mut movers, &mut looks, changes);
         }
-        if let (Some(&from), Some(to)) = (grid.items().get(step.key), step.to) {
+        if let (Some(from), Some(to)) = (grid.items().get(step.key), &step.to) {
             if looks.len() != grid.levels() {
                 looks.resize_with(grid.levels(), Looks::default);
             }
             let mover = movers.count;
-            movers.boxes[mover] = [from, to];
+            movers.boxes[mover][0] = *from;
+            movers.boxes[mover][1] = *to;
             if grid.trace(mover, &movers.boxes[mover], &mut looks) {
                 movers.keys[mover] = step.key;
                 movers.count += 1;
@@ -100,7 +103,6 @@ fn in_turn<S: Simd>(simd: S, grid: &mut impl Follows, moves: &[Move], changes: &
                 }
                 continue;
             }
-            looks.iter_mut().for_each(|looks| looks.forget(mover));
         }
         follow(simd, grid, &mut movers, &mut looks, changes);
         record(grid, step, changes);
