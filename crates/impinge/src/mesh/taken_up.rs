@@ -76,3 +76,50 @@ impl Guests {
         (place.leaf, &place.guest)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::VecDeque;
+
+    use fearless_simd::dispatch;
+    use impinge_testkit::generate::Rng;
+    use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
+
+    use super::*;
+    use crate::math::{Pose, RelativeMap};
+    use crate::mesh::{Mesh, Positions};
+    use crate::simd::levels;
+
+    #[test]
+    fn a_leaf_that_is_awaited_stays_what_it_is() {
+        let knot = torus_knot(20, 10, TREFOIL);
+        let mesh = Mesh::new(Positions::F64(knot.vertices), knot.faces).expect("a legal mesh");
+        let (packets, frame) = (&mesh.0.packets[..], &mesh.0.frame);
+        let poses = [Pose::IDENTITY, Pose::from_axis_angle([1.0, 2.0, 3.0], 0.7, [0.3, 0.2, 0.1]).expect("a pose")];
+        let relate = |a: &Pose, b: &Pose| Relation::new(&RelativeMap::a_from_b(a, b), frame, frame);
+        let (relation, back) = (relate(&poses[0], &poses[1]), relate(&poses[1], &poses[0]));
+        let (_, level) = levels()[0];
+        let bounds: Vec<Aabb> = (0..packets.len() as u32)
+            .map(|leaf| dispatch!(level, simd => Guests::new(1).take_up(simd, leaf, packets, &relation, &back)))
+            .collect();
+        let mut rng = Rng::new(77);
+        let (mut guests, mut waiting) = (Guests::new(4), VecDeque::new());
+        let mut displaced = 0;
+        for _ in 0..20_000 {
+            let leaf = rng.integer(0, packets.len() as i64 - 1) as u32;
+            let taken = dispatch!(level, simd => guests.take_up(simd, leaf, packets, &relation, &back));
+            assert_eq!(taken, bounds[leaf as usize]);
+            displaced += u32::from(guests.last != leaf as usize % 4);
+            for _ in 0..rng.integer(0, 2) {
+                waiting.push_back((guests.await_last(), leaf));
+                // At most three wait when another is taken up.
+                if waiting.len() > 3 {
+                    let (place, leaf) = waiting.pop_front().expect("four wait");
+                    let (awaited, guest) = guests.awaited(place);
+                    assert_eq!((awaited, guest.bounds), (leaf, bounds[leaf as usize]));
+                }
+            }
+        }
+        assert!(displaced > 2_000, "{displaced} were taken up elsewhere, as what is awaited was in their place");
+    }
+}
