@@ -109,7 +109,7 @@ impl NarrowPhaseArgument {
 }
 
 /// The phases of a step, in order.
-const PHASES: [&str; 5] = ["judge", "realign", "broad", "narrow", "report"];
+const PHASES: [&str; 5] = ["realign", "take", "broad", "narrow", "report"];
 
 /// What one step took and found.
 #[derive(Clone, Copy, Debug, Default)]

@@ -12,6 +12,7 @@
 //!
 //! The errors are derived in docs/proof.md, L20 to L22, L28 and L29.
 
+mod bounds;
 mod depth;
 mod distance;
 mod expand;

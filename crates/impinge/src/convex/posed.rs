@@ -136,20 +136,6 @@ impl Swept<'_> {
         order.is_none_or(Ordering::is_le)
     }
 
-    /// A box of the world that holds the shape.
-    pub(crate) fn world_bounds(&self) -> [[f64; 3]; 2] {
-        let origin = Swept { core: Core::Points(&[[0.0; 3]]), pose: self.pose, radius: [0.0; 2] };
-        let pair = Pair::new(&origin, self);
-        let end = |k: usize, sign: f64| {
-            let direction = std::array::from_fn(|j| if j == k { sign } else { 0.0 });
-            let height = sign * pair.b.support(direction).point[k] + pair.height_error(direction);
-            let reach = (height * pair.unit + self.radius[1]).next_up().next_up();
-            let at = self.pose.translation()[k] + sign * reach;
-            if sign < 0.0 { at.next_down() } else { at.next_up() }
-        };
-        [std::array::from_fn(|k| end(k, -1.0)), std::array::from_fn(|k| end(k, 1.0))]
-    }
-
     fn numbers(&self) -> Vec<f64> {
         let linear = self.pose.linear().as_flattened();
         let mut numbers = [&self.pose.translation()[..], linear, &self.radius[..], &self.core.reach()[..]].concat();

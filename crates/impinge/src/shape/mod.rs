@@ -18,8 +18,8 @@ use crate::math::Pose;
 use crate::mesh::Mesh;
 use corners::Corners;
 use parts::PartTree;
-pub(crate) use placed::Motion;
 pub use placed::PlacedShape;
+pub(crate) use placed::Stand;
 use round::{Cone, Cylinder, Ellipsoid};
 
 /// Coordinates and lengths stay below this magnitude: the range of the proofs, that of meshes.
@@ -296,11 +296,10 @@ impl Shape {
         }
         let kind = self.0.clone();
         let tree = PartTree::of(&parts).map(Arc::new);
-        let mut placed =
-            PlacedShape { kind, world_from_local, radius: [0.0; 2], parts: parts.into(), tree, bounds: None };
-        match placed.motion(&world_from_local)? {
-            Some(motion) => placed.follow(motion),
-            None => placed.bounds = placed.world_bounds(),
+        let mut placed = PlacedShape { kind, stand: Stand::at(world_from_local), parts: parts.into(), tree };
+        match placed.stand_at(&world_from_local)? {
+            Some(stand) => placed.follow(stand),
+            None => placed.stand.bounds = placed.world_bounds(),
         }
         Ok(placed)
     }

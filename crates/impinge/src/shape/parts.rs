@@ -27,7 +27,7 @@ impl PartTree {
         }
         let (mut boxes, mut part_of, mut boundless) = (Vec::new(), Vec::new(), Vec::new());
         for (number, part) in (0..).zip(parts) {
-            match part.bounds.and_then(|[min, max]| MinMax::new(min, max).ok()) {
+            match part.bounds().and_then(|[min, max]| MinMax::new(min, max).ok()) {
                 Some(bounds) => {
                     boxes.push(bounds);
                     part_of.push(number);

@@ -18,37 +18,56 @@ const MOST_ASKED: usize = 8;
 #[derive(Clone, Debug)]
 pub struct PlacedShape {
     pub(super) kind: Kind,
-    pub(super) world_from_local: Pose,
-    /// The radius of a ball that is in the image of the shape's, and of one that holds it.
-    pub(super) radius: [f64; 2],
+    pub(super) stand: Stand,
     /// The parts of a compound.
     pub(super) parts: Arc<[PlacedShape]>,
     /// The parts by their boxes, of a compound of many.
     pub(super) tree: Option<Arc<PartTree>>,
+}
+
+/// Where a shape stands, and what comes of it; the parts of a compound have places of their own.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stand {
+    pub(super) world_from_local: Pose,
+    /// The radius of a ball that is in the image of the shape's, and of one that holds it.
+    pub(super) radius: [f64; 2],
     /// Holds the shape, where that is finite.
     pub(super) bounds: Option<[[f64; 3]; 2]>,
 }
 
-/// Another pose of a shape that is no compound, and all that it changes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion {
-    world_from_local: Pose,
-    radius: [f64; 2],
-    bounds: Option<[[f64; 3]; 2]>,
+impl Stand {
+    /// Before anything is known but the pose.
+    pub(super) fn at(world_from_local: Pose) -> Self {
+        Self { world_from_local, radius: [0.0; 2], bounds: None }
+    }
+
+    pub(crate) fn world_from_local(&self) -> &Pose {
+        &self.world_from_local
+    }
+
+    /// As [`PlacedShape::bounds`].
+    pub(crate) fn bounds(&self) -> Option<[[f64; 3]; 2]> {
+        self.bounds
+    }
 }
 
 impl PlacedShape {
     /// Where the shape is.
     #[must_use]
     pub fn world_from_local(&self) -> &Pose {
-        &self.world_from_local
+        &self.stand.world_from_local
     }
 
     /// A box in the world frame, its least corner and its greatest, that holds the shape; none where the shape is or has a
     /// half-space, and where there is nothing to hold.
     #[must_use]
     pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
-        self.bounds
+        self.stand.bounds
+    }
+
+    /// Where it stands.
+    pub(crate) fn stand(&self) -> &Stand {
+        &self.stand
     }
 
     /// Whether the shape is or has a half-space.
@@ -67,10 +86,8 @@ impl PlacedShape {
     /// A placed mesh as a solid.
     pub(crate) fn solid(placed: Placed<'_>) -> Self {
         let kind = Kind::Mesh { mesh: placed.mesh.clone(), is_solid: true };
-        let world_from_local = placed.world_from_mesh;
-        let mut solid =
-            Self { kind, world_from_local, radius: [0.0; 2], parts: Arc::from([]), tree: None, bounds: None };
-        solid.bounds = solid.world_bounds();
+        let mut solid = Self { kind, stand: Stand::at(placed.world_from_mesh), parts: Arc::from([]), tree: None };
+        solid.stand.bounds = solid.world_bounds();
         solid
     }
 
@@ -82,27 +99,28 @@ impl PlacedShape {
         Shape(self.kind.clone()).at(world_from_local)
     }
 
-    /// The shape elsewhere, without what is the same everywhere; none for a compound, of which each part has a pose of its own.
+    /// How the shape stands elsewhere; none for a compound, of which each part does.
     ///
     /// # Errors
     /// As [`Shape::at`].
-    pub(crate) fn motion(&self, world_from_local: &Pose) -> Result<Option<Motion>, InputError> {
-        let radius = match &self.kind {
+    pub(crate) fn stand_at(&self, world_from_local: &Pose) -> Result<Option<Stand>, InputError> {
+        let mut stand = Stand::at(*world_from_local);
+        match &self.kind {
             Kind::Compound(_) => return Ok(None),
-            Kind::Round { radius, .. } => images_of_radius(*radius, world_from_local)?,
-            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. } => [0.0; 2],
-        };
-        let bounds = match self.form_in(world_from_local, radius) {
+            Kind::Round { radius, .. } => stand.radius = images_of_radius(*radius, world_from_local)?,
+            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. } => {}
+        }
+        stand.bounds = match self.form_at(&stand) {
             Form::Convex(swept) => Some(swept.world_bounds()),
             Form::Surface(surface) => surface.world_bounds(),
             Form::HalfSpace(_) => None,
         };
-        Ok(Some(Motion { world_from_local: *world_from_local, radius, bounds }))
+        Ok(Some(stand))
     }
 
-    /// Moves the shape to where it was found to be.
-    pub(crate) fn follow(&mut self, motion: Motion) {
-        (self.world_from_local, self.radius, self.bounds) = (motion.world_from_local, motion.radius, motion.bounds);
+    /// Moves the shape to where it stands by [`stand_at`](Self::stand_at).
+    pub(crate) fn follow(&mut self, stand: Stand) {
+        self.stand = stand;
     }
 
     /// Asks for the memory where the corners of a polytope are said to be.
@@ -123,11 +141,12 @@ impl PlacedShape {
 
     /// What a part is; a compound, which is asked part by part, counts as its first.
     pub(crate) fn form(&self) -> Form<'_> {
-        self.form_in(&self.world_from_local, self.radius)
+        self.form_at(&self.stand)
     }
 
-    /// What this is, or the first part of it, were it in a pose in which balls have these images.
-    fn form_in<'a>(&'a self, pose: &'a Pose, radius: [f64; 2]) -> Form<'a> {
+    /// As [`form`](Self::form), if the shape stood so.
+    pub(crate) fn form_at<'a>(&'a self, stand: &'a Stand) -> Form<'a> {
+        let (pose, radius) = (&stand.world_from_local, stand.radius);
         let core = match &self.kind {
             Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.core(),
             Kind::Round { core: RoundCore::Curved(set), .. } => Core::Curved(&**set),

@@ -3,8 +3,8 @@
 //! There are no dynamics. The caller inserts [bodies](Body), hands every [`step`](World::step) the new poses and reads which
 //! pairs began to meet, which ended, and which [persist](World::pairs), with their contacts. A step goes through four phases:
 //!
-//! 1. the poses are judged, all of them before any is taken;
-//! 2. the boxes of the bodies that moved are realigned, in the way that each body asks for;
+//! 1. the poses are judged, all of them before any is taken, and boxes realigned to them, in the way that each body asks for;
+//! 2. the bodies and their boxes take the new places;
 //! 3. the broad phase finds the pairs whose boxes overlap and that layers, owners and the user's filter admit. The filter runs
 //!    inside it, so that what it refuses is never stored;
 //! 4. the narrow phase decides the pairs of which a body moved, on all cores of the current rayon pool.
@@ -18,6 +18,7 @@
 
 mod body;
 mod broad;
+mod changed;
 mod error;
 mod events;
 mod filter;
@@ -52,6 +53,7 @@ use crate::math::Pose;
 use crate::mesh::{Aging, Positions};
 use crate::shape::Shape;
 use broad::Broad;
+use changed::Changed;
 use events::sorted;
 use outline::{Bounds, Extremes, Outline};
 use pairs::{Link, Pairs};
@@ -105,12 +107,14 @@ type Filter = Arc<dyn PairFilter>;
 #[derive(Clone, Debug, Default)]
 struct State {
     residents: Slots<Resident>,
+    /// Where the body in each place may be, by place: apart from the bodies, as a step asks it of every pair.
+    bounds: Vec<Bounds>,
     /// Bodies that no box bounds.
     unbounded: Vec<u32>,
     broad: Broad,
     pairs: Pairs,
-    /// Places whose bodies changed since the last step; more than once, perhaps.
-    changed: Vec<u32>,
+    /// Since the last step.
+    changed: Changed,
     /// Pairs that ended as a body was removed, for the next report.
     departed: Vec<PairKey>,
     events: Events,
@@ -122,10 +126,7 @@ struct Resident {
     placed: Placed,
     outline: Arc<Outline>,
     extremes: Extremes,
-    bounds: Bounds,
     traits: Traits,
-    /// Since the last step.
-    change: Change,
 }
 
 /// How a body changed since the last step; the greater holds the lesser.
@@ -184,13 +185,11 @@ impl World {
     pub fn insert(&mut self, body: Body) -> Result<BodyId, WorldError> {
         let placed = Placed::new(&body.shape, body.world_from_body)?;
         let mut extremes = Extremes::default();
-        let bounds = body.outline.bounds(&placed, &mut extremes);
-        let resident =
-            Resident { placed, outline: body.outline, extremes, bounds, traits: body.traits, change: Change::Traits };
-        let entering = resident.bounds.clone();
+        let bounds = body.outline.bounds(placed.stands(), &mut extremes);
+        let resident = Resident { placed, outline: body.outline, extremes, traits: body.traits };
         let id = self.state.residents.insert(resident).ok_or(WorldError::Full)?;
-        self.state.enter(id.index() as u32, &entering);
-        self.state.changed.push(id.index() as u32);
+        self.state.shift(id.index() as u32, bounds);
+        self.state.changed.mark(id.index() as u32, Change::Traits);
         Ok(id)
     }
 
@@ -206,7 +205,8 @@ impl World {
             self.state.part(link.pair);
         }
         let resident = self.state.residents.remove(body).ok_or(WorldError::Stale { body })?;
-        self.state.leave(index, &resident.bounds);
+        self.state.shift(index, Bounds::Nowhere);
+        self.state.changed.forget(index);
         Ok(resident.into_body())
     }
 
@@ -239,7 +239,8 @@ impl World {
     /// # Errors
     /// [`Stale`](WorldError::Stale).
     pub fn bounds(&self, body: BodyId) -> Result<Option<crate::volume::MinMax>, WorldError> {
-        Ok(match self.resident(body)?.bounds {
+        self.resident(body)?;
+        Ok(match *self.state.bounds_of(body.index() as u32) {
             Bounds::Box(bounds) => Some(bounds),
             Bounds::Nowhere | Bounds::Behind(_) | Bounds::Anywhere => None,
         })
@@ -253,7 +254,7 @@ impl World {
     pub fn set_traits(&mut self, body: BodyId, traits: Traits) -> Result<(), WorldError> {
         let resident = self.resident_mut(body)?;
         resident.traits = Traits { tag: resident.traits.tag, ..traits };
-        self.state.mark(body, Change::Traits);
+        self.state.changed.mark(body.index() as u32, Change::Traits);
         Ok(())
     }
 
@@ -324,7 +325,7 @@ impl World {
 
     fn refilter(&mut self) {
         let all: Vec<BodyId> = self.bodies().collect();
-        all.into_iter().for_each(|body| self.state.mark(body, Change::Traits));
+        all.into_iter().for_each(|body| self.state.changed.mark(body.index() as u32, Change::Traits));
     }
 
     /// All that steps change, for going back to it.

@@ -2,14 +2,13 @@
 
 use std::sync::Arc;
 
-use super::placed::Placed;
 use super::plane::Plane;
 use crate::convex::Core;
 use crate::hull::Hull;
 use crate::input::InputError;
 use crate::math::Pose;
 use crate::mesh::Mesh;
-use crate::shape::{Form, Shape};
+use crate::shape::{Form, PlacedShape, Shape, Stand};
 use crate::volume::realign::{ClimbingHull, LooseBox, Realign, RotatedBox, TightHull};
 use crate::volume::{BoundingVolume, MinMax};
 
@@ -48,9 +47,10 @@ enum Way {
 }
 
 /// Where in the world a body may be.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum Bounds {
-    /// It is empty.
+    /// It is empty, or there is none.
+    #[default]
     Nowhere,
     Box(MinMax),
     /// Behind a plane.
@@ -87,11 +87,11 @@ impl Outline {
         self.realignment
     }
 
-    /// Where the body is.
-    pub(super) fn bounds(&self, placed: &Placed, extremes: &mut Extremes) -> Bounds {
-        let pose = placed.world_from_body();
+    /// Where a body of this shape is that stands so.
+    pub(super) fn bounds(&self, (shape, stand): (&PlacedShape, &Stand), extremes: &mut Extremes) -> Bounds {
+        let pose = stand.world_from_local();
         let core = match &self.way {
-            Way::Own => return own(placed),
+            Way::Own => return own(shape, stand),
             &Way::Rotated(mut rotated) => rotated.realign(pose),
             &Way::Loose(mut loose) => loose.realign(pose),
             Way::Hull(hull) => TightHull::new(hull).realign(pose),
@@ -102,7 +102,7 @@ impl Outline {
                 bounds
             }
         };
-        swept(&core, placed)
+        swept(&core, shape, stand)
     }
 }
 
@@ -151,25 +151,22 @@ fn corners(mesh: &Mesh) -> Vec<[f64; 3]> {
 }
 
 /// By the shape's own box.
-fn own(placed: &Placed) -> Bounds {
-    let in_world = placed.in_world();
-    if let Some([min, max]) = in_world.bounds() {
+fn own(shape: &PlacedShape, stand: &Stand) -> Bounds {
+    if let Some([min, max]) = stand.bounds() {
         // Shapes and poses are in range, and so are boxes about them; what were not may be anywhere.
         return MinMax::new(min, max).map_or(Bounds::Anywhere, Bounds::Box);
     }
-    let parts = in_world.parts();
-    if let [part] = parts
-        && let Form::HalfSpace(half_space) = part.form()
+    if let [_] = shape.parts()
+        && let Form::HalfSpace(half_space) = shape.form_at(stand)
     {
         return Bounds::Behind(Plane::of(&half_space));
     }
-    let is_unbounded = parts.iter().any(|part| matches!(part.form(), Form::HalfSpace(_)));
-    if is_unbounded { Bounds::Anywhere } else { Bounds::Nowhere }
+    if shape.is_unbounded() { Bounds::Anywhere } else { Bounds::Nowhere }
 }
 
 /// About the core that a box holds, swept by the shape's ball.
-fn swept(core: &MinMax, placed: &Placed) -> Bounds {
-    let radius = match placed.in_world().form() {
+fn swept(core: &MinMax, shape: &PlacedShape, stand: &Stand) -> Bounds {
+    let radius = match shape.form_at(stand) {
         Form::Convex(swept) => swept.radius[1],
         Form::HalfSpace(_) | Form::Surface(_) => 0.0,
     };

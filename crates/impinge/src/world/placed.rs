@@ -3,7 +3,7 @@
 use crate::input::InputError;
 use crate::math::Pose;
 use crate::mesh::{self, Mesh};
-use crate::shape::{Form, Motion, PlacedShape, Shape};
+use crate::shape::{Form, PlacedShape, Shape, Stand};
 
 /// A shape in the world, and what it was made of.
 #[derive(Clone, Debug)]
@@ -17,8 +17,8 @@ pub(super) struct Placed {
 /// A placed shape as it will be in another pose.
 #[derive(Clone, Debug)]
 pub(super) enum Judged {
-    /// What the pose changes of a shape of one part, so that what it is made of is not written anew.
-    Alone(Motion),
+    /// A shape of one part, of which nothing changes but how it stands.
+    Alone(Stand),
     /// A compound, of which every part is.
     Compound(Box<Placed>),
 }
@@ -53,16 +53,29 @@ impl Placed {
     /// # Errors
     /// As [`Shape::at`].
     pub(super) fn judge(&self, world_from_body: &Pose) -> Result<Judged, InputError> {
-        match self.in_world.motion(world_from_body)? {
-            Some(motion) => Ok(Judged::Alone(motion)),
+        match self.in_world.stand_at(world_from_body)? {
+            Some(stand) => Ok(Judged::Alone(stand)),
             None => Ok(Judged::Compound(Box::new(self.moved(*world_from_body)?))),
         }
+    }
+
+    /// The shape and how it stands once it follows.
+    pub(super) fn standing<'a>(&'a self, judged: &'a Judged) -> (&'a PlacedShape, &'a Stand) {
+        match judged {
+            Judged::Alone(stand) => (&self.in_world, stand),
+            Judged::Compound(placed) => placed.stands(),
+        }
+    }
+
+    /// The shape and how it stands.
+    pub(super) fn stands(&self) -> (&PlacedShape, &Stand) {
+        (&self.in_world, self.in_world.stand())
     }
 
     /// Moves the shape to where it was judged. A shape of one part is the mesh that it is wherever it goes.
     pub(super) fn follow(&mut self, judged: Judged) {
         match judged {
-            Judged::Alone(motion) => self.in_world.follow(motion),
+            Judged::Alone(stand) => self.in_world.follow(stand),
             Judged::Compound(placed) => *self = *placed,
         }
     }

@@ -55,7 +55,7 @@ impl World {
         mut wanted: impl FnMut(&Traits) -> bool,
     ) -> Result<Vec<BodyHit>, InputError> {
         let placed = Placed::new(shape, world_from_shape)?;
-        let bounds = Outline::new().bounds(&placed, &mut Extremes::default());
+        let bounds = Outline::new().bounds(placed.stands(), &mut Extremes::default());
         let mut near = self.near(&bounds);
         near.retain(|&(_, resident)| wanted(&resident.traits));
         let found: Vec<(BodyId, &Resident)> = near
@@ -78,7 +78,9 @@ impl World {
         let state = &self.state;
         let mut found = Vec::new();
         let mut look = |index: u32| {
-            found.extend(state.residents.at(index).filter(|(_, resident)| resident.bounds.overlap(bounds)));
+            if state.bounds_of(index).overlap(bounds) {
+                found.extend(state.residents.at(index));
+            }
         };
         match bounds {
             Bounds::Nowhere => {}

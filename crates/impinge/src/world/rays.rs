@@ -85,7 +85,7 @@ impl World {
         let mut look = |index: u32| {
             if let Some((body, resident)) = self.state.residents.at(index)
                 && wanted(&resident.traits)
-                && let Some((t, face)) = meets(&resident.placed, &resident.bounds, ray)
+                && let Some((t, face)) = meets(&resident.placed, self.state.bounds_of(index), ray)
                 && t <= reach
             {
                 let (from, direction) = (ray.origin(), ray.direction());

@@ -119,7 +119,7 @@ impl Snapshot {
         let state = &self.0;
         let (generations, free) = state.residents.places();
         let recorded = |(id, resident): (BodyId, &Resident)| {
-            let change = resident.change;
+            let change = state.changed.of(id.index() as u32);
             RecordedBody { id, body: resident.clone().into_body(), change }
         };
         let pairs = state.pairs.iter().filter_map(|entry| {
@@ -149,26 +149,21 @@ impl Snapshot {
     /// # Complexity
     /// That of inserting the bodies, and O(p log p) for p pairs.
     pub fn from_record(record: &Record, options: &Options) -> Result<Self, RecordFlaw> {
-        let mut residents = Vec::with_capacity(record.bodies.len());
+        let (mut residents, mut places) = (Vec::with_capacity(record.bodies.len()), Vec::new());
         for RecordedBody { id, body, change } in &record.bodies {
             let placed = Placed::new(&body.shape, body.world_from_body)
                 .map_err(|error| RecordFlaw::Input { body: *id, error })?;
             let mut extremes = Extremes::default();
-            let bounds = body.outline.bounds(&placed, &mut extremes);
+            places.push((id.index() as u32, body.outline.bounds(placed.stands(), &mut extremes), *change));
             let outline = body.outline.clone();
-            residents.push((*id, Resident { placed, outline, extremes, bounds, traits: body.traits, change: *change }));
+            residents.push((*id, Resident { placed, outline, extremes, traits: body.traits }));
         }
         let residents = Slots::of(&record.generations, &record.free, residents).ok_or(RecordFlaw::Places)?;
         let broad = Broad::new(options.broad_phase);
         let mut state = State { residents, broad, departed: record.departed.clone(), ..State::default() };
-        for body in &record.bodies {
-            let index = body.id.index() as u32;
-            if let Some(bounds) = state.residents.get(body.id).map(|resident| resident.bounds.clone()) {
-                state.enter(index, &bounds);
-            }
-            if body.change != Change::No {
-                state.changed.push(index);
-            }
+        for (place, bounds, change) in places {
+            state.shift(place, bounds);
+            state.changed.mark(place, change);
         }
         state.pair_up(&record.pairs)?;
         Ok(Self(state))

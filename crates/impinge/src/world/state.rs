@@ -7,16 +7,6 @@ use super::placed::Placed;
 use super::{BodyId, Change, State};
 
 impl State {
-    /// Notes that a body changed.
-    pub(super) fn mark(&mut self, body: BodyId, change: Change) {
-        if let Some(resident) = self.residents.get_mut(body) {
-            if resident.change == Change::No {
-                self.changed.push(body.index() as u32);
-            }
-            resident.change = resident.change.max(change);
-        }
-    }
-
     /// Puts something else in the place of a body.
     pub(super) fn replace(&mut self, body: BodyId, placed: Placed, outline: Option<Arc<Outline>>) {
         let Some(resident) = self.residents.get_mut(body) else { return };
@@ -24,38 +14,43 @@ impl State {
         if let Some(outline) = outline {
             resident.outline = outline;
         }
-        let now = resident.outline.bounds(&resident.placed, &mut resident.extremes);
-        let before = std::mem::replace(&mut resident.bounds, now.clone());
-        self.shift(body.index() as u32, &before, &now);
-        self.mark(body, Change::Place);
+        let bounds = resident.outline.bounds(resident.placed.stands(), &mut resident.extremes);
+        self.shift(body.index() as u32, bounds);
+        self.changed.mark(body.index() as u32, Change::Place);
     }
 
-    /// A body comes to be somewhere.
-    pub(super) fn enter(&mut self, index: u32, bounds: &Bounds) {
-        match bounds {
-            Bounds::Nowhere => {}
-            Bounds::Box(bounds) => self.broad.insert(index, bounds),
-            Bounds::Behind(_) | Bounds::Anywhere => self.unbounded.push(index),
+    /// Where the body in a place may be.
+    #[inline]
+    pub(super) fn bounds_of(&self, place: u32) -> &Bounds {
+        self.bounds.get(place as usize).unwrap_or(&Bounds::Nowhere)
+    }
+
+    /// Notes where the body in a place is from now on, and returns where it was; the broad phase is not told.
+    pub(super) fn rebound(&mut self, place: u32, bounds: Bounds) -> Bounds {
+        let at = place as usize;
+        if at >= self.bounds.len() {
+            self.bounds.resize(at + 1, Bounds::Nowhere);
         }
+        std::mem::replace(&mut self.bounds[at], bounds)
     }
 
-    /// A body ceases to be somewhere.
-    pub(super) fn leave(&mut self, index: u32, bounds: &Bounds) {
-        match bounds {
-            Bounds::Nowhere => {}
-            Bounds::Box(_) => self.broad.remove(index),
-            Bounds::Behind(_) | Bounds::Anywhere => self.unbounded.retain(|&other| other != index),
-        }
+    /// The body in a place comes to be somewhere else, or nowhere any more.
+    pub(super) fn shift(&mut self, place: u32, bounds: Bounds) {
+        let before = self.rebound(place, bounds);
+        self.tell(place, &before, &bounds);
     }
 
-    pub(super) fn shift(&mut self, index: u32, before: &Bounds, now: &Bounds) {
+    /// Tells the broad phase, or whoever has the bodies that no box bounds, where the body in a place was and is.
+    pub(super) fn tell(&mut self, place: u32, before: &Bounds, now: &Bounds) {
         match (before, now) {
-            (Bounds::Box(_), Bounds::Box(bounds)) => self.broad.insert(index, bounds),
-            (Bounds::Behind(_), Bounds::Behind(_)) => {}
-            _ => {
-                self.leave(index, before);
-                self.enter(index, now);
-            }
+            (Bounds::Box(_), Bounds::Box(_)) | (Bounds::Nowhere, _) => {}
+            (Bounds::Box(_), _) => self.broad.remove(place),
+            (Bounds::Behind(_) | Bounds::Anywhere, _) => self.unbounded.retain(|&other| other != place),
+        }
+        match now {
+            Bounds::Nowhere => {}
+            Bounds::Box(bounds) => self.broad.insert(place, bounds),
+            Bounds::Behind(_) | Bounds::Anywhere => self.unbounded.push(place),
         }
     }
 

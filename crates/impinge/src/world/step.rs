@@ -1,5 +1,7 @@
 //! A step: new poses in, what changed out.
 
+use std::sync::{Mutex, PoisonError};
+
 use rayon::prelude::*;
 
 use super::body::{BodyId, Kind};
@@ -9,7 +11,7 @@ use super::events::{Events, Work};
 use super::narrow::Meeting;
 use super::outline::{Bounds, Extremes};
 use super::placed::Judged;
-use super::{Change, Resident, World, refused};
+use super::{Change, State, World, refused};
 use crate::math::Pose;
 use crate::partition::Move;
 use crate::simd::prefetch;
@@ -24,10 +26,10 @@ const TOGETHER: usize = 16;
 /// The phases of a step, for whoever measures them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Phase {
-    /// Poses are judged and taken.
-    Judge,
-    /// Boxes are realigned, and the broad phase is told.
+    /// Poses are judged, and boxes realigned to them.
     Realign,
+    /// The bodies take their new places, and the broad phase is told.
+    Take,
     /// Pairs of boxes that came to overlap are found, and those that ceased to.
     Broad,
     /// Pairs of shapes are looked at.
@@ -71,13 +73,11 @@ impl World {
         moves: &[(BodyId, Pose)],
         observe: &mut dyn FnMut(Phase),
     ) -> Result<&Events, WorldError> {
-        let taken = self.judge(moves)?;
-        let moved = self.take(moves, taken);
-        observe(Phase::Judge);
-        self.state.broad.adapt(moved.len());
-        let told = self.realign(&moved);
-        let changed = self.changed();
+        let next = self.judge(moves)?;
         observe(Phase::Realign);
+        let told = self.take(moves, next);
+        let changed = self.state.changed.take();
+        observe(Phase::Take);
         let mut work = Work { changed: changed.len(), ..Work::default() };
         let (lost, found) = self.recandidates(&changed, &told);
         for pair in lost {
@@ -101,33 +101,48 @@ impl World {
         Ok(&self.state.events)
     }
 
-    /// The bodies in their new poses; none where a body is in this pose already.
-    fn judge(&self, moves: &[(BodyId, Pose)]) -> Result<Vec<Option<Judged>>, WorldError> {
-        let judged: Vec<Result<Option<Judged>, WorldError>> = moves
-            .par_iter()
-            .enumerate()
-            .with_min_len(LEAST_SHARED)
-            .map(|(at, &(body, pose))| {
-                if at % TOGETHER == 0 {
-                    self.prefetch(&moves[at..moves.len().min(at + TOGETHER)]);
+    /// The bodies as they will be in their new poses; none where a body is in this pose already.
+    fn judge(&self, moves: &[(BodyId, Pose)]) -> Result<Vec<Option<Next>>, WorldError> {
+        let refused: Mutex<Option<(usize, WorldError)>> = Mutex::new(None);
+        let next = moves.par_iter().enumerate().with_min_len(LEAST_SHARED).map(|(at, (body, pose))| {
+            if at % TOGETHER == 0 {
+                let [now, after] = [at, at + TOGETHER].map(|first| &moves[moves.len().min(first)..]);
+                self.prefetch(&now[..now.len().min(TOGETHER)], &after[..after.len().min(TOGETHER)]);
+            }
+            self.next(*body, pose).unwrap_or_else(|error| {
+                let mut refused = refused.lock().unwrap_or_else(PoisonError::into_inner);
+                if refused.as_ref().is_none_or(|&(first, _)| at < first) {
+                    *refused = Some((at, error));
                 }
-                let resident = self.resident(body)?;
-                if resident.traits.kind == Kind::Static {
-                    return Err(WorldError::Static { body });
-                }
-                if *resident.placed.world_from_body() == pose {
-                    return Ok(None);
-                }
-                resident.placed.judge(&pose).map(Some).map_err(|error| refused(body, error))
+                None
             })
-            .collect();
-        judged.into_iter().collect()
+        });
+        let next = next.collect();
+        match refused.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            Some((_, error)) => Err(error),
+            None => Ok(next),
+        }
     }
 
-    /// Asks for the memory of bodies that move, one level of it after the other.
-    fn prefetch(&self, moves: &[(BodyId, Pose)]) {
-        moves.iter().for_each(|&(body, _)| self.state.residents.prefetch(body));
-        let residents = || moves.iter().filter_map(|&(body, _)| self.state.residents.get(body));
+    /// A body as it will be in another pose; none where it is in this pose already.
+    fn next(&self, body: BodyId, pose: &Pose) -> Result<Option<Next>, WorldError> {
+        let resident = self.resident(body)?;
+        if resident.traits.kind == Kind::Static {
+            return Err(WorldError::Static { body });
+        }
+        if resident.placed.world_from_body() == pose {
+            return Ok(None);
+        }
+        let judged = resident.placed.judge(pose).map_err(|error| refused(body, error))?;
+        let mut extremes = resident.extremes;
+        let bounds = resident.outline.bounds(resident.placed.standing(&judged), &mut extremes);
+        Ok(Some(Next { judged, bounds, extremes }))
+    }
+
+    /// Asks for the memory of bodies that are to move after these, and for what these refer to, one level of it after the other.
+    fn prefetch(&self, now: &[(BodyId, Pose)], after: &[(BodyId, Pose)]) {
+        after.iter().for_each(|&(body, _)| self.state.residents.prefetch(body));
+        let residents = || now.iter().filter_map(|&(body, _)| self.state.residents.get(body));
         for resident in residents() {
             prefetch(&*resident.outline);
             resident.placed.in_world().prefetch();
@@ -135,68 +150,36 @@ impl World {
         residents().for_each(|resident| resident.placed.in_world().prefetch_corners());
     }
 
-    /// Puts the bodies into their new poses; returns them, each once.
-    fn take(&mut self, moves: &[(BodyId, Pose)], taken: Vec<Option<Judged>>) -> Vec<BodyId> {
-        let mut moved = Vec::with_capacity(moves.len());
-        for ((body, pose), judged) in moves.iter().zip(taken) {
-            let Some(resident) = self.state.residents.get_mut(*body) else { continue };
-            // A body that is named twice may go back to where it was.
-            let judged = match judged {
-                Some(judged) => judged,
-                None if resident.placed.world_from_body() == pose => continue,
-                None => match resident.placed.judge(pose) {
-                    Ok(judged) => judged,
-                    Err(_) => continue,
-                },
+    /// Puts the bodies and their boxes where they were judged to be; what the broad phase says about pairs then.
+    fn take(&mut self, moves: &[(BodyId, Pose)], mut next: Vec<Option<Next>>) -> Told {
+        let state = &mut self.state;
+        let mut boxes = Vec::with_capacity(moves.len());
+        let order = last_of_each(moves);
+        for (nth, &(body, at)) in order.iter().enumerate() {
+            if let Some(&(ahead, _)) = order.get(nth + TOGETHER) {
+                state.residents.prefetch(ahead);
+            }
+            let (Some(resident), Some(next)) = (state.residents.get_mut(body), next[at as usize].take()) else {
+                continue;
             };
+            let Next { judged, bounds, extremes } = next;
             resident.placed.follow(judged);
-            moved.push(*body);
-            self.state.mark(*body, Change::Moved);
-        }
-        moved.sort_unstable();
-        moved.dedup();
-        moved
-    }
-
-    /// Lets the boxes follow the bodies; what the broad phase says about pairs then.
-    fn realign(&mut self, moved: &[BodyId]) -> Told {
-        let followed: Vec<(Bounds, Extremes)> = moved
-            .par_iter()
-            .with_min_len(LEAST_SHARED)
-            .map(|&body| {
-                let Ok(resident) = self.resident(body) else { return (Bounds::Nowhere, Extremes::default()) };
-                let mut extremes = resident.extremes;
-                (resident.outline.bounds(&resident.placed, &mut extremes), extremes)
-            })
-            .collect();
-        let mut moves = Vec::with_capacity(moved.len());
-        for (&body, (now, extremes)) in moved.iter().zip(followed) {
-            let Some(resident) = self.state.residents.get_mut(body) else { continue };
             resident.extremes = extremes;
-            let before = std::mem::replace(&mut resident.bounds, now.clone());
-            match (&before, &now) {
-                _ if before == now => {}
-                (Bounds::Box(_), Bounds::Box(bounds)) => {
-                    moves.push(Move { key: body.index() as u32, to: Some(*bounds) });
-                }
+            let place = body.index() as u32;
+            let before = state.rebound(place, bounds);
+            state.changed.mark(place, Change::Moved);
+            match (&before, &bounds) {
+                _ if before == bounds => {}
+                (Bounds::Box(_), Bounds::Box(bounds)) => boxes.push(Move { key: place, to: Some(*bounds) }),
                 _ => {
-                    self.state.shift(body.index() as u32, &before, &now);
-                    self.state.mark(body, Change::Place);
+                    state.tell(place, &before, &bounds);
+                    state.changed.mark(place, Change::Place);
                 }
             }
         }
+        state.broad.adapt(boxes.len());
         // Where nothing changed there is nothing to tell.
-        if self.state.changed.is_empty() { Told::Nothing } else { self.state.broad.step(&moves) }
-    }
-
-    /// The places of the bodies that changed since the last step, in order.
-    fn changed(&mut self) -> Vec<u32> {
-        let mut changed = std::mem::take(&mut self.state.changed);
-        changed
-            .retain(|&index| self.state.residents.at(index).is_some_and(|(_, resident)| resident.change != Change::No));
-        changed.sort_unstable();
-        changed.dedup();
-        changed
+        if state.changed.is_empty() { Told::Nothing } else { state.broad.step(&boxes) }
     }
 
     /// Pairs of boxes that ceased to overlap, and that came to; perhaps more than once.
@@ -218,19 +201,20 @@ impl World {
             Told::Changes(changes) => changes.began(),
             Told::All(pairs) => &pairs[..],
         };
+        let State { pairs, changed, .. } = &self.state;
         let is_new = |&&[one, other]: &&[u32; 2]| {
-            let (Some(one), Some(other)) = (self.state.residents.at(one), self.state.residents.at(other)) else {
-                return false;
-            };
-            one.1.change.max(other.1.change) != Change::No
-                && self.state.pairs.find(one.0.index() as u32, other.0.index() as u32).is_none()
+            changed.of(one).max(changed.of(other)) != Change::No
+                && pairs.find(one, other).is_none()
                 && self.may_meet(one, other)
         };
         found.par_extend(told.par_iter().with_min_len(LEAST_SHARED).filter(is_new));
         (lost, found)
     }
 
-    fn may_meet(&self, one: (BodyId, &Resident), other: (BodyId, &Resident)) -> bool {
+    /// Whether the bodies in two places may meet.
+    fn may_meet(&self, one: u32, other: u32) -> bool {
+        let residents = &self.state.residents;
+        let (Some(one), Some(other)) = (residents.at(one), residents.at(other)) else { return false };
         let is_before = (one.1.traits.tag, one.0) < (other.1.traits.tag, other.0);
         if is_before { self.admits(one, other) } else { self.admits(other, one) }
     }
@@ -247,8 +231,7 @@ impl World {
         let mut pairs = Vec::new();
         for &index in changed {
             for link in state.pairs.of(index) {
-                let other = state.residents.at(link.other);
-                if link.other > index || other.is_some_and(|(_, other)| other.change == Change::No) {
+                if link.other > index || state.changed.of(link.other) == Change::No {
                     pairs.push(link.pair);
                 }
             }
@@ -285,15 +268,32 @@ impl World {
                 if meets { events.began.push(key) } else { events.ended.push(key) }
             }
         }
-        for &index in changed {
-            if let Some(resident) = state.residents.at_mut(index) {
-                resident.change = Change::No;
-            }
-        }
+        changed.iter().for_each(|&index| state.changed.forget(index));
         events.began.sort_unstable();
         events.ended.sort_unstable();
         state.events = events;
     }
+}
+
+/// A body as it will be after a step, but for what does not change.
+struct Next {
+    judged: Judged,
+    bounds: Bounds,
+    extremes: Extremes,
+}
+
+/// The bodies that move, in order, and where in a list the move is that counts: of several of one body the last.
+fn last_of_each(moves: &[(BodyId, Pose)]) -> Vec<(BodyId, u32)> {
+    let mut order: Vec<(BodyId, u32)> = (0..).zip(moves).map(|(at, &(body, _))| (body, at)).collect();
+    order.sort_unstable();
+    order.dedup_by(|later, kept| {
+        let is_same = later.0 == kept.0;
+        if is_same {
+            *kept = *later;
+        }
+        is_same
+    });
+    order
 }
 
 /// Who looks for the pairs of whom.
@@ -303,43 +303,48 @@ struct Search<'w> {
 }
 
 impl Search<'_> {
-    /// Whether pairs are to be looked for about this body; else the broad phase told of them.
-    fn asks(&self, resident: &Resident) -> bool {
+    /// Whether pairs are to be looked for about the body in this place; else the broad phase told of them.
+    fn asks(&self, index: u32) -> bool {
+        let change = self.world.state.changed.of(index);
         match self.told {
-            Told::Nothing => resident.change > Change::No,
-            Told::Changes(_) => resident.change > Change::Moved,
+            Told::Nothing => change > Change::No,
+            Told::Changes(_) => change > Change::Moved,
             Told::All(_) => false,
         }
     }
 
-    /// Of two bodies that ask, the one in the lesser place sees to their pair; of one that asks and one that does not, the
-    /// first; of two that do not, the broad phase, unless no box bounds one of them.
+    /// Of two bodies that ask, or that changed and do not, the one in the lesser place sees to their pair; of one that asks and one
+    /// that does not, the first. Of two that do not the broad phase told, unless no box bounds one of them.
     fn of(&self, index: u32, lost: &mut Vec<u32>, found: &mut Vec<[u32; 2]>) {
         let state = &self.world.state;
-        let Some(own) = state.residents.at(index) else { return };
-        let asks = self.asks(own.1);
-        let is_others = |other_index: u32, other: &Resident| self.asks(other) && (!asks || other_index < index);
-        for link in state.pairs.of(index) {
-            let Some((id, other)) = state.residents.at(link.other) else { continue };
-            let is_filtered = own.1.change.max(other.change) == Change::Traits;
-            if !is_others(link.other, other)
-                && (!own.1.bounds.overlap(&other.bounds) || is_filtered && !self.world.may_meet(own, (id, other)))
+        let (asks, links) = (self.asks(index), state.pairs.of(index));
+        if !asks && links.is_empty() && state.unbounded.is_empty() {
+            return; // as most do of many that move
+        }
+        let bounds = state.bounds_of(index);
+        let is_others = |other: u32| match (asks, self.asks(other)) {
+            (false, false) => other < index && state.changed.of(other) != Change::No,
+            (true, true) => other < index,
+            (_, asks) => asks,
+        };
+        for link in links.iter().filter(|link| !is_others(link.other)) {
+            let is_filtered = || state.changed.of(index).max(state.changed.of(link.other)) == Change::Traits;
+            if !bounds.overlap(state.bounds_of(link.other)) || is_filtered() && !self.world.may_meet(index, link.other)
             {
                 lost.push(link.pair);
             }
         }
-        let mut meet = |other_index: u32| {
-            let Some((id, other)) = state.residents.at(other_index) else { return };
-            if other_index != index
-                && !is_others(other_index, other)
-                && own.1.bounds.overlap(&other.bounds)
-                && self.world.may_meet(own, (id, other))
-                && state.pairs.find(index, other_index).is_none()
+        let mut meet = |other: u32| {
+            if other != index
+                && !is_others(other)
+                && bounds.overlap(state.bounds_of(other))
+                && self.world.may_meet(index, other)
+                && state.pairs.find(index, other).is_none()
             {
-                found.push([index, other_index]);
+                found.push([index, other]);
             }
         };
-        match &own.1.bounds {
+        match bounds {
             Bounds::Nowhere => {}
             Bounds::Box(bounds) => {
                 if asks {

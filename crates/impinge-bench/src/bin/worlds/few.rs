@@ -15,14 +15,14 @@ use crate::scenes::{boxed, size};
 /// Steps before times are taken: a choice that is left to the world takes some.
 const WARM: usize = 10;
 
-const PHASES: [&str; 5] = ["judge", "realign", "broad", "narrow", "report"];
+const PHASES: [&str; 5] = ["realign", "take", "broad", "narrow", "report"];
 
 pub(crate) fn compare(count: usize, moving: usize, steps: usize) -> Result<()> {
-    let [judge, realign, broad, narrow, report] = PHASES;
+    let [realign, take, broad, narrow, report] = PHASES;
     for is_spread in [false, true] {
         let sizes = if is_spread { "spread over a ratio of 1,000" } else { "0.5 to 1.5" };
         println!("{moving} of {count} boxes move, sizes {sizes}; the least of {steps} steps");
-        let mut table = Table::new(["", "a step", judge, realign, broad, narrow, report, "grid alone"]);
+        let mut table = Table::new(["", "a step", realign, take, broad, narrow, report, "grid alone"]);
         let mut expected = None;
         for (broad_phase, name) in [(BroadPhase::Auto, "auto"), (BroadPhase::Grid, "grid"), (BroadPhase::Tree, "tree")]
         {

@@ -67,7 +67,7 @@ pub(crate) fn tumble(count: usize, steps: usize, filled: f64, contacts: bool) ->
     let reach = 0.5 * (count as f64 * 4.18879 / filled).cbrt();
     println!("{count} bodies of {} triangles in a box of {:.1}, {steps} steps", meshes[0].faces().len(), 2.0 * reach);
     let mut table =
-        Table::new(["boxes", "finds", "median", "realign", "broad", "narrow", "examined", "pairs", "contacts"]);
+        Table::new(["boxes", "finds", "median", "realign", "take", "broad", "narrow", "examined", "pairs", "contacts"]);
     for (way, name) in [(Realignment::Own, "own"), (Realignment::Climbing, "climbing")] {
         for narrow_phase in [NarrowPhase::Intersections, NarrowPhase::Contacts] {
             if narrow_phase == NarrowPhase::Contacts && !contacts {
@@ -116,6 +116,7 @@ pub(crate) fn tumble(count: usize, steps: usize, filled: f64, contacts: bool) ->
                 name.to_owned(),
                 format!("{narrow_phase:?}").to_lowercase(),
                 median(&total)?,
+                median(&phases[0])?,
                 median(&phases[1])?,
                 median(&phases[2])?,
                 median(&phases[3])?,

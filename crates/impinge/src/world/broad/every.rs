@@ -7,14 +7,26 @@ use crate::volume::{BoundingVolume, MinMax};
 /// Boxes side by side.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Every {
-    boxes: Vec<(MinMax, u32)>,
+    boxes: Vec<MinMax>,
+    /// The body of each.
+    bodies: Vec<u32>,
     /// Where the box of each body is; [`NONE`] where it has none.
     places: Vec<u32>,
 }
 
 impl Every {
-    pub(super) fn boxes(&self) -> &[(MinMax, u32)] {
+    pub(super) fn boxes(&self) -> &[MinMax] {
         &self.boxes
+    }
+
+    /// The body of each box.
+    pub(super) fn bodies(&self) -> &[u32] {
+        &self.bodies
+    }
+
+    /// Each box, with its body.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&MinMax, u32)> {
+        self.boxes.iter().zip(self.bodies.iter().copied())
     }
 
     /// A new box, or another one for a body that has one.
@@ -24,10 +36,11 @@ impl Every {
         }
         let place = &mut self.places[body as usize];
         match self.boxes.get_mut(*place as usize) {
-            Some((own, _)) => *own = *bounds,
+            Some(own) => *own = *bounds,
             None => {
                 *place = self.boxes.len() as u32;
-                self.boxes.push((*bounds, body));
+                self.boxes.push(*bounds);
+                self.bodies.push(body);
             }
         }
     }
@@ -35,24 +48,25 @@ impl Every {
     pub(super) fn remove(&mut self, body: u32) {
         let place = std::mem::replace(&mut self.places[body as usize], NONE);
         self.boxes.swap_remove(place as usize);
-        if let Some((_, moved)) = self.boxes.get(place as usize) {
+        self.bodies.swap_remove(place as usize);
+        if let Some(moved) = self.bodies.get(place as usize) {
             self.places[*moved as usize] = place;
         }
     }
 
     pub(super) fn for_each_overlapping(&self, bounds: &MinMax, visit: &mut dyn FnMut(u32)) {
-        for (own, body) in &self.boxes {
+        for (own, body) in self.iter() {
             if own.overlaps(bounds) {
-                visit(*body);
+                visit(body);
             }
         }
     }
 
     pub(super) fn along(&self, ray: &Ray, visit: &mut dyn FnMut(u32) -> f64) {
         let mut reach = ray.reach();
-        for (own, body) in &self.boxes {
+        for (own, body) in self.iter() {
             if ray.enters(own).is_some_and(|enter| enter <= reach) {
-                reach = reach.min(visit(*body));
+                reach = reach.min(visit(body));
             }
         }
     }

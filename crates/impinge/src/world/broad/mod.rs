@@ -261,7 +261,7 @@ impl Structure {
 
     fn boxes(&self) -> Vec<(u32, MinMax)> {
         match self.look() {
-            Look::Through(every) => every.boxes().iter().map(|&(bounds, body)| (body, bounds)).collect(),
+            Look::Through(every) => every.iter().map(|(bounds, body)| (body, *bounds)).collect(),
             Look::In(partition) => {
                 let mut boxes = Vec::with_capacity(partition.len());
                 partition.each(&mut |body, bounds| boxes.push((body, *bounds)));
@@ -277,7 +277,7 @@ impl Structure {
             Look::In(_) => keys as usize,
         };
         (0..len).step_by(len.div_ceil(SAMPLE).max(1)).filter_map(move |at| match self.look() {
-            Look::Through(every) => every.boxes().get(at).map(|(bounds, _)| *bounds),
+            Look::Through(every) => every.boxes().get(at).copied(),
             Look::In(partition) => partition.get(at as u32),
         })
     }
