@@ -89,9 +89,10 @@ impl<T: Pod> Buffer<T> {
 
 impl<T: Pod> Buffer<T> {
     /// The elements to be changed; a copy of them if they were borrowed.
+    #[inline(always)]
     pub fn to_mut(&mut self) -> &mut [T] {
         if let Self::Borrowed(..) = self {
-            *self = Self::Owned(self.to_vec());
+            self.copy();
         }
         match self {
             Self::Owned(elements) => elements,
@@ -101,6 +102,11 @@ impl<T: Pod> Buffer<T> {
             }
             Self::Borrowed(..) => unreachable!("made its own above"),
         }
+    }
+
+    #[cold]
+    fn copy(&mut self) {
+        *self = Self::Owned(self.to_vec());
     }
 }
 

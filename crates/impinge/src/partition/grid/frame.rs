@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::word::{MARKED_APART, Word};
+use crate::simd::by_axis;
 use crate::volume::MinMax;
 
 /// Cells are counted to here from the origin, and farther ones are the last.
@@ -59,7 +60,7 @@ impl Frame {
 
     /// Every operation is monotone, so that what is between two corners is in the cells between theirs, and places that are
     /// in strict order belong to coordinates that are.
-    #[inline]
+    #[inline(always)]
     fn place(&self, coordinate: f64, axis: usize) -> Place {
         let [first, last] = self.ends[axis];
         let at = (coordinate - self.origin[axis]) * self.scale;
@@ -73,12 +74,12 @@ impl Frame {
         self.place(coordinate, axis).cell()
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn reach(&self, bounds: &MinMax) -> Reach {
         let (min, max) = (bounds.min(), bounds.max());
         Reach {
-            low: [0, 1, 2].map(|axis| self.place(min[axis], axis)),
-            high: [0, 1, 2].map(|axis| self.place(max[axis], axis)),
+            low: by_axis!(axis => self.place(min[axis], axis)),
+            high: by_axis!(axis => self.place(max[axis], axis)),
         }
     }
 
