@@ -75,10 +75,7 @@ impl Columns {
         }
         let mut push = |place: u32, record| push(records, links, next, used, place, record);
         let all = u64::MAX >> (BATCH - boxes.len());
-        let [regular, x, y] = [SPECIAL, 1, 2].map(
-            #[inline(always)]
-            |lacked| batch.with(simd, lacked) & all,
-        );
+        let [regular, x, y] = [batch.with(simd, SPECIAL) & all, batch.with(simd, 1), batch.with(simd, 2)];
         // Bits of who has which copies, as asking each box would be a branch that is as good as chance.
         for (copy, boxes) in (0..).zip([regular, regular & x, regular & y, regular & x & y]) {
             let mut left = boxes;
@@ -196,14 +193,12 @@ impl Batch {
     #[inline(always)]
     fn with<S: Simd>(&self, simd: S, lacked: u32) -> u64 {
         let lacked = u32x16::splat(simd, lacked);
-        (0..BATCH / 16).fold(
-            0,
-            #[inline(always)]
-            |bits, at| {
-                let lacks = u32x16::from_slice(simd, &self.lacks[16 * at..16 * at + 16]);
-                bits | (lacks & lacked).simd_eq(u32x16::splat(simd, 0)).to_bitmask() << (16 * at)
-            },
-        )
+        let mut bits = 0;
+        for at in 0..BATCH / 16 {
+            let lacks = u32x16::from_slice(simd, &self.lacks[16 * at..16 * at + 16]);
+            bits |= (lacks & lacked).simd_eq(u32x16::splat(simd, 0)).to_bitmask() << (16 * at);
+        }
+        bits
     }
 
     #[inline(always)]

@@ -110,12 +110,14 @@ impl Lanes {
         let hits = &mut self.hits;
         hits.resize(MOST_HITS + len.div_ceil(WIDE) + 1, Hits::default());
         let mut count = 0;
-        for one in 0..len {
-            let end = ends[one] as usize;
-            if count > MOST_HITS {
+        for one in 0..=len {
+            // Called from here alone, the last time too, so that it is compiled with the vector unit.
+            if count > MOST_HITS || one == len {
                 expand(&mut hits[..count]);
                 count = 0;
             }
+            let Some(&end) = ends.get(one) else { break };
+            let end = end as usize;
             let most = u32x8::splat(simd, probe(words[one]));
             let mut at = one + 1;
             while at < end {
@@ -126,7 +128,6 @@ impl Lanes {
                 at += WIDE;
             }
         }
-        expand(&mut hits[..count]);
     }
 
     /// Calls `meet` for each copy whose image may meet one that has this word across, and may meet this span along.

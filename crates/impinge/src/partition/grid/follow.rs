@@ -85,9 +85,10 @@ impl Looks {
         for axis in 0..3 {
             let ends = [before.low[axis], before.high[axis], after.low[axis], after.high[axis]];
             ways.low[axis][mover] = low[axis];
-            let parts = ends.map(|end| end.parts_from(low[axis]) as i16);
-            for (parts, all) in parts.into_iter().zip(&mut ways.parts[axis]) {
-                all[mover] = parts;
+            let mut parts = [0; 4];
+            for end in 0..4 {
+                parts[end] = ends[end].parts_from(low[axis]) as i16;
+                ways.parts[axis][end][mover] = parts[end];
             }
             changed |= (parts[0] ^ parts[2]) | (parts[1] ^ parts[3]);
         }

@@ -155,7 +155,7 @@ impl Follows for HierarchicalGrid {
 
     #[inline(always)]
     fn trace(&self, mover: usize, way: &[MinMax; 2], looks: &mut [Looks]) -> bool {
-        let [from, to] = way.each_ref().map(|bounds| self.level_of(bounds));
+        let [from, to] = [self.level_of(&way[0]), self.level_of(&way[1])];
         if from != to {
             return false;
         }
