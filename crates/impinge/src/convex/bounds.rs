@@ -71,3 +71,68 @@ impl Swept<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::dyadic::{self, Dyadic};
+    use crate::math::{Pose, Sign};
+    use impinge_testkit::Affine;
+    use impinge_testkit::generate::{Rng, poses};
+
+    /// Exactly: how much farther along an axis than a number the image of a corner is.
+    fn beyond(pose: &Pose, corner: [f64; 3], axis: usize, number: f64) -> Dyadic {
+        let image = dyadic::dot(&pose.linear()[axis].map(Dyadic::from_f64), &corner.map(Dyadic::from_f64));
+        &(&image + &Dyadic::from_f64(pose.translation()[axis])) - &Dyadic::from_f64(number)
+    }
+
+    fn parts(map: &Affine) -> ([[f64; 3]; 3], [f64; 3]) {
+        (map.linear, map.translation)
+    }
+
+    #[test]
+    fn boxes_hold_every_corner_exactly_and_little_more() {
+        let mut rng = Rng::new(91);
+        for round in 0..3000 {
+            let (linear, translation) = match round % 3 {
+                0 => parts(&poses::large_integer_map(&mut rng)),
+                1 => parts(&poses::rotation(&mut rng)),
+                _ => (poses::cube_symmetry(&mut rng), [0.1, 2.0, -1e3]),
+            };
+            let pose = Pose::new(linear, translation).unwrap();
+            let size = rng.choose(&[1e-300, 1e-9, 1.0, 1e9, 1e30]);
+            // Both ways of finding heights, and corners on a grid, of which some are the same.
+            let count = rng.choose(&[1, 3, 8, FEW as i64 + 8]);
+            let corners: Vec<[f64; 3]> =
+                (0..count).map(|_| [0; 3].map(|_: i32| size * rng.integer(-4, 4) as f64 * 0.37)).collect();
+            let swept = Swept { core: Core::Points(&corners), pose: &pose, radius: [0.0; 2] };
+            let [min, max] = swept.world_bounds();
+            for axis in 0..3 {
+                let images = corners.iter().map(|corner| {
+                    assert_ne!(beyond(&pose, *corner, axis, min[axis]).sign(), Sign::Negative, "{pose:?} {corners:?}");
+                    assert_ne!(beyond(&pose, *corner, axis, max[axis]).sign(), Sign::Positive, "{pose:?} {corners:?}");
+                    pose.apply(*corner)[axis]
+                });
+                let [low, high] =
+                    images.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x: f64| [low.min(x), high.max(x)]);
+                let reach = pose.linear()[axis].iter().map(|x| x.abs()).sum::<f64>() * size * 1.5;
+                let slack = 1e-14 * (reach + pose.translation()[axis].abs()) + 1e-290;
+                assert!(low - min[axis] <= slack && max[axis] - high <= slack, "{min:?} {max:?} {low} {high}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_ball_widens_a_box_by_no_less_than_its_radius() {
+        let pose = Pose::from_translation([0.1, -7.0, 1e12]).unwrap();
+        let swept = Swept { core: Core::Points(&[[0.25; 3]]), pose: &pose, radius: [0.3; 2] };
+        let [min, max] = swept.world_bounds();
+        for axis in 0..3 {
+            for (end, sign) in [(min[axis], -1.0), (max[axis], 1.0)] {
+                let ball = &Dyadic::from_f64(0.3) * &Dyadic::from_f64(sign);
+                let past = &beyond(&pose, [0.25; 3], axis, end) + &ball;
+                assert_ne!(past.sign(), if sign < 0.0 { Sign::Negative } else { Sign::Positive });
+            }
+        }
+    }
+}

@@ -64,6 +64,7 @@ struct Open {
 
 impl Default for Looks {
     fn default() -> Self {
+        // One more than there may be, as the next is written before it is known whether it is kept.
         Self { looks: vec![Look::default(); TOGETHER * SHORT + 1], count: 0, ways: Ways::default(), open: Vec::new() }
     }
 }
