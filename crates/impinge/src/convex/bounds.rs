@@ -94,6 +94,7 @@ mod tests {
     #[test]
     fn boxes_hold_every_corner_exactly_and_little_more() {
         let mut rng = Rng::new(91);
+        let (mut many, mut tight) = (0, 0);
         for round in 0..3000 {
             let (linear, translation) = match round % 3 {
                 0 => parts(&poses::large_integer_map(&mut rng)),
@@ -108,6 +109,7 @@ mod tests {
                 (0..count).map(|_| [0; 3].map(|_: i32| size * rng.integer(-4, 4) as f64 * 0.37)).collect();
             let swept = Swept { core: Core::Points(&corners), pose: &pose, radius: [0.0; 2] };
             let [min, max] = swept.world_bounds();
+            many += u32::from(count > FEW);
             for axis in 0..3 {
                 let images = corners.iter().map(|corner| {
                     assert_ne!(beyond(&pose, *corner, axis, min[axis]).sign(), Sign::Negative, "{pose:?} {corners:?}");
@@ -119,8 +121,11 @@ mod tests {
                 let reach = pose.linear()[axis].iter().map(|x| x.abs()).sum::<f64>() * size * 1.5;
                 let slack = 1e-14 * (reach + pose.translation()[axis].abs()) + 1e-290;
                 assert!(low - min[axis] <= slack && max[axis] - high <= slack, "{min:?} {max:?} {low} {high}");
+                // Rounding inwards would leave a corner out.
+                tight += u32::from(low - min[axis] < 4.0 * f64::EPSILON * low.abs());
             }
         }
+        assert!(many > 30 && tight > 1000, "{many} with many corners, {tight} ends within two units");
     }
 
     #[test]
