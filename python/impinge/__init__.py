@@ -9,7 +9,7 @@ A pose is a (4, 4) matrix, world from local, for column vectors. Arrays of poses
 on all cores. `impinge.trimesh` and `impinge.fcl` stand in for the collision parts of the libraries of those names.
 """
 
-from impinge import ccd, fit, shapes
+from impinge import ccd, fit, partition, shapes
 from impinge._character import Animation, Character, Leaks, Part
 from impinge._character_pose import CharacterPose, PartHit, PartHits, PartPairs, SurfaceHit
 from impinge._contacts import ContactRows, Contacts
@@ -36,6 +36,7 @@ from impinge._pose import pose
 from impinge._scene import Scene, SceneReport
 from impinge._shape import Shape
 from impinge._show import show
+from impinge._solid_bsp import SolidBsp
 from impinge._threads import threads
 from impinge._world import World
 from impinge._world_answers import Bodies, BodyRayHit, BodyRayHits, Step, Work
@@ -75,6 +76,7 @@ __all__ = [
     "Scene",
     "SceneReport",
     "Shape",
+    "SolidBsp",
     "Sphere",
     "Status",
     "Step",
@@ -94,6 +96,7 @@ __all__ = [
     "load",
     "load_scene",
     "minimal_sphere",
+    "partition",
     "penetrates",
     "penetration",
     "pose",

@@ -20,6 +20,7 @@ from impinge._world_state import WorldState
 
 Kind: TypeAlias = Literal["static", "kinematic", "moving"]
 BroadPhase: TypeAlias = Literal["auto", "every", "tree", "columns", "grid", "one_axis", "three_axes"]
+Realignment: TypeAlias = Literal["own", "rotated", "loose", "hull", "climbing"]
 NarrowPhase: TypeAlias = Literal["boxes", "intersections", "contacts"]
 
 
@@ -86,6 +87,7 @@ class World(WorldQueries):
         meets: int = ALL_LAYERS,
         owner: ArrayLike | None = None,
         tag: ArrayLike = 0,
+        realigned_by: Realignment = "own",
     ) -> Any:
         """Put bodies of one shape into the world; what they meet is told by the next step.
 
@@ -104,6 +106,11 @@ class World(WorldQueries):
             Bodies with one owner never meet: the limbs of one character.
         tag : (...) array_like of integers
             Numbers of the caller's, by which reports are sorted.
+        realigned_by : {"own", "rotated", "loose", "hull", "climbing"}
+            How the bodies' boxes follow them, which changes no answer: the shape's own way, tight for what is convex
+            and that of the turned box for meshes; always the box of the turned box; the box of the sphere about the
+            origin; tight, by all vertices of the convex hull; tight, by climbing on the hull from the last extremes.
+            ``docs/realigning.md`` measures them. Compounds and half-spaces always have their own.
 
         Returns
         -------
@@ -119,7 +126,8 @@ class World(WorldQueries):
         lead = poses.shape[:-2]
         owners = None if owner is None else numbers_of(owner, "owner", lead)
         standing = kind, mask(layers, "layers"), mask(meets, "meets")
-        return scalar(self._core.insert(settled(shape), poses, standing, owners, numbers_of(tag, "tag", lead)))
+        placement = settled(shape), realigned_by, poses
+        return scalar(self._core.insert(placement, standing, owners, numbers_of(tag, "tag", lead)))
 
     def remove(self, bodies: ArrayLike) -> None:
         """Take bodies out; pairs that they were in are gone at once, and told as ended by the next step.

@@ -11,7 +11,7 @@ import impinge.fcl
 import impinge.trimesh
 import numpy as np
 import pytest
-from impinge import Shape, fcl, pose
+from impinge import Shape, fcl, partition, pose
 from seen import state
 from shapes import TRIANGLE, cube, torus
 
@@ -52,6 +52,8 @@ def examples():
     crowd.add_object("ring", mesh)
     _, _, distances = crowd.min_distance_internal(return_names=True, return_data=True)
     _, data = crowd.in_collision_single(mesh, pose([0.5, 0, 0]), return_data=True)
+    low, high = [[0, 0, 0], [2, 0, 0]], [[2, 1, 1], [3, 1, 1]]
+    grid, space = partition.HashedGrid(2, low, high), [[0, 0, 0], [4, 4, 4]]
     with pytest.raises(impinge.InputError) as caught:
         impinge.Mesh([[0, 0, 0]], [[0, 1, 2]])
     made = [
@@ -70,6 +72,11 @@ def examples():
         result.contacts[0], fcl.CollisionData(), fcl.DistanceRequest(), fcl.DistanceResult(), fcl.DistanceData(), one,
         manager, crowd, distances, data[0], fcl.BVHModel(), fcl.Capsule(1, 2), fcl.Cone(1, 2), fcl.Cylinder(1, 2),
         fcl.Sphere(1), fcl.Ellipsoid(1, 2, 3), fcl.Halfspace([0, 0, 1], 0), fcl.TriangleP(*TRIANGLE[0][:3]),
+        grid, grid.step([5], [[1, 1, 1]]), grid.overlapping(low), grid.ray_cast(ray, ray), grid.nearest(ray),
+        grid.ray_cast_all(rays, ray), partition.UniformGrid(space, 1, low, high), partition.Octree(space, low, high),
+        partition.LooseOctree(space, low, high), partition.HierarchicalGrid(1, low, high), partition.KdTree(low),
+        partition.BspTree(low, high), partition.SweepOneAxis("x", low, high), partition.SweepThreeAxes(low, high),
+        partition.BoxTree(low, high, margin=0.5), impinge.SolidBsp(box),
         fcl.Convex(*TRIANGLE[:1], 1, [3, 0, 1, 2]), fcl.Transform([1, 2, 3]), fcl.Box(1, 2, 3), fcl.CollisionGeometry(),
     ]  # fmt: skip
     return {type(thing): thing for thing in made}
@@ -80,7 +87,7 @@ def things():
     return examples()
 
 
-MODULES = (impinge, impinge.fcl, impinge.fit, impinge.shapes, impinge.trimesh)
+MODULES = (impinge, impinge.fcl, impinge.fit, partition, impinge.shapes, impinge.trimesh)
 PUBLIC = dict.fromkeys(getattr(module, name) for module in MODULES for name in module.__all__)
 CLASSES = [one for one in PUBLIC if inspect.isclass(one) and not set(one.__subclasses__()) & set(PUBLIC)]
 """Those of which there are instances: not the bases of others."""
@@ -97,7 +104,7 @@ def test_every_public_class_comes_back(things, public, way):
 
 
 def test_the_public_classes_are_found():
-    assert len(CLASSES) > 50
+    assert len(CLASSES) > 65
 
 
 def test_a_copy_of_a_mesh_shares_it_and_goes_its_own_way():

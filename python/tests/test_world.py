@@ -1,6 +1,7 @@
 """Worlds against loops over single questions."""
 
 import gc
+import pickle
 import threading
 from functools import cache
 from itertools import combinations
@@ -157,6 +158,37 @@ def test_handles_never_dangle():
     world.remove([again, again, other])
     assert len(world) == 0
     assert world.bodies.tolist() == []
+
+
+@pytest.mark.parametrize("way", ["own", "rotated", "loose", "hull", "climbing"])
+def test_boxes_follow_in_every_way(way):
+    world, expected = impinge.World(), []
+    mesh = impinge.Mesh(*torus(12, 8))
+    poses = random_poses(40, 3.0, 4)
+    rings = world.insert(mesh, poses, tag=np.arange(40), realigned_by=way)
+    balls = world.insert(KINDS[0], poses[::2] @ pose([1, 0, 0]), tag=np.arange(40, 60), realigned_by=way)
+    for turn in range(4):
+        turned = poses @ pose(rpy=[0.3 * turn, 0.1, 2.0 * turn])
+        world.step(rings, turned)
+        met = impinge.intersects(mesh, mesh, turned[:, None], turned)
+        expected = [(int(rings[i]), int(rings[j])) for i, j in combinations(range(40), 2) if met[i, j]]
+        among = [pair for pair in named(world.pairs()) if pair[1] < int(balls[0])]
+        assert among == expected
+        # Every vertex is in the box about it.
+        vertices = mesh.vertices @ turned[:, :3, :3].swapaxes(1, 2) + turned[:, None, :3, 3]
+        bounds = world.bounds(rings)
+        assert (bounds[:, 0] <= vertices.min(axis=1) + 1e-12).all()
+        assert (bounds[:, 1] >= vertices.max(axis=1) - 1e-12).all()
+        slack = (bounds[:, 1] - bounds[:, 0]).sum() / (vertices.max(axis=1) - vertices.min(axis=1)).sum()
+        low, high = {"hull": (1, 1.0001), "climbing": (1, 1.0001), "loose": (1.15, 2)}.get(way, (1.01, 1.7))
+        assert low <= slack <= high
+    assert len(expected) > 20
+    again = pickle.loads(pickle.dumps(world))
+    step = poses @ pose(rpy=[1, 1, 1])
+    for own in (world, again):
+        own.step(rings, step)
+    assert np.array_equal(again.bounds(rings), world.bounds(rings))
+    assert np.array_equal(again.pairs(), world.pairs())
 
 
 def test_going_back():

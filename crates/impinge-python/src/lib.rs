@@ -2,6 +2,7 @@
 //! `python/impinge`, is what people import.
 
 mod arrays;
+mod boxes;
 mod broadcast;
 mod character;
 mod character_pose;
@@ -12,6 +13,8 @@ mod inspection;
 mod mesh;
 mod model;
 mod motions;
+mod partition_queries;
+mod partitions;
 mod points;
 mod poses;
 mod question;
@@ -19,6 +22,7 @@ mod rays;
 mod scene;
 mod shape_verbs;
 mod shapes;
+mod solid_bsp;
 mod verbs;
 mod volumes;
 mod workers;
@@ -46,6 +50,13 @@ mod _impinge {
     #[pymodule_export]
     use super::motions::{MotionBase, edge_edge, time_of_impact, vertex_face};
     #[pymodule_export]
+    use super::partition_queries::{
+        partition_nearest, partition_overlapping, partition_pairs, partition_pairs_with, partition_ray_cast,
+        partition_ray_cast_all,
+    };
+    #[pymodule_export]
+    use super::partitions::{PartitionCore, box_pairs};
+    #[pymodule_export]
     use super::points::{closest_point, contains, signed_distance, winding_number};
     #[pymodule_export]
     use super::rays::{ray_cast, ray_cast_all};
@@ -58,6 +69,8 @@ mod _impinge {
     };
     #[pymodule_export]
     use super::shapes::ShapeBase;
+    #[pymodule_export]
+    use super::solid_bsp::SolidBspCore;
     #[pymodule_export]
     use super::verbs::{
         contact_normals, contact_points, intersecting_pairs, intersection_curves, intersects, penetrates,

@@ -23,9 +23,17 @@ pub(crate) fn ray_cast<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let (py, rays) = (mesh.py(), Rays::read(origins, directions)?);
     let shape = rays.rows.shape.clone();
-    let found = rays.ask(mesh, None, Mesh::ray_cast)?;
-    let hit = array(py, found.iter().map(Option::is_some).collect(), &shape)?;
-    Ok((hit, columns(py, found, &shape)?).into_pyobject(py)?.into_any())
+    first_hits(py, rays.ask(mesh, None, Mesh::ray_cast)?, &shape)
+}
+
+/// Whether there is a hit, (...), and its columns.
+pub(crate) fn first_hits<'py>(
+    py: Python<'py>,
+    found: Vec<Option<RayHit>>,
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyAny>> {
+    let hit = array(py, found.iter().map(Option::is_some).collect(), shape)?;
+    Ok((hit, columns(py, found, shape)?).into_pyobject(py)?.into_any())
 }
 
 /// Offsets of each ray's hits, those of all rays, (k,), and the leading axes.

@@ -21,7 +21,8 @@ use crate::poses::{OnError, Poses};
 use crate::shapes::weighed;
 use crate::workers;
 use crate::world_bodies::{
-    BROAD_PHASES, Handles, NARROW_PHASES, Standing, chosen, ids, keys, numbers, of_bodies, refused, traits,
+    BROAD_PHASES, Handles, NARROW_PHASES, Placement, REALIGNMENTS, Standing, chosen, ids, keys, numbers, of_bodies,
+    refused, traits,
 };
 use crate::world_state::{Shapes, Source, WorldState};
 use crate::world_turn::{Shared, Turn};
@@ -115,16 +116,20 @@ impl WorldCore {
     /// many as there are poses, or there are none.
     fn insert<'py>(
         &self,
-        shape: &Bound<'py, PyAny>,
-        poses: &Bound<'py, PyAny>,
+        py: Python<'py>,
+        placement: Placement<'py>,
         standing: Standing<'_>,
         owners: Option<&Handles<'py>>,
         tags: &Handles<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let py = shape.py();
-        let (body, made_of) = (Body::new(weighed(shape, "shape")?.shape), Source::object(shape));
+        let (shape, way, poses) = placement;
+        let (body, made_of) = (Body::new(weighed(&shape, "shape")?.shape), Source::object(&shape));
+        let way = chosen(&way, "realigned_by", &REALIGNMENTS)?;
         let Traits { kind, layers, .. } = traits(&standing)?;
-        let Poses { shape: lead, poses, .. } = Poses::read(poses, "poses", OnError::Raise)?;
+        let Poses { shape: lead, poses, .. } = Poses::read(&poses, "poses", OnError::Raise)?;
+        let body = py.detach(|| body.realigned_by(way)).map_err(|error| {
+            Fault::new(kind_and_place(&error).0, "shape", message(&error)).hint(error.hint()).raised(py)
+        })?;
         let owners = owners.map(numbers).transpose()?;
         let tags = numbers(tags)?;
         let inserted = self.reshape(py, move |world, shapes| {

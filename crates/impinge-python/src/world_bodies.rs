@@ -1,11 +1,14 @@
 //! Options, handles and traits of bodies as Python names them, and faults that name the argument's row.
 
-use impinge::world::{BodyId, BroadPhase, Kind, Layers, NarrowPhase, PairKey, Traits, WorldError};
+use impinge::world::{BodyId, BroadPhase, Kind, Layers, NarrowPhase, PairKey, Realignment, Traits, WorldError};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::arrays::row_array;
 use crate::errors::{Fault, kind_and_place, message};
+
+/// A shape, how its box is found, and the poses of bodies of it.
+pub(crate) type Placement<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 /// Handles, one a row, in an array of u64.
 pub(crate) type Handles<'py> = Bound<'py, PyArray1<u64>>;
@@ -25,6 +28,14 @@ pub(crate) const BROAD_PHASES: [(&str, BroadPhase); 7] = [
 
 pub(crate) const NARROW_PHASES: [(&str, NarrowPhase); 3] =
     [("boxes", NarrowPhase::Boxes), ("intersections", NarrowPhase::Intersections), ("contacts", NarrowPhase::Contacts)];
+
+pub(crate) const REALIGNMENTS: [(&str, Realignment); 5] = [
+    ("own", Realignment::Own),
+    ("rotated", Realignment::Rotated),
+    ("loose", Realignment::Loose),
+    ("hull", Realignment::Hull),
+    ("climbing", Realignment::Climbing),
+];
 
 pub(crate) const KINDS: [(&str, Kind); 3] =
     [("static", Kind::Static), ("kinematic", Kind::Kinematic), ("moving", Kind::Moving)];

@@ -1,12 +1,12 @@
 //! What rays meet in a world, and what is in boxes, at points and in the way of shapes there.
 
 use impinge::partition::Ray;
-use impinge::volume::MinMax;
 use impinge::world::{BodyHit, BodyRayHit, Traits, World};
 use impinge::{InputError, Pose};
 use pyo3::prelude::*;
 
 use crate::arrays::{array, ragged, row_array};
+use crate::boxes::Boxes;
 use crate::broadcast::Broadcast;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::points::Points;
@@ -132,23 +132,9 @@ pub(crate) fn world_in_boxes<'py>(
     high: &Bound<'py, PyAny>,
     layers: u32,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let py = world.py();
-    let (low, high) = (Points::read(low, "low", EXPONENT)?, Points::read(high, "high", EXPONENT)?);
-    let common = Broadcast::of(py, (&low.shape, "low"), (&high.shape, "high"))?;
-    let mut boxes = Vec::with_capacity(common.rows);
-    for row in 0..common.rows {
-        let [at_low, at_high] = common.sources(row);
-        let (low, high) = (low.rows[at_low], high.rows[at_high]);
-        if (0..3).any(|k| low[k] > high[k]) {
-            let at = Broadcast::place(&common.shape, row);
-            return Err(Fault::new("order", "high", "a corner is below that of low").at(at).raised(py));
-        }
-        boxes.push([low, high]);
-    }
-    let hits = ask(world, "high", &common.shape, boxes, move |world, &[low, high]| {
-        Ok(world.overlapping_boxes(&MinMax::new(low, high)?, on(layers)))
-    })?;
-    found(py, hits, common.shape)
+    let Boxes { shape, rows } = Boxes::read(low, Some(high), EXPONENT)?;
+    let hits = ask(world, "high", &shape, rows, move |world, bounds| Ok(world.overlapping_boxes(bounds, on(layers))))?;
+    found(world.py(), hits, shape)
 }
 
 /// The bodies that meet a shape at poses, (..., 4, 4).

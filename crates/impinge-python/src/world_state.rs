@@ -1,27 +1,29 @@
 //! What a world was, in memory and as plain data that pickles.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use impinge::Mesh;
 use impinge::query::shapes::Proximity;
 use impinge::shape::Shape;
 use impinge::world::{
-    Body, BodyId, Change, Options, PairKey, Record, RecordedBody, RecordedPair, Snapshot, Traits, World,
+    Body, BodyId, Change, Options, PairKey, Realignment, Record, RecordedBody, RecordedPair, Snapshot, Traits, World,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 
 use crate::arrays::{array, plain_column, row_array};
 use crate::contacts;
-use crate::errors::Fault;
+use crate::errors::{Fault, message};
 use crate::mesh::MeshBase;
 use crate::motions::matrix;
 use crate::poses::{OnError, Poses};
 use crate::shapes::weighed;
-use crate::world_bodies::{BROAD_PHASES, KINDS, NARROW_PHASES, chosen};
+use crate::world_bodies::{BROAD_PHASES, KINDS, NARROW_PHASES, REALIGNMENTS, chosen};
 
 /// Of the data that a state pickles as; another one is refused.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// The proximity of pairs as data; what is apart is no pair that meets.
 const PROXIMITIES: [Option<Proximity>; 3] = [None, Some(Proximity::Meets), Some(Proximity::Undecided)];
@@ -89,7 +91,7 @@ impl WorldState {
 /// The objects that shapes are made of, each once, and the number of that of each body.
 type ShapeTable<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-/// Poses, (n, 4, 4), traits, (n, 4): kind, layers, layers met and what changed; owners, (n,), whether there are any, (n,), and
+/// Poses, (n, 4, 4), traits, (n, 5): kind, layers, layers met, what changed and how boxes are found; owners, (n,), whether there are any, (n,), and
 /// tags, (n,).
 type BodyTable<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
@@ -139,10 +141,19 @@ impl WorldState {
         }
         let mut recorded = Vec::with_capacity(ids.len());
         let mut sources = Shapes::default();
-        for (((id, shape), pose), (traits, change)) in ids.into_iter().zip(shape_of).zip(poses).zip(traits) {
-            let (source, shape) = made.get(shape as usize).ok_or_else(|| broken("the numbers of shapes"))?;
+        // Bodies of one shape share what bounds them.
+        let mut plain: HashMap<(u32, Realignment), Body> = HashMap::new();
+        for (((id, shape), pose), (traits, change, way)) in ids.into_iter().zip(shape_of).zip(poses).zip(traits) {
+            let (source, own) = made.get(shape as usize).ok_or_else(|| broken("the numbers of shapes"))?;
             sources.set(id, Some(source.clone()));
-            let body = Body::new(shape.clone()).at(pose).kind(traits.kind).layers(traits.layers).tag(traits.tag);
+            let body = match plain.entry((shape, way)) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(free) => {
+                    let body = Body::new(own.clone()).realigned_by(way);
+                    free.insert(body.map_err(|error| Fault::new("state", "state", message(&error)).raised(py))?)
+                }
+            };
+            let body = body.clone().at(pose).kind(traits.kind).layers(traits.layers).tag(traits.tag);
             let body = if let Some(owner) = traits.owner { body.owner(owner) } else { body };
             recorded.push(RecordedBody { id, body, change });
         }
@@ -167,7 +178,8 @@ impl WorldState {
         let body_column = |of: fn(&RecordedBody) -> u64| array(py, bodies.iter().map(of).collect(), &[count]);
         let traits = bodies.iter().map(|RecordedBody { body, change, .. }| {
             let Traits { kind, layers, .. } = *body.traits();
-            [place(&KINDS.map(|(_, kind)| kind), kind), layers.on, layers.meets, place(&CHANGES, *change)]
+            let way = place(&REALIGNMENTS.map(|(_, way)| way), body.realignment());
+            [place(&KINDS.map(|(_, kind)| kind), kind), layers.on, layers.meets, place(&CHANGES, *change), way]
         });
         let owns = bodies.iter().map(|recorded| recorded.body.traits().owner.is_some());
         let poses = bodies.iter().map(|recorded| matrix(recorded.body.world_from_body()));
@@ -219,7 +231,7 @@ impl WorldState {
 impl WorldState {
     fn shape_table<'py>(&self, py: Python<'py>, bodies: &[RecordedBody]) -> PyResult<ShapeTable<'py>> {
         let (mut objects, mut numbers) = (PyList::empty(py), Vec::with_capacity(bodies.len()));
-        let mut number_of = std::collections::HashMap::new();
+        let mut number_of = HashMap::new();
         for RecordedBody { id, .. } in bodies {
             let Some(source) = self.shapes.get(*id) else {
                 return Err(Fault::new("state", "state", format!("body {id} has no shape")).raised(py));
@@ -245,17 +257,18 @@ fn append(objects: &mut Bound<'_, PyList>, source: &Source) -> PyResult<()> {
     }
 }
 
-/// What the bodies of a table have to do with others, and what of them changed.
-fn traits_of((_, traits, owners, owns, tags): &BodyTable<'_>) -> PyResult<Vec<(Traits, Change)>> {
+/// What the bodies of a table have to do with others, what of them changed, and how their boxes are found.
+fn traits_of((_, traits, owners, owns, tags): &BodyTable<'_>) -> PyResult<Vec<(Traits, Change, Realignment)>> {
     let traits: Vec<u32> = plain_column(traits)?;
     let (owners, owns, tags): (Vec<u64>, Vec<bool>, Vec<u64>) =
         (plain_column(owners)?, plain_column(owns)?, plain_column(tags)?);
     let rows = traits.as_chunks().0.iter().zip(owners.into_iter().zip(owns).zip(tags));
-    let of = |(&[kind, on, meets, change], ((owner, owns), tag)): (&[u32; 4], ((u64, bool), u64))| {
+    let of = |(&[kind, on, meets, change, way], ((owner, owns), tag)): (&[u32; 5], ((u64, bool), u64))| {
         let kind = KINDS.get(kind as usize).map_or_else(Default::default, |(_, kind)| *kind);
         let change = CHANGES.get(change as usize).copied().unwrap_or(Change::Traits);
+        let way = REALIGNMENTS.get(way as usize).map_or_else(Default::default, |(_, way)| *way);
         let layers = impinge::world::Layers { on, meets };
-        (Traits { kind, layers, owner: owns.then_some(owner), tag }, change)
+        (Traits { kind, layers, owner: owns.then_some(owner), tag }, change, way)
     };
     Ok(rows.map(of).collect())
 }

@@ -152,6 +152,12 @@ impl Body {
         &self.traits
     }
 
+    /// How its box is found.
+    #[must_use]
+    pub fn realignment(&self) -> Realignment {
+        self.outline.realignment()
+    }
+
     /// The same body elsewhere; whether its shape stands the pose is judged where it is inserted.
     #[must_use]
     pub fn at(mut self, world_from_body: Pose) -> Self {

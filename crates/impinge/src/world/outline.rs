@@ -71,7 +71,7 @@ impl Outline {
     /// # Errors
     /// As [`Hull::new`], for ways that need one.
     pub(super) fn by(shape: &Shape, realignment: Realignment) -> Result<Self, InputError> {
-        let points = points(shape)?;
+        let points = if realignment == Realignment::Own { Vec::new() } else { points(shape)? };
         let way = match realignment {
             _ if points.is_empty() => Way::Own,
             Realignment::Own => Way::Own,

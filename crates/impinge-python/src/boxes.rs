@@ -1,0 +1,49 @@
+//! Axis-aligned boxes as arrays of their corners.
+
+use impinge::volume::MinMax;
+use pyo3::prelude::*;
+
+use crate::broadcast::Broadcast;
+use crate::errors::{Fault, kind_and_place, message};
+use crate::points::Points;
+
+/// Boxes with their leading axes.
+pub(crate) struct Boxes {
+    /// The leading axes; none for a single box.
+    pub(crate) shape: Vec<usize>,
+    /// In row-major order.
+    pub(crate) rows: Vec<MinMax>,
+}
+
+impl Boxes {
+    /// Reads lower corners, (..., 3), and upper ones, as they broadcast; where there are no upper ones, points, which are boxes
+    /// without an extent.
+    ///
+    /// # Errors
+    /// `InputError` where they are no points below 2 to the `exponent`, do not fit, or an upper corner is below a lower one.
+    pub(crate) fn read(low: &Bound<'_, PyAny>, high: Option<&Bound<'_, PyAny>>, exponent: i32) -> PyResult<Self> {
+        let py = low.py();
+        let low = Points::read(low, "low", exponent)?;
+        let high = high.map(|high| Points::read(high, "high", exponent)).transpose()?;
+        let high = high.as_ref().unwrap_or(&low);
+        let common = Broadcast::of(py, (&low.shape, "low"), (&high.shape, "high"))?;
+        let mut rows = Vec::with_capacity(common.rows);
+        for row in 0..common.rows {
+            let at = || Broadcast::place(&common.shape, row);
+            let [at_low, at_high] = common.sources(row);
+            let (low, high) = (low.rows[at_low], high.rows[at_high]);
+            if (0..3).any(|axis| low[axis] > high[axis]) {
+                return Err(Fault::new("order", "high", "a corner is below that of low").at(at()).raised(py));
+            }
+            rows.push(MinMax::new(low, high).map_err(|error| {
+                Fault::new(kind_and_place(&error).0, "high", message(&error)).at(at()).hint(error.hint()).raised(py)
+            })?);
+        }
+        Ok(Self { shape: common.shape, rows })
+    }
+
+    /// The corners of boxes, (n, 2, 3).
+    pub(crate) fn corners(boxes: &[MinMax]) -> Vec<f64> {
+        boxes.iter().flat_map(|bounds| [bounds.min(), bounds.max()]).flatten().collect()
+    }
+}

@@ -1,0 +1,289 @@
+//! Partitions of space as Python holds them: boxes by keys that the caller chooses, put in, moved and taken away.
+//!
+//! Questions are answered from a snapshot: a call that changes a partition while another one asks makes a copy, so that neither
+//! waits for the other.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use impinge::InputError;
+use impinge::partition::{
+    Axis, BoxTree, BspTree, Cells, Changes, ColumnSweep, Dynamic, HashedGrid, HierarchicalGrid, KdTree, LooseOctree,
+    Move, Octree, Partition, SweepOneAxis, SweepThreeAxes, UniformGrid,
+};
+use impinge::volume::MinMax;
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::arrays::{array, row_array};
+use crate::boxes::Boxes;
+use crate::errors::{Fault, kind_and_place, message};
+use crate::workers;
+
+/// Magnitudes of boxes stay below 2 to this.
+pub(crate) const EXPONENT: i32 = 320;
+
+/// Keys below this are taken however few boxes there are; so many take 48 MiB.
+const ALWAYS_TAKEN: usize = 1 << 20;
+
+/// How many keys there may be for each box, beyond that.
+const SPARSEST: usize = 16;
+
+/// Keys, one a row, in an array of u32.
+type Keys<'py> = Bound<'py, PyArray1<u32>>;
+
+/// What a partition of `impinge.partition` holds.
+#[pyclass(frozen, module = "impinge._impinge")]
+pub(crate) struct PartitionCore(Mutex<Arc<Held>>);
+
+#[derive(Clone)]
+struct Held {
+    kind: Kind,
+    /// Above all keys that were ever used.
+    reach: usize,
+}
+
+#[derive(Clone)]
+enum Kind {
+    BoxTree(BoxTree),
+    UniformGrid(UniformGrid),
+    HashedGrid(HashedGrid),
+    HierarchicalGrid(HierarchicalGrid),
+    Octree(Octree),
+    LooseOctree(LooseOctree),
+    OneAxis(SweepOneAxis),
+    ThreeAxes(SweepThreeAxes),
+    KdTree(KdTree),
+    BspTree(BspTree),
+}
+
+impl Kind {
+    /// The partition that `name` names with these boxes in it, whose keys are their places. `size` is the edge of a cell or the
+    /// margin of a leaf, `space` what cells are laid over, where they are.
+    fn made(name: &str, boxes: &[MinMax], size: f64, space: Option<&MinMax>) -> Result<Self, InputError> {
+        let mut made = match (name, space) {
+            ("kd_tree", _) => return Ok(Self::KdTree(KdTree::build(boxes))),
+            ("bsp_tree", _) => return Ok(Self::BspTree(BspTree::build(boxes))),
+            ("sweep_x", _) => return Ok(Self::OneAxis(SweepOneAxis::build(Axis::X, boxes))),
+            ("sweep_y", _) => return Ok(Self::OneAxis(SweepOneAxis::build(Axis::Y, boxes))),
+            ("sweep_z", _) => return Ok(Self::OneAxis(SweepOneAxis::build(Axis::Z, boxes))),
+            ("three_axes", _) => return Ok(Self::ThreeAxes(SweepThreeAxes::build(boxes))),
+            ("hashed_grid", _) => Self::HashedGrid(HashedGrid::new(size)?),
+            ("hierarchical_grid", _) => Self::HierarchicalGrid(HierarchicalGrid::new(size)?),
+            ("uniform_grid", Some(space)) => Self::UniformGrid(UniformGrid::over(space, size)?),
+            ("octree", Some(space)) => Self::Octree(Octree::over(space)),
+            ("loose_octree", Some(space)) => Self::LooseOctree(LooseOctree::over(space)),
+            _ if size > 0.0 => Self::BoxTree(BoxTree::with_margin(size)),
+            _ => return Ok(Self::BoxTree(BoxTree::build(boxes))),
+        };
+        if let Some(partition) = made.moved() {
+            for (key, bounds) in boxes.iter().enumerate() {
+                partition.insert(key as u32, *bounds);
+            }
+        }
+        Ok(made)
+    }
+
+    fn asked(&self) -> &dyn Partition {
+        match self {
+            Self::BoxTree(partition) => partition,
+            Self::UniformGrid(partition) => partition,
+            Self::HashedGrid(partition) => partition,
+            Self::HierarchicalGrid(partition) => partition,
+            Self::Octree(partition) => partition,
+            Self::LooseOctree(partition) => partition,
+            Self::OneAxis(partition) => partition,
+            Self::ThreeAxes(partition) => partition,
+            Self::KdTree(partition) => partition,
+            Self::BspTree(partition) => partition,
+        }
+    }
+
+    /// None for those whose boxes stay.
+    fn moved(&mut self) -> Option<&mut dyn Dynamic> {
+        Some(match self {
+            Self::BoxTree(partition) => partition,
+            Self::UniformGrid(partition) => partition,
+            Self::HashedGrid(partition) => partition,
+            Self::HierarchicalGrid(partition) => partition,
+            Self::Octree(partition) => partition,
+            Self::LooseOctree(partition) => partition,
+            Self::OneAxis(partition) => partition,
+            Self::ThreeAxes(partition) => partition,
+            Self::KdTree(_) | Self::BspTree(_) => return None,
+        })
+    }
+}
+
+/// A partition as it was when it was asked.
+#[derive(Clone)]
+pub(crate) struct Snapshot(Arc<Held>);
+
+impl Snapshot {
+    pub(crate) fn get(&self) -> &dyn Partition {
+        self.0.kind.asked()
+    }
+
+    pub(crate) fn pairs_with(&self, other: &Self) -> Vec<[u32; 2]> {
+        match (&self.0.kind, &other.0.kind) {
+            (Kind::BoxTree(own), Kind::BoxTree(other)) => own.pairs_with_tree(other),
+            (own, other) => own.asked().pairs_with(other.asked()),
+        }
+    }
+}
+
+impl PartitionCore {
+    /// Waits for calls that change the partition, without the interpreter.
+    pub(crate) fn snapshot(&self, py: Python<'_>) -> Snapshot {
+        Snapshot(py.detach(|| self.lock().clone()))
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Arc<Held>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Makes the moves of boxes to their places, and of others away, on the caller's thread.
+    ///
+    /// # Errors
+    /// `InputError` for a key that is too large for so few boxes, or where one is taken away that is not there; nothing was
+    /// moved then.
+    fn make(&self, py: Python<'_>, keys: &[u32], boxes: &[MinMax], gone: &[u32]) -> PyResult<Changes> {
+        let made = py.detach(|| {
+            let mut held = self.lock();
+            let len = held.kind.asked().len();
+            let limit = ALWAYS_TAKEN.max(SPARSEST * (len + keys.len())).max(held.reach);
+            if let Some(row) = keys.iter().position(|&key| key as usize >= limit) {
+                let message =
+                    format!("key {} is too large for so few boxes: memory grows with the greatest", keys[row]);
+                let hint = "number the boxes from 0 on";
+                return Err(Fault::new("out-of-range", "keys", message).at(vec![row]).hint(Some(hint)));
+            }
+            if let Some(row) = gone.iter().position(|&key| held.kind.asked().get(key).is_none()) {
+                return Err(unknown("removed", row, gone[row]));
+            }
+            let held = Arc::make_mut(&mut held);
+            held.reach = keys.iter().map(|&key| key as usize + 1).fold(held.reach, usize::max);
+            let comes = keys.iter().zip(boxes).map(|(&key, bounds)| Move { key, to: Some(*bounds) });
+            let goes = gone.iter().map(|&key| Move { key, to: None });
+            let mut changes = Changes::default();
+            if let Some(partition) = held.kind.moved() {
+                partition.step(&comes.chain(goes).collect::<Vec<_>>(), &mut changes);
+            }
+            Ok(changes)
+        });
+        made.map_err(|fault| fault.raised(py))
+    }
+}
+
+fn unknown(argument: &str, row: usize, key: u32) -> Fault {
+    Fault::new("unknown-key", argument, format!("there is no box of key {key}")).at(vec![row])
+}
+
+#[pymethods]
+impl PartitionCore {
+    /// Boxes with the keys 0, 1, ... in a partition of the kind that `name` names; see `Kind::made`. Keys below `reach` were used
+    /// before.
+    #[new]
+    fn new<'py>(
+        name: &str,
+        low: &Bound<'py, PyAny>,
+        high: Option<&Bound<'py, PyAny>>,
+        size: (f64, &str),
+        space: Option<[Bound<'py, PyAny>; 2]>,
+        reach: usize,
+    ) -> PyResult<Self> {
+        let py = low.py();
+        let boxes = Boxes::read(low, high, EXPONENT)?.rows;
+        let (size, size_name) = size;
+        let space = space.map(|[low, high]| Boxes::read(&low, Some(&high), EXPONENT)).transpose()?;
+        let space = space.and_then(|space| space.rows.first().copied());
+        let (name, reach) = (name.to_owned(), reach.max(boxes.len()));
+        let kind = workers::run(py, move |_| Kind::made(&name, &boxes, size, space.as_ref()))?;
+        let kind = kind.map_err(|error| {
+            Fault::new(kind_and_place(&error).0, size_name, message(&error)).hint(error.hint()).raised(py)
+        })?;
+        Ok(Self(Mutex::new(Arc::new(Held { kind, reach }))))
+    }
+
+    /// Another partition with the same boxes, which do not move with these.
+    fn copy(&self, py: Python<'_>) -> Self {
+        Self(Mutex::new(self.snapshot(py).0))
+    }
+
+    fn len(&self, py: Python<'_>) -> usize {
+        self.snapshot(py).get().len()
+    }
+
+    fn cells(&self, py: Python<'_>) -> &'static str {
+        match self.snapshot(py).get().cells() {
+            Cells::Disjoint => "disjoint",
+            Cells::Loose => "loose",
+            Cells::Volumes => "volumes",
+            Cells::Order => "order",
+        }
+    }
+
+    /// Above all keys that were ever used.
+    fn reach(&self, py: Python<'_>) -> usize {
+        self.snapshot(py).0.reach
+    }
+
+    /// (2, 3) corners of a box about all, or nothing.
+    fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let bounds = self.snapshot(py).get().bounds();
+        bounds.map(|bounds| array(py, Boxes::corners(&[bounds]), &[2, 3])).transpose()
+    }
+
+    /// (n,) keys, ascending.
+    fn keys<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut keys = Vec::new();
+        self.snapshot(py).get().each(&mut |key, _| keys.push(key));
+        let count = keys.len();
+        array(py, keys, &[count])
+    }
+
+    /// (n, 2, 3) corners of boxes.
+    fn boxes<'py>(&self, keys: &Keys<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let (py, keys) = (keys.py(), keys.readonly().as_slice()?.to_vec());
+        let snapshot = self.snapshot(py);
+        let found = keys
+            .iter()
+            .enumerate()
+            .map(|(row, &key)| snapshot.get().get(key).ok_or_else(|| unknown("keys", row, key).raised(py)));
+        let found: Vec<MinMax> = found.collect::<PyResult<_>>()?;
+        array(py, Boxes::corners(&found), &[found.len(), 2, 3])
+    }
+
+    /// Puts boxes under keys, takes others away, and says which pairs began, (k, 2), and ended, (k, 2).
+    fn step<'py>(
+        &self,
+        keys: &Keys<'py>,
+        low: &Bound<'py, PyAny>,
+        high: Option<&Bound<'py, PyAny>>,
+        gone: &Keys<'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = low.py();
+        let (keys, gone) = (keys.readonly().as_slice()?.to_vec(), gone.readonly().as_slice()?.to_vec());
+        let boxes = Boxes::read(low, high, EXPONENT)?.rows;
+        if boxes.len() != keys.len() {
+            let message = format!("{} boxes, where there are {} keys", boxes.len(), keys.len());
+            return Err(Fault::new("shape", "low", message).raised(py));
+        }
+        let changes = self.make(py, &keys, &boxes, &gone)?;
+        let [began, ended] =
+            [changes.began(), changes.ended()].map(|pairs| row_array(py, pairs.to_vec(), &[pairs.len()]));
+        Ok((began?, ended?).into_pyobject(py)?.into_any())
+    }
+}
+
+/// All pairs of boxes that meet, (k, 2), by a sweep of columns.
+#[pyfunction]
+pub(crate) fn box_pairs<'py>(low: &Bound<'py, PyAny>, high: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+    let (py, boxes) = (low.py(), Boxes::read(low, high, EXPONENT)?.rows);
+    let pairs = workers::run(py, move |_| {
+        let mut pairs = Vec::new();
+        ColumnSweep::new().find(&boxes, &mut pairs);
+        pairs
+    })?;
+    let count = pairs.len();
+    row_array(py, pairs, &[count])
+}
