@@ -258,7 +258,7 @@ class Mesh(PointQueries):
         """
         super().rebuild(builder)
 
-    def bake(self, path: str | os.PathLike[str]) -> None:
+    def bake(self, path: str | os.PathLike[str], *, proxies: bool = False) -> None:
         """Write the mesh with its hierarchy to a file that `impinge.load` opens where it lies, without building.
 
         The file is mapped, not read: processes that load it share its pages, so that workers share one hierarchy. Baked
@@ -269,11 +269,13 @@ class Mesh(PointQueries):
         ----------
         path : str or os.PathLike
             A path that ends in ``.impinge``. What `origin` says is kept.
+        proxies : bool
+            Whether the convex hull and the bounding volumes are written, too, for `impinge.fit.proxies`.
 
         Raises
         ------
         InputError
-            If it ends in something else.
+            If it ends in something else, or proxies are wanted of a mesh from a file with other ones than its own.
         OSError
             If it cannot be written.
 
@@ -291,13 +293,13 @@ class Mesh(PointQueries):
             raise InputError(f"{path!r} does not end in .impinge", kind="option", what="path")
         beside = f"{path}.{os.getpid()}.tmp"
         try:
-            _impinge.bake(self, beside, self._about())
+            _impinge.bake(self, beside, self._about(), proxies)
             os.replace(beside, path)
         finally:
             with contextlib.suppress(FileNotFoundError):
                 os.remove(beside)
 
-    def to_baked(self) -> bytes:
+    def to_baked(self, *, proxies: bool = False) -> bytes:
         """Return the bytes that `bake` would write, for `from_baked` or for memory that processes share.
 
         Examples
@@ -309,7 +311,7 @@ class Mesh(PointQueries):
             shared.buf[:] = baked
             impinge.load(f"/dev/shm/{shared.name}")
         """
-        return _impinge.to_baked(self, self._about())
+        return _impinge.to_baked(self, self._about(), proxies)
 
     def _about(self) -> tuple[list[int], list[int], list[str], str | None]:
         """Where the faces come from, as the extension takes it."""

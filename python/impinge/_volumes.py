@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+
+Numbers: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]
+"""A volume as the extension has it: rows of three numbers, and single numbers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,3 +159,82 @@ class Hull:
     def __repr__(self) -> str:
         """Return the numbers of vertices and faces."""
         return f"Hull({len(self.vertices):,} vertices, {len(self.faces):,} faces, dimension {self.dimension})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Proxies:
+    """What may stand for a mesh: its convex hull, and a volume of each kind about it.
+
+    Attributes
+    ----------
+    hull : Hull
+        Of indices into the mesh's vertices; exact.
+    aabb : Aabb
+        The axis-aligned box.
+    sphere : Sphere
+        The smallest one, but for rounding; its `lower` is 0.
+    capsule : Capsule
+        That of `impinge.fit.capsule`.
+    lozenge : Lozenge
+        That of `impinge.fit.lozenge`.
+    obb : Obb
+        That of `impinge.fit.obb`; its `volume_lower` is 0.
+    kdop14, kdop18, kdop26 : Kdop
+        Polytopes of so many faces.
+    """
+
+    hull: Hull
+    aabb: Aabb
+    sphere: Sphere
+    capsule: Capsule
+    lozenge: Lozenge
+    obb: Obb
+    kdop14: Kdop
+    kdop18: Kdop
+    kdop26: Kdop
+
+    def __repr__(self) -> str:
+        """Return what the hull is."""
+        return f"Proxies({self.hull!r})"
+
+
+def aabb_of(numbers: Numbers) -> Aabb:
+    """Return the box of its corners."""
+    (low, high), _, sizes = _sized(numbers)
+    return Aabb(low, high, **sizes)
+
+
+def sphere_of(numbers: Numbers) -> Sphere:
+    """Return the sphere of its centre, its radius and the lower bound."""
+    (center,), (radius, lower), sizes = _sized(numbers)
+    return Sphere(center, float(radius), float(lower), **sizes)
+
+
+def obb_of(numbers: Numbers) -> Obb:
+    """Return the box of its centre, axes and half-extents, and the lower bound."""
+    rows, (lower,), sizes = _sized(numbers)
+    return Obb(rows[0], rows[1:4], rows[4], float(lower), **sizes)
+
+
+def capsule_of(numbers: Numbers) -> Capsule:
+    """Return the capsule of its ends and its radius."""
+    (start, end), (radius,), sizes = _sized(numbers)
+    return Capsule(start, end, float(radius), **sizes)
+
+
+def lozenge_of(numbers: Numbers) -> Lozenge:
+    """Return the lozenge of a corner, two edges and its radius."""
+    rows, (radius,), sizes = _sized(numbers)
+    return Lozenge(rows[0], rows[1:], float(radius), **sizes)
+
+
+def kdop_of(numbers: Numbers) -> Kdop:
+    """Return the polytope of its directions and the extents along them."""
+    rows, extents, sizes = _sized(numbers)
+    return Kdop(rows, extents[: len(rows)], extents[len(rows) :], **sizes)
+
+
+def _sized(numbers: Numbers) -> tuple[NDArray[np.float64], NDArray[np.float64], dict[str, float]]:
+    """Return rows of three numbers, single numbers, and what every volume has."""
+    rows, singles = numbers
+    return rows, singles[:-2], {"volume": float(singles[-2]), "surface_area": float(singles[-1])}

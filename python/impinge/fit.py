@@ -23,13 +23,30 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from impinge import _impinge
 from impinge._arrays import plain_cloud
 from impinge._errors import InputError
-from impinge._volumes import Aabb, Capsule, Hull, Kdop, Lozenge, Obb, Sphere, Volume
+from impinge._mesh import Mesh
+from impinge._volumes import (
+    Aabb,
+    Capsule,
+    Hull,
+    Kdop,
+    Lozenge,
+    Numbers,
+    Obb,
+    Proxies,
+    Sphere,
+    Volume,
+    aabb_of,
+    capsule_of,
+    kdop_of,
+    lozenge_of,
+    obb_of,
+    sphere_of,
+)
 
 __all__ = [
     "Aabb",
@@ -38,6 +55,7 @@ __all__ = [
     "Kdop",
     "Lozenge",
     "Obb",
+    "Proxies",
     "Sphere",
     "Volume",
     "aabb",
@@ -47,6 +65,7 @@ __all__ = [
     "lozenge",
     "minimal_sphere",
     "obb",
+    "proxies",
     "sphere",
 ]
 
@@ -106,8 +125,7 @@ def sphere(
     InputError
         As the module says, or if there is no such method.
     """
-    (center,), (radius, lower), sizes = _fitted(points, f"{_chosen(method, _SPHERES, 'method')} sphere")
-    return Sphere(center, float(radius), float(lower), **sizes)
+    return sphere_of(_fitted(points, f"{_chosen(method, _SPHERES, 'method')} sphere"))
 
 
 def aabb(points: ArrayLike) -> Aabb:
@@ -127,8 +145,7 @@ def aabb(points: ArrayLike) -> Aabb:
     InputError
         As the module says.
     """
-    (low, high), _, sizes = _fitted(points, "aabb")
-    return Aabb(low, high, **sizes)
+    return aabb_of(_fitted(points, "aabb"))
 
 
 def obb(points: ArrayLike, method: Literal["least", "principal"] = "least") -> Obb:
@@ -151,8 +168,7 @@ def obb(points: ArrayLike, method: Literal["least", "principal"] = "least") -> O
     InputError
         As the module says, or if there is no such method.
     """
-    rows, (lower,), sizes = _fitted(points, f"{_chosen(method, _OBBS, 'method')} obb")
-    return Obb(rows[0], rows[1:4], rows[4], float(lower), **sizes)
+    return obb_of(_fitted(points, f"{_chosen(method, _OBBS, 'method')} obb"))
 
 
 def capsule(points: ArrayLike) -> Capsule:
@@ -172,8 +188,7 @@ def capsule(points: ArrayLike) -> Capsule:
     InputError
         As the module says.
     """
-    (start, end), (radius,), sizes = _fitted(points, "capsule")
-    return Capsule(start, end, float(radius), **sizes)
+    return capsule_of(_fitted(points, "capsule"))
 
 
 def lozenge(points: ArrayLike) -> Lozenge:
@@ -193,8 +208,7 @@ def lozenge(points: ArrayLike) -> Lozenge:
     InputError
         As the module says.
     """
-    rows, (radius,), sizes = _fitted(points, "lozenge")
-    return Lozenge(rows[0], rows[1:], float(radius), **sizes)
+    return lozenge_of(_fitted(points, "lozenge"))
 
 
 def kdop(points: ArrayLike, k: Literal[14, 18, 26] = 18) -> Kdop:
@@ -216,8 +230,7 @@ def kdop(points: ArrayLike, k: Literal[14, 18, 26] = 18) -> Kdop:
     InputError
         As the module says, or if there is no such k.
     """
-    rows, extents, sizes = _fitted(points, f"{_chosen(k, _KDOPS, 'k')}-dop")
-    return Kdop(rows, extents[: len(rows)], extents[len(rows) :], **sizes)
+    return kdop_of(_fitted(points, f"{_chosen(k, _KDOPS, 'k')}-dop"))
 
 
 def convex_hull(points: ArrayLike) -> Hull:
@@ -251,10 +264,42 @@ def convex_hull(points: ArrayLike) -> Hull:
     return Hull(*_impinge.convex_hull(plain_cloud(points, "points")))
 
 
-def _fitted(points: ArrayLike, construction: str) -> tuple[NDArray[np.float64], NDArray[np.float64], dict[str, float]]:
-    """Return rows of three numbers, single numbers, and what every volume has."""
-    rows, singles = _impinge.fit_volume(plain_cloud(points, "points"), construction)
-    return rows, singles[:-2], {"volume": float(singles[-2]), "surface_area": float(singles[-1])}
+def proxies(mesh: Mesh) -> Proxies:
+    """Return the convex hull of a mesh's surface, and a volume of each kind about it.
+
+    Those that `Mesh.bake` wrote beside the mesh, proved to be its own, where it was loaded with them; else they are
+    made when first asked for. Vertices that no face has do not count.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        With a face at least.
+
+    Returns
+    -------
+    Proxies
+
+    Raises
+    ------
+    InputError
+        If the mesh is empty, or comes from a file with other proxies than its own.
+
+    Examples
+    --------
+    >>> import impinge
+    >>> mesh = impinge.Mesh([[9, 9, 9], [0, 0, 0], [2, 0, 0], [0, 2, 0]], [[1, 2, 3]])
+    >>> proxies = impinge.fit.proxies(mesh)
+    >>> proxies.hull.vertices, proxies.aabb.high
+    (array([1, 2, 3], dtype=uint32), array([2., 2., 0.]))
+    >>> proxy = impinge.Shape.hull(mesh.vertices[proxies.hull.vertices])
+    """
+    hull, (aabb, sphere, capsule, lozenge, obb, *kdops) = _impinge.proxies(mesh)
+    volumes = aabb_of(aabb), sphere_of(sphere), capsule_of(capsule), lozenge_of(lozenge), obb_of(obb)
+    return Proxies(Hull(*hull), *volumes, *map(kdop_of, kdops))
+
+
+def _fitted(points: ArrayLike, construction: str) -> Numbers:
+    return _impinge.fit_volume(plain_cloud(points, "points"), construction)
 
 
 def _chosen(option: Any, known: tuple[Any, ...], name: str) -> Any:

@@ -4,6 +4,7 @@ import impinge
 import numpy as np
 import pytest
 from impinge import fit
+from seen import state
 from shapes import cube, random_poses, torus
 
 RNG = np.random.default_rng(17)
@@ -159,3 +160,56 @@ def test_the_arrays_may_be_of_any_layout():
     for same in (np.asfortranarray(points), points.astype(">f8"), np.repeat(points, 2, axis=0)[::2], points.tolist()):
         assert np.array_equal(fit.obb(same).center, fit.obb(points).center)
         assert np.array_equal(impinge.convex_hull(same).faces, impinge.convex_hull(points).faces)
+
+
+def test_proxies_are_made_baked_and_read(tmp_path):
+    vertices, faces = torus()
+    vertices = np.concatenate([vertices, [[9, 9, 9]]])
+    mesh = impinge.Mesh(vertices, faces)
+    made = impinge.fit.proxies(mesh)
+    used = vertices[:-1]
+    assert np.array_equal(made.hull.vertices, impinge.convex_hull(used).vertices)
+    assert made.aabb.low.tolist() == used.min(axis=0).tolist()
+    assert made.aabb.high.tolist() == used.max(axis=0).tolist()
+    assert (np.linalg.norm(used - made.sphere.center, axis=1) <= made.sphere.radius * (1 + 1e-15)).all()
+    assert np.isclose(made.sphere.radius, impinge.minimal_sphere(used).radius)
+    assert (np.abs((used - made.obb.center) @ made.obb.axes.T) <= made.obb.half_extents * (1 + 1e-12)).all()
+    for kdop, k in ((made.kdop14, 14), (made.kdop18, 18), (made.kdop26, 26)):
+        extents = used @ kdop.directions.T
+        assert kdop.directions.shape == (k // 2, 3)
+        assert (kdop.low <= extents.min(axis=0)).all()
+        assert (kdop.high >= extents.max(axis=0)).all()
+    assert made.capsule.volume > made.obb.volume / 9
+    assert made.lozenge.volume > 0
+    with_, without = tmp_path / "with.impinge", tmp_path / "without.impinge"
+    mesh.bake(with_, proxies=True)
+    mesh.bake(without)
+    assert with_.stat().st_size > without.stat().st_size
+    assert len(mesh.to_baked(proxies=True)) == with_.stat().st_size
+    for again in (impinge.load(with_), impinge.load(without), impinge.Mesh.from_baked(mesh.to_baked(proxies=True))):
+        assert state(impinge.fit.proxies(again)) == state(made)
+        again.rebuild("binned-sah")
+        assert state(impinge.fit.proxies(again)) == state(made)
+        again.refit(vertices * 2)
+        assert impinge.fit.proxies(again).aabb.high.tolist() == (2 * used.max(axis=0)).tolist()
+        again.bake(with_, proxies=True)
+        assert state(impinge.fit.proxies(impinge.load(with_))) == state(impinge.fit.proxies(again))
+        mesh.bake(with_, proxies=True)
+
+
+def test_proxies_of_another_mesh_are_refused():
+    vertices, faces = torus()
+    baked = bytearray(impinge.Mesh(vertices, faces).to_baked(proxies=True))
+    for back in range(40, 4000, 97):
+        spoiled = bytearray(baked)
+        spoiled[-back] ^= 0x41
+        mesh = impinge.Mesh.from_baked(spoiled)
+        with pytest.raises(impinge.InputError):
+            impinge.fit.proxies(mesh)
+
+
+def test_an_empty_mesh_has_no_proxies():
+    with pytest.raises(impinge.InputError) as raised:
+        impinge.fit.proxies(impinge.Mesh(np.zeros((3, 3)), np.zeros((0, 3), int)))
+    assert (raised.value.kind, raised.value.what) == ("empty", "mesh")
+    assert impinge.Mesh(np.zeros((3, 3)), np.zeros((0, 3), int)).to_baked(proxies=True)

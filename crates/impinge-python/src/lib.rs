@@ -77,7 +77,7 @@ mod _impinge {
         self_intersecting_pairs,
     };
     #[pymodule_export]
-    use super::volumes::{convex_hull, fit_volume};
+    use super::volumes::{convex_hull, fit_volume, proxies};
     #[pymodule_export]
     use super::workers::after_fork;
     #[pymodule_export]

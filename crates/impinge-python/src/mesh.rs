@@ -1,15 +1,17 @@
 //! The mesh as Python holds it.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use impinge::hierarchy::Builder;
+use impinge::volume::Proxies;
 use impinge::{Mesh, Positions};
+use impinge_files::{Baked, LoadError};
 use numpy::{Element, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
 use crate::arrays::{read_only, row_array};
-use crate::errors::{Fault, kind_and_place, message};
+use crate::errors::{Fault, kind_and_place, load_error, message};
 use crate::model::{Content, Model};
 use crate::workers;
 
@@ -29,11 +31,15 @@ struct State {
     is_double: bool,
     /// The array of the vertices, once somebody has asked for it.
     vertices: Arc<PyOnceLock<Py<PyAny>>>,
+    /// Its proxies, once somebody has asked for them; none of an empty mesh.
+    proxies: Arc<OnceLock<Option<Proxies>>>,
+    /// The file that it is in as it is, which may have its proxies.
+    baked: Option<Arc<Baked>>,
 }
 
 impl State {
     fn new(mesh: Mesh, is_double: bool) -> Self {
-        Self { mesh, is_double, vertices: Arc::new(PyOnceLock::new()) }
+        Self { mesh, is_double, vertices: Arc::new(PyOnceLock::new()), proxies: Arc::default(), baked: None }
     }
 }
 
@@ -68,7 +74,11 @@ impl MeshBase {
         let (positions, faces, count) = match source.cast::<Model>() {
             Ok(model) => match model.get().content() {
                 Content::Triangles(positions, faces) => (positions.clone(), faces.clone(), positions.len()),
-                Content::Baked(mesh) => return Ok(Self::of(mesh)),
+                Content::Baked(mesh, baked) => {
+                    let state =
+                        State { baked: Some(baked.clone()), ..State::new(mesh.clone(), !mesh.is_single_precision()) };
+                    return Ok(Self { state: Mutex::new(state), faces: Arc::new(PyOnceLock::new()) });
+                }
             },
             Err(_) => {
                 let positions = read_positions(source)?;
@@ -100,14 +110,14 @@ impl MeshBase {
             let what = format!("{builder:?} is none of {}", names.join(", "));
             Fault::new("option", "builder", what).raised(py)
         })?;
-        let State { mut mesh, is_double, vertices } = self.state();
+        let State { mut mesh, vertices, .. } = self.state();
         let mesh = workers::run(py, move |_| {
             mesh.rebuild(builder);
             mesh
         })?;
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         if Arc::ptr_eq(&state.vertices, &vertices) {
-            *state = State { mesh, is_double, vertices };
+            state.mesh = mesh;
         }
         Ok(())
     }
@@ -121,7 +131,7 @@ impl MeshBase {
     /// Read-only; made when first asked for.
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let State { mesh, is_double, vertices } = self.state();
+        let State { mesh, is_double, vertices, .. } = self.state();
         let made = vertices.get_or_try_init(py, || {
             let lead = [mesh.positions().len()];
             let made = match mesh.positions() {
@@ -181,6 +191,27 @@ fn refitted(mesh: &Mesh, vertices: &Bound<'_, PyAny>) -> PyResult<State> {
         Fault::new(kind, "vertices", message(&error)).at(at).hint(error.hint()).raised(vertices.py())
     })?;
     Ok(State::new(moved, is_double))
+}
+
+/// The proxies of a mesh: those that were baked with it, proved to be its own, or made when first asked for.
+///
+/// # Errors
+/// `InputError` where it is no mesh, or comes from a file with other proxies than its own.
+pub(crate) fn proxies_of(mesh: &Bound<'_, PyAny>) -> PyResult<Option<Proxies>> {
+    let py = mesh.py();
+    mesh_of(mesh, "mesh")?;
+    let State { mesh, proxies, baked, .. } = mesh.cast::<MeshBase>()?.get().state();
+    let found = workers::run(py, move |_| {
+        if let Some(known) = proxies.get() {
+            return Ok(known.clone());
+        }
+        let read = match baked {
+            Some(baked) => baked.proxies(&mesh)?,
+            None => None,
+        };
+        Ok(proxies.get_or_init(|| read.or_else(|| mesh.proxies())).clone())
+    })?;
+    found.map_err(|error: LoadError| load_error(py, &error))
 }
 
 /// The mesh that an argument is.

@@ -14,7 +14,7 @@ use pyo3::types::PyBytes;
 
 use crate::arrays::{array, row_array};
 use crate::errors::{Fault, load_error};
-use crate::mesh::mesh_of;
+use crate::mesh::{mesh_of, proxies_of};
 use crate::workers;
 
 /// The triangles of a file, and where they came from.
@@ -29,8 +29,8 @@ pub(crate) struct Model {
 /// What a mesh is made of.
 pub(crate) enum Content {
     Triangles(Positions, Vec<[u32; 3]>),
-    /// A mesh whose hierarchy lies in the file.
-    Baked(Mesh),
+    /// A mesh whose hierarchy lies in the file, and the file, for what else is in it.
+    Baked(Mesh, Arc<Baked>),
 }
 
 #[pymethods]
@@ -52,10 +52,10 @@ impl Model {
         buffer.copy_to_slice(py, bytes.as_mut())?;
         let opened = workers::run(py, move |_| {
             let baked = Baked::from_bytes(Arc::new(bytes))?;
-            Ok((baked.provenance()?, baked.mesh()?))
+            Ok((baked.provenance()?, baked.mesh()?, baked))
         })?;
-        let (about, mesh) = opened.map_err(|error: LoadError| load_error(py, &error))?;
-        Ok(Self { content: Content::Baked(mesh), about, format: Format::Baked, warnings: Vec::new() })
+        let (about, mesh, baked) = opened.map_err(|error: LoadError| load_error(py, &error))?;
+        Ok(Self { content: Content::Baked(mesh, Arc::new(baked)), about, format: Format::Baked, warnings: Vec::new() })
     }
 
     #[getter]
@@ -78,7 +78,7 @@ impl Model {
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let positions = match &self.content {
             Content::Triangles(positions, _) => positions,
-            Content::Baked(mesh) => mesh.positions(),
+            Content::Baked(mesh, _) => mesh.positions(),
         };
         match positions {
             Positions::F32(rows) => row_array(py, rows.clone(), &[rows.len()]),
@@ -91,7 +91,7 @@ impl Model {
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let faces = match &self.content {
             Content::Triangles(_, faces) => faces,
-            Content::Baked(mesh) => mesh.faces(),
+            Content::Baked(mesh, _) => mesh.faces(),
         };
         row_array(py, faces.to_vec(), &[faces.len()])
     }
@@ -124,7 +124,7 @@ impl Model {
             let about = baked.provenance()?;
             if about.unit.is_none() || wanted.is_none_or(|wanted| about.unit == Some(wanted)) {
                 let about = Provenance { unit: wanted.or(about.unit), ..about };
-                let content = Content::Baked(baked.mesh()?);
+                let content = Content::Baked(baked.mesh()?, Arc::new(baked));
                 return Ok(Self { content, about, format: Format::Baked, warnings: Vec::new() });
             }
         }
@@ -145,30 +145,36 @@ impl Model {
 /// Where faces come from, as Python has it: polygons and parts, (m,), names and unit.
 type About = (Vec<u32>, Vec<u32>, Vec<String>, Option<String>);
 
-/// Writes a mesh with its hierarchy, and where its faces come from, to a file.
+/// Writes a mesh with its hierarchy, where its faces come from, and its proxies where they are wanted, to a file.
 #[pyfunction]
-pub(crate) fn bake(mesh: &Bound<'_, PyAny>, path: PathBuf, about: About) -> PyResult<()> {
-    write(mesh, about, move || Ok(BufWriter::new(File::create(path)?))).map(drop)
+pub(crate) fn bake(mesh: &Bound<'_, PyAny>, path: PathBuf, about: About, with_proxies: bool) -> PyResult<()> {
+    write(mesh, about, with_proxies, move || Ok(BufWriter::new(File::create(path)?))).map(drop)
 }
 
 /// The bytes that [`bake`] writes.
 #[pyfunction]
-pub(crate) fn to_baked<'py>(mesh: &Bound<'py, PyAny>, about: About) -> PyResult<Bound<'py, PyBytes>> {
-    let written = write(mesh, about, || Ok(Vec::new()))?;
+pub(crate) fn to_baked<'py>(
+    mesh: &Bound<'py, PyAny>,
+    about: About,
+    with_proxies: bool,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let written = write(mesh, about, with_proxies, || Ok(Vec::new()))?;
     Ok(PyBytes::new(mesh.py(), &written))
 }
 
 fn write<W: Write + Send + 'static>(
     mesh: &Bound<'_, PyAny>,
     (sources, part_of, parts, unit): About,
+    with_proxies: bool,
     open: impl FnOnce() -> io::Result<W> + Send + 'static,
 ) -> PyResult<W> {
     let unit = unit.and_then(|unit| unit.parse().ok());
     let provenance = Provenance { sources, part_of, parts, unit };
+    let proxies = if with_proxies { proxies_of(mesh)? } else { None };
     let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
     let written: io::Result<W> = workers::run(py, move |_| {
         let mut out = open()?;
-        write_baked(&mesh, &provenance, None, &mut out)?;
+        write_baked(&mesh, &provenance, proxies.as_ref(), &mut out)?;
         out.flush()?;
         Ok(out)
     })?;

@@ -1,23 +1,26 @@
 //! Convex hulls, and bounding volumes fitted to points.
 
 use impinge::hull::{Hull, HullKind};
-use impinge::volume::{BoundingVolume, Kdop, MinMax, fit};
+use impinge::volume::{BoundingSphere, BoundingVolume, Capsule, Kdop, Lozenge, MinMax, Obb, fit};
 use impinge::{InputError, Positions};
 use pyo3::prelude::*;
 
 use crate::arrays::{array, row_array};
 use crate::errors::{Fault, kind_and_place, message};
-use crate::mesh::read_positions;
+use crate::mesh::{proxies_of, read_positions};
 use crate::workers;
 
 /// The numbers of the vertices, (h,), the faces by these numbers, (f, 3), and the dimension.
 #[pyfunction]
 pub(crate) fn convex_hull<'py>(points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    let py = points.py();
     let hull = of_points(points, |points| match points {
         Positions::F32(points) => Hull::new(&points),
         Positions::F64(points) => Hull::new(&points),
     })?;
+    columns_of_hull(points.py(), &hull)
+}
+
+fn columns_of_hull<'py>(py: Python<'py>, hull: &Hull) -> PyResult<Bound<'py, PyAny>> {
     let dimension = match hull.kind() {
         HullKind::Point => 0,
         HullKind::Segment => 1,
@@ -44,8 +47,32 @@ impl Numbers {
     }
 
     /// Centre; radius, and the lower bound of the least one.
-    fn of_sphere(fitted: &fit::FittedSphere) -> Self {
-        Self::of(&fitted.sphere, &[fitted.sphere.centre()], &[fitted.sphere.radius(), fitted.lower])
+    fn of_sphere(sphere: &BoundingSphere, lower: f64) -> Self {
+        Self::of(sphere, &[sphere.centre()], &[sphere.radius(), lower])
+    }
+
+    #[expect(clippy::needless_pass_by_value, reason = "what a construction made")]
+    fn of_fitted(fitted: fit::FittedSphere) -> Self {
+        Self::of_sphere(&fitted.sphere, fitted.lower)
+    }
+
+    fn of_box(bounds: &MinMax) -> Self {
+        Self::of(bounds, &[bounds.min(), bounds.max()], &[])
+    }
+
+    fn of_capsule(capsule: &Capsule) -> Self {
+        Self::of(capsule, &capsule.ends(), &[capsule.radius()])
+    }
+
+    fn of_lozenge(lozenge: &Lozenge) -> Self {
+        let [u, v] = lozenge.edges();
+        Self::of(lozenge, &[lozenge.corner(), u, v], &[lozenge.radius()])
+    }
+
+    /// Centre, axes and half-extents; a lower bound of the least volume.
+    fn of_obb(obb: &Obb, lower: f64) -> Self {
+        let [x, y, z] = obb.axes();
+        Self::of(obb, &[obb.centre(), x, y, z, obb.half_extents()], &[lower])
     }
 
     /// Directions; the least extents along them, then the greatest.
@@ -55,6 +82,37 @@ impl Numbers {
     {
         Self::of(kdop, &Kdop::<D>::DIRECTIONS, &[kdop.low(), kdop.high()].concat())
     }
+
+    fn columns(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+        let (rows, singles) = (self.rows.len(), self.singles.len());
+        let columns = (row_array(py, self.rows, &[rows])?, array(py, self.singles, &[singles])?);
+        Ok(columns.into_pyobject(py)?.into_any())
+    }
+}
+
+/// The hull of a mesh as [`convex_hull`] has it, and its volumes as [`fit_volume`] has them: box, sphere, capsule, lozenge,
+/// oriented box, and the polytopes of 14, 18 and 26 faces. Of the least sphere and box nothing is known.
+///
+/// # Errors
+/// `InputError` where the mesh is empty, or comes from a file with other proxies than its own.
+#[pyfunction]
+pub(crate) fn proxies<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let py = mesh.py();
+    let Some(proxies) = proxies_of(mesh)? else {
+        return Err(Fault::new("empty", "mesh", "a mesh without faces has no hull and no volumes").raised(py));
+    };
+    let volumes = [
+        Numbers::of_box(&proxies.bounds()),
+        Numbers::of_sphere(&proxies.sphere(), 0.0),
+        Numbers::of_capsule(&proxies.capsule()),
+        Numbers::of_lozenge(&proxies.lozenge()),
+        Numbers::of_obb(&proxies.obb(), 0.0),
+        Numbers::of_kdop(&proxies.kdop14()),
+        Numbers::of_kdop(&proxies.kdop18()),
+        Numbers::of_kdop(&proxies.kdop26()),
+    ];
+    let volumes: Vec<_> = volumes.into_iter().map(|numbers| numbers.columns(py)).collect::<PyResult<_>>()?;
+    Ok((columns_of_hull(py, proxies.hull())?, volumes).into_pyobject(py)?.into_any())
 }
 
 /// The volume that a construction makes of points.
@@ -74,38 +132,23 @@ pub(crate) fn fit_volume<'py>(points: &Bound<'py, PyAny>, construction: &str) ->
     }
     let py = points.py();
     let numbers = match construction {
-        "minimal sphere" => made!(fit::minimal_sphere, |fitted| Numbers::of_sphere(&fitted)),
-        "mean sphere" => made!(fit::mean_sphere, |fitted| Numbers::of_sphere(&fitted)),
-        "box sphere" => made!(fit::box_sphere, |fitted| Numbers::of_sphere(&fitted)),
-        "ritter sphere" => made!(fit::ritter_sphere, |fitted| Numbers::of_sphere(&fitted)),
-        "principal sphere" => made!(fit::principal_sphere, |fitted| Numbers::of_sphere(&fitted)),
-        "refined sphere" => made!(fit::refined_sphere, |fitted| Numbers::of_sphere(&fitted)),
-        "aabb" => made!(MinMax::of, |aabb: MinMax| Numbers::of(&aabb, &[aabb.min(), aabb.max()], &[])),
-        "capsule" => made!(fit::capsule, |capsule| {
-            let [start, end] = capsule.ends();
-            Numbers::of(&capsule, &[start, end], &[capsule.radius()])
-        }),
-        "lozenge" => made!(fit::lozenge, |lozenge| {
-            let [u, v] = lozenge.edges();
-            Numbers::of(&lozenge, &[lozenge.corner(), u, v], &[lozenge.radius()])
-        }),
-        "least obb" => made!(fit::obb, |fitted| {
-            let [x, y, z] = fitted.obb.axes();
-            let rows = [fitted.obb.centre(), x, y, z, fitted.obb.half_extents()];
-            Numbers::of(&fitted.obb, &rows, &[fitted.volume_lower])
-        }),
-        "principal obb" => made!(fit::principal_obb, |obb| {
-            let [x, y, z] = obb.axes();
-            Numbers::of(&obb, &[obb.centre(), x, y, z, obb.half_extents()], &[0.0])
-        }),
+        "minimal sphere" => made!(fit::minimal_sphere, Numbers::of_fitted),
+        "mean sphere" => made!(fit::mean_sphere, Numbers::of_fitted),
+        "box sphere" => made!(fit::box_sphere, Numbers::of_fitted),
+        "ritter sphere" => made!(fit::ritter_sphere, Numbers::of_fitted),
+        "principal sphere" => made!(fit::principal_sphere, Numbers::of_fitted),
+        "refined sphere" => made!(fit::refined_sphere, Numbers::of_fitted),
+        "aabb" => made!(MinMax::of, |bounds: MinMax| Numbers::of_box(&bounds)),
+        "capsule" => made!(fit::capsule, |capsule| Numbers::of_capsule(&capsule)),
+        "lozenge" => made!(fit::lozenge, |lozenge| Numbers::of_lozenge(&lozenge)),
+        "least obb" => made!(fit::obb, |fitted| Numbers::of_obb(&fitted.obb, fitted.volume_lower)),
+        "principal obb" => made!(fit::principal_obb, |obb| Numbers::of_obb(&obb, 0.0)),
         "14-dop" => made!(Kdop::<7>::of, |kdop| Numbers::of_kdop(&kdop)),
         "18-dop" => made!(Kdop::<9>::of, |kdop| Numbers::of_kdop(&kdop)),
         "26-dop" => made!(Kdop::<13>::of, |kdop| Numbers::of_kdop(&kdop)),
         _ => Err(Fault::new("option", "construction", format!("there is no {construction:?}")).raised(py)),
     }?;
-    let (rows, singles) = (numbers.rows.len(), numbers.singles.len());
-    let columns = (row_array(py, numbers.rows, &[rows])?, array(py, numbers.singles, &[singles])?);
-    Ok(columns.into_pyobject(py)?.into_any())
+    numbers.columns(py)
 }
 
 /// What `make` makes of (n, 3) points in single or double precision, on the pool.
