@@ -36,6 +36,6 @@ pub use nearness::triangles_within;
 pub use placement::Placement;
 pub(crate) use placement::world_point;
 pub(crate) use point::{AxisRay, PosedPoint, Spot};
-pub(crate) use points::{Plane, collinear, compare_along, image_down, image_up, orient2d, orient3d};
+pub(crate) use points::{Plane, WidePlane, collinear, compare_along, image_down, image_up, orient2d, orient3d};
 pub(crate) use shared::meet_beyond_shared;
 pub use triangles::{Decision, decide_triangles, triangles_intersect};

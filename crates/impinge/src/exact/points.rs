@@ -61,6 +61,49 @@ impl Plane {
     }
 }
 
+/// The plane of three points, for points however far.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WidePlane {
+    anchor: [f64; 3],
+    normal: [f64; 3],
+    /// What a unit of each difference makes a determinant be off by.
+    rounding: [f64; 3],
+}
+
+impl WidePlane {
+    pub(crate) fn new([p, q, r]: &[[f64; 3]; 3]) -> Self {
+        let (u, v) = (filter::difference(q, p), filter::difference(r, p));
+        let (mut normal, mut rounding) = ([0.0; 3], [0.0; 3]);
+        for k in 0..3 {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let (forward, backward) = (u[i] * v[j], u[j] * v[i]);
+            normal[k] = forward - backward;
+            rounding[k] = (forward.abs() + backward.abs()) * ROUNDING;
+        }
+        Self { anchor: *p, normal, rounding }
+    }
+
+    /// On which side `s` is, positive being where the three points turn left; nothing where the filter is not certain.
+    ///
+    /// # Accuracy
+    /// The bound is that of [`filter::signs`] for exact points.
+    #[inline]
+    pub(crate) fn side(&self, s: &[f64; 3]) -> Option<Sign> {
+        let w = filter::difference(s, &self.anchor);
+        let determinant = self.normal[0] * w[0] + self.normal[1] * w[1] + self.normal[2] * w[2];
+        let size = w.map(f64::abs);
+        let rounding = self.rounding[0] * size[0] + self.rounding[1] * size[1] + self.rounding[2] * size[2];
+        let error = rounding + (1.0 + size[0] + size[1] + size[2]) * UNDERFLOW;
+        if determinant > error {
+            Some(Positive)
+        } else if determinant < -error {
+            Some(Negative)
+        } else {
+            None
+        }
+    }
+}
+
 /// The sign of `det(q - p, r - p, s - p)`.
 pub(crate) fn orient3d(p: &[f64; 3], q: &[f64; 3], r: &[f64; 3], s: &[f64; 3]) -> Sign {
     PairCorners::new(&Placement::new(&Pose::IDENTITY, &Pose::IDENTITY), &[*p, *q, *r], &[*s; 3]).sides_of_a()[0]

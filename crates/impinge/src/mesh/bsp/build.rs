@@ -1,14 +1,15 @@
-//! Cutting space by planes: across an axis while many faces are left, by faces' own planes where few are.
+//! Cutting space by planes: across an axis while that makes rays cheaper, by faces' own planes where few are left.
 
+use super::across::Region;
 use super::{Cell, Child, Cut, CutPlane, SolidBsp};
-use crate::exact::{Corners, Plane, collinear, orient3d};
+use crate::exact::{WidePlane, collinear};
 use crate::math::Sign;
 use crate::mesh::Mesh;
 
 /// Faces of a cell below which it is cut by their own planes.
-const FEW: usize = 8;
+const FEW: usize = 3;
 
-/// Faces up to which a cell is cut by their own planes where no plane across an axis parts them: those round a corner.
+/// Faces up to which a cell is cut by their own planes where no plane across an axis is worth it: those round a corner.
 const MANY: usize = 64;
 
 /// Faces whose planes are tried.
@@ -17,15 +18,22 @@ const TRIED: usize = 6;
 /// How often planes may pass through faces, for each face.
 const COPIES: usize = 8;
 
+/// Planes across an axis on the way to a cell at most.
+const DEEPEST: usize = 64;
+
 /// A tree in the making.
 pub(super) struct Building<'m> {
     mesh: &'m Mesh,
     tree: SolidBsp,
-    /// How many more faces may be put onto two lists in place of one.
-    copies: usize,
+    /// Where each face begins and ends along the axes.
+    extents: Vec<[[f64; 3]; 2]>,
 }
 
+/// A plane, how it parts the faces of a cell, and the regions of both sides.
+type Chosen = (CutPlane, Parted, [Region; 2]);
+
 /// Faces by where they are to a plane; those that it passes through are on both sides.
+#[derive(Default)]
 struct Parted {
     below: Vec<u32>,
     within: Vec<u32>,
@@ -35,47 +43,78 @@ struct Parted {
 impl Parted {
     /// How many of so many faces are on both sides.
     fn copies(&self, faces: usize) -> usize {
-        self.below.len() + self.within.len() + self.above.len() - faces
+        (self.below.len() + self.within.len() + self.above.len()).saturating_sub(faces)
     }
 }
 
 /// What becomes of a list of faces.
 struct Task {
     faces: Vec<u32>,
+    region: Region,
     depth: usize,
     /// The cut that it hangs on, and whether above it.
     parent: Option<(u32, bool)>,
+    /// Whether it is below the plane of a face, where rays do not come.
+    is_inner: bool,
+    /// How many more of its faces may be put onto two lists in place of one.
+    spare: usize,
 }
 
 impl<'m> Building<'m> {
     pub(super) fn of(mesh: &'m Mesh) -> SolidBsp {
         let all = mesh.faces().len();
-        let tree = SolidBsp { mesh: mesh.clone(), cuts: Vec::new(), cells: Vec::new(), faces: Vec::new(), depth: 0 };
-        let mut building = Self { mesh, tree, copies: COPIES * all };
-        let mut pending = vec![Task { faces: (0..all as u32).collect(), depth: 0, parent: None }];
+        let extents = (0..all as u32).map(|face| {
+            let corners = mesh.corners(face);
+            let end = |of: fn(f64, f64) -> f64| [0, 1, 2].map(|k| of(of(corners[0][k], corners[1][k]), corners[2][k]));
+            [end(f64::min), end(f64::max)]
+        });
+        let extents: Vec<_> = extents.collect();
+        let tree = empty(mesh, &extents);
+        let region = Region { low: tree.low, high: tree.high };
+        let mut building = Self { mesh, tree, extents };
+        let faces = (0..all as u32).collect();
+        let mut pending = vec![Task { faces, region, depth: 0, parent: None, is_inner: false, spare: COPIES * all }];
         while let Some(task) = pending.pop() {
             building.take(task, &mut pending);
         }
         building.tree
     }
 
-    fn take(&mut self, Task { faces, depth, parent }: Task, pending: &mut Vec<Task>) {
-        let chosen = self.plane_for(&faces).filter(|(_, parted)| parted.copies(faces.len()) <= self.copies);
+    fn take(&mut self, Task { faces, region, depth, parent, is_inner, spare }: Task, pending: &mut Vec<Task>) {
+        let mut chosen =
+            if faces.len() <= FEW || depth >= DEEPEST || is_inner { None } else { self.across(&faces, &region) };
+        chosen = chosen.filter(|cut| cut.1.copies(faces.len()) <= spare);
+        if chosen.is_none() && faces.len() <= MANY {
+            chosen = self.by_face(&faces, &region).filter(|cut| cut.1.copies(faces.len()) <= spare);
+        }
         let child = match chosen {
             None => {
                 self.tree.cells.push(Cell { faces: listed(&mut self.tree.faces, &faces), label: Default::default() });
                 self.tree.depth = self.tree.depth.max(depth);
                 Child::Cell(self.tree.cells.len() as u32 - 1)
             }
-            Some((plane, parted)) => {
-                self.copies -= parted.copies(faces.len());
+            Some((plane, parted, regions)) => {
+                let spare = spare - parted.copies(faces.len());
                 let Parted { below, within, above } = parted;
+                // To each side for its faces, so that what is cut first does not use up what others need.
+                let below_spare = spare * below.len() / (below.len() + above.len()).max(1);
                 let cut = self.tree.cuts.len() as u32;
-                let within = listed(&mut self.tree.faces, &within);
+                let is_of_face = matches!(plane, CutPlane::OfFace(_));
+                let met = if is_inner {
+                    &[]
+                } else if is_of_face {
+                    &faces[..]
+                } else {
+                    &within
+                };
+                let met = listed(&mut self.tree.faces, met);
                 // Both children are told when they are taken.
-                self.tree.cuts.push(Cut { plane, within, below: Child::Cell(0), above: Child::Cell(0) });
-                pending.push(Task { faces: above, depth: depth + 1, parent: Some((cut, true)) });
-                pending.push(Task { faces: below, depth: depth + 1, parent: Some((cut, false)) });
+                self.tree.cuts.push(Cut { plane, faces: met, below: Child::Cell(0), above: Child::Cell(0) });
+                let (depth, is_inner, [low, high]) = (depth + 1, is_inner || is_of_face, regions);
+                let parent = Some((cut, true));
+                pending.push(Task { faces: above, region: high, depth, parent, is_inner, spare: spare - below_spare });
+                let parent = Some((cut, false));
+                pending.push(Task { faces: below, region: low, depth, parent, is_inner, spare: below_spare });
                 Child::Cut(cut)
             }
         };
@@ -85,37 +124,39 @@ impl<'m> Building<'m> {
         }
     }
 
-    /// The plane to cut a cell by, and how it parts the faces; none where there are none, or none that has a plane.
-    fn plane_for(&self, faces: &[u32]) -> Option<(CutPlane, Parted)> {
-        if faces.is_empty() {
-            return None;
+    /// A plane across an axis that makes rays cheaper. Of the faces that it passes through those are left out of a side whose planes
+    /// pass that by.
+    fn across(&self, faces: &[u32], region: &Region) -> Option<Chosen> {
+        let extents: Vec<_> = faces.iter().map(|&face| self.extents[face as usize]).collect();
+        let (axis, at) = region.best_plane(&extents)?;
+        let regions = region.cut(axis, at);
+        let mut parted = Parted::default();
+        for (&face, [min, max]) in faces.iter().zip(&extents) {
+            let (is_below, is_above) = (min[axis] < at, max[axis] > at);
+            let passes = is_below && is_above;
+            if is_below && !(passes && self.is_beside(face, &regions[0])) {
+                parted.below.push(face);
+            }
+            if is_above && !(passes && self.is_beside(face, &regions[1])) {
+                parted.above.push(face);
+            }
+            if !is_below && !is_above {
+                parted.within.push(face);
+            }
         }
-        let across = if faces.len() > FEW { self.plane_across(faces) } else { None };
-        across.or_else(|| if faces.len() <= MANY { self.plane_of_face(faces) } else { None })
+        Some((CutPlane::Across { axis, at }, parted, regions))
     }
 
-    /// A plane across an axis through the median of the faces' middles, such that either side is left with three quarters at most.
-    fn plane_across(&self, faces: &[u32]) -> Option<(CutPlane, Parted)> {
-        let spread = |axis: usize| {
-            let middles = || faces.iter().map(move |&face| self.middle(face, axis));
-            middles().fold(f64::NEG_INFINITY, f64::max) - middles().fold(f64::INFINITY, f64::min)
-        };
-        let spreads = [0, 1, 2].map(spread);
-        let mut axes = [0, 1, 2];
-        axes.sort_by(|&i, &j| spreads[j].total_cmp(&spreads[i]));
-        axes.into_iter().find_map(|axis| {
-            let mut middles: Vec<f64> = faces.iter().map(|&face| self.middle(face, axis)).collect();
-            let half = middles.len() / 2;
-            let at = *middles.select_nth_unstable_by(half, f64::total_cmp).1;
-            let plane = CutPlane::Across { axis, at };
-            let parted = self.parted(faces, &plane);
-            let most = faces.len() - faces.len() / 4;
-            (parted.below.len() <= most && parted.above.len() <= most).then_some((plane, parted))
-        })
+    /// Whether the plane of a face certainly does not come into a region.
+    fn is_beside(&self, face: u32, region: &Region) -> bool {
+        let plane = &self.tree.planes[face as usize];
+        let corners = region.corners();
+        let first = plane.side(&corners[0]);
+        first.is_some() && corners[1..].iter().all(|corner| plane.side(corner) == first)
     }
 
     /// The plane of a face, of a few the one that passes through the fewest others and leaves both sides most alike.
-    fn plane_of_face(&self, faces: &[u32]) -> Option<(CutPlane, Parted)> {
+    fn by_face(&self, faces: &[u32], region: &Region) -> Option<Chosen> {
         let has_plane = |face: &&u32| {
             let [a, b, c] = self.mesh.corners(**face);
             !collinear(&a, &b, &c)
@@ -124,13 +165,15 @@ impl<'m> Building<'m> {
             let plane = CutPlane::OfFace(face);
             (plane, self.parted(faces, &plane))
         });
-        tried.min_by_key(|(_, parted)| 4 * parted.copies(faces.len()) + parted.below.len().abs_diff(parted.above.len()))
+        let worst = |parted: &Parted| 4 * parted.copies(faces.len()) + parted.below.len().abs_diff(parted.above.len());
+        let (plane, parted) = tried.min_by_key(|(_, parted)| worst(parted))?;
+        Some((plane, parted, [*region; 2]))
     }
 
     fn parted(&self, faces: &[u32], plane: &CutPlane) -> Parted {
-        let mut parted = Parted { below: Vec::new(), within: Vec::new(), above: Vec::new() };
+        let mut parted = Parted::default();
         for &face in faces {
-            let sides = self.mesh.corners(face).map(|corner| plane.side(self.mesh, &corner));
+            let sides = self.mesh.corners(face).map(|corner| plane.side(self.mesh, &self.tree.planes, &corner));
             let (is_below, is_above) = (sides.contains(&Sign::Negative), sides.contains(&Sign::Positive));
             if is_below {
                 parted.below.push(face);
@@ -144,23 +187,21 @@ impl<'m> Building<'m> {
         }
         parted
     }
+}
 
-    /// Amid the corners of a face, along an axis.
-    fn middle(&self, face: u32, axis: usize) -> f64 {
-        let [a, b, c] = self.mesh.corners(face).map(|corner| corner[axis]);
-        0.5 * a.min(b).min(c) + 0.5 * a.max(b).max(c)
-    }
+/// The tree of a mesh without cuts and cells.
+fn empty(mesh: &Mesh, extents: &[[[f64; 3]; 2]]) -> SolidBsp {
+    let planes = (0..extents.len() as u32).map(|face| WidePlane::new(&mesh.corners(face))).collect();
+    let end = |of: fn(f64, f64) -> f64, end: usize, none: f64| {
+        [0, 1, 2].map(|axis| extents.iter().map(|extent| extent[end][axis]).fold(none, of))
+    };
+    let (low, high) = (end(f64::min, 0, f64::INFINITY), end(f64::max, 1, f64::NEG_INFINITY));
+    let (mesh, is_closed) = (mesh.clone(), mesh.is_closed());
+    SolidBsp { mesh, low, high, planes, cuts: Vec::new(), cells: Vec::new(), faces: Vec::new(), depth: 0, is_closed }
 }
 
 fn listed(all: &mut Vec<u32>, faces: &[u32]) -> std::ops::Range<u32> {
     let start = all.len() as u32;
     all.extend_from_slice(faces);
     start..all.len() as u32
-}
-
-/// On which side of the plane of a face a point is, exactly.
-pub(super) fn side([p, q, r]: &Corners, point: &[f64; 3]) -> Sign {
-    // Rounded up, so that the point is within it.
-    let extent = [0, 1, 2].map(|k| (point[k] - p[k]).abs().next_up());
-    Plane::new(p, q, r, &extent).side(point).unwrap_or_else(|| orient3d(p, q, r, point))
 }

@@ -6,18 +6,20 @@
 //! first and those of faces last, so that round solids, of which no face's plane halves the others, get trees of small depth too. And what a cell
 //! is is asked, exactly, when a point first falls into it.
 
+mod across;
 mod build;
+mod cast;
+mod plane;
 
 use std::ops::Range;
 use std::sync::OnceLock;
 
 use super::Mesh;
-use super::rays::{self, FaceCrossing, Ray, RayHit};
 use super::winding::{Containment, Judge};
-use crate::exact::{PosedPoint, Spot};
+use crate::exact::{PosedPoint, Spot, WidePlane};
 use crate::input::InputError;
 use crate::math::Sign;
-use crate::primitive::ray_triangle;
+use plane::CutPlane;
 
 /// Cells of space about a mesh, disjoint and convex, by a binary tree of planes.
 ///
@@ -39,29 +41,29 @@ use crate::primitive::ray_triangle;
 #[derive(Debug)]
 pub struct SolidBsp {
     mesh: Mesh,
+    /// Corners of the box about all faces; of nothing where there are none.
+    low: [f64; 3],
+    high: [f64; 3],
+    /// Those of the faces.
+    planes: Vec<WidePlane>,
     /// The root first; none where there is one cell.
     cuts: Vec<Cut>,
     cells: Vec<Cell>,
     /// The lists of cuts and of cells.
     faces: Vec<u32>,
     depth: usize,
+    /// Whether the mesh is, so that a cell without faces is inside or outside as a whole.
+    is_closed: bool,
 }
 
-/// A plane, and the faces that lie in it as far as they come near.
+/// A plane, and what rays are compared with there: of one across an axis the faces that lie in it as far as they come near, of the first
+/// one of a face all faces that come near. Rays go no further than to that.
 #[derive(Debug)]
 struct Cut {
     plane: CutPlane,
-    within: Range<u32>,
+    faces: Range<u32>,
     below: Child,
     above: Child,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum CutPlane {
-    /// Points whose coordinate along an axis is this number.
-    Across { axis: usize, at: f64 },
-    /// The plane of a face, above it being where its corners turn left.
-    OfFace(u32),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -100,8 +102,11 @@ impl SolidBsp {
     pub fn contains(&self, point: [f64; 3]) -> Result<Containment, InputError> {
         InputError::judge_row(&point, "point", 0)?;
         let ask = || Judge::new(&self.mesh).containment(&PosedPoint::local(Spot::At(point)));
-        if !self.mesh.is_closed() {
+        if !self.is_closed {
             return Ok(ask());
+        }
+        if (0..3).any(|axis| point[axis] < self.low[axis] || self.high[axis] < point[axis]) {
+            return Ok(Containment::Outside);
         }
         let mut at = self.root();
         let cell = loop {
@@ -109,7 +114,7 @@ impl SolidBsp {
                 Child::Cell(cell) => break &self.cells[cell as usize],
                 Child::Cut(cut) => {
                     let Cut { plane, below, above, .. } = &self.cuts[cut as usize];
-                    at = match plane.side(&self.mesh, &point) {
+                    at = match plane.side(&self.mesh, &self.planes, &point) {
                         Sign::Negative => *below,
                         Sign::Positive => *above,
                         Sign::Zero => return Ok(ask()),
@@ -118,57 +123,6 @@ impl SolidBsp {
             }
         };
         Ok(if cell.faces.is_empty() { *cell.label.get_or_init(ask) } else { ask() })
-    }
-
-    /// The first face that a ray meets, the ray's origin included: the same as [`Mesh::ray_cast`] says.
-    ///
-    /// # Complexity
-    /// The cells on the way to the face, and the faces by them.
-    #[must_use]
-    pub fn ray_cast(&self, ray: &Ray) -> Option<RayHit> {
-        let (origin, direction) = (ray.origin(), ray.direction());
-        let mut best: Option<FaceCrossing> = None;
-        let mut pending = vec![(self.root(), [0.0, f64::INFINITY])];
-        while let Some((at, [enter, leave])) = pending.pop() {
-            if best.is_some_and(|(_, crossing)| enter > crossing.t + crossing.error) {
-                continue;
-            }
-            let list = match at {
-                Child::Cell(cell) => &self.cells[cell as usize].faces,
-                Child::Cut(cut) => {
-                    let Cut { plane, within, below, above } = &self.cuts[cut as usize];
-                    match *plane {
-                        CutPlane::Across { axis, at } => {
-                            let ascends = direction[axis] > 0.0;
-                            let (near, far) = if ascends { (*below, *above) } else { (*above, *below) };
-                            let [least, most] = passing(at, origin[axis], direction[axis]);
-                            // The nearer one last, so that it is taken up first.
-                            if leave >= least {
-                                pending.push((far, [enter.max(least), leave]));
-                            }
-                            if enter <= most {
-                                pending.push((near, [enter, leave.min(most)]));
-                            }
-                        }
-                        CutPlane::OfFace(_) => {
-                            let starts_above = plane.side(&self.mesh, &origin) == Sign::Positive;
-                            let (near, far) = if starts_above { (*above, *below) } else { (*below, *above) };
-                            pending.push((far, [enter, leave]));
-                            pending.push((near, [enter, leave]));
-                        }
-                    }
-                    within
-                }
-            };
-            for &face in &self.faces[list.start as usize..list.end as usize] {
-                let Some(crossing) = ray_triangle(&origin, &direction, &self.mesh.corners(face)) else { continue };
-                let met = (face, crossing);
-                if best.is_none_or(|best| rays::order(&self.mesh, ray, met, best).is_lt()) {
-                    best = Some(met);
-                }
-            }
-        }
-        best.map(|(face, crossing)| RayHit { t: crossing.t, face, point: ray.at(crossing.t) })
     }
 
     /// How many cells there are.
@@ -186,34 +140,15 @@ impl SolidBsp {
     /// Bytes that the tree takes, the mesh aside.
     #[must_use]
     pub fn memory(&self) -> usize {
-        size_of_val(&self.cuts[..]) + size_of_val(&self.cells[..]) + size_of_val(&self.faces[..])
+        let lists = size_of_val(&self.cells[..]) + size_of_val(&self.faces[..]);
+        size_of_val(&self.planes[..]) + size_of_val(&self.cuts[..]) + lists
+    }
+
+    fn listed(&self, faces: &Range<u32>) -> &[u32] {
+        &self.faces[faces.start as usize..faces.end as usize]
     }
 
     fn root(&self) -> Child {
         if self.cuts.is_empty() { Child::Cell(0) } else { Child::Cut(0) }
     }
-}
-
-impl CutPlane {
-    /// On which side of the plane a point is.
-    fn side(&self, mesh: &Mesh, point: &[f64; 3]) -> Sign {
-        match *self {
-            Self::Across { axis, at } if point[axis] < at => Sign::Negative,
-            Self::Across { axis, at } if point[axis] > at => Sign::Positive,
-            Self::Across { .. } => Sign::Zero,
-            Self::OfFace(face) => build::side(&mesh.corners(face), point),
-        }
-    }
-}
-
-/// Between which parameters a ray passes a plane across an axis: zero and all where it runs along it.
-///
-/// The difference and the quotient are rounded once each, and what vanishes is below the least normal number.
-fn passing(at: f64, origin: f64, direction: f64) -> [f64; 2] {
-    if direction == 0.0 {
-        return [0.0, f64::INFINITY];
-    }
-    let t = (at - origin) / direction;
-    let doubt = 4.0 * f64::EPSILON * t.abs() + f64::MIN_POSITIVE;
-    if t.is_finite() { [t - doubt, t + doubt] } else { [f64::NEG_INFINITY, f64::INFINITY] }
 }
