@@ -184,7 +184,7 @@ class CharacterPose:
         origins : (..., 3) array_like of float32 or float64
             In the world frame, below 2^300 in magnitude.
         directions : (..., 3) array_like of float32 or float64
-            Of any length but zero. The leading axes of both broadcast as in NumPy.
+            Of any length below 2^300 but zero. The leading axes of both broadcast as in NumPy.
 
         Returns
         -------

@@ -31,7 +31,10 @@ def handles_of(bodies: ArrayLike, name: str = "bodies") -> tuple[Handles, tuple[
     if array.size == 0:
         return np.zeros(0, np.uint64), array.shape
     if array.dtype.kind not in "iu" or (array < 0).any():
-        message = f"dtype {array.dtype}, where handles are expected: integers that insert() returned"
+        wanted = "handles are expected: integers that insert() returned"
+        if name not in ("body", "bodies"):
+            wanted = "integers from 0 to 2^64 - 1 are expected"
+        message = f"dtype {array.dtype}, where {wanted}" if array.dtype.kind not in "iu" else f"where {wanted}"
         raise InputError(message, kind="dtype", what=name)
     return np.ascontiguousarray(array.reshape(-1).astype(np.uint64)), array.shape
 

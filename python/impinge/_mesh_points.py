@@ -144,7 +144,7 @@ class PointQueries(_impinge.MeshBase):
         origins : (..., 3) array_like of float32 or float64
             In the mesh's own frame and unit, below 2^300 in magnitude.
         directions : (..., 3) array_like of float32 or float64
-            Of any length but zero. The leading axes of both broadcast as in NumPy.
+            Of any length below 2^300 but zero. The leading axes of both broadcast as in NumPy.
 
         Returns
         -------

@@ -147,7 +147,7 @@ class Partition:
         origins : (..., 3) array_like of float32 or float64
             Below 2^300 in magnitude.
         directions : (..., 3) array_like of float32 or float64
-            Of any length but zero. The leading axes of both broadcast as in NumPy.
+            Of a length from 2^-600 to 2^300. The leading axes of both broadcast as in NumPy.
         reach : float
             How far, in units of the directions' lengths.
 

@@ -174,7 +174,7 @@ class Shape(_impinge.ShapeBase):
         Parameters
         ----------
         normal : (3,) array_like of float32 or float64
-            Of any length but zero.
+            Of a length from 2^-600 on.
         level : float
             Times the length of the normal.
 
@@ -266,14 +266,14 @@ class Shape(_impinge.ShapeBase):
         origins : (..., 3) array_like of float32 or float64
             In the shape's own frame and unit, below 2^300 in magnitude.
         directions : (..., 3) array_like of float32 or float64
-            Of any length but zero. The leading axes of both broadcast as in NumPy.
+            Of a length from 2^-600 to 2^300. The leading axes of both broadcast as in NumPy.
 
         Returns
         -------
         RayHit
             Its fields have the leading axes. Whether convex shapes are met is decided as `impinge.shapes.intersects`
-            is; ``t`` is within 2^-40 of their sizes over the cosine of the angle at which they are met. ``face`` is -1
-            for all but meshes, and where the ray starts in a solid one.
+            is; ``t`` is within 2^-36 of their sizes, cones' within 2^-23, over the cosine of the angle at which they
+            are met. ``face`` is -1 for all but meshes, and where the ray starts in a solid one.
 
         Raises
         ------

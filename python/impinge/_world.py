@@ -61,7 +61,7 @@ class World(WorldQueries):
     >>> floor = world.insert(impinge.Shape.half_space([0, 0, 1]), kind="static")
     >>> crates = world.insert(impinge.Shape.box([0.5, 0.5, 0.5]), impinge.pose([[0, 0, 2], [3, 0, 0.5]]))
     >>> world.step().began
-    array([[4294967296, 4294967298]], dtype=uint64)
+    array([[         1, 8589934593]], dtype=uint64)
     >>> step = world.step(crates, impinge.pose([[0, 0, 0.25], [3, 0, 4]]))
     >>> step
     Step(1 began, 1 ended)

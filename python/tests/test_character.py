@@ -315,3 +315,18 @@ def test_files_that_are_no_rigs(tmp_path):
     (tmp_path / "fit.toml").write_text("[[part]]\nbones = ['Nowhere']\n")
     with pytest.raises(impinge.InputError):
         impinge.Character.load(ROBOT, tmp_path / "fit.toml")
+
+
+def test_rays_of_any_length_strike_the_same_parts():
+    posed = impinge.Character(ROBOT, volumes=4).at()
+    origin = np.asarray(posed.bounds).mean(axis=0) - [0, 0, 50]
+    expected = posed.ray_cast(origin, [0.0, 0, 1])
+    assert expected.hit
+    for exponent in (-1, -500, -520, -540, -1000, -1022, -1040, -1074, 100, 299):
+        length = 2.0**exponent
+        found, every = (ask(origin, [0.0, 0, length]) for ask in (posed.ray_cast, posed.ray_cast_all))
+        assert found.part == expected.part == every.part[0]
+        assert np.allclose(found.point, expected.point, rtol=0, atol=1e-9)
+        assert np.isclose(found.depth, expected.depth)
+        assert exponent < -1000 or np.isclose(found.t * length, expected.t)
+        assert np.isfinite(every.t).all()

@@ -91,3 +91,25 @@ def test_empty_meshes_and_bad_poses():
     for wrong in (-1, np.nan, True, "1", None, 10**400, [0.5], np.array(0.5)):
         with pytest.raises(impinge.InputError, match="clearance"):
             impinge.within(CUBE, CUBE, wrong)
+
+
+@pytest.mark.parametrize("exponent", [-300, -535, -540, -600, -880, -960, -1040, -1070])
+def test_tiny_meshes_are_as_far_apart_as_they_are(exponent):
+    size = 2.0**exponent
+    triangle = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    unit, tiny = impinge.Mesh(triangle, [[0, 1, 2]]), impinge.Mesh(triangle * size, [[0, 1, 2]])
+    shrunk, away = np.diag([size, size, size, 1.0]), np.diag([size, size, size, 1.0])
+    away[2, 3] = 3 * size
+    for found in (
+        impinge.distance(unit, unit, shrunk, away),
+        impinge.distance(tiny, tiny, None, impinge.pose([0, 0, 3 * size])),
+    ):
+        assert found.lower <= 3 * size <= found.upper
+        assert exponent < -880 or found.upper - found.lower <= 1e-12 * size
+    for closer in (2.0, 2.9, 3.0, 3.5):
+        assert impinge.within(unit, unit, closer * size, shrunk, away) is (closer >= 3 or closer * size == 3 * size)
+    motion = impinge.Motion(impinge.pose([0, 0, 3 * size]), impinge.pose([0, 0, -size]))
+    if exponent >= -1000:
+        impact = impinge.time_of_impact(tiny, tiny, None, motion)
+        assert impact.hit
+        assert impact.t_lower <= 0.75 <= impact.t_upper

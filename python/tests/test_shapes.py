@@ -275,3 +275,70 @@ def test_any_numbers(vector, one, other):
         assert far.lower <= far.upper
         assert impinge.shapes.intersects(shape, UNIT) == (far.distance == 0)
         assert np.isfinite([far.point_a, far.point_b]).all()
+
+
+def test_what_round_shapes_leave_open_is_told_by_every_verb():
+    shapes = impinge.shapes
+    drum, beside = Shape.cylinder(1, 1), pose([2.0, 0, 0])
+    verbs = ["intersects", "distance", "penetration", "contacts"]
+    told = {verb: int(getattr(shapes, verb)(drum, drum, None, beside, on_error="status")[1]) for verb in verbs}
+    told["within"] = int(shapes.within(drum, drum, 0.0, None, beside, on_error="status")[1])
+    assert set(told.values()) == {int(impinge.Status.UNDECIDED)}, told
+    deep = [
+        getattr(shapes, verb)(drum, drum, None, pose([1.5, 0, 0], rpy=[0.3, 0.2, 0.1]), on_error="status")[1]
+        for verb in verbs
+    ]
+    assert [int(status) for status in deep] == [0] * 4
+
+
+def test_nothing_is_within_any_clearance_of_what_is_empty():
+    empty = impinge.Mesh(np.zeros((0, 3)), np.zeros((0, 3), int))
+    ball, shapes = Shape.sphere(1), impinge.shapes
+    for clearance in (1.0, 1e90, 1e97, 1e300, np.inf):
+        assert shapes.within(empty, ball, clearance) is False
+        assert shapes.within(ball, ball, clearance, None, pose([1e80, 0, 0])) is (clearance > 1e80)
+
+
+def first_of(surfaces):
+    """The least parameter of (n, k) candidates that counts, infinite where none does."""
+    t, counts = (np.column_stack(columns) for columns in zip(*surfaces, strict=True))
+    return np.where(counts, t, np.inf).min(axis=1)
+
+
+def roots(a, b, c):
+    """Both roots of ``a t^2 + 2 b t + c``, NaN where there are none."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        # Without cancellation.
+        q = -(b + np.copysign(np.sqrt(b * b - a * c), b))
+        return q / a, c / q
+
+
+@pytest.mark.parametrize(("kind", "bound"), [("cylinder", 1e-9), ("cone", 1e-6)])
+def test_rays_meet_what_is_round_where_closed_forms_say(kind, bound):
+    rng = np.random.default_rng(31)
+    origin, target = rng.uniform(-4, 4, (600, 3)), rng.uniform(-0.9, 0.9, (600, 3))
+    outside = (np.abs(origin) > 1.1).any(axis=1)
+    origin, direction = origin[outside], (target - origin)[outside]
+    (x, y, z), (u, v, w) = origin.T, direction.T
+    if kind == "cylinder":
+        shape, slope = Shape.cylinder(1, 1), 0.0
+        sides = roots(u * u + v * v, x * u + y * v, x * x + y * y - 1)
+    else:
+        # The radius at z is (1 - z) / 2.
+        shape, slope = Shape.cone(1, 1), 0.5
+        k = slope * slope
+        sides = roots(u * u + v * v - k * w * w, x * u + y * v + k * (1 - z) * w, x * x + y * y - k * (1 - z) ** 2)
+    candidates = [(t, (t >= 0) & (np.abs(z + t * w) <= 1)) for t in sides]
+    for end in (-1.0, 1.0):
+        t = (end - z) / w
+        radius = 1 - slope * (1 + end)
+        candidates.append((t, (t >= 0) & (np.hypot(x + t * u, y + t * v) <= radius)))
+    expected = first_of(candidates)
+    hit = shape.ray_cast(origin, direction)
+    sure = np.isfinite(expected)
+    assert sure.sum() > 200
+    assert hit.hit[sure].all()
+    # Off by what the shape is taken as thicker by, over the cosine at which it is met; few graze it.
+    off = np.abs(hit.t[sure] - expected[sure]) * np.linalg.norm(direction[sure], axis=1)
+    assert off.max() < bound
+    assert hit.hit.sum() <= sure.sum() + 2

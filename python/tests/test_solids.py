@@ -156,3 +156,36 @@ def test_what_is_deep_comes_free():
     assert (deep.lower[3], deep.upper[3], int(status[3])) == (0, np.inf, impinge.Status.NON_FINITE)
     with pytest.raises(impinge.InputError, match="Mesh"):
         impinge.penetration(ring, impinge.Shape.sphere(1))
+
+
+def cup():
+    """A cube without its upper side, which winds exactly half round points of the lid."""
+    vertices, faces = cube()
+    vertices = np.asarray(vertices, float)
+    top = vertices[:, 2].max()
+    return vertices, np.array([face for face in faces if not all(vertices[v][2] == top for v in face)])
+
+
+def test_what_is_open_is_told_as_undecided():
+    vertices, faces = cup()
+    open_cube, lid = impinge.Mesh(vertices, faces), vertices[:, 2].max()
+    point = impinge.Mesh([[0.0, 0, lid]] * 3, [[0, 1, 2]])
+    for ask in (
+        lambda: impinge.intersects(open_cube, point, solid="a", on_error="status"),
+        lambda: impinge.within(open_cube, point, 0.01, solid="a", on_error="status"),
+    ):
+        answer, status = ask()
+        assert (answer, impinge.Status(int(status))) == (True, impinge.Status.UNDECIDED)
+    far, status = impinge.distance(open_cube, point, solid="a", on_error="status")
+    assert (far.upper, impinge.Status(int(status))) == (0, impinge.Status.UNDECIDED)
+    assert impinge.intersects(open_cube, point, on_error="status") == (False, 0)
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-82, 1e-90, 1e-160, 1e-300])
+def test_open_meshes_penetrate_at_every_scale(size):
+    vertices, faces = cup()
+    once = impinge.Mesh(vertices * size, np.concatenate([faces, faces]))
+    turned = np.diag([1.0, -1, -1, 1])
+    turned[2, 3] = 1.2 * (vertices[:, 2].max() - vertices[:, 2].min()) * size
+    answer, status = impinge.penetrates(once, once, None, turned, on_error="status")
+    assert (answer, impinge.Status(int(status))) == (True, impinge.Status.UNDECIDED)

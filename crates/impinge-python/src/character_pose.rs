@@ -235,8 +235,13 @@ impl PosedCore {
         let volume = volume.map_err(|error| fault(&error, "volume", Vec::new()).raised(py))?;
         let (from, there) = (one_pose(from_pose, "pose_t0")?, one_pose(to_pose, "pose_t1")?);
         let (own, to) = (self.0.clone(), to.0.clone());
-        let strikes = workers::run(py, move |_| own.posed().strikes(&to.posed(), &volume, &from, &there))?;
-        let strikes = strikes.map_err(|error| fault(&error, "pose_t1", Vec::new()).raised(py))?;
+        let strikes = workers::run(py, move |_| {
+            let strikes = |end: &Pose| own.posed().strikes(&to.posed(), &volume, &from, end);
+            // Where the first pose alone is refused as well, it is the one that is wrong.
+            strikes(&there)
+                .map_err(|error| if strikes(&from).is_err() { (error, "pose_t0") } else { (error, "pose_t1") })
+        })?;
+        let strikes = strikes.map_err(|(error, name)| fault(&error, name, Vec::new()).raised(py))?;
         let hit = |strike: Strike| {
             let Strike { part, bone, t, point, normal, depth } = strike;
             Some(PartHit { part, bone, t, point, normal, depth })

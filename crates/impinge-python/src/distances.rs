@@ -2,7 +2,7 @@
 //! from where the last one of its block was nearest, which changes no answer.
 
 use impinge::mesh::{Options, Placed};
-use impinge::query::shapes::Penetration;
+use impinge::query::shapes::{Penetration, Proximity};
 use impinge::query::{self, Distance, Witness, WitnessCache};
 use pyo3::prelude::*;
 
@@ -15,9 +15,12 @@ use crate::verbs::yes_or_no;
 #[pyfunction]
 pub(crate) fn distance<'py>(py: Python<'py>, question: Question, solid: SolidOption) -> PyResult<Bound<'py, PyAny>> {
     const TOUCHING: Distance = Distance { lower: 0.0, upper: 0.0, witness: None };
-    let answers = question.answer_learning(py, TOUCHING, move |cache: &mut WitnessCache, a, b| {
-        query::distance_of_solids_with(a, b, solid.0, cache, &Options::default())
+    let answers = question.answer_learning(py, (TOUCHING, false), move |cache: &mut WitnessCache, a, b| {
+        let of_surfaces = query::distance_with(a, b, cache, &Options::default());
+        let nested = if of_surfaces.upper > 0.0 { query::nested(a, b, solid.0) } else { Proximity::Apart };
+        (if nested == Proximity::Apart { of_surfaces } else { TOUCHING }, nested == Proximity::Undecided)
     })?;
+    let answers = answers.judged(|found| found.1, |found| found.0);
     answers.returned(py, |values, shape| {
         let numbers = |of: fn(&Distance) -> f64| array(py, values.iter().map(of).collect(), shape);
         let points = |of: fn(&Witness) -> [f64; 3]| {
@@ -41,7 +44,7 @@ pub(crate) fn distance<'py>(py: Python<'py>, question: Question, solid: SolidOpt
     })
 }
 
-/// `bool`, or an array of them.
+/// `bool`, or an array of them; what is undecided counts as yes.
 #[pyfunction]
 pub(crate) fn within<'py>(
     py: Python<'py>,
@@ -50,9 +53,13 @@ pub(crate) fn within<'py>(
     solid: SolidOption,
 ) -> PyResult<Bound<'py, PyAny>> {
     let ask = move |cache: &mut WitnessCache, a: Placed<'_>, b: Placed<'_>| {
-        query::within_of_solids_with(a, b, clearance, solid.0, cache, &Options::default())
+        if query::within_with(a, b, clearance, cache, &Options::default()) {
+            return Proximity::Meets;
+        }
+        if clearance >= 0.0 { query::nested(a, b, solid.0) } else { Proximity::Apart }
     };
-    yes_or_no(py, question.answer_learning(py, true, ask)?)
+    let answers = question.answer_learning(py, Proximity::Meets, ask)?;
+    yes_or_no(py, answers.judged(|&found| found == Proximity::Undecided, |found| found != Proximity::Apart))
 }
 
 /// What `penetration_columns` makes of two meshes, taken as solids.

@@ -147,10 +147,11 @@ pub(crate) fn shapes_intersect(py: Python<'_>, question: Question) -> PyResult<B
     yes_or_no(py, answers.judged(|&found| found == Proximity::Undecided, |found| found != Proximity::Apart))
 }
 
-/// `bool`, or an array of them.
+/// `bool`, or an array of them; what is undecided counts as yes.
 #[pyfunction]
 pub(crate) fn shapes_within(py: Python<'_>, question: Question, clearance: f64) -> PyResult<Bound<'_, PyAny>> {
-    yes_or_no(py, question.answer(py, true, move |a, b| shapes::within(a, b, clearance))?)
+    let answers = question.answer(py, Proximity::Meets, move |a, b| shapes::nearness(a, b, clearance))?;
+    yes_or_no(py, answers.judged(|&found| found == Proximity::Undecided, |found| found != Proximity::Apart))
 }
 
 /// Five columns: distance, lower and upper bound, (...), and points of a and of b, (..., 3), which are zero where there are
@@ -178,7 +179,14 @@ pub(crate) fn shape_distance(py: Python<'_>, question: Question) -> PyResult<Bou
 /// What `penetration_columns` makes of two shapes.
 #[pyfunction]
 pub(crate) fn shape_penetration(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
-    penetration_columns(py, question.answer(py, Some(UNKNOWN_DEPTH), shapes::penetration)?)
+    let is_told = question.on_error == OnError::Status;
+    let answers = question.answer(py, (Some(UNKNOWN_DEPTH), false), move |a, b| {
+        let found = shapes::penetration(a, b);
+        // Shapes that are deep in each other meet for certain.
+        let may_touch = is_told && found.is_some_and(|found| found.lower == 0.0);
+        (found, may_touch && shapes::proximity(a, b) == Proximity::Undecided)
+    })?;
+    penetration_columns(py, answers.judged(|found| found.1, |found| found.0))
 }
 
 /// The leading axes, and the columns of `contacts::columns`.
@@ -190,7 +198,13 @@ pub(crate) fn shape_contacts(
     most_points: usize,
 ) -> PyResult<Bound<'_, PyAny>> {
     let options = shapes::ContactOptions { margin, most_points };
-    let answers = question.answer(py, Vec::new(), move |a, b| shapes::contacts_with(a, b, &options))?;
+    let is_told = question.on_error == OnError::Status;
+    let answers = question.answer(py, (Vec::new(), false), move |a, b| {
+        let found = shapes::contacts_with(a, b, &options);
+        let is_open = is_told && !found.is_empty() && shapes::nearness(a, b, margin) == Proximity::Undecided;
+        (found, is_open)
+    })?;
+    let answers = answers.judged(|found| found.1, |found| found.0);
     answers.returned(py, |values, shape| {
         let columns = contacts::columns(py, values.iter().map(Vec::as_slice))?;
         Ok((shape, columns).into_pyobject(py)?.into_any())

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use impinge::exact::{Crossing, Placement, crossing};
 use impinge::mesh::{Options, Placed};
+use impinge::query::shapes::Proximity;
 use impinge::query::{self, ContactPatch, HitCache, Penetrates};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
@@ -15,13 +16,17 @@ use crate::mesh::mesh_of;
 use crate::question::{Answers, Question, SolidOption};
 use crate::workers;
 
-/// `bool`, or an array of them.
+/// `bool`, or an array of them; what is undecided counts as yes.
 #[pyfunction]
 pub(crate) fn intersects<'py>(py: Python<'py>, question: Question, solid: SolidOption) -> PyResult<Bound<'py, PyAny>> {
     let ask = move |cache: &mut HitCache, a: Placed<'_>, b: Placed<'_>| {
-        query::intersects_solid_with(a, b, solid.0, cache, &Options::default())
+        if query::intersects_with(a, b, cache, &Options::default()) {
+            return Proximity::Meets;
+        }
+        query::nested(a, b, solid.0)
     };
-    yes_or_no(py, question.answer_learning(py, true, ask)?)
+    let answers = question.answer_learning(py, Proximity::Meets, ask)?;
+    yes_or_no(py, answers.judged(|&found| found == Proximity::Undecided, |found| found != Proximity::Apart))
 }
 
 /// `bool`, or an array of them; what is undecided counts as yes.

@@ -51,7 +51,6 @@ impl Numbers {
         Self::of(sphere, &[sphere.centre()], &[sphere.radius(), lower])
     }
 
-    #[expect(clippy::needless_pass_by_value, reason = "what a construction made")]
     fn of_fitted(fitted: fit::FittedSphere) -> Self {
         Self::of_sphere(&fitted.sphere, fitted.lower)
     }

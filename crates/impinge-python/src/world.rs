@@ -126,7 +126,7 @@ impl WorldCore {
         let (body, made_of) = (Body::new(weighed(&shape, "shape")?.shape), Source::object(&shape));
         let way = chosen(&way, "realigned_by", &REALIGNMENTS)?;
         let Traits { kind, layers, .. } = traits(&standing)?;
-        let Poses { shape: lead, poses, .. } = Poses::read(&poses, "poses", OnError::Raise)?;
+        let Poses { shape: lead, poses, .. } = Poses::read(&poses, "pose", OnError::Raise)?;
         let body = py.detach(|| body.realigned_by(way)).map_err(|error| {
             Fault::new(kind_and_place(&error).0, "shape", message(&error)).hint(error.hint()).raised(py)
         })?;
@@ -152,7 +152,7 @@ impl WorldCore {
             inserted.iter().for_each(|&id| shapes.set(id, Some(made_of.clone())));
             Ok(inserted)
         })?;
-        let inserted = inserted.map_err(|(row, error)| refused(&error, "poses", row).raised(py))?;
+        let inserted = inserted.map_err(|(row, error)| refused(&error, "pose", row).raised(py))?;
         array(py, inserted.into_iter().map(BodyId::to_bits).collect(), &lead)
     }
 
@@ -344,7 +344,11 @@ impl WorldCore {
     }
 
     fn restore(&self, py: Python<'_>, state: &WorldState) -> PyResult<()> {
-        self.reshape(py, |world, shapes| state.restore(world, shapes))
+        if self.reshape(py, |world, shapes| state.restore(world, shapes))? {
+            return Ok(());
+        }
+        let message = "is of a world with another broad_phase or narrow_phase";
+        Err(Fault::new("option", "state", message).raised(py))
     }
 }
 

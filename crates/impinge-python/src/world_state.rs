@@ -55,9 +55,9 @@ impl Source {
 pub(crate) struct Shapes(Arc<Vec<Option<Source>>>);
 
 impl Shapes {
-    /// Of the body in its place: the low half of a handle.
+    /// Of the body in its place: the high half of a handle.
     pub(crate) fn set(&mut self, body: BodyId, source: Option<Source>) {
-        let (shapes, place) = (Arc::make_mut(&mut self.0), body.to_bits() as u32 as usize);
+        let (shapes, place) = (Arc::make_mut(&mut self.0), (body.to_bits() >> 32) as usize);
         if shapes.len() <= place {
             shapes.resize(place + 1, None);
         }
@@ -65,7 +65,7 @@ impl Shapes {
     }
 
     fn get(&self, body: BodyId) -> Option<&Source> {
-        self.0.get(body.to_bits() as u32 as usize)?.as_ref()
+        self.0.get((body.to_bits() >> 32) as usize)?.as_ref()
     }
 }
 
@@ -82,9 +82,15 @@ impl WorldState {
         Self { snapshot: world.save(), shapes: shapes.clone(), options: *world.options() }
     }
 
-    pub(crate) fn restore(&self, world: &mut World, shapes: &mut Shapes) {
-        world.restore(&self.snapshot);
-        *shapes = self.shapes.clone();
+    /// Whether the world has the options of the one that was saved.
+    #[must_use]
+    pub(crate) fn restore(&self, world: &mut World, shapes: &mut Shapes) -> bool {
+        let is_alike = *world.options() == self.options;
+        if is_alike {
+            world.restore(&self.snapshot);
+            *shapes = self.shapes.clone();
+        }
+        is_alike
     }
 }
 

@@ -11,8 +11,8 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use impinge::hierarchy::Builder;
-use impinge::mesh::Placed;
-use impinge::query::{self, Curves, Distance, Penetrates, Solid, SolidIntersection};
+use impinge::mesh::{Options, Placed};
+use impinge::query::{self, Curves, Distance, Penetrates, Solid, SolidIntersection, SomePairs};
 use impinge::{InputError, Pose};
 use impinge_files::Unit;
 
@@ -20,11 +20,14 @@ use crate::body::{Body, Loaded};
 use crate::bounds::Bounds;
 use crate::failure::Failure;
 use crate::progress::Phase;
-use crate::{Verdict, console, output, pose, units};
+use crate::{Verdict, console, numerals, output, pose, units};
 use pairs_file::PairsFormat;
 
 /// More threads than any machine has processors for; an answer does not depend on them.
 const MOST_THREADS: i64 = 1024;
+
+/// Pairs that are counted: 1 GiB of them. More are none that anybody looks at, but piles of duplicate faces.
+const MOST_PAIRS: usize = 1 << 27;
 
 /// Do two meshes meet, and where?
 ///
@@ -225,9 +228,13 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
         penetrates: None,
         seconds: Seconds::default(),
     };
-    let (mut outcome, query) = timed("intersecting", || {
+    let (outcome, query) = timed("intersecting", || {
         let (a, b) = start.placed();
-        let pairs = query::intersecting_pairs(a, b);
+        let SomePairs { pairs, truncated } = query::intersecting_pairs_up_to(a, b, MOST_PAIRS, &Options::default());
+        if truncated {
+            let message = format!("more than {} pairs of faces meet", numerals::count(MOST_PAIRS));
+            return Err(Failure::new("too-many", message).hint("impinge inspect counts duplicate faces"));
+        }
         let curves = arguments.wants_curves().then(|| query::curves_of_pairs(a, b, &pairs));
         let solid = arguments.solid.map(|side| query::solid_intersection_of_pairs(a, b, side.into(), &pairs));
         let penetrates = arguments.penetrates.then(|| query::penetrates_of_pairs(a, b, &pairs));
@@ -240,8 +247,9 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
             let is_violated = solid.is_some_and(|solid| solid.intersects) || query::within(a, b, required);
             Clearance { required, is_violated }
         });
-        Outcome { pairs, curves, distance, clearance, solid, penetrates, ..start }
+        Ok(Outcome { pairs, curves, distance, clearance, solid, penetrates, ..start })
     });
+    let mut outcome = outcome?;
     outcome.seconds = Seconds { load, build, query };
     Ok(outcome)
 }

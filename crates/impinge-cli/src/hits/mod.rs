@@ -4,6 +4,7 @@ mod json;
 mod picture;
 mod report;
 
+use std::num::NonZero;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -15,7 +16,7 @@ use crate::{Verdict, console, output};
 use picture::Sheet;
 
 /// As the notes have it: a sphere for the head, four pills for the limbs and a box for the torso.
-const VOLUMES: usize = 6;
+const VOLUMES: NonZero<usize> = NonZero::new(6).expect("not zero");
 
 /// Which volumes stand for the parts of a rigged character?
 ///
@@ -32,7 +33,7 @@ pub(crate) struct Arguments {
     animation: Option<String>,
     /// At most so many volumes
     #[arg(long, value_name = "N", default_value_t = VOLUMES)]
-    volumes: usize,
+    volumes: NonZero<usize>,
     /// Whether the volumes hold everything, or fit snugly
     #[arg(long, value_name = "MODE", default_value = "conservative")]
     mode: Fitting,
@@ -101,7 +102,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         None => None,
     };
     let (character, fit) = timed("fitting", || {
-        let plan = plan.map_or_else(|| Plan::automatic(&rig, arguments.volumes), Ok)?;
+        let plan = plan.map_or_else(|| Plan::automatic(&rig, arguments.volumes.get()), Ok)?;
         Character::fit(&rig, &plan, mode)
     });
     let character = character.map_err(broken)?;

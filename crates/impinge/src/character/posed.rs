@@ -157,6 +157,7 @@ impl<'c> Posed<'c> {
     /// No volume that the ray meets is missed: volumes are taken as thicker by 2^-46 of their sizes and distances.
     #[must_use]
     pub fn ray_cast(&self, ray: &Ray) -> Option<PartHit> {
+        let (ray, unit) = &ray.of_unit_size();
         let mut first: Option<PartHit> = None;
         if self.misses_outer(ray) {
             return None;
@@ -167,12 +168,13 @@ impl<'c> Posed<'c> {
                 first = Some(self.hit(at, ray, &crossing));
             }
         }
-        first
+        first.map(|hit| PartHit { t: (hit.t * unit).min(f64::MAX), ..hit })
     }
 
     /// All parts whose volumes a ray meets, in the order in which it enters them, then in that of the parts.
     #[must_use]
     pub fn ray_cast_all(&self, ray: &Ray) -> Vec<PartHit> {
+        let (ray, unit) = &ray.of_unit_size();
         if self.misses_outer(ray) {
             return Vec::new();
         }
@@ -181,6 +183,7 @@ impl<'c> Posed<'c> {
         });
         let mut hits: Vec<PartHit> = hits.collect();
         hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
+        hits.iter_mut().for_each(|hit| hit.t = (hit.t * unit).min(f64::MAX));
         hits
     }
 

@@ -8,8 +8,17 @@
 use super::Placed;
 use super::frame::reciprocal_power_of_two;
 use crate::hierarchy::HALF_ULP;
-use crate::math::relative::UNIT_ROUNDOFF;
+use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
 use crate::primitive::{CLOSED_FORM_ERROR, Vector, accurate_sum_of_products, length};
+
+/// That of meshes of 2^-900 and less.
+const LARGEST_SCALE: f64 = f64::from_bits((1023 + 900) << 52);
+
+/// The length of a vector whose squares may vanish.
+fn scaled_length(v: &Vector) -> f64 {
+    let unit = reciprocal_power_of_two(v.iter().fold(0.0, |most, x| x.abs().max(most)));
+    length(&v.map(|x| x * unit)) / unit
+}
 
 /// Two meshes' maps to the metric frame. Swapping the meshes swaps the maps and changes no bit.
 #[derive(Clone, Debug)]
@@ -56,22 +65,28 @@ impl Metric {
             origin[axis] = accurate_sum_of_products(&from[axis]);
         }
         let halves = placed.map(half_extents);
-        let reaches = [0, 1].map(|side| length(&[0, 1, 2].map(|k| halves[side][k] + f64::abs(offsets[side][k]))));
+        let reaches =
+            [0, 1].map(|side| scaled_length(&[0, 1, 2].map(|k| halves[side][k] + f64::abs(offsets[side][k]))));
         let scale = reciprocal_power_of_two(reaches[0].max(reaches[1]));
         let side = |k: usize| {
             let ends = [0, 1].map(|m| (offsets[m][k] - halves[m][k], offsets[m][k] + halves[m][k]));
             f64::max(ends[0].1, ends[1].1) - f64::min(ends[0].0, ends[1].0)
         };
-        let diagonal = length(&[side(0), side(1), side(2)]) * scale * (1.0 + 1e-12);
+        let diagonal = length(&[side(0), side(1), side(2)].map(|x| x * scale)) * (1.0 + 1e-12);
         let corners = 8.0 * UNIT_ROUNDOFF * (reaches[0] + reaches[1]) * scale;
         const CANCELLED: f64 = 1.0 / (1_u128 << 96) as f64;
-        let error = (CLOSED_FORM_ERROR * diagonal + corners + 2.0 * CANCELLED * cancelled * scale) * (1.0 + 1e-12);
+        // Products and sums of numbers that are nearly too small for a float.
+        let vanished = 64.0 * UNDERFLOW * scale;
+        let rounded = CLOSED_FORM_ERROR * diagonal + corners + 2.0 * CANCELLED * cancelled * scale;
+        // Where powers of two do not suffice to make the meshes one unit large, nothing is taken for known.
+        let unknown = if scale >= LARGEST_SCALE { 2.0 * diagonal } else { 0.0 };
+        let error = (rounded + vanished + unknown) * (1.0 + 1e-12);
         let map = |side: usize| MetricMap {
             linear: placed[side].world_from_mesh.linear().map(|row| row.map(|x| x * scale)),
             centre: placed[side].mesh.0.frame.origin,
             offset: offsets[side].map(|x| x * scale),
         };
-        let extent = (length(&halves[0]) + length(&halves[1])) * scale;
+        let extent = (scaled_length(&halves[0]) + scaled_length(&halves[1])) * scale;
         Self { scale, origin, maps: [map(0), map(1)], error, diagonal, extent }
     }
 

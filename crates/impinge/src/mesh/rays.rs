@@ -54,6 +54,16 @@ impl Ray {
         self.direction
     }
 
+    /// The same ray with a direction of components below 2, of which one is not below 1 unless the direction is below the least
+    /// normal number, and what its parameters are to be multiplied by.
+    pub(crate) fn of_unit_size(&self) -> (Self, f64) {
+        let largest = self.direction.iter().fold(f64::MIN_POSITIVE, |most, x| x.abs().max(most));
+        // A power of two from its exponent, and its reciprocal: 2^-1022 to 2^300.
+        let exponent = (largest.to_bits() >> 52) as i64 - 1023;
+        let reciprocal = f64::from_bits(((1023 - exponent) as u64) << 52);
+        (Self { origin: self.origin, direction: self.direction.map(|x| x * reciprocal) }, reciprocal)
+    }
+
     /// The point at `t`, rounded.
     #[must_use]
     pub fn at(&self, t: f64) -> [f64; 3] {

@@ -22,7 +22,8 @@ pub use penetration::penetration;
 pub use self_intersection::self_intersecting_pairs;
 pub use solid::{
     Contained, Solid, SolidIntersection, distance_of_solids, distance_of_solids_with, intersects_solid,
-    intersects_solid_with, solid_intersection, solid_intersection_of_pairs, within_of_solids, within_of_solids_with,
+    intersects_solid_with, nested, solid_intersection, solid_intersection_of_pairs, within_of_solids,
+    within_of_solids_with,
 };
 
 use crate::mesh::{Options, Placed, collect_intersecting};

@@ -237,24 +237,31 @@ impl<'m> Solids<'m> {
 /// The box in the world, along each axis, that the interior of a placed mesh is in.
 fn reach(placed: Placed<'_>) -> [[f64; 2]; 3] {
     let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
-    let mut area = 0.0;
     let mut extent = 0.0_f64;
-    for face in 0..placed.mesh.faces().len() as u32 {
-        let corners = placed.mesh.corners(face).map(|corner| placed.world_from_mesh.apply(corner));
+    let faces = || {
+        let corners = |face| placed.mesh.corners(face).map(|corner| placed.world_from_mesh.apply(corner));
+        (0..placed.mesh.faces().len() as u32).map(corners)
+    };
+    for corners in faces() {
         for (axis, [low, high]) in bounds.iter_mut().enumerate() {
             for corner in &corners {
                 (*low, *high) = (low.min(corner[axis]), high.max(corner[axis]));
                 extent = extent.max(corner[axis].abs());
             }
         }
-        let edge = |to: usize| -> [f64; 3] { std::array::from_fn(|k| corners[to][k] - corners[0][k]) };
+    }
+    // In units of the mesh's size, so that no square vanishes; a reciprocal of less is none.
+    let size = bounds.iter().fold(1e-300, |most: f64, [low, high]| most.max(high - low));
+    let mut area = 0.0;
+    for corners in faces() {
+        let edge = |to: usize| -> [f64; 3] { std::array::from_fn(|k| (corners[to][k] - corners[0][k]) / size) };
         let (u, v) = (edge(1), edge(2));
         let normal = |k: usize| u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
         area += 0.5 * (normal(0).powi(2) + normal(1).powi(2) + normal(2).powi(2)).sqrt();
     }
     // Far more than all roundings, of the corners and of the area, may add up to.
-    let margin =
-        if placed.mesh.is_closed() { 0.0 } else { (area / std::f64::consts::TAU).sqrt() * 1.01 } + extent * 1e-6;
+    let wound = if placed.mesh.is_closed() { 0.0 } else { (area / std::f64::consts::TAU).sqrt() * 1.01 * size };
+    let margin = wound + extent * 1e-6 + f64::MIN_POSITIVE;
     bounds.map(|[low, high]| [low - margin, high + margin])
 }
 

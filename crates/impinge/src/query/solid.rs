@@ -3,9 +3,12 @@
 //! Where the surfaces are apart, a connected component of one lies in one region of what the other leaves of space, so
 //! one of its points tells for all of it.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use rayon::prelude::*;
 
 use super::distance::{Distance, WitnessCache, distance_with, within_with};
+use super::shapes::Proximity;
 use super::{HitCache, intersecting_pairs, intersects_with};
 use crate::exact::{Placement, PosedPoint, Spot};
 use crate::mesh::{Containment, Judge, Mesh, Options, Placed};
@@ -112,7 +115,7 @@ pub fn intersects_solid_with<'a, 'b>(
     options: &Options,
 ) -> bool {
     let (a, b) = (a.into(), b.into());
-    intersects_with(a, b, cache, options) || is_either_inside(a, b, solid)
+    intersects_with(a, b, cache, options) || nested(a, b, solid) != Proximity::Apart
 }
 
 /// How two meshes, one or both of them solid, meet, and which has a component inside the other.
@@ -210,7 +213,7 @@ pub fn distance_of_solids_with<'a, 'b>(
 ) -> Distance {
     let (a, b) = (a.into(), b.into());
     let of_surfaces = distance_with(a, b, cache, options);
-    if of_surfaces.upper > 0.0 && is_either_inside(a, b, solid) {
+    if of_surfaces.upper > 0.0 && nested(a, b, solid) != Proximity::Apart {
         return Distance { lower: 0.0, upper: 0.0, witness: None };
     }
     of_surfaces
@@ -258,17 +261,39 @@ pub fn within_of_solids_with<'a, 'b>(
     options: &Options,
 ) -> bool {
     let (a, b) = (a.into(), b.into());
-    within_with(a, b, clearance, cache, options) || (clearance >= 0.0 && is_either_inside(a, b, solid))
+    within_with(a, b, clearance, cache, options) || (clearance >= 0.0 && nested(a, b, solid) != Proximity::Apart)
 }
 
-/// Whether a component of one of two meshes lies inside the other, a solid; their surfaces are apart.
-fn is_either_inside(a: Placed<'_>, b: Placed<'_>, solid: Solid) -> bool {
+/// Whether a component of one of two meshes lies inside the other, a solid, where their surfaces are apart: what
+/// [`intersects_solid`], [`distance_of_solids`] and [`within_of_solids`] ask then. Undecided where none does for certain, and one
+/// may lie inside an open mesh.
+///
+/// # Accuracy
+/// As [`intersects_solid`].
+#[must_use]
+pub fn nested<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, solid: Solid) -> Proximity {
+    let (a, b) = (a.into(), b.into());
     let [solid_a, solid_b] = solid.sides();
+    let is_open = AtomicBool::new(false);
     let any = |inner: Placed<'_>, outer: Placed<'_>| {
         let components = Components::of(inner, outer);
-        components.free(&[]).into_par_iter().any(|face| components.containment(face).is_contained())
+        components.free(&[]).into_par_iter().any(|face| match components.containment(face) {
+            Containment::Inside | Containment::Surface => true,
+            Containment::Outside => false,
+            Containment::Undecided => {
+                // Ordered by the end of the loop.
+                is_open.store(true, Ordering::Relaxed);
+                false
+            }
+        })
     };
-    (solid_b && any(a, b)) || (solid_a && any(b, a))
+    if (solid_b && any(a, b)) || (solid_a && any(b, a)) {
+        Proximity::Meets
+    } else if is_open.into_inner() {
+        Proximity::Undecided
+    } else {
+        Proximity::Apart
+    }
 }
 
 /// The components of one mesh beside another.

@@ -32,16 +32,16 @@ impl BodyId {
         self.generation
     }
 
-    /// The handle as one number, for languages and files that know no handles.
+    /// The handle as one number, for languages and files that know no handles: in the same order, and never zero.
     #[must_use]
     pub fn to_bits(self) -> u64 {
-        u64::from(self.generation) << 32 | u64::from(self.index)
+        u64::from(self.index) << 32 | u64::from(self.generation)
     }
 
     /// The handle of a number that [`to_bits`](Self::to_bits) made; any other number is a stale handle at worst.
     #[must_use]
     pub fn from_bits(bits: u64) -> Self {
-        Self { index: bits as u32, generation: (bits >> 32) as u32 }
+        Self { index: (bits >> 32) as u32, generation: bits as u32 }
     }
 }
 

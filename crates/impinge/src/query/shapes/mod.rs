@@ -90,10 +90,27 @@ pub fn intersects(a: &PlacedShape, b: &PlacedShape) -> bool {
 /// not a number.
 #[must_use]
 pub fn within(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> bool {
+    nearness(a, b, clearance) != Proximity::Apart
+}
+
+/// What is known of whether two shapes come within `clearance` of each other: [`proximity`] where that is zero.
+///
+/// ```
+/// use impinge::{Pose, query::shapes::{self, Proximity}, shape::Shape};
+///
+/// let ball = Shape::sphere([0.0; 3], 1.0)?;
+/// let [here, there] = [0.0, 3.0].map(|x| ball.at(Pose::from_translation([x, 0.0, 0.0]).unwrap()).unwrap());
+/// assert_eq!(shapes::nearness(&here, &there, 0.5), Proximity::Apart);
+/// assert_eq!(shapes::nearness(&here, &there, 1.5), Proximity::Meets);
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+#[must_use]
+pub fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proximity {
     if clearance.is_nan() || clearance < 0.0 {
-        return false;
+        return Proximity::Apart;
     }
-    clearance > FAR || table::nearness(a, b, clearance) != Proximity::Apart
+    // No two shapes are farther apart than that.
+    table::nearness(a, b, clearance.min(FAR))
 }
 
 /// What was found when two shapes were last asked about; the caller keeps one for each two shapes.
@@ -149,7 +166,8 @@ pub fn within_with(a: &PlacedShape, b: &PlacedShape, clearance: f64, cache: &mut
 /// # Accuracy
 /// The true distance lies in `[lower, upper]`. For polytopes the interval is at most 2^-36 of the distance wide, however
 /// small that is. For spheres and capsules there is what the pose is off orthogonal on top, and 2^-46 of the size of the
-/// cores; for other round shapes it is about 2^-40 of the size (tests: `tests/shapes`).
+/// cores; for other round shapes it is about 2^-40 of the size (tests: `tests/shapes`), and up to 2^-23 of it where they are
+/// turned so that several points are as near.
 ///
 /// # Source
 /// See [`convex`].
