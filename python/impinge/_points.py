@@ -47,8 +47,8 @@ class RayHit:
     face : int or (...) int64 array
         The face that is met, the first of those that are met in one point; -1 where none is.
     point : (..., 3) float64 array
-        The point, in the mesh's own frame, rounded; zero where nothing is met. Of a ray so short that `t` is the largest
-        float, the point there.
+        The point, in the mesh's own frame, rounded; zero where nothing is met. Of a ray so short that `t` is the
+        largest float, the point there.
     """
 
     hit: bool | NDArray[np.bool_]

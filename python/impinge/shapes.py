@@ -174,8 +174,8 @@ def distance(
     -------
     ShapeDistance
         Its bounds are at most 2^-36 of the distance apart for boxes, triangles, hulls and half-spaces, and about 2^-40
-        of the sizes for what is round; up to 2^-23 where a cylinder, a cone or an ellipsoid is turned so that several of
-        its points are as near.
+        of the sizes for what is round; up to 2^-23 where a cylinder, a cone or an ellipsoid is turned so that several
+        of its points are as near.
 
     Raises
     ------
