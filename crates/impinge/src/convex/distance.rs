@@ -3,6 +3,7 @@
 //! The floats' interval comes first. Where it leaves the answer open, or is loose, and both cores are polytopes, the exact
 //! least distance takes over; for others it stays open, and says so.
 
+use super::expand::certainly_meet;
 use super::facet::Facet;
 use super::gjk::{Gap, gap, means};
 use super::min_norm::{LeastDistance, least_distance};
@@ -122,7 +123,10 @@ fn judge(pair: &Pair<'_>, [a, b]: [[f64; 2]; 2], gap: &Gap, exact: Option<LeastD
             return Proximity::Meets;
         }
     }
-    let Some(least) = exact.or_else(|| least_distance(pair, &gap.simplex)) else { return Proximity::Undecided };
+    let Some(least) = exact.or_else(|| least_distance(pair, &gap.simplex)) else {
+        let meets = gap.lower == 0.0 && certainly_meet(pair, &gap.simplex);
+        return if meets { Proximity::Meets } else { Proximity::Undecided };
+    };
     let is_within = |end: usize| {
         let reach = &(&Dyadic::from_f64(a[end]) + &Dyadic::from_f64(b[end])) + &Dyadic::from_f64(clearance);
         least.is_at_most_root_of(&(&reach * &reach))

@@ -257,6 +257,23 @@ impl Polytope {
     }
 }
 
+/// Whether the cores certainly have a common point: a polytope of differences is about the origin, by more than these may be off. It
+/// grows by a few points where it is not so at once, as for shapes that stand alike, whose first differences have the origin on
+/// their border.
+pub(super) fn certainly_meet(pair: &Pair<'_>, simplex: &[Difference]) -> bool {
+    const MOST_POINTS: usize = 48;
+    let Some(mut polytope) = about_origin(pair, simplex) else { return false };
+    while let Some(nearest) = polytope.nearest() {
+        if nearest.lower > pair.point_error() {
+            return true;
+        }
+        if !polytope.grow(&nearest, pair.support(nearest.direction), MOST_POINTS) {
+            break;
+        }
+    }
+    false
+}
+
 /// A polytope about the origin, from what the distance left.
 pub(super) fn about_origin(pair: &Pair<'_>, simplex: &[Difference]) -> Option<Polytope> {
     if let Some(polytope) = Polytope::of_simplex(simplex) {

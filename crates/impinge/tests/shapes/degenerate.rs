@@ -89,6 +89,38 @@ fn n19_nearly_rigid_maps_leave_touching_open() {
     assert!(shapes::distance(&exactly, &apart).distance() > 0.0);
 }
 
+/// Round shapes that stand alike have tied extremes, and the origin on the border of the first differences: that they are deep in
+/// each other is proved all the same.
+#[test]
+fn n20_round_shapes_that_stand_alike_certainly_meet() {
+    let shapes = [
+        Shape::cylinder(1.0, 1.0).unwrap(),
+        Shape::cone(1.0, 1.0).unwrap(),
+        Shape::ellipsoid([1.0, 1.0, 1.0]).unwrap(),
+        Shape::ellipsoid([1.0, 0.5, 0.25]).unwrap(),
+    ];
+    let steps = [0.0, 0.125, 0.25, -0.25];
+    let mut asked = 0;
+    for (a, b) in shapes.iter().flat_map(|a| shapes.iter().map(move |b| (a, b))) {
+        for (x, y) in steps.iter().flat_map(|&x| steps.iter().map(move |&y| (x, y))) {
+            for z in [0.0, 0.0625] {
+                let pose = Pose::from_translation([x, y, z]).unwrap();
+                let (a, b) = (a.at(Pose::IDENTITY).unwrap(), b.at(pose).unwrap());
+                assert_eq!(shapes::proximity(&a, &b), Proximity::Meets, "{a:?} {b:?}");
+                assert_eq!((shapes::distance(&a, &b).lower, shapes::distance(&a, &b).upper), (0.0, 0.0));
+                asked += 1;
+            }
+        }
+    }
+    assert_eq!(asked, 512);
+    // Where they touch, nothing is proved, and apart they are.
+    let drum = &shapes[0];
+    for (x, wanted) in [(1.999, Proximity::Meets), (2.0, Proximity::Undecided), (2.001, Proximity::Apart)] {
+        let b = drum.at(Pose::from_translation([x, 0.0, 0.0]).unwrap()).unwrap();
+        assert_eq!(shapes::proximity(&drum.at(Pose::IDENTITY).unwrap(), &b), wanted, "{x}");
+    }
+}
+
 #[test]
 fn n22_n23_flat_and_pointlike_polytopes_have_depths() {
     let hull = |points: &[[f64; 3]]| Ok(Shape::hull(Arc::new(Hull::new(points).unwrap())));
