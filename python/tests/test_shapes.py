@@ -284,10 +284,7 @@ def test_what_round_shapes_leave_open_is_told_by_every_verb():
     told = {verb: int(getattr(shapes, verb)(drum, drum, None, beside, on_error="status")[1]) for verb in verbs}
     told["within"] = int(shapes.within(drum, drum, 0.0, None, beside, on_error="status")[1])
     assert set(told.values()) == {int(impinge.Status.UNDECIDED)}, told
-    deep = [
-        getattr(shapes, verb)(drum, drum, None, pose([1.5, 0, 0]), on_error="status")[1]
-        for verb in verbs
-    ]
+    deep = [getattr(shapes, verb)(drum, drum, None, pose([1.5, 0, 0]), on_error="status")[1] for verb in verbs]
     assert [int(status) for status in deep] == [0] * 4
 
 

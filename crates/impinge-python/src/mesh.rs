@@ -193,23 +193,24 @@ fn refitted(mesh: &Mesh, vertices: &Bound<'_, PyAny>) -> PyResult<State> {
     Ok(State::new(moved, is_double))
 }
 
-/// The proxies of a mesh: those that were baked with it, proved to be its own, or made when first asked for.
+/// A mesh as it is now and its proxies: those that were baked with it, proved to be its own, or made when first asked for.
 ///
 /// # Errors
 /// `InputError` where it is no mesh, or comes from a file with other proxies than its own.
-pub(crate) fn proxies_of(mesh: &Bound<'_, PyAny>) -> PyResult<Option<Proxies>> {
+pub(crate) fn proxies_of(mesh: &Bound<'_, PyAny>) -> PyResult<(Mesh, Option<Proxies>)> {
     let py = mesh.py();
     mesh_of(mesh, "mesh")?;
     let State { mesh, proxies, baked, .. } = mesh.cast::<MeshBase>()?.get().state();
     let found = workers::run(py, move |_| {
         if let Some(known) = proxies.get() {
-            return Ok(known.clone());
+            return Ok((mesh, known.clone()));
         }
         let read = match baked {
             Some(baked) => baked.proxies(&mesh)?,
             None => None,
         };
-        Ok(proxies.get_or_init(|| read.or_else(|| mesh.proxies())).clone())
+        let found = proxies.get_or_init(|| read.or_else(|| mesh.proxies())).clone();
+        Ok((mesh, found))
     })?;
     found.map_err(|error: LoadError| load_error(py, &error))
 }

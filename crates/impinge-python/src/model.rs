@@ -170,8 +170,8 @@ fn write<W: Write + Send + 'static>(
 ) -> PyResult<W> {
     let unit = unit.and_then(|unit| unit.parse().ok());
     let provenance = Provenance { sources, part_of, parts, unit };
-    let proxies = if with_proxies { proxies_of(mesh)? } else { None };
-    let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
+    let py = mesh.py();
+    let (mesh, proxies) = if with_proxies { proxies_of(mesh)? } else { (mesh_of(mesh, "mesh")?, None) };
     let written: io::Result<W> = workers::run(py, move |_| {
         let mut out = open()?;
         write_baked(&mesh, &provenance, proxies.as_ref(), &mut out)?;

@@ -97,7 +97,7 @@ impl Numbers {
 #[pyfunction]
 pub(crate) fn proxies<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let py = mesh.py();
-    let Some(proxies) = proxies_of(mesh)? else {
+    let Some(proxies) = proxies_of(mesh)?.1 else {
         return Err(Fault::new("empty", "mesh", "a mesh without faces has no hull and no volumes").raised(py));
     };
     let volumes = [
