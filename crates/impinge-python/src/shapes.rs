@@ -44,8 +44,10 @@ impl ShapeBase {
         let made = match (kind, &numbers[..]) {
             ("sphere", &[radius]) => Shape::sphere(points("center")?[0], radius),
             ("capsule", &[radius]) => {
-                let ends = points("ends")?;
-                Shape::capsule(ends[0], ends[1], radius)
+                let end = |row: usize, name| -> PyResult<[f64; 3]> {
+                    Ok(Points::read(&source.get_item(row)?, name, EXPONENT)?.rows[0])
+                };
+                Shape::capsule(end(0, "start")?, end(1, "end")?, radius)
             }
             ("box", &[x, y, z]) => Shape::cuboid([x, y, z]),
             ("lozenge", &[radius]) => {
