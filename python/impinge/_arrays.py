@@ -44,6 +44,39 @@ def plain_faces(faces: ArrayLike) -> NDArray[Any]:
     return np.require(array, native, _PLAIN)
 
 
+def plain_numbers(numbers: ArrayLike, name: str, most: int) -> NDArray[np.uint64]:
+    """Return (...) uint64 of whole numbers from zero to `most`; an array without entries may be of any type."""
+    array = _array(numbers, name, f"integers from 0 to {most}")
+    if array.size == 0:
+        return np.zeros(array.shape, np.uint64)
+    if array.dtype.kind not in "iu":
+        message = f"dtype {array.dtype}, where integers from 0 to {most} are expected"
+        raise InputError(message, kind="dtype", what=name)
+    wrong = np.argwhere((array < 0) | (array > most))
+    if len(wrong):
+        at = tuple(map(int, wrong[0]))
+        raise InputError(f"{array[at]} is not from 0 to {most}", kind="out-of-range", what=name, where=at)
+    return np.require(array, np.uint64, _PLAIN)
+
+
+def plain_reals(value: Any, name: str, core: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return (..., *core) finite float64 of numbers of any type."""
+    try:
+        given = np.asarray(value)
+        if given.dtype.kind not in "iufO":
+            raise TypeError(f"dtype {given.dtype}")
+        array = given.astype(np.float64)
+    except (ValueError, TypeError, OverflowError) as error:
+        raise InputError(f"not an array of numbers: {error}", kind="type", what=name) from None
+    if array.shape[array.ndim - len(core) :] != core:
+        message = f"shape {array.shape}, where (..., {', '.join(map(str, core))}) is expected"
+        raise InputError(message, kind="shape", what=name)
+    broken = np.argwhere(~np.isfinite(array))
+    if len(broken):
+        raise InputError("not finite", kind="non-finite", what=name, where=tuple(map(int, broken[0])))
+    return array
+
+
 def _floats(values: ArrayLike, name: str, core: tuple[int, ...], *, cloud: bool, wanted: str) -> NDArray[Any]:
     """Read floats whose last axes are `core`; a cloud has one axis more, and keeps single precision."""
     is_array = hasattr(values, "dtype")

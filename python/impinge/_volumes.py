@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from impinge._boxes import Aabb
 
 Numbers: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]
 """A volume as the extension has it: rows of three numbers, and single numbers."""
@@ -45,20 +48,6 @@ class Sphere(Volume):
     center: NDArray[np.float64]
     radius: float
     lower: float
-
-
-@dataclass(frozen=True, eq=False)
-class Aabb(Volume):
-    """An axis-aligned box; exactly the least one.
-
-    Attributes
-    ----------
-    low, high : (3,) float64 array
-        The corners with the least and the greatest coordinates.
-    """
-
-    low: NDArray[np.float64]
-    high: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,12 +185,6 @@ class Proxies:
     def __repr__(self) -> str:
         """Return what the hull is."""
         return f"Proxies({self.hull!r})"
-
-
-def aabb_of(numbers: Numbers) -> Aabb:
-    """Return the box of its corners."""
-    (low, high), _, sizes = _sized(numbers)
-    return Aabb(low, high, **sizes)
 
 
 def sphere_of(numbers: Numbers) -> Sphere:

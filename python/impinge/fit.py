@@ -7,6 +7,9 @@ the empty one has a volume of every kind: one point, duplicates, points on a lin
 Every function raises `InputError` where points have another type or shape, where there are none, or where one is not
 finite or out of range; it says which. ``docs/volumes.md`` compares the volumes on real meshes.
 
+An axis-aligned box has three forms, `Aabb`, `MinWidths` and `CenterRadius`. They convert into each other without ever
+shrinking, and the last two may be packed into 16 or 20 bytes.
+
 Examples
 --------
 >>> import impinge, numpy as np
@@ -21,16 +24,26 @@ True
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 from numpy.typing import ArrayLike
 
 from impinge import _impinge
 from impinge._arrays import plain_cloud
-from impinge._errors import InputError
-from impinge._mesh import Mesh
-from impinge._volumes import (
+from impinge._boxes import (
     Aabb,
+    AabbBatch,
+    AxisBox,
+    CenterRadius,
+    MinWidths,
+    PackedBox,
+    PackedCenterRadius,
+    PackedMinWidths,
+    aabb_of,
+)
+from impinge._mesh import Mesh
+from impinge._scalars import chosen
+from impinge._volumes import (
     Capsule,
     Hull,
     Kdop,
@@ -40,7 +53,6 @@ from impinge._volumes import (
     Proxies,
     Sphere,
     Volume,
-    aabb_of,
     capsule_of,
     kdop_of,
     lozenge_of,
@@ -50,11 +62,18 @@ from impinge._volumes import (
 
 __all__ = [
     "Aabb",
+    "AabbBatch",
+    "AxisBox",
     "Capsule",
+    "CenterRadius",
     "Hull",
     "Kdop",
     "Lozenge",
+    "MinWidths",
     "Obb",
+    "PackedBox",
+    "PackedCenterRadius",
+    "PackedMinWidths",
     "Proxies",
     "Sphere",
     "Volume",
@@ -125,7 +144,7 @@ def sphere(
     InputError
         As the module says, or if there is no such method.
     """
-    return sphere_of(_fitted(points, f"{_chosen(method, _SPHERES, 'method')} sphere"))
+    return sphere_of(_fitted(points, f"{chosen(method, _SPHERES, 'method')} sphere"))
 
 
 def aabb(points: ArrayLike) -> Aabb:
@@ -168,7 +187,7 @@ def obb(points: ArrayLike, method: Literal["least", "principal"] = "least") -> O
     InputError
         As the module says, or if there is no such method.
     """
-    return obb_of(_fitted(points, f"{_chosen(method, _OBBS, 'method')} obb"))
+    return obb_of(_fitted(points, f"{chosen(method, _OBBS, 'method')} obb"))
 
 
 def capsule(points: ArrayLike) -> Capsule:
@@ -230,7 +249,7 @@ def kdop(points: ArrayLike, k: Literal[14, 18, 26] = 18) -> Kdop:
     InputError
         As the module says, or if there is no such k.
     """
-    return kdop_of(_fitted(points, f"{_chosen(k, _KDOPS, 'k')}-dop"))
+    return kdop_of(_fitted(points, f"{chosen(k, _KDOPS, 'k')}-dop"))
 
 
 def convex_hull(points: ArrayLike) -> Hull:
@@ -300,10 +319,3 @@ def proxies(mesh: Mesh) -> Proxies:
 
 def _fitted(points: ArrayLike, construction: str) -> Numbers:
     return _impinge.fit_volume(plain_cloud(points, "points"), construction)
-
-
-def _chosen(option: Any, known: tuple[Any, ...], name: str) -> Any:
-    if not any(type(option) is type(own) and option == own for own in known):
-        message = f"must be one of {', '.join(map(repr, known))}, not {option!r}"
-        raise InputError(message, kind="option", what=name)
-    return option

@@ -13,6 +13,9 @@ VIEWS = [
     (impinge.Character, lambda character: (character.parts, character.animations, character.faces)),
     (impinge.partition.Partition, lambda held: (held.keys, held.boxes(), held.cells, held.pairs())),
     (impinge.SolidBsp, lambda tree: (tree.cells, tree.depth, tree.contains([[0.1, 0.2, 0.3], [9, 9, 9]]))),
+    (impinge.fit.AxisBox, lambda box: (*box.__reduce__()[1], box.volume, box.surface_area)),
+    (impinge.fit.PackedBox, lambda box: (box.nbytes, box.unpacked())),
+    (impinge.fit.AabbBatch, lambda many: (len(many), many.overlapping(impinge.fit.Aabb([0.1] * 3, [2.5] * 3)))),
     (set | frozenset, lambda items: sorted(map(str, items))),
     (dict, lambda items: [(str(key), value) for key, value in items.items()]),
 ]

@@ -54,6 +54,8 @@ def examples():
     _, data = crowd.in_collision_single(mesh, pose([0.5, 0, 0]), return_data=True)
     low, high = [[0, 0, 0], [2, 0, 0]], [[2, 1, 1], [3, 1, 1]]
     grid, space = partition.HashedGrid(2, low, high), [[0, 0, 0], [4, 4, 4]]
+    wide, about = impinge.fit.MinWidths([0, 0, 0], [1, 2, 3]), impinge.fit.CenterRadius([0, 0, 0], [1, 2, 3])
+    boxes = [wide, about, wide.packed(8), about.packed(16), impinge.fit.AabbBatch(low, high)]
     with pytest.raises(impinge.InputError) as caught:
         impinge.Mesh([[0, 0, 0]], [[0, 1, 2]])
     made = [
@@ -68,7 +70,7 @@ def examples():
         impinge.time_of_impact(box, box), impinge.intersecting_pairs(box, box, pose([[0, 0, 0]])), scene,
         scene.check(), Shape.box([1, 2, 3]), caught.value, impinge.LoadWarning("a warning"), impinge.Status.SINGULAR,
         impinge.shapes.distance(box, box), impinge.fit.obb(points), impinge.fit.capsule(points),
-        impinge.fit.lozenge(points), impinge.fit.aabb(points), impinge.fit.kdop(points), request, result,
+        impinge.fit.lozenge(points), impinge.fit.aabb(points), impinge.fit.kdop(points), *boxes, request, result,
         impinge.fit.proxies(box),
         result.contacts[0], fcl.CollisionData(), fcl.DistanceRequest(), fcl.DistanceResult(), fcl.DistanceData(), one,
         manager, crowd, distances, data[0], fcl.BVHModel(), fcl.Capsule(1, 2), fcl.Cone(1, 2), fcl.Cylinder(1, 2),

@@ -2,6 +2,7 @@
 //! `python/impinge`, is what people import.
 
 mod arrays;
+mod box_forms;
 mod boxes;
 mod broadcast;
 mod character;
@@ -35,6 +36,8 @@ mod world_turn;
 /// What `python/impinge` imports; every name is private to that package.
 #[pyo3::pymodule]
 mod _impinge {
+    #[pymodule_export]
+    use super::box_forms::{BatchCore, BoxCore, PackedCore};
     #[pymodule_export]
     use super::character::CharacterCore;
     #[pymodule_export]

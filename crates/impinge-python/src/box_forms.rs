@@ -1,0 +1,243 @@
+//! An axis-aligned box in its three forms and packed, and one box against many.
+
+use impinge::InputError;
+use impinge::volume::{
+    AabbBatch, BoundingVolume, CentreRadius, MinMax, MinWidths, PackedCentreRadius, PackedMinWidths,
+};
+use pyo3::prelude::*;
+
+use crate::arrays::array;
+use crate::boxes::Boxes;
+use crate::errors::{Fault, kind_and_place, message};
+use crate::partitions::EXPONENT;
+use crate::points::Points;
+use crate::poses::{OnError, Poses};
+
+/// What `Aabb`, `MinWidths` and `CenterRadius` of `impinge.fit` hold.
+#[pyclass(frozen, module = "impinge._impinge")]
+pub(crate) struct BoxCore(Form);
+
+#[derive(Clone, Copy)]
+enum Form {
+    MinMax(MinMax),
+    MinWidths(MinWidths),
+    CentreRadius(CentreRadius),
+}
+
+/// What `PackedMinWidths` and `PackedCenterRadius` of `impinge.fit` hold.
+#[pyclass(frozen, module = "impinge._impinge")]
+pub(crate) struct PackedCore(Packed);
+
+enum Packed {
+    MinWidths8(PackedMinWidths<u8>),
+    MinWidths16(PackedMinWidths<u16>),
+    CentreRadius8(PackedCentreRadius<u8>),
+    CentreRadius16(PackedCentreRadius<u16>),
+}
+
+/// What `impinge.fit.AabbBatch` holds.
+#[pyclass(frozen, module = "impinge._impinge")]
+pub(crate) struct BatchCore(AabbBatch);
+
+impl Form {
+    fn min_max(self) -> MinMax {
+        match self {
+            Self::MinMax(own) => own,
+            Self::MinWidths(own) => own.into(),
+            Self::CentreRadius(own) => own.into(),
+        }
+    }
+
+    /// What `of` finds out about this box and another of the same form.
+    ///
+    /// # Errors
+    /// `InputError` where the other has another form.
+    fn beside<T>(self, other: &Bound<'_, BoxCore>, of: impl Fn(Self, Self) -> Option<T>) -> PyResult<T> {
+        of(self, other.get().0).ok_or_else(|| {
+            Fault::new("type", "other", "is a box in another form").hint(Some("convert it")).raised(other.py())
+        })
+    }
+}
+
+#[pymethods]
+impl BoxCore {
+    /// The box of two rows of numbers, whose names say the form.
+    #[new]
+    fn new<'py>(names: (String, String), first: &Bound<'py, PyAny>, second: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let py = first.py();
+        if names.1 == "high" {
+            let Boxes { shape, rows } = Boxes::read(first, Some(second), EXPONENT)?;
+            return match (&shape[..], &rows[..]) {
+                ([], &[bounds]) => Ok(Self(Form::MinMax(bounds))),
+                _ => Err(Fault::new("shape", "low", "one corner is expected, (3,)").raised(py)),
+            };
+        }
+        let row = |value: &Bound<'py, PyAny>, name: &str| {
+            let points = Points::read(value, name, EXPONENT)?;
+            match (&points.shape[..], &points.rows[..]) {
+                ([], &[row]) => Ok(row),
+                _ => Err(Fault::new("shape", name, "three numbers are expected, (3,)").raised(py)),
+            }
+        };
+        let (first, second) = (row(first, &names.0)?, row(second, &names.1)?);
+        let made = if names.1 == "widths" {
+            MinWidths::new(first, second).map(Form::MinWidths)
+        } else {
+            CentreRadius::new(first, second).map(Form::CentreRadius)
+        };
+        made.map(Self).map_err(|error| fault(&error, &names.1).raised(py))
+    }
+
+    /// The two rows of numbers, (3,) each, the volume and the area of the surface.
+    fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let (first, second, volume, area) = match self.0 {
+            Form::MinMax(own) => (own.min(), own.max(), own.volume(), own.surface_area()),
+            Form::MinWidths(own) => (own.min(), own.widths(), own.volume(), own.surface_area()),
+            Form::CentreRadius(own) => (own.centre(), own.half_extents(), own.volume(), own.surface_area()),
+        };
+        let columns = (array(py, first.to_vec(), &[3])?, array(py, second.to_vec(), &[3])?, volume, area);
+        Ok(columns.into_pyobject(py)?.into_any())
+    }
+
+    fn to_min_max(&self) -> Self {
+        Self(Form::MinMax(self.0.min_max()))
+    }
+
+    fn to_min_widths(&self) -> Self {
+        Self(match self.0 {
+            Form::MinWidths(_) => self.0,
+            form => Form::MinWidths(form.min_max().into()),
+        })
+    }
+
+    fn to_centre_radius(&self) -> Self {
+        Self(match self.0 {
+            Form::CentreRadius(_) => self.0,
+            form => Form::CentreRadius(form.min_max().into()),
+        })
+    }
+
+    fn overlaps(&self, other: &Bound<'_, Self>) -> PyResult<bool> {
+        self.0.beside(other, |own, other| match (own, other) {
+            (Form::MinMax(own), Form::MinMax(other)) => Some(own.overlaps(&other)),
+            (Form::MinWidths(own), Form::MinWidths(other)) => Some(own.overlaps(&other)),
+            (Form::CentreRadius(own), Form::CentreRadius(other)) => Some(own.overlaps(&other)),
+            _ => None,
+        })
+    }
+
+    fn encloses(&self, other: &Bound<'_, Self>) -> PyResult<bool> {
+        self.0.beside(other, |own, other| match (own, other) {
+            (Form::MinMax(own), Form::MinMax(other)) => Some(own.encloses(&other)),
+            (Form::MinWidths(own), Form::MinWidths(other)) => Some(own.encloses(&other)),
+            (Form::CentreRadius(own), Form::CentreRadius(other)) => Some(own.encloses(&other)),
+            _ => None,
+        })
+    }
+
+    fn merged(&self, other: &Bound<'_, Self>) -> PyResult<Self> {
+        let merged = self.0.beside(other, |own, other| match (own, other) {
+            (Form::MinMax(own), Form::MinMax(other)) => Some(Form::MinMax(own.merged(&other))),
+            (Form::MinWidths(own), Form::MinWidths(other)) => Some(Form::MinWidths(own.merged(&other))),
+            (Form::CentreRadius(own), Form::CentreRadius(other)) => Some(Form::CentreRadius(own.merged(&other))),
+            _ => None,
+        });
+        merged.map(Self)
+    }
+
+    /// (...) booleans.
+    fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let Points { shape, rows } = Points::read(points, "points", EXPONENT)?;
+        let holds = |&point: &[f64; 3]| match self.0 {
+            Form::MinMax(own) => own.contains(point),
+            Form::MinWidths(own) => own.contains(point),
+            Form::CentreRadius(own) => own.contains(point),
+        };
+        array(points.py(), rows.iter().map(holds).collect(), &shape)
+    }
+
+    /// The box of the same form about the image.
+    fn moved(&self, pose: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let (py, poses) = (pose.py(), Poses::read(pose, "pose", OnError::Raise)?);
+        let ([], [pose]) = (&poses.shape[..], &poses.poses[..]) else {
+            return Err(Fault::new("shape", "pose", "one pose is expected, (4, 4)").raised(py));
+        };
+        let moved = match self.0 {
+            Form::MinMax(own) => own.moved(pose).map(Form::MinMax),
+            Form::MinWidths(own) => own.moved(pose).map(Form::MinWidths),
+            Form::CentreRadius(own) => own.moved(pose).map(Form::CentreRadius),
+        };
+        moved.map(Self).map_err(|error| fault(&error, "pose").at(Vec::new()).raised(py))
+    }
+
+    /// The box with extents of 8 or 16 bits; one by its corners by its widths.
+    fn packed(&self, py: Python<'_>, bits: u32) -> PyResult<PackedCore> {
+        let packed = match (self.0, bits) {
+            (Form::CentreRadius(own), 8) => own.try_into().map(Packed::CentreRadius8),
+            (Form::CentreRadius(own), _) => own.try_into().map(Packed::CentreRadius16),
+            (Form::MinWidths(own), 8) => own.try_into().map(Packed::MinWidths8),
+            (Form::MinWidths(own), _) => own.try_into().map(Packed::MinWidths16),
+            (Form::MinMax(own), 8) => MinWidths::from(own).try_into().map(Packed::MinWidths8),
+            (Form::MinMax(own), _) => MinWidths::from(own).try_into().map(Packed::MinWidths16),
+        };
+        packed.map(PackedCore).map_err(|error| fault(&error, "box").raised(py))
+    }
+}
+
+#[pymethods]
+impl PackedCore {
+    /// The box that it is, exactly.
+    fn unpacked(&self) -> BoxCore {
+        BoxCore(match self.0 {
+            Packed::MinWidths8(own) => Form::MinWidths(own.into()),
+            Packed::MinWidths16(own) => Form::MinWidths(own.into()),
+            Packed::CentreRadius8(own) => Form::CentreRadius(own.into()),
+            Packed::CentreRadius16(own) => Form::CentreRadius(own.into()),
+        })
+    }
+
+    /// Bytes that the numbers take.
+    fn size(&self) -> usize {
+        match &self.0 {
+            Packed::MinWidths8(own) => size_of_val(own),
+            Packed::MinWidths16(own) => size_of_val(own),
+            Packed::CentreRadius8(own) => size_of_val(own),
+            Packed::CentreRadius16(own) => size_of_val(own),
+        }
+    }
+}
+
+#[pymethods]
+impl BatchCore {
+    /// Boxes from lower corners to upper ones, (n, 3), in single precision.
+    #[new]
+    fn new(low: &Bound<'_, PyAny>, high: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let Boxes { shape, rows } = Boxes::read(low, high, EXPONENT)?;
+        if shape.len() != 1 {
+            let message = format!("leading axes {shape:?}, where (n, 3) is expected");
+            return Err(Fault::new("shape", "low", message).raised(low.py()));
+        }
+        Ok(Self(low.py().detach(|| rows.iter().map(MinMax::to_aabb).collect())))
+    }
+
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// (k,) numbers of the boxes that overlap this one, ascending.
+    fn overlapping<'py>(&self, one: &Bound<'py, BoxCore>) -> PyResult<Bound<'py, PyAny>> {
+        let (py, one) = (one.py(), one.get().0.min_max().to_aabb());
+        let found = py.detach(|| {
+            let mut found = Vec::new();
+            self.0.overlapping(&one, &mut found);
+            found
+        });
+        let count = found.len();
+        array(py, found, &[count])
+    }
+}
+
+fn fault(error: &InputError, name: &str) -> Fault {
+    let (kind, at) = kind_and_place(error);
+    Fault::new(kind, name, message(error)).at(at).hint(error.hint())
+}

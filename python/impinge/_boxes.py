@@ -1,0 +1,404 @@
+"""Axis-aligned boxes in their three forms and packed, and one box against many, as `impinge.fit` has them."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Literal, Self, TypeVar, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from impinge import _impinge
+from impinge._arrays import plain_points
+from impinge._errors import InputError
+from impinge._points import scalar
+from impinge._scalars import chosen
+from impinge._volumes import Numbers, Volume
+
+_Kind = TypeVar("_Kind")
+
+_BYTES_OF_8_BITS = 16
+"""What a packed box takes whose extents have 8 bits."""
+
+
+@dataclass(frozen=True, eq=False)
+class AxisBox(Volume):
+    """What the three forms of an axis-aligned box have in common: `Aabb`, `MinWidths` and `CenterRadius`.
+
+    A box is the closed set of real points that its numbers define. Converting, merging and moving round outward: the
+    result holds all of the exact one. Numbers are finite and below 2^320 in magnitude; a box never changes.
+
+    Examples
+    --------
+    >>> import impinge
+    >>> box = impinge.fit.Aabb([1, 1, 1], [4, 2, 2])
+    >>> box.to_center_radius()
+    CenterRadius(center=array([2.5, 1.5, 1.5]), half_extents=array([1.5, 0.5, 0.5]))
+    >>> box.to_min_widths().overlaps(impinge.fit.MinWidths([4, 2, 2], [1, 1, 1]))
+    True
+    >>> box.moved(impinge.pose([10, 0, 0])).low
+    array([11.,  1.,  1.])
+    """
+
+    volume: float = field(init=False, repr=False)
+    surface_area: float = field(init=False, repr=False)
+    _core: _impinge.BoxCore = field(init=False, repr=False)
+    _names: ClassVar[tuple[str, str]]
+    """The two fields that make the box, in the order of the constructor."""
+
+    def _take(self, core: _impinge.BoxCore) -> None:
+        first, second, volume, surface_area = core.columns()
+        first.setflags(write=False)
+        second.setflags(write=False)
+        names = (*self._names, "volume", "surface_area", "_core")
+        for name, value in zip(names, (first, second, volume, surface_area, core), strict=True):
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def _of(cls, core: _impinge.BoxCore) -> Self:
+        made = object.__new__(cls)
+        made._take(core)
+        return made
+
+    def to_min_max(self) -> Aabb:
+        """Return the box by its corners; those that are not known exactly are rounded outward."""
+        return Aabb._of(self._core.to_min_max())
+
+    def to_min_widths(self) -> MinWidths:
+        """Return the box by its least corner and its widths, which are rounded up."""
+        return MinWidths._of(self._core.to_min_widths())
+
+    def to_center_radius(self) -> CenterRadius:
+        """Return the box by its rounded centre and half-extents that reach both corners from there, rounded up."""
+        return CenterRadius._of(self._core.to_centre_radius())
+
+    def overlaps(self, other: Self) -> bool:
+        """Whether two boxes of one form are not proved apart; touching counts.
+
+        Exact by corners and by widths; by centres, boxes whose gap is below a unit in the last place count as
+        overlapping.
+
+        Raises
+        ------
+        InputError
+            If `other` is no box of this form.
+        """
+        return self._core.overlaps(_core(other))
+
+    def encloses(self, other: Self) -> bool:
+        """Whether every point of another box of the same form is in this one; True only where that is proved.
+
+        Raises
+        ------
+        InputError
+            If `other` is no box of this form.
+        """
+        return self._core.encloses(_core(other))
+
+    def contains(self, points: ArrayLike) -> bool | NDArray[np.bool_]:
+        """Whether points are not proved outside; what is on the boundary is inside.
+
+        Parameters
+        ----------
+        points : (..., 3) array_like of float32 or float64
+            Below 2^320 in magnitude.
+
+        Returns
+        -------
+        bool or (...) bool array
+
+        Raises
+        ------
+        InputError
+            If points have another type or shape, or a number is not in range.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> impinge.fit.MinWidths([0, 0, 0], [1, 1, 1]).contains([[1, 1, 1], [1, 1, 1.5]])
+        array([ True, False])
+        """
+        return scalar(self._core.contains(points))  # type: ignore[no-any-return]
+
+    def merged(self, other: Self) -> Self:
+        """Return a box that holds this one and another of the same form; by corners exactly the least.
+
+        Raises
+        ------
+        InputError
+            If `other` is no box of this form.
+        """
+        return self._of(self._core.merged(_core(other)))
+
+    def moved(self, pose: ArrayLike) -> Self:
+        """Return a box of the same form that holds the image of this one under a pose.
+
+        Parameters
+        ----------
+        pose : (4, 4) array_like of float32 or float64
+            World from the frame of the box; any affine map.
+
+        Raises
+        ------
+        InputError
+            If the pose is none, or the image leaves the range.
+        """
+        return self._of(self._core.moved(pose))
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle the numbers."""
+        return type(self), tuple(getattr(self, name) for name in self._names)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Aabb(AxisBox):
+    """An axis-aligned box by its corners: the form with the cheapest test, and with exact unions.
+
+    Attributes
+    ----------
+    low, high : (3,) float64 array
+        The corners with the least and the greatest coordinates.
+
+    Examples
+    --------
+    >>> import impinge
+    >>> box = impinge.fit.Aabb([0, 0, 0], [1, 1, 1])
+    >>> box.overlaps(impinge.fit.Aabb([1, 0, 0], [2, 2, 2])), box.volume
+    (True, 1.0)
+    """
+
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    _names: ClassVar[tuple[str, str]] = ("low", "high")
+
+    def __init__(self, low: ArrayLike, high: ArrayLike) -> None:
+        self._take(_impinge.BoxCore(self._names, low, high))
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class MinWidths(AxisBox):
+    """An axis-aligned box by its least corner and its widths: the points ``low + w`` with ``0 <= w <= widths``.
+
+    Attributes
+    ----------
+    low : (3,) float64 array
+        The corner with the least coordinates.
+    widths : (3,) float64 array
+        The lengths along the axes, at least zero.
+
+    Examples
+    --------
+    >>> import impinge
+    >>> impinge.fit.Aabb([1, 1, 1], [4, 2, 2]).to_min_widths()
+    MinWidths(low=array([1., 1., 1.]), widths=array([3., 1., 1.]))
+    """
+
+    low: NDArray[np.float64]
+    widths: NDArray[np.float64]
+    _names: ClassVar[tuple[str, str]] = ("low", "widths")
+
+    def __init__(self, low: ArrayLike, widths: ArrayLike) -> None:
+        self._take(_impinge.BoxCore(self._names, low, widths))
+
+    def packed(self, bits: Literal[8, 16] = 16) -> PackedMinWidths:
+        """Return a box that holds this one, in 20 bytes with widths of 16 bits, or in 16 with widths of 8.
+
+        Raises
+        ------
+        InputError
+            If a coordinate is beyond 2^127, or there are no such widths.
+        """
+        return PackedMinWidths(self._core.packed(chosen(bits, (8, 16), "bits")))
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class CenterRadius(AxisBox):
+    """An axis-aligned box by its centre and half-extents: the points ``center + e`` with ``abs(e) <= half_extents``.
+
+    Attributes
+    ----------
+    center : (3,) float64 array
+        Its centre.
+    half_extents : (3,) float64 array
+        Half the lengths along the axes, at least zero.
+
+    Examples
+    --------
+    >>> import impinge
+    >>> impinge.fit.CenterRadius([0, 0, 0], [1, 2, 3]).to_min_max()
+    Aabb(low=array([-1., -2., -3.]), high=array([1., 2., 3.]))
+    """
+
+    center: NDArray[np.float64]
+    half_extents: NDArray[np.float64]
+    _names: ClassVar[tuple[str, str]] = ("center", "half_extents")
+
+    def __init__(self, center: ArrayLike, half_extents: ArrayLike) -> None:
+        self._take(_impinge.BoxCore(self._names, center, half_extents))
+
+    def packed(self, bits: Literal[8, 16] = 16) -> PackedCenterRadius:
+        """Return a box that holds this one, in 20 bytes with half-extents of 16 bits, or in 16 with those of 8.
+
+        Raises
+        ------
+        InputError
+            If a coordinate is beyond 2^127, or there are no such half-extents.
+        """
+        return PackedCenterRadius(self._core.packed(chosen(bits, (8, 16), "bits")))
+
+
+class PackedBox:
+    """A box in single precision whose extents are small integers, times a power of two of its own.
+
+    It is the box that `unpacked` returns, to the bit: only packing rounds, and that outward.
+
+    Examples
+    --------
+    >>> import impinge
+    >>> box = impinge.fit.MinWidths([0, 0, 0], [1, 0.7, 0])
+    >>> box.packed(8), box.packed(8).unpacked().widths
+    (PackedMinWidths(16 bytes), array([1.      , 0.703125, 0.      ]))
+    """
+
+    __slots__ = ("_core",)
+
+    def __init__(self, core: _impinge.PackedCore) -> None:
+        self._core = core
+
+    @property
+    def nbytes(self) -> int:
+        """The bytes that its numbers take: 16 or 20."""
+        return self._core.size()
+
+    @property
+    def volume(self) -> float:
+        """What it encloses, in cubic units, rounded."""
+        volume: float = self.unpacked().volume
+        return volume
+
+    @abstractmethod
+    def unpacked(self) -> Any:
+        """Return the box in double precision, exactly."""
+
+    def overlaps(self, other: Self) -> bool:
+        """Whether two boxes of one form are not proved apart; touching counts. As of those that they are, unpacked.
+
+        Raises
+        ------
+        InputError
+            If `other` is no packed box of this form.
+        """
+        overlap: bool = self.unpacked().overlaps(_known(other, type(self)).unpacked())
+        return overlap
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle what it is; packed again it is the same."""
+        return _packed_again, (self.unpacked(), 8 if self.nbytes == _BYTES_OF_8_BITS else 16)
+
+    def __repr__(self) -> str:
+        """Return the form and the size."""
+        return f"{type(self).__name__}({self.nbytes} bytes)"
+
+
+@final
+class PackedMinWidths(PackedBox):
+    """A box by its least corner and its widths, packed: `MinWidths.packed` makes it."""
+
+    __slots__ = ()
+
+    def unpacked(self) -> MinWidths:
+        """Return the box in double precision, exactly."""
+        return MinWidths._of(self._core.unpacked())
+
+
+@final
+class PackedCenterRadius(PackedBox):
+    """A box by its centre and its half-extents, packed: `CenterRadius.packed` makes it."""
+
+    __slots__ = ()
+
+    def unpacked(self) -> CenterRadius:
+        """Return the box in double precision, exactly."""
+        return CenterRadius._of(self._core.unpacked())
+
+
+@final
+class AabbBatch:
+    """Many boxes side by side in single precision, for the question which of them one box overlaps: eight at a time.
+
+    Parameters
+    ----------
+    low, high : (n, 3) array_like of float32 or float64
+        Corners; points where `high` is not given. What is no single is rounded outward.
+
+    Raises
+    ------
+    InputError
+        If a number is not in range, or an upper corner is below a lower one; it says which.
+
+    Examples
+    --------
+    >>> import impinge, numpy as np
+    >>> low = np.arange(100.0)[:, None] * [1, 0, 0]
+    >>> impinge.fit.AabbBatch(low, low + 1).overlapping(impinge.fit.Aabb([6.5, 0, 0], [6.75, 1, 1]))
+    array([6], dtype=uint32)
+    """
+
+    __slots__ = ("_core", "_made_of")
+
+    def __init__(self, low: ArrayLike, high: ArrayLike | None = None) -> None:
+        self._made_of = plain_points(low, "low").copy(), None if high is None else plain_points(high, "high").copy()
+        self._core = _impinge.BatchCore(*self._made_of)
+
+    def overlapping(self, box: AxisBox) -> NDArray[np.uint32]:
+        """Return the rows of the boxes that overlap one, (k,), ascending: by one pass over all, 24 bytes a box.
+
+        Touching counts. Exact where all coordinates are singles; else boxes that are apart by less than the rounding
+        count as overlapping.
+
+        Raises
+        ------
+        InputError
+            If `box` is none.
+        """
+        return self._core.overlapping(_core(box, "box"))
+
+    def __len__(self) -> int:
+        """Return the number of boxes."""
+        return self._core.len()
+
+    def __copy__(self) -> AabbBatch:
+        """Return the batch, which never changes."""
+        return self
+
+    def __deepcopy__(self, memo: object) -> AabbBatch:
+        """Return the batch, which never changes."""
+        return self
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle what it was made of."""
+        return AabbBatch, self._made_of
+
+
+def aabb_of(numbers: Numbers) -> Aabb:
+    """Return the box of its corners, as the extension has them."""
+    low, high = numbers[0]
+    return Aabb(low, high)
+
+
+def _core(box: object, name: str = "other") -> _impinge.BoxCore:
+    return _known(box, AxisBox, name)._core
+
+
+def _known(box: object, kind: type[_Kind], name: str = "other") -> _Kind:
+    if not isinstance(box, kind):
+        raise InputError(f"must be {kind.__name__}, not {type(box).__name__}", kind="type", what=name)
+    return box
+
+
+def _packed_again(box: MinWidths | CenterRadius, bits: Literal[8, 16]) -> PackedBox:
+    return box.packed(bits)
