@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from impinge import _impinge
+from impinge._arrays import plain_points
 from impinge._character_pose import CharacterPose
 from impinge._errors import InputError
+from impinge._scalars import MOST, chosen, path_of, real, whole
 from impinge._shape import Shape
 
 
@@ -140,7 +142,7 @@ class Character:
         plan: str | os.PathLike[str] | None = None,
         pieces: int | None = None,
     ) -> None:
-        self._open(path, (_count(volumes, "volumes"), mode, plan, None, _count(pieces, "pieces")))
+        self._open(path, (whole(volumes, "volumes", least=1), mode, plan, None, pieces))
 
     @classmethod
     def load(
@@ -165,12 +167,15 @@ class Character:
             If its content is broken, or names what the rig has not.
         """
         character = cls.__new__(cls)
-        character._open(path, (1, "conservative", None, fitted, _count(pieces, "pieces")))
+        character._open(path, (1, "conservative", None, fitted, pieces))
         return character
 
     def _open(self, path: str | os.PathLike[str], options: tuple[Any, ...]) -> None:
         volumes, mode, plan, fitted, pieces = options
-        path = os.fspath(path)
+        chosen(mode, ("conservative", "snug"), "mode")
+        path, pieces = path_of(path, "path"), None if pieces is None else whole(pieces, "pieces", least=1)
+        plan = None if plan is None else path_of(plan, "plan")
+        fitted = None if fitted is None else path_of(fitted, "fitted")
         self._take(_impinge.CharacterCore(path, volumes, mode, plan, fitted, pieces), path, pieces)
 
     def _take(self, core: _impinge.CharacterCore, path: str, pieces: int | None) -> None:
@@ -220,7 +225,7 @@ class Character:
         OSError
             If the file cannot be written.
         """
-        Path(path).write_text(self._core.text(), encoding="utf-8")
+        Path(path_of(path, "path")).write_text(self._core.text(), encoding="utf-8")
 
     def at(
         self, animation: str | int | None = None, time: float = 0.0, *, origin: ArrayLike = (0, 0, 0)
@@ -247,12 +252,13 @@ class Character:
             If there is no such animation, or a number is not finite.
         """
         at = None if animation is None else self._number(animation)
-        place = np.asarray(origin, np.float64)
+        place = plain_points(origin, "origin")
         if place.shape != (3,) or not (np.abs(place) < 2.0**128).all():
             raise InputError("a point of the world is expected, (3,), below 2^128", kind="shape", what="origin")
-        if not np.isfinite(time):
-            raise InputError(f"{time} is not finite", kind="non-finite", what="time")
-        asked = at, float(time), place.tolist()
+        seconds = real(time, "time")
+        if np.isinf(seconds):
+            raise InputError(f"{seconds} is not finite", kind="non-finite", what="time")
+        asked = at, seconds, place.tolist()
         return CharacterPose(self, self._core.pose(*asked), asked)
 
     def _shapes(self) -> list[Shape]:
@@ -282,10 +288,12 @@ class Character:
 
     def _number(self, animation: str | int) -> int:
         names = [known.name for known in self._animations]
-        if isinstance(animation, str) and animation in names:
+        if not isinstance(animation, str):
+            animation = whole(animation, "animation", least=-MOST)
+            if 0 <= animation < len(names):
+                return animation
+        elif animation in names:
             return names.index(animation)
-        if not isinstance(animation, str) and 0 <= animation < len(names):
-            return int(animation)
         message = f"there is no animation {animation!r}; there are {', '.join(map(repr, names)) or 'none'}"
         raise InputError(message, kind="name", what="animation")
 
@@ -302,9 +310,3 @@ def _reopened(path: str, text: str, pieces: int | None, fingerprint: int) -> Cha
         message = "the file does not hold the character that was pickled"
         raise InputError(message, kind="changed", what=path, hint="pickle it anew, from the file as it is now")
     return character
-
-
-def _count(number: int | None, name: str) -> int | None:
-    if number is not None and int(number) < 1:
-        raise InputError(f"must be at least one, not {number}", kind="out-of-range", what=name)
-    return number if number is None else int(number)

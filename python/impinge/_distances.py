@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Literal, Unpack, overload
 
@@ -10,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from impinge import _impinge
-from impinge._errors import InputError
 from impinge._mesh import Mesh
 from impinge._points import scalar
 from impinge._rows import Booleans, Pose, Raising, Solid, Stating, Statuses, beside_status
+from impinge._scalars import real
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,14 +177,4 @@ def within(
     >>> impinge.within(triangle, triangle, 0.5, pose_b=impinge.pose([[0, 0, 0.5], [0, 0, 0.5 + 1e-15]]))
     array([ True, False])
     """
-    return _impinge.within((a, b, pose_a, pose_b, on_error, progress), _clearance(clearance), solid)
-
-
-def _clearance(value: object) -> float:
-    number = -1.0
-    if isinstance(value, float | int | np.floating | np.integer) and not isinstance(value, bool):
-        with suppress(OverflowError):
-            number = float(value)
-    if not number >= 0:
-        raise InputError(f"must be a number of at least 0, not {value!r}", kind="option", what="clearance")
-    return number
+    return _impinge.within((a, b, pose_a, pose_b, on_error, progress), real(clearance, "clearance", least=0), solid)

@@ -9,12 +9,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from impinge import _arrays
 from impinge._errors import InputError
+from impinge._scalars import whole
 
 Handles: TypeAlias = NDArray[np.uint64]
 """Handles, one a row."""
 
 ALL_LAYERS = 0xFFFF_FFFF
 """All 32 layers, as bits."""
+
+MOST_NUMBER = 2**64 - 1
+"""The greatest handle, owner or tag."""
 
 
 def handle(body: int) -> int:
@@ -27,16 +31,8 @@ def handle(body: int) -> int:
 
 def handles_of(bodies: ArrayLike, name: str = "bodies") -> tuple[Handles, tuple[int, ...]]:
     """Return handles in one row, and the axes that they came in."""
-    array = np.asarray(bodies)
-    if array.size == 0:
-        return np.zeros(0, np.uint64), array.shape
-    if array.dtype.kind not in "iu" or (array < 0).any():
-        wanted = "handles are expected: integers that insert() returned"
-        if name not in ("body", "bodies"):
-            wanted = "integers from 0 to 2^64 - 1 are expected"
-        message = f"dtype {array.dtype}, where {wanted}" if array.dtype.kind not in "iu" else f"where {wanted}"
-        raise InputError(message, kind="dtype", what=name)
-    return np.ascontiguousarray(array.reshape(-1).astype(np.uint64)), array.shape
+    array = _arrays.plain_numbers(bodies, name, MOST_NUMBER)
+    return array.reshape(-1), array.shape
 
 
 def numbers_of(values: ArrayLike, name: str, lead: tuple[int, ...]) -> Handles:
@@ -62,7 +58,4 @@ def poses_of(poses: ArrayLike | None, lead: tuple[int, ...]) -> NDArray[np.float
 
 def mask(layers: int, name: str) -> int:
     """Return layers as 32 bits."""
-    bits = int(layers)
-    if not 0 <= bits <= ALL_LAYERS:
-        raise InputError(f"{bits} is not made of 32 bits", kind="out-of-range", what=name)
-    return bits
+    return whole(layers, name, most=ALL_LAYERS)

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from impinge import _impinge
-from impinge._errors import InputError
 from impinge._mesh import Mesh
 from impinge._pairs import Pairs
 from impinge._rows import Booleans, Pose, Raising, Solid, Stating, Statuses, beside_status
+from impinge._scalars import whole
 
 
 @overload
@@ -211,9 +211,8 @@ def intersecting_pairs(
            [0, 1],
            [1, 1]], dtype=uint32)
     """
-    if limit is not None and (isinstance(limit, bool) or not isinstance(limit, int | np.integer) or limit < 0):
-        raise InputError(f"must be a whole number or None, not {limit!r}", kind="option", what="limit")
-    answer = _impinge.intersecting_pairs((a, b, pose_a, pose_b, on_error, progress), limit)
+    most = None if limit is None else whole(limit, "limit")
+    answer = _impinge.intersecting_pairs((a, b, pose_a, pose_b, on_error, progress), most)
     return beside_status(answer, on_error, _pairs)
 
 

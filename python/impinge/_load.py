@@ -8,9 +8,10 @@ import warnings
 import numpy as np
 
 from impinge import _impinge
-from impinge._errors import LoadWarning
+from impinge._errors import InputError, LoadWarning
 from impinge._mesh import Mesh
 from impinge._origin import Origin, origin_of
+from impinge._scalars import path_of
 from impinge._scene import Scene
 
 
@@ -61,7 +62,7 @@ def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
     >>> square.origin.polygons
     array([0, 0], dtype=uint32)
     """
-    path = os.fspath(path)
+    path = path_of(path, "path")
     model = _model(path, unit)
     return Mesh._of(model, origin_of(model, path))
 
@@ -104,7 +105,7 @@ def load_scene(path: str | os.PathLike[str], unit: str | None = None) -> Scene:
     >>> scene, scene.check().names()
     (Scene(2 parts, 1 pairs), [('floor', 'wall')])
     """
-    path = os.fspath(path)
+    path = path_of(path, "path")
     model = _model(path, unit)
     vertices, faces, part_of, sources = model.vertices, model.faces, model.part_of, model.sources
     order = np.argsort(part_of, kind="stable")
@@ -129,6 +130,8 @@ def _free_name(given: str, number: int, taken: dict[str, Mesh]) -> str:
 
 def _model(path: str, unit: str | None) -> _impinge.Model:
     """Read a file, with a warning, at the caller of the caller, for all that was left out."""
+    if unit is not None and not isinstance(unit, str):
+        raise InputError(f"must be a str, not {type(unit).__name__}", kind="unit", what="unit")
     model = _impinge.Model(path, unit)
     for warning in model.warnings:
         warnings.warn(f"{path}: {warning}", LoadWarning, stacklevel=3)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from typing import TYPE_CHECKING, Any, Literal, Protocol, final
+from typing import TYPE_CHECKING, Any, Literal, Protocol, final, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,7 @@ from impinge._errors import InputError
 from impinge._inspection import Health, TreeStatistics
 from impinge._mesh_points import PointQueries
 from impinge._origin import Origin, origin_of
+from impinge._scalars import chosen, flag, path_of
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -256,7 +257,7 @@ class Mesh(PointQueries):
         >>> mesh.aging
         1.0
         """
-        super().rebuild(builder)
+        super().rebuild(chosen(builder, get_args(BuilderName), "builder"))
 
     def bake(self, path: str | os.PathLike[str], *, proxies: bool = False) -> None:
         """Write the mesh with its hierarchy to a file that `impinge.load` opens where it lies, without building.
@@ -288,12 +289,12 @@ class Mesh(PointQueries):
         ...     impinge.intersects(impinge.load(pathlib.Path(folder) / "triangle.impinge"), mesh)
         True
         """
-        path = os.fspath(path)
+        path = path_of(path, "path")
         if not path.lower().endswith(".impinge"):
             raise InputError(f"{path!r} does not end in .impinge", kind="option", what="path")
         beside = f"{path}.{os.getpid()}.tmp"
         try:
-            _impinge.bake(self, beside, self._about(), proxies)
+            _impinge.bake(self, beside, self._about(), flag(proxies, "proxies"))
             os.replace(beside, path)
         finally:
             with contextlib.suppress(FileNotFoundError):
@@ -311,7 +312,7 @@ class Mesh(PointQueries):
             shared.buf[:] = baked
             impinge.load(f"/dev/shm/{shared.name}")
         """
-        return _impinge.to_baked(self, self._about(), proxies)
+        return _impinge.to_baked(self, self._about(), flag(proxies, "proxies"))
 
     def _about(self) -> tuple[list[int], list[int], list[str], str | None]:
         """Where the faces come from, as the extension takes it."""

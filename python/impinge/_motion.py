@@ -13,6 +13,7 @@ from impinge._errors import InputError
 from impinge._mesh import Mesh
 from impinge._points import scalar
 from impinge._rows import Solid
+from impinge._scalars import real
 
 
 @final
@@ -103,8 +104,14 @@ class Motion(_impinge.MotionBase):
         return self
 
     def at(self, t: float) -> NDArray[np.float64]:
-        """Return the poses at a time, (..., 4, 4); exactly the first at 0, and at the nearer end outside of [0, 1]."""
-        return self.poses_at(float(t))
+        """Return the poses at a time, (..., 4, 4); exactly the first at 0, and at the nearer end outside of [0, 1].
+
+        Raises
+        ------
+        InputError
+            If the time is no number.
+        """
+        return self.poses_at(real(t, "t"))
 
     def __repr__(self) -> str:
         """Return how many motions these are."""

@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from impinge._character import Character
 from impinge._character_pose import CharacterPose
 from impinge._errors import InputError
-from impinge._handles import ALL_LAYERS, handles_of
+from impinge._handles import ALL_LAYERS, MOST_NUMBER, handles_of
 from impinge._points import scalar
+from impinge._scalars import whole
 from impinge._world import Kind, World
 
 
@@ -91,9 +92,10 @@ class PartBodies:
         character, places = pose.character, pose._core.body_poses()
         insert = partial(world.insert, kind=kind, layers=layers, meets=meets, owner=owner)
         inserted: list[Any] = []
+        first = whole(tag, "tag", most=MOST_NUMBER + 1 - len(places))
         try:
             for part, (shape, place) in enumerate(zip(character._shapes(), places, strict=True)):
-                inserted.append(insert(shape, place, tag=tag + part))
+                inserted.append(insert(shape, place, tag=first + part))
         except BaseException:
             world.remove(inserted)
             raise

@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from impinge import _impinge
+from impinge._arrays import plain_numbers
 from impinge._errors import InputError
 from impinge._partition_answers import BoxHit, BoxHits, Changes, Keys, Nearest
 from impinge._points import scalar
+from impinge._scalars import real, whole
 
 MOST_KEYS = 2**32 - 1
 """Keys are below this."""
@@ -169,7 +171,7 @@ class Partition:
         >>> hit.key, round(hit.t, 9)
         (1, 2.0)
         """
-        t, key = _impinge.partition_ray_cast(self._core, origins, directions, float(reach))
+        t, key = _impinge.partition_ray_cast(self._core, origins, directions, real(reach, "reach", least=0))
         return BoxHit(scalar(t), scalar(key))
 
     def ray_cast_all(self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf) -> BoxHit | BoxHits:
@@ -190,7 +192,9 @@ class Partition:
         InputError
             As for `ray_cast`.
         """
-        offsets, t, key, shape = _impinge.partition_ray_cast_all(self._core, origins, directions, float(reach))
+        offsets, t, key, shape = _impinge.partition_ray_cast_all(
+            self._core, origins, directions, real(reach, "reach", least=0)
+        )
         return BoxHits(offsets, t, key, tuple(shape)) if shape else BoxHit(t, key)
 
     def nearest(self, points: ArrayLike, count: int = 1) -> Nearest:
@@ -211,7 +215,7 @@ class Partition:
         Raises
         ------
         InputError
-            If a number is not in range.
+            If a number is not in range, or `count` no whole number.
 
         Examples
         --------
@@ -221,16 +225,22 @@ class Partition:
         >>> near.key, near.distance
         (array([1, 2]), array([1., 4.]))
         """
-        if count < 0:
-            raise InputError(f"{count} is below zero", kind="negative", what="count")
-        return Nearest(*_impinge.partition_nearest(self._core, points, count))
+        return Nearest(*_impinge.partition_nearest(self._core, points, whole(count, "count")))
 
     def pairs(self) -> NDArray[np.uint32]:
         """Return all pairs of boxes that meet, (k, 2), sorted, the lesser key first."""
         return _impinge.partition_pairs(self._core)
 
     def pairs_with(self, other: Partition) -> NDArray[np.uint32]:
-        """Return all pairs of a box of this partition and one of the other that meet, (k, 2), in this order, sorted."""
+        """Return all pairs of a box of this partition and one of the other that meet, (k, 2), in this order, sorted.
+
+        Raises
+        ------
+        InputError
+            If `other` is no partition.
+        """
+        if not isinstance(other, Partition):
+            raise InputError(f"must be a partition, not {type(other).__name__}", kind="type", what="other")
         return _impinge.partition_pairs_with(self._core, other._core)
 
 
@@ -274,7 +284,8 @@ class DynamicPartition(Partition):
         >>> grid.step([], [], removed=[0]).ended
         array([[0, 1]], dtype=uint32)
         """
-        places = NO_BOXES if np.size(low) == 0 else low
+        is_empty = low.size == 0 if isinstance(low, np.ndarray) else isinstance(low, list | tuple) and not low
+        places = NO_BOXES if is_empty else low
         return Changes(*self._core.step(_keys(keys, "keys"), places, high, _keys(removed, "removed")))
 
 
@@ -292,14 +303,4 @@ def _again(
 
 
 def _keys(keys: ArrayLike, name: str) -> NDArray[np.uint32]:
-    array = np.asarray(keys)
-    if array.size == 0:
-        return np.zeros(0, np.uint32)
-    if array.dtype.kind not in "iu":
-        raise InputError(f"dtype {array.dtype}, where integers are expected", kind="dtype", what=name)
-    flat = array.reshape(-1)
-    wrong = np.flatnonzero((flat < 0) | (flat >= MOST_KEYS))
-    if len(wrong):
-        message = f"{flat[wrong[0]]} is no key: these are from 0 to 2^32 - 2"
-        raise InputError(message, kind="out-of-range", what=name, where=(int(wrong[0]),))
-    return np.ascontiguousarray(flat, np.uint32)
+    return plain_numbers(keys, name, MOST_KEYS - 1).reshape(-1).astype(np.uint32)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from impinge._arrays import plain_reals
 from impinge._errors import InputError
 
 _TOLERANCE = 1e-3
@@ -59,15 +60,15 @@ def pose(
     chosen = {name: value for name, value in given.items() if value is not None}
     if len(chosen) > 1:
         raise InputError(f"one rotation is enough, not {' and '.join(chosen)}", kind="option", what=next(iter(chosen)))
-    translation = _numbers(t, "t", (3,))
+    translation = plain_reals(t, "t", (3,))
     if quat_wxyz is not None:
-        linear = _of_quaternion(_numbers(quat_wxyz, "quat_wxyz", (4,)), "quat_wxyz")
+        linear = _of_quaternion(plain_reals(quat_wxyz, "quat_wxyz", (4,)), "quat_wxyz")
     elif quat_xyzw is not None:
-        linear = _of_quaternion(np.roll(_numbers(quat_xyzw, "quat_xyzw", (4,)), 1, axis=-1), "quat_xyzw")
+        linear = _of_quaternion(np.roll(plain_reals(quat_xyzw, "quat_xyzw", (4,)), 1, axis=-1), "quat_xyzw")
     elif rpy is not None:
-        linear = _of_angles(_numbers(rpy, "rpy", (3,)))
+        linear = _of_angles(plain_reals(rpy, "rpy", (3,)))
     elif rotation is not None:
-        linear = _numbers(rotation, "rotation", (3, 3))
+        linear = plain_reals(rotation, "rotation", (3, 3))
     else:
         linear = np.eye(3)
     try:
@@ -80,23 +81,6 @@ def pose(
     made[..., :3, 3] = translation
     made[..., 3, 3] = 1.0
     return made
-
-
-def _numbers(value: ArrayLike, name: str, core: tuple[int, ...]) -> NDArray[np.float64]:
-    try:
-        given = np.asarray(value)
-        if given.dtype.kind == "c":
-            raise TypeError(f"dtype {given.dtype}")
-        array = given.astype(np.float64)
-    except (ValueError, TypeError) as error:
-        raise InputError(f"not an array of numbers: {error}", kind="type", what=name) from None
-    if array.shape[-len(core) :] != core:
-        message = f"shape {array.shape}, where (..., {', '.join(map(str, core))}) is expected"
-        raise InputError(message, kind="shape", what=name)
-    broken = np.argwhere(~np.isfinite(array))
-    if len(broken):
-        raise InputError("not finite", kind="non-finite", what=name, where=tuple(map(int, broken[0])))
-    return array
 
 
 def _of_quaternion(wxyz: NDArray[np.float64], name: str) -> NDArray[np.float64]:

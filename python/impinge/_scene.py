@@ -14,6 +14,7 @@ from impinge import _impinge
 from impinge._errors import InputError
 from impinge._mesh import Mesh
 from impinge._rows import Statuses
+from impinge._scalars import chosen
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -105,14 +106,16 @@ class Scene:
     """
 
     def __init__(self, parts: Mapping[str, Mesh], *, ignored: Iterable[tuple[str, str]] = ()) -> None:
+        if not isinstance(parts, Mapping):
+            raise InputError(f"must be a mapping, not {type(parts).__name__}", kind="type", what="parts")
         self._parts = dict(parts)
         for name, mesh in self._parts.items():
             if not isinstance(name, str) or not isinstance(mesh, Mesh):
                 message = f"part {name!r} is {type(mesh).__name__}; names are str, parts impinge.Mesh"
                 raise InputError(message, kind="type", what="parts")
         self._ignored: set[frozenset[str]] = set()
-        for pair in ignored:
-            self.ignore(*pair)
+        for a, b in _pairs(ignored):
+            self._ignore((a, "ignored"), (b, "ignored"))
 
     @property
     def parts(self) -> dict[str, Mesh]:
@@ -133,9 +136,13 @@ class Scene:
         InputError
             If there is no such part.
         """
-        for name in (a, b):
-            self._known(name, "ignored")
-        self._ignored.add(frozenset((a, b)))
+        self._ignore((a, "a"), (b, "b"))
+
+    def _ignore(self, a: tuple[str, str], b: tuple[str, str]) -> None:
+        """Leave a pair out: each a name, and the argument that it came in."""
+        for name, what in (a, b):
+            self._known(name, what)
+        self._ignored.add(frozenset((a[0], b[0])))
 
     def check(
         self,
@@ -171,10 +178,11 @@ class Scene:
             If `poses` names a part that there is not, or as for `intersects`.
         """
         poses = {} if poses is None else poses
+        if not isinstance(poses, Mapping):
+            raise InputError(f"must be a mapping, not {type(poses).__name__}", kind="type", what="poses")
         for name in poses:
             self._known(name, "poses")
-        if stop not in ("first", "all"):
-            raise InputError(f'must be "first" or "all", not {stop!r}', kind="option", what="stop")
+        chosen(stop, ("first", "all"), "stop")
         names = list(self._parts)
         parts = [(name, mesh, poses.get(name)) for name, mesh in self._parts.items()]
         places = [(names.index(a), names.index(b)) for a, b in self.pairs]
@@ -195,10 +203,17 @@ class Scene:
         return SceneReport(self.pairs, hit, first, meets, status)
 
     def _known(self, name: str, what: str) -> None:
-        if name not in self._parts:
+        if not isinstance(name, str) or name not in self._parts:
             message = f"there is no part {name!r}; there are {', '.join(map(repr, self._parts)) or 'none'}"
             raise InputError(message, kind="name", what=what)
 
     def __repr__(self) -> str:
         """Return the numbers of parts and pairs."""
         return f"Scene({len(self._parts)} parts, {len(self.pairs)} pairs)"
+
+
+def _pairs(ignored: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
+    try:
+        return [(a, b) for a, b in ignored]
+    except (TypeError, ValueError):
+        raise InputError("must be pairs of names", kind="type", what="ignored") from None

@@ -12,6 +12,7 @@ from impinge import _arrays, _impinge
 from impinge._errors import InputError
 from impinge._mesh import Mesh
 from impinge._points import RayHit, scalar
+from impinge._scalars import flag, real
 
 
 @final
@@ -66,7 +67,7 @@ class Shape(_impinge.ShapeBase):
         InputError
             If a number is not in range.
         """
-        return cls._of("sphere", _points(center, "center", 1), [_number(radius, "radius")])
+        return cls._of("sphere", _points(center, "center", 1), [real(radius, "radius")])
 
     @classmethod
     def capsule(cls, start: ArrayLike, end: ArrayLike, radius: float) -> Shape:
@@ -85,7 +86,7 @@ class Shape(_impinge.ShapeBase):
             If a number is not in range.
         """
         ends = np.concatenate([_points(start, "start", 1), _points(end, "end", 1)])
-        return cls._of("capsule", ends, [_number(radius, "radius")])
+        return cls._of("capsule", ends, [real(radius, "radius")])
 
     @classmethod
     def box(cls, half_extents: ArrayLike) -> Shape:
@@ -117,7 +118,7 @@ class Shape(_impinge.ShapeBase):
         InputError
             If a number is not in range.
         """
-        return cls._of("cylinder", None, [_number(half_height, "half_height"), _number(radius, "radius")])
+        return cls._of("cylinder", None, [real(half_height, "half_height"), real(radius, "radius")])
 
     @classmethod
     def cone(cls, half_height: float, radius: float) -> Shape:
@@ -133,7 +134,7 @@ class Shape(_impinge.ShapeBase):
         InputError
             If a number is not in range.
         """
-        return cls._of("cone", None, [_number(half_height, "half_height"), _number(radius, "radius")])
+        return cls._of("cone", None, [real(half_height, "half_height"), real(radius, "radius")])
 
     @classmethod
     def ellipsoid(cls, half_axes: ArrayLike) -> Shape:
@@ -183,7 +184,7 @@ class Shape(_impinge.ShapeBase):
         InputError
             If a number is not in range, or the normal is zero.
         """
-        return cls._of("half_space", _points(normal, "normal", 1), [_number(level, "level")])
+        return cls._of("half_space", _points(normal, "normal", 1), [real(level, "level")])
 
     @classmethod
     def hull(cls, points: ArrayLike) -> Shape:
@@ -213,9 +214,14 @@ class Shape(_impinge.ShapeBase):
             Shared, not copied.
         solid : bool
             Whether the inside belongs to it.
+
+        Raises
+        ------
+        InputError
+            If an argument is none of these.
         """
         still = mesh._as_it_is() if isinstance(mesh, Mesh) else mesh
-        return cls._of("solid" if solid else "mesh", still, [])
+        return cls._of("solid" if flag(solid, "solid") else "mesh", still, [])
 
     @classmethod
     def compound(cls, parts: Iterable[tuple[Shape | Mesh, ArrayLike | None]]) -> Shape:
@@ -340,13 +346,6 @@ def _points(value: ArrayLike, name: str, count: int | None) -> NDArray[np.float6
 def _three(value: ArrayLike, name: str) -> list[float]:
     numbers: list[float] = _points(value, name, 1)[0].tolist()
     return numbers
-
-
-def _number(value: float, name: str) -> float:
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"must be a number, not {value!r}", kind="type", what=name) from None
 
 
 def _parts(

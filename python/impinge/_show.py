@@ -13,6 +13,7 @@ from impinge._canvas import Canvas
 from impinge._errors import InputError
 from impinge._intersections import intersecting_pairs, intersection_curves
 from impinge._mesh import Mesh
+from impinge._scalars import chosen, real, whole
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -85,7 +86,7 @@ def show(
     """
     from PIL import Image  # noqa: PLC0415 (an optional dependency)
 
-    _judge(size, up, focus)
+    _judge(size, view, up, focus)
     poses = [
         np.eye(4) if pose is None else plain_poses(pose, name)
         for pose, name in ((pose_a, "pose_a"), (pose_b, "pose_b"))
@@ -129,12 +130,16 @@ def show(
     return picture
 
 
-def _judge(size: tuple[int, int], up: str, focus: str) -> None:
+def _judge(size: tuple[int, int], view: tuple[float, float], up: str, focus: str) -> None:
     for name, value, known in (("up", up, ("y", "z")), ("focus", focus, ("all", "contact"))):
-        if value not in known:
-            raise InputError(f"must be {' or '.join(map(repr, known))}, not {value!r}", kind="option", what=name)
-    if len(size) != 2 or not all(isinstance(pixels, int) and 16 <= pixels <= 8192 for pixels in size):
-        raise InputError(f"must be two whole numbers from 16 to 8192, not {size!r}", kind="option", what="size")
+        chosen(value, known, name)
+    for name, pair in (("size", size), ("view", view)):
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise InputError(f"must be two numbers, not {type(pair).__name__}", kind="shape", what=name)
+    for pixels in size:
+        whole(pixels, "size", least=16, most=8192)
+    if np.isinf([real(angle, "view") for angle in view]).any():
+        raise InputError("an angle is infinite", kind="non-finite", what="view")
 
 
 def _corners(mesh: Mesh, pose: NDArray[np.float64]) -> NDArray[np.float64]:

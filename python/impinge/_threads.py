@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 
 from impinge import _impinge
-from impinge._errors import InputError
+from impinge._scalars import whole
 
 _MOST = 1024
 
@@ -31,7 +31,7 @@ def threads(n: int) -> Iterator[None]:
     Raises
     ------
     InputError
-        If `n` is out of range.
+        If `n` is no whole number, or out of range.
 
     Examples
     --------
@@ -41,9 +41,7 @@ def threads(n: int) -> Iterator[None]:
     ...     impinge.intersects(triangle, triangle)
     True
     """
-    if isinstance(n, bool) or not isinstance(n, int) or not 1 <= n <= _MOST:
-        raise InputError(f"must be a whole number from 1 to {_MOST}, not {n!r}", kind="option", what="n")
-    token = asked.set(n)
+    token = asked.set(whole(n, "n", least=1, most=_MOST))
     try:
         yield
     finally:

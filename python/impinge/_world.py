@@ -13,6 +13,7 @@ from impinge._contacts import ContactRows, contact_rows
 from impinge._errors import InputError
 from impinge._handles import ALL_LAYERS, handle, handles_of, mask, numbers_of, poses_of
 from impinge._points import scalar
+from impinge._scalars import flag
 from impinge._shape import AnyShape, settled
 from impinge._world_answers import Step, Work
 from impinge._world_queries import WorldQueries
@@ -175,7 +176,7 @@ class World(WorldQueries):
             what = "poses" if poses is None else "bodies"
             raise InputError("bodies and poses come together", kind="option", what=what)
         handles, lead = handles_of(() if bodies is None else bodies)
-        began, ended, stay, work = self._core.step(handles, poses_of(poses, lead), persisting)
+        began, ended, stay, work = self._core.step(handles, poses_of(poses, lead), flag(persisting, "persisting"))
         return Step(began, ended, stay, Work(*work))
 
     def pairs(self, body: int | None = None) -> NDArray[np.uint64]:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from impinge import _impinge
 from impinge._handles import ALL_LAYERS, mask
 from impinge._points import scalar
+from impinge._scalars import real
 from impinge._shape import AnyShape
 from impinge._world_answers import Bodies, BodyRayHit, BodyRayHits, body_hits_of
 
@@ -55,7 +56,7 @@ class WorldQueries:
         >>> hit.body == int(balls[0]), round(hit.t, 9)
         (True, 2.0)
         """
-        rays = origins, directions, float(reach)
+        rays = origins, directions, real(reach, "reach", least=0)
         hit, (t, body, point, face) = _impinge.world_ray_cast(self._core, rays, mask(layers, "layers"))
         return BodyRayHit(scalar(hit), scalar(t), scalar(body), point, scalar(face))
 
@@ -79,7 +80,7 @@ class WorldQueries:
         InputError
             As for `ray_cast`.
         """
-        rays = origins, directions, float(reach)
+        rays = origins, directions, real(reach, "reach", least=0)
         offsets, columns, shape = _impinge.world_ray_cast_all(self._core, rays, mask(layers, "layers"))
         t, body, point, face = columns
         return BodyRayHits(offsets, t, body, point, face, tuple(shape)) if shape else body_hits_of(t, body, point, face)

@@ -50,6 +50,7 @@ from impinge._arrays import plain_points
 from impinge._errors import InputError
 from impinge._partition import NO_BOXES, DynamicPartition, Options, Partition
 from impinge._partition_answers import BoxHit, BoxHits, Changes, Keys, Nearest
+from impinge._scalars import chosen, real
 
 __all__ = [
     "BoxHit",
@@ -114,9 +115,7 @@ class BoxTree(DynamicPartition):
     __slots__ = ()
 
     def __init__(self, low: ArrayLike = NO_BOXES, high: ArrayLike | None = None, *, margin: float = 0.0) -> None:
-        if not margin >= 0.0:
-            raise InputError(f"{margin} is not at least zero", kind="negative", what="margin")
-        self._make(Options("box_tree", (float(margin), "margin")), low, high)
+        self._make(Options("box_tree", (real(margin, "margin", least=0), "margin")), low, high)
 
 
 @final
@@ -141,7 +140,7 @@ class UniformGrid(DynamicPartition):
     __slots__ = ()
 
     def __init__(self, space: ArrayLike, cell: float, low: ArrayLike = NO_BOXES, high: ArrayLike | None = None) -> None:
-        self._make(Options("uniform_grid", (float(cell), "cell"), _corners(space)), low, high)
+        self._make(Options("uniform_grid", (real(cell, "cell"), "cell"), _corners(space)), low, high)
 
 
 @final
@@ -164,7 +163,7 @@ class HashedGrid(DynamicPartition):
     __slots__ = ()
 
     def __init__(self, cell: float, low: ArrayLike = NO_BOXES, high: ArrayLike | None = None) -> None:
-        self._make(Options("hashed_grid", (float(cell), "cell")), low, high)
+        self._make(Options("hashed_grid", (real(cell, "cell"), "cell")), low, high)
 
 
 @final
@@ -187,7 +186,7 @@ class HierarchicalGrid(DynamicPartition):
     __slots__ = ()
 
     def __init__(self, cell: float, low: ArrayLike = NO_BOXES, high: ArrayLike | None = None) -> None:
-        self._make(Options("hierarchical_grid", (float(cell), "cell")), low, high)
+        self._make(Options("hierarchical_grid", (real(cell, "cell"), "cell")), low, high)
 
 
 @final
@@ -258,9 +257,7 @@ class SweepOneAxis(DynamicPartition):
     __slots__ = ()
 
     def __init__(self, axis: Literal["x", "y", "z"], low: ArrayLike = NO_BOXES, high: ArrayLike | None = None) -> None:
-        if axis not in ("x", "y", "z"):
-            raise InputError(f"must be one of 'x', 'y', 'z', not {axis!r}", kind="option", what="axis")
-        self._make(Options(f"sweep_{axis}"), low, high)
+        self._make(Options(f"sweep_{chosen(axis, ('x', 'y', 'z'), 'axis')}"), low, high)
 
 
 @final

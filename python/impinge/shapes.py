@@ -23,10 +23,10 @@ import numpy as np
 
 from impinge import _impinge
 from impinge._contacts import ContactRows, Contacts, contact_rows
-from impinge._errors import InputError
 from impinge._motion import Impact, Motion
 from impinge._points import scalar
 from impinge._rows import Booleans, Pose, Raising, Stating, Statuses, beside_status
+from impinge._scalars import real, whole
 from impinge._shape import AnyShape
 from impinge._shape_answers import Penetration, ShapeDistance, penetration_of, shape_distance_of
 
@@ -138,12 +138,9 @@ def within(
     Raises
     ------
     InputError
-        As for `intersects`, or if the clearance is NaN.
+        As for `intersects`, or if the clearance is no number.
     """
-    clearance = float(clearance)
-    if np.isnan(clearance):
-        raise InputError("must be a number", kind="non-finite", what="clearance")
-    return _impinge.shapes_within((a, b, pose_a, pose_b, on_error, progress), clearance)
+    return _impinge.shapes_within((a, b, pose_a, pose_b, on_error, progress), real(clearance, "clearance"))
 
 
 @overload
@@ -314,11 +311,7 @@ def contacts(
     >>> len(touch), touch.normal[0], touch.depth
     (4, array([0., 0., 1.]), array([0.25, 0.25, 0.25, 0.25]))
     """
-    margin, most_points = float(margin), int(most_points)
-    if not margin >= 0:
-        raise InputError(f"must be at least zero, not {margin}", kind="out-of-range", what="margin")
-    if most_points < 1:
-        raise InputError(f"must be at least one, not {most_points}", kind="out-of-range", what="most_points")
+    margin, most_points = real(margin, "margin", least=0), whole(most_points, "most_points", least=1)
 
     def made(columns: Any) -> Contacts | ContactRows:
         shape, (offsets, all_of_them) = columns

@@ -31,6 +31,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from impinge import _bodies, fcl
+from impinge._arrays import plain_faces, plain_reals
 from impinge._errors import InputError
 from impinge._mesh import HasTriangles, Mesh
 from impinge.fcl._manager import nearest_first
@@ -211,7 +212,7 @@ def mesh_to_BVH(mesh: HasTriangles) -> fcl.BVHModel:  # noqa: N802
 
 def mesh_to_convex(mesh: HasTriangles) -> fcl.Convex:
     """Return a convex mesh as a solid."""
-    faces = np.asarray(mesh.faces, np.int64)
+    faces = np.asarray(plain_faces(mesh.faces), np.int64)
     return fcl.Convex(mesh.vertices, len(faces), np.insert(faces, 0, 3, axis=1).ravel().tolist())
 
 
@@ -240,7 +241,7 @@ def _object(mesh: HasTriangles | Mesh, transform: ArrayLike | None) -> fcl.Colli
 
 
 def _transform(transform: ArrayLike) -> fcl.Transform:
-    matrix = np.asarray(transform, float)
+    matrix = plain_reals(transform, "transform", ())
     if matrix.shape != (4, 4):
         raise InputError("transform must be (4,4)!", kind="shape", what="transform")
     return fcl.Transform(matrix[:3, :3], matrix[:3, 3])

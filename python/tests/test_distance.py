@@ -88,7 +88,7 @@ def test_empty_meshes_and_bad_poses():
     assert status.tolist() == [0, 1]
     near, status = impinge.within(CUBE, CUBE, 0.5, poses, on_error="status")
     assert (near.tolist(), status.tolist()) == ([False, True], [0, 1])
-    for wrong in (-1, np.nan, True, "1", None, 10**400, [0.5], np.array(0.5)):
+    for wrong in (-1, np.nan, True, "1", None, 10**400, [0.5], np.array([0.5])):
         with pytest.raises(impinge.InputError, match="clearance"):
             impinge.within(CUBE, CUBE, wrong)
 

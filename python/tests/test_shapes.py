@@ -235,7 +235,7 @@ def test_pickles_and_prints(shape):
             lambda: impinge.shapes.intersects(UNIT, UNIT, np.stack([np.eye(4)] * 2), np.stack([np.eye(4)] * 3)),
         ),
         ("non-finite", "clearance", lambda: impinge.shapes.within(UNIT, UNIT, nan)),
-        ("out-of-range", "margin", lambda: impinge.shapes.contacts(UNIT, UNIT, margin=-1)),
+        ("negative", "margin", lambda: impinge.shapes.contacts(UNIT, UNIT, margin=-1)),
         ("out-of-range", "most_points", lambda: impinge.shapes.contacts(UNIT, UNIT, most_points=0)),
         ("zero-direction", "directions", lambda: UNIT.ray_cast([0, 0, 0], [0, 0, 0])),
         ("option", "Shape", Shape),

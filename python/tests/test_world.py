@@ -306,7 +306,7 @@ def test_nothing_moves_where_a_pose_is_bad():
         ("type", "shape", lambda w: w.insert("ball")),
         ("out-of-range", "layers", lambda w: w.insert(KINDS[0], layers=1 << 32)),
         ("shape", "tag", lambda w: w.insert(KINDS[0], tag=[1, 2])),
-        ("dtype", "tag", lambda w: w.insert(KINDS[0], tag=-1)),
+        ("out-of-range", "tag", lambda w: w.insert(KINDS[0], tag=-1)),
         ("non-finite", "pose", lambda w: w.insert(KINDS[0], np.full((4, 4), nan))),
         ("not-rigid", "pose", lambda w: w.insert(KINDS[0], np.stack([np.eye(4), np.diag([1, 1, 3, 1])]))),
         ("option", "poses", lambda w: w.step([1])),

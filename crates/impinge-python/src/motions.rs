@@ -10,7 +10,7 @@ use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::mesh_of;
 use crate::points::Points;
 use crate::poses::{OnError, Poses};
-use crate::question::SolidOption;
+use crate::question::{Progress, SolidOption};
 use crate::workers::{self, Rows};
 
 /// The magnitude that poses allow a translation: 2 to this.
@@ -103,12 +103,12 @@ pub(crate) fn motions_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<
 }
 
 /// The meshes a and b, their motions, which of them are solid, and whether to show how far the call is.
-type Moving<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, SolidOption, bool);
+type Moving<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, SolidOption, Progress);
 
 /// The two bounds of the time, in two arrays.
 #[pyfunction]
 pub(crate) fn time_of_impact<'py>(py: Python<'py>, moving: Moving<'py>) -> PyResult<Bound<'py, PyAny>> {
-    let (a, b, motion_a, motion_b, SolidOption(solid), progress) = moving;
+    let (a, b, motion_a, motion_b, SolidOption(solid), Progress(progress)) = moving;
     let (mesh_a, mesh_b) = (mesh_of(&a, "a")?, mesh_of(&b, "b")?);
     let (shape_a, motions_a) = motions_of(&motion_a, "motion_a")?;
     let (shape_b, motions_b) = motions_of(&motion_b, "motion_b")?;

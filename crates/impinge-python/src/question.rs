@@ -48,6 +48,9 @@ pub(crate) struct Answers<T> {
 /// Which mesh is solid: `False`, `True`, `"a"` or `"b"`.
 pub(crate) struct SolidOption(pub(crate) Solid);
 
+/// Whether the caller wants to see how far the call is.
+pub(crate) struct Progress(pub(crate) bool);
+
 impl<'py> FromPyObject<'_, 'py> for Question {
     type Error = PyErr;
 
@@ -57,9 +60,9 @@ impl<'py> FromPyObject<'_, 'py> for Question {
     /// `InputError` naming the argument, and the row and entry in it.
     fn extract(asked: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         type Asked<'py> =
-            (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, bool);
+            (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Progress);
         let py = asked.py();
-        let (a, b, pose_a, pose_b, on_error, progress): Asked<'py> = asked.extract()?;
+        let (a, b, pose_a, pose_b, on_error, Progress(progress)): Asked<'py> = asked.extract()?;
         let (mesh_a, mesh_b) = (mesh_of(&a, "a")?, mesh_of(&b, "b")?);
         let on_error = OnError::read(&on_error)?;
         let poses_a = Poses::read(&pose_a, "pose_a", on_error)?;
@@ -84,6 +87,17 @@ impl<'py> FromPyObject<'_, 'py> for SolidOption {
                 Err(Fault::new("option", "solid", message).raised(option.py()))
             }
         }
+    }
+}
+
+impl<'py> FromPyObject<'_, 'py> for Progress {
+    type Error = PyErr;
+
+    fn extract(option: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        option.extract::<bool>().map(Self).map_err(|_| {
+            let kind = option.get_type().name().map_or_else(|_| "something else".into(), |name| name.to_string());
+            Fault::new("type", "progress", format!("must be True or False, not {kind}")).raised(option.py())
+        })
     }
 }
 

@@ -11,7 +11,7 @@ use crate::broadcast::Broadcast;
 use crate::errors::Fault;
 use crate::mesh::mesh_of;
 use crate::poses::{OnError, Poses};
-use crate::question::with_status;
+use crate::question::{Progress, with_status};
 use crate::workers::{self, Rows};
 
 /// A part as Python names it: its name, its mesh and its poses.
@@ -28,9 +28,9 @@ pub(crate) fn check_scene<'py>(
     pairs: Vec<(usize, usize)>,
     first: bool,
     on_error: &Bound<'py, PyAny>,
-    progress: bool,
+    progress: Progress,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let on_error = OnError::read(on_error)?;
+    let (on_error, Progress(progress)) = (OnError::read(on_error)?, progress);
     let scene = Arc::new(Scene::read(py, &parts, pairs, on_error)?);
     let (shape, rows, pairs) = (scene.shape.clone(), scene.rows, scene.pairs.len());
     let status = (on_error == OnError::Status).then(|| (0..rows).map(|row| scene.status(row)).collect::<Vec<u8>>());

@@ -15,7 +15,7 @@ use crate::distances::{UNKNOWN_DEPTH, penetration_columns};
 use crate::errors::{Fault, kind_and_place, message};
 use crate::motions::{bounds, motions_of};
 use crate::poses::{OnError, Poses};
-use crate::question::Answers;
+use crate::question::{Answers, Progress};
 use crate::rays::Rays;
 use crate::shapes::{Weighed, weighed};
 use crate::verbs::yes_or_no;
@@ -59,9 +59,9 @@ impl<'py> FromPyObject<'_, 'py> for Question {
     /// `InputError` naming the argument, and the row and entry in it.
     fn extract(asked: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         type Asked<'py> =
-            (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, bool);
+            (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Progress);
         let py = asked.py();
-        let (a, b, pose_a, pose_b, on_error, progress): Asked<'py> = asked.extract()?;
+        let (a, b, pose_a, pose_b, on_error, Progress(progress)): Asked<'py> = asked.extract()?;
         let (a, b) = (weighed(&a, "a")?, weighed(&b, "b")?);
         let on_error = OnError::read(&on_error)?;
         let poses_a = Poses::read(&pose_a, "pose_a", on_error)?;
@@ -212,12 +212,12 @@ pub(crate) fn shape_contacts(
 }
 
 /// The shapes a and b, their motions, and whether to show how far the call is.
-type Moving<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, bool);
+type Moving<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Progress);
 
 /// The two bounds of the time, in two arrays.
 #[pyfunction]
 pub(crate) fn shape_time_of_impact<'py>(py: Python<'py>, moving: Moving<'py>) -> PyResult<Bound<'py, PyAny>> {
-    let (a, b, motion_a, motion_b, progress) = moving;
+    let (a, b, motion_a, motion_b, Progress(progress)) = moving;
     let (a, b) = (weighed(&a, "a")?.shape, weighed(&b, "b")?.shape);
     let (shape_a, motions_a) = motions_of(&motion_a, "motion_a")?;
     let (shape_b, motions_b) = motions_of(&motion_b, "motion_b")?;

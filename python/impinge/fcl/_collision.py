@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from impinge import _bodies
+from impinge._scalars import whole
 from impinge.fcl._geometry import CollisionGeometry, CollisionObject
 
 
@@ -76,7 +77,8 @@ def collide(
     request = CollisionRequest() if request is None else request
     result = CollisionResult() if result is None else result
     a, b = o1.geometry.body, o2.geometry.body
-    pairs = _bodies.contacts(a, b, o1.matrix, o2.matrix, request.num_max_contacts)
+    most = whole(request.num_max_contacts, "num_max_contacts")
+    pairs = _bodies.contacts(a, b, o1.matrix, o2.matrix, most)
     found = [Contact(o1.geometry, o2.geometry, int(b1), int(b2)) for b1, b2 in pairs]
     if request.enable_contact and found:
         points = _bodies.contact_points(a, b, o1.matrix, o2.matrix, pairs)

@@ -11,9 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from impinge import _bodies
+from impinge._arrays import plain_numbers, plain_reals
 from impinge._errors import InputError
 from impinge._mesh import Mesh
-from impinge.fcl._transform import Transform
+from impinge._scalars import real, whole
+from impinge.fcl._transform import Transform, shaped
+
+_MOST_VERTICES = 2**32 - 1
 
 
 class CollisionGeometry:
@@ -50,17 +54,20 @@ class BVHModel(CollisionGeometry):
 
     def addVertex(self, x: float, y: float, z: float) -> bool:
         """Add a vertex."""
-        self._add(np.array([[x, y, z]], float), np.zeros((0, 3), np.int64))
+        self._add(np.array([[real(x, "x"), real(y, "y"), real(z, "z")]]), np.zeros((0, 3), np.int64))
         return True
 
     def addTriangle(self, v1: ArrayLike, v2: ArrayLike, v3: ArrayLike) -> bool:
         """Add a triangle of three positions."""
-        self._add(np.array([v1, v2, v3], float), np.array([[0, 1, 2]]))
+        self._add(_corners(v1=v1, v2=v2, v3=v3), np.array([[0, 1, 2]]))
         return True
 
     def addSubModel(self, verts: ArrayLike, triangles: ArrayLike) -> bool:
         """Add (n, 3) positions and (m, 3) triangles of them."""
-        self._add(np.asarray(verts, float).reshape(-1, 3), np.asarray(triangles, np.int64).reshape(-1, 3))
+        faces = plain_numbers(triangles, "triangles", _MOST_VERTICES).astype(np.int64)
+        if faces.size % 3:
+            raise InputError(f"shape {faces.shape}, where (m, 3) is expected", kind="shape", what="triangles")
+        self._add(plain_reals(verts, "verts", (3,)).reshape(-1, 3), faces.reshape(-1, 3))
         return True
 
     def _add(self, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> None:
@@ -81,7 +88,7 @@ class Box(CollisionGeometry):
 
     def __init__(self, x: float, y: float, z: float) -> None:
         super().__init__()
-        self._side = np.array([x, y, z], float)
+        self._side = np.array([real(x, "x"), real(y, "y"), real(z, "z")])
         signs = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
         quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
         mesh = Mesh(signs * self._side / 2, [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))])
@@ -101,7 +108,10 @@ class Convex(CollisionGeometry):
 
     def __init__(self, vertices: ArrayLike, num_faces: int, faces: Iterable[int]) -> None:
         super().__init__()
-        numbers = [int(number) for number in faces]
+        if not isinstance(faces, Iterable):
+            raise InputError(f"must be a list, not {type(faces).__name__}", kind="type", what="faces")
+        numbers: list[int] = plain_numbers(list(faces), "faces", _MOST_VERTICES).tolist()
+        num_faces = whole(num_faces, "num_faces")
         triangles: list[tuple[int, int, int]] = []
         at = 0
         for _ in range(num_faces):
@@ -112,7 +122,7 @@ class Convex(CollisionGeometry):
             triangles += [(corners[0], corners[k], corners[k + 1]) for k in range(1, len(corners) - 1)]
             at += 1 + len(corners)
         self._num_faces = num_faces
-        self._body = _bodies.Body(Mesh(np.asarray(vertices, float), triangles), solid=True)
+        self._body = _bodies.Body(Mesh(plain_reals(vertices, "vertices", (3,)), triangles), solid=True)
 
     @property
     def num_faces(self) -> int:
@@ -125,7 +135,7 @@ class TriangleP(CollisionGeometry):
 
     def __init__(self, a: ArrayLike, b: ArrayLike, c: ArrayLike) -> None:
         super().__init__()
-        self._body = _bodies.Body(Mesh(np.array([a, b, c], float), [[0, 1, 2]]), solid=False)
+        self._body = _bodies.Body(Mesh(_corners(a=a, b=b, c=c), [[0, 1, 2]]), solid=False)
 
 
 class CollisionObject:
@@ -179,3 +189,8 @@ class CollisionObject:
     def setQuatRotation(self, q: ArrayLike) -> None:
         """Set the rotation to that of a unit quaternion, real part first."""
         self._transform.setQuatRotation(q)
+
+
+def _corners(**corners: ArrayLike) -> NDArray[np.float64]:
+    """Return (n, 3) positions that came as arguments of these names."""
+    return np.array([shaped(corner, (3,), name) for name, corner in corners.items()])

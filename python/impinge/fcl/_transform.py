@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from impinge._arrays import plain_reals
 from impinge._errors import InputError
 from impinge._pose import pose
 
@@ -23,12 +24,12 @@ class Transform:
         if len(args) > 2:
             raise InputError("too many arguments to Transform()", kind="option", what="args")
         if len(args) == 2:
-            self._rotate(np.asarray(args[0], float))
-            self.setTranslation(np.asarray(args[1], float).squeeze())
+            self._rotate(plain_reals(args[0], "args", ()))
+            self.setTranslation(plain_reals(args[1], "args", ()).squeeze())
         elif args and isinstance(args[0], Transform):
             self.matrix = args[0].matrix.copy()
         elif args:
-            value = np.asarray(args[0], float)
+            value = plain_reals(args[0], "args", ())
             if value.shape == (3,):
                 self.setTranslation(value)
             else:
@@ -54,19 +55,20 @@ class Transform:
 
     def setRotation(self, R: ArrayLike) -> None:
         """Set the (3, 3) matrix."""
-        self.matrix = pose(self.matrix[:3, 3], rotation=_shaped(R, (3, 3), "R"))
+        self.matrix = pose(self.matrix[:3, 3], rotation=shaped(R, (3, 3), "R"))
 
     def setTranslation(self, T: ArrayLike) -> None:
         """Set the (3,) translation."""
-        self.matrix = pose(_shaped(T, (3,), "T"), rotation=self.matrix[:3, :3])
+        self.matrix = pose(shaped(T, (3,), "T"), rotation=self.matrix[:3, :3])
 
     def setQuatRotation(self, q: ArrayLike) -> None:
         """Set the rotation to that of a unit quaternion, real part first."""
-        self.matrix = pose(self.matrix[:3, 3], quat_wxyz=_shaped(q, (4,), "q"))
+        self.matrix = pose(self.matrix[:3, 3], quat_wxyz=shaped(q, (4,), "q"))
 
 
-def _shaped(value: ArrayLike, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
-    array = np.asarray(value, float)
+def shaped(value: ArrayLike, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
+    """Return an array of exactly this shape."""
+    array = plain_reals(value, name, shape)
     if array.shape != shape:
         raise InputError(f"shape {array.shape}, where {shape} is expected", kind="shape", what=name)
     return array
