@@ -1,4 +1,4 @@
-"""Axis-aligned boxes in their three forms and packed, and one box against many, as `impinge.fit` has them."""
+"""Axis-aligned boxes in their three forms and packed, as `impinge.fit` has them."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class AxisBox(Volume):
         InputError
             If `other` is no box of this form.
         """
-        return self._core.overlaps(_core(other))
+        return self._core.overlaps(core_of(other))
 
     def encloses(self, other: Self) -> bool:
         """Whether every point of another box of the same form is in this one; True only where that is proved.
@@ -94,7 +94,7 @@ class AxisBox(Volume):
         InputError
             If `other` is no box of this form.
         """
-        return self._core.encloses(_core(other))
+        return self._core.encloses(core_of(other))
 
     def contains(self, points: ArrayLike) -> bool | NDArray[np.bool_]:
         """Whether points are not proved outside; what is on the boundary is inside.
@@ -129,7 +129,7 @@ class AxisBox(Volume):
         InputError
             If `other` is no box of this form.
         """
-        return self._of(self._core.merged(_core(other)))
+        return self._of(self._core.merged(core_of(other)))
 
     def moved(self, pose: ArrayLike) -> Self:
         """Return a box of the same form that holds the image of this one under a pose.
@@ -326,71 +326,14 @@ class PackedCenterRadius(PackedBox):
         return CenterRadius._of(self._core.unpacked())
 
 
-@final
-class AabbBatch:
-    """Many boxes side by side in single precision, for the question which of them one box overlaps: eight at a time.
-
-    Parameters
-    ----------
-    low, high : (n, 3) array_like of float32 or float64
-        Corners; points where `high` is not given. What is no single is rounded outward.
-
-    Raises
-    ------
-    InputError
-        If a number is not in range, or an upper corner is below a lower one; it says which.
-
-    Examples
-    --------
-    >>> import impinge, numpy as np
-    >>> low = np.arange(100.0)[:, None] * [1, 0, 0]
-    >>> impinge.fit.AabbBatch(low, low + 1).overlapping(impinge.fit.Aabb([6.5, 0, 0], [6.75, 1, 1]))
-    array([6], dtype=uint32)
-    """
-
-    __slots__ = ("_core", "_made_of")
-
-    def __init__(self, low: ArrayLike, high: ArrayLike | None = None) -> None:
-        self._made_of = plain_points(low, "low").copy(), None if high is None else plain_points(high, "high").copy()
-        self._core = _impinge.BatchCore(*self._made_of)
-
-    def overlapping(self, box: AxisBox) -> NDArray[np.uint32]:
-        """Return the rows of the boxes that overlap one, (k,), ascending: by one pass over all, 24 bytes a box.
-
-        Touching counts. Exact where all coordinates are singles; else boxes that are apart by less than the rounding
-        count as overlapping.
-
-        Raises
-        ------
-        InputError
-            If `box` is none.
-        """
-        return self._core.overlapping(_core(box, "box"))
-
-    def __len__(self) -> int:
-        """Return the number of boxes."""
-        return self._core.len()
-
-    def __copy__(self) -> AabbBatch:
-        """Return the batch, which never changes."""
-        return self
-
-    def __deepcopy__(self, memo: object) -> AabbBatch:
-        """Return the batch, which never changes."""
-        return self
-
-    def __reduce__(self) -> tuple[object, ...]:
-        """Pickle what it was made of."""
-        return AabbBatch, self._made_of
-
-
 def aabb_of(numbers: Numbers) -> Aabb:
     """Return the box of its corners, as the extension has them."""
     low, high = numbers[0]
     return Aabb(low, high)
 
 
-def _core(box: object, name: str = "other") -> _impinge.BoxCore:
+def core_of(box: object, name: str = "other") -> _impinge.BoxCore:
+    """Return what the extension has of a box in any form."""
     return _known(box, AxisBox, name)._core
 
 

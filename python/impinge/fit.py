@@ -30,9 +30,9 @@ from numpy.typing import ArrayLike
 
 from impinge import _impinge
 from impinge._arrays import plain_cloud
+from impinge._box_batch import AabbBatch
 from impinge._boxes import (
     Aabb,
-    AabbBatch,
     AxisBox,
     CenterRadius,
     MinWidths,

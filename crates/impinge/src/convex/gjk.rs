@@ -11,7 +11,7 @@
 
 use super::posed::{Difference, Pair, to_unit_entries};
 use super::simplex;
-use crate::primitive::{dot, length};
+use crate::primitive::{dot, length, scaled_length};
 
 /// The most steps. Polytopes of thousands of vertices take 10 to 20; cylinders and their like approach the end by a factor a
 /// step, which makes the interval some 2^-40 wide by then.
@@ -94,6 +94,5 @@ pub(super) fn separation(pair: &Pair<'_>, direction: [f64; 3], farthest: &Differ
 
 /// A float not below the length of a vector of the common frame.
 pub(super) fn length_above(vector: [f64; 3]) -> f64 {
-    let largest = vector.into_iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
-    if largest == 0.0 { 0.0 } else { largest * length(&vector.map(|x| x / largest)) * (1.0 + SLACK) }
+    scaled_length(&vector) * (1.0 + SLACK)
 }

@@ -9,16 +9,10 @@ use super::Placed;
 use super::frame::reciprocal_power_of_two;
 use crate::hierarchy::HALF_ULP;
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
-use crate::primitive::{CLOSED_FORM_ERROR, Vector, accurate_sum_of_products, length};
+use crate::primitive::{CLOSED_FORM_ERROR, Vector, accurate_sum_of_products, length, scaled_length};
 
 /// That of meshes of 2^-900 and less.
 const LARGEST_SCALE: f64 = f64::from_bits((1023 + 900) << 52);
-
-/// The length of a vector whose squares may vanish.
-fn scaled_length(v: &Vector) -> f64 {
-    let unit = reciprocal_power_of_two(v.iter().fold(0.0, |most, x| x.abs().max(most)));
-    length(&v.map(|x| x * unit)) / unit
-}
 
 /// Two meshes' maps to the metric frame. Swapping the meshes swaps the maps and changes no bit.
 #[derive(Clone, Debug)]

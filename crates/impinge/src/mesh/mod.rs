@@ -49,7 +49,7 @@ pub use positions::Positions;
 use positions::{Vertex, VertexSlice, Vertices};
 pub use rays::{Ray, RayHit};
 pub use relation::HostChoice;
-pub(crate) use self_descent::{Wanted, collect_self_intersecting};
+pub(crate) use self_descent::{WantedFaces, collect_self_intersecting};
 pub(crate) use walls::{Wall, Walls};
 pub(crate) use winding::Judge;
 pub use winding::{Containment, WindingNumber};

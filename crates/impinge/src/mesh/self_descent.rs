@@ -32,7 +32,7 @@ const TASKS_PER_THREAD: usize = 64;
 
 /// Of which faces the pairs are wanted.
 #[derive(Clone, Copy)]
-pub(crate) enum Wanted<'w> {
+pub(crate) enum WantedFaces<'w> {
     /// Any.
     All,
     /// At least one of the two is marked, by its number.
@@ -41,7 +41,7 @@ pub(crate) enum Wanted<'w> {
 
 /// The pairs of faces, the lesser first, that meet in more than the hull of the positions that they share; in no
 /// particular order.
-pub(crate) fn collect_self_intersecting(mesh: &Mesh, wanted: Wanted<'_>) -> Vec<[u32; 2]> {
+pub(crate) fn collect_self_intersecting(mesh: &Mesh, wanted: WantedFaces<'_>) -> Vec<[u32; 2]> {
     let holds = wanted.nodes_with(mesh);
     let worker = || Worker {
         mesh,
@@ -74,7 +74,7 @@ pub(crate) fn collect_self_intersecting(mesh: &Mesh, wanted: Wanted<'_>) -> Vec<
     first.found
 }
 
-impl Wanted<'_> {
+impl WantedFaces<'_> {
     fn includes(self, face: u32) -> bool {
         match self {
             Self::All => true,
@@ -103,7 +103,7 @@ impl Wanted<'_> {
 struct Worker<'m> {
     mesh: &'m Mesh,
     nodes: &'m [Node],
-    wanted: Wanted<'m>,
+    wanted: WantedFaces<'m>,
     /// For each node whether a wanted face is below; empty where all are.
     holds: &'m [bool],
     one_place: Placement,
@@ -180,7 +180,7 @@ impl Worker<'_> {
 
     fn holds_wanted(&self, child: Child) -> bool {
         match (child, self.wanted) {
-            (_, Wanted::All) => true,
+            (_, WantedFaces::All) => true,
             (Child::Inner(node), _) => self.holds[node as usize],
             (Child::Leaf(leaf), wanted) => self.mesh.leaf_faces(leaf).any(|face| wanted.includes(face)),
         }

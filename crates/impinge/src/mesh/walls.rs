@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::Mesh;
-use super::self_descent::{Wanted, collect_self_intersecting};
+use super::self_descent::{WantedFaces, collect_self_intersecting};
 use crate::exact::{AxisRay, PosedPoint, Spot};
 use crate::math::Sign;
 
@@ -34,7 +34,7 @@ impl Walls {
         let mut marks = vec![false; mesh.faces().len()];
         faces.iter().for_each(|&face| marks[face as usize] = true);
         let mut meets_others = vec![false; mesh.faces().len()];
-        for pair in collect_self_intersecting(mesh, Wanted::WithMarked(&marks)) {
+        for pair in collect_self_intersecting(mesh, WantedFaces::WithMarked(&marks)) {
             pair.into_iter().for_each(|face| meets_others[face as usize] = true);
         }
         let walls =

@@ -23,7 +23,7 @@ pub use segments::closest_on_segments;
 pub use triangles::{ClosestPoints, closest_on_triangles};
 
 pub(crate) use points::point_triangle;
-pub(crate) use products::{accurate_sum_of_products, cross, dot, length, sub};
+pub(crate) use products::{accurate_sum_of_products, cross, dot, length, scaled_length, sub};
 pub(crate) use triangles::{CLOSED_FORM_ERROR, Witness, common_point, separation, triangle_triangle};
 
 /// Three coordinates.

@@ -25,6 +25,13 @@ pub(crate) fn length(a: &Vector) -> f64 {
     dot(a, a).sqrt()
 }
 
+/// The length, of any vector.
+#[inline]
+pub(crate) fn scaled_length(a: &Vector) -> f64 {
+    let largest = a.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    if largest > 0.0 { largest * length(&a.map(|x| x / largest)) } else { 0.0 }
+}
+
 /// The cross product as if computed with twice the digits and rounded: each component within 2^-53 of itself and
 /// 2^-103 of the magnitudes of its two products.
 ///

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::mesh::{Mesh, Wanted, collect_self_intersecting};
+use crate::mesh::{Mesh, WantedFaces, collect_self_intersecting};
 
 /// Every pair of faces of one mesh, the lesser first, that meet in more than the hull of the positions that they share;
 /// sorted, without duplicates.
@@ -30,7 +30,7 @@ use crate::mesh::{Mesh, Wanted, collect_self_intersecting};
 /// ```
 #[must_use]
 pub fn self_intersecting_pairs(mesh: &Mesh) -> Vec<[u32; 2]> {
-    let mut pairs = collect_self_intersecting(mesh, Wanted::All);
+    let mut pairs = collect_self_intersecting(mesh, WantedFaces::All);
     pairs.par_sort_unstable();
     pairs
 }

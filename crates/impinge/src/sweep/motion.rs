@@ -6,6 +6,7 @@
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 use crate::math::arctangent::angle;
+use crate::primitive::scaled_length;
 
 /// The greatest Frobenius norm of RᵀR - I that passes for rigid, as for round shapes.
 const RIGID: f64 = 1e-4;
@@ -272,7 +273,5 @@ fn product(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
 }
 
 fn length(v: [f64; 3]) -> f64 {
-    // Scaled, so that no square overflows or vanishes.
-    let largest = v.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
-    if largest == 0.0 { 0.0 } else { largest * v.iter().map(|x| (x / largest) * (x / largest)).sum::<f64>().sqrt() }
+    scaled_length(&v)
 }

@@ -7,6 +7,7 @@
 //! [`proximity`] says so. A mesh is its surface, or a solid ([`Shape::solid`](crate::shape::Shape::solid)).
 
 mod balls;
+mod beyond;
 mod contacts;
 mod search;
 mod table;

@@ -14,15 +14,15 @@
 
 use super::Proximity;
 use super::balls::ball_in_both;
+use super::beyond::shortest_beyond;
 use super::table::{placed, separation};
 use crate::convex::{Core, Depth, Separation, Surface, Swept, depth, to_unit_length};
 use crate::hull::Hull;
 use crate::math::Pose;
 use crate::mesh::Options;
+use crate::primitive::{Vector, dot, scaled_length as length, sub};
 use crate::query::{WitnessCache, contact_patches, distance_with};
 use crate::shape::{Form, PlacedShape};
-
-type Vector = [f64; 3];
 
 /// Directions along the axes of the world and of the shapes that are searched from, of those that promise most.
 const STARTS: usize = 3;
@@ -330,46 +330,6 @@ fn advance(
     Some(false)
 }
 
-/// The shortest vector that is beyond planes, each by its normal and its height; none where no three of them tell.
-fn shortest_beyond(planes: &[(Vector, f64)]) -> Option<Vector> {
-    let is_beyond = |point: &Vector| {
-        planes.iter().all(|(normal, height)| dot(normal, point) >= height - 1e-9 * (height.abs() + length(point)))
-    };
-    let mut best: Option<Vector> = None;
-    let mut offer = |point: Option<Vector>| {
-        if let Some(point) = point.filter(is_beyond)
-            && best.is_none_or(|best| length(&point) < length(&best))
-        {
-            best = Some(point);
-        }
-    };
-    offer(Some([0.0; 3]));
-    for i in 0..planes.len() {
-        offer(Some(scaled(&planes[i].0, planes[i].1)));
-        for j in i + 1..planes.len() {
-            offer(on_two(&planes[i], &planes[j]));
-            for k in j + 1..planes.len() {
-                offer(on_three([&planes[i], &planes[j], &planes[k]]));
-            }
-        }
-    }
-    best
-}
-
-/// The point of the line of two planes that is nearest to the origin.
-fn on_two((n, g): &(Vector, f64), (m, h): &(Vector, f64)) -> Option<Vector> {
-    let cosine = dot(n, m);
-    let determinant = 1.0 - cosine * cosine;
-    let (s, t) = ((g - h * cosine) / determinant, (h - g * cosine) / determinant);
-    (determinant > 1e-9).then(|| std::array::from_fn(|k| s * n[k] + t * m[k]))
-}
-
-fn on_three([p, q, r]: [&(Vector, f64); 3]) -> Option<Vector> {
-    let (qr, rp, pq) = (cross(&q.0, &r.0), cross(&r.0, &p.0), cross(&p.0, &q.0));
-    let determinant = dot(&p.0, &qr);
-    (determinant.abs() > 1e-6).then(|| std::array::from_fn(|k| (p.1 * qr[k] + q.1 * rp[k] + r.1 * pq[k]) / determinant))
-}
-
 fn moved(shape: &PlacedShape, by: &Vector) -> Option<PlacedShape> {
     let pose = shape.world_from_local();
     let translation = std::array::from_fn(|k| pose.translation()[k] + by[k]);
@@ -380,23 +340,6 @@ fn length_of_bounds(shape: &PlacedShape) -> f64 {
     shape.bounds().map_or(0.0, |[min, max]| length(&sub(&max, &min)))
 }
 
-fn dot(p: &Vector, q: &Vector) -> f64 {
-    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
-}
-
-fn sub(p: &Vector, q: &Vector) -> Vector {
-    std::array::from_fn(|k| p[k] - q[k])
-}
-
 fn scaled(p: &Vector, by: f64) -> Vector {
     p.map(|x| x * by)
-}
-
-fn cross(p: &Vector, q: &Vector) -> Vector {
-    crate::primitive::cross(p, q)
-}
-
-fn length(p: &Vector) -> f64 {
-    let largest = p.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
-    if largest > 0.0 { largest * dot(&scaled(p, 1.0 / largest), &scaled(p, 1.0 / largest)).sqrt() } else { 0.0 }
 }
