@@ -1,4 +1,7 @@
 //! Exact, fast collision detection for triangle meshes.
+//!
+//! With the feature `glam` or `nalgebra` a [`Pose`] and [`Positions`] are made of the types of that crate by `TryFrom` and `From`, and
+//! turned into them.
 
 pub mod character;
 pub mod convex;
@@ -6,6 +9,7 @@ pub mod exact;
 pub mod hierarchy;
 pub mod hull;
 pub mod input;
+mod interop;
 pub mod math;
 pub mod mesh;
 pub mod partition;

@@ -15,7 +15,7 @@ const CRATES: [&str; 7] =
     ["impinge", "impinge-files", "impinge-cli", "impinge-python", "impinge-testkit", "impinge-bench", "xtask"];
 
 /// The modules of `impinge` from the bottom up; tests are free.
-const MODULES: [&str; 17] = [
+const MODULES: [&str; 18] = [
     "input",
     "storage",
     "simd",
@@ -33,6 +33,7 @@ const MODULES: [&str; 17] = [
     "sweep",
     "world",
     "character",
+    "interop",
 ];
 
 /// Every dependency and every import of the workspace at `root` that goes against the order.
