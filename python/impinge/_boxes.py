@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from impinge import _impinge
-from impinge._arrays import plain_points
 from impinge._errors import InputError
 from impinge._points import scalar
 from impinge._scalars import chosen
