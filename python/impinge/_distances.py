@@ -30,7 +30,8 @@ class Distance:
         Nearest points of the surfaces in the world frame, rounded; zero where there are none: a mesh is empty, a pose
         bad, or one mesh inside the other one, a solid, without touching its surface.
     face_a, face_b : int or (...) int64 array
-        The faces that they are on; -1 where there are none.
+        The faces that they are on; -1 where there are none. Among faces that are equally near the least by `face_a`,
+        then by `face_b`; where the meshes intersect two that do, of which how the hierarchies were built decides.
     """
 
     distance: float | NDArray[np.float64]

@@ -234,7 +234,9 @@ class Mesh(PointQueries):
         return super().aging
 
     def rebuild(self, builder: BuilderName = "auto") -> None:
-        """Build the hierarchy anew from where the vertices are. No answer changes.
+        """Build the hierarchy anew from where the vertices are.
+
+        No answer changes, but which of the faces that meet `distance` names where meshes intersect.
 
         Parameters
         ----------

@@ -48,7 +48,8 @@ pub struct WitnessCache {
 ///
 /// The nearest faces are those with the least distance by the closed form and, among equals, the least face of the first
 /// mesh, then of the second. Where the meshes intersect they are two faces that do, with a common point: those that
-/// [`intersects`](super::intersects) comes to first.
+/// [`intersects`](super::intersects) comes to first, which how the hierarchies were built decides: to find the least of all
+/// that do takes a thousand times as long.
 ///
 /// ```
 /// use impinge::{Mesh, Pose, Positions, query};

@@ -5,9 +5,9 @@ use impinge::query::shapes::{self, Penetration};
 use impinge::query::{self, Solid, WitnessCache};
 use impinge::shape::Shape;
 use impinge::{Mesh, Pose};
-use impinge_testkit::Affine;
 use impinge_testkit::generate::solids::{cuboid, icosphere};
 use impinge_testkit::generate::{Rng, poses};
+use impinge_testkit::{Affine, Mesh as Plain};
 
 use crate::shapes::{engine, pose};
 
@@ -76,6 +76,19 @@ fn boxes_are_as_deep_as_in_closed_form() {
     }
 }
 
+/// Cubes whose walls are in line, which touch in corners and edges: as deep from below as from above.
+#[test]
+fn depths_of_cubes_in_line_are_known_to_the_last_digits() {
+    let mesh = engine(&cuboid([0.0; 3], [2.0; 3]));
+    // In one place, the middle of the numbers, nothing says which way out is the other's.
+    for number in (0..27).filter(|&number| number != 13) {
+        let by = [0, 1, 2].map(|k| f64::from(number / 3_i32.pow(k) % 3 - 1));
+        let expected = by.iter().fold(2.0_f64, |least, x| least.min(2.0 - x.abs()));
+        let depth = ask(&mesh, &mesh, &Affine { translation: by, ..Affine::IDENTITY });
+        assert!(depth.upper < expected + 1e-6 && depth.lower > expected - 1e-6, "{by:?} {depth:?}");
+    }
+}
+
 /// A peg in a slot that is open above: out by the top, past walls that are nearer.
 #[test]
 fn pegs_leave_slots_by_their_open_side() {
@@ -86,12 +99,20 @@ fn pegs_leave_slots_by_their_open_side() {
     assert!((depth.upper - 0.0625).abs() < 1e-6 && depth.normal[2] > 1.0 - 1e-9, "{depth:?}");
 }
 
+fn turned_inside_out(mut mesh: Plain) -> Plain {
+    mesh.faces.iter_mut().for_each(|face| face.reverse());
+    mesh
+}
+
 #[test]
 fn meshes_apart_have_no_depth_and_touching_ones_none_but_zero() {
     let mesh = engine(&cuboid([0.0; 3], [1.0; 3]));
     assert!(query::penetration(&mesh, mesh.at(at([1.0_f64.next_up(), 0.0, 0.0]))).is_none());
     let touching = query::penetration(&mesh, mesh.at(at([1.0, 0.0, 0.0]))).expect("they touch");
-    assert!(touching.lower == 0.0 && touching.upper < 1e-6 && touching.normal[0] > 0.5, "{touching:?}");
+    assert!(touching.lower == 0.0 && touching.upper == 0.0 && touching.normal[0] > 0.5, "{touching:?}");
+    let hollow = engine(&cuboid([-1.0; 3], [2.0; 3]).joined(&turned_inside_out(cuboid([0.0; 3], [1.0; 3]))));
+    let inside = query::penetration(&hollow, &mesh).expect("they touch all around");
+    assert_eq!((inside.lower, inside.upper), (0.0, 0.0));
 }
 
 /// The distance of solids is zero exactly where they meet as such.

@@ -23,8 +23,8 @@ pub(super) fn ball_in_both(a: &PlacedShape, b: &PlacedShape, points: &[Vector; 2
     let middle = |p: &Vector, q: &Vector| -> Vector { std::array::from_fn(|k| 0.5 * p[k] + 0.5 * q[k]) };
     let mut at = middle(&points[0], &points[1]);
     let mut best = sum(&at);
-    // Where one shape is all inside the other the middle may be in but one of them.
-    for [min, max] in [a, b].into_iter().filter_map(PlacedShape::bounds) {
+    // Where one shape is all inside the other the middle may be in but one of them, and where walls are in line in the walls.
+    for [min, max] in likely_boxes(a.bounds(), b.bounds()) {
         let centre = middle(&min, &max);
         let value = sum(&centre);
         if value > best {
@@ -52,6 +52,14 @@ pub(super) fn ball_in_both(a: &PlacedShape, b: &PlacedShape, points: &[Vector; 2
         }
     }
     if best > 0.0 && best.is_finite() { best * (1.0 - 8.0 * f64::EPSILON) } else { 0.0 }
+}
+
+/// Boxes about what the shapes have in common: of each, and what these share.
+fn likely_boxes(a: Option<[Vector; 2]>, b: Option<[Vector; 2]>) -> impl Iterator<Item = [Vector; 2]> {
+    let shared = a.zip(b).map(|([min, max], [other_min, other_max])| {
+        [[0, 1, 2].map(|k| min[k].max(other_min[k])), [0, 1, 2].map(|k| max[k].min(other_max[k]))]
+    });
+    [shared, a, b].into_iter().flatten()
 }
 
 /// Balls in the parts of a shape.

@@ -21,7 +21,7 @@ use crate::hull::Hull;
 use crate::math::Pose;
 use crate::mesh::Options;
 use crate::primitive::{Vector, dot, scaled_length as length, sub};
-use crate::query::{WitnessCache, contact_patches, distance_with};
+use crate::query::{Penetrates, WitnessCache, contact_patches, distance_with, penetrates};
 use crate::shape::{Form, PlacedShape};
 
 /// Directions along the axes of the world and of the shapes that are searched from, of those that promise most.
@@ -49,13 +49,16 @@ const NEAR: f64 = 1.0 / (1 << 26) as f64;
 /// far as their boxes differ.
 pub(super) fn depth_by_search(a: &PlacedShape, b: &PlacedShape) -> Depth {
     let key = |shape: &PlacedShape| shape.bounds().map(|bounds| bounds.concat());
-    if key(b) < key(a) {
-        let mut found = depth_in_order(b, a);
+    let is_swapped = key(b) < key(a);
+    let mut found = if is_swapped { depth_in_order(b, a) } else { depth_in_order(a, b) };
+    if is_swapped {
         found.points.swap(0, 1);
         found.normal = found.normal.map(|x| 0.0 - x);
-        return found;
     }
-    depth_in_order(a, b)
+    if found.lower == 0.0 && only_touch(a, b) {
+        found.upper = 0.0;
+    }
+    found
 }
 
 fn depth_in_order(a: &PlacedShape, b: &PlacedShape) -> Depth {
@@ -78,6 +81,12 @@ fn depth_in_order(a: &PlacedShape, b: &PlacedShape) -> Depth {
     let lower = ball_in_both(a, b, &points, best.length).min(best.length);
     let normal = scaled(&best.translation, 1.0 / length(&best.translation));
     Depth { lower, upper: best.length, normal, points }
+}
+
+/// Whether the shapes are solid meshes whose interiors are proved to have nothing in common: what parts their surfaces is no depth.
+fn only_touch(a: &PlacedShape, b: &PlacedShape) -> bool {
+    surfaces(a, b)
+        .is_some_and(|[a, b]| a.is_solid && b.is_solid && penetrates(placed(&a), placed(&b)) == Penetrates::No)
 }
 
 /// Whether the second shape, moved by this, is proved to be apart from the first.
