@@ -111,13 +111,12 @@ fn meets(placed: &Placed, bounds: &Bounds, ray: &Ray) -> Option<(f64, Option<u32
         Bounds::Box(bounds) => ray.through(bounds)?,
         Bounds::Behind(_) | Bounds::Anywhere => [0.0, f64::MAX],
     };
-    let end = leave.min(ray.reach());
-    if enter > end {
+    if enter > ray.reach() {
         return None;
     }
     let meets = |part: &PlacedShape| match part.form() {
         Form::Surface(surface) => meets_mesh(&surface, ray, enter),
-        Form::Convex(_) | Form::HalfSpace(_) => Some((meets_shape(part, ray, [enter, end])?, None)),
+        Form::Convex(_) | Form::HalfSpace(_) => Some((meets_shape(part, ray, [enter, leave])?, None)),
     };
     let parts = placed.in_world().parts().iter().filter_map(meets);
     parts.min_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)))
@@ -154,23 +153,23 @@ impl Inverse {
 }
 
 /// By conservative advancement: the nearest points of the shape and the ray's front are those of a plane that keeps the shape
-/// on its far side, so that the front can go on to the plane. What there is of the ray lies between `enter` and `end`.
+/// on its far side, so that the front can go on to the plane. What the ray may meet lies between `enter` and `leave`.
 ///
 /// Source: van den Bergen, *Ray casting against general convex objects with application to continuous collision detection*,
 /// 2004; ours asks for the distance anew at each front, and leans the plane by as much as the nearest points may be off.
 /// Whether the ray meets the shape at all is decided as for a segment; what that leaves open, by whether a front gets past.
-fn meets_shape(shape: &PlacedShape, ray: &Ray, [enter, end]: [f64; 2]) -> Option<f64> {
+fn meets_shape(shape: &PlacedShape, ray: &Ray, [enter, leave]: [f64; 2]) -> Option<f64> {
     let (origin, direction) = (ray.origin(), ray.direction());
     let at = |t: f64| -> [f64; 3] { std::array::from_fn(|k| origin[k] + t * direction[k]) };
     let steepest = direction.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     // Beyond this the coordinates of a segment are out of range.
     const FAR: f64 = (1_u128 << 126) as f64;
-    let end = end.min(FAR / steepest);
-    let segment = Shape::segment([origin, at(end)]).and_then(|segment| segment.at(Pose::IDENTITY));
-    let proximity = segment.map_or(Proximity::Undecided, |segment| shapes::proximity(&segment, shape));
+    let leave = leave.min(FAR / steepest);
+    let proximity = beginning(ray, leave).map_or(Proximity::Undecided, |begun| shapes::proximity(&begun, shape));
     if proximity == Proximity::Apart {
         return None;
     }
+    let end = leave.min(ray.reach());
     let (mut t, mut least) = (enter, 0.0);
     for _ in 0..MOST_STEPS {
         let front = at(t);
@@ -200,6 +199,15 @@ fn meets_shape(shape: &PlacedShape, ray: &Ray, [enter, end]: [f64; 2]) -> Option
         t = next;
     }
     Some(creep(shape, at, [t, end], least))
+}
+
+/// The ray itself, and no rounded one, as far as a parameter or farther, up to its reach: along the direction times a power of two, which
+/// is no rounding, from where it is moved to. So a corner that it touches is touched. None where the origin is beyond what poses take.
+fn beginning(ray: &Ray, parameter: f64) -> Option<PlacedShape> {
+    let exponent = parameter.max(f64::MIN_POSITIVE).to_bits() >> 52;
+    let length = f64::from_bits((exponent + 1) << 52).min(ray.reach());
+    let segment = Shape::segment([[0.0; 3], ray.direction().map(|x| x * length)]).ok()?;
+    segment.at(Pose::from_translation(ray.origin()).ok()?).ok()
 }
 
 /// The last front up to which a ray is proved not to meet the shape, to within the `least` step: how it goes on where the distance is

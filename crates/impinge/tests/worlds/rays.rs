@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use impinge::convex::Support;
+use impinge::hull::Hull;
 use impinge::partition::Ray;
 use impinge::shape::Shape;
 use impinge::world::{Body, BodyId, BodyRayHit, Options, World};
@@ -186,4 +187,68 @@ fn sets_known_by_their_support_are_met_on_their_surface() {
     assert!(hits > 200 && misses > 2_000, "{hits} hits, {misses} misses");
     // A ray that grazes the plate is advanced by little at a time.
     assert!(past < 1e-11 && short < 1e-8, "past by {past:e}, short by {short:e}");
+}
+
+/// A quarter turn and a shift by halves, which no float rounds.
+fn exact_pose(rng: &mut Rng) -> Pose {
+    let mut rows = [[0.0; 3]; 3];
+    let (first, step) = (rng.integer(0, 2) as usize, rng.integer(1, 2) as usize);
+    for (row, numbers) in rows.iter_mut().enumerate() {
+        numbers[(first + step * row) % 3] = if rng.one_in(2) { 1.0 } else { -1.0 };
+    }
+    Pose::new(rows, [0; 3].map(|_| rng.integer(-8, 8) as f64 / 2.0)).unwrap()
+}
+
+#[test]
+fn what_a_ray_touches_in_a_corner_or_an_edge_is_met_and_what_it_passes_is_not() {
+    let mut rng = Rng::new(104);
+    let cross =
+        [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+    let cube: [[f64; 3]; 8] = std::array::from_fn(|i| [0, 1, 2].map(|k| if i >> k & 1 == 0 { -1.0 } else { 1.0 }));
+    let triangle = [[0.0, 0.5, 0.0], [0.0, 1.0, -0.5], [0.0, 0.0, 1.0]];
+    let shapes: [(Shape, &[[f64; 3]]); 4] = [
+        (Shape::hull(Arc::new(Hull::new(&cross).unwrap())), &cross),
+        (Shape::cuboid([1.0; 3]).unwrap(), &cube),
+        (Shape::hull(Arc::new(Hull::new(&cube).unwrap())), &cube),
+        (Shape::triangle(triangle).unwrap(), &triangle),
+    ];
+    let (mut touched, mut passed) = (0, 0);
+    for round in 0..6_000 {
+        let (shape, corners) = &shapes[round % 4];
+        let pose = exact_pose(&mut rng);
+        let placed = |corner: &[f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|row| {
+                pose.translation()[row] + (0..3).map(|k| pose.linear()[row][k] * corner[k]).sum::<f64>()
+            })
+        };
+        let [p, q] = [0; 2].map(|_| placed(&corners[rng.integer(0, corners.len() as i64 - 1) as usize]));
+        // A corner, or the middle between two, which is on an edge or within.
+        let target: [f64; 3] = std::array::from_fn(|k| 0.5 * (p[k] + q[k]));
+        let direction = [0; 3].map(|_| rng.integer(-3, 3) as f64);
+        if direction == [0.0; 3] {
+            continue;
+        }
+        let origin: [f64; 3] = std::array::from_fn(|k| target[k] - direction[k]);
+        let mut world = World::new();
+        world.insert(Body::new(shape.clone()).at(pose)).unwrap();
+        for reach in [1.0, 1.5, f64::INFINITY] {
+            let hit = world.ray_cast(&Ray::new(origin, direction, reach).unwrap(), |_| true);
+            let t = hit.map(|hit| hit.t);
+            assert!(
+                t.is_some_and(|t| t <= 1.0 + 1e-9),
+                "{shape:?} at {pose:?} from {origin:?} along {direction:?}: {t:?}"
+            );
+        }
+        touched += 1;
+        // The line through a corner of the greatest height along what is across to it, moved outward by next to nothing.
+        let across = [direction[1], -direction[0], 0.0];
+        let height = |point: &[f64; 3]| (0..3).map(|k| point[k] * across[k]).sum::<f64>();
+        if across != [0.0; 3] && corners.iter().all(|corner| height(&placed(corner)) <= height(&target)) {
+            let outside = std::array::from_fn(|k| origin[k] + across[k] * 2.0_f64.powi(-44));
+            let ray = Ray::new(outside, direction, f64::INFINITY).unwrap();
+            assert_eq!(world.ray_cast(&ray, |_| true), None, "{shape:?} at {pose:?}: {ray:?} passes");
+            passed += 1;
+        }
+    }
+    assert!(touched > 5_000 && passed > 500, "{touched} touched, {passed} passed");
 }
