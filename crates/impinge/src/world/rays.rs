@@ -165,7 +165,8 @@ fn meets_shape(shape: &PlacedShape, ray: &Ray, [enter, leave]: [f64; 2]) -> Opti
     // Beyond this the coordinates of a segment are out of range.
     const FAR: f64 = (1_u128 << 126) as f64;
     let leave = leave.min(FAR / steepest);
-    let proximity = beginning(ray, leave).map_or(Proximity::Undecided, |begun| shapes::proximity(&begun, shape));
+    let begun = beginning(ray, leave);
+    let proximity = begun.as_ref().map_or(Proximity::Undecided, |begun| shapes::proximity(begun, shape));
     if proximity == Proximity::Apart {
         return None;
     }
@@ -198,6 +199,9 @@ fn meets_shape(shape: &PlacedShape, ray: &Ray, [enter, leave]: [f64; 2]) -> Opti
         }
         t = next;
     }
+    // What is grazed is grazed where the ray is nearest to it: pieces of the ray, being rounded, may all get past.
+    let end =
+        begun.map_or(end, |begun| parameter_of(&shapes::distance(&begun, shape).point_a, ray).clamp(t, end.max(t)));
     Some(creep(shape, at, [t, end], least))
 }
 
@@ -208,6 +212,13 @@ fn beginning(ray: &Ray, parameter: f64) -> Option<PlacedShape> {
     let length = f64::from_bits((exponent + 1) << 52).min(ray.reach());
     let segment = Shape::segment([[0.0; 3], ray.direction().map(|x| x * length)]).ok()?;
     segment.at(Pose::from_translation(ray.origin()).ok()?).ok()
+}
+
+/// Where on the ray a point of it is.
+fn parameter_of(point: &[f64; 3], ray: &Ray) -> f64 {
+    let steepest = ray.direction().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let [from_origin, unit] = [sub(point, &ray.origin()), ray.direction()].map(|v| v.map(|x| x / steepest));
+    dot(&from_origin, &unit) / dot(&unit, &unit)
 }
 
 /// The last front up to which a ray is proved not to meet the shape, to within the `least` step: how it goes on where the distance is

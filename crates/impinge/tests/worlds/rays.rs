@@ -252,3 +252,33 @@ fn what_a_ray_touches_in_a_corner_or_an_edge_is_met_and_what_it_passes_is_not() 
     }
     assert!(touched > 5_000 && passed > 500, "{touched} touched, {passed} passed");
 }
+
+#[test]
+fn what_is_grazed_is_met_where_the_ray_is_nearest() {
+    let mut rng = Rng::new(105);
+    let shapes = [
+        Shape::sphere([0.0; 3], 0.5).unwrap(),
+        Shape::capsule([0.0; 3], [0.0, 0.0, 2.0], 0.5).unwrap(),
+        Shape::cylinder(1.0, 0.5).unwrap(),
+    ];
+    for round in 0..3_000 {
+        let (shape, pose) = (&shapes[round % 3], exact_pose(&mut rng));
+        // A point at x = 1/2 on the surface, and a direction in the plane that touches there, not along the axis.
+        let touched = [0.5, 0.0, if round % 3 == 0 { 0.0 } else { 0.75 }];
+        let along = [0.0, rng.integer(1, 3) as f64, rng.integer(-3, 3) as f64];
+        let turned = |v: [f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|row| (0..3).map(|k| pose.linear()[row][k] * v[k]).sum::<f64>())
+        };
+        let (target, direction) = (turned(touched), turned(along));
+        let away = rng.integer(1, 3) as f64;
+        let origin = std::array::from_fn(|k| target[k] + pose.translation()[k] - away * direction[k]);
+        let mut world = World::new();
+        world.insert(Body::new(shape.clone()).at(pose)).unwrap();
+        let hit = world.ray_cast(&Ray::new(origin, direction, f64::INFINITY).unwrap(), |_| true);
+        let t = hit.map(|hit| hit.t);
+        assert!(
+            t.is_some_and(|t| (t - away).abs() < 1e-3),
+            "{shape:?} at {pose:?} along {direction:?}: {t:?}, not {away}"
+        );
+    }
+}
