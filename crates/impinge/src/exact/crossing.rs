@@ -5,23 +5,21 @@
 //! the pieces of neighbouring pairs link up without comparing coordinates, in touching and degenerate positions too.
 
 use super::corners::{Corners, PairCorners};
-use super::double_double::{self, DoubleDouble};
-use super::placement::{Placement, world_point};
+use super::joint::{Joint, Side};
+use super::placement::Placement;
 use super::triangles::{CommonLine, Position, Transversal, flat_meet, on_one_side};
-use crate::math::Pose;
 use crate::math::Sign::{self, Negative, Positive, Zero};
-use crate::math::dyadic::{self, Dyadic};
 
 /// What two triangles have in common.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Crossing {
+pub enum Crossing<E = Endpoint> {
     /// Nothing.
     Apart,
     /// A point, the triangles being in different planes or one of them having no area.
-    Point(Endpoint),
+    Point(E),
     /// A segment, the triangles being in different planes. It runs along `normal_a × normal_b` in the world frame, each
     /// normal being that of the corners in their order by the right-hand rule.
-    Segment(Endpoint, Endpoint),
+    Segment(E, E),
     /// Some set of points within one plane that holds both triangles, or the common points of two triangles that both
     /// have no area.
     Coplanar,
@@ -58,17 +56,44 @@ pub enum Feature {
 /// Everything but the coordinates of the points is exact; those are the exact ones, rounded to the nearest float.
 #[must_use]
 pub fn crossing(placement: &Placement, a: &Corners, b: &Corners) -> Crossing {
+    let end = |joint: Joint| Endpoint { on_a: joint.on_a, on_b: joint.on_b, point: joint.point(placement, a, b) };
+    joints(placement, a, b).map(end)
+}
+
+impl<E> Crossing<E> {
+    /// Where it begins and ends, of a segment, or the only point.
+    pub(crate) fn ends(&self) -> impl Iterator<Item = &E> {
+        let ends = match self {
+            Self::Apart | Self::Coplanar => [None, None],
+            Self::Point(only) => [Some(only), None],
+            Self::Segment(from, to) => [Some(from), Some(to)],
+        };
+        ends.into_iter().flatten()
+    }
+
+    /// The same with other ends.
+    pub(crate) fn map<F>(self, mut end: impl FnMut(E) -> F) -> Crossing<F> {
+        match self {
+            Self::Apart => Crossing::Apart,
+            Self::Point(only) => Crossing::Point(end(only)),
+            Self::Segment(from, to) => Crossing::Segment(end(from), end(to)),
+            Self::Coplanar => Crossing::Coplanar,
+        }
+    }
+}
+
+/// [`crossing`], with names for points: who has many pairs computes each point once, which takes longer than the decision.
+pub(crate) fn joints(placement: &Placement, a: &Corners, b: &Corners) -> Crossing<Joint> {
     let mut corners = PairCorners::new(placement, a, b);
-    let world = || World::new(placement, a, b);
     match Position::of(&mut corners) {
         Position::Apart => Crossing::Apart,
-        Position::Crossing(line) => crossing_on(&line, &mut corners, world),
+        Position::Crossing(line) => joints_on(&line, &mut corners, placement.world_from_a().mirrors()),
         Position::SegmentOfA(segment) => match passed(segment.pass_edges_of_b(&mut corners)) {
-            Some(on_b) => Crossing::Point(world().endpoint_on_edge_of_a(segment_feature(&segment), on_b, segment.edge)),
+            Some(on_b) => Crossing::Point(Joint { on_a: segment_feature(&segment), on_b, edge_of: Side::A }),
             None => Crossing::Apart,
         },
         Position::SegmentOfB(segment) => match passed(segment.pass_edges_of_a(&mut corners)) {
-            Some(on_a) => Crossing::Point(world().endpoint_on_edge_of_b(on_a, segment_feature(&segment), segment.edge)),
+            Some(on_a) => Crossing::Point(Joint { on_a, on_b: segment_feature(&segment), edge_of: Side::B }),
             None => Crossing::Apart,
         },
         Position::Flat if flat_meet(&mut corners) => Crossing::Coplanar,
@@ -77,31 +102,24 @@ pub fn crossing(placement: &Placement, a: &Corners, b: &Corners) -> Crossing {
 }
 
 /// The common part of the intervals `[a2, a1]` and `[b1, b2]` that both triangles have on their common line.
-fn crossing_on<'p>(line: &CommonLine, corners: &mut PairCorners, world: impl Fn() -> World<'p>) -> Crossing {
+fn joints_on(line: &CommonLine, corners: &mut PairCorners, mirrors_a: bool) -> Crossing<Joint> {
     let b1_to_a1 = line.compare(corners, 1, 1);
     let b2_to_a2 = line.compare(corners, 2, 2);
     if b1_to_a1 == Positive || b2_to_a2 == Negative {
         return Crossing::Apart;
     }
-    let world = world();
-    let end_a = |end: usize| Transversal { edge: [line.a[0], line.a[end]], sides: line.side_a };
-    let end_b = |end: usize| Transversal { edge: [line.b[0], line.b[end]], sides: line.side_b };
-    let on_a = |end: usize| end_feature(&end_a(end));
-    let on_b = |end: usize| end_feature(&end_b(end));
+    let on_a = |end: usize| end_feature(&Transversal { edge: [line.a[0], line.a[end]], sides: line.side_a });
+    let on_b = |end: usize| end_feature(&Transversal { edge: [line.b[0], line.b[end]], sides: line.side_b });
+    let edge_of_a = |end: usize, on_b: Feature| Joint { on_a: on_a(end), on_b, edge_of: Side::A };
+    let edge_of_b = |end: usize, on_a: Feature| Joint { on_a, on_b: on_b(end), edge_of: Side::B };
     let between_a = between_feature(line.a, line.side_a);
     let between_b = between_feature(line.b, line.side_b);
 
     // The larger of a2 and b1, and which part of the other triangle it is on.
     let start = match line.compare(corners, 1, 2) {
-        Negative => {
-            let other = if b2_to_a2 == Zero { on_b(2) } else { between_b };
-            world.endpoint_on_edge_of_a(on_a(2), other, end_a(2).edge)
-        }
-        Zero => world.endpoint_on_edge_of_a(on_a(2), on_b(1), end_a(2).edge),
-        Positive => {
-            let other = if b1_to_a1 == Zero { on_a(1) } else { between_a };
-            world.endpoint_on_edge_of_b(other, on_b(1), end_b(1).edge)
-        }
+        Negative => edge_of_a(2, if b2_to_a2 == Zero { on_b(2) } else { between_b }),
+        Zero => edge_of_a(2, on_b(1)),
+        Positive => edge_of_b(1, if b1_to_a1 == Zero { on_a(1) } else { between_a }),
     };
     let is_point =
         b1_to_a1 == Zero || b2_to_a2 == Zero || line.side_a[line.a[0]] == Zero || line.side_b[line.b[0]] == Zero;
@@ -110,15 +128,11 @@ fn crossing_on<'p>(line: &CommonLine, corners: &mut PairCorners, world: impl Fn(
     }
     // The smaller of a1 and b2. Were it the other end of the other triangle too, the piece would be a point.
     let finish = match line.compare(corners, 2, 1) {
-        Positive => world.endpoint_on_edge_of_a(on_a(1), between_b, end_a(1).edge),
-        Zero => world.endpoint_on_edge_of_a(on_a(1), on_b(2), end_a(1).edge),
-        Negative => world.endpoint_on_edge_of_b(between_a, on_b(2), end_b(2).edge),
+        Positive => edge_of_a(1, between_b),
+        Zero => edge_of_a(1, on_b(2)),
+        Negative => edge_of_b(2, between_a),
     };
-    if line.against_normals != world.mirrors_a {
-        Crossing::Segment(finish, start)
-    } else {
-        Crossing::Segment(start, finish)
-    }
+    if line.against_normals != mirrors_a { Crossing::Segment(finish, start) } else { Crossing::Segment(start, finish) }
 }
 
 /// What an edge of a triangle meets the other's plane in: the edge, or an end that is on the plane.
@@ -161,82 +175,4 @@ fn passed(passes: [Sign; 3]) -> Option<Feature> {
 
 fn edge_feature(p: usize, q: usize) -> Feature {
     Feature::Edge(if (p + 1) % 3 == q { p } else { q } as u8)
-}
-
-/// The two triangles as they are in the world.
-struct World<'p> {
-    poses: [&'p Pose; 2],
-    /// The corners of A and of B, each in its own frame.
-    corners: [&'p Corners; 2],
-    mirrors_a: bool,
-}
-
-impl<'p> World<'p> {
-    fn new(placement: &'p Placement, a: &'p Corners, b: &'p Corners) -> Self {
-        let poses = [placement.world_from_a(), placement.world_from_b()];
-        Self { poses, corners: [a, b], mirrors_a: poses[0].mirrors() }
-    }
-
-    /// The end where this edge of A meets B's plane.
-    fn endpoint_on_edge_of_a(&self, on_a: Feature, on_b: Feature, edge: [usize; 2]) -> Endpoint {
-        Endpoint { on_a, on_b, point: self.vertex_point(on_a, on_b).unwrap_or_else(|| self.nearest_on_plane(0, edge)) }
-    }
-
-    /// The end where this edge of B meets A's plane.
-    fn endpoint_on_edge_of_b(&self, on_a: Feature, on_b: Feature, edge: [usize; 2]) -> Endpoint {
-        Endpoint { on_a, on_b, point: self.vertex_point(on_a, on_b).unwrap_or_else(|| self.nearest_on_plane(1, edge)) }
-    }
-
-    fn vertex_point(&self, on_a: Feature, on_b: Feature) -> Option<[f64; 3]> {
-        let (side, corner) = match (on_a, on_b) {
-            (Feature::Vertex(i), _) => (0, usize::from(i)),
-            (_, Feature::Vertex(j)) => (1, usize::from(j)),
-            _ => return None,
-        };
-        let (pose, corner) = (self.poses[side], &self.corners[side][corner]);
-        Some(settled(&DoubleDouble::world_point(pose, corner)).unwrap_or_else(|| {
-            let one = Dyadic::from_f64(1.0);
-            world_point(pose, corner).each_ref().map(|x| Dyadic::nearest_quotient(x, &one))
-        }))
-    }
-
-    /// The point where an edge of A (`side` 0) or of B (1), whose ends are on different sides, meets the plane of the other triangle,
-    /// rounded. With the heights `h` of its ends p and q it is `(h_p q - h_q p) / (h_p - h_q)`.
-    fn nearest_on_plane(&self, side: usize, edge: [usize; 2]) -> [f64; 3] {
-        let ends = edge.map(|corner| &self.corners[side][corner]);
-        let (pose, pose_of_plane) = (self.poses[side], self.poses[1 - side]);
-        let rough = || {
-            let [p, q] = ends.map(|end| DoubleDouble::world_point(pose, end));
-            let plane =
-                self.corners[1 - side].each_ref().map(|corner| DoubleDouble::world_point(pose_of_plane, corner));
-            let from_first = |x: &[DoubleDouble; 3]| double_double::difference(x, &plane[0]);
-            let normal = double_double::cross(&from_first(&plane[1]), &from_first(&plane[2]));
-            let [h_p, h_q] = [&p, &q].map(|end| double_double::dot(&normal, &from_first(end)));
-            let denominator = h_p.minus(&h_q);
-            let numerator = |k: usize| h_p.times(&q[k]).minus(&h_q.times(&p[k]));
-            settled(&[0, 1, 2].map(|k| numerator(k).over(&denominator)))
-        };
-        rough().unwrap_or_else(|| {
-            let [p, q] = ends.map(|end| world_point(pose, end));
-            let plane = self.corners[1 - side].each_ref().map(|corner| world_point(pose_of_plane, corner));
-            exactly_nearest_on_plane(&p, &q, &plane)
-        })
-    }
-}
-
-/// A point rounded to nearest, where that is settled.
-fn settled([x, y, z]: &[DoubleDouble; 3]) -> Option<[f64; 3]> {
-    Some([x.nearest()?, y.nearest()?, z.nearest()?])
-}
-
-#[cold]
-fn exactly_nearest_on_plane(p: &[Dyadic; 3], q: &[Dyadic; 3], plane: &[[Dyadic; 3]; 3]) -> [f64; 3] {
-    let from_first = |x: &[Dyadic; 3]| [&x[0] - &plane[0][0], &x[1] - &plane[0][1], &x[2] - &plane[0][2]];
-    let normal = dyadic::cross(&from_first(&plane[1]), &from_first(&plane[2]));
-    let (h_p, h_q) = (dyadic::dot(&normal, &from_first(p)), dyadic::dot(&normal, &from_first(q)));
-    let denominator = &h_p - &h_q;
-    std::array::from_fn(|k| {
-        let numerator = &(&h_p * &q[k]) - &(&h_q * &p[k]);
-        Dyadic::nearest_quotient(&numerator, &denominator)
-    })
 }

@@ -19,6 +19,7 @@ pub(crate) mod double_double;
 mod fan;
 mod filter;
 mod fixed;
+mod joint;
 mod nearness;
 mod placement;
 mod point;
@@ -30,8 +31,10 @@ mod wide;
 
 pub(crate) use contact::{Contact, contact};
 pub use corners::{Corners, Tier};
+pub(crate) use crossing::joints;
 pub use crossing::{Crossing, Endpoint, Feature, crossing};
 pub(crate) use fan::{EdgeLine, Fan};
+pub(crate) use joint::Joint;
 pub use nearness::triangles_within;
 pub use placement::Placement;
 pub(crate) use placement::world_point;

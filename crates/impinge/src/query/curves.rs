@@ -8,7 +8,7 @@ use std::collections::{HashMap, HashSet};
 
 use rayon::prelude::*;
 
-use crate::exact::{Crossing, Endpoint, Feature, Placement, crossing};
+use crate::exact::{Corners, Crossing, Feature, Joint, Placement, joints};
 use crate::mesh::{Mesh, Placed};
 use crate::query::intersecting_pairs;
 
@@ -75,43 +75,81 @@ pub fn intersection_curves<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed
 /// Where a pair names a face that a mesh does not have.
 #[must_use]
 pub fn curves_of_pairs<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, pairs: &[[u32; 2]]) -> Curves {
-    let (a, b) = (a.into(), b.into());
-    let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
-    let crossings: Vec<Crossing> = pairs
-        .par_iter()
-        .map(|&[face_a, face_b]| crossing(&placement, &a.mesh.corners(face_a), &b.mesh.corners(face_b)))
-        .collect();
-    curves_of_crossings([a.mesh, b.mesh], pairs.iter().copied().zip(&crossings))
+    let placed = [a.into(), b.into()];
+    Linked::new(placed, &met(placed, pairs)).curves()
 }
 
-/// The curves of pairs of faces of two meshes, and of what these have in common.
-pub(super) fn curves_of_crossings<'c>(
-    meshes: [&Mesh; 2],
-    met: impl Iterator<Item = ([u32; 2], &'c Crossing)>,
-) -> Curves {
-    let mut names = meshes.map(Names::new);
-    let mut graph = Graph::default();
-    let mut coplanar_pairs = 0;
-    let mut touching = Vec::new();
-    for (pair, crossing) in met {
-        let mut node = |end: &Endpoint| {
+/// A pair of faces that meet, and in what.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Met {
+    pub(super) pair: [u32; 2],
+    pub(super) crossing: Crossing<Joint>,
+}
+
+/// Pairs of faces below which threads cost more than they save.
+const FEW: usize = 64;
+
+/// In what these pairs of faces meet.
+pub(super) fn met(placed: [Placed<'_>; 2], pairs: &[[u32; 2]]) -> Vec<Met> {
+    let placement = Placement::new(&placed[0].world_from_mesh, &placed[1].world_from_mesh);
+    let meet = |&pair: &[u32; 2]| {
+        let [a, b] = corners(placed, pair);
+        Met { pair, crossing: joints(&placement, &a, &b) }
+    };
+    pairs.par_iter().with_min_len(FEW).map(meet).collect()
+}
+
+fn corners(placed: [Placed<'_>; 2], pair: [u32; 2]) -> [Corners; 2] {
+    [0, 1].map(|side| placed[side].mesh.corners(pair[side]))
+}
+
+/// The pieces of some pairs of faces, whose ends are one where they have the same name.
+pub(super) struct Linked {
+    /// The ends, in the world frame.
+    pub(super) points: Vec<[f64; 3]>,
+    /// In what each pair meets, with the numbers of its ends.
+    pub(super) pieces: Vec<Crossing<usize>>,
+}
+
+impl Linked {
+    pub(super) fn new(placed: [Placed<'_>; 2], met: &[Met]) -> Self {
+        let mut names = placed.map(|placed| Names::new(placed.mesh));
+        let mut numbers = HashMap::new();
+        let mut ends = Vec::new();
+        let mut number = |pair: [u32; 2], joint: Joint| {
             let [on_a, on_b] = &mut names;
-            graph.node((on_a.name(pair[0], end.on_a), on_b.name(pair[1], end.on_b)), end.point)
+            let name = (on_a.name(pair[0], joint.on_a), on_b.name(pair[1], joint.on_b));
+            *numbers.entry(name).or_insert_with(|| {
+                ends.push((pair, joint));
+                ends.len() - 1
+            })
         };
-        match crossing {
-            Crossing::Apart => {}
-            Crossing::Coplanar => coplanar_pairs += 1,
-            Crossing::Point(end) => touching.push(node(end)),
-            Crossing::Segment(from, to) => {
-                let (from, to) = (node(from), node(to));
-                graph.link(from, to);
+        let pieces = met.iter().map(|met| met.crossing.map(|joint| number(met.pair, joint))).collect();
+        let placement = Placement::new(&placed[0].world_from_mesh, &placed[1].world_from_mesh);
+        let point = |&(pair, joint): &([u32; 2], Joint)| {
+            let [a, b] = corners(placed, pair);
+            joint.point(&placement, &a, &b)
+        };
+        Self { points: ends.par_iter().with_min_len(FEW).map(point).collect(), pieces }
+    }
+
+    pub(super) fn curves(&self) -> Curves {
+        let mut graph = Graph { points: &self.points, neighbours: vec![Vec::new(); self.points.len()] };
+        let mut coplanar_pairs = 0;
+        let mut touching = Vec::new();
+        for piece in &self.pieces {
+            match *piece {
+                Crossing::Apart => {}
+                Crossing::Coplanar => coplanar_pairs += 1,
+                Crossing::Point(end) => touching.push(end),
+                Crossing::Segment(from, to) => graph.link(from, to),
             }
         }
+        let mut seen = HashSet::new();
+        touching.retain(|&end| graph.neighbours[end].is_empty() && seen.insert(end));
+        let points = touching.into_iter().map(|end| self.points[end]).collect();
+        Curves { polylines: graph.into_polylines(), points, coplanar_pairs }
     }
-    let mut seen = HashSet::new();
-    touching.retain(|&node| graph.neighbours[node].is_empty() && seen.insert(node));
-    let points = touching.into_iter().map(|node| graph.points[node]).collect();
-    Curves { polylines: graph.into_polylines(), points, coplanar_pairs }
 }
 
 /// A corner, edge or face of a mesh, whichever faces share it.
@@ -155,22 +193,12 @@ impl<'a> Names<'a> {
 }
 
 /// Ends of pieces and the pieces between them.
-#[derive(Default)]
-struct Graph {
-    nodes: HashMap<(Name, Name), usize>,
-    points: Vec<[f64; 3]>,
+struct Graph<'p> {
+    points: &'p [[f64; 3]],
     neighbours: Vec<Vec<usize>>,
 }
 
-impl Graph {
-    fn node(&mut self, name: (Name, Name), point: [f64; 3]) -> usize {
-        *self.nodes.entry(name).or_insert_with(|| {
-            self.points.push(point);
-            self.neighbours.push(Vec::new());
-            self.points.len() - 1
-        })
-    }
-
+impl Graph<'_> {
     /// Joins two ends, once: a piece along an edge is found from both faces of the edge.
     fn link(&mut self, from: usize, to: usize) {
         if !self.neighbours[from].contains(&to) {

@@ -2,9 +2,9 @@
 
 use std::collections::HashSet;
 
-use super::{ContactPatch, Met, regions_of};
+use super::{Met, Region, regions_of};
 use crate::convex::{Contact, Contacts, Feature};
-use crate::exact::{self, Crossing};
+use crate::exact;
 use crate::mesh::{Placed, Ray};
 use crate::primitive::{cross, dot, sub};
 
@@ -12,7 +12,8 @@ use crate::primitive::{cross, dot, sub};
 /// there along the normal; where there are none, the ends of the curve's pieces, as deep as the region at most.
 pub(crate) fn contacts_of_patches(a: Placed<'_>, b: Placed<'_>) -> Vec<Contacts> {
     let placed = [a, b];
-    let of_patch = |(patch, met): (ContactPatch, Vec<Met>)| {
+    let of_region = |region: Region| {
+        let patch = &region.patch;
         let mut contacts = Vec::new();
         for side in 0..2 {
             let (own, other) = (placed[side], placed[1 - side]);
@@ -32,15 +33,15 @@ pub(crate) fn contacts_of_patches(a: Placed<'_>, b: Placed<'_>) -> Vec<Contacts>
             }
         }
         if contacts.is_empty() {
-            contacts = contacts_of_curve(placed, &patch, &met);
+            contacts = contacts_of_curve(placed, &region);
         }
         Contacts { normal: patch.normal, contacts }
     };
-    regions_of(placed).into_iter().map(of_patch).collect()
+    regions_of(placed).into_iter().map(of_region).collect()
 }
 
 /// The points of a region's curve, by the corners, edges and faces that they are on.
-fn contacts_of_curve(placed: [Placed<'_>; 2], patch: &ContactPatch, met: &[Met]) -> Vec<Contact> {
+fn contacts_of_curve(placed: [Placed<'_>; 2], Region { patch, met, linked }: &Region) -> Vec<Contact> {
     let feature = |side: usize, face: u32, on: exact::Feature| {
         let vertices = placed[side].mesh.faces()[face as usize];
         match on {
@@ -54,16 +55,12 @@ fn contacts_of_curve(placed: [Placed<'_>; 2], patch: &ContactPatch, met: &[Met])
     };
     let mut known = HashSet::new();
     let mut contacts = Vec::new();
-    for &Met { pair: [a, b], crossing } in met {
-        let ends = match crossing {
-            Crossing::Segment(from, to) => vec![from, to],
-            Crossing::Point(only) => vec![only],
-            Crossing::Apart | Crossing::Coplanar => continue,
-        };
-        for end in ends {
-            if known.insert(end.point.map(f64::to_bits)) {
-                let features = [feature(0, a, end.on_a), feature(1, b, end.on_b)];
-                contacts.push(Contact { points: [end.point; 2], lower: 0.0, upper: patch.depth, features });
+    for (Met { pair: [a, b], crossing }, piece) in met.iter().zip(&linked.pieces) {
+        for (joint, &end) in crossing.ends().zip(piece.ends()) {
+            let point = linked.points[end];
+            if known.insert(point.map(f64::to_bits)) {
+                let features = [feature(0, *a, joint.on_a), feature(1, *b, joint.on_b)];
+                contacts.push(Contact { points: [point; 2], lower: 0.0, upper: patch.depth, features });
             }
         }
     }

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::Met;
-use crate::exact::{Corners, Crossing, Feature, Placement, PosedPoint, Spot};
+use crate::exact::{Corners, Crossing, Feature, Joint, Placement, PosedPoint, Spot};
 use crate::mesh::{Containment, Judge, Mesh, Placed};
 use crate::primitive::sub;
 
@@ -99,12 +99,10 @@ fn edges_met(mesh: &Mesh, other: &Mesh, met: &[Met], side: usize) -> HashMap<u32
             Feature::Edge(edge) => 1 << edge,
             Feature::Face => 0,
         };
-        let on = |end: &crate::exact::Endpoint| if side == 0 { end.on_a } else { end.on_b };
+        let on = |end: &Joint| if side == 0 { end.on_a } else { end.on_b };
         *of_face |= match crossing {
-            Crossing::Apart => 0,
-            Crossing::Point(end) => of_end(on(end)),
-            Crossing::Segment(from, to) => of_end(on(from)) | of_end(on(to)),
             Crossing::Coplanar => ALL,
+            crossing => crossing.ends().fold(0, |met, end| met | of_end(on(end))),
         };
     }
     edges

@@ -11,12 +11,10 @@ mod interior;
 
 use std::collections::{HashMap, HashSet};
 
-use rayon::prelude::*;
-
-use super::curves::{Curves, curves_of_crossings};
+use super::curves::{Curves, Linked, Met, met};
 use super::intersecting_pairs;
 use crate::convex::to_unit_length;
-use crate::exact::{Crossing, Placement, crossing};
+use crate::exact::Crossing;
 use crate::mesh::Placed;
 use crate::primitive::{cross, dot, length, sub};
 pub(crate) use contacts::contacts_of_patches;
@@ -63,37 +61,29 @@ pub struct ContactPatch {
 /// of [`Mesh::contains`](crate::Mesh::contains) for one point. Regions with vertices inside take as long as these are many; O(n) the first time that a mesh is asked.
 #[must_use]
 pub fn contact_patches<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Vec<ContactPatch> {
-    regions_of([a.into(), b.into()]).into_iter().map(|(patch, _)| patch).collect()
+    regions_of([a.into(), b.into()]).into_iter().map(|region| region.patch).collect()
 }
 
-/// Pairs of faces below which threads cost more than they save.
-const FEW: usize = 64;
-
-/// A pair of faces that meet, and in what.
-#[derive(Clone, Copy, Debug)]
-struct Met {
-    pair: [u32; 2],
-    crossing: Crossing,
+/// A region, with its pairs and the pieces of its curves.
+struct Region {
+    patch: ContactPatch,
+    met: Vec<Met>,
+    linked: Linked,
 }
 
-/// The regions in which two meshes meet, with the pairs of each.
-fn regions_of(placed: [Placed<'_>; 2]) -> Vec<(ContactPatch, Vec<Met>)> {
+/// The regions in which two meshes meet.
+fn regions_of(placed: [Placed<'_>; 2]) -> Vec<Region> {
     let pairs = intersecting_pairs(placed[0], placed[1]);
     if pairs.is_empty() {
         return Vec::new();
     }
-    let placement = Placement::new(&placed[0].world_from_mesh, &placed[1].world_from_mesh);
-    let corners = |side: usize, face: u32| placed[side].mesh.corners(face);
-    let meet =
-        |&pair: &[u32; 2]| Met { pair, crossing: crossing(&placement, &corners(0, pair[0]), &corners(1, pair[1])) };
-    let met: Vec<Met> = pairs.par_iter().with_min_len(FEW).map(meet).collect();
+    let met = met(placed, &pairs);
     let mut sides = [0, 1].map(|side| Interior::new(placed, &met, side));
-    let patches = regions(met).into_iter().map(|met| (patch(placed, &mut sides, &met), met));
-    patches.collect()
+    connected(met).into_iter().map(|met| region(placed, &mut sides, met)).collect()
 }
 
 /// Pairs that are connected by faces that they share.
-fn regions(all: Vec<Met>) -> Vec<Vec<Met>> {
+fn connected(all: Vec<Met>) -> Vec<Vec<Met>> {
     let mut roots: Vec<usize> = (0..all.len()).collect();
     let mut first: [HashMap<u32, usize>; 2] = Default::default();
     for (number, met) in all.iter().enumerate() {
@@ -124,20 +114,21 @@ fn root(roots: &mut [usize], mut number: usize) -> usize {
     number
 }
 
-fn patch(placed: [Placed<'_>; 2], sides: &mut [Interior<'_>; 2], met: &[Met]) -> ContactPatch {
-    let curves = curves_of_crossings(placed.map(|placed| placed.mesh), met.iter().map(|met| (met.pair, &met.crossing)));
+fn region(placed: [Placed<'_>; 2], sides: &mut [Interior<'_>; 2], met: Vec<Met>) -> Region {
+    let linked = Linked::new(placed, &met);
+    let curves = linked.curves();
     let mirrors = placed[0].world_from_mesh.mirrors() != placed[1].world_from_mesh.mirrors();
     let mut pieces = HashSet::new();
     let mut area = [0.0; 3];
     let mut about: Option<[f64; 3]> = None;
-    for met in met {
-        let Crossing::Segment(from, to) = &met.crossing else { continue };
+    for piece in &linked.pieces {
+        let Crossing::Segment(from, to) = piece.map(|end| linked.points[end]) else { continue };
         // A piece along an edge is found from every face there.
-        if !pieces.insert([from.point, to.point].map(|end| end.map(f64::to_bits))) {
+        if !pieces.insert([from, to].map(|end| end.map(f64::to_bits))) {
             continue;
         }
-        let origin = *about.get_or_insert(from.point);
-        let product = cross(&sub(&from.point, &origin), &sub(&to.point, &origin));
+        let origin = *about.get_or_insert(from);
+        let product = cross(&sub(&from, &origin), &sub(&to, &origin));
         area = std::array::from_fn(|k| area[k] + 0.5 * product[k]);
     }
     if mirrors {
@@ -157,7 +148,7 @@ fn patch(placed: [Placed<'_>; 2], sides: &mut [Interior<'_>; 2], met: &[Met]) ->
     let top = heights(0).chain(line()).fold(f64::NEG_INFINITY, f64::max);
     let bottom = heights(1).chain(line()).fold(f64::INFINITY, f64::min);
     let depth = if top > bottom { top - bottom } else { 0.0 };
-    ContactPatch { normal, area: magnitude, depth, curves, pairs, inside }
+    Region { patch: ContactPatch { normal, area: magnitude, depth, curves, pairs, inside }, met, linked }
 }
 
 /// The normal of a face in the world; along an axis where it has none.
