@@ -12,6 +12,7 @@
 //! # Source
 //! See `expand`. Ours departs in the exact hull where floats do not do, and in the interval.
 
+use super::boxes::Boxes;
 use super::distance::{above, below, world_bounds};
 use super::expand::{Polytope, about_origin};
 use super::facet::Facet;
@@ -32,7 +33,7 @@ const NARROW: f64 = 64.0 * f64::EPSILON;
 
 /// An interval of polytopes that is wider than this, in the common unit, was left by a polytope that rounding has bent, or by a
 /// set without a volume: 2^-43. Exact hulls narrow it, at some ten times the price.
-const BENT: f64 = 1.0 / (1_u64 << 43) as f64;
+pub(super) const BENT: f64 = 1.0 / (1_u64 << 43) as f64;
 
 /// When an interval is good enough.
 #[derive(Clone, Copy, Debug)]
@@ -48,13 +49,13 @@ pub(super) struct Effort {
 
 impl Effort {
     /// For a depth of polytopes, which is that of a facet in the end.
-    const DEPTH: Self = Self { narrow: NARROW, most_points: 320, is_thorough: true };
+    pub(super) const DEPTH: Self = Self { narrow: NARROW, most_points: 320, is_thorough: true };
 
     /// For a depth of anything round. What rounding leaves of an interval is up to 2^-44 wide, which more steps do not narrow: they are
     /// three or four for each two digits before, and would be hundreds. 2^-40.
-    const ROUND_DEPTH: Self = Self { narrow: 1.0 / (1_u64 << 40) as f64, ..Self::DEPTH };
+    pub(super) const ROUND_DEPTH: Self = Self { narrow: 1.0 / (1_u64 << 40) as f64, ..Self::DEPTH };
 
-    /// For the normal of a contact, which the next step of a simulation finds anew.
+    /// For the normal of a contact, which the next step of a simulation finds anew; where it is deep, this may be too little.
     pub(super) const CONTACT: Self = Self { narrow: 1.0 / (1 << 24) as f64, most_points: 64, is_thorough: false };
 }
 
@@ -88,13 +89,11 @@ pub(crate) fn depth(a: &Swept<'_>, b: &Swept<'_>) -> Depth {
 }
 
 pub(super) fn depth_in_order(pair: &Pair<'_>, a: &Swept<'_>, b: &Swept<'_>, effort: Effort) -> CoreWitness {
-    let gap = gap(pair);
     let sum = |end: usize| a.radius[end] + b.radius[end];
-    let [_, gap_above] = world_bounds(&gap, pair);
-    let apart = below(below(sum(0)) - gap_above).max(0.0);
-    let core = if gap.lower > 0.5 * gap.upper { of_apart(pair, &gap) } else { expand(pair, &gap, effort) };
+    let of_boxes = Boxes::of(pair).and_then(|boxes| boxes.depth(effort.narrow.max(BENT)));
+    let (core, apart) = of_boxes.map_or_else(|| by_iteration(pair, effort), |core| (core, 0.0));
     let [inside, height] = [core.lower * pair.unit, core.upper * pair.unit];
-    let lower = if inside > 0.0 { below(inside + below(sum(0))) } else { apart };
+    let lower = if inside > 0.0 { below(inside + below(sum(0))) } else { below(below(sum(0)) - apart).max(0.0) };
     let normal = to_unit_length(core.direction);
     let world = core.points.map(|point| pair.world(point));
     let points = [
@@ -105,12 +104,20 @@ pub(super) fn depth_in_order(pair: &Pair<'_>, a: &Swept<'_>, b: &Swept<'_>, effo
     CoreWitness { depth, core: core.points }
 }
 
+/// What is proved of the cores, and how far they may be apart, in world units.
+pub(super) fn by_iteration(pair: &Pair<'_>, effort: Effort) -> (CoreDepth, f64) {
+    let gap = gap(pair);
+    let [_, apart] = world_bounds(&gap, pair);
+    let core = if gap.lower > 0.5 * gap.upper { of_apart(pair, &gap) } else { expand(pair, &gap, effort) };
+    (core, apart)
+}
+
 /// What is proved of the cores, in the common unit; negative where they are apart.
-struct CoreDepth {
-    lower: f64,
-    upper: f64,
-    direction: [f64; 3],
-    points: [[f64; 3]; 2],
+pub(super) struct CoreDepth {
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    pub(super) direction: [f64; 3],
+    pub(super) points: [[f64; 3]; 2],
 }
 
 /// Cores that are apart: the deepest points of the shapes are around the nearest of the cores.
@@ -142,7 +149,7 @@ struct Candidate {
 
 fn expand(pair: &Pair<'_>, gap: &Gap, effort: Effort) -> CoreDepth {
     let mut best = CoreDepth { lower: 0.0, upper: f64::INFINITY, direction: [1.0, 0.0, 0.0], points: gap.points };
-    let mut known: Vec<Difference> = gap.simplex.clone();
+    let mut known: Vec<Difference> = gap.simplex.to_vec();
     for direction in both_ways(&AXES) {
         offer(pair, &mut best, &mut known, &Candidate { lower: 0.0, direction, face: None });
     }
@@ -163,14 +170,15 @@ fn expand(pair: &Pair<'_>, gap: &Gap, effort: Effort) -> CoreDepth {
 
 /// Grows a polytope until its nearest facet is one of the set's, or no more is to be gained.
 fn grow(pair: &Pair<'_>, mut polytope: Polytope, best: &mut CoreDepth, effort: Effort) {
-    let mut lowest = None;
+    let (mut lowest, mut least) = (None, best.upper);
     while let Some(nearest) = polytope.nearest() {
         // What an earlier polytope held, the set holds.
         best.lower = best.lower.max(nearest.lower - pair.point_error());
         let push = Push::along(pair, nearest.direction);
-        if push.height < best.upper {
+        // Of directions that are as good, the last one: its facet is the farthest out, and so are the points on it.
+        if push.height <= least + 0.5 * effort.narrow {
             (best.upper, best.direction) = (push.height, nearest.direction);
-            lowest = Some(nearest);
+            (lowest, least) = (Some(nearest), least.min(push.height));
         }
         if best.upper - best.lower <= effort.narrow || !polytope.grow(&nearest, push.farthest, effort.most_points) {
             break;

@@ -3,9 +3,10 @@
 //! The floats' interval comes first. Where it leaves the answer open, or is loose, and both cores are polytopes, the exact
 //! least distance takes over; for others it stays open, and says so.
 
+use super::boxes::Boxes;
 use super::expand::certainly_meet;
 use super::facet::Facet;
-use super::gjk::{Gap, gap, means};
+use super::gjk::{Gap, gap, gap_until, means};
 use super::min_norm::{LeastDistance, least_distance};
 use super::posed::{Pair, Swept, to_unit_length};
 use crate::math::dyadic::Dyadic;
@@ -61,7 +62,18 @@ fn separation_in_order(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
 pub(crate) fn nearness(a: &Swept<'_>, b: &Swept<'_>, clearance: f64) -> Proximity {
     let [a, b] = if a.is_before(b) { [a, b] } else { [b, a] };
     let pair = Pair::new(a, b);
-    judge(&pair, [a.radius, b.radius], &gap(&pair), None, clearance)
+    let of_boxes = Boxes::of(&pair).map_or(Proximity::Undecided, |boxes| boxes.proximity());
+    if of_boxes == Proximity::Meets || of_boxes == Proximity::Apart && [a.radius[1], b.radius[1], clearance] == [0.0; 3]
+    {
+        return of_boxes;
+    }
+    by_iteration(&pair, [a.radius, b.radius], clearance)
+}
+
+/// [`nearness`], of any cores.
+pub(super) fn by_iteration(pair: &Pair<'_>, radii: [[f64; 2]; 2], clearance: f64) -> Proximity {
+    let gap = gap_until(pair, |gap| by_bounds(pair, radii, gap, clearance).is_some());
+    judge(pair, radii, &gap, None, clearance)
 }
 
 /// What is known from an earlier question about the same two shapes: a direction from A to B along which they were apart, and the
@@ -113,13 +125,11 @@ pub(crate) fn nearness_from(a: &Swept<'_>, b: &Swept<'_>, clearance: f64, known:
 /// Whether the shapes are within `clearance`, from what is known of their cores; `exact`, if it is there, is about the
 /// same ones.
 fn judge(pair: &Pair<'_>, [a, b]: [[f64; 2]; 2], gap: &Gap, exact: Option<LeastDistance>, clearance: f64) -> Proximity {
-    let sum = |end: usize| a[end] + b[end] + clearance;
-    let [lower, upper] = world_bounds(gap, pair);
     if exact.is_none() {
-        if lower > above(sum(1)) {
-            return Proximity::Apart;
+        if let Some(found) = by_bounds(pair, [a, b], gap, clearance) {
+            return found;
         }
-        if upper <= below(sum(0)) || holds_origin(pair, gap) {
+        if holds_origin(pair, gap) {
             return Proximity::Meets;
         }
     }
@@ -137,6 +147,20 @@ fn judge(pair: &Pair<'_>, [a, b]: [[f64; 2]; 2], gap: &Gap, exact: Option<LeastD
         Proximity::Undecided
     } else {
         Proximity::Apart
+    }
+}
+
+/// What the bounds of the cores' distance prove.
+#[inline(always)]
+fn by_bounds(pair: &Pair<'_>, [a, b]: [[f64; 2]; 2], gap: &Gap, clearance: f64) -> Option<Proximity> {
+    let sum = |end: usize| a[end] + b[end] + clearance;
+    let [lower, upper] = world_bounds(gap, pair);
+    if lower > above(sum(1)) {
+        Some(Proximity::Apart)
+    } else if upper <= below(sum(0)) {
+        Some(Proximity::Meets)
+    } else {
+        None
     }
 }
 

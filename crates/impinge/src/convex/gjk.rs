@@ -10,7 +10,7 @@
 //! Environments*, 2003, chapter 4, for how it goes astray in floats. Ours departs in that it decides nothing.
 
 use super::posed::{Difference, Pair, to_unit_entries};
-use super::simplex;
+use super::simplex::Simplex;
 use crate::primitive::{dot, length, scaled_length};
 
 /// The most steps. Polytopes of thousands of vertices take 10 to 20; cylinders and their like approach the end by a factor a
@@ -35,15 +35,21 @@ pub(super) struct Gap {
     /// A point of each core, up to rounding, as close as the upper bound says.
     pub(super) points: [[f64; 3]; 2],
     /// Up to four differences whose hull is nearly as near to the origin as that of all.
-    pub(super) simplex: Vec<Difference>,
+    pub(super) simplex: Simplex,
 }
 
-/// Bounds of the distance of two cores.
+/// Bounds of the distance of two cores, as narrow as they become.
 pub(super) fn gap(pair: &Pair<'_>) -> Gap {
+    gap_until(pair, |_| false)
+}
+
+/// Bounds of the distance of two cores that are `enough`, or as narrow as they become.
+#[inline(always)]
+pub(super) fn gap_until(pair: &Pair<'_>, enough: impl Fn(&Gap) -> bool) -> Gap {
     let towards_b: [f64; 3] = std::array::from_fn(|k| pair.b.spot([0.0; 3]).point[k] - pair.a.spot([0.0; 3]).point[k]);
     let mut direction = to_unit_entries(towards_b);
-    let mut simplex: Vec<Difference> = Vec::with_capacity(4);
-    let mut gap = Gap { lower: 0.0, direction, upper: f64::INFINITY, points: [[0.0; 3]; 2], simplex: Vec::new() };
+    let mut simplex = Simplex::EMPTY;
+    let mut gap = Gap { lower: 0.0, direction, upper: f64::INFINITY, points: [[0.0; 3]; 2], simplex };
     for _ in 0..STEPS {
         let farthest = pair.support(direction);
         let apart = separation(pair, direction, &farthest);
@@ -54,19 +60,16 @@ pub(super) fn gap(pair: &Pair<'_>) -> Gap {
             break;
         }
         simplex.push(farthest);
-        let vectors: Vec<[f64; 3]> = simplex.iter().map(|difference| difference.vector).collect();
-        let nearest = simplex::nearest(&vectors);
+        let nearest = simplex.nearest();
         let points = means(&simplex, &nearest.weights);
-        let mut weights = nearest.weights.into_iter();
-        simplex.retain(|_| weights.next().is_some_and(|weight| weight > 0.0));
+        simplex.keep(&nearest.weights);
         let upper = length_above(std::array::from_fn(|k| points[0][k] - points[1][k])) + pair.point_error();
         if upper >= gap.upper {
             break;
         }
-        (gap.upper, gap.points) = (upper, points);
-        gap.simplex.clone_from(&simplex);
+        (gap.upper, gap.points, gap.simplex) = (upper, points, simplex);
         direction = to_unit_entries(nearest.towards_origin);
-        if direction == [0.0; 3] || gap.upper - gap.lower <= NARROW {
+        if direction == [0.0; 3] || gap.upper - gap.lower <= NARROW || enough(&gap) {
             break;
         }
     }

@@ -130,7 +130,11 @@ fn overlapping(pair: &Pair<'_>, shapes: [&Faceted<'_>; 2], normal: [f64; 3], mar
 
 fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts {
     let pair = Pair::new(&a.swept, &b.swept);
-    let found = depth_in_order(&pair, &a.swept, &b.swept, Effort::CONTACT);
+    let depth = |effort| depth_in_order(&pair, &a.swept, &b.swept, effort);
+    let mut found = depth(Effort::CONTACT);
+    if found.depth.upper - found.depth.lower > LOOSE * pair.unit {
+        found = depth(Effort::ROUND_DEPTH);
+    }
     let normal = found.depth.normal;
     let facing_a = facing(&pair.a, a.facets, normal);
     let facing_b = facing(&pair.b, b.facets, normal.map(|x| -x));
@@ -174,6 +178,10 @@ fn measured(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3], over:
     }
     contacts
 }
+
+/// A depth that is known less well than this, in the common unit, is looked for with all effort: 2^-13. Round shapes that are deep in each
+/// other come to that.
+const LOOSE: f64 = 1.0 / (1 << 13) as f64;
 
 /// How much deeper than any point of the clipped polygons the witness must be to be one more, in the common unit: 2^-20.
 const WITNESS_SLACK: f64 = 1.0 / (1 << 20) as f64;

@@ -7,12 +7,14 @@
 //! - `gjk` finds an interval that holds the distance, and decides nothing;
 //! - `min_norm` finds the least distance of polytopes exactly, where the interval does not do;
 //! - `depth` finds an interval for the depth, with a normal that is valid whatever else went wrong;
+//! - `boxes` does both for two boxes in closed form, where floats are certain;
 //! - `half_space` compares shapes to planes;
 //! - `manifold` finds the points of a contact, from `facets` of polytopes, what is `facing` along the normal, and the `overlap`.
 //!
 //! The errors are derived in docs/proof.md, L20 to L22, L28 and L29.
 
 mod bounds;
+mod boxes;
 mod depth;
 mod distance;
 mod expand;

@@ -82,6 +82,8 @@ pub(super) struct Pair<'a> {
     pub(super) unit: f64,
     /// A bound of the magnitudes that sum up to a coordinate of either set, added up.
     pub(super) extent: [f64; 3],
+    /// More than what products that vanish in world units take away.
+    pub(super) underflow: f64,
 }
 
 impl Core<'_> {
@@ -163,7 +165,8 @@ impl<'a> Pair<'a> {
             scale: 1.0 / unit,
             vertex: Cell::new(0),
         };
-        Self { a: posed(a, [0.0; 3]), b: posed(b, offset), unit, extent: world.map(|extent| extent / unit) }
+        let underflow = UNDERFLOW * (1.0 + 1.0 / unit);
+        Self { a: posed(a, [0.0; 3]), b: posed(b, offset), unit, extent: world.map(|extent| extent / unit), underflow }
     }
 
     /// Lets climbs over hulls start here; no answer depends on it.
@@ -192,17 +195,12 @@ impl<'a> Pair<'a> {
     pub(super) fn height_error(&self, direction: [f64; 3]) -> f64 {
         let size: f64 = (0..3).map(|k| direction[k].abs() * self.extent[k]).sum();
         let slope: f64 = direction.into_iter().map(f64::abs).sum();
-        64.0 * UNIT_ROUNDOFF * size + slope * self.underflow()
+        64.0 * UNIT_ROUNDOFF * size + slope * self.underflow
     }
 
     /// How far a difference, or a mean of some, may be from one of the set.
     pub(super) fn point_error(&self) -> f64 {
-        32.0 * UNIT_ROUNDOFF * self.extent.iter().sum::<f64>() + self.underflow()
-    }
-
-    /// More than what products that vanish in world units take away.
-    fn underflow(&self) -> f64 {
-        UNDERFLOW * (1.0 + 1.0 / self.unit)
+        32.0 * UNIT_ROUNDOFF * self.extent.iter().sum::<f64>() + self.underflow
     }
 
     /// A point of the common frame in the world.

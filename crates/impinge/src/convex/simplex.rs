@@ -1,9 +1,58 @@
-//! The point of a simplex of up to four points that is nearest to the origin, in floats.
+//! Simplices of up to four differences, and the point of one that is nearest to the origin, in floats.
 //!
-//! All of the simplex's parts are tried and the nearest point wins, as van den Bergen's *backup procedure* does, so nothing
-//! depends on a part being picked by signs that rounding has spoilt. What comes out is judged by others and proves nothing.
+//! Where the origin is on the outer side of some faces, the nearest point is on one of these; where a sign is spoilt by rounding, on
+//! one that is as near to within that. What comes out is judged by others and proves nothing.
+//!
+//! # Source
+//! Ericson, *Real-Time Collision Detection*, 2005, 5.1.6; ours tells sides by volumes, areas and lengths of the same three products.
 
-use crate::primitive::{dot, sub};
+use super::posed::{Difference, Spot};
+use crate::primitive::{cross, dot, sub};
+
+/// Up to four differences.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Simplex {
+    differences: [Difference; 4],
+    len: usize,
+}
+
+impl Simplex {
+    const NOWHERE: Spot = Spot { local: [0.0; 3], point: [0.0; 3] };
+
+    pub(super) const EMPTY: Self =
+        Self { differences: [Difference { a: Self::NOWHERE, b: Self::NOWHERE, vector: [0.0; 3] }; 4], len: 0 };
+
+    /// One more; there is room for it unless the last [`nearest`](Self::nearest) was a tetrahedron about the origin.
+    pub(super) fn push(&mut self, difference: Difference) {
+        let at = self.len.min(3);
+        self.differences[at] = difference;
+        self.len = at + 1;
+    }
+
+    pub(super) fn nearest(&self) -> Nearest {
+        nearest(&self.differences.each_ref().map(|difference| difference.vector)[..self.len])
+    }
+
+    /// Leaves those that count.
+    pub(super) fn keep(&mut self, weights: &[f64; 4]) {
+        let mut kept = 0;
+        for (at, &weight) in weights.iter().enumerate().take(self.len) {
+            if weight > 0.0 {
+                self.differences[kept] = self.differences[at];
+                kept += 1;
+            }
+        }
+        self.len = kept;
+    }
+}
+
+impl std::ops::Deref for Simplex {
+    type Target = [Difference];
+
+    fn deref(&self) -> &[Difference] {
+        &self.differences[..self.len]
+    }
+}
 
 /// The nearest point of a simplex.
 #[derive(Clone, Copy, Debug)]
@@ -19,92 +68,129 @@ pub(super) struct Nearest {
 
 /// The nearest point of the hull of one to four points.
 pub(super) fn nearest(points: &[[f64; 3]]) -> Nearest {
-    let mut best = Nearest { weights: [0.0; 4], vector: [f64::INFINITY; 3], towards_origin: [0.0; 3] };
-    let mut winner = Part { numbers: [0; 4], len: 0 };
-    let mut least = f64::INFINITY;
-    for part in 1_usize..1 << points.len() {
-        let members = Part::of(part, points.len());
-        let Some(shares) = shares(points, &members) else { continue };
-        let total: f64 = shares[..members.len].iter().sum();
-        let mut found = Nearest { weights: [0.0; 4], vector: [0.0; 3], ..best };
-        for (&member, share) in members.iter().zip(shares) {
-            let weight = share / total;
-            found.weights[member] = weight;
-            found.vector = std::array::from_fn(|k| found.vector[k] + weight * points[member][k]);
-        }
-        let squared = if members.len == 4 { 0.0 } else { dot(&found.vector, &found.vector) };
-        if squared < least {
-            (least, best, winner) = (squared, found, members);
-        }
+    let mut search = Search { points, least: f64::INFINITY, best: [0; 4], len: 0, weights: [0.0; 4] };
+    match points.len() {
+        1 => search.look([0]),
+        2 => search.look([0, 1]),
+        3 => search.look([0, 1, 2]),
+        _ => search.look([0, 1, 2, 3]),
     }
-    if winner.len == 4 {
-        best.vector = [0.0; 3];
-    }
-    best.towards_origin = best.vector.map(|x| -x);
-    if winner.len == 3 {
-        let [p, q, r, _] = winner.numbers.map(|number| points[number]);
-        let normal = cross(&sub(&q, &p), &sub(&r, &p));
-        let flip = if dot(&normal, &p) > 0.0 { -1.0 } else { 1.0 };
-        best.towards_origin = normal.map(|x| flip * x);
-    }
-    best
+    search.into_nearest()
 }
 
-/// Some of up to four points.
-struct Part {
-    numbers: [usize; 4],
+struct Search<'p> {
+    points: &'p [[f64; 3]],
+    /// The least squared distance so far, and of which points by which weights.
+    least: f64,
+    best: [usize; 4],
     len: usize,
+    weights: [f64; 4],
 }
 
-impl Part {
-    fn of(part: usize, count: usize) -> Self {
-        let mut members = Self { numbers: [0; 4], len: 0 };
-        for number in (0..count).filter(|number| part >> number & 1 == 1) {
-            members.numbers[members.len] = number;
-            members.len += 1;
+impl Search<'_> {
+    /// Looks at the point of the members' affine hull, if it is among them, or at the faces that the origin is beyond.
+    #[inline(always)]
+    fn look<const N: usize>(&mut self, members: [usize; N]) {
+        let shares = shares(&members.map(|member| self.points[member]));
+        let beyond = shares.map(|share| !(share > 0.0 && share.is_finite()));
+        if N == 1 || beyond[..N].iter().all(|&is_beyond| !is_beyond) {
+            self.take(members, shares);
+            return;
         }
+        // Without area or volume all shares are zero, so all faces count.
+        for left_out in 0..N {
+            if beyond[left_out] {
+                let others = |at: usize| members[if at < left_out { at } else { at + 1 }];
+                match N {
+                    4 => self.look_at_triangle([others(0), others(1), others(2)]),
+                    3 => self.look_at_edge([others(0), others(1)]),
+                    _ => self.take([others(0)], [1.0, 0.0, 0.0, 0.0]),
+                }
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn look_at_triangle(&mut self, members: [usize; 3]) {
+        self.look(members);
+    }
+
+    #[inline(never)]
+    fn look_at_edge(&mut self, members: [usize; 2]) {
+        self.look(members);
+    }
+
+    #[inline(always)]
+    fn take<const N: usize>(&mut self, members: [usize; N], shares: [f64; 4]) {
+        let total: f64 = shares[..N].iter().sum();
+        let weights: [f64; 4] = if N == 1 { shares } else { shares.map(|share| share / total) };
+        let squared = if N == 4 {
+            0.0
+        } else {
+            let vector = self.mean(&members, &weights);
+            dot(&vector, &vector)
+        };
+        if squared < self.least {
+            (self.least, self.weights, self.len) = (squared, weights, N);
+            self.best[..N].copy_from_slice(&members);
+        }
+    }
+
+    fn mean(&self, members: &[usize], weights: &[f64; 4]) -> [f64; 3] {
         members
+            .iter()
+            .zip(weights)
+            .fold([0.0; 3], |sum, (&member, weight)| std::array::from_fn(|k| sum[k] + weight * self.points[member][k]))
     }
 
-    fn iter(&self) -> impl Iterator<Item = &usize> {
-        self.numbers[..self.len].iter()
+    fn into_nearest(self) -> Nearest {
+        let members = &self.best[..self.len];
+        let vector = if self.len == 4 { [0.0; 3] } else { self.mean(members, &self.weights) };
+        let mut nearest = Nearest { weights: [0.0; 4], vector, towards_origin: vector.map(|x| -x) };
+        for (&member, weight) in members.iter().zip(self.weights) {
+            nearest.weights[member] = weight;
+        }
+        if let &[p, q, r] = members {
+            let [p, q, r] = [p, q, r].map(|member| self.points[member]);
+            let normal = cross(&sub(&q, &p), &sub(&r, &p));
+            let flip = if dot(&normal, &p) > 0.0 { -1.0 } else { 1.0 };
+            nearest.towards_origin = normal.map(|x| flip * x);
+        }
+        nearest
     }
 }
 
-/// What the members count for in the point of their affine hull that is nearest to the origin, up to a common factor; none
-/// where that is not inside of their hull.
-fn shares(points: &[[f64; 3]], members: &Part) -> Option<[f64; 4]> {
-    let [p, q, r, s] = members.numbers.map(|member| points[member]);
-    let shares = match members.len {
-        1 => [1.0, 0.0, 0.0, 0.0],
-        2 => {
-            let edge = sub(&q, &p);
-            [dot(&q, &edge), -dot(&p, &edge), 0.0, 0.0]
+/// What the points count for in the point of their affine hull that is nearest to the origin, up to a common factor: positive
+/// where that is on the inner side of the face that lacks the point.
+#[inline(always)]
+fn shares(points: &[[f64; 3]]) -> [f64; 4] {
+    match points {
+        [p, q] => {
+            let edge = sub(q, p);
+            [dot(q, &edge), -dot(p, &edge), 0.0, 0.0]
         }
-        3 => {
-            let normal = cross(&sub(&q, &p), &sub(&r, &p));
-            [dot(&cross(&q, &r), &normal), dot(&cross(&r, &p), &normal), dot(&cross(&p, &q), &normal), 0.0]
+        [p, q, r] => {
+            let normal = cross(&sub(q, p), &sub(r, p));
+            [dot(&cross(q, r), &normal), dot(&cross(r, p), &normal), dot(&cross(p, q), &normal), 0.0]
         }
-        _ => {
-            let orientation = dot(&cross(&sub(&q, &p), &sub(&r, &p)), &sub(&s, &p)).signum();
+        [p, q, r, s] => {
+            let orientation = dot(&cross(&sub(q, p), &sub(r, p)), &sub(s, p)).signum();
+            let (pq, rs) = (cross(p, q), cross(r, s));
             [
-                orientation * dot(&cross(&q, &r), &s),
-                -orientation * dot(&cross(&p, &r), &s),
-                orientation * dot(&cross(&p, &q), &s),
-                -orientation * dot(&cross(&p, &q), &r),
+                orientation * dot(&rs, q),
+                -orientation * dot(&rs, p),
+                orientation * dot(&pq, s),
+                -orientation * dot(&pq, r),
             ]
         }
-    };
-    shares[..members.len].iter().all(|&share| share > 0.0 && share.is_finite()).then_some(shares)
-}
-
-fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        _ => [1.0, 0.0, 0.0, 0.0],
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::primitive::length;
 
     #[test]
     fn parts_of_a_simplex() {
@@ -115,6 +201,40 @@ mod tests {
         assert_eq!(nearest(&corners).vector, [0.0; 3]);
         assert!(nearest(&corners).weights.iter().all(|&weight| weight > 0.0));
         let one = nearest(&[[2.0, 0.0, 0.0]; 4]);
-        assert_eq!((one.vector, one.weights), ([2.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]));
+        assert_eq!((one.vector, one.weights.iter().sum::<f64>()), ([2.0, 0.0, 0.0], 1.0));
+    }
+
+    /// No part of the simplex, all of which are tried here, has a point that is nearer.
+    #[test]
+    fn no_part_is_nearer() {
+        let mut rng = impinge_testkit::generate::Rng::new(171);
+        let mut kinds = [0; 5];
+        for _ in 0..20_000 {
+            let count = rng.integer(1, 4) as usize;
+            let (on_grid, shift) = (rng.one_in(2), rng.uniform(-1.0, 1.0));
+            let mut number = |_: i32| if on_grid { rng.integer(-2, 2) as f64 } else { rng.uniform(-1.0, 1.0) + shift };
+            let points: Vec<[f64; 3]> = (0..count).map(|_| [0; 3].map(&mut number)).collect();
+            let found = nearest(&points);
+            let mut sum = [0.0; 3];
+            for (point, weight) in points.iter().zip(found.weights) {
+                assert!(weight >= 0.0);
+                sum = std::array::from_fn(|k| sum[k] + weight * point[k]);
+            }
+            let total: f64 = found.weights.iter().sum();
+            let least = (1..1 << count).filter_map(|part: usize| {
+                let members: Vec<[f64; 3]> = (0..count).filter(|i| part >> i & 1 == 1).map(|i| points[i]).collect();
+                let shares = shares(&members);
+                let total: f64 = shares[..members.len()].iter().sum();
+                let is_inside = shares[..members.len()].iter().all(|&share| share > 1e-12);
+                let nearest = |k: usize| members.iter().zip(shares).map(|(p, share)| share / total * p[k]).sum::<f64>();
+                is_inside.then(|| length(&[0, 1, 2].map(nearest)))
+            });
+            let least = least.fold(f64::INFINITY, f64::min);
+            let off = length(&sub(&sum, &found.vector));
+            assert!((total - 1.0).abs() < 1e-12 && off < 1e-9, "{points:?} {found:?}");
+            assert!(length(&found.vector) <= least + 1e-9, "{points:?} {found:?} {least}");
+            kinds[found.weights.iter().filter(|&&weight| weight > 0.0).count()] += 1;
+        }
+        assert!(kinds[1..].iter().all(|&kind| kind > 200), "{kinds:?}");
     }
 }

@@ -73,7 +73,8 @@ impl DoubleDouble {
         let low = product.low + across;
         let rounding = UNIT_ROUNDOFF * (forward.abs() + backward.abs() + across.abs() + low.abs());
         let left_out = (self.low * other.low).abs() + 4.0 * UNDERFLOW;
-        let input = self.size() * other.error + other.size() * self.error + self.error * other.error;
+        // Of no two errors alone, whose product would be subnormal.
+        let input = (self.size() + self.error) * other.error + other.size() * self.error;
         Self::new(product.high, low, product.error + rounding + left_out + input)
     }
 

@@ -185,7 +185,7 @@ mod tests {
         let mut random = Random(3);
         let (mut certain, mut nonzero) = (0, 0);
         for case in 0..100_000 {
-            let scale = f64::from_bits((1023 - 340 - case % 25) << 52);
+            let scale = f64::from_bits((1023 - 318 - case % 25) << 52);
             let [p, q, r] = std::array::from_fn(|_| random.vector());
             let mut s = combination(&p, &q, &r, random.unit(), random.unit());
             s[1] += random.unit() * [1.0, 1e-3, 1e-6][case as usize % 3];

@@ -22,8 +22,8 @@ pub(crate) const UNIT_ROUNDOFF: f64 = 0.5 * f64::EPSILON;
 /// More than all the relative rounding errors of a bound with fewer than 60 operations; 1 + 2^-46.
 pub(crate) const INFLATE: f64 = 1.0 + 64.0 * f64::EPSILON;
 
-/// More than what 32 products lose to underflow: 2^-1070.
-pub(crate) const UNDERFLOW: f64 = f64::from_bits(1 << 4);
+/// More than what 32 products lose to underflow, and no subnormal number, with which processors take a hundred times as long: 2^-1000.
+pub(crate) const UNDERFLOW: f64 = f64::from_bits((1023 - 1000) << 52);
 
 /// The largest error of the linear part, relative to the largest entry of the row, with which an approximate inverse is
 /// taken: 2^-40. Rigid maps have 2^-48. Looser bounds would only send more triangles to exact arithmetic, while exact
