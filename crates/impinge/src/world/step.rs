@@ -71,8 +71,18 @@ impl World {
     pub fn step_observed(
         &mut self,
         moves: &[(BodyId, Pose)],
-        observe: &mut dyn FnMut(Phase),
+        observe: &mut (dyn FnMut(Phase) + Send),
     ) -> Result<&Events, WorldError> {
+        // Whoever calls from outside the pool would wait for a thread to wake at each thing that is shared out: so once for all of them.
+        if moves.len() >= 2 * LEAST_SHARED {
+            rayon::scope(|_| self.advance(moves, observe))?;
+        } else {
+            self.advance(moves, observe)?;
+        }
+        Ok(&self.state.events)
+    }
+
+    fn advance(&mut self, moves: &[(BodyId, Pose)], observe: &mut dyn FnMut(Phase)) -> Result<(), WorldError> {
         let next = self.judge(moves)?;
         observe(Phase::Realign);
         let told = self.take(moves, next);
@@ -98,7 +108,7 @@ impl World {
         observe(Phase::Narrow);
         self.report(&changed, &pairs, meetings, work);
         observe(Phase::Report);
-        Ok(&self.state.events)
+        Ok(())
     }
 
     /// The bodies as they will be in their new poses; none where a body is in this pose already.
