@@ -131,7 +131,10 @@ class Mesh(PointQueries):
 
     @property
     def vertices(self) -> NDArray[np.float32] | NDArray[np.float64]:
-        """(n, 3) positions in the mesh's own frame, read-only, of the type that was given; copied at the first use."""
+        """(n, 3) positions in the mesh's own frame, read-only; copied at the first use.
+
+        Of the type that was given; of a baked mesh float32 where that holds them all, with the same numbers.
+        """
         return super().vertices
 
     @property
@@ -178,8 +181,8 @@ class Mesh(PointQueries):
         """Move the vertices; the faces stay as they are.
 
         The hierarchy keeps its shape and takes in the new places, several times quicker than it is built. Calls that
-        run meanwhile are answered about the mesh as it was. No answer depends on the shape; how much slower the
-        questions have become is `aging`, and `rebuild` makes them quick again.
+        run meanwhile are answered about the mesh as it was. No answer depends on the shape, beyond what `rebuild` says;
+        how much slower the questions have become is `aging`, and `rebuild` makes them quick again.
 
         Parameters
         ----------
@@ -236,7 +239,8 @@ class Mesh(PointQueries):
     def rebuild(self, builder: BuilderName = "auto") -> None:
         """Build the hierarchy anew from where the vertices are.
 
-        No answer changes, but which of the faces that meet `distance` names where meshes intersect.
+        No answer changes, but which of the faces that meet `distance` names where meshes intersect, and winding numbers
+        of open meshes within their error.
 
         Parameters
         ----------

@@ -105,7 +105,9 @@ class PointQueries(_impinge.MeshBase):
         return scalar(_impinge.winding_number(self, points))  # type: ignore[no-any-return]
 
     def contains(self, points: ArrayLike) -> bool | NDArray[np.bool_]:
-        """Whether points are in the mesh taken as a solid: where it winds more than half; the surface counts.
+        """Whether points are in the mesh taken as a solid: where it winds more than half, either way round.
+
+        The surface counts.
 
         Parameters
         ----------

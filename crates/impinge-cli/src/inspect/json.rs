@@ -76,7 +76,7 @@ pub(super) fn object(inspection: &Inspection) -> String {
             bytes: body.mesh.memory(),
         },
         health: Health {
-            closed: health.is_closed(),
+            closed: body.mesh.is_closed(),
             components: health.components,
             degenerate_faces: health.degenerate_faces,
             duplicate_faces: health.duplicate_faces,

@@ -82,8 +82,10 @@ fn health(inspection: &Inspection) -> Vec<(&'static str, String)> {
     let odd = |n: usize| if n == 0 { "none".to_owned() } else { format!("{ODD}{}{ODD:#}", count(n)) };
     let closed = if inspection.body.mesh.faces().is_empty() {
         "empty".to_owned()
-    } else if health.is_closed() {
+    } else if health.is_manifold() {
         format!("{SOUND}closed{SOUND:#}: each edge has two faces, which agree on what is inside")
+    } else if inspection.body.mesh.is_closed() {
+        format!("{SOUND}closed{SOUND:#}: each edge has as many faces one way round as the other")
     } else {
         format!("{ODD}not closed{ODD:#}: what is inside is a matter of opinion")
     };

@@ -32,9 +32,10 @@ pub struct Health {
 }
 
 impl Health {
-    /// Whether each edge has two faces that agree on what is inside.
+    /// Whether each edge has two faces that agree on what is inside. A mesh may be [closed](Mesh::is_closed) and no manifold, as two
+    /// cubes that share an edge are.
     #[must_use]
-    pub fn is_closed(&self) -> bool {
+    pub fn is_manifold(&self) -> bool {
         self.open_edges + self.non_manifold_edges + self.misoriented_edges == 0
     }
 }
@@ -144,11 +145,11 @@ mod tests {
     }
 
     #[test]
-    fn a_sound_solid_is_closed() {
+    fn a_sound_solid_is_a_manifold() {
         let cube = impinge_testkit::generate::solids::cuboid([0.0; 3], [1.0, 2.0, 3.0]);
         let found = health(cube.vertices, cube.faces);
         assert_eq!(found, Health { components: 1, ..Health::default() });
-        assert!(found.is_closed());
+        assert!(found.is_manifold());
     }
 
     #[test]
@@ -185,7 +186,7 @@ mod tests {
             double_coordinates: 1,
         };
         assert_eq!(found, expected);
-        assert!(!found.is_closed());
+        assert!(!found.is_manifold());
     }
 
     #[test]

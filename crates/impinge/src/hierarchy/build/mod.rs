@@ -28,7 +28,8 @@ use super::binary::{BinaryTree, LEAF_CAPACITY};
 use super::morton::build_morton;
 use crate::volume::Aabb;
 
-/// How a tree is built. No answer depends on it: only how long it takes to build, and to ask.
+/// How a tree is built. No answer depends on it: only how long it takes to build, and to ask. Of answers that are equally right it may be
+/// another one: which faces that meet [`distance`](crate::query::distance) names, and the winding number of an open mesh within its error.
 ///
 /// ```
 /// use impinge::hierarchy::{Builder, MAX_DEPTH};
