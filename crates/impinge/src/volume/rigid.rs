@@ -20,14 +20,15 @@ pub(crate) fn stretch(pose: &Pose) -> Result<f64, InputError> {
     let linear = pose.linear();
     let mut squares = 0.0;
     for i in 0..3 {
-        for j in 0..3 {
-            let (mut low, mut high) = if i == j { (-1.0, -1.0) } else { (0.0, 0.0) };
+        for j in i..3 {
+            // What is off the diagonal stands on either side of it.
+            let (mut low, mut high, times) = if i == j { (-1.0, -1.0, 1.0) } else { (0.0, 0.0, 2.0) };
             for row in linear {
                 low = add_down(low, mul_down(row[i], row[j]));
                 high = add_up(high, mul_up(row[i], row[j]));
             }
             let entry = high.max(-low).min(1e100); // what is far from rigid need not be squared to infinity
-            squares = add_up(squares, mul_up(entry, entry));
+            squares = add_up(squares, times * mul_up(entry, entry));
         }
     }
     let deviation = sqrt_up(squares);
