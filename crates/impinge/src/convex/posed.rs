@@ -295,11 +295,11 @@ pub(super) fn to_unit_entries(vector: [f64; 3]) -> [f64; 3] {
     if largest >= f64::MIN_POSITIVE && largest.is_finite() { vector.map(|x| x / largest) } else { [0.0; 3] }
 }
 
-/// A vector of length 1 along another; along an axis where that has no direction.
+/// A vector of length 1 along another, no zero of it negative; along an axis where that has no direction.
 pub(crate) fn to_unit_length(vector: [f64; 3]) -> [f64; 3] {
     let scaled = to_unit_entries(vector);
     let length = (scaled[0] * scaled[0] + scaled[1] * scaled[1] + scaled[2] * scaled[2]).sqrt();
-    if length > 0.0 { scaled.map(|x| x / length) } else { [1.0, 0.0, 0.0] }
+    if length > 0.0 { scaled.map(|x| x / length + 0.0) } else { [1.0, 0.0, 0.0] }
 }
 
 /// The power of two that a size is at most twice of; 1 for zero. None is so small that its inverse overflows.
