@@ -12,15 +12,16 @@
 //! # Source
 //! See `expand`. Ours departs in the exact hull where floats do not do, and in the interval.
 
+use super::around::about_origin;
 use super::boxes::Boxes;
 use super::distance::{above, below, world_bounds};
-use super::expand::{Polytope, about_origin};
+use super::expand::Polytope;
 use super::facet::Facet;
 use super::gjk::{Gap, gap, means};
 use super::posed::{Difference, Pair, Swept, to_unit_entries, to_unit_length};
 use super::simplex;
 use crate::hull::{Hull, HullKind};
-use crate::primitive::{dot, length};
+use crate::primitive::{cross, dot, length};
 
 /// The most hulls that are built. Those of polytopes without a volume need some 3 to 8.
 const ROUNDS: usize = 24;
@@ -165,27 +166,30 @@ fn expand(pair: &Pair<'_>, gap: &Gap, effort: Effort) -> CoreDepth {
     if is_open {
         by_hulls(pair, known, &mut best);
     }
+    if best.lower == 0.0 {
+        // They only touch, as far as is known: nowhere else than where they are nearest.
+        best.points = gap.points;
+    }
     best
 }
 
 /// Grows a polytope until its nearest facet is one of the set's, or no more is to be gained.
 fn grow(pair: &Pair<'_>, mut polytope: Polytope, best: &mut CoreDepth, effort: Effort) {
-    let (mut lowest, mut least) = (None, best.upper);
     while let Some(nearest) = polytope.nearest() {
         // What an earlier polytope held, the set holds.
         best.lower = best.lower.max(nearest.lower - pair.point_error());
         let push = Push::along(pair, nearest.direction);
-        // Of directions that are as good, the last one: its facet is the farthest out, and so are the points on it.
-        if push.height <= least + 0.5 * effort.narrow {
+        if push.height < best.upper {
             (best.upper, best.direction) = (push.height, nearest.direction);
-            (lowest, least) = (Some(nearest), least.min(push.height));
         }
         if best.upper - best.lower <= effort.narrow || !polytope.grow(&nearest, push.farthest, effort.most_points) {
             break;
         }
     }
-    if let Some(nearest) = lowest {
-        best.points = polytope.foot(&nearest);
+    if best.lower > 0.0
+        && let Some(points) = polytope.points_along(&best.direction)
+    {
+        best.points = points;
     }
 }
 
@@ -264,8 +268,4 @@ fn candidates(hull: &Hull, vectors: &[[f64; 3]]) -> Vec<Candidate> {
 fn foot(corners: &[Difference]) -> [[f64; 3]; 2] {
     let vectors: Vec<[f64; 3]> = corners.iter().map(|difference| difference.vector).collect();
     means(corners, &simplex::nearest(&vectors).weights)
-}
-
-fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -3,8 +3,8 @@
 //! The floats' interval comes first. Where it leaves the answer open, or is loose, and both cores are polytopes, the exact
 //! least distance takes over; for others it stays open, and says so.
 
+use super::around::certainly_meet;
 use super::boxes::Boxes;
-use super::expand::certainly_meet;
 use super::facet::Facet;
 use super::gjk::{Gap, gap, gap_until, means};
 use super::min_norm::{LeastDistance, least_distance};

@@ -15,16 +15,22 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::facet::Facet;
-use super::posed::{Difference, Pair};
+use super::posed::Difference;
 use super::simplex;
-use crate::primitive::{dot, length};
+use crate::primitive::{cross, dot, length, sub};
 
-/// How far below a triangle's plane a point may be for the triangle to see it still, in the common unit: 2^-48. What is in the plane
-/// but for rounding is replaced with the rest: were it kept, cones over it would have triangles without area.
+/// How far from a triangle's plane a point counts as in it, in the common unit: 2^-48.
 const IN_PLANE: f64 = 16.0 * f64::EPSILON;
+
+/// How high a triangle is on its longest edge at least, next to that, to be put beside another in its plane: 2^-30. What would be flatter
+/// is put over both instead.
+const FLAT: f64 = 1.0 / (1 << 30) as f64;
 
 /// A triangle without area is farther from the origin than this, in the common unit, or nothing is proved: 2^-20.
 const FAR: f64 = 1.0 / (1 << 20) as f64;
+
+/// Planes are met at one place by a direction where they are so far along it but for this, next to that: 2^-30.
+const SAME: f64 = 1.0 / (1 << 30) as f64;
 
 /// Triangles for each point, of which a surface without handles has fewer than two: beyond this rounding has made several layers of
 /// them, each step of which may treble their number, and nothing more comes of it.
@@ -108,23 +114,24 @@ pub(super) struct Nearest {
     /// Across the triangle, outwards; its greatest entry is ±1.
     pub(super) direction: [f64; 3],
     at: u32,
-    corners: [u32; 3],
 }
 
 impl Polytope {
-    /// The tetrahedron of four differences, if it holds the origin well inside.
-    pub(super) fn of_simplex(simplex: &[Difference]) -> Option<Self> {
-        let [p, q, r, s] = *<&[Difference; 4]>::try_from(simplex).ok()?;
-        let inside = |corners: [[u32; 3]; 4]| {
-            let polytope = Self::new(vec![p, q, r, s], &corners);
-            polytope
-                .triangles
-                .iter()
-                .all(|triangle| triangle.lower > 0.0 && triangle.lower.is_finite())
-                .then_some(polytope)
-        };
-        inside([[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]])
-            .or_else(|| inside([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
+    /// The hull of four differences and some more, if it holds the origin well inside.
+    pub(super) fn about_origin(points: &[Difference]) -> Option<Self> {
+        let (&[p, q, r, s], more) = points.split_first_chunk()?;
+        let is_above = Facet::of(&p.vector, &q.vector, &r.vector)
+            .is_some_and(|facet| dot(&facet.direction, &sub(&s.vector, &p.vector)) > 0.0);
+        let [q, r] = if is_above { [r, q] } else { [q, r] };
+        let mut polytope = Self::new(vec![p, q, r, s], &[[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]);
+        for point in more {
+            let seen = polytope.seen_from(&point.vector);
+            if seen.is_some_and(|at| !polytope.put_over(at, *point)) {
+                return None;
+            }
+        }
+        let is_beyond = |triangle: &Triangle| triangle.lower > 0.0 && triangle.lower.is_finite();
+        polytope.triangles.iter().filter(|triangle| triangle.is_listed).all(is_beyond).then_some(polytope)
     }
 
     /// The closed surface of these triangles.
@@ -154,8 +161,8 @@ impl Polytope {
             let &Entry { lower, triangle: at } = self.order.peek()?;
             let triangle = &self.triangles[at as usize];
             if triangle.is_listed && triangle.lower == lower {
-                let Triangle { direction, corners, .. } = *triangle;
-                return lower.is_finite().then_some(Nearest { lower, direction, at, corners });
+                let direction = triangle.direction;
+                return lower.is_finite().then_some(Nearest { lower, direction, at });
             }
             self.order.pop();
         }
@@ -168,10 +175,15 @@ impl Polytope {
         if self.points.len() >= most_points || self.vectors.iter().any(|v| v[0] == x && v[1] == y && v[2] == z) {
             return false;
         }
+        self.put_over(beyond.at, point)
+    }
+
+    /// Puts a new point over a triangle that it is beyond, and those around that see it too. False where the surface is tangled.
+    fn put_over(&mut self, at: u32, point: Difference) -> bool {
         let number = self.points.len() as u32;
         self.points.push(point);
         self.vectors.push(point.vector);
-        self.remove_seen(beyond.at, &point.vector);
+        self.remove_seen(at, &point.vector);
         let listed = self.triangles.len() - self.vacant.len();
         if listed + self.border.len() > TANGLED * self.points.len() {
             return false;
@@ -187,34 +199,56 @@ impl Polytope {
         true
     }
 
-    /// The points of A and of B whose difference is the nearest of a triangle.
-    pub(super) fn foot(&self, nearest: &Nearest) -> [[f64; 3]; 2] {
-        let corners = nearest.corners.map(|corner| self.points[corner as usize]);
-        super::gjk::means(&corners, &simplex::nearest(&corners.map(|corner| corner.vector)).weights)
+    /// The points of A and of B whose difference is where the surface is met along a direction from the origin, which it is about.
+    pub(super) fn points_along(&self, direction: &[f64; 3]) -> Option<[[f64; 3]; 2]> {
+        let facing = self.triangles.iter().filter(|triangle| triangle.is_listed && triangle.height.is_finite());
+        // How many times the direction it is to the plane.
+        let times = |triangle: &Triangle| triangle.height / dot(&triangle.direction, direction).max(0.0);
+        let least = facing.clone().map(times).fold(f64::INFINITY, f64::min);
+        let place = direction.map(|x| x * least);
+        // Of those in one plane, which has the place inside.
+        let nearest = facing.filter(|triangle| times(triangle) <= least * (1.0 + SAME)).map(|triangle| {
+            let corners = triangle.corners.map(|corner| self.points[corner as usize]);
+            let nearest = simplex::nearest(&corners.map(|corner| sub(&corner.vector, &place)));
+            (dot(&nearest.vector, &nearest.vector), corners, nearest.weights)
+        });
+        let (_, corners, weights) = nearest.min_by(|x, y| x.0.total_cmp(&y.0))?;
+        Some(super::gjk::means(&corners, &weights))
+    }
+
+    /// A triangle whose plane a point is beyond.
+    fn seen_from(&self, point: &[f64; 3]) -> Option<u32> {
+        let sees =
+            |triangle: &Triangle| triangle.is_listed && dot(&triangle.direction, point) - triangle.height > IN_PLANE;
+        self.triangles.iter().position(sees).map(|at| at as u32)
     }
 
     /// Removes a triangle, those that see a point and are reached from there over others that do, and triangles without area between
-    /// them, which see nothing and would only be in the way; their border is kept.
+    /// them, which see nothing and would only be in the way; their border is kept. What has the point in its plane, as the flat end of a
+    /// cylinder has each that comes to its circle, is removed only where the point is not beside it.
     fn remove_seen(&mut self, first: u32, point: &[f64; 3]) {
         self.triangles[first as usize].is_listed = false;
         self.removed.push(first);
-        while let Some(at) = self.removed.pop() {
-            let Triangle { corners, neighbours, .. } = self.triangles[at as usize];
-            for edge in 0..3 {
-                let beyond = neighbours[edge];
+        let mut looked_at = 0;
+        while let Some(&at) = self.removed.get(looked_at) {
+            looked_at += 1;
+            for beyond in self.triangles[at as usize].neighbours {
                 let next = &mut self.triangles[beyond.triangle as usize];
-                if !next.is_listed {
-                    continue;
-                }
-                if next.height == f64::INFINITY || dot(&next.direction, point) - next.height >= -IN_PLANE {
+                if next.is_listed && !stays(next, beyond.edge, point, &self.vectors) {
                     next.is_listed = false;
                     self.removed.push(beyond.triangle);
-                } else {
+                }
+            }
+        }
+        for &at in &self.removed {
+            let Triangle { corners, neighbours, .. } = self.triangles[at as usize];
+            for (edge, beyond) in neighbours.into_iter().enumerate() {
+                if self.triangles[beyond.triangle as usize].is_listed {
                     self.border.push(BorderEdge { ends: [corners[edge], corners[(edge + 1) % 3]], beyond });
                 }
             }
-            self.vacant.push(at);
         }
+        self.vacant.append(&mut self.removed);
     }
 
     fn push(&mut self, corners: [u32; 3]) -> u32 {
@@ -257,56 +291,21 @@ impl Polytope {
     }
 }
 
-/// Whether the cores certainly have a common point: a polytope of differences is about the origin, by more than these may be off. It
-/// grows by a few points where it is not so at once, as for shapes that stand alike, whose first differences have the origin on
-/// their border.
-pub(super) fn certainly_meet(pair: &Pair<'_>, simplex: &[Difference]) -> bool {
-    const MOST_POINTS: usize = 48;
-    let Some(mut polytope) = about_origin(pair, simplex) else { return false };
-    while let Some(nearest) = polytope.nearest() {
-        if nearest.lower > pair.point_error() {
-            return true;
-        }
-        if !polytope.grow(&nearest, pair.support(nearest.direction), MOST_POINTS) {
-            break;
-        }
+/// Whether a triangle neither sees a point nor is in the way of the triangle that the point makes with one of its edges.
+fn stays(triangle: &Triangle, edge: u8, point: &[f64; 3], vectors: &[[f64; 3]]) -> bool {
+    let above = dot(&triangle.direction, point) - triangle.height;
+    if triangle.height == f64::INFINITY {
+        return false;
     }
-    false
+    if above.abs() > IN_PLANE {
+        return above < 0.0;
+    }
+    let edge = usize::from(edge);
+    let [from, to] = [edge, (edge + 1) % 3].map(|corner| &vectors[triangle.corners[corner] as usize]);
+    let (along, away) = (sub(to, from), sub(point, from));
+    let longest = dot(&along, &along).max(dot(&away, &away));
+    dot(&cross(&along, &away), &triangle.direction) < -FLAT * longest
 }
-
-/// A polytope about the origin, from what the distance left.
-pub(super) fn about_origin(pair: &Pair<'_>, simplex: &[Difference]) -> Option<Polytope> {
-    if let Some(polytope) = Polytope::of_simplex(simplex) {
-        return Some(polytope);
-    }
-    // The border or an edge of the set is near: a hull of more points, in directions that boxes have no facets across.
-    let mut points = simplex.to_vec();
-    for direction in DIRECTIONS {
-        for direction in [direction, direction.map(|x| -x)] {
-            let point = pair.support(direction);
-            if points.iter().all(|known| known.vector != point.vector) {
-                points.push(point);
-            }
-        }
-    }
-    let vectors: Vec<[f64; 3]> = points.iter().map(|point| point.vector).collect();
-    let hull = crate::hull::Hull::new(&vectors).ok()?;
-    (hull.kind() == crate::hull::HullKind::Solid).then(|| {
-        let points = hull.vertices().iter().map(|&vertex| points[vertex as usize]).collect();
-        Polytope::new(points, hull.faces())
-    })
-}
-
-/// Seven directions, of which no plane holds more than three.
-const DIRECTIONS: [[f64; 3]; 7] = [
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [0.0, 0.0, 1.0],
-    [1.0, 0.875, 0.75],
-    [-1.0, 0.875, 0.75],
-    [1.0, -0.875, 0.75],
-    [1.0, 0.875, -0.75],
-];
 
 #[cfg(test)]
 mod tests {
@@ -322,7 +321,7 @@ mod tests {
     #[test]
     fn the_surface_stays_closed() {
         let corners = [[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0]];
-        let mut polytope = Polytope::of_simplex(&corners.map(difference)).expect("about the origin");
+        let mut polytope = Polytope::about_origin(&corners.map(difference)).expect("about the origin");
         let mut grown = 0;
         for step in 0..60_u32 {
             // On grids that become larger, so that many are in planes of facets and still beyond others.

@@ -13,6 +13,7 @@
 //!
 //! The errors are derived in docs/proof.md, L20 to L22, L28 and L29.
 
+mod around;
 mod bounds;
 mod boxes;
 mod depth;

@@ -17,7 +17,7 @@ use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 use crate::mesh::Mesh;
 use corners::Corners;
-use parts::PartTree;
+use parts::Parts;
 pub use placed::PlacedShape;
 pub(crate) use placed::Stand;
 use round::{Cone, Cylinder, Ellipsoid};
@@ -288,15 +288,16 @@ impl Shape {
     /// cylinders, cones, ellipsoids and custom sets. All others are at home under any affine map. For a compound, where its pose
     /// cannot be composed with a part's.
     pub fn at(&self, world_from_local: Pose) -> Result<PlacedShape, InputError> {
-        let mut parts = Vec::new();
-        if let Kind::Compound(shapes) = &self.0 {
-            for (shape, compound_from_part) in &**shapes {
-                parts.push(shape.at(world_from_local.compose(compound_from_part)?)?);
+        let parts = match &self.0 {
+            Kind::Compound(shapes) => {
+                let place = |(shape, compound_from_part): &(Self, Pose)| {
+                    shape.at(world_from_local.compose(compound_from_part)?)
+                };
+                Some(Arc::new(Parts::new(shapes.iter().map(place).collect::<Result<_, _>>()?)))
             }
-        }
-        let kind = self.0.clone();
-        let tree = PartTree::of(&parts).map(Arc::new);
-        let mut placed = PlacedShape { kind, stand: Stand::at(world_from_local), parts: parts.into(), tree };
+            _ => None,
+        };
+        let mut placed = PlacedShape { kind: self.0.clone(), stand: Stand::at(world_from_local), parts };
         match placed.stand_at(&world_from_local)? {
             Some(stand) => placed.follow(stand),
             None => placed.stand.bounds = placed.world_bounds(),

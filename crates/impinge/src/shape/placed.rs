@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::parts::PartTree;
+use super::parts::Parts;
 use super::{Form, Kind, RoundCore, Shape};
 use crate::convex::{Core, Faceted, HalfSpace, Surface, Swept};
 use crate::input::InputError;
@@ -19,10 +19,8 @@ const MOST_ASKED: usize = 8;
 pub struct PlacedShape {
     pub(super) kind: Kind,
     pub(super) stand: Stand,
-    /// The parts of a compound.
-    pub(super) parts: Arc<[PlacedShape]>,
-    /// The parts by their boxes, of a compound of many.
-    pub(super) tree: Option<Arc<PartTree>>,
+    /// Of a compound.
+    pub(super) parts: Option<Arc<Parts>>,
 }
 
 /// Where a shape stands, and what comes of it; the parts of a compound have places of their own.
@@ -77,16 +75,13 @@ impl PlacedShape {
 
     /// The parts that verbs are asked of: this shape, or those of a compound.
     pub(crate) fn parts(&self) -> &[Self] {
-        match self.kind {
-            Kind::Compound(_) => &self.parts,
-            _ => std::slice::from_ref(self),
-        }
+        self.parts.as_ref().map_or(std::slice::from_ref(self), |parts| &parts.all)
     }
 
     /// A placed mesh as a solid.
     pub(crate) fn solid(placed: Placed<'_>) -> Self {
         let kind = Kind::Mesh { mesh: placed.mesh.clone(), is_solid: true };
-        let mut solid = Self { kind, stand: Stand::at(placed.world_from_mesh), parts: Arc::from([]), tree: None };
+        let mut solid = Self { kind, stand: Stand::at(placed.world_from_mesh), parts: None };
         solid.stand.bounds = solid.world_bounds();
         solid
     }
@@ -154,7 +149,7 @@ impl PlacedShape {
                 return Form::HalfSpace(Box::new(HalfSpace::new(*normal, *level, pose)));
             }
             Kind::Mesh { mesh, is_solid } => return Form::Surface(Surface { mesh, pose, is_solid: *is_solid }),
-            Kind::Compound(_) => return self.parts[0].form(),
+            Kind::Compound(_) => return self.parts()[0].form(),
         };
         Form::Convex(Swept { core, pose, radius })
     }

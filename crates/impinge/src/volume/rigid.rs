@@ -1,6 +1,6 @@
 //! How far a pose is from a rigid motion, and where it takes a point: both with bounds.
 
-use super::rounding::{add_down, add_up, length_up, mul_down, mul_up, sqrt_up};
+use super::rounding::{HALF_ULP, add_down, add_up, length_up, mul_down, mul_up};
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 
@@ -10,28 +10,33 @@ const RIGID: f64 = 1e-4;
 
 /// A bound on the factor by which the pose stretches any length; 1 exactly where its linear part is exactly orthogonal.
 ///
+/// That is so of floats only with one entry of ±1 in each row and column: a row is whole numbers over a power of two, whose squares add up to
+/// a power of four, and three squares whose sum is a multiple of four are all even.
+///
 /// # Accuracy
-/// The greatest singular value σ of R has σ² ≤ 1 + ‖RᵀR - I‖, so σ ≤ 1 + ‖RᵀR - I‖ / 2, for which the Frobenius norm,
-/// rounded up, serves.
+/// The greatest singular value σ of R has σ² ≤ 1 + ‖RᵀR - I‖, so σ ≤ 1 + ‖RᵀR - I‖ / 2, for which the Frobenius norm serves. An entry of
+/// RᵀR - I is three products, two sums and a difference: it is off by 3.1 u of the magnitudes of the products and u of itself, and where
+/// products vanish by less than the least normal number.
 ///
 /// # Errors
 /// [`NotRigid`](InputErrorKind::NotRigid).
 pub(crate) fn stretch(pose: &Pose) -> Result<f64, InputError> {
     let linear = pose.linear();
+    let is_exact = linear.as_flattened().iter().all(|x| *x == 0.0 || x.abs() == 1.0);
     let mut squares = 0.0;
     for i in 0..3 {
         for j in i..3 {
             // What is off the diagonal stands on either side of it.
-            let (mut low, mut high, times) = if i == j { (-1.0, -1.0, 1.0) } else { (0.0, 0.0, 2.0) };
-            for row in linear {
-                low = add_down(low, mul_down(row[i], row[j]));
-                high = add_up(high, mul_up(row[i], row[j]));
-            }
-            let entry = high.max(-low).min(1e100); // what is far from rigid need not be squared to infinity
-            squares = add_up(squares, times * mul_up(entry, entry));
+            let (one, times) = if i == j { (1.0, 1.0) } else { (0.0, 2.0) };
+            let products = linear.map(|row| row[i] * row[j]);
+            let entry = (products[0] + products[1] + products[2] - one).abs();
+            let size = products[0].abs() + products[1].abs() + products[2].abs();
+            let rounding = if is_exact { 0.0 } else { 8.0 * HALF_ULP * size + f64::MIN_POSITIVE };
+            let entry = entry + rounding;
+            squares += times * entry * entry;
         }
     }
-    let deviation = sqrt_up(squares);
+    let deviation = squares.sqrt() * (1.0 + 16.0 * HALF_ULP);
     if deviation > RIGID {
         return Err(InputError::new(InputErrorKind::NotRigid { deviation })
             .with_hint("only meshes, boxes and polytopes with fixed directions can be scaled or sheared"));
