@@ -273,6 +273,8 @@ fn the_deepest_contact_is_as_deep_as_the_shapes() {
         let (Some(depth), contacts) = (shapes::penetration(&a, &b), shapes::contacts(&a, &b)) else { continue };
         let deepest = contacts.iter().flat_map(|manifold| &manifold.points).map(|point| point.upper);
         let deepest = deepest.fold(f64::NEG_INFINITY, f64::max);
+        let is_along = |k: usize| (depth.point_a[k] - depth.point_b[k] - depth.normal[k] * depth.upper).abs() < 2e-3;
+        assert!((0..3).all(is_along), "{a:?} {b:?}: {depth:?}");
         let is_as_deep = depth.lower - 1e-3 < deepest && deepest < depth.upper + 1e-3;
         assert!(is_as_deep, "{a:?} {b:?}: {deepest} of {depth:?}");
         asked += 1;

@@ -48,7 +48,8 @@ pub struct Penetration {
     pub normal: [f64; 3],
     /// The point of the first shape that is deepest in the second, against the normal; in the world frame, rounded.
     pub point_a: [f64; 3],
-    /// The point of the second shape that is deepest in the first, in the world frame, rounded.
+    /// The point of the second shape that is deepest in the first, in the world frame, rounded: from it to the other point it is about the
+    /// depth, along the normal.
     pub point_b: [f64; 3],
 }
 
