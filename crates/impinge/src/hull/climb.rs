@@ -7,18 +7,37 @@
 //! over the reals, however the turn was, so none leads back.
 //!
 //! A way may be long, on needles, or wide, at the tip of a cone. So once it has looked at as many vertices as there are, the
-//! climb gives way to a scan of all of them: no question costs more than both.
+//! climb gives way to a scan of all of them: no question of more than a few costs more than both.
+
+use std::collections::HashSet;
 
 use super::Hull;
 use crate::exact::compare_along;
 use crate::math::Sign::{Positive, Zero};
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
 
+/// As many vertices take no longer to look at than a scan takes to begin.
+const FEW: usize = 128;
+
 /// A vertex that is farthest along a direction.
 ///
 /// # Panics
 /// Where there is no vertex `start`.
 pub(crate) fn climb(hull: &Hull, direction: &[f64; 3], start: u32) -> u32 {
+    summit(hull, direction, start).0
+}
+
+/// The least of the vertices that are farthest along a direction, each of which [`climb`] may find.
+///
+/// # Panics
+/// Where there is no vertex `start`.
+pub(super) fn climb_to_least(hull: &Hull, direction: &[f64; 3], start: u32) -> u32 {
+    let (farthest, is_alone) = summit(hull, direction, start);
+    if is_alone { farthest } else { least_of_ties(hull, direction, farthest) }
+}
+
+/// A vertex that is farthest along a direction, and whether that is plain of no other.
+fn summit(hull: &Hull, direction: &[f64; 3], start: u32) -> (u32, bool) {
     let positions = hull.positions();
     let value = |vertex: u32| {
         let p = &positions[vertex as usize];
@@ -28,12 +47,12 @@ pub(crate) fn climb(hull: &Hull, direction: &[f64; 3], start: u32) -> u32 {
     // Three roundings on the way of each product, and as many in a rival's value.
     let size = direction[0].abs() * reach[0] + direction[1].abs() * reach[1] + direction[2].abs() * reach[2];
     let error = 8.0 * UNIT_ROUNDOFF * size + UNDERFLOW;
-    let mut budget = positions.len();
+    let mut budget = positions.len().max(FEW);
     let (mut at, mut height) = (start, value(start));
     loop {
         let neighbours = hull.neighbours(at);
         let Some(left) = budget.checked_sub(neighbours.len()) else {
-            return hull.extremes().along(positions, direction);
+            return (hull.extremes().along(positions, direction), false);
         };
         budget = left;
         let (mut best, mut best_height) = (at, height);
@@ -49,7 +68,7 @@ pub(crate) fn climb(hull: &Hull, direction: &[f64; 3], start: u32) -> u32 {
         if best_height > height + error {
             (at, height) = (best, best_height);
         } else if is_certain {
-            return at;
+            return (at, true);
         } else {
             let is_higher = |&&other: &&u32| {
                 let compared = compare_along(direction, &positions[other as usize], &positions[at as usize]);
@@ -57,7 +76,7 @@ pub(crate) fn climb(hull: &Hull, direction: &[f64; 3], start: u32) -> u32 {
             };
             match neighbours.iter().find(is_higher) {
                 Some(&higher) => (at, height) = (higher, value(higher)),
-                None => return at,
+                None => return (at, false),
             }
         }
     }
@@ -65,13 +84,13 @@ pub(crate) fn climb(hull: &Hull, direction: &[f64; 3], start: u32) -> u32 {
 
 /// The least of the vertices that are as far along a direction as this one, which is one of the farthest: they form a
 /// face of the hull, whose edges connect them.
-pub(super) fn least_of_ties(hull: &Hull, direction: &[f64; 3], farthest: u32) -> u32 {
+fn least_of_ties(hull: &Hull, direction: &[f64; 3], farthest: u32) -> u32 {
     let positions = hull.positions();
     let is_tied =
         |vertex: u32| compare_along(direction, &positions[vertex as usize], &positions[farthest as usize]) == Zero;
     let mut ties = vec![farthest];
     let mut next = 0;
-    let mut is_known = std::collections::HashSet::from([farthest]);
+    let mut is_known = HashSet::from([farthest]);
     while let Some(&tie) = ties.get(next) {
         next += 1;
         ties.extend(hull.neighbours(tie).iter().filter(|&&other| is_tied(other) && is_known.insert(other)));

@@ -223,11 +223,11 @@ impl Hull {
     ///
     /// # Complexity
     /// As many steps as vertices lie between the start and the farthest, each looking at all neighbours of one. Once as many
-    /// vertices were looked at as there are, [`support`](Self::support) takes over. Ties are walked through on top.
+    /// vertices were looked at as there are, or a hundred, [`support`](Self::support) takes over. Ties are walked through on top.
     #[must_use]
     pub fn support_from(&self, direction: [f64; 3], start: u32) -> u32 {
         let direction = usable(direction);
-        climb::least_of_ties(self, &direction, climb(self, &direction, start))
+        climb::climb_to_least(self, &direction, start)
     }
 
     /// Bytes that the hull holds.
