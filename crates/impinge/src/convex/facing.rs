@@ -3,7 +3,7 @@
 
 use super::facets::Facets;
 use super::posed::{Core, Posed, to_unit_entries, to_unit_length};
-use crate::primitive::{dot, length, sub};
+use crate::primitive::{cross, dot, length, sub};
 
 /// A facet counts as facing a direction, and an edge as across it, where the sine of the angle that it is off is at most this:
 /// some 14 degrees. More makes contacts of what only leans; less takes corners from what rocks.
@@ -50,9 +50,9 @@ fn of_polytope(set: &Posed<'_>, facets: &Facets, direction: [f64; 3]) -> Facing 
         }
     };
     let facet = facets.facets_at.list(farthest).iter().map(|&facet| {
-        let outline: Vec<[f64; 3]> = facets.outlines.list(facet).iter().map(|&corner| point(corner)).collect();
+        let outline = facets.outlines.list(facet).iter().map(|&corner| point(corner));
         let outward = if set.pose().mirrors() { -1.0 } else { 1.0 };
-        (outward * dot(&direction, &to_unit_length(vector_area(&outline))), facet)
+        (outward * dot(&direction, &to_unit_length(vector_area(outline))), facet)
     });
     let facet = facet.max_by(|x, y| x.0.total_cmp(&y.0).then(y.1.cmp(&x.1)));
     if let Some((cosine, facet)) = facet
@@ -97,14 +97,15 @@ fn of_round(set: &Posed<'_>, direction: [f64; 3]) -> Facing {
 }
 
 /// Twice the area of a polygon as a vector.
-fn vector_area(outline: &[[f64; 3]]) -> [f64; 3] {
+fn vector_area(mut outline: impl Iterator<Item = [f64; 3]>) -> [f64; 3] {
+    let Some(first) = outline.next() else { return [0.0; 3] };
     let mut area = [0.0; 3];
-    for pair in outline[1..].windows(2) {
-        let (e, f) = (sub(&pair[0], &outline[0]), sub(&pair[1], &outline[0]));
-        area = std::array::from_fn(|k| {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            area[k] + (e[i] * f[j] - e[j] * f[i])
-        });
+    let mut before = [0.0; 3];
+    for point in outline {
+        let from_first = sub(&point, &first);
+        let triangle = cross(&before, &from_first);
+        area = std::array::from_fn(|k| area[k] + triangle[k]);
+        before = from_first;
     }
     area
 }

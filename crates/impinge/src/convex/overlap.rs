@@ -80,12 +80,17 @@ impl Facing {
 struct Shadow<'f> {
     facing: &'f Facing,
     at: Vec<[f64; 2]>,
+    /// 1 where the corners turn left, -1 where they turn right.
+    turn: f64,
 }
 
 impl<'f> Shadow<'f> {
     fn new(facing: &'f Facing, [x, y]: &[[f64; 3]; 2]) -> Self {
         let at = facing.corners.iter().map(|corner| [dot(x, &corner.point), dot(y, &corner.point)]).collect();
-        Self { facing, at }
+        let mut shadow = Self { facing, at, turn: 0.0 };
+        let doubled_area: f64 = shadow.edges().map(|[from, to]| wedge(shadow.at[from], shadow.at[to])).sum();
+        shadow.turn = doubled_area.signum();
+        shadow
     }
 
     /// The point of the polygon over a place of the plane; none where there is none.
@@ -105,18 +110,18 @@ impl<'f> Shadow<'f> {
             }
             count => {
                 // The outermost of the triangles of a fan that have the place on their inner side.
-                let turn = self.doubled_area().signum();
                 let is_outside = |from: usize, to: usize| {
                     let [p, q] = [self.at[from], self.at[to]];
                     let edge = [q[0] - p[0], q[1] - p[1]];
-                    turn * wedge(edge, [place[0] - p[0], place[1] - p[1]]) < -SLACK * (edge[0].abs() + edge[1].abs())
+                    self.turn * wedge(edge, [place[0] - p[0], place[1] - p[1]])
+                        < -SLACK * (edge[0].abs() + edge[1].abs())
                 };
-                if self.edges().iter().any(|&[from, to]| is_outside(from, to)) {
+                if self.edges().any(|[from, to]| is_outside(from, to)) {
                     return None;
                 }
                 let weights = |i: usize| {
                     let part = |p: [f64; 2], q: [f64; 2]| {
-                        turn * wedge([p[0] - place[0], p[1] - place[1]], [q[0] - place[0], q[1] - place[1]])
+                        self.turn * wedge([p[0] - place[0], p[1] - place[1]], [q[0] - place[0], q[1] - place[1]])
                     };
                     let [p, q, r] = [self.at[0], self.at[i], self.at[i + 1]];
                     [part(q, r), part(r, p), part(p, q)]
@@ -130,12 +135,10 @@ impl<'f> Shadow<'f> {
         }
     }
 
-    fn edges(&self) -> Vec<[usize; 2]> {
-        match self.at.len() {
-            0 | 1 => Vec::new(),
-            2 => vec![[0, 1]],
-            count => (0..count).map(|i| [i, (i + 1) % count]).collect(),
-        }
+    fn edges(&self) -> impl Iterator<Item = [usize; 2]> {
+        let count = self.at.len();
+        let edges = if count > 2 { count } else { count.saturating_sub(1) };
+        (0..edges).map(move |from| [from, if from + 1 == count { 0 } else { from + 1 }])
     }
 
     fn edge(&self, [from, to]: [usize; 2]) -> Feature {
@@ -145,10 +148,6 @@ impl<'f> Shadow<'f> {
     fn on_edge(&self, [from, to]: [usize; 2], weight: f64) -> [f64; 3] {
         let (p, q) = (self.facing.corners[from].point, self.facing.corners[to].point);
         std::array::from_fn(|k| (1.0 - weight) * p[k] + weight * q[k])
-    }
-
-    fn doubled_area(&self) -> f64 {
-        self.edges().iter().map(|&[from, to]| wedge(self.at[from], self.at[to])).sum()
     }
 }
 
