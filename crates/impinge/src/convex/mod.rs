@@ -41,4 +41,5 @@ pub(crate) use manifold::{Contact, Contacts, Faceted, contacts};
 pub use overlap::Feature;
 pub use posed::Support;
 pub(crate) use posed::{Core, Swept, to_unit_length};
+pub(crate) use simplex::nearest as nearest_of_hull;
 pub(crate) use surface::Surface;

@@ -56,18 +56,18 @@ impl std::ops::Deref for Simplex {
 
 /// The nearest point of a simplex.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Nearest {
+pub(crate) struct Nearest {
     /// What each point counts for: not negative, and adding up to 1 up to rounding.
-    pub(super) weights: [f64; 4],
+    pub(crate) weights: [f64; 4],
     /// The sum of the points by their weights; zero where a tetrahedron holds the origin.
-    pub(super) vector: [f64; 3],
+    pub(crate) vector: [f64; 3],
     /// A direction from the nearest point to the origin: for a triangle its normal, which a point that is close to the origin
     /// has no digits left for.
     pub(super) towards_origin: [f64; 3],
 }
 
 /// The nearest point of the hull of one to four points.
-pub(super) fn nearest(points: &[[f64; 3]]) -> Nearest {
+pub(crate) fn nearest(points: &[[f64; 3]]) -> Nearest {
     let mut search = Search { points, least: f64::INFINITY, best: [0; 4], len: 0, weights: [0.0; 4] };
     match points.len() {
         1 => search.look([0]),

@@ -16,6 +16,7 @@ pub use curves::{Curves, curves_of_pairs, intersection_curves};
 pub use distance::{Distance, Witness, WitnessCache, distance, distance_with, within, within_with};
 pub use hits::{HitCache, intersects, intersects_with};
 pub(crate) use patches::contacts_of_patches;
+pub(crate) use patches::normals_of_regions;
 pub use patches::{ContactPatch, contact_patches};
 pub use penetrates::{Penetrates, penetrates, penetrates_of_pairs};
 pub use penetration::penetration;

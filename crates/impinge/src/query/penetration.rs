@@ -31,7 +31,8 @@ use crate::mesh::Placed;
 /// winding number is beyond one half. Closed meshes that only touch have a depth of zero, exactly.
 ///
 /// # Complexity
-/// Some hundred distances, each from the last witness, and that of [`contact_patches`](super::contact_patches).
+/// Some dozens of distances, each from the last witness, as many closest points, and that of
+/// [`intersection_curves`](super::intersection_curves).
 ///
 /// # Source
 /// Je, Tang, Lee, Lee, Kim, *PolyDepth: real-time penetration depth computation using iterative contact-space projection*, ACM

@@ -64,6 +64,13 @@ pub fn contact_patches<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>
     regions_of([a.into(), b.into()]).into_iter().map(|region| region.patch).collect()
 }
 
+/// The area of each region in which the surfaces of two meshes meet, and its normal, as [`ContactPatch`] tells them.
+pub(crate) fn normals_of_regions(placed: [Placed<'_>; 2]) -> Vec<(f64, [f64; 3])> {
+    let pairs = intersecting_pairs(placed[0], placed[1]);
+    let area = |met: Vec<Met>| area_and_normal(placed, &met, &Linked::new(placed, &met));
+    connected(met(placed, &pairs)).into_iter().map(area).collect()
+}
+
 /// A region, with its pairs and the pieces of its curves.
 struct Region {
     patch: ContactPatch,
@@ -117,6 +124,24 @@ fn root(roots: &mut [usize], mut number: usize) -> usize {
 fn region(placed: [Placed<'_>; 2], sides: &mut [Interior<'_>; 2], met: Vec<Met>) -> Region {
     let linked = Linked::new(placed, &met);
     let curves = linked.curves();
+    let (area, normal) = area_and_normal(placed, &met, &linked);
+    let inside = [0, 1].map(|side| sides[side].of_region(met.iter().map(|met| met.pair[side])));
+    let pairs = met.iter().map(|met| met.pair).collect();
+    let line = || curves.polylines.iter().flatten().chain(&curves.points).map(|point| dot(&normal, point));
+    let heights = |side: usize| {
+        let Placed { mesh, world_from_mesh } = placed[side];
+        inside[side]
+            .iter()
+            .map(move |&vertex| dot(&normal, &world_from_mesh.apply(mesh.positions().get(vertex as usize))))
+    };
+    let top = heights(0).chain(line()).fold(f64::NEG_INFINITY, f64::max);
+    let bottom = heights(1).chain(line()).fold(f64::INFINITY, f64::min);
+    let depth = if top > bottom { top - bottom } else { 0.0 };
+    Region { patch: ContactPatch { normal, area, depth, curves, pairs, inside }, met, linked }
+}
+
+/// The area that the curves of a region go round, and a direction of length 1 across it.
+fn area_and_normal(placed: [Placed<'_>; 2], met: &[Met], linked: &Linked) -> (f64, [f64; 3]) {
     let mirrors = placed[0].world_from_mesh.mirrors() != placed[1].world_from_mesh.mirrors();
     let mut pieces = HashSet::new();
     let mut area = [0.0; 3];
@@ -136,19 +161,7 @@ fn region(placed: [Placed<'_>; 2], sides: &mut [Interior<'_>; 2], met: Vec<Met>)
     }
     let magnitude = length(&area);
     let normal = if magnitude > 0.0 { to_unit_length(area) } else { face_normal(placed[0], met[0].pair[0]) };
-    let inside = [0, 1].map(|side| sides[side].of_region(met.iter().map(|met| met.pair[side])));
-    let pairs = met.iter().map(|met| met.pair).collect();
-    let line = || curves.polylines.iter().flatten().chain(&curves.points).map(|point| dot(&normal, point));
-    let heights = |side: usize| {
-        let Placed { mesh, world_from_mesh } = placed[side];
-        inside[side]
-            .iter()
-            .map(move |&vertex| dot(&normal, &world_from_mesh.apply(mesh.positions().get(vertex as usize))))
-    };
-    let top = heights(0).chain(line()).fold(f64::NEG_INFINITY, f64::max);
-    let bottom = heights(1).chain(line()).fold(f64::INFINITY, f64::min);
-    let depth = if top > bottom { top - bottom } else { 0.0 };
-    Region { patch: ContactPatch { normal, area: magnitude, depth, curves, pairs, inside }, met, linked }
+    (magnitude, normal)
 }
 
 /// The normal of a face in the world; along an axis where it has none.

@@ -21,14 +21,17 @@ use crate::hull::Hull;
 use crate::math::Pose;
 use crate::mesh::Options;
 use crate::primitive::{Vector, dot, scaled_length as length, sub};
-use crate::query::{Penetrates, WitnessCache, contact_patches, distance_with, penetrates};
+use crate::query::{Penetrates, WitnessCache, distance_with, normals_of_regions, penetrates};
 use crate::shape::{Form, PlacedShape};
 
 /// Directions along the axes of the world and of the shapes that are searched from, of those that promise most.
 const STARTS: usize = 3;
 
+/// The cosine of directions one after the other of which one is enough.
+const ALIKE: f64 = 1.0 - 1.0 / (1 << 12) as f64;
+
 /// Regions in which two meshes meet whose normals are searched along, the largest first.
-const PATCHES: usize = 3;
+const REGIONS: usize = 3;
 
 /// Vertices of a mesh whose hull takes less time than a few distances.
 const SMALL: usize = 1024;
@@ -66,11 +69,17 @@ fn depth_in_order(a: &PlacedShape, b: &PlacedShape) -> Depth {
         let length = parting(a, b, &direction);
         length.is_finite().then_some((length, direction))
     };
-    let mut starts: Vec<(f64, Vector)> = along_axes(a, b).filter_map(start).collect();
-    starts.sort_by(|x, y| x.0.total_cmp(&y.0));
-    starts.truncate(STARTS);
-    starts.extend(directions(a, b).into_iter().filter_map(start));
-    let ways = starts.iter().filter_map(|(length, direction)| descend(a, b, *length, direction));
+    let mut axes: Vec<(f64, Vector)> = along_axes(a, b).filter_map(start).collect();
+    axes.sort_by(|x, y| x.0.total_cmp(&y.0));
+    axes.truncate(STARTS);
+    let mut starts: Vec<(f64, Vector)> = directions(a, b).into_iter().filter_map(start).chain(axes).collect();
+    starts.dedup_by(|next, start| dot(&next.1, &start.1) > ALIKE);
+    let mut least = f64::INFINITY;
+    let ways = starts.iter().filter_map(|(length, direction)| {
+        let way = descend(a, b, *length, direction, least)?;
+        least = least.min(way.length);
+        Some(way)
+    });
     let mut ways: Vec<Parted> = ways.collect();
     ways.sort_by(|x, y| x.length.total_cmp(&y.length));
     let Some(best) = ways.into_iter().find(|way| is_parted_by(a, b, &way.translation)) else {
@@ -121,9 +130,9 @@ fn directions(a: &PlacedShape, b: &PlacedShape) -> Vec<Vector> {
     }
     found.extend(out_of_hulls(a, b));
     if let Some([a, b]) = surfaces(a, b) {
-        let mut patches = contact_patches(placed(&a), placed(&b));
-        patches.sort_by(|x, y| y.area.total_cmp(&x.area));
-        found.extend(patches.iter().take(PATCHES).map(|patch| patch.normal));
+        let mut regions = normals_of_regions([placed(&a), placed(&b)]);
+        regions.sort_by(|x, y| y.0.total_cmp(&x.0));
+        found.extend(regions.iter().take(REGIONS).map(|(_, normal)| normal));
     }
     found
 }
@@ -227,8 +236,8 @@ fn out_of(normal: &Vector, direction: &Vector, depth: f64) -> f64 {
     if cosine >= STEEP { depth / cosine } else { f64::INFINITY }
 }
 
-/// The shortest translation found from far along a direction.
-fn descend(a: &PlacedShape, b: &PlacedShape, start: f64, direction: &Vector) -> Option<Parted> {
+/// The shortest translation found from far along a direction, unless it is seen that none shorter than `least` will be.
+fn descend(a: &PlacedShape, b: &PlacedShape, start: f64, direction: &Vector, least: f64) -> Option<Parted> {
     let size = start + length_of_bounds(a) + length_of_bounds(b);
     let near = NEAR * size;
     let mut cache = WitnessCache::default();
@@ -264,7 +273,7 @@ fn descend(a: &PlacedShape, b: &PlacedShape, start: f64, direction: &Vector) -> 
         let normal = scaled(&between, 1.0 / apart);
         planes.push((normal, dot(&normal, &at.translation) - at.distance));
         let Some(next) = shortest_beyond(&planes) else { break };
-        if length(&next) >= at.length() - near {
+        if length(&next) >= at.length().min(least) - near {
             break;
         }
         goal = next;
