@@ -35,27 +35,9 @@ pub(super) fn ball_in_both(a: &PlacedShape, b: &PlacedShape, points: &[Vector; 2
 /// A point about which both balls are large.
 fn climb(sides: &mut [Balls<'_>; 2], points: &[Vector; 2], bounds: [Option<[Vector; 2]>; 2], upper: f64) -> Vector {
     let enough = upper * (1.0 - CLOSE);
-    let mut best = Place::of(sides, middle(points));
-    // Where one shape is all inside the other the middle may be in but one of them, and where walls are in line in the walls.
-    for bounds in likely_boxes(bounds) {
-        if best.sum < enough {
-            let place = Place::of(sides, middle(&bounds));
-            best = if place.sum > best.sum { place } else { best };
-        }
-    }
+    let mut best = start(sides, points, bounds, upper);
     let (mut step, mut slopes) = (0.25 * upper, vec![best]);
     for _ in 0..BALL_STEPS {
-        if !best.sum.is_finite() {
-            // In none or one of the shapes, where no slope tells of the other.
-            let about = (0..6)
-                .map(|way| std::array::from_fn(|k| best.at[k] + f64::from(k == way / 2) * [step, -step][way % 2]));
-            let found = about.map(|at| Place::of(sides, at)).max_by(|x, y| x.sum.total_cmp(&y.sum));
-            match found.filter(|place| place.sum.is_finite()) {
-                Some(place) => (best, slopes) = (place, vec![place]),
-                None => step *= 0.5,
-            }
-            continue;
-        }
         let hull = nearest_of_hull(&Vec::from_iter(slopes.iter().map(|place| place.uphill)));
         let weights = &hull.weights[..slopes.len()];
         let steepness = length(&hull.vector);
@@ -67,7 +49,7 @@ fn climb(sides: &mut [Balls<'_>; 2], points: &[Vector; 2], bounds: [Option<[Vect
         }
         let mut left = weights.iter();
         slopes.retain(|_| left.next().is_some_and(|&weight| weight > 0.0));
-        if slopes.len() == 4 || steepness * upper < CLOSE * upper {
+        if slopes.len() == 4 || steepness < CLOSE {
             (step, slopes) = (0.5 * step, vec![best]);
             continue;
         }
@@ -81,6 +63,29 @@ fn climb(sides: &mut [Balls<'_>; 2], points: &[Vector; 2], bounds: [Option<[Vect
         }
     }
     best.at
+}
+
+/// Where to start from: a place in both shapes, as far as one is found.
+fn start(sides: &mut [Balls<'_>; 2], points: &[Vector; 2], bounds: [Option<[Vector; 2]>; 2], upper: f64) -> Place {
+    let mut best = Place::of(sides, middle(points));
+    // Where one shape is all inside the other the middle may be in but one of them, and where walls are in line in the walls.
+    for bounds in likely_boxes(bounds) {
+        if best.sum < upper * (1.0 - CLOSE) {
+            let place = Place::of(sides, middle(&bounds));
+            best = if place.sum > best.sum { place } else { best };
+        }
+    }
+    let mut step = 0.25 * upper;
+    while !best.sum.is_finite() && step > CLOSE * upper {
+        // No slope of one shape tells where the other is.
+        for way in 0..6 {
+            let by = [step, -step][way % 2];
+            let place = Place::of(sides, std::array::from_fn(|k| best.at[k] + if k == way / 2 { by } else { 0.0 }));
+            best = if place.sum > best.sum { place } else { best };
+        }
+        step *= 0.5;
+    }
+    best
 }
 
 fn middle([p, q]: &[Vector; 2]) -> Vector {
