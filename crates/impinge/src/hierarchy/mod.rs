@@ -36,7 +36,7 @@ pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, overlapping, overlapping_each
 pub use morton::build_morton;
 pub(crate) use morton::{build_over, space_for};
 pub(crate) use radix::scatter;
-pub(crate) use refit::{Patch, Patches};
+pub(crate) use refit::{Leaves, Patch, Patches, Work};
 pub use slab::Slab;
 pub(crate) use slab::SlabMap;
 pub use wide::{Child, Node, WideTree};

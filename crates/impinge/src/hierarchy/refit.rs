@@ -101,28 +101,38 @@ pub(crate) struct Work<'a, L> {
     pub(crate) leaves: &'a mut [L],
 }
 
+/// What the leaves of a patch hold, and where that is now.
+pub(crate) trait Leaves {
+    /// Refits what a leaf holds, counted from the patch's first, and returns its box. The last leaf comes first.
+    fn refit(&mut self, leaf: usize) -> Aabb;
+
+    /// The slab about what some leaves hold, all of which were refitted.
+    fn slab(&self, leaves: Range<usize>) -> Slab;
+}
+
 impl Patch {
-    /// Refits the patch's own `nodes`: `bounds` are those of its leaves, and `slab` is about what a range of them holds.
-    pub(crate) fn refit(&self, nodes: &mut [Node], bounds: &[Aabb], slab: impl Fn(Range<usize>) -> Slab) {
+    /// Refits the patch's own `nodes` and what its leaves hold, each node right after what is below it.
+    #[inline(always)]
+    pub(crate) fn refit(&self, nodes: &mut [Node], leaves: &mut impl Leaves) {
         // Children come after their parents, and their leaves stand side by side.
         let mut held = vec![0..0; nodes.len()];
         for at in (0..nodes.len()).rev() {
             let mut node = nodes[at];
             let (mut first, mut end) = (usize::MAX, 0);
-            for lane in 0..node.count() {
+            for lane in (0..node.count()).rev() {
                 let below = node.index(lane) as usize;
-                if node.holds_leaves() {
+                let (bounds, below) = if node.holds_leaves() {
                     let leaf = below - self.leaves.start;
-                    node.set_bounds(lane, &bounds[leaf]);
-                    (first, end) = (first.min(leaf), leaf + 1);
+                    (leaves.refit(leaf), leaf..leaf + 1)
                 } else {
                     let child = below - self.nodes.start;
-                    node.set_bounds(lane, &nodes[child].bounds());
-                    (first, end) = (first.min(held[child].start), held[child].end);
-                }
+                    (nodes[child].bounds(), held[child].clone())
+                };
+                node.set_bounds(lane, &bounds);
+                (first, end) = (first.min(below.start), end.max(below.end));
             }
             node.set_extent();
-            node.slab = slab(first..end);
+            node.slab = leaves.slab(first..end);
             nodes[at] = node;
             held[at] = first..end;
         }

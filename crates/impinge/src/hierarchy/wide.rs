@@ -4,10 +4,6 @@
 //! the child that holds most. Nodes are plain bytes of four cache lines in preorder, so that children
 //! come after parents and a reverse sweep refits.
 
-use std::ops::Range;
-
-use rayon::prelude::*;
-
 use super::binary::BinaryTree;
 use super::slab::Slab;
 use crate::simd::LANES;
@@ -137,19 +133,6 @@ impl WideTree {
             collapse.node(Subtree { root: 0, len: binary.nodes.len() as u32 });
         }
         (Self { nodes: Pages::copied(&collapse.nodes) }, collapse.leaves)
-    }
-
-    /// Gives each node of the lower levels the slab about what its leaves, a range of them, hold.
-    pub fn set_slabs(&mut self, slab: impl Fn(Range<usize>) -> Slab + Sync) {
-        let nodes = self.nodes.to_mut();
-        // Children come after their parents and their leaves stand side by side.
-        let mut ranges = vec![0..0; nodes.len()];
-        for (at, node) in nodes.iter().enumerate().rev() {
-            let [first, last] = [0, node.count().saturating_sub(1)].map(|lane| node.index(lane) as usize);
-            ranges[at] = if node.holds_leaves() { first..last + 1 } else { ranges[first].start..ranges[last].end };
-        }
-        let patches = nodes.par_iter_mut().zip(ranges).filter(|(_, range)| range.len() <= PATCH);
-        patches.for_each(|(node, range)| node.slab = slab(range));
     }
 
     /// The tree of these nodes, whatever they say.

@@ -102,7 +102,7 @@ impl Mesh {
                 Origin::Replaced { replacement, leaf } => layouts[replacement as usize][leaf as usize],
             };
         });
-        data.moved().refit(&mut renewal.tree, packets.to_mut());
+        data.moved().fit(&mut renewal.tree, packets.to_mut(), |_| ());
         let costs = renewal.costs_as_built(data.costs_as_built());
         let tree = renewal.tree;
         let faces = layouts.iter().flatten().map(|packet| packet.held().len()).sum();

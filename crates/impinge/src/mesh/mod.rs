@@ -46,7 +46,7 @@ pub use health::Health;
 pub use nearest::ClosestPoint;
 pub use parts::{Flaw, Parts};
 pub use positions::Positions;
-use positions::{Vertex, VertexSlice, Vertices};
+use positions::{VertexSlice, Vertices};
 pub use rays::{Ray, RayHit};
 pub use relation::HostChoice;
 pub(crate) use self_descent::{WantedFaces, collect_self_intersecting};
@@ -55,16 +55,17 @@ pub(crate) use winding::Judge;
 pub use winding::{Containment, WindingNumber};
 
 use crate::exact::Corners;
-use crate::hierarchy::{BinaryTree, Boxes, Builder, Slab, WideTree, build_over, space_for};
+use crate::hierarchy::{Boxes, Builder, WideTree, build_over, space_for};
 use crate::input::InputError;
 use crate::math::Pose;
-use crate::simd::{LANES, Level, best_level, prefetch};
+use crate::simd::{LANES, best_level};
 use crate::storage::{Buffer, Room, Space};
 use crate::volume::Aabb;
 use face_boxes::FaceBoxes;
 use far_field::FarField;
 use frame::PackedFrame;
 use packet::Packet;
+use refit::Moved;
 use topology::Topology;
 
 /// A triangle mesh, judged and packed, with its hierarchy; cheap to clone, and never changing under a query.
@@ -213,24 +214,12 @@ impl<'a> From<&'a Mesh> for Placed<'a> {
     }
 }
 
-/// Leaves whose packets, or whose slab, are one task.
+/// Leaves, or faces, that are one task.
 const CHUNK: usize = 512;
 
 /// The tree of the faces and the packets of its leaves.
 fn built(
     vertices: VertexSlice<'_>,
-    faces: &[[u32; 3]],
-    frame: &PackedFrame,
-    builder: Builder,
-) -> (WideTree, Buffer<Packet>) {
-    match vertices {
-        VertexSlice::F32(vertices) => hierarchy(vertices, faces, frame, builder),
-        VertexSlice::F64(vertices) => hierarchy(vertices, faces, frame, builder),
-    }
-}
-
-fn hierarchy<V: Vertex>(
-    vertices: &[V],
     faces: &[[u32; 3]],
     frame: &PackedFrame,
     builder: Builder,
@@ -241,7 +230,10 @@ fn hierarchy<V: Vertex>(
     let binary = {
         let mut space = room.space();
         let packed = space.take(vertices.len());
-        face_boxes::pack(vertices, frame, packed);
+        match vertices {
+            VertexSlice::F32(vertices) => face_boxes::pack(vertices, frame, packed),
+            VertexSlice::F64(vertices) => face_boxes::pack(vertices, frame, packed),
+        }
         let boxes = FaceBoxes::new(packed, faces);
         match builder.strategy(faces.len()) {
             // The one that needs no list of boxes.
@@ -251,8 +243,12 @@ fn hierarchy<V: Vertex>(
     };
     let (mut tree, leaves) = WideTree::collapse(&binary);
     let mut packets = room.into_buffer(leaves.len());
-    pack(&binary, &leaves, frame, vertices, faces, packets.to_mut());
-    tree.set_slabs(|leaves| slab(best_level(), &packets[leaves]));
+    let moved = Moved { vertices, faces, frame };
+    moved.fit(&mut tree, packets.to_mut(), |work| {
+        for (packet, &leaf) in work.leaves.iter_mut().zip(&leaves[work.patch.leaves.clone()]) {
+            *packet = Packet::holding(binary.held(leaf));
+        }
+    });
     (tree, packets)
 }
 
@@ -260,54 +256,4 @@ fn hierarchy<V: Vertex>(
 fn listed(boxes: &FaceBoxes<'_>) -> Vec<Aabb> {
     let chunks = (0..boxes.len() as u32).into_par_iter().with_min_len(CHUNK);
     chunks.map(|face| dispatch!(best_level(), simd => boxes.bounds(simd, &[face]))).collect()
-}
-
-/// Fills the packets of the leaves.
-fn pack<V: Vertex>(
-    binary: &BinaryTree,
-    leaves: &[u32],
-    frame: &PackedFrame,
-    vertices: &[V],
-    faces: &[[u32; 3]],
-    packets: &mut [Packet],
-) {
-    packets.par_chunks_mut(CHUNK).zip(leaves.par_chunks(CHUNK)).for_each(|(packets, leaves)| {
-        dispatch!(best_level(), simd => {
-            for (at, (packet, &leaf)) in packets.iter_mut().zip(leaves).enumerate() {
-                // The vertices of a leaf lie anywhere: they are asked for one leaf ahead.
-                for &face in leaves.get(at + 1).map_or(&[][..], |&next| binary.held(next)) {
-                    for vertex in faces[face as usize] {
-                        prefetch(&vertices[vertex as usize]);
-                    }
-                }
-                let bounds = &binary.nodes[leaf as usize].bounds;
-                *packet = Packet::new(simd, binary.held(leaf), bounds, frame, vertices, faces);
-            }
-        });
-    });
-}
-
-/// The slab about the packets.
-fn slab(level: Level, packets: &[Packet]) -> Slab {
-    let mut sum = [0.0_f32; 3];
-    for packet in packets {
-        let facing = packet.normal();
-        for axis in 0..3 {
-            sum[axis] += facing[axis];
-        }
-    }
-    let largest = sum.iter().fold(0.0_f32, |largest, x| largest.max(x.abs()));
-    if largest == 0.0 {
-        return Slab::ALL;
-    }
-    let normal = sum.map(|x| x / largest);
-    dispatch!(level, simd => {
-        let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
-        for packet in packets {
-            let [low, high] = packet.heights_along(simd, normal);
-            min = min.min(low);
-            max = max.max(high);
-        }
-        Slab { normal, min: (min as f32).next_down(), max: (max as f32).next_up() }
-    })
 }

@@ -6,7 +6,7 @@ use fearless_simd::{Simd, f32x8};
 
 use super::frame::{PACKING_ERROR, PackedFrame};
 use super::positions::Vertex;
-use crate::hierarchy::HALF_ULP;
+use crate::hierarchy::{HALF_ULP, Slab};
 use crate::simd::{LANES, Lanes3, by_axis, load3, sub};
 use crate::volume::Aabb;
 
@@ -54,21 +54,6 @@ impl Packet {
         let [low, high] = self.heights.map(f64::from);
         let error = 3.0 * (HALF_ULP * f64::from(self.radius) + PACKING_ERROR);
         (self.normal().map(f64::from), [low - error, high + error])
-    }
-
-    /// The packet of these faces, at least one and at most eight, whose packed boxes `bounds` holds, of all `faces`
-    /// over `vertices`.
-    #[inline(always)]
-    pub(super) fn new<S: Simd, V: Vertex>(
-        simd: S,
-        held: &[u32],
-        bounds: &Aabb,
-        frame: &PackedFrame,
-        vertices: &[V],
-        faces: &[[u32; 3]],
-    ) -> Self {
-        let layout = Self::holding(held);
-        layout.about(simd, bounds, &layout.packed(frame, vertices, faces))
     }
 
     /// The layout of a packet: which faces it holds, at least one and at most eight. All else follows from where they are.
@@ -214,6 +199,30 @@ fn heights<S: Simd>(simd: S, corners: &[Lanes3<S>; 3], normal: [f32; 3], radius:
     [p.min(q).min(r).reduce_min() - error, p.max(q).max(r).reduce_max() + error]
 }
 
+/// The slab about some packets, across the mean of the directions in which they face.
+#[inline(always)]
+pub(super) fn slab<S: Simd>(simd: S, packets: &[Packet]) -> Slab {
+    let mut sum = [0.0_f32; 3];
+    for packet in packets {
+        let facing = packet.normal();
+        for axis in 0..3 {
+            sum[axis] += facing[axis];
+        }
+    }
+    let largest = sum.iter().fold(0.0_f32, |largest, x| largest.max(x.abs()));
+    if largest == 0.0 {
+        return Slab::ALL;
+    }
+    let normal = sum.map(|x| x / largest);
+    let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
+    for packet in packets {
+        let [low, high] = packet.heights_along(simd, normal);
+        min = min.min(low);
+        max = max.max(high);
+    }
+    Slab { normal, min: (min as f32).next_down(), max: (max as f32).next_up() }
+}
+
 #[cfg(test)]
 mod tests {
     use fearless_simd::dispatch;
@@ -239,13 +248,9 @@ mod tests {
                 bounds.union(Aabb::of_points([0, 1, 2].map(|corner| packed(face, corner).map(|x| x as f32))))
             });
             let packets = levels().into_iter().map(|(name, level)| {
-                let bounds = bounds.next_outward();
-                let packet = dispatch!(level, simd => Packet::new(simd, &held, &bounds, &frame, &vertices, &faces));
                 let layout = Packet::holding(&held);
-                let refitted = dispatch!(level, simd => layout.refitted(simd, &frame, &vertices, &faces));
-                assert_eq!(bytemuck::bytes_of(&refitted.0), bytemuck::bytes_of(&packet), "{name}: other bits");
-                assert_eq!(refitted.1, bounds, "{name}");
-                assert_eq!(packet.held(), held);
+                let (packet, fitted) = dispatch!(level, simd => layout.refitted(simd, &frame, &vertices, &faces));
+                assert_eq!((packet.held(), fitted), (&held[..], bounds.next_outward()), "{name}");
                 (name, packet)
             });
             let packets: Vec<(&str, Packet)> = packets.collect();

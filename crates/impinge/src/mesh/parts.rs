@@ -145,7 +145,7 @@ impl Data {
     fn is_fitted(&self, moved: &Moved<'_>, patch: &Patch) -> bool {
         let (nodes, packets) = (&self.tree.nodes()[patch.nodes.clone()], &self.packets[patch.leaves.clone()]);
         let (mut refitted_nodes, mut refitted_packets) = (nodes.to_vec(), packets.to_vec());
-        moved.refit_patch(best_level(), patch, &mut refitted_nodes, &mut refitted_packets);
+        moved.fit_patch(best_level(), patch, &mut refitted_nodes, &mut refitted_packets);
         bytemuck::cast_slice::<_, u8>(&refitted_nodes) == bytemuck::cast_slice::<_, u8>(nodes)
             && bytemuck::cast_slice::<_, u8>(&refitted_packets) == bytemuck::cast_slice::<_, u8>(packets)
     }

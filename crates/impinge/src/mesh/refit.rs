@@ -4,16 +4,17 @@
 //! boxes, packets and slabs, follow from the layout and the vertices, by the same operations in a build and here, so that
 //! a refit to the vertices that a mesh was built from changes not one bit (docs/proof.md, L26).
 
+use std::ops::Range;
 use std::sync::Arc;
 
-use fearless_simd::dispatch;
+use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 
 use super::frame::PackedFrame;
-use super::packet::Packet;
+use super::packet::{self, Packet};
 use super::positions::{Positions, Vertex, VertexSlice, Vertices};
-use super::{Aging, Data, Mesh, judge, slab};
-use crate::hierarchy::{Node, Patch, Patches, WideTree};
+use super::{Aging, Data, Mesh, judge};
+use crate::hierarchy::{Leaves, Node, Patch, Patches, Slab, WideTree, Work};
 use crate::input::InputError;
 use crate::simd::{Level, best_level, prefetch};
 use crate::storage::{Buffer, Pages};
@@ -79,7 +80,7 @@ impl Data {
         self.far_field.take();
         self.frame = PackedFrame::of(self.vertices.slice());
         let moved = Moved { vertices: self.vertices.slice(), faces: &self.faces, frame: &self.frame };
-        moved.refit(&mut self.tree, self.packets.to_mut());
+        moved.fit(&mut self.tree, self.packets.to_mut(), |_| ());
     }
 
     fn refitted(&self, positions: Positions) -> Self {
@@ -104,43 +105,61 @@ pub(super) struct Moved<'a> {
 }
 
 impl Moved<'_> {
-    /// Gives the nodes of a sound tree and the packets of its leaves all their numbers.
-    pub(super) fn refit(&self, tree: &mut WideTree, packets: &mut [Packet]) {
+    /// Gives the nodes of a sound tree and the packets of its leaves all their numbers, once `lay` has laid out the packets
+    /// of a patch.
+    pub(super) fn fit(&self, tree: &mut WideTree, packets: &mut [Packet], lay: impl Fn(&mut Work<'_, Packet>) + Sync) {
         let patches = Patches::of(tree, packets.len());
         let nodes = tree.nodes_mut();
         let work = patches.split(nodes, packets);
-        work.into_par_iter().for_each(|work| self.refit_patch(best_level(), &work.patch, work.nodes, work.leaves));
+        work.into_par_iter().for_each(|mut work| {
+            lay(&mut work);
+            self.fit_patch(best_level(), &work.patch, work.nodes, work.leaves);
+        });
         patches.refit_above(nodes);
     }
 
     /// Likewise of one patch of it.
-    pub(super) fn refit_patch(&self, level: Level, patch: &Patch, nodes: &mut [Node], packets: &mut [Packet]) {
-        let bounds = match self.vertices {
-            VertexSlice::F32(vertices) => self.refit_packets(level, vertices, packets),
-            VertexSlice::F64(vertices) => self.refit_packets(level, vertices, packets),
-        };
-        patch.refit(nodes, &bounds, |leaves| slab(level, &packets[leaves]));
+    pub(super) fn fit_patch(&self, level: Level, patch: &Patch, nodes: &mut [Node], packets: &mut [Packet]) {
+        match self.vertices {
+            VertexSlice::F32(vertices) => {
+                dispatch!(level, simd => patch.refit(nodes, &mut Packets { simd, vertices, moved: self, packets }))
+            }
+            VertexSlice::F64(vertices) => {
+                dispatch!(level, simd => patch.refit(nodes, &mut Packets { simd, vertices, moved: self, packets }))
+            }
+        }
+    }
+}
+
+/// The packets of a patch.
+struct Packets<'a, S, V> {
+    simd: S,
+    vertices: &'a [V],
+    moved: &'a Moved<'a>,
+    packets: &'a mut [Packet],
+}
+
+impl<S: Simd, V: Vertex> Leaves for Packets<'_, S, V> {
+    #[inline(always)]
+    fn refit(&mut self, leaf: usize) -> Aabb {
+        let Moved { faces, frame, .. } = self.moved;
+        let ahead = |by: usize| leaf.checked_sub(by).map_or(&[][..], |leaf| self.packets[leaf].held());
+        // The faces of a leaf lie anywhere, and their vertices too: they are asked for three leaves and one leaf ahead.
+        for &face in ahead(3) {
+            prefetch(&faces[face as usize]);
+        }
+        for &face in ahead(1) {
+            for vertex in faces[face as usize] {
+                prefetch(&self.vertices[vertex as usize]);
+            }
+        }
+        let (packet, bounds) = self.packets[leaf].refitted(self.simd, frame, self.vertices, faces);
+        self.packets[leaf] = packet;
+        bounds
     }
 
-    /// Returns the bounds of each packet.
-    fn refit_packets<V: Vertex>(&self, level: Level, vertices: &[V], packets: &mut [Packet]) -> Vec<Aabb> {
-        let mut bounds = Vec::with_capacity(packets.len());
-        dispatch!(level, simd => {
-            for at in 0..packets.len() {
-                // The faces of a leaf lie anywhere, and their vertices too: they are asked for three leaves and one leaf ahead.
-                for &face in packets.get(at + 3).map_or(&[][..], Packet::held) {
-                    prefetch(&self.faces[face as usize]);
-                }
-                for &face in packets.get(at + 1).map_or(&[][..], Packet::held) {
-                    for vertex in self.faces[face as usize] {
-                        prefetch(&vertices[vertex as usize]);
-                    }
-                }
-                let (packet, bound) = packets[at].refitted(simd, self.frame, vertices, self.faces);
-                packets[at] = packet;
-                bounds.push(bound);
-            }
-        });
-        bounds
+    #[inline(always)]
+    fn slab(&self, leaves: Range<usize>) -> Slab {
+        packet::slab(self.simd, &self.packets[leaves])
     }
 }
