@@ -96,11 +96,9 @@ impl Mesh {
         }
         let mut packets: Buffer<Packet> = Pages::zeroed(renewal.leaves.len());
         let placed = packets.to_mut().par_iter_mut().zip(&renewal.leaves).with_min_len(super::CHUNK);
-        placed.for_each(|(packet, origin)| {
-            *packet = match *origin {
-                Origin::Kept(leaf) => Packet::holding(data.packets[leaf as usize].held()),
-                Origin::Replaced { replacement, leaf } => layouts[replacement as usize][leaf as usize],
-            };
+        placed.for_each(|(packet, origin)| match *origin {
+            Origin::Kept(leaf) => packet.lay(data.packets[leaf as usize].held()),
+            Origin::Replaced { replacement, leaf } => *packet = layouts[replacement as usize][leaf as usize],
         });
         data.moved().fit(&mut renewal.tree, packets.to_mut(), |_| ());
         let costs = renewal.costs_as_built(data.costs_as_built());

@@ -246,7 +246,7 @@ fn built(
     let moved = Moved { vertices, faces, frame };
     moved.fit(&mut tree, packets.to_mut(), |work| {
         for (packet, &leaf) in work.leaves.iter_mut().zip(&leaves[work.patch.leaves.clone()]) {
-            *packet = Packet::holding(binary.held(leaf));
+            packet.lay(binary.held(leaf));
         }
     });
     (tree, packets)

@@ -56,11 +56,19 @@ impl Packet {
         (self.normal().map(f64::from), [low - error, high + error])
     }
 
-    /// The layout of a packet: which faces it holds, at least one and at most eight. All else follows from where they are.
+    /// A packet that is [laid out](Self::lay).
     pub(super) fn holding(held: &[u32]) -> Self {
-        let mut faces = [held[0]; LANES];
-        faces[..held.len()].copy_from_slice(held);
-        Self { count: held.len() as u16, faces, ..bytemuck::Zeroable::zeroed() }
+        let mut packet: Self = bytemuck::Zeroable::zeroed();
+        packet.lay(held);
+        packet
+    }
+
+    /// Lays the packet out: it holds these faces, at least one and at most eight. All else follows from where they are, and means
+    /// nothing until it is [fitted](Self::fit).
+    pub(super) fn lay(&mut self, held: &[u32]) {
+        self.faces = [held[0]; LANES];
+        self.faces[..held.len()].copy_from_slice(held);
+        self.count = held.len() as u16;
     }
 
     /// The faces that it holds; the first one where it says that it holds none.
@@ -74,16 +82,16 @@ impl Packet {
             && (1..LANES).all(|lane| (self.faces[lane] == self.faces[0]) == (lane >= usize::from(self.count)))
     }
 
-    /// The packet of the same faces where their vertices are now, and bounds of them as a builder is given them (see
-    /// [`FaceBoxes`](super::face_boxes::FaceBoxes)): with the vertices that it was made from, the same bits.
+    /// Fits all to where the vertices of the faces are, and returns bounds of them as a builder is given them (see
+    /// [`FaceBoxes`](super::face_boxes::FaceBoxes)).
     #[inline(always)]
-    pub(super) fn refitted<S: Simd, V: Vertex>(
-        &self,
+    pub(super) fn fit<S: Simd, V: Vertex>(
+        &mut self,
         simd: S,
         frame: &PackedFrame,
         vertices: &[V],
         faces: &[[u32; 3]],
-    ) -> (Self, Aabb) {
+    ) -> Aabb {
         let packed = self.packed(frame, vertices, faces);
         let mut bounds = Aabb::EMPTY;
         for axis in 0..3 {
@@ -98,7 +106,8 @@ impl Packet {
             bounds.max[axis] = p.max(q).max(r).reduce_max();
         }
         let bounds = bounds.next_outward();
-        (self.about(simd, &bounds, &packed), bounds)
+        self.fit_within(simd, &bounds, &packed);
+        bounds
     }
 
     /// The corners of the faces, `[corner][axis][lane]`, in the packed frame.
@@ -125,32 +134,30 @@ impl Packet {
         packed
     }
 
-    /// The packet of the same faces with these corners, which are within `bounds`.
+    /// Fits all to these corners, which are within `bounds`.
     ///
     /// No operation is fused, so that the bits are the same on every vector unit.
     #[inline(always)]
-    fn about<S: Simd>(&self, simd: S, bounds: &Aabb, packed: &[[[f64; LANES]; 3]; 3]) -> Self {
-        let anchor = by_axis!(axis => 0.5 * (bounds.min[axis] + bounds.max[axis]));
-        let mut relative = [[[0.0_f32; LANES]; 3]; 3];
+    fn fit_within<S: Simd>(&mut self, simd: S, bounds: &Aabb, packed: &[[[f64; LANES]; 3]; 3]) {
+        self.anchor = by_axis!(axis => 0.5 * (bounds.min[axis] + bounds.max[axis]));
         for corner in 0..3 {
             for axis in 0..3 {
-                let anchor = f64::from(anchor[axis]);
+                let anchor = f64::from(self.anchor[axis]);
                 for lane in 0..LANES {
-                    relative[corner][axis][lane] = (packed[corner][axis][lane] - anchor) as f32;
+                    self.corners[corner][axis][lane] = (packed[corner][axis][lane] - anchor) as f32;
                 }
             }
         }
-        let corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &relative[corner]));
+        let corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &self.corners[corner]));
         let mut largest = f32x8::splat(simd, 0.0);
         for axis in 0..3 {
             for corner in &corners {
                 largest = largest.max(corner[axis].abs());
             }
         }
-        let radius = largest.reduce_max();
-        let normal = direction(&corners);
-        let heights = heights(simd, &corners, by_axis!(axis => f32::from(normal[axis]) * NORMAL_STEP), radius);
-        Self { corners: relative, anchor, radius, heights, normal, ..*self }
+        self.radius = largest.reduce_max();
+        self.normal = direction(&corners);
+        self.heights = heights(simd, &corners, self.normal(), self.radius);
     }
 
     /// The least and the greatest height of all that the packet stands for along a direction no component of which is
@@ -248,8 +255,8 @@ mod tests {
                 bounds.union(Aabb::of_points([0, 1, 2].map(|corner| packed(face, corner).map(|x| x as f32))))
             });
             let packets = levels().into_iter().map(|(name, level)| {
-                let layout = Packet::holding(&held);
-                let (packet, fitted) = dispatch!(level, simd => layout.refitted(simd, &frame, &vertices, &faces));
+                let mut packet = Packet::holding(&held);
+                let fitted = dispatch!(level, simd => packet.fit(simd, &frame, &vertices, &faces));
                 assert_eq!((packet.held(), fitted), (&held[..], bounds.next_outward()), "{name}");
                 (name, packet)
             });

@@ -86,7 +86,7 @@ impl Data {
     fn refitted(&self, positions: Positions) -> Self {
         let mut packets: Buffer<Packet> = Pages::zeroed(self.packets.len());
         let layouts = packets.to_mut().par_iter_mut().zip(&self.packets[..]).with_min_len(super::CHUNK);
-        layouts.for_each(|(packet, old)| *packet = Packet::holding(old.held()));
+        layouts.for_each(|(packet, old)| packet.lay(old.held()));
         let tree = WideTree::from_nodes(self.tree.nodes().to_vec().into());
         let mut data =
             Self::new(Vertices::Given(Positions::F32(Vec::new())), self.faces.clone(), self.frame, tree, packets);
@@ -153,9 +153,7 @@ impl<S: Simd, V: Vertex> Leaves for Packets<'_, S, V> {
                 prefetch(&self.vertices[vertex as usize]);
             }
         }
-        let (packet, bounds) = self.packets[leaf].refitted(self.simd, frame, self.vertices, faces);
-        self.packets[leaf] = packet;
-        bounds
+        self.packets[leaf].fit(self.simd, frame, self.vertices, faces)
     }
 
     #[inline(always)]
