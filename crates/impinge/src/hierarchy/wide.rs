@@ -7,7 +7,7 @@
 use super::binary::BinaryTree;
 use super::slab::Slab;
 use crate::simd::LANES;
-use crate::storage::{Buffer, Pages};
+use crate::storage::{Buffer, Growing};
 use crate::volume::Aabb;
 
 /// What a lane of a [`Node`] leads to.
@@ -126,13 +126,13 @@ impl WideTree {
     pub fn collapse(binary: &BinaryTree) -> (Self, Vec<u32>) {
         let mut collapse = Collapse {
             binary,
-            nodes: Vec::with_capacity(binary.nodes.len() / 12 + 1),
+            nodes: Growing::with_capacity(binary.nodes.len() / 12 + 1),
             leaves: Vec::with_capacity(binary.nodes.len() / 2 + 1),
         };
         if !binary.nodes.is_empty() {
             collapse.node(Subtree { root: 0, len: binary.nodes.len() as u32 });
         }
-        (Self { nodes: Pages::copied(&collapse.nodes) }, collapse.leaves)
+        (Self { nodes: collapse.nodes.into_buffer() }, collapse.leaves)
     }
 
     /// The tree of these nodes, whatever they say.
@@ -168,7 +168,7 @@ impl Subtree {
 
 struct Collapse<'a> {
     binary: &'a BinaryTree,
-    nodes: Vec<Node>,
+    nodes: Growing<Node>,
     leaves: Vec<u32>,
 }
 

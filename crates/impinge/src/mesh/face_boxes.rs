@@ -32,6 +32,9 @@ impl<'a> FaceBoxes<'a> {
     }
 }
 
+/// The same for a builder that looks at centres alone, of whose tree the layout is all that is wanted: its boxes are empty.
+pub(super) struct FaceCentres<'a>(pub(super) FaceBoxes<'a>);
+
 /// Puts the vertices into the packed frame, rounded to single precision.
 pub(super) fn pack<V: Vertex>(vertices: &[V], frame: &PackedFrame, packed: &mut [[f32; 4]]) {
     packed.par_chunks_mut(CHUNK).zip(vertices.par_chunks(CHUNK)).for_each(|(packed, vertices)| {
@@ -70,5 +73,25 @@ impl Boxes for FaceBoxes<'_> {
             max = max.max(p.max(q).max(r));
         }
         Aabb { min: [min[0], min[1], min[2]], max: [max[0], max[1], max[2]] }.next_outward()
+    }
+}
+
+impl Boxes for FaceCentres<'_> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn twice_centres(&self) -> Aabb {
+        self.0.twice_centres()
+    }
+
+    #[inline(always)]
+    fn twice_centre<S: Simd>(&self, simd: S, index: u32) -> f32x4<S> {
+        self.0.twice_centre(simd, index)
+    }
+
+    #[inline(always)]
+    fn bounds<S: Simd>(&self, _: S, _: &[u32]) -> Aabb {
+        Aabb::EMPTY
     }
 }

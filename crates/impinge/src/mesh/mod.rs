@@ -61,7 +61,7 @@ use crate::math::Pose;
 use crate::simd::{LANES, best_level};
 use crate::storage::{Buffer, Room, Space};
 use crate::volume::Aabb;
-use face_boxes::FaceBoxes;
+use face_boxes::{FaceBoxes, FaceCentres};
 use far_field::FarField;
 use frame::PackedFrame;
 use packet::Packet;
@@ -236,8 +236,8 @@ fn built(
         }
         let boxes = FaceBoxes::new(packed, faces);
         match builder.strategy(faces.len()) {
-            // The one that needs no list of boxes.
-            Builder::Morton => build_over(&boxes, &mut space),
+            // The one that needs no boxes at all.
+            Builder::Morton => build_over(&FaceCentres(boxes), &mut space),
             strategy => strategy.build(&listed(&boxes)),
         }
     };

@@ -3,6 +3,7 @@
 //! Nodes and packed triangles live behind [`Buffer`], so that a baked file in a memory map, or memory shared between
 //! processes, serves a query without a copy.
 
+mod growing;
 mod room;
 
 use std::fmt;
@@ -13,6 +14,7 @@ use std::sync::Arc;
 use bytemuck::Pod;
 use memmap2::MmapMut;
 
+pub(crate) use growing::Growing;
 pub use room::AlignedBytes;
 pub(crate) use room::{Room, Space};
 
@@ -107,6 +109,16 @@ impl<T: Pod> Buffer<T> {
     #[cold]
     fn copy(&mut self) {
         *self = Self::Owned(self.to_vec());
+    }
+
+    /// The first elements, of which there are as many at least.
+    fn shortened(mut self, to: usize) -> Self {
+        match &mut self {
+            Self::Owned(elements) => elements.truncate(to),
+            Self::Paged(pages) => pages.len = pages.len.min(to),
+            Self::Borrowed(_, range) => range.end = range.end.min(range.start + to * size_of::<T>()),
+        }
+        self
     }
 }
 
