@@ -17,9 +17,9 @@ pub const MAX_DEPTH: usize = 64;
 
 /// A node of a [`BinaryTree`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BinaryNode {
+pub struct BinaryNode<B = Aabb> {
     /// Bounds every box below.
-    pub bounds: Aabb,
+    pub bounds: B,
     /// Where the range of [`BinaryTree::order`] that is below starts.
     pub first: u32,
     /// How many boxes are below; at most [`LEAF_CAPACITY`] in a leaf.
@@ -28,16 +28,23 @@ pub struct BinaryNode {
     pub right: Option<NonZeroU32>,
 }
 
-/// A binary tree in preorder over boxes `order[..]`; empty where there are no boxes.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct BinaryTree {
+/// A binary tree in preorder over boxes `order[..]`; empty where there are no boxes. Its nodes have boxes, or `()` where
+/// only the layout is wanted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BinaryTree<B = Aabb> {
     /// The root first; a left child follows its parent.
-    pub nodes: Vec<BinaryNode>,
+    pub nodes: Vec<BinaryNode<B>>,
     /// The boxes' indices, grouped so that each leaf is a range.
     pub order: Vec<u32>,
 }
 
-impl BinaryTree {
+impl<B> Default for BinaryTree<B> {
+    fn default() -> Self {
+        Self { nodes: Vec::new(), order: Vec::new() }
+    }
+}
+
+impl<B> BinaryTree<B> {
     /// The boxes below a node.
     ///
     /// # Panics

@@ -1,4 +1,4 @@
-//! What a builder knows of the things that it groups: that each has a box.
+//! What builders know of the things that they group, and what they keep of a group: that each has a box.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4};
@@ -15,9 +15,6 @@ pub(crate) trait Boxes: Sync {
 
     /// Twice the centre of one box, and any fourth lane.
     fn twice_centre<S: Simd>(&self, simd: S, index: u32) -> f32x4<S>;
-
-    /// The box of a group.
-    fn bounds<S: Simd>(&self, simd: S, group: &[u32]) -> Aabb;
 }
 
 impl Boxes for [Aabb] {
@@ -35,9 +32,44 @@ impl Boxes for [Aabb] {
         let Aabb { min, max } = &self[index as usize];
         f32x4::from_slice(simd, &[min[0] + max[0], min[1] + max[1], min[2] + max[2], 0.0])
     }
+}
+
+/// What a binary tree keeps of all that is below a node: a box, or nothing where only the layout is wanted, as a refit makes
+/// all boxes anyway.
+pub trait Bounds: Copy + Send + Sync {
+    /// Of nothing.
+    const EMPTY: Self;
+
+    /// Of all that is below two nodes.
+    #[must_use]
+    fn union(self, other: Self) -> Self;
+
+    /// The box, which is empty where none is kept.
+    fn aabb(self) -> Aabb;
+}
+
+impl Bounds for Aabb {
+    const EMPTY: Self = Self::EMPTY;
 
     #[inline(always)]
-    fn bounds<S: Simd>(&self, _: S, group: &[u32]) -> Aabb {
-        group.iter().fold(Aabb::EMPTY, |bounds, &index| bounds.union(self[index as usize]))
+    fn union(self, other: Self) -> Self {
+        Self::union(self, other)
+    }
+
+    #[inline(always)]
+    fn aabb(self) -> Aabb {
+        self
+    }
+}
+
+impl Bounds for () {
+    const EMPTY: Self = ();
+
+    #[inline(always)]
+    fn union(self, (): Self) {}
+
+    #[inline(always)]
+    fn aabb(self) -> Aabb {
+        Aabb::EMPTY
     }
 }

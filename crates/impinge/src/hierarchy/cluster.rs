@@ -10,9 +10,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8};
 
 use super::binary::{BinaryNode, LEAF_CAPACITY, NODE_OF_LEAVES};
-use super::boxes::Boxes;
+use super::boxes::Bounds;
+use super::curve::{Key, index};
 use crate::simd::LANES;
-use crate::volume::Aabb;
 
 /// The most boxes of a cluster. Each level of a cluster costs a pass over it; twice as many cost a seventh more time and
 /// gain nothing that can be measured.
@@ -26,58 +26,77 @@ struct Centre {
     index: u32,
 }
 
-/// Appends the nodes of a cluster in preorder and returns its bounds. `order` is its part of the order, which starts at
-/// `first`, and is rearranged.
-#[inline(always)]
-pub(crate) fn emit<S: Simd, B: Boxes + ?Sized>(
-    simd: S,
-    boxes: &B,
-    order: &mut [u32],
-    first: u32,
-    nodes: &mut Vec<BinaryNode>,
-) -> Aabb {
-    /// What is left to emit, a range of the cluster: one for each level and one more.
-    const MOST_LEFT: usize = 8;
-    let len = order.len();
-    let mut centres: [Centre; CLUSTER] = bytemuck::Zeroable::zeroed();
-    let mut spare = centres;
-    let mut along = [0.0; CLUSTER];
-    for (centre, &index) in centres.iter_mut().zip(order.iter()) {
-        boxes.twice_centre(simd, index).store_slice(bytemuck::cast_mut::<Centre, [f32; 4]>(centre));
-        centre.index = index;
+/// One cluster after another, in the same memory.
+pub(crate) struct Cluster {
+    centres: [Centre; CLUSTER],
+    len: usize,
+    spare: [Centre; CLUSTER],
+    along: [f32; CLUSTER],
+}
+
+impl Cluster {
+    pub(crate) fn new() -> Self {
+        let centres: [Centre; CLUSTER] = bytemuck::Zeroable::zeroed();
+        Self { centres, len: 0, spare: centres, along: [0.0; CLUSTER] }
     }
-    let root = nodes.len();
-    let mut left = [(0, 0); MOST_LEFT];
-    left[0] = (0, len);
-    let mut count = 1;
-    while count > 0 {
-        count -= 1;
-        let (start, len) = left[count];
-        let (at, held) = (first + start as u32, len as u32);
-        if len <= LEAF_CAPACITY {
-            for (index, centre) in order[start..start + len].iter_mut().zip(&centres[start..]) {
-                *index = centre.index;
+
+    /// Takes up the boxes of these keys, of which there are not too many.
+    pub(crate) fn hold(&mut self, twice_centres: &[[f32; 4]], keys: &[Key]) {
+        for (centre, &key) in self.centres.iter_mut().zip(keys) {
+            let index = index(key);
+            let [x, y, z, _] = twice_centres[index as usize];
+            *centre = Centre { twice: [x, y, z], index };
+        }
+        self.len = keys.len().min(CLUSTER);
+    }
+
+    /// Writes the order of the boxes that it holds, of which the first is the tree's box `first`, appends their nodes in
+    /// preorder, and returns what `bounds` keeps of them all.
+    #[inline(always)]
+    pub(crate) fn emit<S: Simd, B: Bounds>(
+        &mut self,
+        simd: S,
+        bounds: impl Fn(&[u32]) -> B,
+        order: &mut [u32],
+        first: u32,
+        nodes: &mut Vec<BinaryNode<B>>,
+    ) -> B {
+        /// What is left to emit, a range of the cluster: one for each level and one more.
+        const MOST_LEFT: usize = 8;
+        let Self { centres, len, spare, along } = self;
+        let root = nodes.len();
+        let mut left = [(0, 0); MOST_LEFT];
+        left[0] = (0, *len);
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let (start, len) = left[count];
+            let (at, held) = (first + start as u32, len as u32);
+            if len <= LEAF_CAPACITY {
+                let order = &mut order[start..start + len];
+                for (index, centre) in order.iter_mut().zip(&centres[start..]) {
+                    *index = centre.index;
+                }
+                nodes.push(BinaryNode { bounds: bounds(order), first: at, count: held, right: None });
+                continue;
             }
-            let bounds = boxes.bounds(simd, &order[start..start + len]);
-            nodes.push(BinaryNode { bounds, first: at, count: held, right: None });
-            continue;
+            let whole = if len > NODE_OF_LEAVES { NODE_OF_LEAVES } else { LEAF_CAPACITY };
+            let low = len.div_ceil(whole).div_ceil(2) * whole;
+            split(simd, &mut centres[start..start + len], &mut spare[..len], along, low);
+            // All leaves of the lower part are full, so that its nodes are known before they are there.
+            let right = NonZeroU32::new(2 * low.div_ceil(LEAF_CAPACITY) as u32);
+            nodes.push(BinaryNode { bounds: B::EMPTY, first: at, count: held, right });
+            left[count] = (start + low, len - low);
+            left[count + 1] = (start, low);
+            count += 2;
         }
-        let whole = if len > NODE_OF_LEAVES { NODE_OF_LEAVES } else { LEAF_CAPACITY };
-        let low = len.div_ceil(whole).div_ceil(2) * whole;
-        split(simd, &mut centres[start..start + len], &mut spare[..len], &mut along, low);
-        // All leaves of the lower part are full, so that its nodes are known before they are there.
-        let right = NonZeroU32::new(2 * low.div_ceil(LEAF_CAPACITY) as u32);
-        nodes.push(BinaryNode { bounds: Aabb::EMPTY, first: at, count: held, right });
-        left[count] = (start + low, len - low);
-        left[count + 1] = (start, low);
-        count += 2;
-    }
-    for at in (root..nodes.len()).rev() {
-        if let Some(right) = nodes[at].right {
-            nodes[at].bounds = nodes[at + 1].bounds.union(nodes[at + right.get() as usize].bounds);
+        for at in (root..nodes.len()).rev() {
+            if let Some(right) = nodes[at].right {
+                nodes[at].bounds = nodes[at + 1].bounds.union(nodes[at + right.get() as usize].bounds);
+            }
         }
+        nodes[root].bounds
     }
-    nodes[root].bounds
 }
 
 /// Moves the `low` centres that come first along the widest axis to the front. `along` is room for a number for each, and for

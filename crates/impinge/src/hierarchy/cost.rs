@@ -248,7 +248,7 @@ mod tests {
 
     #[test]
     fn no_boxes_and_no_area_are_no_numbers_to_fear() {
-        let (wide, _) = WideTree::collapse(&BinaryTree::default());
+        let (wide, _) = WideTree::collapse(&BinaryTree::<Aabb>::default());
         assert_eq!(BinaryTree::default().statistics(), TreeStatistics::default());
         assert_eq!((wide.statistics(|_| 0), wide.level(3)), (TreeStatistics::default(), Vec::new()));
         let points = Builder::Ploc.build(&[Aabb { min: [1.0; 3], max: [1.0; 3] }; 20]);

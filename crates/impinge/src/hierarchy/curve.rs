@@ -5,7 +5,6 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, u32x4};
 
-use super::boxes::Boxes;
 use crate::volume::Aabb;
 
 /// Bits of a cell's coordinate on each axis.
@@ -44,21 +43,18 @@ impl Curve {
         (extent > 0.0 && extent.is_finite() && scale.is_finite()).then_some(Self { origin: [x, y, z, 0.0], scale })
     }
 
-    /// The keys of the boxes whose indices the lower halves hold.
+    /// The key of a box of which this is twice the centre.
     #[inline(always)]
-    pub(crate) fn assign<S: Simd, B: Boxes + ?Sized>(&self, simd: S, boxes: &B, keys: &mut [Key]) {
+    pub(crate) fn key<S: Simd>(&self, simd: S, twice_centre: f32x4<S>, index: u32) -> Key {
         /// Added to a small positive number, leaves an integer in the lowest bits.
         const ROUND: f32 = (1 << 23) as f32;
         const LAST: f32 = ((1 << BITS) - 1) as f32;
         let origin = f32x4::from_slice(simd, &self.origin);
-        for key in keys {
-            let index = index(*key);
-            let along = (boxes.twice_centre(simd, index) - origin) * self.scale - 0.5;
-            let inside = along.simd_gt(f32x4::splat(simd, 0.0)).select(along, f32x4::splat(simd, 0.0));
-            let cell = inside.min(f32x4::splat(simd, LAST)) + ROUND;
-            let [x, y, z, _] = <[u32; 4]>::from(spread(cell.bitcast::<u32x4<S>>()));
-            *key = u64::from(x | y << 1 | z << 2) << 32 | u64::from(index);
-        }
+        let along = (twice_centre - origin) * self.scale - 0.5;
+        let inside = along.simd_gt(f32x4::splat(simd, 0.0)).select(along, f32x4::splat(simd, 0.0));
+        let cell = inside.min(f32x4::splat(simd, LAST)) + ROUND;
+        let [x, y, z, _] = <[u32; 4]>::from(spread(cell.bitcast::<u32x4<S>>()));
+        u64::from(x | y << 1 | z << 2) << 32 | u64::from(index)
     }
 }
 

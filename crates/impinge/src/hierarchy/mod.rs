@@ -25,6 +25,7 @@ mod wide;
 
 pub(crate) use aging::{Aged, Origin};
 pub use binary::{BinaryNode, BinaryTree, LEAF_CAPACITY, MAX_DEPTH, NODE_OF_LEAVES};
+pub use boxes::Bounds;
 pub(crate) use boxes::Boxes;
 pub use build::{Builder, DynamicTree, optimise};
 pub use cost::{Costs, Counters, TreeStatistics};
@@ -33,8 +34,8 @@ pub(crate) use descent::{
 };
 pub use generic::{Enclosure, GenericTree, NodeVolume};
 pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, overlapping, overlapping_each};
+pub(crate) use morton::Keyed;
 pub use morton::build_morton;
-pub(crate) use morton::{build_over, space_for};
 pub(crate) use radix::scatter;
 pub(crate) use refit::{Leaves, Patch, Patches, Work};
 pub use slab::Slab;

@@ -9,12 +9,12 @@
 use std::num::NonZeroU32;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch, f32x4};
+use fearless_simd::{dispatch, f32x4};
 use rayon::prelude::*;
 
 use super::binary::{BinaryNode, BinaryTree, LEAF_CAPACITY};
-use super::boxes::Boxes;
-use super::cluster::{self, CLUSTER};
+use super::boxes::{Bounds, Boxes};
+use super::cluster::{CLUSTER, Cluster};
 use super::curve::{Curve, Key, code, index};
 use super::radix;
 use crate::simd::best_level;
@@ -37,42 +37,69 @@ const CHUNK: usize = 1 << 14;
 /// O(n log n), depth at most [`MAX_DEPTH`](super::MAX_DEPTH) for any input: equal, nested or sorted boxes included.
 #[must_use]
 pub fn build_morton(boxes: &[Aabb]) -> BinaryTree {
-    build_over(boxes, &mut Room::new(space_for(boxes.len()), 0).space())
+    let mut room = Room::new(Keyed::space(boxes.len()) + Keyed::space_to_sort(boxes.len()), 0);
+    let mut space = room.space();
+    let keyed = Keyed::of(boxes, &mut space);
+    keyed.tree(|group| group.iter().fold(Aabb::EMPTY, |bounds, &index| bounds.union(boxes[index as usize])), &mut space)
 }
 
-/// Bytes that [`build_over`] needs in passing.
-pub(crate) fn space_for(boxes: usize) -> usize {
-    2 * Space::of::<Key>(boxes)
+/// Boxes with their keys: all that a builder along the curve looks at.
+pub(crate) struct Keyed<'a> {
+    twice_centres: &'a [[f32; 4]],
+    keys: &'a mut [Key],
 }
 
-/// As [`build_morton`], for whatever has boxes, with room for its keys.
-pub(crate) fn build_over<B: Boxes + ?Sized>(boxes: &B, space: &mut Space<'_>) -> BinaryTree {
-    let len = boxes.len();
-    if len == 0 {
-        return BinaryTree::default();
+impl<'a> Keyed<'a> {
+    /// Bytes that [`of`](Self::of) needs for so many boxes, until there is a tree.
+    pub(crate) fn space(boxes: usize) -> usize {
+        Space::of::<[f32; 4]>(boxes) + Space::of::<Key>(boxes)
     }
-    let (keys, dealt) = (space.take::<Key>(len), space.take::<Key>(len));
-    let curve = Curve::over(&boxes.twice_centres());
-    keys.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, keys)| {
-        for (at, key) in keys.iter_mut().enumerate() {
-            *key = (chunk * CHUNK + at) as Key;
+
+    /// Bytes that [`tree`](Self::tree) needs in passing.
+    pub(crate) fn space_to_sort(boxes: usize) -> usize {
+        Space::of::<Key>(boxes)
+    }
+
+    pub(crate) fn of<B: Boxes + ?Sized>(boxes: &B, space: &mut Space<'a>) -> Self {
+        let len = boxes.len();
+        let (twice_centres, keys) = (space.take::<[f32; 4]>(len), space.take::<Key>(len));
+        let curve = Curve::over(&boxes.twice_centres());
+        keys.par_chunks_mut(CHUNK).zip(twice_centres.par_chunks_mut(CHUNK)).enumerate().for_each(
+            |(chunk, (keys, twice_centres))| {
+                let first = (chunk * CHUNK) as u32;
+                dispatch!(best_level(), simd => {
+                    for ((key, stored), index) in keys.iter_mut().zip(twice_centres).zip(first..) {
+                        let twice_centre = boxes.twice_centre(simd, index);
+                        twice_centre.store_slice(stored);
+                        *key = curve.as_ref().map_or(Key::from(index), |curve| curve.key(simd, twice_centre, index));
+                    }
+                });
+            },
+        );
+        Self { twice_centres, keys }
+    }
+
+    /// The tree, with what `bounds` keeps of the boxes of a group.
+    pub(crate) fn tree<B: Bounds>(self, bounds: impl Fn(&[u32]) -> B + Sync, space: &mut Space<'_>) -> BinaryTree<B> {
+        let Self { twice_centres, keys } = self;
+        let len = keys.len();
+        if len == 0 {
+            return BinaryTree::default();
         }
-        if let Some(curve) = &curve {
-            dispatch!(best_level(), simd => curve.assign(simd, boxes, keys));
-        }
-    });
-    radix::sort(keys, dealt);
-    let mut order = vec![0; len];
-    let mut blocks = Vec::new();
-    let task = if rayon::current_num_threads() == 1 { len } else { LONGEST_TASK };
-    let builder = Builder { boxes, task };
-    builder.subtree(Range { keys, order: &mut order, first: 0, depth: 0 }, &mut blocks);
-    let nodes = if blocks.len() == 1 { blocks.swap_remove(0) } else { blocks.concat() };
-    BinaryTree { nodes, order }
+        radix::sort(keys, space.take(len));
+        let mut order = vec![0; len];
+        let mut blocks = Vec::new();
+        let task = if rayon::current_num_threads() == 1 { len } else { LONGEST_TASK };
+        let builder = Builder { twice_centres, bounds, task };
+        builder.subtree(Range { keys, order: &mut order, first: 0, depth: 0 }, &mut blocks);
+        let nodes = if blocks.len() == 1 { blocks.swap_remove(0) } else { blocks.concat() };
+        BinaryTree { nodes, order }
+    }
 }
 
-struct Builder<'a, B: ?Sized> {
-    boxes: &'a B,
+struct Builder<'a, F> {
+    twice_centres: &'a [[f32; 4]],
+    bounds: F,
     /// Ranges longer than this are built as two tasks.
     task: usize,
 }
@@ -98,13 +125,13 @@ impl Range<'_> {
     }
 }
 
-impl<B: Boxes + ?Sized> Builder<'_, B> {
+impl<B: Bounds, F: Fn(&[u32]) -> B + Sync> Builder<'_, F> {
     /// Appends the nodes of a range in preorder, in blocks, and returns its bounds and how many nodes there are.
-    fn subtree(&self, mut range: Range<'_>, blocks: &mut Vec<Vec<BinaryNode>>) -> (Aabb, usize) {
+    fn subtree(&self, mut range: Range<'_>, blocks: &mut Vec<Vec<BinaryNode<B>>>) -> (B, usize) {
         let (first, count) = (range.first as u32, range.keys.len());
         if count <= self.task {
             let mut nodes = Vec::with_capacity(count / (LEAF_CAPACITY / 2) + 1);
-            let bounds = self.emit(range, &mut nodes);
+            let bounds = self.emit(range, &mut nodes, &mut Cluster::new());
             let len = nodes.len();
             blocks.push(nodes);
             return (bounds, len);
@@ -123,21 +150,19 @@ impl<B: Boxes + ?Sized> Builder<'_, B> {
     }
 
     /// Appends the nodes of a range, the root first, and returns its bounds.
-    fn emit(&self, mut range: Range<'_>, nodes: &mut Vec<BinaryNode>) -> Aabb {
+    fn emit(&self, mut range: Range<'_>, nodes: &mut Vec<BinaryNode<B>>, cluster: &mut Cluster) -> B {
         let (first, count) = (range.first as u32, range.keys.len());
         if count <= CLUSTER {
-            for (place, &key) in range.order.iter_mut().zip(range.keys.iter()) {
-                *place = index(key);
-            }
-            return dispatch!(best_level(), simd => cluster::emit(simd, self.boxes, range.order, first, nodes));
+            cluster.hold(self.twice_centres, range.keys);
+            return dispatch!(best_level(), simd => cluster.emit(simd, &self.bounds, range.order, first, nodes));
         }
         let middle = self.middle(&mut range);
         let (low, high) = range.split_at(middle);
         let at = nodes.len();
-        nodes.push(BinaryNode { bounds: Aabb::EMPTY, first, count: count as u32, right: None });
-        let left = self.emit(low, nodes);
+        nodes.push(BinaryNode { bounds: B::EMPTY, first, count: count as u32, right: None });
+        let left = self.emit(low, nodes, cluster);
         let right_at = NonZeroU32::new((nodes.len() - at) as u32);
-        let bounds = left.union(self.emit(high, nodes));
+        let bounds = left.union(self.emit(high, nodes, cluster));
         nodes[at].bounds = bounds;
         nodes[at].right = right_at;
         bounds
@@ -153,9 +178,11 @@ impl<B: Boxes + ?Sized> Builder<'_, B> {
         let ends = |keys: &[Key]| (code(keys[0]), code(keys[keys.len() - 1]));
         let (mut low, mut high) = ends(range.keys);
         if low == high {
-            let bounds = dispatch!(best_level(), simd => self.twice_centres(simd, range.keys));
-            let Some(curve) = Curve::over(&bounds) else { return halfway };
-            dispatch!(best_level(), simd => curve.assign(simd, self.boxes, range.keys));
+            let Some(curve) = Curve::over(&self.around(range.keys)) else { return halfway };
+            dispatch!(best_level(), simd => for key in &mut *range.keys {
+                let index = index(*key);
+                *key = curve.key(simd, f32x4::from_slice(simd, &self.twice_centres[index as usize]), index);
+            });
             range.keys.par_sort_unstable();
             (low, high) = ends(range.keys);
             if low == high {
@@ -167,15 +194,10 @@ impl<B: Boxes + ?Sized> Builder<'_, B> {
     }
 
     /// Bounds of twice the centres of some.
-    #[inline(always)]
-    fn twice_centres<S: Simd>(&self, simd: S, keys: &[Key]) -> Aabb {
-        let mut min = self.boxes.twice_centre(simd, index(keys[0]));
-        let mut max = min;
-        for &key in keys {
-            let centre: f32x4<S> = self.boxes.twice_centre(simd, index(key));
-            min = min.min(centre);
-            max = max.max(centre);
-        }
-        Aabb { min: [min[0], min[1], min[2]], max: [max[0], max[1], max[2]] }
+    fn around(&self, keys: &[Key]) -> Aabb {
+        keys.iter().fold(Aabb::EMPTY, |around, &key| {
+            let [x, y, z, _] = self.twice_centres[index(key) as usize];
+            around.union(Aabb { min: [x, y, z], max: [x, y, z] })
+        })
     }
 }

@@ -5,6 +5,7 @@
 //! come after parents and a reverse sweep refits.
 
 use super::binary::BinaryTree;
+use super::boxes::Bounds;
 use super::slab::Slab;
 use crate::simd::LANES;
 use crate::storage::{Buffer, Growing};
@@ -123,7 +124,7 @@ pub struct WideTree {
 impl WideTree {
     /// Collapses a binary tree; also returns which of its nodes each leaf is.
     #[must_use]
-    pub fn collapse(binary: &BinaryTree) -> (Self, Vec<u32>) {
+    pub fn collapse<B: Bounds>(binary: &BinaryTree<B>) -> (Self, Vec<u32>) {
         let mut collapse = Collapse {
             binary,
             nodes: Growing::with_capacity(binary.nodes.len() / 12 + 1),
@@ -166,13 +167,13 @@ impl Subtree {
     }
 }
 
-struct Collapse<'a> {
-    binary: &'a BinaryTree,
+struct Collapse<'a, B> {
+    binary: &'a BinaryTree<B>,
     nodes: Growing<Node>,
     leaves: Vec<u32>,
 }
 
-impl Collapse<'_> {
+impl<B: Bounds> Collapse<'_, B> {
     /// Appends the wide node that stands for a binary node and all below it, and returns its index. The recursion is at
     /// most as deep as the binary tree, whose depth is bounded.
     fn node(&mut self, subtree: Subtree) -> u32 {
@@ -187,7 +188,7 @@ impl Collapse<'_> {
             } else {
                 Child::Inner(self.node(child))
             };
-            node.set_bounds(lane, &self.binary.nodes[child.root as usize].bounds);
+            node.set_bounds(lane, &self.binary.nodes[child.root as usize].bounds.aabb());
             node.set_child(lane, wide);
         }
         node.set_extent();

@@ -7,10 +7,11 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::build::built;
 use super::packet::Packet;
 use super::positions::Vertices;
 use super::refit::Moved;
-use super::{Data, Mesh, Positions, built};
+use super::{Data, Mesh, Positions};
 use crate::hierarchy::{Aged, BinaryTree, Builder, MAX_DEPTH, Origin, WideTree};
 use crate::storage::{Buffer, Pages};
 use crate::volume::Aabb;

@@ -1,9 +1,7 @@
 //! The frame in which a mesh's boxes and packets are kept: near the origin and about one unit large, whatever the
 //! mesh's own unit is and however far out it lies, so that single precision serves meshes of every size alike.
 
-use rayon::prelude::*;
-
-use super::positions::{Vertex, VertexSlice};
+use super::positions::Vertex;
 use crate::simd::by_axis;
 
 /// `packed = (local − origin) · scale`, with a power of two for the scale, which rounds nothing.
@@ -22,13 +20,10 @@ pub(crate) const REACH: f64 = 1.0 + 1e-6;
 pub(crate) const PACKING_ERROR: f64 = 1.0 / (1_u64 << 51) as f64;
 
 impl PackedFrame {
-    /// A frame in which all the vertices are at most [`REACH`] in magnitude.
-    pub(super) fn of(vertices: VertexSlice<'_>) -> Self {
-        let [min, max] = match vertices {
-            VertexSlice::F32(vertices) => extremes(vertices),
-            VertexSlice::F64(vertices) => extremes(vertices),
-        };
-        if vertices.len() == 0 {
+    /// A frame in which all vertices between these extremes are at most [`REACH`] in magnitude.
+    pub(super) fn over(extremes: &Extremes) -> Self {
+        let Extremes { min, max } = extremes;
+        if *extremes == Extremes::NONE {
             return Self { origin: [0.0; 3], scale: 1.0 };
         }
         let origin: [f64; 3] = std::array::from_fn(|axis| min[axis] + (max[axis] - min[axis]) / 2.0);
@@ -42,16 +37,33 @@ impl PackedFrame {
     }
 }
 
-/// The least and the greatest coordinates.
-fn extremes<V: Vertex>(vertices: &[V]) -> [[f64; 3]; 2] {
-    /// Vertices that are one task.
-    const CHUNK: usize = 1 << 14;
-    let nothing = || [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-    let both = |[min, max]: [[f64; 3]; 2], [low, high]: [[f64; 3]; 2]| {
-        [by_axis!(axis => low[axis].min(min[axis])), by_axis!(axis => high[axis].max(max[axis]))]
-    };
-    let of_chunk = |vertices: &[V]| vertices.iter().fold(nothing(), |all, v| both(all, [v.widened(); 2]));
-    vertices.par_chunks(CHUNK).map(of_chunk).reduce(nothing, both)
+/// The least and the greatest coordinates of vertices, in the mesh's own frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Extremes {
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+impl Extremes {
+    /// Of no vertices.
+    pub(super) const NONE: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
+
+    /// Of vertices none of which has a coordinate that is not a number.
+    pub(super) fn of<V: Vertex>(vertices: &[V]) -> Self {
+        vertices.iter().fold(Self::NONE, |all, vertex| {
+            let vertex = vertex.widened();
+            all.union(Self { min: vertex, max: vertex })
+        })
+    }
+
+    pub(super) fn union(self, Self { min, max }: Self) -> Self {
+        let lesser = |a: f64, b: f64| if a < b { a } else { b };
+        let greater = |a: f64, b: f64| if a > b { a } else { b };
+        Self {
+            min: by_axis!(axis => lesser(min[axis], self.min[axis])),
+            max: by_axis!(axis => greater(max[axis], self.max[axis])),
+        }
+    }
 }
 
 /// The power of two that takes `extent` into (1/2, 1], as far as powers of two go in double precision with room for
@@ -76,7 +88,7 @@ mod tests {
     fn packed_positions_stay_within_reach() {
         for (offset, size) in [(0.0, 1.0), (1e7, 1e-3), (-1e30, 1e30), (0.0, 1e-310), (3.0, 0.0), (1e38, 2e38)] {
             let corners = [[offset; 3], [offset + size; 3], [offset, offset - size, offset]];
-            let frame = PackedFrame::of(VertexSlice::F64(&corners));
+            let frame = PackedFrame::over(&Extremes::of(&corners));
             for corner in corners {
                 for packed in frame.pack(corner) {
                     assert!(packed.abs() <= REACH, "{corner:?} packs to {packed}");

@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::positions::VertexSlice;
+use super::frame::Extremes;
+use super::positions::{Vertex, VertexSlice};
 use crate::input::{InputError, InputErrorKind};
 
 /// Coordinates stay below this magnitude, which every finite single precision number does: the range of the proofs.
@@ -11,7 +12,11 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 /// Lanes of leaves are numbered with 32 bits; there are at most as many leaves as faces, each of eight lanes.
 const MOST_FACES: usize = 1 << 29;
 
-pub(super) fn judge(vertices: VertexSlice<'_>, faces: &[[u32; 3]]) -> Result<(), InputError> {
+/// Vertices, or faces, that are one task: few enough to be looked at twice in the nearest cache.
+const CHUNK: usize = 1 << 10;
+
+/// Judges a mesh, and returns the extremes of its vertices.
+pub(super) fn judge(vertices: VertexSlice<'_>, faces: &[[u32; 3]]) -> Result<Extremes, InputError> {
     let too_many = |what, count| Err(InputError::new(InputErrorKind::TooMany { what, count }));
     if vertices.len() > u32::MAX as usize {
         return too_many("vertices", vertices.len());
@@ -19,37 +24,36 @@ pub(super) fn judge(vertices: VertexSlice<'_>, faces: &[[u32; 3]]) -> Result<(),
     if faces.len() >= MOST_FACES {
         return too_many("faces", faces.len());
     }
-    judge_vertices(vertices)?;
+    let extremes = judge_vertices(vertices)?;
     let len = vertices.len();
     let lost = first(faces, |face| face[0].max(face[1]).max(face[2]) as usize >= len);
     if let Some(face) = lost {
         let index = faces[face].into_iter().find(|&vertex| vertex as usize >= len).unwrap_or_default();
         return Err(InputError::new(InputErrorKind::IndexOutOfBounds { face, index, len }));
     }
-    Ok(())
+    Ok(extremes)
 }
 
 /// Judges coordinates.
-fn judge_vertices(vertices: VertexSlice<'_>) -> Result<(), InputError> {
-    let broken = match vertices {
-        VertexSlice::F32(vertices) => first(vertices, |v| !(v[0].is_finite() & v[1].is_finite() & v[2].is_finite())),
+fn judge_vertices(vertices: VertexSlice<'_>) -> Result<Extremes, InputError> {
+    let judged = match vertices {
+        VertexSlice::F32(vertices) => extremes(vertices, |v| v[0].is_finite() & v[1].is_finite() & v[2].is_finite()),
         VertexSlice::F64(vertices) => {
-            first(vertices, |v| !((v[0].abs() < LIMIT) & (v[1].abs() < LIMIT) & (v[2].abs() < LIMIT)))
+            extremes(vertices, |v| (v[0].abs() < LIMIT) & (v[1].abs() < LIMIT) & (v[2].abs() < LIMIT))
         }
     };
-    if let Some(index) = broken {
+    judged.map_err(|index| {
         let finite = vertices.get(index).iter().all(|x| x.is_finite());
-        return Err(InputError::new(if finite {
+        InputError::new(if finite {
             InputErrorKind::OutOfRange { what: "vertex", index, limit: "2^128" }
         } else {
             InputErrorKind::NonFinite { what: "vertex", index }
-        }));
-    }
-    Ok(())
+        })
+    })
 }
 
 /// Judges where the vertices of a mesh, of which there are `expected`, have moved.
-pub(super) fn judge_moved(vertices: VertexSlice<'_>, expected: usize) -> Result<(), InputError> {
+pub(super) fn judge_moved(vertices: VertexSlice<'_>, expected: usize) -> Result<Extremes, InputError> {
     if vertices.len() != expected {
         let (what, count) = ("vertices", vertices.len());
         return Err(InputError::new(InputErrorKind::OtherCount { what, count, expected }));
@@ -57,9 +61,23 @@ pub(super) fn judge_moved(vertices: VertexSlice<'_>, expected: usize) -> Result<
     judge_vertices(vertices)
 }
 
-/// The first that is bad. Chunks are judged as wholes, without a branch for each element, as nearly all are good.
-fn first<T: Sync>(all: &[T], is_bad: impl Fn(&T) -> bool + Sync) -> Option<usize> {
-    const CHUNK: usize = 1 << 12;
-    let chunk = all.par_chunks(CHUNK).position_first(|chunk| chunk.iter().fold(false, |any, one| any | is_bad(one)))?;
-    all[chunk * CHUNK..].iter().position(is_bad).map(|at| chunk * CHUNK + at)
+/// The least and the greatest coordinates, where all vertices are good, and the first that is not elsewhere: in one pass, as
+/// what it takes is to read them.
+fn extremes<V: Vertex>(vertices: &[V], is_good: impl Fn(&V) -> bool + Sync) -> Result<Extremes, usize> {
+    let of_chunk = |chunk: &[V]| all(chunk, &is_good).then(|| Extremes::of(chunk));
+    let both = |a: Extremes, b: Extremes| Some(a.union(b));
+    let extremes = vertices.par_chunks(CHUNK).map(of_chunk).try_reduce(|| Extremes::NONE, both);
+    extremes.ok_or_else(|| first(vertices, |vertex| !is_good(vertex)).unwrap_or_default())
+}
+
+/// The first that is bad.
+fn first<T: Sync>(elements: &[T], is_bad: impl Fn(&T) -> bool + Sync) -> Option<usize> {
+    let chunk = elements.par_chunks(CHUNK).position_first(|chunk| !all(chunk, |one| !is_bad(one)))?;
+    elements[chunk * CHUNK..].iter().position(is_bad).map(|at| chunk * CHUNK + at)
+}
+
+/// Whether all are good, without a branch for each, as nearly all are.
+#[inline(always)]
+fn all<T>(elements: &[T], is_good: impl Fn(&T) -> bool) -> bool {
+    elements.iter().fold(true, |all, one| all & is_good(one))
 }

@@ -2,6 +2,7 @@
 
 mod aging;
 mod bsp;
+mod build;
 mod crossings;
 mod descent;
 mod distance;
@@ -33,9 +34,6 @@ mod winding;
 
 use std::sync::{Arc, OnceLock};
 
-use fearless_simd::dispatch;
-use rayon::prelude::*;
-
 pub use aging::Aging;
 pub use bsp::SolidBsp;
 pub use descent::Options;
@@ -46,7 +44,7 @@ pub use health::Health;
 pub use nearest::ClosestPoint;
 pub use parts::{Flaw, Parts};
 pub use positions::Positions;
-use positions::{VertexSlice, Vertices};
+use positions::Vertices;
 pub use rays::{Ray, RayHit};
 pub use relation::HostChoice;
 pub(crate) use self_descent::{WantedFaces, collect_self_intersecting};
@@ -55,17 +53,14 @@ pub(crate) use winding::Judge;
 pub use winding::{Containment, WindingNumber};
 
 use crate::exact::Corners;
-use crate::hierarchy::{Boxes, Builder, WideTree, build_over, space_for};
+use crate::hierarchy::{Builder, WideTree};
 use crate::input::InputError;
 use crate::math::Pose;
-use crate::simd::{LANES, best_level};
-use crate::storage::{Buffer, Room, Space};
-use crate::volume::Aabb;
-use face_boxes::{FaceBoxes, FaceCentres};
+use crate::storage::Buffer;
+use build::built;
 use far_field::FarField;
 use frame::PackedFrame;
 use packet::Packet;
-use refit::Moved;
 use topology::Topology;
 
 /// A triangle mesh, judged and packed, with its hierarchy; cheap to clone, and never changing under a query.
@@ -124,9 +119,8 @@ impl Mesh {
     /// # Complexity
     /// As [`Builder::build`].
     pub fn with_builder(positions: Positions, faces: Vec<[u32; 3]>, builder: Builder) -> Result<Self, InputError> {
-        judge::judge(positions.slice(), &faces)?;
+        let frame = PackedFrame::over(&judge::judge(positions.slice(), &faces)?);
         let vertices = Vertices::Given(positions.narrowed());
-        let frame = PackedFrame::of(vertices.slice());
         let (tree, packets) = built(vertices.slice(), &faces, &frame, builder);
         Ok(Self(Arc::new(Data::new(vertices, Arc::new(faces.into()), frame, tree, packets))))
     }
@@ -216,44 +210,3 @@ impl<'a> From<&'a Mesh> for Placed<'a> {
 
 /// Leaves, or faces, that are one task.
 const CHUNK: usize = 512;
-
-/// The tree of the faces and the packets of its leaves.
-fn built(
-    vertices: VertexSlice<'_>,
-    faces: &[[u32; 3]],
-    frame: &PackedFrame,
-    builder: Builder,
-) -> (WideTree, Buffer<Packet>) {
-    let passing = Space::of::<[f32; 4]>(vertices.len()) + space_for(faces.len());
-    // Nearly all leaves are full; an eighth more is more than there ever are.
-    let mut room = Room::new(passing, size_of::<Packet>() * (faces.len() / LANES + faces.len() / (8 * LANES) + 1));
-    let binary = {
-        let mut space = room.space();
-        let packed = space.take(vertices.len());
-        match vertices {
-            VertexSlice::F32(vertices) => face_boxes::pack(vertices, frame, packed),
-            VertexSlice::F64(vertices) => face_boxes::pack(vertices, frame, packed),
-        }
-        let boxes = FaceBoxes::new(packed, faces);
-        match builder.strategy(faces.len()) {
-            // The one that needs no boxes at all.
-            Builder::Morton => build_over(&FaceCentres(boxes), &mut space),
-            strategy => strategy.build(&listed(&boxes)),
-        }
-    };
-    let (mut tree, leaves) = WideTree::collapse(&binary);
-    let mut packets = room.into_buffer(leaves.len());
-    let moved = Moved { vertices, faces, frame };
-    moved.fit(&mut tree, packets.to_mut(), |work| {
-        for (packet, &leaf) in work.leaves.iter_mut().zip(&leaves[work.patch.leaves.clone()]) {
-            packet.lay(binary.held(leaf));
-        }
-    });
-    (tree, packets)
-}
-
-/// The boxes one by one.
-fn listed(boxes: &FaceBoxes<'_>) -> Vec<Aabb> {
-    let chunks = (0..boxes.len() as u32).into_par_iter().with_min_len(CHUNK);
-    chunks.map(|face| dispatch!(best_level(), simd => boxes.bounds(simd, &[face]))).collect()
-}

@@ -236,7 +236,7 @@ mod tests {
     use impinge_testkit::generate::Rng;
 
     use super::*;
-    use crate::mesh::positions::VertexSlice;
+    use crate::mesh::frame::Extremes;
     use crate::simd::{Level, levels};
 
     #[test]
@@ -247,7 +247,7 @@ mod tests {
             let (centre, size) = ([0; 3].map(|_| rng.uniform(-9.0, 9.0)), 2.0_f64.powi(-(round % 20)));
             let vertices: Vec<[f64; 3]> =
                 (0..24).map(|_| std::array::from_fn(|axis| centre[axis] + rng.uniform(-size, size))).collect();
-            let frame = PackedFrame::of(VertexSlice::F64(&[&vertices[..], &[[-10.0; 3], [10.0; 3]]].concat()));
+            let frame = PackedFrame::over(&Extremes::of(&[&vertices[..], &[[-10.0; 3], [10.0; 3]]].concat()));
             let faces: Vec<[u32; 3]> = (0..8).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
             let held: Vec<u32> = (0..count as u32).rev().collect();
             let packed = |face: u32, corner: usize| frame.pack(vertices[faces[face as usize][corner] as usize]);

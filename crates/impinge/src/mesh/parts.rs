@@ -119,9 +119,9 @@ impl Mesh {
     /// Linear whatever the arrays hold, on all cores of the current rayon pool; hardly more than a refit.
     pub fn validate(&self) -> Result<(), Flaw> {
         let data = &*self.0;
-        judge::judge(data.vertices.slice(), &data.faces).map_err(Flaw::Input)?;
+        let extremes = judge::judge(data.vertices.slice(), &data.faces).map_err(Flaw::Input)?;
         // Bits, as zeros compare equal whatever their sign.
-        let frame = PackedFrame::of(data.vertices.slice());
+        let frame = PackedFrame::over(&extremes);
         if bytemuck::bytes_of(&frame) != bytemuck::bytes_of(&data.frame) {
             return Err(Flaw::Frame);
         }

@@ -17,7 +17,7 @@ use super::{Aging, Data, Mesh, judge};
 use crate::hierarchy::{Leaves, Node, Patch, Patches, Slab, WideTree, Work};
 use crate::input::InputError;
 use crate::simd::{Level, best_level, prefetch};
-use crate::storage::{Buffer, Pages};
+use crate::storage::Pages;
 use crate::volume::Aabb;
 
 impl Mesh {
@@ -45,10 +45,10 @@ impl Mesh {
     /// Linear, on all cores of the current rayon pool; nothing is allocated in proportion to the mesh unless there are
     /// clones, who keep the old hierarchy.
     pub fn refit(&mut self, positions: Positions) -> Result<Aging, InputError> {
-        let positions = self.judged(positions)?;
+        let (positions, frame) = self.judged(positions)?;
         match Arc::get_mut(&mut self.0) {
-            Some(data) => data.refit(positions),
-            None => self.0 = Arc::new(self.0.refitted(positions)),
+            Some(data) => data.refit(positions, frame),
+            None => self.0 = Arc::new(self.0.refitted(positions, frame)),
         }
         Ok(self.aging())
     }
@@ -61,38 +61,44 @@ impl Mesh {
     /// # Complexity
     /// As [`refit`](Self::refit), and the memory of another hierarchy; the faces are shared.
     pub fn refitted(&self, positions: Positions) -> Result<Self, InputError> {
-        let positions = self.judged(positions)?;
-        Ok(Self(Arc::new(self.0.refitted(positions))))
+        let (positions, frame) = self.judged(positions)?;
+        Ok(Self(Arc::new(self.0.refitted(positions, frame))))
     }
 
-    fn judged(&self, positions: Positions) -> Result<Positions, InputError> {
-        judge::judge_moved(positions.slice(), self.0.vertices.slice().len())?;
+    fn judged(&self, positions: Positions) -> Result<(Positions, PackedFrame), InputError> {
+        let extremes = judge::judge_moved(positions.slice(), self.0.vertices.slice().len())?;
         // Before the tree is no longer as it was built.
         self.0.costs_as_built();
-        Ok(positions.narrowed())
+        Ok((positions.narrowed(), PackedFrame::over(&extremes)))
     }
 }
 
 impl Data {
-    fn refit(&mut self, positions: Positions) {
+    fn refit(&mut self, positions: Positions, frame: PackedFrame) {
+        self.fit(positions, frame, |_| ());
+    }
+
+    fn refitted(&self, positions: Positions, frame: PackedFrame) -> Self {
+        let tree = WideTree::from_nodes(self.tree.nodes().to_vec().into());
+        let packets = Pages::zeroed(self.packets.len());
+        let nowhere = Vertices::Given(Positions::F32(Vec::new()));
+        let mut data = Self::new(nowhere, self.faces.clone(), self.frame, tree, packets);
+        data.costs_as_built = self.costs_as_built.clone();
+        data.fit(positions, frame, |work| {
+            for (packet, old) in work.leaves.iter_mut().zip(&self.packets[work.patch.leaves.clone()]) {
+                packet.lay(old.held());
+            }
+        });
+        data
+    }
+
+    fn fit(&mut self, positions: Positions, frame: PackedFrame, lay: impl Fn(&mut Work<'_, Packet>) + Sync) {
         self.vertices = Vertices::Given(positions);
         self.topology.take();
         self.far_field.take();
-        self.frame = PackedFrame::of(self.vertices.slice());
+        self.frame = frame;
         let moved = Moved { vertices: self.vertices.slice(), faces: &self.faces, frame: &self.frame };
-        moved.fit(&mut self.tree, self.packets.to_mut(), |_| ());
-    }
-
-    fn refitted(&self, positions: Positions) -> Self {
-        let mut packets: Buffer<Packet> = Pages::zeroed(self.packets.len());
-        let layouts = packets.to_mut().par_iter_mut().zip(&self.packets[..]).with_min_len(super::CHUNK);
-        layouts.for_each(|(packet, old)| packet.lay(old.held()));
-        let tree = WideTree::from_nodes(self.tree.nodes().to_vec().into());
-        let mut data =
-            Self::new(Vertices::Given(Positions::F32(Vec::new())), self.faces.clone(), self.frame, tree, packets);
-        data.costs_as_built = self.costs_as_built.clone();
-        data.refit(positions);
-        data
+        moved.fit(&mut self.tree, self.packets.to_mut(), lay);
     }
 }
 

@@ -78,12 +78,22 @@ impl<'a> Space<'a> {
         len.saturating_mul(size_of::<T>()).next_multiple_of(size_of::<Line>())
     }
 
+    /// A part of so many bytes, as [`of`](Self::of) counts them.
+    pub(crate) fn part(&mut self, bytes: usize) -> Space<'a> {
+        let all = std::mem::take(&mut self.0);
+        let (part, rest) = all.split_at_mut(lines(bytes).min(all.len()));
+        self.0 = rest;
+        Space(part)
+    }
+
+    /// What is left of it, to be used for one thing before another.
+    pub(crate) fn rest(&mut self) -> Space<'_> {
+        Space(self.0)
+    }
+
     /// As many elements as fit, at most `len`: all where the room was made for them.
     pub(crate) fn take<T: Pod>(&mut self, len: usize) -> &'a mut [T] {
-        let all = std::mem::take(&mut self.0);
-        let (taken, rest) = all.split_at_mut(lines(Self::of::<T>(len)).min(all.len()));
-        self.0 = rest;
-        let (_, elements, _) = bytemuck::pod_align_to_mut::<Line, T>(taken);
+        let (_, elements, _) = bytemuck::pod_align_to_mut::<Line, T>(self.part(Self::of::<T>(len)).0);
         let len = len.min(elements.len());
         &mut elements[..len]
     }
