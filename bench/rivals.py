@@ -5,7 +5,8 @@
 
 A mesh is a torus knot of two million triangles unless --nu and --nv say otherwise, set against itself moved. FCL
 and Coal get it as arrays, impinge as a PLY file of the same doubles. At full size FCL and Coal need 5 GB each, one
-after the other, and half a minute to build. The answers are compared: a rival that finds other pairs is no yardstick.
+after the other. The answers are compared: a rival that finds other pairs is no yardstick. All is asked in rounds, one
+engine after another in each, as a shared machine changes its speed by the minute: a round takes a minute.
 """
 
 import argparse
@@ -19,7 +20,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from datetime import date
 from importlib.metadata import version
 from pathlib import Path
@@ -199,6 +200,29 @@ def measure_impinge(mesh: Mesh, repeats: int) -> list[Timing]:
 ENGINES = {"impinge": measure_impinge, "FCL": measure_fcl, "Coal": measure_coal}
 
 
+def merged(before: list[Timing], round_of_one: list[Timing]) -> list[Timing]:
+    """The runs of all rounds, each engine and pose once.
+
+    Raises ValueError where an engine finds other pairs than it found before.
+    """
+    by_name = {(t.engine, t.pose): t for t in before}
+    for new in round_of_one:
+        name = (new.engine, new.pose)
+        old = by_name.get(name)
+        if old is None:
+            by_name[name] = new
+        elif old.pairs != new.pairs:
+            raise ValueError(f"{new.engine} at {new.pose} finds {old.pairs} pairs, then {new.pairs}")
+        else:
+            by_name[name] = replace(
+                old,
+                build_seconds=old.build_seconds + new.build_seconds,
+                all_pairs_seconds=old.all_pairs_seconds + new.all_pairs_seconds,
+                first_hit_seconds=old.first_hit_seconds + new.first_hit_seconds,
+            )
+    return list(by_name.values())
+
+
 def disagreements(timings: list[Timing]) -> list[str]:
     """Where the numbers of pairs differ by more than they may; impinge is the reference, in its absence FCL."""
     found = []
@@ -282,7 +306,10 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--nu", type=int, default=2000, help="quads along the knot")
     parser.add_argument("--nv", type=int, default=500, help="quads round its tube")
-    parser.add_argument("--repeats", type=int, default=15, help="runs of each query of FCL and Coal, of which impinge has five times as many")
+    parser.add_argument("--rounds", type=int, default=5, help="times that every engine builds and is asked, in turn")
+    parser.add_argument(
+        "--repeats", type=int, default=3, help="runs of each query of FCL and Coal in a round; impinge has five times as many"
+    )
     parser.add_argument("--engines", nargs="+", choices=ENGINES, default=list(ENGINES))
     parser.add_argument("--record", type=Path, default=ROOT / "bench" / "record", help="folder of the dated records")
     options = parser.parse_args()
@@ -290,9 +317,10 @@ def main() -> int:
     about = circumstances("python-fcl", "coal")
     mesh = torus_knot(options.nu, options.nv)
     timings = []
-    for engine in options.engines:
-        timings += ENGINES[engine](mesh, options.repeats)
-        gc.collect()  # the trees of one rival leave the memory before those of the next come
+    for _ in range(options.rounds):
+        for engine in options.engines:
+            timings = merged(timings, ENGINES[engine](mesh, options.repeats))
+            gc.collect()  # the trees of one rival leave the memory before those of the next come
     problems = disagreements(timings)
     print(table(timings))
     for problem in problems:
