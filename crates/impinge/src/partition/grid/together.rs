@@ -21,6 +21,8 @@ pub(super) struct Movers {
     /// Where each comes from, and where it goes.
     boxes: [[MinMax; 2]; TOGETHER],
     count: usize,
+    /// A bit for each key, which others share: most keys have none, and nothing has to be read that was only just written.
+    seen: u64,
 }
 
 /// A grid that can do moves together.
@@ -38,7 +40,7 @@ pub(super) trait Follows: Dynamic {
 impl Movers {
     fn new() -> Self {
         let nowhere = MinMax::from_ordered([0.0; 3], [0.0; 3]);
-        Self { keys: [NONE; TOGETHER], boxes: [[nowhere; 2]; TOGETHER], count: 0 }
+        Self { keys: [NONE; TOGETHER], boxes: [[nowhere; 2]; TOGETHER], count: 0, seen: 0 }
     }
 
     #[inline]
@@ -50,9 +52,9 @@ impl Movers {
         (0..self.count).map(|mover| self.of(mover))
     }
 
+    #[inline(always)]
     fn holds(&self, key: u32) -> bool {
-        // All of them, as that takes no branch.
-        self.keys.iter().fold(false, |held, &own| held | (own == key))
+        self.seen >> (key % 64) & 1 == 1 && self.keys.contains(&key)
     }
 
     /// Where the box of a key is when it is a mover's turn: those before it have moved.
@@ -97,6 +99,7 @@ fn in_turn<S: Simd>(simd: S, grid: &mut impl Follows, moves: &[Move], changes: &
             movers.boxes[mover][1] = *to;
             if grid.trace(mover, &movers.boxes[mover], &mut looks) {
                 movers.keys[mover] = step.key;
+                movers.seen |= 1 << (step.key % 64);
                 movers.count += 1;
                 if movers.count == TOGETHER {
                     follow(simd, grid, &mut movers, &mut looks, changes);
@@ -120,5 +123,6 @@ fn follow<S: Simd>(simd: S, grid: &mut impl Follows, movers: &mut Movers, looks:
         grid.follow(simd, movers, looks, changes);
         movers.keys = [NONE; TOGETHER];
         movers.count = 0;
+        movers.seen = 0;
     }
 }
