@@ -164,10 +164,11 @@ impl Looks {
             }
         }
         self.open.clear();
+        let mut lines = level.lines.open();
         for look in looks {
             let mover = usize::from(look.mover);
             let (stays, key) = (self.ways.stays[mover], movers.of(mover).0);
-            let mut line = level.lines.first_mut(look.place as usize);
+            let mut line = lines.first(look.place as usize);
             loop {
                 let mut own = places_of(simd, key, &line.keys);
                 let mut undecided = look.seen.compare(simd, &line.words) & !own;
@@ -184,7 +185,7 @@ impl Looks {
                     self.open.push(Open { key, mover: look.mover, number: look.number });
                 }
                 let next = line.next;
-                match level.lines.more_mut(next) {
+                match lines.more(next) {
                     Some(more) => line = more,
                     None => break,
                 }
@@ -192,9 +193,9 @@ impl Looks {
             if self.ways.is_here[mover] && !stays {
                 let (place, after) = (look.place as usize, look.seen.after());
                 match self.ways.holds(mover, look.number) {
-                    [true, true] => level.lines.write(place, key, after),
-                    [true, false] => level.lines.take(place, key, after),
-                    [false, true] => level.lines.put(place, key, after),
+                    [true, true] => lines.write(place, key, after),
+                    [true, false] => lines.take(place, key, after),
+                    [false, true] => lines.put(place, key, after),
                     [false, false] => {}
                 }
             }

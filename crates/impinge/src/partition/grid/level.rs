@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::super::{Items, Visitor, Work};
-use super::frame::{Cell, Frame};
+use super::frame::Frame;
 use super::layout::{FEWEST, Layout};
 use super::lines::Lines;
 use super::word::Word;
@@ -53,15 +53,11 @@ impl Level {
         self.frame.reach(bounds).block().is_small(most)
     }
 
-    #[inline]
-    fn place(&self, cell: Cell) -> usize {
-        self.layout.of(cell)
-    }
-
     fn put(&mut self, key: u32, bounds: &MinMax) {
         let reach = self.frame.reach(bounds);
+        let mut lines = self.lines.open();
         let _ = reach.block().each(|cell| {
-            self.lines.put(self.place(cell), key, reach.seen_from(cell));
+            lines.put(self.layout.of(cell), key, reach.seen_from(cell));
             ControlFlow::Continue(())
         });
     }
@@ -73,8 +69,9 @@ impl Level {
 
     fn take(&mut self, key: u32, bounds: &MinMax) {
         let reach = self.frame.reach(bounds);
+        let mut lines = self.lines.open();
         let _ = reach.block().each(|cell| {
-            self.lines.take(self.place(cell), key, reach.seen_from(cell));
+            lines.take(self.layout.of(cell), key, reach.seen_from(cell));
             ControlFlow::Continue(())
         });
     }
@@ -92,8 +89,9 @@ impl Level {
             self.insert(items, key, to);
             return;
         }
+        let mut lines = self.lines.open();
         let _ = after.block().each(|cell| {
-            self.lines.write(self.place(cell), key, after.seen_from(cell));
+            lines.write(self.layout.of(cell), key, after.seen_from(cell));
             ControlFlow::Continue(())
         });
     }
@@ -156,7 +154,7 @@ impl Level {
             work.nodes += 1;
             let like = reach.seen_from(cell);
             let probe = like.probe();
-            for line in self.lines.of(self.place(cell)) {
+            for line in self.lines.of(self.layout.of(cell)) {
                 for (&word, &key) in line.words.iter().zip(&line.keys) {
                     work.boxes += u64::from(!word.is_none());
                     if word.is_marked_as(like)
@@ -194,7 +192,7 @@ impl Level {
                         let (min, others) = (one.min(), two.min());
                         let cell = [0, 1, 2].map(|axis| self.frame.cell_along(min[axis].max(others[axis]), axis));
                         let [one, two] = [one, two].map(|bounds| self.frame.reach(bounds).seen_from(cell));
-                        if self.place(cell) == place && one == word && two == like {
+                        if self.layout.of(cell) == place && one == word && two == like {
                             meet(key, other);
                         }
                     }

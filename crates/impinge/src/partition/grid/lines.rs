@@ -37,6 +37,14 @@ pub(super) struct Lines {
     copies: usize,
 }
 
+/// Lines to be written: what a buffer asks each time that it is to be changed is asked once.
+pub(super) struct Opened<'a> {
+    first: &'a mut [Line],
+    more: &'a mut Vec<Line>,
+    free: &'a mut u32,
+    copies: &'a mut usize,
+}
+
 impl Line {
     fn held(&self) -> usize {
         self.words.iter().position(|word| word.is_none()).unwrap_or(HELD)
@@ -81,29 +89,38 @@ impl Lines {
         std::iter::successors(self.first.get(at), |line| self.after(line))
     }
 
+    /// All of them, to be written.
+    #[inline(always)]
+    pub(super) fn open(&mut self) -> Opened<'_> {
+        let Self { first, more, free, copies } = self;
+        Opened { first: first.to_mut(), more, free, copies }
+    }
+}
+
+impl Opened<'_> {
     /// The first line of a cell, to write copies anew.
-    #[inline]
-    pub(super) fn first_mut(&mut self, at: usize) -> &mut Line {
-        &mut self.first.to_mut()[at]
+    #[inline(always)]
+    pub(super) fn first(&mut self, at: usize) -> &mut Line {
+        &mut self.first[at]
     }
 
     /// A line that follows one.
-    #[inline]
-    pub(super) fn more_mut(&mut self, next: u32) -> Option<&mut Line> {
+    #[inline(always)]
+    pub(super) fn more(&mut self, next: u32) -> Option<&mut Line> {
         self.more.get_mut(shared(next))
     }
 
     /// Adds a copy. The mark of its word is not among those of the copies of this key here.
     pub(super) fn put(&mut self, at: usize, key: u32, word: Word) {
-        self.copies += 1;
+        *self.copies += 1;
         let mut held = self.first[at].held();
         if held == HELD {
             // The full line makes room and follows.
             let next = self.lend(self.first[at]);
-            *self.first_mut(at) = Line { next, ..EMPTY };
+            self.first[at] = Line { next, ..EMPTY };
             held = 0;
         }
-        let line = self.first_mut(at);
+        let line = &mut self.first[at];
         line.words[held] = word;
         line.keys[held] = key;
     }
@@ -112,7 +129,7 @@ impl Lines {
     pub(super) fn take(&mut self, at: usize, key: u32, like: Word) {
         let Some((line, place)) = self.find(at, key, like) else { return };
         // The last of the first line fills the gap.
-        let first = &mut self.first.to_mut()[at];
+        let first = &mut self.first[at];
         let last = first.held() - 1;
         let (last_word, last_key) = (first.words[last], first.keys[last]);
         first.words[last] = Word::NONE;
@@ -128,16 +145,16 @@ impl Lines {
         if last == 0 && next != LAST {
             let line = &mut self.more[shared(next)];
             *first = *line;
-            *line = Line { next: self.free, ..EMPTY };
-            self.free = next;
+            *line = Line { next: *self.free, ..EMPTY };
+            *self.free = next;
         }
-        self.copies -= 1;
+        *self.copies -= 1;
     }
 
     /// Writes a copy anew, that with the same key and mark.
     pub(super) fn write(&mut self, at: usize, key: u32, word: Word) {
         match self.find(at, key, word) {
-            Some((None, place)) => self.first_mut(at).words[place] = word,
+            Some((None, place)) => self.first[at].words[place] = word,
             Some((Some(line), place)) => self.more[line].words[place] = word,
             None => {}
         }
@@ -152,16 +169,16 @@ impl Lines {
                 return Some((number, place));
             }
             number = Some(shared(line.next));
-            line = self.after(line)?;
+            line = self.more.get(shared(line.next))?;
         }
     }
 
     /// Puts a line among those that are shared, and says which it is there, counted from one.
     fn lend(&mut self, line: Line) -> u32 {
-        match self.more.get_mut(shared(self.free)) {
+        match self.more.get_mut(shared(*self.free)) {
             Some(free) => {
-                let at = self.free;
-                self.free = free.next;
+                let at = *self.free;
+                *self.free = free.next;
                 *free = line;
                 at
             }
@@ -204,20 +221,20 @@ mod tests {
             let now = word(cell, rng.integer(1, 99) as u8);
             match expected.get_mut(&(at, key, cell)) {
                 Some(before) if fills => {
-                    lines.write(at, key, now);
+                    lines.open().write(at, key, now);
                     *before = now;
                 }
                 Some(_) => {
-                    lines.take(at, key, now);
+                    lines.open().take(at, key, now);
                     expected.remove(&(at, key, cell));
                 }
                 None if fills || rng.one_in(4) => {
-                    lines.put(at, key, now);
+                    lines.open().put(at, key, now);
                     expected.insert((at, key, cell), now);
                 }
                 None => {
-                    lines.take(at, key, now);
-                    lines.write(at, key, now);
+                    lines.open().take(at, key, now);
+                    lines.open().write(at, key, now);
                 }
             }
             assert_eq!(lines.copies(), expected.len());
