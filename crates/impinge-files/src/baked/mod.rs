@@ -151,7 +151,7 @@ impl Baked {
             positions: range(Section::Positions),
             faces: range(Section::Faces),
             nodes: range(Section::Nodes),
-            packets: range(Section::Packets),
+            leaves: range(Section::Leaves),
         };
         Mesh::borrow(&self.bytes, self.header.is_single_precision, &parts)
             .map_err(|flaw| corrupt(flaw.to_string()).in_file(&self.path))
@@ -249,8 +249,8 @@ pub fn write_baked(
     let (sources, part_of) = (little(&provenance.sources), little(&provenance.part_of));
     let names = names::to_bytes(&provenance.parts);
     let proxies = proxies.map(Proxies::to_bytes).unwrap_or_default();
-    let Parts { frame, positions, faces, nodes, packets } = mesh.parts();
-    let contents = [frame, positions, faces, nodes, packets, &sources, &part_of, &names, &proxies];
+    let Parts { frame, positions, faces, nodes, leaves } = mesh.parts();
+    let contents = [frame, positions, faces, nodes, leaves, &sources, &part_of, &names, &proxies];
     let header = Header::new(mesh.is_single_precision(), provenance.unit, &contents);
     out.write_all(&header.to_bytes())?;
     let mut written = HEADER;

@@ -167,10 +167,19 @@ impl Node {
         }
     }
 
-    /// The box of all lanes.
+    /// The box of all lanes; those that are not in use hold the empty one.
+    #[inline(always)]
     pub(super) fn bounds(&self) -> Aabb {
-        (0..self.count()).fold(Aabb::EMPTY, |bounds, lane| bounds.union(self.lane_bounds(lane)))
+        Aabb { min: self.min.map(|lanes| least(&lanes)), max: self.max.map(|lanes| -least(&lanes.map(|x| -x))) }
     }
+}
+
+/// In halves, which the vector unit compares side by side.
+#[inline(always)]
+fn least(lanes: &[f32; LANES]) -> f32 {
+    let lesser = |a: f32, b: f32| if a < b { a } else { b };
+    let four: [f32; 4] = std::array::from_fn(|lane| lesser(lanes[lane], lanes[lane + 4]));
+    lesser(lesser(four[0], four[2]), lesser(four[1], four[3]))
 }
 
 /// What statistics are made of.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::build::built;
-use super::packet::Packet;
+use super::leaf::Leaf;
 use super::positions::Vertices;
 use super::refit::Moved;
 use super::{Data, Mesh, Positions};
@@ -71,8 +71,8 @@ impl Mesh {
     /// As [`Builder::build`].
     pub fn rebuild(&mut self, builder: Builder) {
         let data = &*self.0;
-        let (tree, packets) = built(data.vertices.slice(), &data.faces, &data.frame, builder);
-        self.with_vertices(|vertices, old| Data::new(vertices, old.faces.clone(), old.frame, tree, packets));
+        let (tree, leaves) = built(data.vertices.slice(), &data.faces, &data.frame, builder);
+        self.with_vertices(|vertices, old| Data::new(vertices, old.faces.clone(), old.frame, tree, leaves));
     }
 
     /// Builds anew the smallest subtrees whose cost exceeds [`WORTH_REBUILDING`](Aging::WORTH_REBUILDING) times what it was
@@ -88,25 +88,27 @@ impl Mesh {
         if aged.is_empty() {
             return 0;
         }
-        let built: Vec<(WideTree, Vec<Packet>)> = aged.iter().map(|subtree| data.rebuilt_subtree(subtree)).collect();
-        let (replacements, layouts): (Vec<WideTree>, Vec<Vec<Packet>>) = built.into_iter().unzip();
+        let built: Vec<(WideTree, Vec<Leaf>)> = aged.iter().map(|subtree| data.rebuilt_subtree(subtree)).collect();
+        let (replacements, layouts): (Vec<WideTree>, Vec<Vec<Leaf>>) = built.into_iter().unzip();
         let mut renewal = data.tree.renewed(&aged, &replacements);
         if aged[0].nodes == (0..data.tree.nodes().len()) || renewal.tree.depth() > MAX_DEPTH {
             self.rebuild(Builder::default());
             return self.faces().len();
         }
-        let mut packets: Buffer<Packet> = Pages::zeroed(renewal.leaves.len());
-        let placed = packets.to_mut().par_iter_mut().zip(&renewal.leaves).with_min_len(super::CHUNK);
-        placed.for_each(|(packet, origin)| match *origin {
-            Origin::Kept(leaf) => packet.lay(data.packets[leaf as usize].held()),
-            Origin::Replaced { replacement, leaf } => *packet = layouts[replacement as usize][leaf as usize],
+        let mut leaves: Buffer<Leaf> = Pages::zeroed(renewal.leaves.len());
+        let placed = leaves.to_mut().par_iter_mut().zip(&renewal.leaves).with_min_len(super::CHUNK);
+        placed.for_each(|(leaf, origin)| {
+            *leaf = match *origin {
+                Origin::Kept(old) => data.leaves[old as usize],
+                Origin::Replaced { replacement, leaf } => layouts[replacement as usize][leaf as usize],
+            }
         });
-        data.moved().fit(&mut renewal.tree, packets.to_mut(), |_| ());
+        data.moved().fit(&mut renewal.tree, leaves.to_mut(), |_| ());
         let costs = renewal.costs_as_built(data.costs_as_built());
         let tree = renewal.tree;
-        let faces = layouts.iter().flatten().map(|packet| packet.held().len()).sum();
+        let faces = layouts.iter().flatten().map(|leaf| leaf.held().len()).sum();
         self.with_vertices(|vertices, old| {
-            let data = Data::new(vertices, old.faces.clone(), old.frame, tree, packets);
+            let data = Data::new(vertices, old.faces.clone(), old.frame, tree, leaves);
             let _ = data.costs_as_built.set(costs.into());
             data
         });
@@ -133,15 +135,14 @@ impl Data {
         Moved { vertices: self.vertices.slice(), faces: &self.faces, frame: &self.frame }
     }
 
-    /// A new tree of the faces below an aged one, and the layouts of its packets.
-    fn rebuilt_subtree(&self, aged: &Aged) -> (WideTree, Vec<Packet>) {
-        let faces: Vec<u32> =
-            self.packets[aged.leaves.clone()].iter().flat_map(|packet| packet.held()).copied().collect();
+    /// A new tree of the faces below an aged one, and the layouts of its leaves.
+    fn rebuilt_subtree(&self, aged: &Aged) -> (WideTree, Vec<Leaf>) {
+        let faces: Vec<u32> = self.leaves[aged.leaves.clone()].iter().flat_map(|leaf| leaf.held()).copied().collect();
         let boxes: Vec<Aabb> = faces.par_iter().map(|&face| self.face_bounds(face)).collect();
         let mut binary: BinaryTree = Builder::default().build(&boxes);
         binary.order.iter_mut().for_each(|face| *face = faces[*face as usize]);
         let (tree, leaves) = WideTree::collapse(&binary);
-        let layouts = leaves.iter().map(|&leaf| Packet::holding(binary.held(leaf))).collect();
+        let layouts = leaves.iter().map(|&leaf| Leaf::holding(binary.held(leaf))).collect();
         (tree, layouts)
     }
 

@@ -38,7 +38,7 @@ impl Mesh {
 
     /// The faces of a leaf, each once.
     pub(crate) fn leaf_faces(&self, leaf: u32) -> impl Iterator<Item = u32> {
-        let faces = self.0.packets[leaf as usize].faces;
+        let faces = self.leaf(leaf).faces;
         // Unused lanes repeat the first face, which stands in no other lane of its own.
         let used = (1..LANES).take_while(move |&lane| faces[lane] != faces[0]).count() + 1;
         faces.into_iter().take(used)

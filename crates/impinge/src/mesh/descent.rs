@@ -8,13 +8,13 @@ use rayon::prelude::*;
 
 use super::filter::Verdict;
 use super::large_leaf::LargeLeaf;
-use super::packet::Packet;
+use super::packet::Packets;
 use super::relation::{HostChoice, Relation, Relations};
 use super::taken_up::Guests;
 use super::{Mesh, Placed};
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{Descent, Large, LeafVisitor, Order, QUEUE, Task, bits};
-use crate::simd::{self, ALL_LANES, LANES, Level, outlined, prefetch};
+use crate::simd::{self, ALL_LANES, LANES, Level, outlined};
 use crate::volume::Aabb;
 
 /// How a query runs. Nothing here changes an answer: the fields are for measuring and for tests that say so.
@@ -208,8 +208,8 @@ impl Question<'_> {
     fn pairs(&self, kept: usize) -> Pairs<'_> {
         Pairs {
             question: *self,
-            host_packets: &self.host.0.packets,
-            guest_packets: &self.guest.0.packets,
+            host_packets: self.host.packets(),
+            guest_packets: self.guest.packets(),
             patience: kept.min(WAITING),
             guests: Guests::new(kept),
             waiting: [Meeting { guest: 0, host_leaf: 0 }; WAITING],
@@ -224,8 +224,8 @@ impl Question<'_> {
 /// Leaf pairs of two meshes, filtered and decided.
 struct Pairs<'a> {
     question: Question<'a>,
-    host_packets: &'a [Packet],
-    guest_packets: &'a [Packet],
+    host_packets: Packets<'a>,
+    guest_packets: Packets<'a>,
     guests: Guests,
     /// How many pairs are put off at most, until their host leaf is at hand, and one more is met.
     patience: usize,
@@ -247,7 +247,7 @@ impl Pairs<'_> {
         self.count -= 1;
         let (guest_leaf, guest) = self.guests.awaited(guest);
         let mut verdicts = [Verdict::default(); LANES];
-        let met = guest.meet(simd, &self.host_packets[host_leaf as usize], ALL_LANES, &mut verdicts);
+        let met = guest.meet(simd, (&self.host_packets, host_leaf), ALL_LANES, &mut verdicts);
         if met == 0 { ControlFlow::Continue(()) } else { self.report([host_leaf, guest_leaf], met, &verdicts, false) }
     }
 
@@ -261,8 +261,8 @@ impl Pairs<'_> {
         verdicts: &[Verdict; LANES],
         turned: bool,
     ) -> ControlFlow<()> {
-        let host_faces = &self.host_packets[host_leaf as usize].faces;
-        let guest_faces = &self.guest_packets[guest_leaf as usize].faces;
+        let host_faces = &self.host_packets.leaf(host_leaf).faces;
+        let guest_faces = &self.guest_packets.leaf(guest_leaf).faces;
         let (many, one) = if turned { (guest_faces, host_faces) } else { (host_faces, guest_faces) };
         for lane in bits(met) {
             let verdict = verdicts[lane];
@@ -319,12 +319,12 @@ impl LeafVisitor for Pairs<'_> {
     #[inline(always)]
     fn take_up<S: Simd>(&mut self, simd: S, guest_leaf: u32) -> Aabb {
         let Question { relation, back, .. } = self.question;
-        self.guests.take_up(simd, guest_leaf, self.guest_packets, relation, back)
+        self.guests.take_up(simd, guest_leaf, &self.guest_packets, relation, back)
     }
 
     #[inline(always)]
     fn pair<S: Simd>(&mut self, simd: S, host_leaf: u32) -> ControlFlow<()> {
-        prefetch(&self.host_packets[host_leaf as usize]);
+        self.host_packets.prefetch(host_leaf);
         self.waiting[(self.next + self.count) % WAITING] = Meeting { guest: self.guests.await_last(), host_leaf };
         self.count += 1;
         if self.count < self.patience { ControlFlow::Continue(()) } else { self.meet_next(simd) }
@@ -332,19 +332,20 @@ impl LeafVisitor for Pairs<'_> {
 
     fn meet_below<S: Simd>(&mut self, simd: S, large: Large, node: u32) -> ControlFlow<()> {
         let Question { relation, back, host, guest, .. } = self.question;
-        let (host, guest) = ((host.0.tree.nodes(), self.host_packets), (guest.0.tree.nodes(), self.guest_packets));
+        let host = (host.0.tree.nodes(), self.host_packets);
+        let guest = (guest.0.tree.nodes(), self.guest_packets);
         outlined(
             simd,
             #[inline(always)]
             || match large {
                 Large::Guest(leaf) => {
-                    let large = LargeLeaf::new(simd, &guest.1[leaf as usize], relation, back);
+                    let large = LargeLeaf::new(simd, &guest.1.get(simd, leaf), relation, back);
                     large.descend(simd, host, node, |host_leaf, met, verdicts| {
                         self.report([host_leaf, leaf], met, verdicts, false)
                     })
                 }
                 Large::Host(leaf) => {
-                    let large = LargeLeaf::new(simd, &host.1[leaf as usize], back, relation);
+                    let large = LargeLeaf::new(simd, &host.1.get(simd, leaf), back, relation);
                     large.descend(simd, guest, node, |guest_leaf, met, verdicts| {
                         self.report([leaf, guest_leaf], met, verdicts, true)
                     })
@@ -363,6 +364,6 @@ impl LeafVisitor for Pairs<'_> {
 
     #[inline(always)]
     fn prefetch_guest(&self, leaf: u32) {
-        prefetch(&self.guest_packets[leaf as usize]);
+        self.guest_packets.prefetch(leaf);
     }
 }

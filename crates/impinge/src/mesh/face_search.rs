@@ -38,7 +38,7 @@ impl Mesh {
             match child {
                 Child::Inner(node) => self.open(&nodes[node as usize], search, &mut tasks),
                 Child::Leaf(leaf) => {
-                    let faces = self.0.packets[leaf as usize].faces;
+                    let faces = self.leaf(leaf).faces;
                     for (lane, &face) in faces.iter().enumerate() {
                         // Lanes that are not in use repeat the first.
                         if (lane == 0 || face != faces[0]) && search.visit(face) == Break(()) {

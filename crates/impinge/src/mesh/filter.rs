@@ -20,7 +20,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 
-use super::packet::Packet;
+use super::packet::{Packet, Packets};
 use super::relation::{CornerError, GROWN, Relation};
 use crate::hierarchy::{BoxLanes, HALF_ULP, each_byte, overlapping_each, spread_to_bytes};
 use crate::simd::{LANES, Lanes3, by_axis, cross, dot, load, load3, outlined, store3, sub};
@@ -75,7 +75,7 @@ impl Guest {
 
     /// Turns a packet; `back` relates the meshes the other way round.
     #[inline(always)]
-    pub(crate) fn take_up<S: Simd>(&mut self, simd: S, packet: &Packet, relation: &Relation, back: &Relation) {
+    pub(crate) fn take_up<S: Simd>(&mut self, simd: S, packet: &Packet<'_>, relation: &Relation, back: &Relation) {
         outlined(
             simd,
             #[inline(always)]
@@ -84,7 +84,7 @@ impl Guest {
     }
 
     #[inline(always)]
-    fn turn<S: Simd>(&mut self, simd: S, packet: &Packet, relation: &Relation, back: &Relation) {
+    fn turn<S: Simd>(&mut self, simd: S, packet: &Packet<'_>, relation: &Relation, back: &Relation) {
         let linear: [Lanes3<S>; 3] =
             by_axis!(row => by_axis!(column => f32x8::splat(simd, relation.linear[row][column] as f32)));
         let corners: [Lanes3<S>; 3] = by_axis!(corner => {
@@ -99,11 +99,11 @@ impl Guest {
         store3(&max, &mut self.max);
         store3(&cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0])), &mut self.normal);
         width(&min, &max).store_slice(&mut self.width);
-        self.lanes_in_use = u64::MAX >> (u64::BITS - LANES as u32 * packet.lanes_in_use().count_ones()).min(63);
+        self.lanes_in_use = u64::MAX >> (u64::BITS - LANES as u32 * packet.leaf.lanes_in_use().count_ones()).min(63);
         self.anchor = relation.apply(packet.anchor);
         let CornerError { per_radius, constant, of_bounds } = relation.corner_error;
-        self.error = per_radius * packet.radius + constant;
-        self.across = back.turn_back(packet.normal());
+        self.error = per_radius * packet.leaf.radius + constant;
+        self.across = back.turn_back(packet.leaf.normal());
         let (low, high) = heights(simd, &corners, self.across);
         self.heights = [low.reduce_min(), high.reduce_max()];
         let slack = self.error * GROWN + of_bounds;
@@ -123,20 +123,34 @@ impl Guest {
         f64::from(self.error)
     }
 
-    /// Meets triangles of the guest, those in `lanes`, with all of a host packet: a verdict for each lane of which the
+    /// Meets triangles of the guest, those in `lanes`, with all of a host leaf: a verdict for each lane of which the
     /// bits returned are set, nothing for the others.
     #[inline(always)]
-    pub(crate) fn meet<S: Simd>(&self, simd: S, host: &Packet, lanes: u32, verdicts: &mut [Verdict; LANES]) -> u32 {
+    pub(crate) fn meet<S: Simd>(
+        &self,
+        simd: S,
+        (hosts, leaf): (&Packets<'_>, u32),
+        lanes: u32,
+        verdicts: &mut [Verdict; LANES],
+    ) -> u32 {
         outlined(
             simd,
             #[inline(always)]
-            || self.judge(simd, host, lanes, verdicts),
+            || self.judge(simd, (hosts, leaf), lanes, verdicts),
         )
     }
 
     #[inline(always)]
-    fn judge<S: Simd>(&self, simd: S, host: &Packet, lanes: u32, verdicts: &mut [Verdict; LANES]) -> u32 {
-        let offset: [f32; 3] = by_axis!(axis => (self.anchor[axis] - f64::from(host.anchor[axis])) as f32);
+    fn judge<S: Simd>(
+        &self,
+        simd: S,
+        (hosts, leaf): (&Packets<'_>, u32),
+        lanes: u32,
+        verdicts: &mut [Verdict; LANES],
+    ) -> u32 {
+        let host = hosts.leaf(leaf);
+        let anchor = hosts.anchor(host);
+        let offset: [f32; 3] = by_axis!(axis => (self.anchor[axis] - anchor[axis]) as f32);
         // Of the host's corners: their own rounding, and two of sums with an offset of up to the host's radius.
         let error = self.error + 4.0 * HALF_ULP as f32 * host.radius;
         let guest_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &self.corners[corner]));
@@ -144,7 +158,8 @@ impl Guest {
         if guest_lanes == 0 {
             return 0;
         }
-        let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.corners[corner]));
+        let host_corners = hosts.get(simd, leaf).corners;
+        let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host_corners[corner]));
         let back = by_axis!(axis => -offset[axis]);
         let host_lanes = host.lanes_in_use() & !outside(simd, &host_corners, back, self.across, self.heights, error);
         if host_lanes == 0 {

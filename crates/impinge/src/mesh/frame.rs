@@ -35,6 +35,12 @@ impl PackedFrame {
     pub(crate) fn pack(&self, vertex: [f64; 3]) -> [f64; 3] {
         by_axis!(axis => (vertex[axis] - self.origin[axis]) * self.scale)
     }
+
+    /// Where a packed point is in the mesh's own frame, to nearest.
+    #[inline(always)]
+    pub(super) fn unpack(&self, packed: [f64; 3]) -> [f64; 3] {
+        by_axis!(axis => packed[axis] / self.scale + self.origin[axis])
+    }
 }
 
 /// The least and the greatest coordinates of vertices, in the mesh's own frame.

@@ -11,7 +11,7 @@ impl Mesh {
     pub fn tree_statistics(&self) -> TreeStatistics {
         // Lanes of a leaf that are not in use repeat its first face.
         self.0.tree.statistics(|leaf| {
-            let faces = &self.0.packets[leaf as usize].faces;
+            let faces = &self.leaf(leaf).faces;
             1 + faces[1..].iter().filter(|&&face| face != faces[0]).count()
         })
     }

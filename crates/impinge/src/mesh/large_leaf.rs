@@ -10,7 +10,7 @@ use fearless_simd::Simd;
 
 use super::filter::{Guest, Verdict};
 use super::frame::REACH;
-use super::packet::Packet;
+use super::packet::{Packet, Packets};
 use super::relation::Relation;
 use crate::hierarchy::{Child, HALF_ULP, Node, Slab, bits, lanes_in_use, overlapping};
 use crate::primitive::{Vector, cross, sub};
@@ -36,11 +36,11 @@ struct Bounds {
 impl LargeLeaf {
     /// A packet carried by `relation`; `back` relates the meshes the other way round.
     #[inline(always)]
-    pub(super) fn new<S: Simd>(simd: S, packet: &Packet, relation: &Relation, back: &Relation) -> Self {
+    pub(super) fn new<S: Simd>(simd: S, packet: &Packet<'_>, relation: &Relation, back: &Relation) -> Self {
         let mut guest = Guest::EMPTY;
         guest.take_up(simd, packet, relation, back);
         let triangles = std::array::from_fn(|lane| Bounds::new(guest.corners_of(lane), guest.corner_error()));
-        Self { guest, triangles, in_use: packet.lanes_in_use() }
+        Self { guest, triangles, in_use: packet.leaf.lanes_in_use() }
     }
 
     /// Meets all that is below a node: `report` gets each leaf of which any triangle is met or left open, with the
@@ -52,7 +52,7 @@ impl LargeLeaf {
     pub(super) fn descend<S: Simd>(
         &self,
         simd: S,
-        (nodes, packets): (&[Node], &[Packet]),
+        (nodes, packets): (&[Node], Packets<'_>),
         below: u32,
         mut report: impl FnMut(u32, u32, &[Verdict; LANES]) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
@@ -70,7 +70,7 @@ impl LargeLeaf {
                     Child::Inner(inner) => tasks.push((inner, lanes)),
                     Child::Leaf(leaf) => {
                         let mut verdicts = [Verdict::default(); LANES];
-                        let met = self.guest.meet(simd, &packets[leaf as usize], lanes, &mut verdicts);
+                        let met = self.guest.meet(simd, (&packets, leaf), lanes, &mut verdicts);
                         if met != 0 {
                             report(leaf, met, &verdicts)?;
                         }

@@ -15,6 +15,7 @@ mod health;
 mod inspection;
 mod judge;
 mod large_leaf;
+mod leaf;
 mod metric;
 mod nearest;
 mod packet;
@@ -27,6 +28,7 @@ mod refit;
 mod relation;
 mod self_descent;
 mod solid_angle;
+mod stored_corners;
 mod taken_up;
 mod topology;
 mod walls;
@@ -60,7 +62,8 @@ use crate::storage::Buffer;
 use build::built;
 use far_field::FarField;
 use frame::PackedFrame;
-use packet::Packet;
+use leaf::Leaf;
+use packet::Made;
 use topology::Topology;
 
 /// A triangle mesh, judged and packed, with its hierarchy; cheap to clone, and never changing under a query.
@@ -86,7 +89,9 @@ struct Data {
     faces: Arc<Buffer<[u32; 3]>>,
     frame: PackedFrame,
     tree: WideTree,
-    packets: Buffer<Packet>,
+    leaves: Buffer<Leaf>,
+    /// The packets of leaves that were met.
+    made: Made,
     /// What each subtree cost when it was built, noted when it is first refitted.
     costs_as_built: OnceLock<Arc<[f64]>>,
     /// Made when a question about solids first needs it.
@@ -121,8 +126,8 @@ impl Mesh {
     pub fn with_builder(positions: Positions, faces: Vec<[u32; 3]>, builder: Builder) -> Result<Self, InputError> {
         let frame = PackedFrame::over(&judge::judge(positions.slice(), &faces)?);
         let vertices = Vertices::Given(positions.narrowed());
-        let (tree, packets) = built(vertices.slice(), &faces, &frame, builder);
-        Ok(Self(Arc::new(Data::new(vertices, Arc::new(faces.into()), frame, tree, packets))))
+        let (tree, leaves) = built(vertices.slice(), &faces, &frame, builder);
+        Ok(Self(Arc::new(Data::new(vertices, Arc::new(faces.into()), frame, tree, leaves))))
     }
 
     /// The positions, in the mesh's own frame.
@@ -175,7 +180,8 @@ impl Mesh {
         data.vertices.slice().into_bytes().len()
             + size_of_val(&data.faces[..])
             + size_of_val(data.tree.nodes())
-            + size_of_val(&data.packets[..])
+            + size_of_val(&data.leaves[..])
+            + data.made.memory()
     }
 }
 
@@ -185,10 +191,11 @@ impl Data {
         faces: Arc<Buffer<[u32; 3]>>,
         frame: PackedFrame,
         tree: WideTree,
-        packets: Buffer<Packet>,
+        leaves: Buffer<Leaf>,
     ) -> Self {
         let (costs_as_built, topology, far_field) = Default::default();
-        Self { vertices, faces, frame, tree, packets, costs_as_built, topology, far_field }
+        let made = Made::none(leaves.len());
+        Self { vertices, faces, frame, tree, leaves, made, costs_as_built, topology, far_field }
     }
 }
 

@@ -154,7 +154,7 @@ impl<'a> Search<'a> {
     }
 
     fn meet(&mut self, leaf: u32) {
-        let faces = self.mesh.0.packets[leaf as usize].faces;
+        let faces = self.mesh.leaf(leaf).faces;
         for (lane, &face) in faces.iter().enumerate() {
             if lane > 0 && face == faces[0] {
                 continue;

@@ -1,233 +1,225 @@
 //! Packets: the triangles of one leaf side by side for the vector unit, in single precision about an anchor of their
 //! own, for rejecting and confirming in bulk. What they leave open is decided on the stored vertices.
+//!
+//! They are made when they are first met, some neighbours at a time, and kept until the mesh moves: most of a large mesh is
+//! never met, and what a build and a refit would write else is mostly packets.
+
+use std::sync::OnceLock;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::frame::{PACKING_ERROR, PackedFrame};
-use super::positions::Vertex;
+use super::Mesh;
+use super::frame::PACKING_ERROR;
+use super::leaf::{Leaf, heights_by_lane};
+use super::stored_corners::{Corners, StoredCorners};
 use crate::hierarchy::{HALF_ULP, Slab};
-use crate::simd::{LANES, Lanes3, by_axis, load3, sub};
-use crate::volume::Aabb;
+use crate::simd::{LANES, Lanes3, by_axis, load3, outlined, prefetch, store3};
 
-/// Up to eight triangles; unused lanes repeat the first one.
+/// `[corner][axis][lane]`, relative to the anchor of a leaf.
+pub(crate) type CornerLanes = [[[f32; LANES]; 3]; 3];
+
+/// The triangles of a leaf; unused lanes repeat the first one.
 ///
-/// A corner is `anchor + corners[..]` in the packed frame, up to `HALF_ULP · radius` for its rounding to single
-/// precision and [`PACKING_ERROR`] for the arithmetic before that.
-#[derive(Clone, Copy, Debug, bytemuck::Zeroable, bytemuck::Pod)]
-#[repr(C, align(32))]
-pub(crate) struct Packet {
-    /// `corners[corner][axis][lane]`, relative to the anchor.
-    pub(crate) corners: [[[f32; LANES]; 3]; 3],
-    /// A point amid the triangles, in the packed frame, exactly.
-    pub(crate) anchor: [f32; 3],
-    /// The greatest magnitude of the relative coordinates.
-    pub(crate) radius: f32,
-    /// The slab about the relative corners: their least and greatest height along [`normal`](Self::normal).
-    pub(crate) heights: [f32; 2],
-    normal: [i16; 3],
-    count: u16,
-    /// Which face each lane is.
-    pub(crate) faces: [u32; LANES],
+/// A corner is `anchor + corners[..]` in the packed frame, up to `HALF_ULP · leaf.radius` for its rounding to single
+/// precision and [`PACKING_ERROR`] for the arithmetic before that (docs/proof.md, L4).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Packet<'a> {
+    pub(crate) leaf: &'a Leaf,
+    /// A point amid the triangles, in the packed frame.
+    pub(crate) anchor: [f64; 3],
+    pub(crate) corners: &'a CornerLanes,
 }
 
-/// The unit of a packet's normal.
-const NORMAL_STEP: f32 = 1.0 / (1 << 14) as f32;
+/// Leaves whose packets are made together: fewer waste less of what is made, and more less memory for keeping track.
+const TOGETHER: usize = 8;
 
-impl Packet {
-    /// The bits of the lanes that hold a triangle.
-    #[inline(always)]
-    pub(crate) fn lanes_in_use(&self) -> u32 {
-        (1 << usize::from(self.count).min(LANES)) - 1
+/// The packets that were made so far.
+#[derive(Debug)]
+pub(super) struct Made(Box<[OnceLock<Box<[CornerLanes]>>]>);
+
+impl Made {
+    /// None of so many leaves.
+    pub(super) fn none(leaves: usize) -> Self {
+        Self((0..leaves.div_ceil(TOGETHER)).map(|_| OnceLock::new()).collect())
     }
 
-    /// The direction of the slab about the corners, mostly that in which the triangles face; no component is larger than
-    /// one in magnitude, and none is rounded.
-    #[inline(always)]
-    pub(crate) fn normal(&self) -> [f32; 3] {
-        by_axis!(axis => f32::from(self.normal[axis]) * NORMAL_STEP)
-    }
-
-    /// The normal, and the least and greatest height along it of all that the packet stands for, about the anchor, outward.
-    #[inline(always)]
-    pub(crate) fn slab(&self) -> ([f64; 3], [f64; 2]) {
-        let [low, high] = self.heights.map(f64::from);
-        let error = 3.0 * (HALF_ULP * f64::from(self.radius) + PACKING_ERROR);
-        (self.normal().map(f64::from), [low - error, high + error])
-    }
-
-    /// A packet that is [laid out](Self::lay).
-    pub(super) fn holding(held: &[u32]) -> Self {
-        let mut packet: Self = bytemuck::Zeroable::zeroed();
-        packet.lay(held);
-        packet
-    }
-
-    /// Lays the packet out: it holds these faces, at least one and at most eight. All else follows from where they are, and means
-    /// nothing until it is [fitted](Self::fit).
-    pub(super) fn lay(&mut self, held: &[u32]) {
-        self.faces = [held[0]; LANES];
-        self.faces[..held.len()].copy_from_slice(held);
-        self.count = held.len() as u16;
-    }
-
-    /// The faces that it holds; the first one where it says that it holds none.
-    pub(super) fn held(&self) -> &[u32] {
-        &self.faces[..usize::from(self.count).clamp(1, LANES)]
-    }
-
-    /// Whether lanes that hold no face of their own repeat the first, and no other does.
-    pub(super) fn is_layout_sound(&self) -> bool {
-        (1..=LANES).contains(&usize::from(self.count))
-            && (1..LANES).all(|lane| (self.faces[lane] == self.faces[0]) == (lane >= usize::from(self.count)))
-    }
-
-    /// Fits all to where the vertices of the faces are, and returns bounds of them as a builder is given them (see
-    /// [`FaceBoxes`](super::face_boxes::FaceBoxes)).
-    #[inline(always)]
-    pub(super) fn fit<S: Simd, V: Vertex>(
-        &mut self,
-        simd: S,
-        frame: &PackedFrame,
-        vertices: &[V],
-        faces: &[[u32; 3]],
-    ) -> Aabb {
-        let packed = self.packed(frame, vertices, faces);
-        let mut bounds = Aabb::EMPTY;
-        for axis in 0..3 {
-            let mut rounded = [[0.0_f32; LANES]; 3];
-            for corner in 0..3 {
-                for lane in 0..LANES {
-                    rounded[corner][lane] = packed[corner][axis][lane] as f32;
-                }
-            }
-            let [p, q, r] = load3(simd, &rounded);
-            bounds.min[axis] = p.min(q).min(r).reduce_min();
-            bounds.max[axis] = p.max(q).max(r).reduce_max();
+    /// None any more.
+    pub(super) fn clear(&mut self) {
+        for slot in &mut self.0 {
+            slot.take();
         }
-        let bounds = bounds.next_outward();
-        self.fit_within(simd, &bounds, &packed);
-        bounds
     }
 
-    /// The corners of the faces, `[corner][axis][lane]`, in the packed frame.
+    /// Bytes.
+    pub(super) fn memory(&self) -> usize {
+        let made = self.0.iter().filter_map(OnceLock::get).map(|corners| size_of_val(&corners[..])).sum::<usize>();
+        size_of_val(&self.0[..]) + made
+    }
+}
+
+/// The packets of a mesh.
+#[derive(Clone, Copy)]
+pub(crate) struct Packets<'a> {
+    leaves: &'a [Leaf],
+    made: &'a [OnceLock<Box<[CornerLanes]>>],
+    corners: Corners<'a>,
+}
+
+impl Mesh {
+    /// The packets of its leaves.
+    pub(crate) fn packets(&self) -> Packets<'_> {
+        let data = &*self.0;
+        let corners = Corners::of(data.vertices.slice(), &data.faces, &data.frame);
+        Packets { leaves: &data.leaves, made: &data.made.0, corners }
+    }
+
+    /// What one leaf holds.
     #[inline(always)]
-    fn packed<V: Vertex>(&self, frame: &PackedFrame, vertices: &[V], faces: &[[u32; 3]]) -> [[[f64; LANES]; 3]; 3] {
-        let mut packed = [[[0.0_f64; LANES]; 3]; 3];
-        for lane in 0..LANES {
-            let face = &faces[self.faces[lane] as usize];
-            for corner in 0..3 {
-                let vertex = vertices[face[corner] as usize].widened();
-                for axis in 0..3 {
-                    packed[corner][axis][lane] = vertex[axis];
-                }
-            }
+    pub(crate) fn leaf(&self, leaf: u32) -> &Leaf {
+        &self.0.leaves[leaf as usize]
+    }
+}
+
+impl<'a> Packets<'a> {
+    #[inline(always)]
+    pub(crate) fn leaf(&self, leaf: u32) -> &'a Leaf {
+        &self.leaves[leaf as usize]
+    }
+
+    /// The place of a leaf's anchor in the packed frame.
+    #[inline(always)]
+    pub(crate) fn anchor(&self, leaf: &Leaf) -> [f64; 3] {
+        match &self.corners {
+            Corners::Single(stored) => stored.frame().pack(stored.place(leaf.anchor)),
+            Corners::SingleWidened(stored) => stored.frame().pack(stored.place(leaf.anchor)),
+            Corners::Double(stored) => stored.frame().pack(stored.place(leaf.anchor)),
         }
+    }
+
+    /// Asks for a leaf and its packet, where that is made.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, leaf: u32) {
+        prefetch(&self.leaves[leaf as usize]);
+        let leaf = leaf as usize;
+        if let Some(made) = self.made[leaf / TOGETHER].get() {
+            prefetch(&made[leaf % TOGETHER]);
+        }
+    }
+
+    /// The packet of a leaf.
+    #[inline(always)]
+    pub(crate) fn get<S: Simd>(&self, simd: S, leaf: u32) -> Packet<'a> {
+        let at = leaf as usize;
+        let made = match self.made[at / TOGETHER].get() {
+            Some(made) => made,
+            None => self.make(simd, at / TOGETHER),
+        };
+        let leaf = self.leaf(leaf);
+        Packet { leaf, anchor: self.anchor(leaf), corners: &made[at % TOGETHER] }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn make<S: Simd>(&self, simd: S, slot: usize) -> &'a [CornerLanes] {
+        let end = self.leaves.len().min((slot + 1) * TOGETHER);
+        let leaves = &self.leaves[slot * TOGETHER..end];
+        self.made[slot].get_or_init(|| {
+            outlined(
+                simd,
+                #[inline(always)]
+                || match &self.corners {
+                    Corners::Single(stored) => gathered(simd, leaves, stored),
+                    Corners::SingleWidened(stored) => gathered(simd, leaves, stored),
+                    Corners::Double(stored) => gathered(simd, leaves, stored),
+                },
+            )
+        })
+    }
+}
+
+#[inline(always)]
+fn gathered<S: Simd>(simd: S, leaves: &[Leaf], stored: &impl StoredCorners) -> Box<[CornerLanes]> {
+    let held = leaves.iter().flat_map(Leaf::held);
+    held.clone().for_each(|&face| stored.prefetch_face(face));
+    held.for_each(|&face| stored.prefetch_corners(face));
+    let mut made = Vec::with_capacity(leaves.len());
+    for leaf in leaves {
+        let corners = stored.about(simd, &stored.gather(simd, &leaf.faces), stored.place(leaf.anchor));
+        made.push(stored_lanes(&corners));
+    }
+    made.into()
+}
+
+#[inline(always)]
+fn stored_lanes<S: Simd>(corners: &[Lanes3<S>; 3]) -> CornerLanes {
+    let mut lanes = [[[0.0; LANES]; 3]; 3];
+    for corner in 0..3 {
+        store3(&corners[corner], &mut lanes[corner]);
+    }
+    lanes
+}
+
+/// The corners of leaves that were fitted, kept while the nodes above them are.
+#[derive(Clone, Copy)]
+pub(super) struct Fitted {
+    corners: CornerLanes,
+    anchor: [f64; 3],
+    facing: [f32; 3],
+    radius: f32,
+}
+
+impl Fitted {
+    /// Not yet.
+    pub(super) const NONE: Self =
+        Self { corners: [[[0.0; LANES]; 3]; 3], anchor: [0.0; 3], facing: [0.0; 3], radius: 0.0 };
+
+    #[inline(always)]
+    pub(super) fn keep<S: Simd>(&mut self, leaf: &Leaf, corners: &[Lanes3<S>; 3], anchor: [f64; 3]) {
         for corner in 0..3 {
-            for axis in 0..3 {
-                let origin = frame.origin[axis];
-                for lane in 0..LANES {
-                    packed[corner][axis][lane] = (packed[corner][axis][lane] - origin) * frame.scale;
-                }
-            }
+            store3(&corners[corner], &mut self.corners[corner]);
         }
-        packed
-    }
-
-    /// Fits all to these corners, which are within `bounds`.
-    ///
-    /// No operation is fused, so that the bits are the same on every vector unit.
-    #[inline(always)]
-    fn fit_within<S: Simd>(&mut self, simd: S, bounds: &Aabb, packed: &[[[f64; LANES]; 3]; 3]) {
-        self.anchor = by_axis!(axis => 0.5 * (bounds.min[axis] + bounds.max[axis]));
-        for corner in 0..3 {
-            for axis in 0..3 {
-                let anchor = f64::from(self.anchor[axis]);
-                for lane in 0..LANES {
-                    self.corners[corner][axis][lane] = (packed[corner][axis][lane] - anchor) as f32;
-                }
-            }
-        }
-        let corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &self.corners[corner]));
-        let mut largest = f32x8::splat(simd, 0.0);
-        for axis in 0..3 {
-            for corner in &corners {
-                largest = largest.max(corner[axis].abs());
-            }
-        }
-        self.radius = largest.reduce_max();
-        self.normal = direction(&corners);
-        self.heights = heights(simd, &corners, self.normal(), self.radius);
-    }
-
-    /// The least and the greatest height of all that the packet stands for along a direction no component of which is
-    /// larger than one, in the packed frame, outward.
-    #[inline(always)]
-    pub(crate) fn heights_along<S: Simd>(&self, simd: S, normal: [f32; 3]) -> [f64; 2] {
-        let corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &self.corners[corner]));
-        let [low, high] = heights(simd, &corners, normal, self.radius);
-        let [x, y, z] = by_axis!(axis => f64::from(normal[axis]) * f64::from(self.anchor[axis]));
-        let anchor = x + y + z;
-        // Three components' worth of what a corner may be off by, and of what the sums here may.
-        let error = 3.0 * (2.0 * HALF_ULP * f64::from(self.radius) + 2.0 * PACKING_ERROR);
-        [anchor + f64::from(low) - error, anchor + f64::from(high) + error]
+        (self.anchor, self.facing, self.radius) = (anchor, leaf.normal(), leaf.radius);
     }
 }
 
-/// The direction in which the triangles face, weighted by their areas; zero if in none.
+/// The slab about some leaves, across the mean of the directions in which they face.
+///
+/// # Accuracy
+/// With u = 2^-24 and r the greatest radius, a corner's height about its anchor is off by 3 (u r + [`PACKING_ERROR`]) for the
+/// corner, and 20 u r for its five roundings; an anchor's, of at most 3, by 3 u for its rounding to single precision, and by as
+/// much again where the two are added up.
 #[inline(always)]
-fn direction<S: Simd>(corners: &[Lanes3<S>; 3]) -> [i16; 3] {
-    let (e, f) = (sub(&corners[1], &corners[0]), sub(&corners[2], &corners[0]));
-    let areas = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
-    let sum = by_axis!(axis => sum(areas[axis]));
-    let [x, y, z] = by_axis!(axis => sum[axis].abs());
-    let largest = x.max(y).max(z);
-    let scale = 1.0 / (largest * NORMAL_STEP);
-    if scale.is_finite() && largest.is_finite() { by_axis!(axis => (sum[axis] * scale) as i16) } else { [0; 3] }
-}
-
-/// The sum of the lanes, in an order that is the same on every vector unit.
-#[inline(always)]
-fn sum<S: Simd>(lanes: f32x8<S>) -> f32 {
-    let [a, b, c, d, e, f, g, h] = <[f32; LANES]>::from(lanes);
-    ((a + e) + (b + f)) + ((c + g) + (d + h))
-}
-
-/// The least and the greatest height of corners of at most this radius along a direction, outward: five roundings of
-/// sums of three products of at most the radius.
-#[inline(always)]
-fn heights<S: Simd>(simd: S, corners: &[Lanes3<S>; 3], normal: [f32; 3], radius: f32) -> [f32; 2] {
-    let normal: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, normal[axis]));
-    let [p, q, r]: [f32x8<S>; 3] = by_axis!(corner => {
-        let at = &corners[corner];
-        normal[0] * at[0] + normal[1] * at[1] + normal[2] * at[2]
-    });
-    let error = 20.0 * HALF_ULP as f32 * radius + f32::MIN_POSITIVE;
-    [p.min(q).min(r).reduce_min() - error, p.max(q).max(r).reduce_max() + error]
-}
-
-/// The slab about some packets, across the mean of the directions in which they face.
-#[inline(always)]
-pub(super) fn slab<S: Simd>(simd: S, packets: &[Packet]) -> Slab {
+pub(super) fn slab<S: Simd>(simd: S, leaves: &[Fitted]) -> Slab {
     let mut sum = [0.0_f32; 3];
-    for packet in packets {
-        let facing = packet.normal();
+    let mut radius = 0.0_f32;
+    for leaf in leaves {
         for axis in 0..3 {
-            sum[axis] += facing[axis];
+            sum[axis] += leaf.facing[axis];
         }
+        radius = radius.max(leaf.radius);
     }
     let largest = sum.iter().fold(0.0_f32, |largest, x| largest.max(x.abs()));
     if largest == 0.0 {
         return Slab::ALL;
     }
     let normal = sum.map(|x| x / largest);
-    let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
-    for packet in packets {
-        let [low, high] = packet.heights_along(simd, normal);
-        min = min.min(low);
-        max = max.max(high);
+    let [x, y, z] = normal.map(f64::from);
+    let (mut min, mut max) = (f32x8::splat(simd, f32::INFINITY), f32x8::splat(simd, f32::NEG_INFINITY));
+    for leaf in leaves {
+        let corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &leaf.corners[corner]));
+        let [low, high] = heights_by_lane(simd, &corners, normal);
+        let anchor = f32x8::splat(simd, (x * leaf.anchor[0] + y * leaf.anchor[1] + z * leaf.anchor[2]) as f32);
+        min = min.min(low + anchor);
+        max = max.max(high + anchor);
     }
-    Slab { normal, min: (min as f32).next_down(), max: (max as f32).next_up() }
+    let error = HALF_ULP * (28.0 * f64::from(radius) + 8.0) + 4.0 * PACKING_ERROR;
+    let outward = |height: f32, error: f64| (f64::from(height) + error) as f32;
+    Slab {
+        normal,
+        min: outward(min.reduce_min(), -error).next_down(),
+        max: outward(max.reduce_max(), error).next_up(),
+    }
 }
 
 #[cfg(test)]
@@ -236,60 +228,125 @@ mod tests {
     use impinge_testkit::generate::Rng;
 
     use super::*;
-    use crate::mesh::frame::Extremes;
+    use crate::hierarchy::Builder;
+    use crate::mesh::Positions;
+    use crate::mesh::frame::{Extremes, PackedFrame};
+    use crate::mesh::positions::VertexSlice;
     use crate::simd::{Level, levels};
+    use crate::volume::Aabb;
+
+    /// Where positions are, in both precisions, and of a scale at which single precision is not enough.
+    fn kinds(vertices: &[[f64; 3]]) -> [Positions; 3] {
+        let single = |scale: f64| Positions::F32(vertices.iter().map(|v| v.map(|x| (scale * x) as f32)).collect());
+        [Positions::F64(vertices.to_vec()), single(1.0), single(2.0_f64.powi(-110))]
+    }
+
+    fn frame_over(vertices: VertexSlice<'_>) -> PackedFrame {
+        PackedFrame::over(&match vertices {
+            VertexSlice::F32(vertices) => Extremes::of(vertices),
+            VertexSlice::F64(vertices) => Extremes::of(vertices),
+        })
+    }
 
     #[test]
-    fn a_packet_holds_its_triangles_and_bounds_them() {
+    fn a_packet_holds_its_triangles_and_its_leaf_bounds_them() {
         let mut rng = Rng::new(151);
         for round in 0..500 {
             let count = rng.integer(1, 8) as usize;
             let (centre, size) = ([0; 3].map(|_| rng.uniform(-9.0, 9.0)), 2.0_f64.powi(-(round % 20)));
-            let vertices: Vec<[f64; 3]> =
+            let mut vertices: Vec<[f64; 3]> =
                 (0..24).map(|_| std::array::from_fn(|axis| centre[axis] + rng.uniform(-size, size))).collect();
-            let frame = PackedFrame::over(&Extremes::of(&[&vertices[..], &[[-10.0; 3], [10.0; 3]]].concat()));
-            let faces: Vec<[u32; 3]> = (0..8).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-            let held: Vec<u32> = (0..count as u32).rev().collect();
-            let packed = |face: u32, corner: usize| frame.pack(vertices[faces[face as usize][corner] as usize]);
-            let bounds = held.iter().fold(Aabb::EMPTY, |bounds, &face| {
-                bounds.union(Aabb::of_points([0, 1, 2].map(|corner| packed(face, corner).map(|x| x as f32))))
-            });
-            let packets = levels().into_iter().map(|(name, level)| {
-                let mut packet = Packet::holding(&held);
-                let fitted = dispatch!(level, simd => packet.fit(simd, &frame, &vertices, &faces));
-                assert_eq!((packet.held(), fitted), (&held[..], bounds.next_outward()), "{name}");
-                (name, packet)
-            });
-            let packets: Vec<(&str, Packet)> = packets.collect();
-            let (_, packet) = packets[0];
-            for (name, other) in &packets {
-                assert_eq!(bytemuck::bytes_of(other), bytemuck::bytes_of(&packet), "{name}: other bits");
-            }
-            assert_eq!(packet.lanes_in_use(), (1 << count) - 1);
-            let normal = packet.normal();
-            assert!(normal.iter().any(|x| x.abs() > 0.99) && normal.iter().all(|x| x.abs() <= 1.0), "{normal:?}");
-            let [low, high] = dispatch!(Level::fallback(), simd => packet.heights_along(simd, normal));
-            for lane in 0..LANES {
-                let face = if lane < count { held[lane] } else { held[0] };
-                assert_eq!(packet.faces[lane], face);
-                for corner in 0..3 {
-                    let exact = packed(face, corner);
-                    let mut height = 0.0;
-                    let mut relative_height = 0.0;
-                    for axis in 0..3 {
-                        let relative = packet.corners[corner][axis][lane];
-                        assert!(relative.abs() <= packet.radius);
-                        let off = (f64::from(packet.anchor[axis]) + f64::from(relative) - exact[axis]).abs();
-                        assert!(off <= HALF_ULP * f64::from(packet.radius) + PACKING_ERROR, "off by {off}");
-                        height += f64::from(normal[axis]) * exact[axis];
-                        relative_height += f64::from(normal[axis]) * f64::from(relative);
+            vertices.extend([[-10.0; 3], [10.0; 3]]);
+            for positions in kinds(&vertices) {
+                let faces: Vec<[u32; 3]> = (0..8).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+                let held: Vec<u32> = (0..count as u32).rev().collect();
+                let frame = frame_over(positions.slice());
+                let packed = |face: u32, corner: usize| {
+                    frame.pack(positions.slice().get(faces[face as usize][corner] as usize))
+                };
+                let bounds = held.iter().fold(Aabb::EMPTY, |bounds, &face| {
+                    bounds.union(Aabb::of_points([0, 1, 2].map(|corner| packed(face, corner).map(|x| x as f32))))
+                });
+                let corners = Corners::of(positions.slice(), &faces, &frame);
+                let fitted = levels().into_iter().map(|(name, level)| {
+                    let mut leaf = Leaf::holding(&held);
+                    let (fitted, lanes) = dispatch!(level, simd => match &corners {
+                        Corners::Single(stored) => fit(simd, &mut leaf, stored),
+                        Corners::SingleWidened(stored) => fit(simd, &mut leaf, stored),
+                        Corners::Double(stored) => fit(simd, &mut leaf, stored),
+                    });
+                    assert_eq!((leaf.held(), fitted), (&held[..], bounds.next_outward()), "{name}");
+                    (name, leaf, lanes)
+                });
+                let fitted: Vec<(&str, Leaf, CornerLanes)> = fitted.collect();
+                let (_, leaf, lanes) = fitted[0];
+                for (name, other, other_lanes) in &fitted {
+                    assert_eq!(bytemuck::bytes_of(other), bytemuck::bytes_of(&leaf), "{name}: other bits");
+                    assert_eq!(bytemuck::bytes_of(other_lanes), bytemuck::bytes_of(&lanes), "{name}: other bits");
+                }
+                assert_eq!(leaf.lanes_in_use(), (1 << count) - 1);
+                let normal = leaf.normal();
+                assert!(normal.iter().any(|x| x.abs() > 0.99) && normal.iter().all(|x| x.abs() <= 1.0), "{normal:?}");
+                let made = [OnceLock::new()];
+                let packets = Packets { leaves: std::slice::from_ref(&leaf), made: &made, corners };
+                let packet = dispatch!(Level::fallback(), simd => packets.get(simd, 0));
+                assert_eq!(packet.corners, &lanes, "made as fitted");
+                let ([x, y, z], [low, high]) = leaf.slab();
+                for lane in 0..LANES {
+                    let face = if lane < count { held[lane] } else { held[0] };
+                    assert_eq!(leaf.faces[lane], face);
+                    for corner in 0..3 {
+                        let exact = packed(face, corner);
+                        let mut about = [0.0; 3];
+                        for axis in 0..3 {
+                            let relative = lanes[corner][axis][lane];
+                            assert!(relative.abs() <= leaf.radius);
+                            about[axis] = exact[axis] - packet.anchor[axis];
+                            let off = (f64::from(relative) - about[axis]).abs();
+                            assert!(off <= HALF_ULP * f64::from(leaf.radius) + PACKING_ERROR, "off by {off}");
+                        }
+                        let height = x * about[0] + y * about[1] + z * about[2];
+                        assert!(low <= height && height <= high, "{height} is not in {low}..{high}");
                     }
-                    assert!(low <= height && height <= high, "{height} is not in {low}..{high}");
-                    let [low, high] = packet.heights.map(f64::from);
-                    assert!(low <= relative_height && relative_height <= high);
+                }
+                assert!(high - low < 8.0 * f64::from(leaf.radius), "a slab as thick as {}", high - low);
+            }
+        }
+    }
+
+    fn fit<S: Simd>(simd: S, leaf: &mut Leaf, stored: &impl StoredCorners) -> (Aabb, CornerLanes) {
+        let (bounds, corners, _) = leaf.fit(simd, stored);
+        (bounds, stored_lanes(&corners))
+    }
+
+    /// Slabs about many leaves hold all corners, whichever way the leaves face.
+    #[test]
+    fn slabs_hold_what_their_leaves_hold() {
+        let mut rng = Rng::new(152);
+        let mut thin = 0;
+        for round in 0..200 {
+            let bumps = if round % 2 == 0 { 1e-3 } else { 1.0 };
+            let vertices: Vec<[f64; 3]> =
+                (0..300).map(|_| [rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0), bumps * rng.uniform(-1.0, 1.0)]).collect();
+            let faces: Vec<[u32; 3]> = (0..100).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+            // All face up, so that their mean does.
+            let up = |&[a, b, c]: &[u32; 3]| {
+                let [p, q, r] = [a, b, c].map(|v| vertices[v as usize]);
+                (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]) > 0.0
+            };
+            let faces: Vec<[u32; 3]> = faces.iter().map(|face| if up(face) { *face } else { [face[0], face[2], face[1]] }).collect();
+            for positions in kinds(&vertices) {
+                let mesh = Mesh::with_builder(positions, faces.clone(), Builder::Morton).expect("legal");
+                let slab = mesh.0.tree.nodes()[0].slab;
+                thin += usize::from(slab.max - slab.min < 0.01);
+                for face in 0..100 {
+                    for corner in mesh.corners(face).map(|corner| mesh.0.frame.pack(corner)) {
+                        let height: f64 = (0..3).map(|axis| f64::from(slab.normal[axis]) * corner[axis]).sum();
+                        assert!((f64::from(slab.min)..=f64::from(slab.max)).contains(&height), "{height}: {slab:?}");
+                    }
                 }
             }
-            assert!(high - low < 8.0 * f64::from(packet.radius), "a slab as thick as {}", high - low);
         }
+        assert!(thin > 200, "{thin} of 600 are thin");
     }
 }

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use rayon::prelude::*;
 
 use super::frame::PackedFrame;
-use super::packet::Packet;
+use super::leaf::Leaf;
 use super::positions::{VertexSlice, Vertices};
 use super::refit::Moved;
 use super::{Data, Mesh, judge};
@@ -29,8 +29,8 @@ pub struct Parts<T> {
     pub faces: T,
     /// The nodes of the hierarchy.
     pub nodes: T,
-    /// The packets of its leaves.
-    pub packets: T,
+    /// Its leaves.
+    pub leaves: T,
 }
 
 /// Why arrays are not a mesh.
@@ -46,11 +46,11 @@ pub enum Flaw {
     Input(InputError),
     /// The frame is not that of the vertices.
     Frame,
-    /// The nodes are no tree over the packets, or too deep.
+    /// The nodes are no tree over the leaves, or too deep.
     Tree,
-    /// A packet holds a face that there is not, or that another one holds.
+    /// A leaf holds a face that there is not, or that another one holds.
     Faces,
-    /// A box, slab or packet is not what it is for these vertices.
+    /// A box, slab or leaf is not what it is for these vertices.
     Bounds {
         /// The node from which on it was found.
         node: usize,
@@ -60,7 +60,7 @@ pub enum Flaw {
 impl Mesh {
     /// The version of the form that [`parts`](Self::parts) have, which is one on all machines whose numbers are
     /// little-endian: it changes whenever a build makes other bits of the same arrays.
-    pub const PARTS_VERSION: u32 = 1;
+    pub const PARTS_VERSION: u32 = 2;
 
     /// No array needs a larger alignment, in bytes.
     pub const PARTS_ALIGNMENT: usize = align_of::<Node>();
@@ -74,7 +74,7 @@ impl Mesh {
             positions: data.vertices.slice().into_bytes(),
             faces: bytemuck::cast_slice(&data.faces[..]),
             nodes: bytemuck::cast_slice(data.tree.nodes()),
-            packets: bytemuck::cast_slice(&data.packets[..]),
+            leaves: bytemuck::cast_slice(&data.leaves[..]),
         }
     }
 
@@ -104,12 +104,12 @@ impl Mesh {
         let &[frame] = &frame[..] else { return Err(Flaw::Shape { part: "frame" }) };
         let faces = Arc::new(part(bytes, &parts.faces, "faces")?);
         let tree = WideTree::from_nodes(part(bytes, &parts.nodes, "nodes")?);
-        let packets = part(bytes, &parts.packets, "packets")?;
-        Ok(Self(Arc::new(Data::new(vertices, faces, frame, tree, packets))))
+        let leaves = part(bytes, &parts.leaves, "leaves")?;
+        Ok(Self(Arc::new(Data::new(vertices, faces, frame, tree, leaves))))
     }
 
     /// Whether the mesh is one: its vertices and faces are such as [`new`](Self::new) takes, its nodes are a tree of bounded depth,
-    /// each face is in one leaf, and all boxes, slabs and packets are to the bit those that a [`refit`](Self::refit) to the same
+    /// each face is in one leaf, and all boxes, slabs and leaves are to the bit those that a [`refit`](Self::refit) to the same
     /// vertices would make. A mesh that was not [borrowed](Self::borrow) always is.
     ///
     /// # Errors
@@ -125,11 +125,11 @@ impl Mesh {
         if bytemuck::bytes_of(&frame) != bytemuck::bytes_of(&data.frame) {
             return Err(Flaw::Frame);
         }
-        if !data.tree.is_sound(data.packets.len()) {
+        if !data.tree.is_sound(data.leaves.len()) {
             return Err(Flaw::Tree);
         }
-        each_face_once(&data.packets, data.faces.len())?;
-        let patches = Patches::of(&data.tree, data.packets.len());
+        each_face_once(&data.leaves, data.faces.len())?;
+        let patches = Patches::of(&data.tree, data.leaves.len());
         let moved = Moved { vertices: data.vertices.slice(), faces: &data.faces, frame: &frame };
         let unfit = patches.patches.par_iter().find_first(|patch| !data.is_fitted(&moved, patch));
         match unfit {
@@ -143,11 +143,11 @@ impl Mesh {
 impl Data {
     /// Whether a refit would not change a bit of a patch.
     fn is_fitted(&self, moved: &Moved<'_>, patch: &Patch) -> bool {
-        let (nodes, packets) = (&self.tree.nodes()[patch.nodes.clone()], &self.packets[patch.leaves.clone()]);
-        let (mut refitted_nodes, mut refitted_packets) = (nodes.to_vec(), packets.to_vec());
-        moved.fit_patch(best_level(), patch, &mut refitted_nodes, &mut refitted_packets);
+        let (nodes, leaves) = (&self.tree.nodes()[patch.nodes.clone()], &self.leaves[patch.leaves.clone()]);
+        let (mut refitted_nodes, mut refitted_leaves) = (nodes.to_vec(), leaves.to_vec());
+        moved.fit_patch(best_level(), patch, &mut refitted_nodes, &mut refitted_leaves, &mut Vec::new());
         bytemuck::cast_slice::<_, u8>(&refitted_nodes) == bytemuck::cast_slice::<_, u8>(nodes)
-            && bytemuck::cast_slice::<_, u8>(&refitted_packets) == bytemuck::cast_slice::<_, u8>(packets)
+            && bytemuck::cast_slice::<_, u8>(&refitted_leaves) == bytemuck::cast_slice::<_, u8>(leaves)
     }
 }
 
@@ -156,17 +156,17 @@ fn part<T: bytemuck::Pod>(bytes: &SharedBytes, range: &Range<usize>, part: &'sta
 }
 
 /// Each of this many faces is in one packet, which has no other.
-fn each_face_once(packets: &[Packet], faces: usize) -> Result<(), Flaw> {
+fn each_face_once(leaves: &[Leaf], faces: usize) -> Result<(), Flaw> {
     let seen: Vec<AtomicU32> = (0..faces.div_ceil(32)).map(|_| AtomicU32::new(0)).collect();
     let is_new = |&face: &u32| {
         let bit = 1 << (face % 32);
         // What is seen twice is seen twice in any order.
         (face as usize) < faces && seen[face as usize / 32].fetch_or(bit, Ordering::Relaxed) & bit == 0
     };
-    let is_good = |packet: &Packet| packet.is_layout_sound() && packet.held().iter().all(is_new);
+    let is_good = |leaf: &Leaf| leaf.is_layout_sound() && leaf.held().iter().all(is_new);
     // As many as there are and none twice is each of them.
-    let held: usize = packets.par_iter().with_min_len(super::CHUNK).map(|packet| packet.held().len()).sum();
-    let is_each = held == faces && packets.par_iter().with_min_len(super::CHUNK).all(is_good);
+    let held: usize = leaves.par_iter().with_min_len(super::CHUNK).map(|leaf| leaf.held().len()).sum();
+    let is_each = held == faces && leaves.par_iter().with_min_len(super::CHUNK).all(is_good);
     if is_each { Ok(()) } else { Err(Flaw::Faces) }
 }
 
@@ -176,10 +176,10 @@ impl fmt::Display for Flaw {
             Self::Shape { part } => write!(f, "the array of {part} does not fit"),
             Self::Input(error) => error.fmt(f),
             Self::Frame => write!(f, "the packed frame is not that of the vertices"),
-            Self::Tree => write!(f, "the nodes are not a tree over the packets"),
-            Self::Faces => write!(f, "the packets do not hold each face once"),
+            Self::Tree => write!(f, "the nodes are not a tree over the leaves"),
+            Self::Faces => write!(f, "the leaves do not hold each face once"),
             Self::Bounds { node } => {
-                write!(f, "boxes, slabs or packets below node {node} are not those of the vertices")
+                write!(f, "boxes, slabs or leaves below node {node} are not those of the vertices")
             }
         }
     }

@@ -46,13 +46,13 @@ impl Line {
     /// the difference of two products, is off by 10 X times that and 16 u X² for its own rounding, fused or not:
     /// 106 u X² + 10 X `error`, taken as 128 and 16.
     #[inline(always)]
-    pub(super) fn may_meet<S: Simd>(&self, simd: S, packet: &Packet) -> u32 {
+    pub(super) fn may_meet<S: Simd>(&self, simd: S, packet: &Packet<'_>) -> u32 {
         let [i, j, k] = self.axes;
-        let from: [f64; 3] = by_axis!(axis => self.origin[axis] - f64::from(packet.anchor[axis]));
+        let from: [f64; 3] = by_axis!(axis => self.origin[axis] - packet.anchor[axis]);
         let passes = [from[i] - self.slopes[0] * from[k], from[j] - self.slopes[1] * from[k]];
         let far = from[0].abs().max(from[1].abs()).max(from[2].abs());
         let error = 2.0 * (PACKING_ERROR + self.error) + 8.0 * UNIT_ROUNDOFF * far;
-        let size = f64::from(packet.radius) + passes[0].abs().max(passes[1].abs());
+        let size = f64::from(packet.leaf.radius) + passes[0].abs().max(passes[1].abs());
         let bound = 128.0 * HALF_ULP * size * size + 16.0 * size * error + UNDERFLOW;
         let bound = splat(simd, bound);
 
@@ -70,7 +70,7 @@ impl Line {
         // Comparisons with NaN prove nothing.
         let left = sides[0].max(sides[1]).max(sides[2]).simd_gt(bound);
         let right = sides[0].min(sides[1]).min(sides[2]).simd_lt(-bound);
-        !((left & right).to_bitmask() as u32) & packet.lanes_in_use()
+        !((left & right).to_bitmask() as u32) & packet.leaf.lanes_in_use()
     }
 }
 
@@ -121,11 +121,13 @@ mod tests {
                 let error = 16.0 * UNIT_ROUNDOFF * from.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
                 let line = Line::new(from, direction, error);
                 for (name, level) in levels() {
-                    for packet in &mesh.0.packets[..] {
-                        let lanes = dispatch!(level, simd => line.may_meet(simd, packet));
+                    for (at, leaf) in mesh.0.leaves.iter().enumerate() {
+                        let packets = mesh.packets();
+                        let lanes =
+                            dispatch!(level, simd => line.may_meet(simd, &packets.get(simd, at as u32)));
                         // Beside the one that keeps the frame large, small ones are too small to tell.
-                        let is_small = !packet.held().contains(&8);
-                        for (lane, &face) in packet.held().iter().enumerate() {
+                        let is_small = !leaf.held().contains(&8);
+                        for (lane, &face) in leaf.held().iter().enumerate() {
                             let corners = mesh.corners(face);
                             let both_ways = [direction, direction.map(|x| -x)];
                             let meets = both_ways.iter().any(|d| ray_triangle(&origin, d, &corners).is_some());
@@ -135,7 +137,7 @@ mod tests {
                             kept += usize::from(is_small && is_kept && !meets);
                             left_out += usize::from(is_small && !is_kept);
                         }
-                        assert_eq!(lanes & !packet.lanes_in_use(), 0);
+                        assert_eq!(lanes & !leaf.lanes_in_use(), 0);
                     }
                 }
             }

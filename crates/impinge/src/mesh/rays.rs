@@ -284,7 +284,7 @@ impl MovingPoint {
 /// Shows the faces that the ray may meet, leaf by leaf, the nearest first.
 #[inline(always)]
 fn descend<S: Simd>(simd: S, mesh: &Mesh, ray: &MovingPoint, visitor: &mut impl Visitor) -> ControlFlow<()> {
-    let (nodes, packets) = (mesh.0.tree.nodes(), &mesh.0.packets[..]);
+    let (nodes, packets) = (mesh.0.tree.nodes(), mesh.packets());
     let mut last = f32::INFINITY;
     let mut tasks = Vec::with_capacity(ROOM);
     tasks.push((f32::NEG_INFINITY, Child::Inner(0)));
@@ -294,10 +294,10 @@ fn descend<S: Simd>(simd: S, mesh: &Mesh, ray: &MovingPoint, visitor: &mut impl 
         }
         match child {
             Child::Leaf(leaf) => {
-                let packet = &packets[leaf as usize];
-                let may_meet = ray.line.may_meet(simd, packet);
+                let packet = packets.get(simd, leaf);
+                let may_meet = ray.line.may_meet(simd, &packet);
                 if may_meet != 0 {
-                    last = ray.parameter(visitor.meet(bits(may_meet).map(|lane| packet.faces[lane]))?);
+                    last = ray.parameter(visitor.meet(bits(may_meet).map(|lane| packet.leaf.faces[lane]))?);
                 }
             }
             Child::Inner(node) => {
@@ -308,7 +308,7 @@ fn descend<S: Simd>(simd: S, mesh: &Mesh, ray: &MovingPoint, visitor: &mut impl 
                     let child = node.child(lane);
                     match child {
                         Child::Inner(node) => prefetch(&nodes[node as usize]),
-                        Child::Leaf(leaf) => prefetch(&packets[leaf as usize]),
+                        Child::Leaf(leaf) => packets.prefetch(leaf),
                     }
                     tasks.push((entered[lane], child));
                     let mut at = tasks.len() - 1;

@@ -1,7 +1,7 @@
 //! Refitting: the same faces where their vertices are now, without building anew.
 //!
 //! Of a hierarchy only the *layout* is chosen: which node is whose child, and which face is in which lane. All its numbers, the
-//! boxes, packets and slabs, follow from the layout and the vertices, by the same operations in a build and here, so that
+//! boxes, slabs and anchors, follow from the layout and the vertices, by the same operations in a build and here, so that
 //! a refit to the vertices that a mesh was built from changes not one bit (docs/proof.md, L26).
 
 use std::ops::Range;
@@ -11,12 +11,14 @@ use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 
 use super::frame::PackedFrame;
-use super::packet::{self, Packet};
-use super::positions::{Positions, Vertex, VertexSlice, Vertices};
+use super::leaf::Leaf;
+use super::packet::{self, Fitted};
+use super::positions::{Positions, VertexSlice, Vertices};
+use super::stored_corners::{Corners, StoredCorners};
 use super::{Aging, Data, Mesh, judge};
 use crate::hierarchy::{Leaves, Node, Patch, Patches, Slab, WideTree, Work};
 use crate::input::InputError;
-use crate::simd::{Level, best_level, prefetch};
+use crate::simd::{Level, best_level};
 use crate::storage::Pages;
 use crate::volume::Aabb;
 
@@ -80,25 +82,24 @@ impl Data {
 
     fn refitted(&self, positions: Positions, frame: PackedFrame) -> Self {
         let tree = WideTree::from_nodes(self.tree.nodes().to_vec().into());
-        let packets = Pages::zeroed(self.packets.len());
+        let leaves = Pages::zeroed(self.leaves.len());
         let nowhere = Vertices::Given(Positions::F32(Vec::new()));
-        let mut data = Self::new(nowhere, self.faces.clone(), self.frame, tree, packets);
+        let mut data = Self::new(nowhere, self.faces.clone(), self.frame, tree, leaves);
         data.costs_as_built = self.costs_as_built.clone();
         data.fit(positions, frame, |work| {
-            for (packet, old) in work.leaves.iter_mut().zip(&self.packets[work.patch.leaves.clone()]) {
-                packet.lay(old.held());
-            }
+            work.leaves.copy_from_slice(&self.leaves[work.patch.leaves.clone()]);
         });
         data
     }
 
-    fn fit(&mut self, positions: Positions, frame: PackedFrame, lay: impl Fn(&mut Work<'_, Packet>) + Sync) {
+    fn fit(&mut self, positions: Positions, frame: PackedFrame, lay: impl Fn(&mut Work<'_, Leaf>) + Sync) {
         self.vertices = Vertices::Given(positions);
         self.topology.take();
         self.far_field.take();
+        self.made.clear();
         self.frame = frame;
         let moved = Moved { vertices: self.vertices.slice(), faces: &self.faces, frame: &self.frame };
-        moved.fit(&mut self.tree, self.packets.to_mut(), lay);
+        moved.fit(&mut self.tree, self.leaves.to_mut(), lay);
     }
 }
 
@@ -111,59 +112,72 @@ pub(super) struct Moved<'a> {
 }
 
 impl Moved<'_> {
-    /// Gives the nodes of a sound tree and the packets of its leaves all their numbers, once `lay` has laid out the packets
-    /// of a patch.
-    pub(super) fn fit(&self, tree: &mut WideTree, packets: &mut [Packet], lay: impl Fn(&mut Work<'_, Packet>) + Sync) {
-        let patches = Patches::of(tree, packets.len());
+    /// Gives the nodes of a sound tree and its leaves all their numbers, once `lay` has laid out the leaves of a patch.
+    pub(super) fn fit(&self, tree: &mut WideTree, leaves: &mut [Leaf], lay: impl Fn(&mut Work<'_, Leaf>) + Sync) {
+        let patches = Patches::of(tree, leaves.len());
         let nodes = tree.nodes_mut();
-        let work = patches.split(nodes, packets);
-        work.into_par_iter().for_each(|mut work| {
+        let work = patches.split(nodes, leaves);
+        work.into_par_iter().for_each_init(Vec::new, |fitted, mut work| {
             lay(&mut work);
-            self.fit_patch(best_level(), &work.patch, work.nodes, work.leaves);
+            self.fit_patch(best_level(), &work.patch, work.nodes, work.leaves, fitted);
         });
         patches.refit_above(nodes);
     }
 
-    /// Likewise of one patch of it.
-    pub(super) fn fit_patch(&self, level: Level, patch: &Patch, nodes: &mut [Node], packets: &mut [Packet]) {
-        match self.vertices {
-            VertexSlice::F32(vertices) => {
-                dispatch!(level, simd => patch.refit(nodes, &mut Packets { simd, vertices, moved: self, packets }))
+    /// Likewise of one patch of it. `fitted` is room that is used again.
+    pub(super) fn fit_patch(
+        &self,
+        level: Level,
+        patch: &Patch,
+        nodes: &mut [Node],
+        leaves: &mut [Leaf],
+        fitted: &mut Vec<Fitted>,
+    ) {
+        fitted.resize(leaves.len().max(fitted.len()), Fitted::NONE);
+        match Corners::of(self.vertices, self.faces, self.frame) {
+            Corners::Single(stored) => {
+                dispatch!(level, simd => patch.refit(nodes, &mut Fitting { simd, stored, leaves, fitted }))
             }
-            VertexSlice::F64(vertices) => {
-                dispatch!(level, simd => patch.refit(nodes, &mut Packets { simd, vertices, moved: self, packets }))
+            Corners::SingleWidened(stored) => {
+                dispatch!(level, simd => patch.refit(nodes, &mut Fitting { simd, stored, leaves, fitted }))
+            }
+            Corners::Double(stored) => {
+                dispatch!(level, simd => patch.refit(nodes, &mut Fitting { simd, stored, leaves, fitted }))
             }
         }
     }
 }
 
-/// The packets of a patch.
-struct Packets<'a, S, V> {
+/// Leaves ahead whose vertices are asked for, and half of those whose faces are.
+const AHEAD: usize = 3;
+
+/// The leaves of a patch, and of those that are fitted what nodes want to know.
+struct Fitting<'a, S, C> {
     simd: S,
-    vertices: &'a [V],
-    moved: &'a Moved<'a>,
-    packets: &'a mut [Packet],
+    stored: C,
+    leaves: &'a mut [Leaf],
+    fitted: &'a mut [Fitted],
 }
 
-impl<S: Simd, V: Vertex> Leaves for Packets<'_, S, V> {
+impl<S: Simd, C: StoredCorners> Leaves for Fitting<'_, S, C> {
     #[inline(always)]
-    fn refit(&mut self, leaf: usize) -> Aabb {
-        let Moved { faces, frame, .. } = self.moved;
-        let ahead = |by: usize| leaf.checked_sub(by).map_or(&[][..], |leaf| self.packets[leaf].held());
-        // The faces of a leaf lie anywhere, and their vertices too: they are asked for three leaves and one leaf ahead.
-        for &face in ahead(3) {
-            prefetch(&faces[face as usize]);
+    fn refit(&mut self, at: usize) -> Aabb {
+        let ahead = |by: usize| at.checked_sub(by).map_or(&[][..], |at| self.leaves[at].held());
+        // The faces of a leaf lie anywhere, and their vertices too.
+        for &face in ahead(2 * AHEAD) {
+            self.stored.prefetch_face(face);
         }
-        for &face in ahead(1) {
-            for vertex in faces[face as usize] {
-                prefetch(&self.vertices[vertex as usize]);
-            }
+        for &face in ahead(AHEAD) {
+            self.stored.prefetch_corners(face);
         }
-        self.packets[leaf].fit(self.simd, frame, self.vertices, faces)
+        let leaf = &mut self.leaves[at];
+        let (bounds, corners, anchor) = leaf.fit(self.simd, &self.stored);
+        self.fitted[at].keep(leaf, &corners, anchor);
+        bounds
     }
 
     #[inline(always)]
     fn slab(&self, leaves: Range<usize>) -> Slab {
-        packet::slab(self.simd, &self.packets[leaves])
+        packet::slab(self.simd, &self.fitted[leaves])
     }
 }

@@ -122,8 +122,7 @@ impl Relation {
 
     /// The image of a packed point, to nearest.
     #[inline(always)]
-    pub(crate) fn apply(&self, point: [f32; 3]) -> [f64; 3] {
-        let [x, y, z] = by_axis!(axis => f64::from(point[axis]));
+    pub(crate) fn apply(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         by_axis!(axis => {
             let row = &self.linear[axis];
             row[0] * x + row[1] * y + row[2] * z + self.translation[axis]

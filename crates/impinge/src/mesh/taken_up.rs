@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 
 use super::filter::Guest;
-use super::packet::Packet;
+use super::packet::Packets;
 use super::relation::Relation;
 use crate::volume::Aabb;
 
@@ -38,7 +38,7 @@ impl Guests {
         &mut self,
         simd: S,
         leaf: u32,
-        packets: &[Packet],
+        packets: &Packets<'_>,
         relation: &Relation,
         back: &Relation,
     ) -> Aabb {
@@ -55,7 +55,7 @@ impl Guests {
                 }
                 let place = &mut self.places[self.last];
                 place.leaf = leaf;
-                place.guest.take_up(simd, &packets[leaf as usize], relation, back);
+                place.guest.take_up(simd, &packets.get(simd, leaf), relation, back);
             }
         }
         self.places[self.last].guest.bounds
@@ -94,19 +94,19 @@ mod tests {
     fn a_leaf_that_is_awaited_stays_what_it_is() {
         let knot = torus_knot(20, 10, TREFOIL);
         let mesh = Mesh::new(Positions::F64(knot.vertices), knot.faces).expect("a legal mesh");
-        let (packets, frame) = (&mesh.0.packets[..], &mesh.0.frame);
+        let (packets, frame, count) = (&mesh.packets(), &mesh.0.frame, mesh.0.leaves.len());
         let poses = [Pose::IDENTITY, Pose::from_axis_angle([1.0, 2.0, 3.0], 0.7, [0.3, 0.2, 0.1]).expect("a pose")];
         let relate = |a: &Pose, b: &Pose| Relation::new(&RelativeMap::a_from_b(a, b), frame, frame);
         let (relation, back) = (relate(&poses[0], &poses[1]), relate(&poses[1], &poses[0]));
         let (_, level) = levels()[0];
-        let bounds: Vec<Aabb> = (0..packets.len() as u32)
+        let bounds: Vec<Aabb> = (0..count as u32)
             .map(|leaf| dispatch!(level, simd => Guests::new(1).take_up(simd, leaf, packets, &relation, &back)))
             .collect();
         let mut rng = Rng::new(77);
         let (mut guests, mut waiting) = (Guests::new(4), VecDeque::new());
         let mut displaced = 0;
         for _ in 0..20_000 {
-            let leaf = rng.integer(0, packets.len() as i64 - 1) as u32;
+            let leaf = rng.integer(0, count as i64 - 1) as u32;
             let taken = dispatch!(level, simd => guests.take_up(simd, leaf, packets, &relation, &back));
             assert_eq!(taken, bounds[leaf as usize]);
             displaced += u32::from(guests.last != leaf as usize % 4);

@@ -32,12 +32,12 @@ impl Room {
         Space(self.lines.to_mut())
     }
 
-    /// Elements to be written, in the same memory where they take more of it than was used in passing, and zeros where
+    /// Elements to be written, in the same memory where they take most of what was used in passing, and zeros where
     /// they do not.
     pub(crate) fn into_buffer<T: Pod>(self, len: usize) -> Buffer<T> {
         let bytes = len.saturating_mul(size_of::<T>());
         match self.lines {
-            Buffer::Paged(pages) if self.passing <= bytes => pages.cast(len),
+            Buffer::Paged(pages) if self.passing <= bytes + bytes / 4 => pages.cast(len),
             _ => Pages::zeroed(len),
         }
     }

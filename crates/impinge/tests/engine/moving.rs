@@ -16,7 +16,7 @@ use crate::ways::{engine_mesh, engine_pose, on_threads, pairs_in_every_way};
 /// The arrays of the hierarchy, to the bit.
 fn bits(mesh: &Mesh) -> [Vec<u8>; 3] {
     let parts = mesh.parts();
-    [parts.frame.to_vec(), parts.nodes.to_vec(), parts.packets.to_vec()]
+    [parts.frame.to_vec(), parts.nodes.to_vec(), parts.leaves.to_vec()]
 }
 
 fn singles(vertices: &[[f64; 3]]) -> Positions {
@@ -71,6 +71,29 @@ fn a_refit_to_where_it_was_changes_no_bit() {
                 assert!(bits(&back) == bits(&built), "{name}, {}", builder.name());
             }
         }
+    }
+}
+
+/// Packets are made for a question and forgotten by a refit: were they kept, the second answer would be of where the mesh was.
+#[test]
+fn a_refit_forgets_what_questions_kept() {
+    let knot = torus_knot(150, 40, TREFOIL);
+    let moved: Vec<[f64; 3]> = knot.vertices.iter().map(|v| v.map(|x| 1.5 * x)).collect();
+    let places = [&knot.vertices, &moved];
+    for [before, after] in [places.map(|at| singles(at)), places.map(|at| Positions::F64(at.clone()))] {
+        let still = Mesh::new(before.clone(), knot.faces.clone()).expect("a legal mesh");
+        let mut mesh = Mesh::new(before, knot.faces.clone()).expect("a legal mesh");
+        let new = mesh.memory();
+        let pairs = query::intersecting_pairs(&mesh, &still);
+        assert!(mesh.memory() > new + 1_000, "{} bytes are kept", mesh.memory() - new);
+        let asked = mesh.clone();
+        mesh.refit(after.clone()).expect("as many vertices");
+        assert_eq!(mesh.memory(), new);
+        let expected = Mesh::new(after, knot.faces.clone()).expect("a legal mesh");
+        let moved_pairs = query::intersecting_pairs(&mesh, &still);
+        assert_eq!(moved_pairs, query::intersecting_pairs(&expected, &still));
+        assert_ne!(moved_pairs, pairs);
+        assert_eq!(query::intersecting_pairs(&asked, &still), pairs, "a clone stays where it was");
     }
 }
 

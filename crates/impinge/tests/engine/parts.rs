@@ -35,7 +35,7 @@ impl Stored {
             positions: place(parts.positions),
             faces: place(parts.faces),
             nodes: place(parts.nodes),
-            packets: place(parts.packets),
+            leaves: place(parts.leaves),
         };
         Self { bytes, parts, is_single_precision: mesh.is_single_precision() }
     }
@@ -76,11 +76,13 @@ fn meshes_built(builder: Builder) -> [Mesh; 3] {
 fn borrowed_meshes_answer_and_move_like_their_originals() {
     let meshes = meshes();
     for mesh in &meshes {
+        assert_eq!(Stored::of(mesh).borrow().map(|borrowed| borrowed.memory()), Ok(mesh.memory()));
+    }
+    for mesh in &meshes {
         assert_eq!(mesh.validate(), Ok(()));
         let mut borrowed = Stored::of(mesh).borrow().expect("arrays that fit");
         assert_eq!(borrowed.validate(), Ok(()));
         assert!(borrowed.parts() == mesh.parts() && borrowed.positions() == mesh.positions());
-        assert_eq!(borrowed.memory(), mesh.memory());
         for other in &meshes {
             assert_eq!(query::intersecting_pairs(&borrowed, other), query::intersecting_pairs(mesh, other));
             assert_eq!(query::distance(&borrowed, other), query::distance(mesh, other));
@@ -109,8 +111,8 @@ fn n34_every_bit_of_the_hierarchy_is_proved() {
             spoiled.bytes[at] ^= 1 << bit;
             spoiled.flaw()
         };
-        let Parts { frame, nodes, packets, faces, positions } = &stored.parts;
-        for (part, range, times) in [("frame", frame, 100), ("nodes", nodes, 400), ("packets", packets, 400)] {
+        let Parts { frame, nodes, leaves, faces, positions } = &stored.parts;
+        for (part, range, times) in [("frame", frame, 100), ("nodes", nodes, 400), ("leaves", leaves, 400)] {
             for _ in 0..times {
                 let at = rng.integer(range.start as i64, range.end as i64 - 1) as usize;
                 let bit = rng.integer(0, 7) as u32;
@@ -118,7 +120,7 @@ fn n34_every_bit_of_the_hierarchy_is_proved() {
             }
         }
         // Another vertex or another face makes another mesh, whose hierarchy this is not; but a vertex may move by less than
-        // boxes and packets show, and a face may get a vertex that is at the same place.
+        // boxes and slabs show, and a face may get a vertex that is at the same place.
         for (part, range) in [("faces", faces), ("positions", positions)] {
             let mut seen = 0;
             for _ in 0..100 {
@@ -142,8 +144,8 @@ fn n34_arrays_that_do_not_fit_are_refused() {
     let changes: [Change; 8] = [
         ("nodes", |s| s.parts.nodes.end += 1),
         ("nodes", |s| s.parts.nodes = 32..288),
-        ("packets", |s| s.parts.packets.end = usize::MAX),
-        ("packets", |s| (s.parts.packets.start, s.parts.packets.end) = (64, 0)),
+        ("leaves", |s| s.parts.leaves.end = usize::MAX),
+        ("leaves", |s| (s.parts.leaves.start, s.parts.leaves.end) = (64, 0)),
         ("faces", |s| s.parts.faces.start = 1),
         ("positions", |s| s.parts.positions.end -= 8),
         ("frame", |s| s.parts.frame.end += 32),
@@ -153,7 +155,7 @@ fn n34_arrays_that_do_not_fit_are_refused() {
         assert_eq!(flaw(&change), Some(Flaw::Shape { part }), "{part}");
     }
     // Whole elements fewer, and another mesh's.
-    assert_eq!(flaw(&|s| s.parts.packets.end -= 352), Some(Flaw::Tree));
+    assert_eq!(flaw(&|s| s.parts.leaves.end -= 64), Some(Flaw::Tree));
     assert_eq!(flaw(&|s| s.parts.nodes.end -= 256), Some(Flaw::Tree));
     assert_eq!(flaw(&|s| s.parts.nodes.end = s.parts.nodes.start), Some(Flaw::Tree));
     assert_eq!(flaw(&|s| s.parts.faces.end -= 12), Some(Flaw::Faces));
@@ -166,7 +168,7 @@ fn digest(mesh: &Mesh) -> String {
     use sha2::{Digest, Sha256};
     let parts = mesh.parts();
     let mut sha = Sha256::new();
-    for part in [parts.frame, parts.positions, parts.faces, parts.nodes, parts.packets] {
+    for part in [parts.frame, parts.positions, parts.faces, parts.nodes, parts.leaves] {
         sha.update(part);
     }
     sha.finalize().iter().take(8).map(|byte| format!("{byte:02x}")).collect()

@@ -8,6 +8,7 @@ use super::bounds::{by_centres, squared_gaps};
 use crate::hierarchy::{HALF_ULP, bits};
 use crate::mesh::Mesh;
 use crate::mesh::metric::MetricMap;
+use crate::mesh::packet::Packet;
 use crate::simd::{ALL_LANES, LANES, Lanes3, by_axis, cross, dot, load3, sub};
 use crate::volume::Aabb;
 
@@ -36,10 +37,9 @@ pub(super) struct Leaf {
 impl Leaf {
     /// Carries the packet of a leaf into the metric frame.
     #[inline(always)]
-    pub(super) fn new<S: Simd>(simd: S, mesh: &Mesh, leaf: u32, map: &MetricMap) -> Self {
-        let packet = &mesh.0.packets[leaf as usize];
+    pub(super) fn new<S: Simd>(simd: S, leaf: u32, packet: &Packet<'_>, mesh: &Mesh, map: &MetricMap) -> Self {
         let unit = 1.0 / mesh.0.frame.scale;
-        let [x, y, z] = packet.anchor.map(f64::from);
+        let [x, y, z] = packet.anchor;
         let linear = map.linear.map(|row| row.map(|entry| entry * unit));
         let anchor = by_axis!(axis => {
             let row = &linear[axis];
@@ -57,7 +57,7 @@ impl Leaf {
             }
         }
         let size = linear.iter().map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
-        let error = CARRIED * size * f64::from(packet.radius);
+        let error = CARRIED * size * f64::from(packet.leaf.radius);
         Self { leaf, anchor, radius: largest.reduce_max(), error, about }
     }
 }

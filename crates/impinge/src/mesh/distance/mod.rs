@@ -25,7 +25,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch, f32x8};
 
 use super::metric::Metric;
-use super::packet::Packet;
+use super::packet::Packets;
 use super::{HostChoice, Options, Placed, first_hit};
 use crate::exact::Placement;
 use crate::hierarchy::{BoxLanes, Child, Node, bits, lanes_in_use};
@@ -34,7 +34,7 @@ use crate::simd::{LANES, by_axis};
 use crate::volume::Aabb;
 use answer::{Answer, Scene};
 use at_hand::AtHand;
-use between::Between;
+use between::{Anchored, Between};
 use bounds::Bounds;
 use leaf::{Facing, Leaf};
 use profile::{Profiles, Reached};
@@ -106,6 +106,7 @@ struct Search<'a> {
     scene: Scene<'a>,
     answer: Answer,
     nodes: [&'a [Node]; 2],
+    packets: [Packets<'a>; 2],
     tasks: Vec<Task>,
     found: Sorted,
     leaves: [AtHand<Leaf, LEAVES_AT_HAND>; 2],
@@ -139,6 +140,7 @@ impl<'a> Search<'a> {
             scene,
             answer,
             nodes: [host.0.tree.nodes(), guest.0.tree.nodes()],
+            packets: [host.packets(), guest.packets()],
             tasks: Vec::new(),
             found: Sorted::new(),
             leaves: [AtHand::new(), AtHand::new()],
@@ -194,7 +196,7 @@ impl<'a> Search<'a> {
             }
             match (host_node.child(host_lane), guest_node.child(guest_lane)) {
                 (Child::Leaf(host), Child::Leaf(guest)) => {
-                    if !line.is_longer_for_leaves(self.packets([host, guest]), self.answer.cut) {
+                    if !line.is_longer_for_leaves(self.anchored([host, guest]), self.answer.cut) {
                         self.meet_leaves(simd, host, guest)?;
                     }
                 }
@@ -276,24 +278,27 @@ impl<'a> Search<'a> {
         boxes.lane(usize::from(slot.lane))
     }
 
-    /// What a leaf of either side holds.
+    /// A leaf of either side, and where it is.
     #[inline(always)]
-    fn packets(&self, leaves: [u32; 2]) -> [&'a Packet; 2] {
-        let sides = self.scene.sides();
-        let [of_host, of_guest] = [self.scene.meshes[sides[HOST]], self.scene.meshes[sides[GUEST]]];
-        [&of_host.0.packets[leaves[HOST] as usize], &of_guest.0.packets[leaves[GUEST] as usize]]
+    fn anchored(&self, leaves: [u32; 2]) -> [Anchored<'a>; 2] {
+        let anchored = |side: usize| {
+            let leaf = self.packets[side].leaf(leaves[side]);
+            Anchored { leaf, anchor: self.packets[side].anchor(leaf) }
+        };
+        [anchored(HOST), anchored(GUEST)]
     }
 
     #[inline(always)]
     fn meet_leaves<S: Simd>(&mut self, simd: S, host: u32, guest: u32) -> ControlFlow<()> {
-        let [host_packet, guest_packet] = self.packets([host, guest]);
+        let [host_packet, guest_packet] =
+            [self.packets[HOST].get(simd, host), self.packets[GUEST].get(simd, guest)];
         let Self { scene, answer, leaves: [at_host, at_guest], profiles, .. } = self;
         let [on_host, on_guest] = scene.sides();
-        let reached = profiles.of_leaves(simd, [host_packet, guest_packet]);
+        let reached = profiles.of_leaves(simd, [&host_packet, &guest_packet]);
         let mut near = Reached::near(&reached, simd, answer.cut);
         let mut near_guests = 0;
-        for lane in bits(guest_packet.lanes_in_use()) {
-            near[lane] &= host_packet.lanes_in_use();
+        for lane in bits(guest_packet.leaf.lanes_in_use()) {
+            near[lane] &= host_packet.leaf.lanes_in_use();
             near_guests |= u32::from(near[lane] != 0) << lane;
         }
         if near_guests == 0 {
@@ -303,17 +308,17 @@ impl<'a> Search<'a> {
             host,
             |kept| kept.leaf,
             #[inline(always)]
-            |leaf| Leaf::new(simd, scene.meshes[on_host], leaf, &scene.metric.maps[on_host]),
+            |leaf| Leaf::new(simd, leaf, &host_packet, scene.meshes[on_host], &scene.metric.maps[on_host]),
         );
         let guest = at_guest.get(
             guest,
             |kept| kept.leaf,
             #[inline(always)]
-            |leaf| Leaf::new(simd, scene.meshes[on_guest], leaf, &scene.metric.maps[on_guest]),
+            |leaf| Leaf::new(simd, leaf, &guest_packet, scene.meshes[on_guest], &scene.metric.maps[on_guest]),
         );
         let facing = Facing::new(simd, host, guest, scene.metric.error);
         let pair = |host_lane: usize, guest_lane: usize| {
-            let faces = [host_packet.faces[host_lane], guest_packet.faces[guest_lane]];
+            let faces = [host_packet.leaf.faces[host_lane], guest_packet.leaf.faces[guest_lane]];
             [faces[on_host], faces[on_guest]]
         };
         let limit = answer.limit;

@@ -209,7 +209,7 @@ impl<'m> Profiles<'m> {
 
     /// How the triangles of two leaves reach towards each other.
     #[inline(always)]
-    pub(super) fn of_leaves<S: Simd>(&self, simd: S, leaves: [&Packet; 2]) -> Option<Reached> {
+    pub(super) fn of_leaves<S: Simd>(&self, simd: S, leaves: [&Packet<'_>; 2]) -> Option<Reached> {
         let direction = self.newest?;
         let host = direction.towards[0].of_triangles(simd, leaves[0]);
         let guest = direction.towards[1].of_triangles(simd, leaves[1]);
@@ -253,7 +253,7 @@ mod tests {
     /// How far the faces below a child reach, by their metric corners.
     fn reach(mesh: &Mesh, metric: &Metric, side: usize, along: &Vector, level: f64, child: Child) -> f64 {
         match child {
-            Child::Leaf(leaf) => mesh.0.packets[leaf as usize].faces.iter().fold(f64::NEG_INFINITY, |most, &face| {
+            Child::Leaf(leaf) => mesh.leaf(leaf).faces.iter().fold(f64::NEG_INFINITY, |most, &face| {
                 let corners = mesh.corners(face).map(|corner| dot(along, &metric.maps[side].apply(corner)) - level);
                 corners.into_iter().fold(most, f64::max)
             }),

@@ -28,9 +28,10 @@ impl Towards {
         if !parent.holds_leaves() {
             return self.of_patches(simd, nodes, parent);
         }
+        let packets = mesh.packets();
         let mut lanes = [f32::NEG_INFINITY; LANES];
         for (lane, reach) in lanes[..parent.count()].iter_mut().enumerate() {
-            *reach = self.of_leaf(simd, &mesh.0.packets[parent.index(lane) as usize]);
+            *reach = self.of_leaf(simd, &packets.get(simd, parent.index(lane)));
         }
         lanes
     }
@@ -75,14 +76,14 @@ impl Towards {
 
     /// How far the triangles of a leaf reach.
     #[inline(always)]
-    fn of_leaf<S: Simd>(&self, simd: S, packet: &Packet) -> f32 {
+    fn of_leaf<S: Simd>(&self, simd: S, packet: &Packet<'_>) -> f32 {
         let (lanes, anchor) = self.about_anchor(simd, packet);
         upward(anchor + f64::from(lanes.reduce_max()))
     }
 
     /// How far each triangle of a leaf reaches.
     #[inline(always)]
-    pub(super) fn of_triangles<S: Simd>(&self, simd: S, packet: &Packet) -> [f32; LANES] {
+    pub(super) fn of_triangles<S: Simd>(&self, simd: S, packet: &Packet<'_>) -> [f32; LANES] {
         let (lanes, anchor) = self.about_anchor(simd, packet);
         let mut reaches = <[f32; LANES]>::from(lanes);
         for reach in &mut reaches {
@@ -94,14 +95,14 @@ impl Towards {
     /// How far each triangle reaches beyond the packet's anchor, and how far that does, outward: eight units of 2^-24 pay for
     /// the corner's rounding and the gradient's, and for three products and two sums.
     #[inline(always)]
-    fn about_anchor<S: Simd>(&self, simd: S, packet: &Packet) -> (f32x8<S>, f64) {
+    fn about_anchor<S: Simd>(&self, simd: S, packet: &Packet<'_>) -> (f32x8<S>, f64) {
         let gradient = by_axis!(axis => f32x8::splat(simd, self.gradient[axis] as f32));
         let heights: [f32x8<S>; 3] = by_axis!(corner => {
             let at = load3(simd, &packet.corners[corner]);
             gradient[0] * at[0] + gradient[1] * at[1] + gradient[2] * at[2]
         });
-        let slack = 8.0 * HALF_ULP * f64::from(packet.radius) * self.size + f64::from(f32::MIN_POSITIVE);
-        let anchor = dot(&self.gradient, &by_axis!(axis => f64::from(packet.anchor[axis]))) + self.base + slack;
+        let slack = 8.0 * HALF_ULP * f64::from(packet.leaf.radius) * self.size + f64::from(f32::MIN_POSITIVE);
+        let anchor = dot(&self.gradient, &packet.anchor) + self.base + slack;
         (heights[0].max(heights[1]).max(heights[2]), anchor)
     }
 }

@@ -12,7 +12,7 @@ use impinge_testkit::generate::poses::{large_integer_map, rotation};
 use super::*;
 use crate::math::{Pose, RelativeMap};
 use crate::mesh::{Mesh, Positions};
-use crate::simd::levels;
+use crate::simd::{best_level, levels};
 
 type Point = [f64; 3];
 
@@ -51,12 +51,12 @@ impl Side8 {
         Pose::new(self.pose.linear, self.pose.translation).expect("a legal pose")
     }
 
-    fn packet(&self) -> &Packet {
-        &self.mesh.0.packets[0]
+    fn packet(&self) -> Packet<'_> {
+        dispatch!(best_level(), simd => self.mesh.packets().get(simd, 0))
     }
 
     fn corners(&self, lane: usize) -> [Point; 3] {
-        self.mesh.corners(self.packet().faces[lane])
+        self.mesh.corners(self.packet().leaf.faces[lane])
     }
 }
 
@@ -131,9 +131,9 @@ fn corners_and_bounds_are_within_their_error() {
             let anchor = host.packet().anchor;
             let mut moved = [[[0.0_f32; LANES]; 3]; 3];
             dispatch!(level, simd => {
-                taken.take_up(simd, guest.packet(), &relation, &back);
+                taken.take_up(simd, &guest.packet(), &relation, &back);
                 let offset: Lanes3<_> = by_axis!(axis => {
-                    f32x8::splat(simd, (taken.anchor[axis] - f64::from(anchor[axis])) as f32)
+                    f32x8::splat(simd, (taken.anchor[axis] - anchor[axis]) as f32)
                 });
                 for corner in 0..3 {
                     for axis in 0..3 {
@@ -142,8 +142,8 @@ fn corners_and_bounds_are_within_their_error() {
                     }
                 }
             });
-            let radii = host.packet().radius + guest.packet().radius * relation.stretch as f32;
-            let near = (0..3).all(|axis| (taken.anchor[axis] - f64::from(anchor[axis])).abs() < f64::from(radii));
+            let radii = host.packet().leaf.radius + guest.packet().leaf.radius * relation.stretch as f32;
+            let near = (0..3).all(|axis| (taken.anchor[axis] - anchor[axis]).abs() < f64::from(radii));
             met += usize::from(near);
             for (lane, corners) in exact_guest.iter().enumerate() {
                 for (corner, point) in corners.iter().enumerate() {
@@ -155,13 +155,13 @@ fn corners_and_bounds_are_within_their_error() {
                         if !near {
                             continue;
                         }
-                        let off = truth - rational(anchor[axis]) - rational(moved[corner][axis][lane]);
+                        let off = truth - RBig::try_from(anchor[axis]).expect("finite") - rational(moved[corner][axis][lane]);
                         let off = f64::from(off.to_f32_fast()).abs();
                         // One rounding of the host's corners takes a quarter of its part.
-                        let bound = f64::from(taken.error) + 3.0 * HALF_ULP * f64::from(host.packet().radius);
+                        let bound = f64::from(taken.error) + 3.0 * HALF_ULP * f64::from(host.packet().leaf.radius);
                         assert!(off <= bound * (1.0 + 1e-6), "{name}: {off} > {bound}: {host:?} {guest:?}");
-                        let by_radius = HALF_ULP * relation.stretch * f64::from(guest.packet().radius);
-                        let rest = 3.0 * HALF_ULP * f64::from(host.packet().radius)
+                        let by_radius = HALF_ULP * relation.stretch * f64::from(guest.packet().leaf.radius);
+                        let rest = 3.0 * HALF_ULP * f64::from(host.packet().leaf.radius)
                             + f64::from(relation.corner_error.constant);
                         worst = worst.max((off - rest) / by_radius);
                     }

@@ -114,8 +114,8 @@ fn judge_packets(kind: Kind, seed: u64, packets: usize) -> Outcomes {
             let mut verdicts = [Verdict::default(); LANES];
             let met = dispatch!(level, simd => {
                 let mut taken = Guest::EMPTY;
-                taken.take_up(simd, guest.packet(), &relation, &back);
-                taken.meet(simd, host.packet(), 0xff, &mut verdicts)
+                taken.take_up(simd, &guest.packet(), &relation, &back);
+                taken.meet(simd, (&host.mesh.packets(), 0), 0xff, &mut verdicts)
             });
             for (lane, verdict) in verdicts.into_iter().enumerate() {
                 let verdict = if met >> lane & 1 == 1 { verdict } else { Verdict::default() };
