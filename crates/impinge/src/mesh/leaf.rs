@@ -90,7 +90,8 @@ impl Leaf {
         self.anchor = stored.anchor(extremes, &bounds);
         let place = stored.place(self.anchor);
         let corners = stored.about(simd, &gathered, place);
-        let largest: Lanes3<S> = by_axis!(axis => corners[0][axis].abs().max(corners[1][axis].abs()).max(corners[2][axis].abs()));
+        let largest: Lanes3<S> =
+            by_axis!(axis => corners[0][axis].abs().max(corners[1][axis].abs()).max(corners[2][axis].abs()));
         self.radius = largest[0].max(largest[1]).max(largest[2]).reduce_max();
         self.normal = direction(&corners);
         self.heights = heights(simd, &corners, self.normal(), self.radius);

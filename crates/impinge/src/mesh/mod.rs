@@ -10,6 +10,7 @@ mod face_boxes;
 mod face_search;
 mod far_field;
 mod filter;
+mod fitted;
 mod frame;
 mod health;
 mod inspection;

@@ -6,15 +6,12 @@
 
 use std::sync::OnceLock;
 
-use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::Simd;
 
 use super::Mesh;
-use super::frame::PACKING_ERROR;
-use super::leaf::{Leaf, heights_by_lane};
+use super::leaf::Leaf;
 use super::stored_corners::{Corners, StoredCorners};
-use crate::hierarchy::{HALF_ULP, Slab};
-use crate::simd::{LANES, Lanes3, by_axis, load3, outlined, prefetch, store3};
+use crate::simd::{LANES, Lanes3, outlined, prefetch, store3};
 
 /// `[corner][axis][lane]`, relative to the anchor of a leaf.
 pub(crate) type CornerLanes = [[[f32; LANES]; 3]; 3];
@@ -22,7 +19,7 @@ pub(crate) type CornerLanes = [[[f32; LANES]; 3]; 3];
 /// The triangles of a leaf; unused lanes repeat the first one.
 ///
 /// A corner is `anchor + corners[..]` in the packed frame, up to `HALF_ULP · leaf.radius` for its rounding to single
-/// precision and [`PACKING_ERROR`] for the arithmetic before that (docs/proof.md, L4).
+/// precision and [`PACKING_ERROR`](super::frame::PACKING_ERROR) for the arithmetic before that (docs/proof.md, L4).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Packet<'a> {
     pub(crate) leaf: &'a Leaf,
@@ -160,83 +157,21 @@ fn stored_lanes<S: Simd>(corners: &[Lanes3<S>; 3]) -> CornerLanes {
     lanes
 }
 
-/// The corners of leaves that were fitted, kept while the nodes above them are.
-#[derive(Clone, Copy)]
-pub(super) struct Fitted {
-    corners: CornerLanes,
-    anchor: [f64; 3],
-    facing: [f32; 3],
-    radius: f32,
-}
-
-impl Fitted {
-    /// Not yet.
-    pub(super) const NONE: Self =
-        Self { corners: [[[0.0; LANES]; 3]; 3], anchor: [0.0; 3], facing: [0.0; 3], radius: 0.0 };
-
-    #[inline(always)]
-    pub(super) fn keep<S: Simd>(&mut self, leaf: &Leaf, corners: &[Lanes3<S>; 3], anchor: [f64; 3]) {
-        for corner in 0..3 {
-            store3(&corners[corner], &mut self.corners[corner]);
-        }
-        (self.anchor, self.facing, self.radius) = (anchor, leaf.normal(), leaf.radius);
-    }
-}
-
-/// The slab about some leaves, across the mean of the directions in which they face.
-///
-/// # Accuracy
-/// With u = 2^-24 and r the greatest radius, a corner's height about its anchor is off by 3 (u r + [`PACKING_ERROR`]) for the
-/// corner, and 20 u r for its five roundings; an anchor's, of at most 3, by 3 u for its rounding to single precision, and by as
-/// much again where the two are added up.
-#[inline(always)]
-pub(super) fn slab<S: Simd>(simd: S, leaves: &[Fitted]) -> Slab {
-    let mut sum = [0.0_f32; 3];
-    let mut radius = 0.0_f32;
-    for leaf in leaves {
-        for axis in 0..3 {
-            sum[axis] += leaf.facing[axis];
-        }
-        radius = radius.max(leaf.radius);
-    }
-    let largest = sum.iter().fold(0.0_f32, |largest, x| largest.max(x.abs()));
-    if largest == 0.0 {
-        return Slab::ALL;
-    }
-    let normal = sum.map(|x| x / largest);
-    let [x, y, z] = normal.map(f64::from);
-    let (mut min, mut max) = (f32x8::splat(simd, f32::INFINITY), f32x8::splat(simd, f32::NEG_INFINITY));
-    for leaf in leaves {
-        let corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &leaf.corners[corner]));
-        let [low, high] = heights_by_lane(simd, &corners, normal);
-        let anchor = f32x8::splat(simd, (x * leaf.anchor[0] + y * leaf.anchor[1] + z * leaf.anchor[2]) as f32);
-        min = min.min(low + anchor);
-        max = max.max(high + anchor);
-    }
-    let error = HALF_ULP * (28.0 * f64::from(radius) + 8.0) + 4.0 * PACKING_ERROR;
-    let outward = |height: f32, error: f64| (f64::from(height) + error) as f32;
-    Slab {
-        normal,
-        min: outward(min.reduce_min(), -error).next_down(),
-        max: outward(max.reduce_max(), error).next_up(),
-    }
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use fearless_simd::dispatch;
     use impinge_testkit::generate::Rng;
 
     use super::*;
-    use crate::hierarchy::Builder;
+    use crate::hierarchy::HALF_ULP;
     use crate::mesh::Positions;
-    use crate::mesh::frame::{Extremes, PackedFrame};
+    use crate::mesh::frame::{Extremes, PACKING_ERROR, PackedFrame};
     use crate::mesh::positions::VertexSlice;
     use crate::simd::{Level, levels};
     use crate::volume::Aabb;
 
     /// Where positions are, in both precisions, and of a scale at which single precision is not enough.
-    fn kinds(vertices: &[[f64; 3]]) -> [Positions; 3] {
+    pub(in crate::mesh) fn kinds(vertices: &[[f64; 3]]) -> [Positions; 3] {
         let single = |scale: f64| Positions::F32(vertices.iter().map(|v| v.map(|x| (scale * x) as f32)).collect());
         [Positions::F64(vertices.to_vec()), single(1.0), single(2.0_f64.powi(-110))]
     }
@@ -261,9 +196,8 @@ mod tests {
                 let faces: Vec<[u32; 3]> = (0..8).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
                 let held: Vec<u32> = (0..count as u32).rev().collect();
                 let frame = frame_over(positions.slice());
-                let packed = |face: u32, corner: usize| {
-                    frame.pack(positions.slice().get(faces[face as usize][corner] as usize))
-                };
+                let packed =
+                    |face: u32, corner: usize| frame.pack(positions.slice().get(faces[face as usize][corner] as usize));
                 let bounds = held.iter().fold(Aabb::EMPTY, |bounds, &face| {
                     bounds.union(Aabb::of_points([0, 1, 2].map(|corner| packed(face, corner).map(|x| x as f32))))
                 });
@@ -317,36 +251,5 @@ mod tests {
     fn fit<S: Simd>(simd: S, leaf: &mut Leaf, stored: &impl StoredCorners) -> (Aabb, CornerLanes) {
         let (bounds, corners, _) = leaf.fit(simd, stored);
         (bounds, stored_lanes(&corners))
-    }
-
-    /// Slabs about many leaves hold all corners, whichever way the leaves face.
-    #[test]
-    fn slabs_hold_what_their_leaves_hold() {
-        let mut rng = Rng::new(152);
-        let mut thin = 0;
-        for round in 0..200 {
-            let bumps = if round % 2 == 0 { 1e-3 } else { 1.0 };
-            let vertices: Vec<[f64; 3]> =
-                (0..300).map(|_| [rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0), bumps * rng.uniform(-1.0, 1.0)]).collect();
-            let faces: Vec<[u32; 3]> = (0..100).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-            // All face up, so that their mean does.
-            let up = |&[a, b, c]: &[u32; 3]| {
-                let [p, q, r] = [a, b, c].map(|v| vertices[v as usize]);
-                (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]) > 0.0
-            };
-            let faces: Vec<[u32; 3]> = faces.iter().map(|face| if up(face) { *face } else { [face[0], face[2], face[1]] }).collect();
-            for positions in kinds(&vertices) {
-                let mesh = Mesh::with_builder(positions, faces.clone(), Builder::Morton).expect("legal");
-                let slab = mesh.0.tree.nodes()[0].slab;
-                thin += usize::from(slab.max - slab.min < 0.01);
-                for face in 0..100 {
-                    for corner in mesh.corners(face).map(|corner| mesh.0.frame.pack(corner)) {
-                        let height: f64 = (0..3).map(|axis| f64::from(slab.normal[axis]) * corner[axis]).sum();
-                        assert!((f64::from(slab.min)..=f64::from(slab.max)).contains(&height), "{height}: {slab:?}");
-                    }
-                }
-            }
-        }
-        assert!(thin > 200, "{thin} of 600 are thin");
     }
 }

@@ -123,8 +123,7 @@ mod tests {
                 for (name, level) in levels() {
                     for (at, leaf) in mesh.0.leaves.iter().enumerate() {
                         let packets = mesh.packets();
-                        let lanes =
-                            dispatch!(level, simd => line.may_meet(simd, &packets.get(simd, at as u32)));
+                        let lanes = dispatch!(level, simd => line.may_meet(simd, &packets.get(simd, at as u32)));
                         // Beside the one that keeps the frame large, small ones are too small to tell.
                         let is_small = !leaf.held().contains(&8);
                         for (lane, &face) in leaf.held().iter().enumerate() {

@@ -10,9 +10,9 @@ use std::sync::Arc;
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 
+use super::fitted::{self, Fitted};
 use super::frame::PackedFrame;
 use super::leaf::Leaf;
-use super::packet::{self, Fitted};
 use super::positions::{Positions, VertexSlice, Vertices};
 use super::stored_corners::{Corners, StoredCorners};
 use super::{Aging, Data, Mesh, judge};
@@ -178,6 +178,6 @@ impl<S: Simd, C: StoredCorners> Leaves for Fitting<'_, S, C> {
 
     #[inline(always)]
     fn slab(&self, leaves: Range<usize>) -> Slab {
-        packet::slab(self.simd, &self.fitted[leaves])
+        fitted::slab(self.simd, &self.fitted[leaves])
     }
 }

@@ -152,7 +152,8 @@ impl StoredCorners for Singles<'_> {
 
     #[inline(always)]
     fn anchor(&self, [least, greatest]: [[f64; 3]; 2], _: &Aabb) -> [f32; 3] {
-        by_axis!(axis => (0.5 * (least[axis] + greatest[axis])) as f32)
+        // Which zero is the least of both differs between vector units.
+        by_axis!(axis => (0.5 * (least[axis] + greatest[axis])) as f32 + 0.0)
     }
 
     #[inline(always)]
@@ -269,8 +270,5 @@ pub(super) fn across<S: Simd>(lanes: &Lanes3<S>, both: impl Fn(f32x4<S>, f32x4<S
     });
     let (xz_low, xz_high) = (x.zip_low(z), x.zip_high(z));
     let (y_low, y_high) = (y.zip_low(y), y.zip_high(y));
-    both(
-        both(xz_low.zip_low(y_low), xz_low.zip_high(y_low)),
-        both(xz_high.zip_low(y_high), xz_high.zip_high(y_high)),
-    )
+    both(both(xz_low.zip_low(y_low), xz_low.zip_high(y_low)), both(xz_high.zip_low(y_high), xz_high.zip_high(y_high)))
 }

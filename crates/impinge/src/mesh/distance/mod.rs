@@ -290,8 +290,7 @@ impl<'a> Search<'a> {
 
     #[inline(always)]
     fn meet_leaves<S: Simd>(&mut self, simd: S, host: u32, guest: u32) -> ControlFlow<()> {
-        let [host_packet, guest_packet] =
-            [self.packets[HOST].get(simd, host), self.packets[GUEST].get(simd, guest)];
+        let [host_packet, guest_packet] = [self.packets[HOST].get(simd, host), self.packets[GUEST].get(simd, guest)];
         let Self { scene, answer, leaves: [at_host, at_guest], profiles, .. } = self;
         let [on_host, on_guest] = scene.sides();
         let reached = profiles.of_leaves(simd, [&host_packet, &guest_packet]);

@@ -155,7 +155,8 @@ fn corners_and_bounds_are_within_their_error() {
                         if !near {
                             continue;
                         }
-                        let off = truth - RBig::try_from(anchor[axis]).expect("finite") - rational(moved[corner][axis][lane]);
+                        let off =
+                            truth - RBig::try_from(anchor[axis]).expect("finite") - rational(moved[corner][axis][lane]);
                         let off = f64::from(off.to_f32_fast()).abs();
                         // One rounding of the host's corners takes a quarter of its part.
                         let bound = f64::from(taken.error) + 3.0 * HALF_ULP * f64::from(host.packet().leaf.radius);
