@@ -54,7 +54,7 @@ fn n34_a_spoiled_file_is_no_answer() {
     let folder = Folder::new();
     folder.run("bake cube.obj -o cube.impinge");
     let whole = fs::read(folder.path("cube.impinge")).unwrap();
-    for (at, kind) in [(0, "syntax"), (12, "unsupported-feature"), (70, "corrupt"), (720, "corrupt"), (1500, "corrupt")]
+    for (at, kind) in [(0, "syntax"), (12, "unsupported-feature"), (70, "corrupt"), (720, "corrupt"), (1100, "corrupt")]
     {
         let mut spoiled = whole.clone();
         spoiled[at] ^= 0x55;
