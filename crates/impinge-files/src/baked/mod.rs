@@ -143,7 +143,7 @@ impl Baked {
     /// Where a section is not a whole number of elements.
     ///
     /// # Complexity
-    /// O(1).
+    /// As [`Mesh::borrow`].
     pub fn trusted_mesh(&self) -> Result<Mesh, LoadError> {
         let range = |section| self.header.range(section);
         let parts: Parts<Range<usize>> = Parts {
