@@ -44,8 +44,13 @@ pub(super) trait StoredCorners: Copy + Sync {
 
     fn frame(&self) -> &PackedFrame;
 
+    fn faces(&self) -> &[[u32; 3]];
+
     /// Asks for a face.
-    fn prefetch_face(&self, face: u32);
+    #[inline(always)]
+    fn prefetch_face(&self, face: u32) {
+        prefetch(&self.faces()[face as usize]);
+    }
 
     /// Asks for the vertices of a face.
     fn prefetch_corners(&self, face: u32);
@@ -110,8 +115,8 @@ impl StoredCorners for Singles<'_> {
     }
 
     #[inline(always)]
-    fn prefetch_face(&self, face: u32) {
-        prefetch(&self.faces[face as usize]);
+    fn faces(&self) -> &[[u32; 3]] {
+        self.faces
     }
 
     #[inline(always)]
@@ -187,8 +192,8 @@ impl<V: Vertex> StoredCorners for Doubles<'_, V> {
     }
 
     #[inline(always)]
-    fn prefetch_face(&self, face: u32) {
-        prefetch(&self.faces[face as usize]);
+    fn faces(&self) -> &[[u32; 3]] {
+        self.faces
     }
 
     #[inline(always)]
