@@ -5,9 +5,9 @@ use fearless_simd::{Simd, f32x8};
 
 use super::frame::PACKING_ERROR;
 use super::leaf::{Leaf, heights_by_lane};
-use super::packet::CornerLanes;
+use super::packet::{CornerLanes, NO_CORNERS, lay_side_by_side};
 use crate::hierarchy::{HALF_ULP, Slab};
-use crate::simd::{LANES, Lanes3, by_axis, load3, store3};
+use crate::simd::{Lanes3, by_axis, load3};
 
 /// A leaf that was fitted.
 #[derive(Clone, Copy)]
@@ -20,14 +20,11 @@ pub(super) struct Fitted {
 
 impl Fitted {
     /// Not yet.
-    pub(super) const NONE: Self =
-        Self { corners: [[[0.0; LANES]; 3]; 3], anchor: [0.0; 3], facing: [0.0; 3], radius: 0.0 };
+    pub(super) const NONE: Self = Self { corners: NO_CORNERS, anchor: [0.0; 3], facing: [0.0; 3], radius: 0.0 };
 
     #[inline(always)]
     pub(super) fn keep<S: Simd>(&mut self, leaf: &Leaf, corners: &[Lanes3<S>; 3], anchor: [f64; 3]) {
-        for corner in 0..3 {
-            store3(&corners[corner], &mut self.corners[corner]);
-        }
+        lay_side_by_side(corners, &mut self.corners);
         (self.anchor, self.facing, self.radius) = (anchor, leaf.normal(), leaf.radius);
     }
 }

@@ -16,6 +16,9 @@ use crate::simd::{LANES, Lanes3, outlined, prefetch, store3};
 /// `[corner][axis][lane]`, relative to the anchor of a leaf.
 pub(crate) type CornerLanes = [[[f32; LANES]; 3]; 3];
 
+/// All of them at the anchor.
+pub(super) const NO_CORNERS: CornerLanes = [[[0.0; LANES]; 3]; 3];
+
 /// The triangles of a leaf; unused lanes repeat the first one.
 ///
 /// A corner is `anchor + corners[..]` in the packed frame, up to `HALF_ULP · leaf.radius` for its rounding to single
@@ -143,18 +146,18 @@ fn gathered<S: Simd>(simd: S, leaves: &[Leaf], stored: &impl StoredCorners) -> B
     let mut made = Vec::with_capacity(leaves.len());
     for leaf in leaves {
         let corners = stored.about(simd, &stored.gather(simd, &leaf.faces), stored.place(leaf.anchor));
-        made.push(stored_lanes(&corners));
+        let mut lanes = NO_CORNERS;
+        lay_side_by_side(&corners, &mut lanes);
+        made.push(lanes);
     }
     made.into()
 }
 
 #[inline(always)]
-fn stored_lanes<S: Simd>(corners: &[Lanes3<S>; 3]) -> CornerLanes {
-    let mut lanes = [[[0.0; LANES]; 3]; 3];
+pub(super) fn lay_side_by_side<S: Simd>(corners: &[Lanes3<S>; 3], lanes: &mut CornerLanes) {
     for corner in 0..3 {
         store3(&corners[corner], &mut lanes[corner]);
     }
-    lanes
 }
 
 #[cfg(test)]
@@ -186,6 +189,7 @@ pub(super) mod tests {
     #[test]
     fn a_packet_holds_its_triangles_and_its_leaf_bounds_them() {
         let mut rng = Rng::new(151);
+        let mut ways = [0; 3];
         for round in 0..500 {
             let count = rng.integer(1, 8) as usize;
             let (centre, size) = ([0; 3].map(|_| rng.uniform(-9.0, 9.0)), 2.0_f64.powi(-(round % 20)));
@@ -202,6 +206,11 @@ pub(super) mod tests {
                     bounds.union(Aabb::of_points([0, 1, 2].map(|corner| packed(face, corner).map(|x| x as f32))))
                 });
                 let corners = Corners::of(positions.slice(), &faces, &frame);
+                ways[match corners {
+                    Corners::Single(_) => 0,
+                    Corners::SingleWidened(_) => 1,
+                    Corners::Double(_) => 2,
+                }] += 1;
                 let fitted = levels().into_iter().map(|(name, level)| {
                     let mut leaf = Leaf::holding(&held);
                     let (fitted, lanes) = dispatch!(level, simd => match &corners {
@@ -246,10 +255,13 @@ pub(super) mod tests {
                 assert!(high - low < 8.0 * f64::from(leaf.radius), "a slab as thick as {}", high - low);
             }
         }
+        assert_eq!(ways, [500; 3], "each way of gathering");
     }
 
     fn fit<S: Simd>(simd: S, leaf: &mut Leaf, stored: &impl StoredCorners) -> (Aabb, CornerLanes) {
         let (bounds, corners, _) = leaf.fit(simd, stored);
-        (bounds, stored_lanes(&corners))
+        let mut lanes = NO_CORNERS;
+        lay_side_by_side(&corners, &mut lanes);
+        (bounds, lanes)
     }
 }

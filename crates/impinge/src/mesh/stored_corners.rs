@@ -64,6 +64,7 @@ pub(super) trait StoredCorners: Copy + Sync {
     /// An anchor amid corners with these extremes and these bounds in the packed frame.
     fn anchor(&self, extremes: [[f64; 3]; 2], bounds: &Aabb) -> [f32; 3];
 
+    /// Where the anchor is in the mesh's own frame, in the vertices' precision.
     fn place(&self, anchor: [f32; 3]) -> [f64; 3];
 
     /// The corners about a place, `[corner][axis]`, in the packed frame.
