@@ -6,9 +6,14 @@
 
 use std::ops::Range;
 
+use super::lanes::BoxLanes;
 use super::slab::Slab;
 use super::wide::{Node, PATCH, WideTree};
+use crate::simd::{by_axis, prefetch};
 use crate::volume::Aabb;
+
+/// Nodes ahead that are asked for.
+const AHEAD: usize = 4;
 
 /// A subtree small enough to have slabs, whose parent is not.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -54,18 +59,14 @@ impl Patches {
         found
     }
 
-    /// Each patch with its own nodes and leaves.
-    pub(crate) fn split<'a, L>(&self, mut nodes: &'a mut [Node], mut leaves: &'a mut [L]) -> Vec<Work<'a, L>> {
-        let mut nodes_before = 0;
-        let mut leaves_before = 0;
+    /// Each patch with its own nodes.
+    pub(crate) fn split<'a>(&self, mut nodes: &'a mut [Node]) -> Vec<Work<'a>> {
+        let mut before = 0;
         let mut work = Vec::with_capacity(self.patches.len());
         for patch in &self.patches {
-            let (own, rest) = nodes.split_at_mut(patch.nodes.end - nodes_before);
-            let own = &mut own[patch.nodes.start - nodes_before..];
-            let (held, others) = leaves.split_at_mut(patch.leaves.end - leaves_before);
-            (nodes, leaves) = (rest, others);
-            (nodes_before, leaves_before) = (patch.nodes.end, patch.leaves.end);
-            work.push(Work { patch: patch.clone(), nodes: own, leaves: held });
+            let (own, rest) = nodes.split_at_mut(patch.nodes.end - before);
+            work.push(Work { patch: patch.clone(), nodes: &mut own[patch.nodes.start - before..] });
+            (nodes, before) = (rest, patch.nodes.end);
         }
         work
     }
@@ -89,52 +90,70 @@ impl Patches {
         for lane in 0..node.count() {
             node.set_bounds(lane, &nodes[node.index(lane) as usize].bounds());
         }
-        node.set_extent();
+        node.set_extent(&node.bounds());
         node
     }
 }
 
 /// A patch to be worked on.
-pub(crate) struct Work<'a, L> {
+pub(crate) struct Work<'a> {
     pub(crate) patch: Patch,
     pub(crate) nodes: &'a mut [Node],
-    pub(crate) leaves: &'a mut [L],
 }
 
-/// What the leaves of a patch hold, and where that is now.
+/// What the leaves of a patch hold, and where that is now. Leaves are counted from the patch's first.
 pub(crate) trait Leaves {
-    /// Refits what a leaf holds, counted from the patch's first, and returns its box. The last leaf comes first.
-    fn refit(&mut self, leaf: usize) -> Aabb;
+    /// Looks at what the leaves of a node hold: returns their boxes, with anything in the lanes beyond them, and the direction in
+    /// which it all faces, of which those of several nodes can be added up. The last leaves come first.
+    fn fit(&mut self, leaves: Range<usize>) -> (BoxLanes, [f32; 3]);
 
-    /// The slab about what some leaves hold, all of which were refitted.
-    fn slab(&self, leaves: Range<usize>) -> Slab;
+    /// The slab about what some leaves hold, all of which were looked at, and of which this is the box.
+    fn slab(&self, leaves: Range<usize>, bounds: &Aabb, facing: [f32; 3]) -> Slab;
+}
+
+/// What is below a node of a patch.
+#[derive(Clone)]
+struct Below {
+    leaves: Range<usize>,
+    bounds: Aabb,
+    facing: [f32; 3],
+}
+
+impl Below {
+    const NOTHING: Self = Self { leaves: 0..0, bounds: Aabb::EMPTY, facing: [0.0; 3] };
 }
 
 impl Patch {
-    /// Refits the patch's own `nodes` and what its leaves hold, each node right after what is below it.
+    /// Refits the patch's own `nodes` to what its leaves hold, each node right after what is below it.
     #[inline(always)]
     pub(crate) fn refit(&self, nodes: &mut [Node], leaves: &mut impl Leaves) {
         // Children come after their parents, and their leaves stand side by side.
-        let mut held = vec![0..0; nodes.len()];
+        let mut below = vec![Below::NOTHING; nodes.len()];
         for at in (0..nodes.len()).rev() {
-            let mut node = nodes[at];
-            let (mut first, mut end) = (usize::MAX, 0);
-            for lane in (0..node.count()).rev() {
-                let below = node.index(lane) as usize;
-                let (bounds, below) = if node.holds_leaves() {
-                    let leaf = below - self.leaves.start;
-                    (leaves.refit(leaf), leaf..leaf + 1)
-                } else {
-                    let child = below - self.nodes.start;
-                    (nodes[child].bounds(), held[child].clone())
-                };
-                node.set_bounds(lane, &bounds);
-                (first, end) = (first.min(below.start), end.max(below.end));
+            if let Some(ahead) = at.checked_sub(AHEAD) {
+                prefetch(&nodes[ahead]);
             }
-            node.set_extent();
-            node.slab = leaves.slab(first..end);
-            nodes[at] = node;
-            held[at] = first..end;
+            let node = &mut nodes[at];
+            let count = node.count();
+            let mut held = Below::NOTHING;
+            if node.holds_leaves() {
+                let first = node.index(0) as usize - self.leaves.start;
+                let (boxes, facing) = leaves.fit(first..first + count);
+                node.set_boxes(&boxes);
+                (held.leaves, held.facing) = (first..first + count, facing);
+            } else {
+                for lane in 0..count {
+                    let Below { leaves, bounds, facing } = &below[node.index(lane) as usize - self.nodes.start];
+                    node.set_bounds(lane, bounds);
+                    let first = if lane == 0 { leaves.start } else { held.leaves.start };
+                    held.leaves = first..leaves.end;
+                    held.facing = by_axis!(axis => held.facing[axis] + facing[axis]);
+                }
+            }
+            held.bounds = node.bounds();
+            node.set_extent(&held.bounds);
+            node.slab = leaves.slab(held.leaves.clone(), &held.bounds, held.facing);
+            below[at] = held;
         }
     }
 }

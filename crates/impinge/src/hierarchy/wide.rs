@@ -6,6 +6,7 @@
 
 use super::binary::BinaryTree;
 use super::boxes::Bounds;
+use super::lanes::BoxLanes;
 use super::slab::Slab;
 use crate::simd::LANES;
 use crate::storage::{Buffer, Growing};
@@ -90,9 +91,22 @@ impl Node {
         }
     }
 
-    /// To be called once the bounds of all lanes are set.
-    pub(super) fn set_extent(&mut self) {
-        let Aabb { min, max } = self.bounds();
+    /// Likewise of all lanes; in those that are not in use there may be anything.
+    #[inline(always)]
+    pub(super) fn set_boxes(&mut self, boxes: &BoxLanes) {
+        let count = self.count();
+        for axis in 0..3 {
+            // Whole vectors, which are asked for again at once.
+            self.min[axis] =
+                std::array::from_fn(|lane| if lane < count { boxes.min[axis][lane] } else { f32::INFINITY });
+            self.max[axis] =
+                std::array::from_fn(|lane| if lane < count { boxes.max[axis][lane] } else { f32::NEG_INFINITY });
+        }
+    }
+
+    /// Of what is below, whose box this is.
+    #[inline(always)]
+    pub(super) fn set_extent(&mut self, Aabb { min, max }: &Aabb) {
         self.extent = (0..3).fold(0.0, |extent, axis| extent.max(max[axis] - min[axis]));
     }
 
@@ -191,7 +205,7 @@ impl<B: Bounds> Collapse<'_, B> {
             node.set_bounds(lane, &self.binary.nodes[child.root as usize].bounds.aabb());
             node.set_child(lane, wide);
         }
-        node.set_extent();
+        node.set_extent(&node.bounds());
         self.nodes[at] = node;
         at as u32
     }

@@ -72,7 +72,7 @@ impl Mesh {
     pub fn rebuild(&mut self, builder: Builder) {
         let data = &*self.0;
         let (tree, leaves) = built(data.vertices.slice(), &data.faces, &data.frame, builder);
-        self.with_vertices(|vertices, old| Data::new(vertices, old.faces.clone(), old.frame, tree, leaves));
+        self.with_vertices(|vertices, old| Data::new(vertices, old.faces.clone(), old.frame, tree, Arc::new(leaves)));
     }
 
     /// Builds anew the smallest subtrees whose cost exceeds [`WORTH_REBUILDING`](Aging::WORTH_REBUILDING) times what it was
@@ -103,12 +103,12 @@ impl Mesh {
                 Origin::Replaced { replacement, leaf } => layouts[replacement as usize][leaf as usize],
             }
         });
-        data.moved().fit(&mut renewal.tree, leaves.to_mut(), |_| ());
+        data.moved().fit(&mut renewal.tree, &leaves);
         let costs = renewal.costs_as_built(data.costs_as_built());
         let tree = renewal.tree;
         let faces = layouts.iter().flatten().map(|leaf| leaf.held().len()).sum();
         self.with_vertices(|vertices, old| {
-            let data = Data::new(vertices, old.faces.clone(), old.frame, tree, leaves);
+            let data = Data::new(vertices, old.faces.clone(), old.frame, tree, Arc::new(leaves));
             let _ = data.costs_as_built.set(costs.into());
             data
         });

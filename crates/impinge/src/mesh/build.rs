@@ -1,5 +1,7 @@
 //! Building: a builder lays the faces out, and what a refit does fits all to the vertices.
 
+use rayon::prelude::*;
+
 use super::face_boxes::FaceBoxes;
 use super::frame::PackedFrame;
 use super::leaf::Leaf;
@@ -43,10 +45,8 @@ pub(super) fn built(
 fn fitted<B: Bounds>(moved: &Moved<'_>, binary: &BinaryTree<B>, room: Room) -> (WideTree, Buffer<Leaf>) {
     let (mut tree, places) = WideTree::collapse(binary);
     let mut leaves = room.into_buffer(places.len());
-    moved.fit(&mut tree, leaves.to_mut(), |work| {
-        for (leaf, &place) in work.leaves.iter_mut().zip(&places[work.patch.leaves.clone()]) {
-            leaf.lay(binary.held(place));
-        }
-    });
+    let placed = leaves.to_mut().par_iter_mut().zip(&places).with_min_len(super::CHUNK);
+    placed.for_each(|(leaf, &place)| *leaf = Leaf::holding(binary.held(place)));
+    moved.fit(&mut tree, &leaves);
     (tree, leaves)
 }

@@ -99,11 +99,11 @@ impl Guest {
         store3(&max, &mut self.max);
         store3(&cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0])), &mut self.normal);
         width(&min, &max).store_slice(&mut self.width);
-        self.lanes_in_use = u64::MAX >> (u64::BITS - LANES as u32 * packet.leaf.lanes_in_use().count_ones()).min(63);
+        self.lanes_in_use = u64::MAX >> (u64::BITS - LANES as u32 * packet.lanes_in_use().count_ones()).min(63);
         self.anchor = relation.apply(packet.anchor);
         let CornerError { per_radius, constant, of_bounds } = relation.corner_error;
-        self.error = per_radius * packet.leaf.radius + constant;
-        self.across = back.turn_back(packet.leaf.normal());
+        self.error = per_radius * packet.radius + constant;
+        self.across = back.turn_back(packet.normal());
         let (low, high) = heights(simd, &corners, self.across);
         self.heights = [low.reduce_min(), high.reduce_max()];
         let slack = self.error * GROWN + of_bounds;
@@ -148,9 +148,8 @@ impl Guest {
         lanes: u32,
         verdicts: &mut [Verdict; LANES],
     ) -> u32 {
-        let host = hosts.leaf(leaf);
-        let anchor = hosts.anchor(host);
-        let offset: [f32; 3] = by_axis!(axis => (self.anchor[axis] - anchor[axis]) as f32);
+        let host = hosts.get(simd, leaf);
+        let offset: [f32; 3] = by_axis!(axis => (self.anchor[axis] - host.anchor[axis]) as f32);
         // Of the host's corners: their own rounding, and two of sums with an offset of up to the host's radius.
         let error = self.error + 4.0 * HALF_ULP as f32 * host.radius;
         let guest_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &self.corners[corner]));
@@ -158,8 +157,7 @@ impl Guest {
         if guest_lanes == 0 {
             return 0;
         }
-        let host_corners = hosts.get(simd, leaf).corners;
-        let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host_corners[corner]));
+        let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.corners[corner]));
         let back = by_axis!(axis => -offset[axis]);
         let host_lanes = host.lanes_in_use() & !outside(simd, &host_corners, back, self.across, self.heights, error);
         if host_lanes == 0 {

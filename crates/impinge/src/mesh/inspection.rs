@@ -9,11 +9,7 @@ impl Mesh {
     /// What can be read off the hierarchy that queries descend.
     #[must_use]
     pub fn tree_statistics(&self) -> TreeStatistics {
-        // Lanes of a leaf that are not in use repeat its first face.
-        self.0.tree.statistics(|leaf| {
-            let faces = &self.leaf(leaf).faces;
-            1 + faces[1..].iter().filter(|&&face| face != faces[0]).count()
-        })
+        self.0.tree.statistics(|leaf| self.leaf(leaf).count())
     }
 
     /// The hierarchy's boxes at a level as (least, greatest) corners in the mesh's own frame, rounded to nearest: one box at

@@ -40,7 +40,7 @@ impl LargeLeaf {
         let mut guest = Guest::EMPTY;
         guest.take_up(simd, packet, relation, back);
         let triangles = std::array::from_fn(|lane| Bounds::new(guest.corners_of(lane), guest.corner_error()));
-        Self { guest, triangles, in_use: packet.leaf.lanes_in_use() }
+        Self { guest, triangles, in_use: packet.lanes_in_use() }
     }
 
     /// Meets all that is below a node: `report` gets each leaf of which any triangle is met or left open, with the

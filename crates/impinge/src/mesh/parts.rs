@@ -60,7 +60,7 @@ pub enum Flaw {
 impl Mesh {
     /// The version of the form that [`parts`](Self::parts) have, which is one on all machines whose numbers are
     /// little-endian: it changes whenever a build makes other bits of the same arrays.
-    pub const PARTS_VERSION: u32 = 2;
+    pub const PARTS_VERSION: u32 = 3;
 
     /// No array needs a larger alignment, in bytes.
     pub const PARTS_ALIGNMENT: usize = align_of::<Node>();
@@ -104,12 +104,12 @@ impl Mesh {
         let &[frame] = &frame[..] else { return Err(Flaw::Shape { part: "frame" }) };
         let faces = Arc::new(part(bytes, &parts.faces, "faces")?);
         let tree = WideTree::from_nodes(part(bytes, &parts.nodes, "nodes")?);
-        let leaves = part(bytes, &parts.leaves, "leaves")?;
+        let leaves = Arc::new(part(bytes, &parts.leaves, "leaves")?);
         Ok(Self(Arc::new(Data::new(vertices, faces, frame, tree, leaves))))
     }
 
     /// Whether the mesh is one: its vertices and faces are such as [`new`](Self::new) takes, its nodes are a tree of bounded depth,
-    /// each face is in one leaf, and all boxes, slabs and leaves are to the bit those that a [`refit`](Self::refit) to the same
+    /// each face is in one leaf, and all boxes and slabs are to the bit those that a [`refit`](Self::refit) to the same
     /// vertices would make. A mesh that was not [borrowed](Self::borrow) always is.
     ///
     /// # Errors
@@ -144,10 +144,9 @@ impl Data {
     /// Whether a refit would not change a bit of a patch.
     fn is_fitted(&self, moved: &Moved<'_>, patch: &Patch) -> bool {
         let (nodes, leaves) = (&self.tree.nodes()[patch.nodes.clone()], &self.leaves[patch.leaves.clone()]);
-        let (mut refitted_nodes, mut refitted_leaves) = (nodes.to_vec(), leaves.to_vec());
-        moved.fit_patch(best_level(), patch, &mut refitted_nodes, &mut refitted_leaves, &mut Vec::new());
-        bytemuck::cast_slice::<_, u8>(&refitted_nodes) == bytemuck::cast_slice::<_, u8>(nodes)
-            && bytemuck::cast_slice::<_, u8>(&refitted_leaves) == bytemuck::cast_slice::<_, u8>(leaves)
+        let mut refitted = nodes.to_vec();
+        moved.fit_patch(best_level(), patch, &mut refitted, leaves, &mut Vec::new());
+        bytemuck::cast_slice::<_, u8>(&refitted) == bytemuck::cast_slice::<_, u8>(nodes)
     }
 }
 
@@ -163,7 +162,7 @@ fn each_face_once(leaves: &[Leaf], faces: usize) -> Result<(), Flaw> {
         // What is seen twice is seen twice in any order.
         (face as usize) < faces && seen[face as usize / 32].fetch_or(bit, Ordering::Relaxed) & bit == 0
     };
-    let is_good = |leaf: &Leaf| leaf.is_layout_sound() && leaf.held().iter().all(is_new);
+    let is_good = |leaf: &Leaf| leaf.is_sound() && leaf.held().iter().all(is_new);
     // As many as there are and none twice is each of them.
     let held: usize = leaves.par_iter().with_min_len(super::CHUNK).map(|leaf| leaf.held().len()).sum();
     let is_each = held == faces && leaves.par_iter().with_min_len(super::CHUNK).all(is_good);
@@ -179,7 +178,7 @@ impl fmt::Display for Flaw {
             Self::Tree => write!(f, "the nodes are not a tree over the leaves"),
             Self::Faces => write!(f, "the leaves do not hold each face once"),
             Self::Bounds { node } => {
-                write!(f, "boxes, slabs or leaves below node {node} are not those of the vertices")
+                write!(f, "boxes or slabs below node {node} are not those of the vertices")
             }
         }
     }

@@ -52,7 +52,7 @@ impl Line {
         let passes = [from[i] - self.slopes[0] * from[k], from[j] - self.slopes[1] * from[k]];
         let far = from[0].abs().max(from[1].abs()).max(from[2].abs());
         let error = 2.0 * (PACKING_ERROR + self.error) + 8.0 * UNIT_ROUNDOFF * far;
-        let size = f64::from(packet.leaf.radius) + passes[0].abs().max(passes[1].abs());
+        let size = f64::from(packet.radius) + passes[0].abs().max(passes[1].abs());
         let bound = 128.0 * HALF_ULP * size * size + 16.0 * size * error + UNDERFLOW;
         let bound = splat(simd, bound);
 
@@ -70,7 +70,7 @@ impl Line {
         // Comparisons with NaN prove nothing.
         let left = sides[0].max(sides[1]).max(sides[2]).simd_gt(bound);
         let right = sides[0].min(sides[1]).min(sides[2]).simd_lt(-bound);
-        !((left & right).to_bitmask() as u32) & packet.leaf.lanes_in_use()
+        !((left & right).to_bitmask() as u32) & packet.lanes_in_use()
     }
 }
 
@@ -136,7 +136,7 @@ mod tests {
                             kept += usize::from(is_small && is_kept && !meets);
                             left_out += usize::from(is_small && !is_kept);
                         }
-                        assert_eq!(lanes & !leaf.lanes_in_use(), 0);
+                        assert_eq!(lanes & !((1 << leaf.count()) - 1), 0);
                     }
                 }
             }

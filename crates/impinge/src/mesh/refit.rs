@@ -4,23 +4,21 @@
 //! boxes, slabs and anchors, follow from the layout and the vertices, by the same operations in a build and here, so that
 //! a refit to the vertices that a mesh was built from changes not one bit (docs/proof.md, L26).
 
-use std::ops::Range;
 use std::sync::Arc;
 
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::dispatch;
 use rayon::prelude::*;
 
-use super::fitted::{self, Fitted};
+use super::fit::{Fitting, NO_CORNERS};
 use super::frame::PackedFrame;
 use super::leaf::Leaf;
 use super::positions::{Positions, VertexSlice, Vertices};
-use super::stored_corners::{Corners, StoredCorners};
+use super::stored_corners::Corners;
+use super::triangles::CornerLanes;
 use super::{Aging, Data, Mesh, judge};
-use crate::hierarchy::{Leaves, Node, Patch, Patches, Slab, WideTree, Work};
+use crate::hierarchy::{Node, Patch, Patches, WideTree, Work};
 use crate::input::InputError;
 use crate::simd::{Level, best_level};
-use crate::storage::Pages;
-use crate::volume::Aabb;
 
 impl Mesh {
     /// Moves the vertices, of which there are as many as before; faces keep their numbers. Whoever holds a clone keeps
@@ -77,29 +75,26 @@ impl Mesh {
 
 impl Data {
     fn refit(&mut self, positions: Positions, frame: PackedFrame) {
-        self.fit(positions, frame, |_| ());
+        self.fit(positions, frame);
     }
 
     fn refitted(&self, positions: Positions, frame: PackedFrame) -> Self {
         let tree = WideTree::from_nodes(self.tree.nodes().to_vec().into());
-        let leaves = Pages::zeroed(self.leaves.len());
         let nowhere = Vertices::Given(Positions::F32(Vec::new()));
-        let mut data = Self::new(nowhere, self.faces.clone(), self.frame, tree, leaves);
+        let mut data = Self::new(nowhere, self.faces.clone(), self.frame, tree, self.leaves.clone());
         data.costs_as_built = self.costs_as_built.clone();
-        data.fit(positions, frame, |work| {
-            work.leaves.copy_from_slice(&self.leaves[work.patch.leaves.clone()]);
-        });
+        data.fit(positions, frame);
         data
     }
 
-    fn fit(&mut self, positions: Positions, frame: PackedFrame, lay: impl Fn(&mut Work<'_, Leaf>) + Sync) {
+    fn fit(&mut self, positions: Positions, frame: PackedFrame) {
         self.vertices = Vertices::Given(positions);
         self.topology.take();
         self.far_field.take();
         self.made.clear();
         self.frame = frame;
         let moved = Moved { vertices: self.vertices.slice(), faces: &self.faces, frame: &self.frame };
-        moved.fit(&mut self.tree, self.leaves.to_mut(), lay);
+        moved.fit(&mut self.tree, &self.leaves);
     }
 }
 
@@ -112,72 +107,37 @@ pub(super) struct Moved<'a> {
 }
 
 impl Moved<'_> {
-    /// Gives the nodes of a sound tree and its leaves all their numbers, once `lay` has laid out the leaves of a patch.
-    pub(super) fn fit(&self, tree: &mut WideTree, leaves: &mut [Leaf], lay: impl Fn(&mut Work<'_, Leaf>) + Sync) {
+    /// Gives the nodes of a sound tree over these leaves all their numbers.
+    pub(super) fn fit(&self, tree: &mut WideTree, leaves: &[Leaf]) {
         let patches = Patches::of(tree, leaves.len());
         let nodes = tree.nodes_mut();
-        let work = patches.split(nodes, leaves);
-        work.into_par_iter().for_each_init(Vec::new, |fitted, mut work| {
-            lay(&mut work);
-            self.fit_patch(best_level(), &work.patch, work.nodes, work.leaves, fitted);
+        let work = patches.split(nodes);
+        work.into_par_iter().for_each_init(Vec::new, |corners, Work { patch, nodes }| {
+            self.fit_patch(best_level(), &patch, nodes, &leaves[patch.leaves.clone()], corners);
         });
         patches.refit_above(nodes);
     }
 
-    /// Likewise of one patch of it. `fitted` is room that is used again.
+    /// Likewise of one patch of it. `corners` is room that is used again.
     pub(super) fn fit_patch(
         &self,
         level: Level,
         patch: &Patch,
         nodes: &mut [Node],
-        leaves: &mut [Leaf],
-        fitted: &mut Vec<Fitted>,
+        leaves: &[Leaf],
+        corners: &mut Vec<CornerLanes>,
     ) {
-        fitted.resize(leaves.len().max(fitted.len()), Fitted::NONE);
+        corners.resize(leaves.len().max(corners.len()), NO_CORNERS);
         match Corners::of(self.vertices, self.faces, self.frame) {
             Corners::Single(stored) => {
-                dispatch!(level, simd => patch.refit(nodes, &mut Fitting { simd, stored, leaves, fitted }))
+                dispatch!(level, simd => patch.refit(nodes, &mut Fitting::new(simd, stored, leaves, corners)))
             }
             Corners::SingleWidened(stored) => {
-                dispatch!(level, simd => patch.refit(nodes, &mut Fitting { simd, stored, leaves, fitted }))
+                dispatch!(level, simd => patch.refit(nodes, &mut Fitting::new(simd, stored, leaves, corners)))
             }
             Corners::Double(stored) => {
-                dispatch!(level, simd => patch.refit(nodes, &mut Fitting { simd, stored, leaves, fitted }))
+                dispatch!(level, simd => patch.refit(nodes, &mut Fitting::new(simd, stored, leaves, corners)))
             }
         }
-    }
-}
-
-/// Leaves ahead whose vertices are asked for, and half of those whose faces are.
-const AHEAD: usize = 3;
-
-/// The leaves of a patch, and of those that are fitted what nodes want to know.
-struct Fitting<'a, S, C> {
-    simd: S,
-    stored: C,
-    leaves: &'a mut [Leaf],
-    fitted: &'a mut [Fitted],
-}
-
-impl<S: Simd, C: StoredCorners> Leaves for Fitting<'_, S, C> {
-    #[inline(always)]
-    fn refit(&mut self, at: usize) -> Aabb {
-        let ahead = |by: usize| at.checked_sub(by).map_or(&[][..], |at| self.leaves[at].held());
-        // The faces of a leaf lie anywhere, and their vertices too.
-        for &face in ahead(2 * AHEAD) {
-            self.stored.prefetch_face(face);
-        }
-        for &face in ahead(AHEAD) {
-            self.stored.prefetch_corners(face);
-        }
-        let leaf = &mut self.leaves[at];
-        let (bounds, corners, anchor) = leaf.fit(self.simd, &self.stored);
-        self.fitted[at].keep(leaf, &corners, anchor);
-        bounds
-    }
-
-    #[inline(always)]
-    fn slab(&self, leaves: Range<usize>) -> Slab {
-        fitted::slab(self.simd, &self.fitted[leaves])
     }
 }

@@ -8,9 +8,10 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8, f64x4};
 
 use super::frame::PackedFrame;
+use super::leaf::Leaf;
 use super::positions::{Vertex, VertexSlice};
-use crate::simd::{LANES, Lanes3, by_axis, prefetch};
-use crate::volume::Aabb;
+use crate::hierarchy::BoxLanes;
+use crate::simd::{LANES, Lanes3, by_axis, prefetch_at};
 
 /// Faces over vertices, and how these get to the packed frame.
 #[derive(Clone, Copy)]
@@ -24,12 +25,50 @@ impl<'a> Corners<'a> {
     pub(super) fn of(vertices: VertexSlice<'a>, faces: &'a [[u32; 3]], frame: &'a PackedFrame) -> Self {
         /// Beyond this and below its reciprocal, products of scale and coordinates may leave single precision.
         const LARGEST_SCALE: f64 = (1_u128 << 100) as f64;
+        let faces = Faces::of(faces);
         match vertices {
             VertexSlice::F32(vertices) if (1.0 / LARGEST_SCALE..=LARGEST_SCALE).contains(&frame.scale) => {
-                Self::Single(Singles { vertices, faces, frame })
+                Self::Single(Singles { vertices, last: last_row(vertices), faces, frame })
             }
             VertexSlice::F32(vertices) => Self::SingleWidened(Doubles { vertices, faces, frame }),
             VertexSlice::F64(vertices) => Self::Double(Doubles { vertices, faces, frame }),
+        }
+    }
+}
+
+/// Coordinates of eight points, or leaves, by axis.
+pub(super) type Points<T> = [[T; LANES]; 3];
+
+/// The vertices of each of eight triangles, and any fourth number.
+pub(super) type VertexRows = [[u32; 4]; LANES];
+
+/// Faces by their vertices.
+#[derive(Clone, Copy)]
+pub(super) struct Faces<'a> {
+    faces: &'a [[u32; 3]],
+    /// The last face, which no number follows, and one that does.
+    last: [u32; 4],
+}
+
+impl<'a> Faces<'a> {
+    fn of(faces: &'a [[u32; 3]]) -> Self {
+        let [a, b, c] = faces.last().copied().unwrap_or_default();
+        Self { faces, last: [a, b, c, 0] }
+    }
+
+    /// Asks for a face.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, face: u32) {
+        prefetch_at(self.faces, face as usize);
+    }
+
+    /// Looks up the vertices of a leaf's faces.
+    #[inline(always)]
+    pub(super) fn look_up(&self, leaf: &Leaf, rows: &mut VertexRows) {
+        for lane in 0..LANES {
+            let at = 3 * leaf.faces[lane] as usize;
+            let row = self.faces.as_flattened().get(at..at + 4).unwrap_or(&self.last);
+            rows[lane].copy_from_slice(row);
         }
     }
 }
@@ -40,29 +79,26 @@ impl<'a> Corners<'a> {
 /// frame else. What stands for it is its [`place`](Self::place) in the mesh's own frame, rounded as vertices are.
 pub(super) trait StoredCorners: Copy + Sync {
     /// Corners of up to eight triangles as they are stored.
-    type Gathered<S: Simd>;
+    type Gathered<S: Simd>: Copy;
 
     fn frame(&self) -> &PackedFrame;
 
-    fn faces(&self) -> &[[u32; 3]];
+    fn faces(&self) -> &Faces<'_>;
 
-    /// Asks for a face.
-    #[inline(always)]
-    fn prefetch_face(&self, face: u32) {
-        prefetch(&self.faces()[face as usize]);
-    }
+    /// Asks for a vertex.
+    fn prefetch_vertex(&self, vertex: u32);
 
-    /// Asks for the vertices of a face.
-    fn prefetch_corners(&self, face: u32);
+    /// The corners of these triangles.
+    fn gather<S: Simd>(&self, simd: S, triangles: &VertexRows) -> Self::Gathered<S>;
 
-    /// The corners of these faces.
-    fn gather<S: Simd>(&self, simd: S, faces: &[u32; LANES]) -> Self::Gathered<S>;
+    /// Where a vertex is, in the mesh's own frame.
+    fn vertex(&self, vertex: u32) -> [f64; 3];
 
-    /// Their least and greatest coordinates.
-    fn extremes<S: Simd>(&self, simd: S, gathered: &Self::Gathered<S>) -> [[f64; 3]; 2];
+    /// The least and greatest coordinates of each leaf's corners.
+    fn extremes<S: Simd>(&self, simd: S, gathered: &[Self::Gathered<S>; LANES]) -> [Points<f64>; 2];
 
-    /// An anchor amid corners with these extremes and these bounds in the packed frame.
-    fn anchor(&self, extremes: [[f64; 3]; 2], bounds: &Aabb) -> [f32; 3];
+    /// Anchors amid corners with these extremes and these bounds in the packed frame.
+    fn anchors(&self, extremes: &[Points<f64>; 2], bounds: &BoxLanes) -> Points<f32>;
 
     /// Where the anchor is in the mesh's own frame, in the vertices' precision.
     fn place(&self, anchor: [f32; 3]) -> [f64; 3];
@@ -76,9 +112,16 @@ pub(super) trait StoredCorners: Copy + Sync {
 
     /// What lies between extremes in the packed frame, rounded to nearest and then outward (docs/proof.md, L1).
     #[inline(always)]
-    fn bounds(&self, [least, greatest]: [[f64; 3]; 2]) -> Aabb {
-        let (min, max) = (self.frame().pack(least), self.frame().pack(greatest));
-        Aabb { min: by_axis!(axis => -next_up(-min[axis] as f32)), max: by_axis!(axis => next_up(max[axis] as f32)) }
+    fn bounds(&self, [least, greatest]: &[Points<f64>; 2]) -> BoxLanes {
+        let PackedFrame { origin, scale } = *self.frame();
+        let mut bounds = BoxLanes::default();
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                bounds.min[axis][lane] = -next_up(-((least[axis][lane] - origin[axis]) * scale) as f32);
+                bounds.max[axis][lane] = next_up(((greatest[axis][lane] - origin[axis]) * scale) as f32);
+            }
+        }
+        bounds
     }
 }
 
@@ -94,7 +137,9 @@ fn next_up(x: f32) -> f32 {
 #[derive(Clone, Copy)]
 pub(super) struct Singles<'a> {
     vertices: &'a [[f32; 3]],
-    faces: &'a [[u32; 3]],
+    /// The last vertex, which no number follows, and one that does.
+    last: [f32; 4],
+    faces: Faces<'a>,
     frame: &'a PackedFrame,
 }
 
@@ -102,8 +147,8 @@ impl Singles<'_> {
     /// A vertex, and any fourth number.
     #[inline(always)]
     fn row<S: Simd>(&self, simd: S, vertex: u32) -> f32x4<S> {
-        let [x, y, z] = self.vertices[vertex as usize];
-        f32x4::from_slice(simd, &[x, y, z, 0.0])
+        let at = 3 * vertex as usize;
+        f32x4::from_slice(simd, self.vertices.as_flattened().get(at..at + 4).unwrap_or(&self.last))
     }
 }
 
@@ -116,22 +161,22 @@ impl StoredCorners for Singles<'_> {
     }
 
     #[inline(always)]
-    fn faces(&self) -> &[[u32; 3]] {
-        self.faces
+    fn faces(&self) -> &Faces<'_> {
+        &self.faces
     }
 
     #[inline(always)]
-    fn prefetch_corners(&self, face: u32) {
-        for vertex in self.faces[face as usize] {
-            prefetch(&self.vertices[vertex as usize]);
-        }
+    fn prefetch_vertex(&self, vertex: u32) {
+        prefetch_at(self.vertices, vertex as usize);
     }
 
     #[inline(always)]
-    fn gather<S: Simd>(&self, simd: S, &[a, b, c, d, e, f, g, h]: &[u32; LANES]) -> [Lanes3<S>; 3] {
-        let face = |face: u32| &self.faces[face as usize];
-        let [a, b, c, d] = [face(a), face(b), face(c), face(d)];
-        let [e, f, g, h] = [face(e), face(f), face(g), face(h)];
+    fn vertex(&self, vertex: u32) -> [f64; 3] {
+        self.vertices[vertex as usize].widened()
+    }
+
+    #[inline(always)]
+    fn gather<S: Simd>(&self, simd: S, [a, b, c, d, e, f, g, h]: &VertexRows) -> [Lanes3<S>; 3] {
         by_axis!(k => {
             let low = [self.row(simd, a[k]), self.row(simd, b[k]), self.row(simd, c[k]), self.row(simd, d[k])];
             let high = [self.row(simd, e[k]), self.row(simd, f[k]), self.row(simd, g[k]), self.row(simd, h[k])];
@@ -140,26 +185,43 @@ impl StoredCorners for Singles<'_> {
     }
 
     #[inline(always)]
-    fn extremes<S: Simd>(&self, _: S, [p, q, r]: &[Lanes3<S>; 3]) -> [[f64; 3]; 2] {
-        let least: Lanes3<S> = by_axis!(axis => p[axis].min(q[axis]).min(r[axis]));
-        let greatest: Lanes3<S> = by_axis!(axis => p[axis].max(q[axis]).max(r[axis]));
-        let least = across(
-            &least,
-            #[inline(always)]
-            |a, b| a.min(b),
-        );
-        let greatest = across(
-            &greatest,
-            #[inline(always)]
-            |a, b| a.max(b),
-        );
-        [by_axis!(axis => f64::from(least[axis])), by_axis!(axis => f64::from(greatest[axis]))]
+    fn extremes<S: Simd>(&self, simd: S, gathered: &[[Lanes3<S>; 3]; LANES]) -> [Points<f64>; 2] {
+        let mut extremes = [[[0.0; LANES]; 3]; 2];
+        for axis in 0..3 {
+            let (mut least, mut greatest) = ([f32x8::splat(simd, 0.0); LANES], [f32x8::splat(simd, 0.0); LANES]);
+            for lane in 0..LANES {
+                let [p, q, r] = by_axis!(corner => gathered[lane][corner][axis]);
+                least[lane] = p.min(q).min(r);
+                greatest[lane] = p.max(q).max(r);
+            }
+            let least = across(
+                &least,
+                #[inline(always)]
+                |a, b| a.min(b),
+            );
+            let greatest = across(
+                &greatest,
+                #[inline(always)]
+                |a, b| a.max(b),
+            );
+            for lane in 0..LANES {
+                extremes[0][axis][lane] = f64::from(least[lane]);
+                extremes[1][axis][lane] = f64::from(greatest[lane]);
+            }
+        }
+        extremes
     }
 
     #[inline(always)]
-    fn anchor(&self, [least, greatest]: [[f64; 3]; 2], _: &Aabb) -> [f32; 3] {
-        // Which zero is the least of both differs between vector units.
-        by_axis!(axis => (0.5 * (least[axis] + greatest[axis])) as f32 + 0.0)
+    fn anchors(&self, [least, greatest]: &[Points<f64>; 2], _: &BoxLanes) -> Points<f32> {
+        let mut anchors = [[0.0; LANES]; 3];
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                // Which zero is the least of both differs between vector units.
+                anchors[axis][lane] = (0.5 * (least[axis][lane] + greatest[axis][lane])) as f32 + 0.0;
+            }
+        }
+        anchors
     }
 
     #[inline(always)]
@@ -175,11 +237,16 @@ impl StoredCorners for Singles<'_> {
     }
 }
 
+fn last_row(vertices: &[[f32; 3]]) -> [f32; 4] {
+    let [x, y, z] = vertices.last().copied().unwrap_or_default();
+    [x, y, z, 0.0]
+}
+
 /// Vertices that are taken to the packed frame in double precision.
 #[derive(Clone, Copy)]
 pub(super) struct Doubles<'a, V> {
     vertices: &'a [V],
-    faces: &'a [[u32; 3]],
+    faces: Faces<'a>,
     frame: &'a PackedFrame,
 }
 
@@ -193,43 +260,58 @@ impl<V: Vertex> StoredCorners for Doubles<'_, V> {
     }
 
     #[inline(always)]
-    fn faces(&self) -> &[[u32; 3]] {
-        self.faces
+    fn faces(&self) -> &Faces<'_> {
+        &self.faces
     }
 
     #[inline(always)]
-    fn prefetch_corners(&self, face: u32) {
-        for vertex in self.faces[face as usize] {
-            prefetch(&self.vertices[vertex as usize]);
-        }
+    fn prefetch_vertex(&self, vertex: u32) {
+        prefetch_at(self.vertices, vertex as usize);
     }
 
     #[inline(always)]
-    fn gather<S: Simd>(&self, simd: S, faces: &[u32; LANES]) -> [[f64x4<S>; LANES]; 3] {
+    fn vertex(&self, vertex: u32) -> [f64; 3] {
+        self.vertices[vertex as usize].widened()
+    }
+
+    #[inline(always)]
+    fn gather<S: Simd>(&self, simd: S, triangles: &VertexRows) -> [[f64x4<S>; LANES]; 3] {
         let mut rows = [[f64x4::splat(simd, 0.0); LANES]; 3];
         for lane in 0..LANES {
-            let face = &self.faces[faces[lane] as usize];
             for corner in 0..3 {
-                rows[corner][lane] = V::row(simd, self.vertices, face[corner]);
+                rows[corner][lane] = V::row(simd, self.vertices, triangles[lane][corner]);
             }
         }
         rows
     }
 
     #[inline(always)]
-    fn extremes<S: Simd>(&self, _: S, gathered: &[[f64x4<S>; LANES]; 3]) -> [[f64; 3]; 2] {
-        let (mut least, mut greatest) = (gathered[0][0], gathered[0][0]);
-        for corner in gathered {
-            for &row in corner {
-                (least, greatest) = (least.min(row), greatest.max(row));
+    fn extremes<S: Simd>(&self, _: S, gathered: &[[[f64x4<S>; LANES]; 3]; LANES]) -> [Points<f64>; 2] {
+        let mut extremes = [[[0.0; LANES]; 3]; 2];
+        for lane in 0..LANES {
+            let (mut least, mut greatest) = (gathered[lane][0][0], gathered[lane][0][0]);
+            for corner in &gathered[lane] {
+                for &row in corner {
+                    (least, greatest) = (least.min(row), greatest.max(row));
+                }
+            }
+            for axis in 0..3 {
+                extremes[0][axis][lane] = least[axis];
+                extremes[1][axis][lane] = greatest[axis];
             }
         }
-        [by_axis!(axis => least[axis]), by_axis!(axis => greatest[axis])]
+        extremes
     }
 
     #[inline(always)]
-    fn anchor(&self, _: [[f64; 3]; 2], bounds: &Aabb) -> [f32; 3] {
-        by_axis!(axis => 0.5 * (bounds.min[axis] + bounds.max[axis]))
+    fn anchors(&self, _: &[Points<f64>; 2], bounds: &BoxLanes) -> Points<f32> {
+        let mut anchors = [[0.0; LANES]; 3];
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                anchors[axis][lane] = 0.5 * (bounds.min[axis][lane] + bounds.max[axis][lane]);
+            }
+        }
+        anchors
     }
 
     #[inline(always)]
@@ -267,14 +349,17 @@ fn columns<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 3] {
     [xy_even.zip_low(xy_odd), xy_even.zip_high(xy_odd), z_even.zip_low(z_odd)]
 }
 
-/// The lanes of each axis taken together, in an order that is the same on every vector unit; and any fourth number.
+/// The lanes of each of eight vectors taken together, in an order that is the same on every vector unit.
 #[inline(always)]
-pub(super) fn across<S: Simd>(lanes: &Lanes3<S>, both: impl Fn(f32x4<S>, f32x4<S>) -> f32x4<S>) -> f32x4<S> {
-    let [x, y, z]: [f32x4<S>; 3] = by_axis!(axis => {
-        let (low, high) = lanes[axis].split();
-        both(low, high)
-    });
-    let (xz_low, xz_high) = (x.zip_low(z), x.zip_high(z));
-    let (y_low, y_high) = (y.zip_low(y), y.zip_high(y));
-    both(both(xz_low.zip_low(y_low), xz_low.zip_high(y_low)), both(xz_high.zip_low(y_high), xz_high.zip_high(y_high)))
+pub(super) fn across<S: Simd>(each: &[f32x8<S>; LANES], both: impl Fn(f32x4<S>, f32x4<S>) -> f32x4<S>) -> f32x8<S> {
+    let [a, b, c, d, e, f, g, h] = *each;
+    across_four([a, b, c, d], &both).combine(across_four([e, f, g, h], &both))
+}
+
+#[inline(always)]
+fn across_four<S: Simd>(each: [f32x8<S>; 4], both: &impl Fn(f32x4<S>, f32x4<S>) -> f32x4<S>) -> f32x4<S> {
+    let [(a, b), (c, d), (e, f), (g, h)] = [each[0].split(), each[1].split(), each[2].split(), each[3].split()];
+    let [p, q, r, s] = [both(a, b), both(c, d), both(e, f), both(g, h)];
+    let (even, odd) = (both(p.zip_low(r), p.zip_high(r)), both(q.zip_low(s), q.zip_high(s)));
+    both(even.zip_low(odd), even.zip_high(odd))
 }

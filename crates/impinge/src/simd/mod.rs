@@ -30,7 +30,7 @@ macro_rules! by_axis {
 
 pub(crate) use by_axis;
 
-pub(crate) use prefetch::prefetch;
+pub(crate) use prefetch::{prefetch, prefetch_at};
 pub(crate) use vectors::{Lanes3, cross, dot, load, load3, store3, sub};
 
 pub use fearless_simd::Level;

@@ -5,17 +5,27 @@
 /// Worth 1.4 times on descents whose trees outgrow the caches; a no-op where the target has no such instruction.
 #[inline(always)]
 pub(crate) fn prefetch<T>(target: &T) {
+    ask_for(std::ptr::from_ref(target));
+}
+
+/// As [`prefetch`], of an element, which need not be there.
+#[inline(always)]
+pub(crate) fn prefetch_at<T>(elements: &[T], at: usize) {
+    ask_for(elements.as_ptr().wrapping_add(at));
+}
+
+#[inline(always)]
+fn ask_for<T>(target: *const T) {
     #[cfg(target_arch = "x86_64")]
     {
         const CACHE_LINE: usize = 64;
-        let address = std::ptr::from_ref(target).cast::<i8>();
         let ask = |offset: usize| {
-            // SAFETY: a prefetch is a hint that cannot fault, whatever the address; this one lies inside `target`,
-            // so the pointer arithmetic stays within one live object. SSE, which has the instruction, is part of
-            // every x86-64 processor.
+            // SAFETY: a prefetch is a hint that cannot fault, whatever the address. SSE, which has the instruction, is part
+            // of every x86-64 processor.
             #[allow(unsafe_code)]
             unsafe {
-                std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(address.add(offset));
+                use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+                _mm_prefetch::<_MM_HINT_T0>(target.cast::<i8>().wrapping_add(offset));
             }
         };
         for offset in (0..size_of::<T>()).step_by(CACHE_LINE) {

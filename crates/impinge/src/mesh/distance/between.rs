@@ -7,8 +7,8 @@
 //! (Ericson, 4.4.1), for the reach of a turned box along an axis; ours asks one axis, and how far they are apart on it.
 
 use crate::mesh::Mesh;
-use crate::mesh::leaf::Leaf;
 use crate::mesh::metric::{Metric, MetricMap};
+use crate::mesh::packet::Packet;
 use crate::primitive::{Vector, dot, sub};
 use crate::simd::by_axis;
 use crate::volume::Aabb;
@@ -70,11 +70,11 @@ impl Line {
 
     /// Whether they are, where each box is that of a leaf, for what their slabs allow along the slabs' normals.
     #[inline(always)]
-    pub(super) fn is_longer_for_leaves(&self, [host, guest]: [Anchored<'_>; 2], cut: f64) -> bool {
+    pub(super) fn is_longer_for_leaves(&self, [host, guest]: &[Packet<'_>; 2], cut: f64) -> bool {
         let [along_host, along_guest] = &self.along;
         // Not a number, where there is no slab, bounds nothing.
-        let by_host = self.middles[0].reach_in_slab(&host, along_host).min(self.reaches[0]);
-        let by_guest = self.middles[1].reach_in_slab(&guest, &along_guest.map(|x| -x)).min(self.reaches[1]);
+        let by_host = self.middles[0].reach_in_slab(host, along_host).min(self.reaches[0]);
+        let by_guest = self.middles[1].reach_in_slab(guest, &along_guest.map(|x| -x)).min(self.reaches[1]);
         self.leaves_more(&[by_host, by_guest], cut)
     }
 
@@ -84,13 +84,6 @@ impl Line {
         // Comparisons with NaN prove nothing.
         left > 0.0 && left * left > cut * cut * self.squared * (1.0 + 1e-12)
     }
-}
-
-/// A leaf, and where its anchor is in the packed frame.
-#[derive(Clone, Copy)]
-pub(super) struct Anchored<'a> {
-    pub(super) leaf: &'a Leaf,
-    pub(super) anchor: Vector,
 }
 
 /// A box by its centre and half of its extents.
@@ -117,11 +110,11 @@ impl Middle {
     /// How far the leaf in the box does at most: for the share of its normal in the vector what its slab allows along that,
     /// and what the box allows along the rest.
     #[inline(always)]
-    fn reach_in_slab(&self, Anchored { leaf, anchor }: &Anchored<'_>, along: &Vector) -> f64 {
-        let (normal, [low, high]) = leaf.slab();
+    fn reach_in_slab(&self, packet: &Packet<'_>, along: &Vector) -> f64 {
+        let (normal, [low, high]) = packet.slab();
         let share = dot(along, &normal) / dot(&normal, &normal);
         let rest: Vector = by_axis!(k => along[k] - share * normal[k]);
-        let aside: Vector = by_axis!(k => anchor[k] - self.centre[k]);
+        let aside: Vector = by_axis!(k => packet.anchor[k] - self.centre[k]);
         self.reach(&rest) + share * (dot(&normal, &aside) + if share > 0.0 { high } else { low })
     }
 }

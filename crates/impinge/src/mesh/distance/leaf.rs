@@ -57,7 +57,7 @@ impl Leaf {
             }
         }
         let size = linear.iter().map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
-        let error = CARRIED * size * f64::from(packet.leaf.radius);
+        let error = CARRIED * size * f64::from(packet.radius);
         Self { leaf, anchor, radius: largest.reduce_max(), error, about }
     }
 }

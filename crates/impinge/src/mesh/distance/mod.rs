@@ -25,7 +25,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch, f32x8};
 
 use super::metric::Metric;
-use super::packet::Packets;
+use super::packet::{Packet, Packets};
 use super::{HostChoice, Options, Placed, first_hit};
 use crate::exact::Placement;
 use crate::hierarchy::{BoxLanes, Child, Node, bits, lanes_in_use};
@@ -34,7 +34,7 @@ use crate::simd::{LANES, by_axis};
 use crate::volume::Aabb;
 use answer::{Answer, Scene};
 use at_hand::AtHand;
-use between::{Anchored, Between};
+use between::Between;
 use bounds::Bounds;
 use leaf::{Facing, Leaf};
 use profile::{Profiles, Reached};
@@ -196,8 +196,9 @@ impl<'a> Search<'a> {
             }
             match (host_node.child(host_lane), guest_node.child(guest_lane)) {
                 (Child::Leaf(host), Child::Leaf(guest)) => {
-                    if !line.is_longer_for_leaves(self.anchored([host, guest]), self.answer.cut) {
-                        self.meet_leaves(simd, host, guest)?;
+                    let packets = [self.packets[HOST].get(simd, host), self.packets[GUEST].get(simd, guest)];
+                    if !line.is_longer_for_leaves(&packets, self.answer.cut) {
+                        self.meet_leaves(simd, [host, guest], &packets)?;
                     }
                 }
                 (Child::Inner(node), Child::Leaf(_)) => self.open_one(simd, HOST, node, guest),
@@ -278,26 +279,20 @@ impl<'a> Search<'a> {
         boxes.lane(usize::from(slot.lane))
     }
 
-    /// A leaf of either side, and where it is.
     #[inline(always)]
-    fn anchored(&self, leaves: [u32; 2]) -> [Anchored<'a>; 2] {
-        let anchored = |side: usize| {
-            let leaf = self.packets[side].leaf(leaves[side]);
-            Anchored { leaf, anchor: self.packets[side].anchor(leaf) }
-        };
-        [anchored(HOST), anchored(GUEST)]
-    }
-
-    #[inline(always)]
-    fn meet_leaves<S: Simd>(&mut self, simd: S, host: u32, guest: u32) -> ControlFlow<()> {
-        let [host_packet, guest_packet] = [self.packets[HOST].get(simd, host), self.packets[GUEST].get(simd, guest)];
+    fn meet_leaves<S: Simd>(
+        &mut self,
+        simd: S,
+        [host, guest]: [u32; 2],
+        [host_packet, guest_packet]: &[Packet<'_>; 2],
+    ) -> ControlFlow<()> {
         let Self { scene, answer, leaves: [at_host, at_guest], profiles, .. } = self;
         let [on_host, on_guest] = scene.sides();
-        let reached = profiles.of_leaves(simd, [&host_packet, &guest_packet]);
+        let reached = profiles.of_leaves(simd, [host_packet, guest_packet]);
         let mut near = Reached::near(&reached, simd, answer.cut);
         let mut near_guests = 0;
-        for lane in bits(guest_packet.leaf.lanes_in_use()) {
-            near[lane] &= host_packet.leaf.lanes_in_use();
+        for lane in bits(guest_packet.lanes_in_use()) {
+            near[lane] &= host_packet.lanes_in_use();
             near_guests |= u32::from(near[lane] != 0) << lane;
         }
         if near_guests == 0 {
@@ -307,13 +302,13 @@ impl<'a> Search<'a> {
             host,
             |kept| kept.leaf,
             #[inline(always)]
-            |leaf| Leaf::new(simd, leaf, &host_packet, scene.meshes[on_host], &scene.metric.maps[on_host]),
+            |leaf| Leaf::new(simd, leaf, host_packet, scene.meshes[on_host], &scene.metric.maps[on_host]),
         );
         let guest = at_guest.get(
             guest,
             |kept| kept.leaf,
             #[inline(always)]
-            |leaf| Leaf::new(simd, leaf, &guest_packet, scene.meshes[on_guest], &scene.metric.maps[on_guest]),
+            |leaf| Leaf::new(simd, leaf, guest_packet, scene.meshes[on_guest], &scene.metric.maps[on_guest]),
         );
         let facing = Facing::new(simd, host, guest, scene.metric.error);
         let pair = |host_lane: usize, guest_lane: usize| {

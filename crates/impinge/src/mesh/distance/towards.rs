@@ -101,7 +101,7 @@ impl Towards {
             let at = load3(simd, &packet.corners[corner]);
             gradient[0] * at[0] + gradient[1] * at[1] + gradient[2] * at[2]
         });
-        let slack = 8.0 * HALF_ULP * f64::from(packet.leaf.radius) * self.size + f64::from(f32::MIN_POSITIVE);
+        let slack = 8.0 * HALF_ULP * f64::from(packet.radius) * self.size + f64::from(f32::MIN_POSITIVE);
         let anchor = dot(&self.gradient, &packet.anchor) + self.base + slack;
         (heights[0].max(heights[1]).max(heights[2]), anchor)
     }

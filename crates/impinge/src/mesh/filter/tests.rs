@@ -142,7 +142,7 @@ fn corners_and_bounds_are_within_their_error() {
                     }
                 }
             });
-            let radii = host.packet().leaf.radius + guest.packet().leaf.radius * relation.stretch as f32;
+            let radii = host.packet().radius + guest.packet().radius * relation.stretch as f32;
             let near = (0..3).all(|axis| (taken.anchor[axis] - anchor[axis]).abs() < f64::from(radii));
             met += usize::from(near);
             for (lane, corners) in exact_guest.iter().enumerate() {
@@ -159,10 +159,10 @@ fn corners_and_bounds_are_within_their_error() {
                             truth - RBig::try_from(anchor[axis]).expect("finite") - rational(moved[corner][axis][lane]);
                         let off = f64::from(off.to_f32_fast()).abs();
                         // One rounding of the host's corners takes a quarter of its part.
-                        let bound = f64::from(taken.error) + 3.0 * HALF_ULP * f64::from(host.packet().leaf.radius);
+                        let bound = f64::from(taken.error) + 3.0 * HALF_ULP * f64::from(host.packet().radius);
                         assert!(off <= bound * (1.0 + 1e-6), "{name}: {off} > {bound}: {host:?} {guest:?}");
-                        let by_radius = HALF_ULP * relation.stretch * f64::from(guest.packet().leaf.radius);
-                        let rest = 3.0 * HALF_ULP * f64::from(host.packet().leaf.radius)
+                        let by_radius = HALF_ULP * relation.stretch * f64::from(guest.packet().radius);
+                        let rest = 3.0 * HALF_ULP * f64::from(host.packet().radius)
                             + f64::from(relation.corner_error.constant);
                         worst = worst.max((off - rest) / by_radius);
                     }
