@@ -68,10 +68,11 @@ def main() -> None:
     FOLDER.mkdir(parents=True, exist_ok=True)
     about = circumstances()
     mesh = torus_knot(options.nu, options.nv)
-    path = FOLDER / f"torus_knot_{len(mesh[1])}.ply"
+    path = FOLDER / f"torus_knot_{len(mesh[1])}_single.ply"
     vertices, faces = mesh
-    mesh = (vertices.astype(np.float32).astype(np.float64), faces)
-    write_ply(path, *mesh)
+    single = vertices.astype(np.float32)
+    mesh = (single.astype(np.float64), faces)
+    write_ply(path, single, faces)
     timings = []
     for pose in poses():
         timings.append({"pose": pose.name, "engine": "impinge", **measure_impinge(path, pose, options.repeats)})

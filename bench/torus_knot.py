@@ -35,16 +35,17 @@ def torus_knot(nu: int, nv: int, tube_radius: float = TUBE_RADIUS) -> tuple[np.n
 
 
 def write_ply(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
-    """Writes (n, 3) vertices in double precision, without rounding, and (m, 3) faces as a binary PLY file."""
+    """Writes (n, 3) vertices in their own precision, single or double, and (m, 3) faces as a binary PLY file."""
+    name, code = {4: ("float", "<f4"), 8: ("double", "<f8")}[vertices.itemsize]
     header = (
         "ply\nformat binary_little_endian 1.0\n"
-        f"element vertex {len(vertices)}\nproperty double x\nproperty double y\nproperty double z\n"
+        f"element vertex {len(vertices)}\nproperty {name} x\nproperty {name} y\nproperty {name} z\n"
         f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
     )
     rows = np.empty(len(faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
     rows["count"] = 3
     rows["corners"] = faces
-    path.write_bytes(header.encode("ascii") + vertices.astype("<f8").tobytes() + rows.tobytes())
+    path.write_bytes(header.encode("ascii") + vertices.astype(code).tobytes() + rows.tobytes())
 
 
 def _centre(u: np.ndarray) -> np.ndarray:

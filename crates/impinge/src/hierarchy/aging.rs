@@ -7,9 +7,12 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::area::half_area;
-use super::refit::Patch;
+use super::refit::{Patch, Patches};
 use super::wide::{Child, Node, WideTree};
+use crate::simd::LANES;
 
 /// A subtree that has aged: its nodes and its leaves.
 pub(crate) type Aged = Patch;
@@ -44,6 +47,14 @@ impl WideTree {
             costs[at] = cost(below[at], area);
         }
         costs
+    }
+
+    /// That of the root alone, added up in the order in which a refit meets the nodes.
+    pub(crate) fn cost(&self, leaves: usize) -> f64 {
+        let (nodes, patches) = (self.nodes(), Patches::of(self, leaves));
+        let of_patch = |patch: &Patch| nodes[patch.nodes.clone()].iter().rev().map(Node::area_below).sum();
+        let of_patches: Vec<f64> = patches.patches.par_iter().map(of_patch).collect();
+        patches.cost(nodes, &of_patches)
     }
 
     /// The smallest subtrees, in preorder, without which no cost would exceed `most` times what it was when built, if they
@@ -174,6 +185,21 @@ impl Node {
     }
 }
 
+impl Node {
+    /// What the areas of the children's boxes add up to.
+    #[inline(always)]
+    pub(super) fn area_below(&self) -> f64 {
+        let count = self.count();
+        let mut areas = [0.0; LANES];
+        for lane in 0..LANES {
+            let area = half_area(&self.lane_bounds(lane));
+            areas[lane] = if lane < count { area } else { 0.0 };
+        }
+        let [a, b, c, d, e, f, g, h] = areas;
+        ((a + e) + (c + g)) + ((b + f) + (d + h))
+    }
+}
+
 /// What the children of a node add up to: leaves by their areas.
 fn sum_below(node: &Node, inner: impl Fn(u32) -> f64) -> f64 {
     let lanes: Range<usize> = 0..node.count();
@@ -185,6 +211,7 @@ fn sum_below(node: &Node, inner: impl Fn(u32) -> f64) -> f64 {
         .sum()
 }
 
-fn cost(below: f64, area: f64) -> f64 {
+/// Of areas below a node, and its own, over its own.
+pub(super) fn cost(below: f64, area: f64) -> f64 {
     if area > 0.0 { below / area } else { 1.0 }
 }

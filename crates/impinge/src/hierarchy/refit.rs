@@ -6,6 +6,8 @@
 
 use std::ops::Range;
 
+use super::aging::cost;
+use super::area::half_area;
 use super::lanes::BoxLanes;
 use super::slab::Slab;
 use super::wide::{Node, PATCH, WideTree};
@@ -78,6 +80,14 @@ impl Patches {
         }
     }
 
+    /// What the tree [costs](WideTree::cost), from what the areas below the nodes of each patch add up to.
+    pub(crate) fn cost(&self, nodes: &[Node], of_patches: &[f64]) -> f64 {
+        let Some(root) = nodes.first() else { return 1.0 };
+        let above: f64 = self.above.iter().rev().map(|&at| nodes[at].area_below()).sum();
+        let area = half_area(&root.bounds());
+        cost(area + (of_patches.iter().sum::<f64>() + above), area)
+    }
+
     /// Whether a refit would not change a bit of the nodes above the patches.
     pub(crate) fn are_fitted_above(&self, nodes: &[Node]) -> bool {
         self.above
@@ -124,9 +134,11 @@ impl Below {
 }
 
 impl Patch {
-    /// Refits the patch's own `nodes` to what its leaves hold, each node right after what is below it.
+    /// Refits the patch's own `nodes` to what its leaves hold, each node right after what is below it. Returns what the areas below
+    /// them add up to.
     #[inline(always)]
-    pub(crate) fn refit(&self, nodes: &mut [Node], leaves: &mut impl Leaves) {
+    pub(crate) fn refit(&self, nodes: &mut [Node], leaves: &mut impl Leaves) -> f64 {
+        let mut area = 0.0;
         // Children come after their parents, and their leaves stand side by side.
         let mut below = vec![Below::NOTHING; nodes.len()];
         for at in (0..nodes.len()).rev() {
@@ -153,8 +165,10 @@ impl Patch {
             held.bounds = node.bounds();
             node.set_extent(&held.bounds);
             node.slab = leaves.slab(held.leaves.clone(), &held.bounds, held.facing);
+            area += node.area_below();
             below[at] = held;
         }
+        area
     }
 }
 

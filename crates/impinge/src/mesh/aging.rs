@@ -49,8 +49,8 @@ impl Mesh {
     /// How the hierarchy has aged; what [`refit`](Self::refit) returned.
     #[must_use]
     pub fn aging(&self) -> Aging {
-        let first = |costs: &[f64]| costs.first().copied().unwrap_or(1.0);
-        Aging { cost: first(&self.0.tree.subtree_costs()), cost_when_built: first(self.0.costs_as_built()) }
+        let data = &*self.0;
+        Aging { cost: data.cost(), cost_when_built: data.costs_as_built().first().copied().unwrap_or(1.0) }
     }
 
     /// Builds the hierarchy anew from where the vertices are. Whoever holds a clone keeps the old one; no answer depends on
@@ -103,8 +103,10 @@ impl Mesh {
                 Origin::Replaced { replacement, leaf } => layouts[replacement as usize][leaf as usize],
             }
         });
-        data.moved().fit(&mut renewal.tree, &leaves);
-        let costs = renewal.costs_as_built(data.costs_as_built());
+        let cost = data.moved().fit(&mut renewal.tree, &leaves);
+        let mut costs = renewal.costs_as_built(data.costs_as_built());
+        // Of the root, below which something is new.
+        costs[0] = cost;
         let tree = renewal.tree;
         let faces = layouts.iter().flatten().map(|leaf| leaf.held().len()).sum();
         self.with_vertices(|vertices, old| {
@@ -128,7 +130,15 @@ impl Mesh {
 impl Data {
     /// What each subtree cost when it was built: as it is, unless it was noted before a refit.
     pub(super) fn costs_as_built(&self) -> &Arc<[f64]> {
-        self.costs_as_built.get_or_init(|| self.tree.subtree_costs().into())
+        self.costs_as_built.get_or_init(|| {
+            let mut costs = self.tree.subtree_costs();
+            costs.iter_mut().take(1).for_each(|root| *root = self.cost());
+            costs.into()
+        })
+    }
+
+    fn cost(&self) -> f64 {
+        *self.cost.get_or_init(|| self.tree.cost(self.leaves.len()))
     }
 
     fn moved(&self) -> Moved<'_> {

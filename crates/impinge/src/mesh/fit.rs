@@ -67,7 +67,7 @@ impl<'a, S: Simd, C: StoredCorners> Fitting<'a, S, C> {
         let rows = &mut self.ahead[leaf % (2 * LANES)];
         self.stored.faces().look_up(&self.leaves[leaf], rows);
         for lane in EVERY_OTHER {
-            for corner in 0..3 {
+            for corner in 0..2 {
                 self.stored.prefetch_vertex(rows[lane][corner]);
             }
         }

@@ -95,6 +95,8 @@ struct Data {
     leaves: Arc<Buffer<Leaf>>,
     /// The packets of leaves that were met.
     made: Made,
+    /// What the tree costs, noted when it is fitted.
+    cost: OnceLock<f64>,
     /// What each subtree cost when it was built, noted when it is first refitted.
     costs_as_built: OnceLock<Arc<[f64]>>,
     /// Made when a question about solids first needs it.
@@ -197,9 +199,9 @@ impl Data {
         tree: WideTree,
         leaves: Arc<Buffer<Leaf>>,
     ) -> Self {
-        let (costs_as_built, topology, far_field) = Default::default();
+        let (cost, costs_as_built, topology, far_field) = Default::default();
         let made = Made::none(leaves.len());
-        Self { vertices, faces, frame, tree, leaves, made, costs_as_built, topology, far_field }
+        Self { vertices, faces, frame, tree, leaves, made, cost, costs_as_built, topology, far_field }
     }
 }
 

@@ -94,7 +94,7 @@ impl Data {
         self.made.clear();
         self.frame = frame;
         let moved = Moved { vertices: self.vertices.slice(), faces: &self.faces, frame: &self.frame };
-        moved.fit(&mut self.tree, &self.leaves);
+        self.cost = moved.fit(&mut self.tree, &self.leaves).into();
     }
 }
 
@@ -107,18 +107,20 @@ pub(super) struct Moved<'a> {
 }
 
 impl Moved<'_> {
-    /// Gives the nodes of a sound tree over these leaves all their numbers.
-    pub(super) fn fit(&self, tree: &mut WideTree, leaves: &[Leaf]) {
+    /// Gives the nodes of a sound tree over these leaves all their numbers, and returns what it [costs](WideTree::cost).
+    pub(super) fn fit(&self, tree: &mut WideTree, leaves: &[Leaf]) -> f64 {
         let patches = Patches::of(tree, leaves.len());
         let nodes = tree.nodes_mut();
         let work = patches.split(nodes);
-        work.into_par_iter().for_each_init(Vec::new, |corners, Work { patch, nodes }| {
-            self.fit_patch(best_level(), &patch, nodes, &leaves[patch.leaves.clone()], corners);
-        });
+        let fit = |corners: &mut _, Work { patch, nodes }: Work<'_>| {
+            self.fit_patch(best_level(), &patch, nodes, &leaves[patch.leaves.clone()], corners)
+        };
+        let areas: Vec<f64> = work.into_par_iter().map_init(Vec::new, fit).collect();
         patches.refit_above(nodes);
+        patches.cost(nodes, &areas)
     }
 
-    /// Likewise of one patch of it. `corners` is room that is used again.
+    /// Likewise of one patch of it; returns what the areas below its nodes add up to. `corners` is room that is used again.
     pub(super) fn fit_patch(
         &self,
         level: Level,
@@ -126,7 +128,7 @@ impl Moved<'_> {
         nodes: &mut [Node],
         leaves: &[Leaf],
         corners: &mut Vec<CornerLanes>,
-    ) {
+    ) -> f64 {
         corners.resize(leaves.len().max(corners.len()), NO_CORNERS);
         match Corners::of(self.vertices, self.faces, self.frame) {
             Corners::Single(stored) => {
