@@ -12,6 +12,7 @@ use super::frame::PackedFrame;
 use super::leaf::Leaf;
 use super::positions::{VertexSlice, Vertices};
 use super::refit::Moved;
+use super::triangles::CornerLanes;
 use super::{Data, Mesh, judge};
 use crate::hierarchy::{Node, Patch, Patches, WideTree};
 use crate::input::InputError;
@@ -131,9 +132,10 @@ impl Mesh {
         each_face_once(&data.leaves, data.faces.len())?;
         let patches = Patches::of(&data.tree, data.leaves.len());
         let moved = Moved { vertices: data.vertices.slice(), faces: &data.faces, frame: &frame };
-        let unfit = patches.patches.par_iter().find_first(|patch| !data.is_fitted(&moved, patch));
-        match unfit {
-            Some(patch) => Err(Flaw::Bounds { node: patch.nodes.start }),
+        let is_fitted = |(nodes, corners): &mut (_, _), patch| data.is_fitted(&moved, patch, nodes, corners);
+        let are_fitted = patches.patches.par_iter().map_init(Default::default, is_fitted);
+        match are_fitted.position_first(|is_fitted| !is_fitted) {
+            Some(unfit) => Err(Flaw::Bounds { node: patches.patches[unfit].nodes.start }),
             None if !patches.are_fitted_above(data.tree.nodes()) => Err(Flaw::Bounds { node: 0 }),
             None => Ok(()),
         }
@@ -141,12 +143,19 @@ impl Mesh {
 }
 
 impl Data {
-    /// Whether a refit would not change a bit of a patch.
-    fn is_fitted(&self, moved: &Moved<'_>, patch: &Patch) -> bool {
+    /// Whether a refit would not change a bit of a patch. `refitted` and `corners` are room that is used again.
+    fn is_fitted(
+        &self,
+        moved: &Moved<'_>,
+        patch: &Patch,
+        refitted: &mut Vec<Node>,
+        corners: &mut Vec<CornerLanes>,
+    ) -> bool {
         let (nodes, leaves) = (&self.tree.nodes()[patch.nodes.clone()], &self.leaves[patch.leaves.clone()]);
-        let mut refitted = nodes.to_vec();
-        moved.fit_patch(best_level(), patch, &mut refitted, leaves, &mut Vec::new());
-        bytemuck::cast_slice::<_, u8>(&refitted) == bytemuck::cast_slice::<_, u8>(nodes)
+        refitted.clear();
+        refitted.extend_from_slice(nodes);
+        moved.fit_patch(best_level(), patch, refitted, leaves, corners);
+        bytemuck::cast_slice::<_, u8>(refitted) == bytemuck::cast_slice::<_, u8>(nodes)
     }
 }
 
