@@ -15,7 +15,7 @@ use crate::simd::{by_axis, prefetch};
 use crate::volume::Aabb;
 
 /// Nodes ahead that are asked for.
-const AHEAD: usize = 4;
+const AHEAD: usize = 2;
 
 /// A subtree small enough to have slabs, whose parent is not.
 #[derive(Clone, Debug, PartialEq, Eq)]
