@@ -183,9 +183,7 @@ impl Node {
         }
         self
     }
-}
 
-impl Node {
     /// What the areas of the children's boxes add up to.
     #[inline(always)]
     pub(super) fn area_below(&self) -> f64 {

@@ -1,4 +1,7 @@
-//! Fitting nodes to where the corners below them are.
+//! Fitting nodes to where the corners below them are: boxes and slabs in the packed frame, outward (docs/proof.md, L1, L2a and L26).
+//!
+//! All leaves of a node are taken side by side, and their corners kept in single precision about one corner of the patch while the
+//! nodes above are fitted.
 
 use std::ops::Range;
 

@@ -95,7 +95,7 @@ struct Data {
     leaves: Arc<Buffer<Leaf>>,
     /// The packets of leaves that were met.
     made: Made,
-    /// What the tree costs, noted when it is fitted.
+    /// What the tree costs, noted when it is refitted or first asked for.
     cost: OnceLock<f64>,
     /// What each subtree cost when it was built, noted when it is first refitted.
     costs_as_built: OnceLock<Arc<[f64]>>,
