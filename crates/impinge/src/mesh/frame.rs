@@ -1,7 +1,8 @@
 //! The frame in which a mesh's boxes and packets are kept: near the origin and about one unit large, whatever the
 //! mesh's own unit is and however far out it lies, so that single precision serves meshes of every size alike.
 
-use super::positions::Vertex;
+use std::ops::{Add, Mul};
+
 use crate::simd::by_axis;
 
 /// `packed = (local − origin) · scale`, with a power of two for the scale, which rounds nothing.
@@ -54,12 +55,38 @@ impl Extremes {
     /// Of no vertices.
     pub(super) const NONE: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
 
-    /// Of vertices none of which has a coordinate that is not a number.
-    pub(super) fn of<V: Vertex>(vertices: &[V]) -> Self {
-        vertices.iter().fold(Self::NONE, |all, vertex| {
-            let vertex = vertex.widened();
-            all.union(Self { min: vertex, max: vertex })
-        })
+    /// Of vertices; not finite where a coordinate is not.
+    pub(super) fn of<T>(vertices: &[[T; 3]]) -> Self
+    where
+        T: Copy + PartialOrd + From<f32> + Into<f64> + Add<Output = T> + Mul<Output = T>,
+    {
+        /// Coordinates of four vertices, that the compiler takes side by side.
+        const TOGETHER: usize = 12;
+        let mut min = [T::from(f32::INFINITY); TOGETHER];
+        let mut max = [T::from(f32::NEG_INFINITY); TOGETHER];
+        // Not a number where a coordinate was not finite.
+        let mut zero = [T::from(0.0); TOGETHER];
+        let mut take = |lane: usize, x: T| {
+            min[lane] = if x < min[lane] { x } else { min[lane] };
+            max[lane] = if x > max[lane] { x } else { max[lane] };
+            zero[lane] = zero[lane] + x * T::from(0.0);
+        };
+        let (together, rest) = vertices.as_flattened().as_chunks::<TOGETHER>();
+        for coordinates in together {
+            (0..TOGETHER).for_each(|lane| take(lane, coordinates[lane]));
+        }
+        rest.iter().enumerate().for_each(|(lane, &x)| take(lane, x));
+        let zero: f64 = zero.into_iter().fold(T::from(0.0), Add::add).into();
+        let Self { min, max } = (0..TOGETHER / 3).fold(Self::NONE, |all, vertex| {
+            let of_vertex = |bound: &[T; TOGETHER]| by_axis!(axis => bound[3 * vertex + axis].into());
+            all.union(Self { min: of_vertex(&min), max: of_vertex(&max) })
+        });
+        Self { min: min.map(|x| x + zero), max: max.map(|x| x + zero) }
+    }
+
+    /// Whether all coordinates between them are below `limit` in magnitude.
+    pub(super) fn are_below(&self, limit: f64) -> bool {
+        self.min.iter().all(|&x| x > -limit) && self.max.iter().all(|&x| x < limit)
     }
 
     pub(super) fn union(self, Self { min, max }: Self) -> Self {
@@ -88,6 +115,8 @@ pub(super) fn reciprocal_power_of_two(extent: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use impinge_testkit::generate::Rng;
+
     use super::*;
 
     #[test]
@@ -104,5 +133,35 @@ mod tests {
         assert_eq!(reciprocal_power_of_two(1.0), 1.0);
         assert_eq!(reciprocal_power_of_two(1.5), 0.5);
         assert_eq!(reciprocal_power_of_two(0.5), 2.0);
+    }
+
+    /// Extremes of so many vertices that some are taken side by side and some are left over, and which of them are below a limit.
+    #[test]
+    fn extremes_are_those_of_each_vertex() {
+        let mut rng = Rng::new(154);
+        for count in 1..30 {
+            let vertices: Vec<[f32; 3]> = (0..count).map(|_| [0; 3].map(|_| rng.uniform(-9.0, 9.0) as f32)).collect();
+            let of_all = vertices.iter().map(|vertex| vertex.map(f64::from));
+            let plain = of_all.fold(Extremes::NONE, |all, vertex| all.union(Extremes { min: vertex, max: vertex }));
+            let wide: Vec<[f64; 3]> = vertices.iter().map(|vertex| vertex.map(f64::from)).collect();
+            assert_eq!((Extremes::of(&vertices), Extremes::of(&wide)), (plain, plain));
+            assert!(plain.are_below(9.0));
+            for (at, axis) in (0..count).flat_map(|at| [(at, 0), (at, 1), (at, 2)]) {
+                let with = |x: f64| {
+                    let mut changed = wide.clone();
+                    changed[at][axis] = x;
+                    Extremes::of(&changed)
+                };
+                for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 9.0, -9.0] {
+                    assert!(!with(x).are_below(9.0), "{x} at {at}");
+                }
+                assert!(with(9.0_f64.next_down()).are_below(9.0) && with(f64::MIN_POSITIVE).are_below(9.0));
+                let mut changed = vertices.clone();
+                for x in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+                    changed[at][axis] = x;
+                    assert!(!Extremes::of(&changed).are_below(f64::MAX), "{x} at {at}");
+                }
+            }
+        }
     }
 }

@@ -12,7 +12,7 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 /// Lanes of leaves are numbered with 32 bits; there are at most as many leaves as faces, each of eight lanes.
 const MOST_FACES: usize = 1 << 29;
 
-/// Vertices, or faces, that are one task: few enough to be looked at twice in the nearest cache.
+/// Vertices, or faces, that are one task.
 const CHUNK: usize = 1 << 10;
 
 /// Judges a mesh, and returns the extremes of its vertices.
@@ -37,10 +37,8 @@ pub(super) fn judge(vertices: VertexSlice<'_>, faces: &[[u32; 3]]) -> Result<Ext
 /// Judges coordinates.
 fn judge_vertices(vertices: VertexSlice<'_>) -> Result<Extremes, InputError> {
     let judged = match vertices {
-        VertexSlice::F32(vertices) => extremes(vertices, |v| v[0].is_finite() & v[1].is_finite() & v[2].is_finite()),
-        VertexSlice::F64(vertices) => {
-            extremes(vertices, |v| (v[0].abs() < LIMIT) & (v[1].abs() < LIMIT) & (v[2].abs() < LIMIT))
-        }
+        VertexSlice::F32(vertices) => extremes(vertices, Extremes::of),
+        VertexSlice::F64(vertices) => extremes(vertices, Extremes::of),
     };
     judged.map_err(|index| {
         let finite = vertices.get(index).iter().all(|x| x.is_finite());
@@ -63,11 +61,12 @@ pub(super) fn judge_moved(vertices: VertexSlice<'_>, expected: usize) -> Result<
 
 /// The least and the greatest coordinates, where all vertices are good, and the first that is not elsewhere: in one pass, as
 /// what it takes is to read them.
-fn extremes<V: Vertex>(vertices: &[V], is_good: impl Fn(&V) -> bool + Sync) -> Result<Extremes, usize> {
-    let of_chunk = |chunk: &[V]| all(chunk, &is_good).then(|| Extremes::of(chunk));
+fn extremes<V: Vertex>(vertices: &[V], of_chunk: impl Fn(&[V]) -> Extremes + Sync) -> Result<Extremes, usize> {
+    let are_good = |extremes: &Extremes| extremes.are_below(LIMIT);
     let both = |a: Extremes, b: Extremes| Some(a.union(b));
-    let extremes = vertices.par_chunks(CHUNK).map(of_chunk).try_reduce(|| Extremes::NONE, both);
-    extremes.ok_or_else(|| first(vertices, |vertex| !is_good(vertex)).unwrap_or_default())
+    let judged = vertices.par_chunks(CHUNK).map(|chunk| Some(of_chunk(chunk)).filter(are_good));
+    let is_bad = |vertex: &V| !vertex.widened().iter().all(|x| x.abs() < LIMIT);
+    judged.try_reduce(|| Extremes::NONE, both).ok_or_else(|| first(vertices, is_bad).unwrap_or_default())
 }
 
 /// The first that is bad.

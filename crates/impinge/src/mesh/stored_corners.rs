@@ -11,7 +11,7 @@ use super::frame::PackedFrame;
 use super::leaf::Leaf;
 use super::positions::{Vertex, VertexSlice};
 use crate::hierarchy::BoxLanes;
-use crate::simd::{LANES, Lanes3, by_axis, prefetch_at};
+use crate::simd::{LANES, Lanes3, Rows, by_axis, prefetch_at};
 
 /// Faces over vertices, and how these get to the packed frame.
 #[derive(Clone, Copy)]
@@ -28,7 +28,7 @@ impl<'a> Corners<'a> {
         let faces = Faces::of(faces);
         match vertices {
             VertexSlice::F32(vertices) if (1.0 / LARGEST_SCALE..=LARGEST_SCALE).contains(&frame.scale) => {
-                Self::Single(Singles { vertices, last: last_row(vertices), faces, frame })
+                Self::Single(Singles { vertices: Rows::of(vertices), faces, frame })
             }
             VertexSlice::F32(vertices) => Self::SingleWidened(Doubles { vertices, faces, frame }),
             VertexSlice::F64(vertices) => Self::Double(Doubles { vertices, faces, frame }),
@@ -44,31 +44,30 @@ pub(super) type VertexRows = [[u32; 4]; LANES];
 
 /// Faces by their vertices.
 #[derive(Clone, Copy)]
-pub(super) struct Faces<'a> {
-    faces: &'a [[u32; 3]],
-    /// The last face, which no number follows, and one that does.
-    last: [u32; 4],
-}
+pub(super) struct Faces<'a>(Rows<'a, u32>);
 
 impl<'a> Faces<'a> {
     fn of(faces: &'a [[u32; 3]]) -> Self {
-        let [a, b, c] = faces.last().copied().unwrap_or_default();
-        Self { faces, last: [a, b, c, 0] }
+        Self(Rows::of(faces))
     }
 
     /// Asks for a face.
     #[inline(always)]
     pub(super) fn prefetch(&self, face: u32) {
-        prefetch_at(self.faces, face as usize);
+        prefetch_at(self.0.all(), face as usize);
     }
 
     /// Looks up the vertices of a leaf's faces.
     #[inline(always)]
     pub(super) fn look_up(&self, leaf: &Leaf, rows: &mut VertexRows) {
-        for lane in 0..LANES {
-            let at = 3 * leaf.faces[lane] as usize;
-            let row = self.faces.as_flattened().get(at..at + 4).unwrap_or(&self.last);
-            rows[lane].copy_from_slice(row);
+        if let Some(inside) = self.0.inside(&leaf.faces) {
+            for lane in 0..LANES {
+                rows[lane] = *inside.row(lane);
+            }
+        } else {
+            for lane in 0..LANES {
+                rows[lane] = *self.0.row(leaf.faces[lane]);
+            }
         }
     }
 }
@@ -136,20 +135,9 @@ fn next_up(x: f32) -> f32 {
 /// Vertices in single precision.
 #[derive(Clone, Copy)]
 pub(super) struct Singles<'a> {
-    vertices: &'a [[f32; 3]],
-    /// The last vertex, which no number follows, and one that does.
-    last: [f32; 4],
+    vertices: Rows<'a, f32>,
     faces: Faces<'a>,
     frame: &'a PackedFrame,
-}
-
-impl Singles<'_> {
-    /// A vertex, and any fourth number.
-    #[inline(always)]
-    fn row<S: Simd>(&self, simd: S, vertex: u32) -> f32x4<S> {
-        let at = 3 * vertex as usize;
-        f32x4::from_slice(simd, self.vertices.as_flattened().get(at..at + 4).unwrap_or(&self.last))
-    }
 }
 
 impl StoredCorners for Singles<'_> {
@@ -167,21 +155,28 @@ impl StoredCorners for Singles<'_> {
 
     #[inline(always)]
     fn prefetch_vertex(&self, vertex: u32) {
-        prefetch_at(self.vertices, vertex as usize);
+        prefetch_at(self.vertices.all(), vertex as usize);
     }
 
     #[inline(always)]
     fn vertex(&self, vertex: u32) -> [f64; 3] {
-        self.vertices[vertex as usize].widened()
+        self.vertices.all()[vertex as usize].widened()
     }
 
     #[inline(always)]
-    fn gather<S: Simd>(&self, simd: S, [a, b, c, d, e, f, g, h]: &VertexRows) -> [Lanes3<S>; 3] {
-        by_axis!(k => {
-            let low = [self.row(simd, a[k]), self.row(simd, b[k]), self.row(simd, c[k]), self.row(simd, d[k])];
-            let high = [self.row(simd, e[k]), self.row(simd, f[k]), self.row(simd, g[k]), self.row(simd, h[k])];
-            transposed(low, high)
-        })
+    fn gather<S: Simd>(&self, simd: S, triangles: &VertexRows) -> [Lanes3<S>; 3] {
+        let vertices = triangles.as_flattened();
+        if let Some(inside) = self.vertices.inside(vertices) {
+            corners_of(
+                #[inline(always)]
+                |at| f32x4::from_slice(simd, inside.row(at)),
+            )
+        } else {
+            corners_of(
+                #[inline(always)]
+                |at| f32x4::from_slice(simd, self.vertices.row(vertices[at])),
+            )
+        }
     }
 
     #[inline(always)]
@@ -235,11 +230,6 @@ impl StoredCorners for Singles<'_> {
         let place: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, place[axis] as f32));
         by_axis!(corner => by_axis!(axis => (gathered[corner][axis] - place[axis]) * scale))
     }
-}
-
-fn last_row(vertices: &[[f32; 3]]) -> [f32; 4] {
-    let [x, y, z] = vertices.last().copied().unwrap_or_default();
-    [x, y, z, 0.0]
 }
 
 /// Vertices that are taken to the packed frame in double precision.
@@ -332,6 +322,16 @@ impl<V: Vertex> StoredCorners for Doubles<'_, V> {
             transposed(low, high)
         })
     }
+}
+
+/// The corners of eight triangles, by the places of their [rows](VertexRows).
+#[inline(always)]
+fn corners_of<S: Simd>(row: impl Fn(usize) -> f32x4<S>) -> [Lanes3<S>; 3] {
+    by_axis!(k => {
+        let low = [row(k), row(4 + k), row(8 + k), row(12 + k)];
+        let high = [row(16 + k), row(20 + k), row(24 + k), row(28 + k)];
+        transposed(low, high)
+    })
 }
 
 /// The first three columns of eight rows.

@@ -5,6 +5,7 @@
 //! *confirm* within proved bounds, and what they leave open is decided exactly.
 
 mod prefetch;
+mod rows;
 mod vectors;
 
 /// `[body, body, body]` with `axis` 0, 1, 2. A closure would do, but one that the compiler leaves out of line loses the
@@ -31,6 +32,7 @@ macro_rules! by_axis {
 pub(crate) use by_axis;
 
 pub(crate) use prefetch::{prefetch, prefetch_at};
+pub(crate) use rows::Rows;
 pub(crate) use vectors::{Lanes3, cross, dot, load, load3, store3, sub};
 
 pub use fearless_simd::Level;
