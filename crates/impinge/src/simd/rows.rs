@@ -38,7 +38,9 @@ impl<'a, T: Copy + Default> Rows<'a, T> {
     #[inline(always)]
     pub(crate) fn inside<'b>(&self, at: &'b [u32]) -> Option<Inside<'a, 'b, T>> {
         let greatest = at.iter().fold(0, |greatest, &row| row.max(greatest));
-        (greatest as usize + 1 < self.rows.len()).then_some(Inside { rows: self.rows, at })
+        // A number and one may be more than an index can be.
+        let inside = (greatest as usize) < self.rows.len().saturating_sub(1);
+        inside.then_some(Inside { rows: self.rows, at })
     }
 }
 
