@@ -2,9 +2,6 @@
 
 use std::sync::OnceLock;
 
-use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f64x4};
-
 use crate::simd::by_axis;
 use crate::storage::Buffer;
 
@@ -39,9 +36,6 @@ pub(super) enum VertexSlice<'a> {
 pub(super) trait Vertex: Copy + Sync {
     /// The same point in double precision.
     fn widened(self) -> [f64; 3];
-
-    /// One of some vertices in double precision, and any fourth number.
-    fn row<S: Simd>(simd: S, vertices: &[Self], vertex: u32) -> f64x4<S>;
 }
 
 impl Vertex for [f32; 3] {
@@ -49,30 +43,12 @@ impl Vertex for [f32; 3] {
     fn widened(self) -> [f64; 3] {
         by_axis!(axis => f64::from(self[axis]))
     }
-
-    #[inline(always)]
-    fn row<S: Simd>(simd: S, vertices: &[Self], vertex: u32) -> f64x4<S> {
-        let [x, y, z] = vertices[vertex as usize].widened();
-        f64x4::from_slice(simd, &[x, y, z, 0.0])
-    }
 }
 
 impl Vertex for [f64; 3] {
     #[inline(always)]
     fn widened(self) -> [f64; 3] {
         self
-    }
-
-    #[inline(always)]
-    fn row<S: Simd>(simd: S, vertices: &[Self], vertex: u32) -> f64x4<S> {
-        let first = 3 * vertex as usize;
-        match vertices.as_flattened().get(first..first + 4) {
-            Some(row) => f64x4::from_slice(simd, row),
-            None => {
-                let [x, y, z] = vertices[vertex as usize];
-                f64x4::from_slice(simd, &[x, y, z, 0.0])
-            }
-        }
     }
 }
 

@@ -17,8 +17,8 @@ use crate::simd::{LANES, Lanes3, Rows, by_axis, prefetch_at};
 #[derive(Clone, Copy)]
 pub(super) enum Corners<'a> {
     Single(Singles<'a>),
-    SingleWidened(Doubles<'a, [f32; 3]>),
-    Double(Doubles<'a, [f64; 3]>),
+    SingleWidened(Doubles<'a, f32>),
+    Double(Doubles<'a, f64>),
 }
 
 impl<'a> Corners<'a> {
@@ -30,8 +30,8 @@ impl<'a> Corners<'a> {
             VertexSlice::F32(vertices) if (1.0 / LARGEST_SCALE..=LARGEST_SCALE).contains(&frame.scale) => {
                 Self::Single(Singles { vertices: Rows::of(vertices), faces, frame })
             }
-            VertexSlice::F32(vertices) => Self::SingleWidened(Doubles { vertices, faces, frame }),
-            VertexSlice::F64(vertices) => Self::Double(Doubles { vertices, faces, frame }),
+            VertexSlice::F32(vertices) => Self::SingleWidened(Doubles { vertices: Rows::of(vertices), faces, frame }),
+            VertexSlice::F64(vertices) => Self::Double(Doubles { vertices: Rows::of(vertices), faces, frame }),
         }
     }
 }
@@ -234,13 +234,13 @@ impl StoredCorners for Singles<'_> {
 
 /// Vertices that are taken to the packed frame in double precision.
 #[derive(Clone, Copy)]
-pub(super) struct Doubles<'a, V> {
-    vertices: &'a [V],
+pub(super) struct Doubles<'a, T> {
+    vertices: Rows<'a, T>,
     faces: Faces<'a>,
     frame: &'a PackedFrame,
 }
 
-impl<V: Vertex> StoredCorners for Doubles<'_, V> {
+impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
     /// A vertex each, and any fourth number.
     type Gathered<S: Simd> = [[f64x4<S>; LANES]; 3];
 
@@ -256,23 +256,30 @@ impl<V: Vertex> StoredCorners for Doubles<'_, V> {
 
     #[inline(always)]
     fn prefetch_vertex(&self, vertex: u32) {
-        prefetch_at(self.vertices, vertex as usize);
+        prefetch_at(self.vertices.all(), vertex as usize);
     }
 
     #[inline(always)]
     fn vertex(&self, vertex: u32) -> [f64; 3] {
-        self.vertices[vertex as usize].widened()
+        self.vertices.all()[vertex as usize].map(Into::into)
     }
 
     #[inline(always)]
     fn gather<S: Simd>(&self, simd: S, triangles: &VertexRows) -> [[f64x4<S>; LANES]; 3] {
-        let mut rows = [[f64x4::splat(simd, 0.0); LANES]; 3];
-        for lane in 0..LANES {
-            for corner in 0..3 {
-                rows[corner][lane] = V::row(simd, self.vertices, triangles[lane][corner]);
-            }
+        let vertices = triangles.as_flattened();
+        if let Some(inside) = self.vertices.inside(vertices) {
+            widened_rows(
+                simd,
+                #[inline(always)]
+                |at| inside.row(at),
+            )
+        } else {
+            widened_rows(
+                simd,
+                #[inline(always)]
+                |at| self.vertices.row(vertices[at]),
+            )
         }
-        rows
     }
 
     #[inline(always)]
@@ -332,6 +339,22 @@ fn corners_of<S: Simd>(row: impl Fn(usize) -> f32x4<S>) -> [Lanes3<S>; 3] {
         let high = [row(16 + k), row(20 + k), row(24 + k), row(28 + k)];
         transposed(low, high)
     })
+}
+
+/// The corners of eight triangles in double precision, by the places of their [rows](VertexRows).
+#[inline(always)]
+fn widened_rows<'a, S: Simd, T: Copy + Into<f64> + 'a>(
+    simd: S,
+    row: impl Fn(usize) -> &'a [T; 4],
+) -> [[f64x4<S>; LANES]; 3] {
+    let mut rows = [[f64x4::splat(simd, 0.0); LANES]; 3];
+    for lane in 0..LANES {
+        for corner in 0..3 {
+            let [x, y, z, any] = *row(4 * lane + corner);
+            rows[corner][lane] = f64x4::from_slice(simd, &[x.into(), y.into(), z.into(), any.into()]);
+        }
+    }
+    rows
 }
 
 /// The first three columns of eight rows.
