@@ -97,8 +97,8 @@ impl WorldState {
 /// The objects that shapes are made of, each once, and the number of that of each body.
 type ShapeTable<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-/// Poses, (n, 4, 4), traits, (n, 5): kind, layers, layers met, what changed and how boxes are found; owners, (n,), whether there are any, (n,), and
-/// tags, (n,).
+/// Poses, (n, 4, 4), traits, (n, 5): kind, layers, layers met, what changed and how boxes are found; owners, (n,), whether there
+/// are any, (n,), and tags, (n,).
 type BodyTable<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 /// Handles, (p, 2), what was found, (p,), and the contacts as `contacts::columns` makes them.

@@ -3,9 +3,9 @@
 //! `cargo run --release -p impinge-bench --bin trees`
 //!
 //! A build of impinge is that of a whole mesh: judged, and with its triangles packed for queries; one of obvhs is that of the wide
-//! tree over triangles already laid out, and of the binary tree that it is made from. obvhs computes in single precision, so both get vertices that are rounded to it; its rays
-//! then meet triangles by Möller and Trumbore's test, which is not exact along edges, so that a few of its rays pass between two
-//! triangles: they are counted.
+//! tree over triangles already laid out, and of the binary tree that it is made from. obvhs computes in single precision, so both
+//! get vertices that are rounded to it; its rays then meet triangles by Möller and Trumbore's test, which is not exact along edges,
+//! so that a few of its rays pass between two triangles: they are counted.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]

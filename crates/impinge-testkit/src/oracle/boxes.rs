@@ -4,8 +4,8 @@
 //! in f64, c' differs from c by at most 4u/(1-4u) S, by one rounding of each product and three sums, and by 3 · 2^-1075
 //! where products underflow (Higham, *Accuracy and Stability of Numerical Algorithms*, 3.1). The computed S' has the same
 //! error, so S ≤ S'(1 + 5u) + 2^-1073 and |c' - c| ≤ 5u S' + 2^-1072. The reach taken, `8u S' + 2^-1070`, exceeds that by
-//! more than a third of itself, and so by more than the rounding of its own sum. Subtracting and adding it rounds once more: one step outward makes up for it.
-//! Where anything overflows, the bounds are infinite.
+//! more than a third of itself, and so by more than the rounding of its own sum.
+//! Subtracting and adding it rounds once more: one step outward makes up for it. Where anything overflows, the bounds are infinite.
 
 use crate::{Affine, Posed};
 

@@ -40,8 +40,9 @@ pub struct PartPlan {
 impl Plan {
     /// At most `volumes` parts, and at least one.
     ///
-    /// Two parts are merged where that adds the least surface to what a box about all of their motion has: the area of a
-    /// volume is what strikes are in vain by. Bones whose names put them into different limbs are merged last. Of both bones, the merged part is fixed to the one that sees the smaller box.
+    /// Two parts are merged where that adds the least surface to what a box about all of their motion has: the area of a volume is
+    /// what strikes are in vain by. Bones whose names put them into different limbs are merged last. Of both bones, the merged part
+    /// is fixed to the one that sees the smaller box.
     ///
     /// # Errors
     /// A rig without faces, or one whose animations leave the range of poses.

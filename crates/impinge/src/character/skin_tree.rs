@@ -21,7 +21,8 @@ use super::transform::{Matrix, Vector, apply, times};
 use super::vector::{add, length, scale, sub};
 use super::volume::box_of;
 
-/// Faces of a leaf at most: a choice. With fewer more spheres are found on the way to them, with more a ray that comes to a leaf skins more.
+/// Faces of a leaf at most: a choice. With fewer more spheres are found on the way to them, with more a ray that comes to a leaf
+/// skins more.
 const LEAF: usize = 8;
 
 /// Of the sizes of what is added up, for each number that is: eight roundings.

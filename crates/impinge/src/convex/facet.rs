@@ -20,8 +20,9 @@ impl Facet {
     /// The facet of three points whose coordinates are at most a few units; none where they are in one line.
     ///
     /// # Accuracy
-    /// With e, f the edges at one corner a and `N_k` the magnitudes of the two products of component k of the normal n = e × f, that is off by 5 u
-    /// N_k and n·a by 9 u Σ N_k |a_k| (docs/proof.md, L22). Where that is not little next to |n|, integers give both.
+    /// With e, f the edges at one corner a and `N_k` the magnitudes of the two products of component k of the normal n = e × f,
+    /// that is off by 5 u N_k and n·a by 9 u Σ N_k |a_k| (docs/proof.md, L22). Where that is not little next to |n|, integers give
+    /// both.
     pub(super) fn of(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> Option<Self> {
         let (e, f) = (sub(b, a), sub(c, a));
         let (squared_e, squared_f, squared_g) = (dot(&e, &e), dot(&f, &f), dot(&sub(c, b), &sub(c, b)));

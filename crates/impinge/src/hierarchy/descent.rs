@@ -200,9 +200,9 @@ impl Descent<'_> {
         visitor.finish(simd)
     }
 
-    /// Two nodes, both opened at once, or the much larger one alone. Where one of them holds leaves and the other nodes of
-    /// like size, that one stays as it is, so that leaves come to meet leaves. The tasks of one guest child are left side by side, so that it is carried over
-    /// once for all of them.
+    /// Two nodes, both opened at once, or the much larger one alone. Where one of them holds leaves and the other nodes of like
+    /// size, that one stays as it is, so that leaves come to meet leaves. The tasks of one guest child are left side by side, so
+    /// that it is carried over once for all of them.
     #[inline(always)]
     fn open<S: Simd, V: LeafVisitor>(
         &self,

@@ -10,8 +10,8 @@ const RIGID: f64 = 1e-4;
 
 /// A bound on the factor by which the pose stretches any length; 1 exactly where its linear part is exactly orthogonal.
 ///
-/// That is so of floats only with one entry of ±1 in each row and column: a row is whole numbers over a power of two, whose squares add up to
-/// a power of four, and three squares whose sum is a multiple of four are all even.
+/// That is so of floats only with one entry of ±1 in each row and column: a row is whole numbers over a power of two, whose squares
+/// add up to a power of four, and three squares whose sum is a multiple of four are all even.
 ///
 /// # Accuracy
 /// The greatest singular value σ of R has σ² ≤ 1 + ‖RᵀR - I‖, so σ ≤ 1 + ‖RᵀR - I‖ / 2, for which the Frobenius norm serves. An entry of

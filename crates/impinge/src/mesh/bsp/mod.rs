@@ -1,10 +1,10 @@
 //! A solid-leaf BSP tree over the faces of a mesh: space cut by planes until no face is left in a cell, so that one answer tells
 //! for all points of it.
 //!
-//! Source: Thibault, Naylor, *Set operations on polyhedra using binary space partitioning trees*, SIGGRAPH 1987 (Ericson, 8.2 to 8.4). Ours
-//! departs in three ways. Faces that a plane passes through go to both sides whole, as pieces of them would be rounded. Planes across an axis come
-//! first and those of faces last, so that round solids, of which no face's plane halves the others, get trees of small depth too. And what a cell
-//! is is asked, exactly, when a point first falls into it.
+//! Source: Thibault, Naylor, *Set operations on polyhedra using binary space partitioning trees*, SIGGRAPH 1987 (Ericson, 8.2 to
+//! 8.4). Ours departs in three ways. Faces that a plane passes through go to both sides whole, as pieces of them would be rounded.
+//! Planes across an axis come first and those of faces last, so that round solids, of which no face's plane halves the others, get
+//! trees of small depth too. And what a cell is is asked, exactly, when a point first falls into it.
 
 mod across;
 mod build;
@@ -23,8 +23,8 @@ use plane::CutPlane;
 
 /// Cells of space about a mesh, disjoint and convex, by a binary tree of planes.
 ///
-/// For points and rays that are many and a mesh that stands still: a point costs a plane for each level, and an exact winding number only where it
-/// is the first of its cell, on a plane, or in a cell that was not cut to the end.
+/// For points and rays that are many and a mesh that stands still: a point costs a plane for each level, and an exact winding
+/// number only where it is the first of its cell, on a plane, or in a cell that was not cut to the end.
 ///
 /// ```
 /// use impinge::mesh::{Containment, SolidBsp};
@@ -85,8 +85,8 @@ impl SolidBsp {
     /// The tree of a mesh as it is now: what is done to the mesh later does not change it.
     ///
     /// # Complexity
-    /// O(n log n), whatever the mesh is: planes pass through faces at most eight times as often as there are faces. What these do not suffice
-    /// for stays in cells with faces, where each point is asked for by itself.
+    /// O(n log n), whatever the mesh is: planes pass through faces at most eight times as often as there are faces. What these do
+    /// not suffice for stays in cells with faces, where each point is asked for by itself.
     #[must_use]
     pub fn build(mesh: &Mesh) -> Self {
         build::Building::of(mesh)
@@ -98,7 +98,8 @@ impl SolidBsp {
     /// A coordinate that is not finite, or not below 2^128 in magnitude.
     ///
     /// # Accuracy
-    /// Exact for closed meshes (docs/proof.md, L32). Round an open mesh winding numbers are not constant in a cell, and every point is asked for by itself.
+    /// Exact for closed meshes (docs/proof.md, L32). Round an open mesh winding numbers are not constant in a cell, and every point
+    /// is asked for by itself.
     pub fn contains(&self, point: [f64; 3]) -> Result<Containment, InputError> {
         InputError::judge_row(&point, "point", 0)?;
         let ask = || Judge::new(&self.mesh).containment(&PosedPoint::local(Spot::At(point)));

@@ -23,7 +23,8 @@ pub(super) struct Slots {
 }
 
 impl Slots {
-    /// Puts records from one list into places of another, which is as long; `begin` tells where a record begins, more exactly than by steps.
+    /// Puts records from one list into places of another, which is as long; `begin` tells where a record begins, more exactly than
+    /// by steps.
     #[inline(always)]
     pub(super) fn sort(&mut self, from: &[Record], to: &mut [Record], begin: impl Fn(&Record) -> f32) {
         let (mut low, mut high) = (u32::MAX, 0);

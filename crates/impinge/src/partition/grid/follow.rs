@@ -19,7 +19,8 @@ pub(super) const SHORT: usize = 27;
 /// Cells along each axis that a short way is seen from at most.
 const WIDEST: usize = 4;
 
-/// What boxes that move together look at in a level: cells, in the order in which they move. Kept, as it is written anew for each few moves.
+/// What boxes that move together look at in a level: cells, in the order in which they move. Kept, as it is written anew for each
+/// few moves.
 #[derive(Clone, Debug)]
 pub(super) struct Looks {
     /// As many as `count`, and others that mean nothing.

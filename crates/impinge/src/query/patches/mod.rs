@@ -57,8 +57,9 @@ pub struct ContactPatch {
 /// that has no area, as of surfaces that only touch, has as its normal that of a face of the first mesh.
 ///
 /// # Complexity
-/// That of [`intersecting_pairs`], O(k log k) for k pairs, and for each side of each curve, or each vertex there where a mesh is open, that
-/// of [`Mesh::contains`](crate::Mesh::contains) for one point. Regions with vertices inside take as long as these are many; O(n) the first time that a mesh is asked.
+/// That of [`intersecting_pairs`], O(k log k) for k pairs, and for each side of each curve, or each vertex there where a mesh is
+/// open, that of [`Mesh::contains`](crate::Mesh::contains) for one point. Regions with vertices inside take as long as these are
+/// many; O(n) the first time that a mesh is asked.
 #[must_use]
 pub fn contact_patches<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Vec<ContactPatch> {
     regions_of([a.into(), b.into()]).into_iter().map(|region| region.patch).collect()

@@ -6,7 +6,8 @@
 //! What is told of it is proved in the end.
 //!
 //! # Source
-//! Lemaréchal, *An extension of Davidon methods to non differentiable problems*, Mathematical Programming Study 3, 1975 (bundles of slopes).
+//! Lemaréchal, *An extension of Davidon methods to non differentiable problems*, Mathematical Programming Study 3, 1975 (bundles of
+//! slopes).
 
 use super::Proximity;
 use super::table::placed;

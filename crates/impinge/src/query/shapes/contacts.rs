@@ -82,10 +82,10 @@ pub fn contacts(a: &PlacedShape, b: &PlacedShape) -> Vec<Manifold> {
 
 /// [`contacts`], of what the options ask for; with a margin none exactly where [`within`](super::within) the margin is false.
 ///
-/// Two convex shapes have one manifold, with the normal of [`penetration`](super::penetration), of round ones to within 2^-12. A mesh and a convex shape have
-/// one for each normal: the faces' manifolds, put together where their normals are within 2.5 degrees. Two meshes have one for
-/// each region in which their surfaces meet ([`contact_patches`](crate::query::contact_patches)). Compounds have those of their
-/// parts.
+/// Two convex shapes have one manifold, with the normal of [`penetration`](super::penetration), of round ones to within 2^-12. A
+/// mesh and a convex shape have one for each normal: the faces' manifolds, put together where their normals are within 2.5 degrees.
+/// Two meshes have one for each region in which their surfaces meet ([`contact_patches`](crate::query::contact_patches)). Compounds
+/// have those of their parts.
 ///
 /// # Accuracy
 /// Near each of the two points, as far as rounding goes, there is a point of its shape such that these are as deep along the normal as the

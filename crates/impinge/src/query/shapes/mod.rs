@@ -64,8 +64,8 @@ impl ShapeDistance {
 /// Whether two shapes have a common point, as far as that is proved; touching counts.
 ///
 /// # Complexity
-/// Some 10 supports of either convex shape; for a mesh those of each face whose boxes are near; where shapes nearly touch and are polytopes, some microseconds of exact arithmetic for each
-/// of a few vertices.
+/// Some 10 supports of either convex shape; for a mesh those of each face whose boxes are near; where shapes nearly touch and are
+/// polytopes, some microseconds of exact arithmetic for each of a few vertices.
 #[must_use]
 pub fn proximity(a: &PlacedShape, b: &PlacedShape) -> Proximity {
     table::nearness(a, b, 0.0)
