@@ -5,6 +5,29 @@ use fearless_simd::{Simd, f32x4};
 
 use crate::volume::Aabb;
 
+/// Twice the centre of a box, and which box it is.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Zeroable, bytemuck::Pod)]
+#[repr(C)]
+pub(crate) struct Centre {
+    pub(super) twice: [f32; 3],
+    pub(super) index: u32,
+}
+
+impl Centre {
+    /// Of box `index`, in place of what is here.
+    #[inline(always)]
+    pub(super) fn set<S: Simd>(&mut self, twice: f32x4<S>, index: u32) {
+        twice.store_slice(bytemuck::cast_mut::<Self, [f32; 4]>(self));
+        self.index = index;
+    }
+
+    /// Twice the centre, and any fourth lane.
+    #[inline(always)]
+    pub(super) fn lanes<S: Simd>(&self, simd: S) -> f32x4<S> {
+        f32x4::from_slice(simd, bytemuck::cast_ref::<Self, [f32; 4]>(self))
+    }
+}
+
 /// Things with boxes, none of which is empty.
 pub(crate) trait Boxes: Sync {
     /// How many there are.
@@ -13,8 +36,8 @@ pub(crate) trait Boxes: Sync {
     /// Bounds of twice the centres of all of them, which may be generous.
     fn twice_centres(&self) -> Aabb;
 
-    /// Twice the centre of one box, and any fourth lane.
-    fn twice_centre<S: Simd>(&self, simd: S, index: u32) -> f32x4<S>;
+    /// Twice the centres of eight boxes from number `first` on, and any fourth lanes; anything for boxes that there are not.
+    fn eight<S: Simd>(&self, simd: S, first: usize) -> [[f32x4<S>; 4]; 2];
 }
 
 impl Boxes for [Aabb] {
@@ -28,9 +51,12 @@ impl Boxes for [Aabb] {
     }
 
     #[inline(always)]
-    fn twice_centre<S: Simd>(&self, simd: S, index: u32) -> f32x4<S> {
-        let Aabb { min, max } = &self[index as usize];
-        f32x4::from_slice(simd, &[min[0] + max[0], min[1] + max[1], min[2] + max[2], 0.0])
+    fn eight<S: Simd>(&self, simd: S, first: usize) -> [[f32x4<S>; 4]; 2] {
+        let mut centres = [[f32x4::splat(simd, 0.0); 4]; 2];
+        for (centre, Aabb { min, max }) in centres.as_flattened_mut().iter_mut().zip(&self[first..]) {
+            *centre = f32x4::from_slice(simd, &[min[0] + max[0], min[1] + max[1], min[2] + max[2], 0.0]);
+        }
+        centres
     }
 }
 

@@ -6,88 +6,104 @@
 
 use std::num::NonZeroU32;
 
+use bytemuck::Zeroable;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, f32x8};
+use fearless_simd::{Simd, f32x8};
 
 use super::binary::{BinaryNode, LEAF_CAPACITY, NODE_OF_LEAVES};
-use super::boxes::Bounds;
-use super::curve::{Key, index};
+use super::boxes::{Bounds, Centre};
 use crate::simd::LANES;
 
 /// The most boxes of a cluster. Each level of a cluster costs a pass over it; twice as many cost a seventh more time and
 /// gain nothing that can be measured.
 pub(crate) const CLUSTER: usize = 8 * NODE_OF_LEAVES;
 
-/// Twice the centre of a box.
-#[derive(Clone, Copy, bytemuck::Zeroable, bytemuck::Pod)]
-#[repr(C)]
-struct Centre {
-    twice: [f32; 3],
-    index: u32,
-}
-
-/// One cluster after another, in the same memory.
+/// Room for one cluster after another.
 pub(crate) struct Cluster {
-    centres: [Centre; CLUSTER],
-    len: usize,
     spare: [Centre; CLUSTER],
     along: [f32; CLUSTER],
 }
 
+/// What is left to emit: a range of the cluster, and whether it is in the spare room.
+#[derive(Clone, Copy, Default)]
+struct Left {
+    start: usize,
+    len: usize,
+    is_spare: bool,
+}
+
 impl Cluster {
     pub(crate) fn new() -> Self {
-        let centres: [Centre; CLUSTER] = bytemuck::Zeroable::zeroed();
-        Self { centres, len: 0, spare: centres, along: [0.0; CLUSTER] }
+        Self { spare: Zeroable::zeroed(), along: [0.0; CLUSTER] }
     }
 
-    /// Takes up the boxes of these keys, of which there are not too many.
-    pub(crate) fn hold(&mut self, twice_centres: &[[f32; 4]], keys: &[Key]) {
-        for (centre, &key) in self.centres.iter_mut().zip(keys) {
-            let index = index(key);
-            let [x, y, z, _] = twice_centres[index as usize];
-            *centre = Centre { twice: [x, y, z], index };
-        }
-        self.len = keys.len().min(CLUSTER);
-    }
-
-    /// Writes the order of the boxes that it holds, of which the first is the tree's box `first`, appends their nodes in
+    /// Groups the boxes of a cluster, of which the first is the tree's box `first`, writes their order, appends their nodes in
     /// preorder, and returns what `bounds` keeps of them all.
     #[inline(always)]
     pub(crate) fn emit<S: Simd, B: Bounds>(
         &mut self,
         simd: S,
+        centres: &mut [Centre],
         bounds: impl Fn(&[u32]) -> B,
         order: &mut [u32],
         first: u32,
         nodes: &mut Vec<BinaryNode<B>>,
     ) -> B {
-        /// What is left to emit, a range of the cluster: one for each level and one more.
+        /// One range for each level and one more.
         const MOST_LEFT: usize = 8;
-        let Self { centres, len, spare, along } = self;
+        let Self { spare, along } = self;
         let root = nodes.len();
-        let mut left = [(0, 0); MOST_LEFT];
-        left[0] = (0, *len);
+        let mut left = [Left::default(); MOST_LEFT];
+        left[0].len = centres.len();
         let mut count = 1;
         while count > 0 {
             count -= 1;
-            let (start, len) = left[count];
-            let (at, held) = (first + start as u32, len as u32);
+            let Left { start, len, is_spare } = left[count];
+            let all = start..start + len;
+            let (from, to) = if is_spare { (&mut spare[..], &mut *centres) } else { (&mut *centres, &mut spare[..]) };
+            let (from, to, order) = (&from[all.clone()], &mut to[all.clone()], &mut order[all]);
+            let at = first + start as u32;
+            let leaf = |order: &[u32], at: u32| BinaryNode {
+                bounds: bounds(order),
+                first: at,
+                count: order.len() as u32,
+                right: None,
+            };
             if len <= LEAF_CAPACITY {
-                let order = &mut order[start..start + len];
-                for (index, centre) in order.iter_mut().zip(&centres[start..]) {
+                for (index, centre) in order.iter_mut().zip(from) {
                     *index = centre.index;
                 }
-                nodes.push(BinaryNode { bounds: bounds(order), first: at, count: held, right: None });
+                nodes.push(leaf(order, at));
                 continue;
             }
             let whole = if len > NODE_OF_LEAVES { NODE_OF_LEAVES } else { LEAF_CAPACITY };
             let low = len.div_ceil(whole).div_ceil(2) * whole;
-            split(simd, &mut centres[start..start + len], &mut spare[..len], along, low);
             // All leaves of the lower part are full, so that its nodes are known before they are there.
             let right = NonZeroU32::new(2 * low.div_ceil(LEAF_CAPACITY) as u32);
-            nodes.push(BinaryNode { bounds: B::EMPTY, first: at, count: held, right });
-            left[count] = (start + low, len - low);
-            left[count + 1] = (start, low);
+            nodes.push(BinaryNode { bounds: B::EMPTY, first: at, count: len as u32, right });
+            if len <= 2 * LEAF_CAPACITY {
+                halve(
+                    simd,
+                    from,
+                    along,
+                    low,
+                    #[inline(always)]
+                    |place, centre| order[place] = centre.index,
+                );
+                let (low_order, high_order) = order.split_at(low);
+                nodes.extend([leaf(low_order, at), leaf(high_order, at + low as u32)]);
+                continue;
+            }
+            halve(
+                simd,
+                from,
+                along,
+                low,
+                #[inline(always)]
+                |place, centre| to[place] = *centre,
+            );
+            left[count] = Left { start: start + low, len: len - low, is_spare: !is_spare };
+            left[count + 1] = Left { start, len: low, is_spare: !is_spare };
             count += 2;
         }
         for at in (root..nodes.len()).rev() {
@@ -99,52 +115,60 @@ impl Cluster {
     }
 }
 
-/// Moves the `low` centres that come first along the widest axis to the front. `along` is room for a number for each, and for
-/// whole lanes.
+/// Puts each centre in its place: the `low` ones that come first along the widest axis before the others, all else in the order in
+/// which they come. `along` is room for a number for each, and for whole lanes.
 #[inline(always)]
-fn split<S: Simd>(simd: S, centres: &mut [Centre], spare: &mut [Centre], along: &mut [f32], low: usize) {
-    let Some((axis, least, greatest)) = widest_axis(simd, centres) else { return };
-    for (along, centre) in along.iter_mut().zip(centres.iter()) {
+fn halve<S: Simd>(simd: S, centres: &[Centre], along: &mut [f32], low: usize, mut put: impl FnMut(usize, &Centre)) {
+    let Some((axis, least, greatest)) = widest_axis(simd, centres) else {
+        for (at, centre) in centres.iter().enumerate() {
+            put(at, centre);
+        }
+        return;
+    };
+    for (along, centre) in along.iter_mut().zip(centres) {
         *along = centre.twice[axis];
     }
     let whole = centres.len().next_multiple_of(LANES);
     along[centres.len()..whole].fill(f32::INFINITY);
     let (from, to, below) = median(simd, &along[..whole], [least, greatest], low);
-    if below == low {
-        deal(
-            centres,
-            spare,
-            #[inline(always)]
-            |at| along[at] < from,
-        );
-    } else {
-        let mut wanted = low - below;
-        deal(
-            centres,
-            spare,
-            #[inline(always)]
-            |at| {
-                let is_wanted = (along[at] >= from) & (along[at] < to) & (wanted > 0);
-                wanted -= usize::from(is_wanted);
-                (along[at] < from) | is_wanted
-            },
-        );
+    let (from, to, mut wanted) = (f32x8::splat(simd, from), f32x8::splat(simd, to), (low - below) as u64);
+    let mut next = [0, low];
+    for (eight, along) in along[..whole].as_chunks::<LANES>().0.iter().enumerate() {
+        let along = f32x8::from_slice(simd, along);
+        let below = along.simd_lt(from).to_bitmask();
+        let between = first_bits(along.simd_lt(to).to_bitmask() & !below, wanted);
+        wanted -= u64::from(between.count_ones());
+        let low_lanes = below | between;
+        let centres = &centres[LANES * eight..];
+        match centres.first_chunk::<LANES>() {
+            Some(eight) => put_each(eight, low_lanes, &mut next, &mut put),
+            None => put_each(centres, low_lanes, &mut next, &mut put),
+        }
     }
 }
 
-/// Moves the centres that are low to the front, all in the order in which they come. `spare` is as long.
+/// Puts those of which there is a bit in the next place of the one kind, the others in that of the other.
 #[inline(always)]
-fn deal(centres: &mut [Centre], spare: &mut [Centre], mut is_low: impl FnMut(usize) -> bool) {
-    let (mut front, mut back) = (0, 0);
-    for at in 0..centres.len() {
-        let (centre, is_low) = (centres[at], is_low(at));
-        // To either side, and the next one over the one that is not kept.
-        centres[front] = centre;
-        spare[back] = centre;
-        front += usize::from(is_low);
-        back += usize::from(!is_low);
+fn put_each(centres: &[Centre], bits: u64, [front, back]: &mut [usize; 2], put: &mut impl FnMut(usize, &Centre)) {
+    for (lane, centre) in centres.iter().enumerate() {
+        let is_front = (bits >> lane & 1) as usize;
+        put(if is_front == 0 { *back } else { *front }, centre);
+        *front += is_front;
+        *back += 1 - is_front;
     }
-    centres[front..].copy_from_slice(&spare[..back]);
+}
+
+/// At most so many bits, the lowest ones.
+#[inline(always)]
+fn first_bits(bits: u64, count: u64) -> u64 {
+    if u64::from(bits.count_ones()) <= count {
+        return bits;
+    }
+    let mut others = bits;
+    for _ in 0..count {
+        others &= others - 1;
+    }
+    bits ^ others
 }
 
 /// An interval, as short as halving makes it, such that at most `low` numbers are below it and more than as many are
@@ -179,7 +203,7 @@ fn median<S: Simd>(simd: S, along: &[f32], [least, greatest]: [f32; 2], low: usi
 #[inline(always)]
 fn widest_axis<S: Simd>(simd: S, centres: &[Centre]) -> Option<(usize, f32, f32)> {
     let (pairs, last) = centres.as_chunks::<2>();
-    let first = f32x4::from_slice(simd, bytemuck::cast_ref::<Centre, [f32; 4]>(&centres[0]));
+    let first = centres[0].lanes(simd);
     let (mut min, mut max) = (first.combine(first), first.combine(first));
     for pair in pairs {
         let pair = f32x8::from_slice(simd, bytemuck::cast_ref::<[Centre; 2], [f32; 8]>(pair));
@@ -189,7 +213,7 @@ fn widest_axis<S: Simd>(simd: S, centres: &[Centre]) -> Option<(usize, f32, f32)
     let ((low_min, high_min), (low_max, high_max)) = (min.split(), max.split());
     let (mut min, mut max) = (low_min.min(high_min), low_max.max(high_max));
     for centre in last {
-        let centre = f32x4::from_slice(simd, bytemuck::cast_ref::<Centre, [f32; 4]>(centre));
+        let centre = centre.lanes(simd);
         min = min.min(centre);
         max = max.max(centre);
     }

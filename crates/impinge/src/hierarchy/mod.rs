@@ -11,6 +11,7 @@ mod build;
 mod cluster;
 mod cost;
 mod curve;
+mod deals;
 mod descent;
 mod generic;
 mod lanes;
@@ -34,8 +35,8 @@ pub(crate) use descent::{
 };
 pub use generic::{Enclosure, GenericTree, NodeVolume};
 pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, overlapping, overlapping_each};
-pub(crate) use morton::Keyed;
 pub use morton::build_morton;
+pub(crate) use morton::tree_along_curve;
 pub(crate) use radix::scatter;
 pub(crate) use refit::{Leaves, Patch, Patches, Work};
 pub use slab::Slab;

@@ -218,23 +218,25 @@ impl<B: Bounds> Collapse<'_, B> {
             let is_whole = child.len == 1 || !subtree.fits_a_node_of_leaves() && child.fits_a_node_of_leaves();
             if is_whole { 0 } else { self.binary.nodes[child.root as usize].count }
         };
-        let mut lanes = [subtree; LANES];
+        let (mut lanes, mut held) = ([subtree; LANES], [0; LANES]);
+        held[0] = fullness(subtree);
         let mut count = 1;
         while count < LANES {
             let mut fullest = 0;
             for lane in 1..count {
-                if fullness(lanes[lane]) > fullness(lanes[fullest]) {
-                    fullest = lane;
-                }
+                fullest = if held[lane] > held[fullest] { lane } else { fullest };
             }
-            let opened = lanes[fullest];
-            if fullness(opened) == 0 {
+            if held[fullest] == 0 {
                 break;
             }
+            let opened = lanes[fullest];
             let Some(right) = self.binary.nodes[opened.root as usize].right else { break };
-            lanes.copy_within(fullest + 1..count, fullest + 2);
-            lanes[fullest] = Subtree { root: opened.root + 1, len: right.get() - 1 };
-            lanes[fullest + 1] = Subtree { root: opened.root + right.get(), len: opened.len - right.get() };
+            let low = Subtree { root: opened.root + 1, len: right.get() - 1 };
+            let high = Subtree { root: opened.root + right.get(), len: opened.len - right.get() };
+            lanes.copy_within(fullest + 1..LANES - 1, fullest + 2);
+            held.copy_within(fullest + 1..LANES - 1, fullest + 2);
+            (lanes[fullest], lanes[fullest + 1]) = (low, high);
+            (held[fullest], held[fullest + 1]) = (fullness(low), fullness(high));
             count += 1;
         }
         (lanes, count)

@@ -7,9 +7,9 @@ use super::frame::PackedFrame;
 use super::leaf::Leaf;
 use super::positions::VertexSlice;
 use super::refit::Moved;
-use crate::hierarchy::{BinaryTree, Bounds, Builder, Keyed, WideTree};
-use crate::simd::LANES;
-use crate::storage::{Buffer, Room, Space};
+use super::stored_corners::{Corners, StoredCorners};
+use crate::hierarchy::{BinaryTree, Bounds, Builder, WideTree, tree_along_curve};
+use crate::storage::{Buffer, Pages};
 
 /// The tree of the faces and its leaves.
 pub(super) fn built(
@@ -19,32 +19,26 @@ pub(super) fn built(
     builder: Builder,
 ) -> (WideTree, Buffer<Leaf>) {
     let moved = Moved { vertices, faces, frame };
-    let of_vertices = Space::of::<[f32; 4]>(vertices.len());
-    // Nearly all leaves are full; an eighth more is more than there ever are.
-    let lasting = size_of::<Leaf>() * (faces.len() / LANES + faces.len() / (8 * LANES) + 1);
-    match builder.strategy(faces.len()) {
-        // The one that looks at centres alone, and sorts where the vertices were.
-        Builder::Morton => {
-            let mut room_of_keys = Room::new(Keyed::space(faces.len()), 0);
-            let mut room = Room::new(of_vertices.max(Keyed::space_to_sort(faces.len())), lasting);
-            let mut space = room.space();
-            let boxes = FaceBoxes::of(vertices, faces, frame, space.rest().take(vertices.len()));
-            let layout: BinaryTree<()> = Keyed::of(&boxes, &mut room_of_keys.space()).tree(|_| (), &mut space);
-            drop(room_of_keys);
-            fitted(&moved, &layout, room)
-        }
-        strategy => {
-            let mut room = Room::new(of_vertices, lasting);
-            let boxes = FaceBoxes::of(vertices, faces, frame, room.space().take(vertices.len())).listed();
-            fitted(&moved, &strategy.build(&boxes), room)
-        }
+    match Corners::of(vertices, faces, frame) {
+        Corners::Single(stored) => built_from(&moved, stored, builder),
+        Corners::SingleWidened(stored) => built_from(&moved, stored, builder),
+        Corners::Double(stored) => built_from(&moved, stored, builder),
+    }
+}
+
+fn built_from(moved: &Moved<'_>, stored: impl StoredCorners, builder: Builder) -> (WideTree, Buffer<Leaf>) {
+    let boxes = FaceBoxes(stored);
+    match builder.strategy(moved.faces.len()) {
+        // The one that looks at centres alone.
+        Builder::Morton => fitted(moved, &tree_along_curve(&boxes, |_| ())),
+        strategy => fitted(moved, &strategy.build(&boxes.listed())),
     }
 }
 
 /// The wide tree and its leaves, laid out as the binary tree says.
-fn fitted<B: Bounds>(moved: &Moved<'_>, binary: &BinaryTree<B>, room: Room) -> (WideTree, Buffer<Leaf>) {
+fn fitted<B: Bounds>(moved: &Moved<'_>, binary: &BinaryTree<B>) -> (WideTree, Buffer<Leaf>) {
     let (mut tree, places) = WideTree::collapse(binary);
-    let mut leaves = room.into_buffer(places.len());
+    let mut leaves = Pages::zeroed(places.len());
     let placed = leaves.to_mut().par_iter_mut().zip(&places).with_min_len(super::CHUNK);
     placed.for_each(|(leaf, &place)| *leaf = Leaf::holding(binary.held(place)));
     moved.fit(&mut tree, &leaves);

@@ -46,7 +46,7 @@ impl<'a, S: Simd, C: StoredCorners> Fitting<'a, S, C> {
     #[inline(always)]
     pub(super) fn new(simd: S, stored: C, leaves: &'a [Leaf], corners: &'a mut [CornerLanes]) -> Self {
         let mut rows = [[0; 4]; LANES];
-        stored.faces().look_up(&leaves[0], &mut rows);
+        stored.faces().look_up(simd, &leaves[0], &mut rows);
         let place = stored.vertex(rows[0][0]);
         let packed_place = stored.frame().pack(place);
         let (ahead, gathered) = ([rows; 2 * LANES], [stored.gather(simd, &rows); LANES]);
@@ -68,7 +68,7 @@ impl<'a, S: Simd, C: StoredCorners> Fitting<'a, S, C> {
             self.prefetch_faces(next);
         }
         let rows = &mut self.ahead[leaf % (2 * LANES)];
-        self.stored.faces().look_up(&self.leaves[leaf], rows);
+        self.stored.faces().look_up(self.simd, &self.leaves[leaf], rows);
         for lane in EVERY_OTHER {
             for corner in 0..2 {
                 self.stored.prefetch_vertex(rows[lane][corner]);

@@ -7,11 +7,12 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8, f64x4};
 
-use super::frame::PackedFrame;
+use super::frame::{PackedFrame, REACH};
 use super::leaf::Leaf;
 use super::positions::{Vertex, VertexSlice};
 use crate::hierarchy::BoxLanes;
-use crate::simd::{LANES, Lanes3, Rows, by_axis, prefetch_at};
+use crate::simd::{LANES, Lanes3, Rows, by_axis, prefetch_at, transposed};
+use crate::volume::Aabb;
 
 /// Faces over vertices, and how these get to the packed frame.
 #[derive(Clone, Copy)]
@@ -51,6 +52,12 @@ impl<'a> Faces<'a> {
         Self(Rows::of(faces))
     }
 
+    /// All of them.
+    #[inline(always)]
+    pub(super) fn all(&self) -> &[[u32; 3]] {
+        self.0.all()
+    }
+
     /// Asks for a face.
     #[inline(always)]
     pub(super) fn prefetch(&self, face: u32) {
@@ -59,8 +66,8 @@ impl<'a> Faces<'a> {
 
     /// Looks up the vertices of a leaf's faces.
     #[inline(always)]
-    pub(super) fn look_up(&self, leaf: &Leaf, rows: &mut VertexRows) {
-        if let Some(inside) = self.0.inside(&leaf.faces) {
+    pub(super) fn look_up<S: Simd>(&self, simd: S, leaf: &Leaf, rows: &mut VertexRows) {
+        if let Some(inside) = self.0.inside(simd, &leaf.faces) {
             for lane in 0..LANES {
                 rows[lane] = *inside.row(lane);
             }
@@ -108,6 +115,12 @@ pub(super) trait StoredCorners: Copy + Sync {
     /// [`PACKING_ERROR`](super::frame::PACKING_ERROR), which is four units of 2^-53: one goes to the place, two to a difference of up
     /// to twice the frame's reach.
     fn about<S: Simd>(&self, simd: S, gathered: &Self::Gathered<S>, place: [f64; 3]) -> [Lanes3<S>; 3];
+
+    /// Twice the centres of the boxes of eight faces and any fourth lanes, up to rounding: in the vertices' own frame or the packed one.
+    fn twice_centres<S: Simd>(&self, simd: S, faces: &[[u32; 3]; LANES]) -> [[f32x4<S>; 4]; 2];
+
+    /// What bounds them all.
+    fn twice_reach(&self) -> Aabb;
 
     /// What lies between extremes in the packed frame, rounded to nearest and then outward (docs/proof.md, L1).
     #[inline(always)]
@@ -166,7 +179,7 @@ impl StoredCorners for Singles<'_> {
     #[inline(always)]
     fn gather<S: Simd>(&self, simd: S, triangles: &VertexRows) -> [Lanes3<S>; 3] {
         let vertices = triangles.as_flattened();
-        if let Some(inside) = self.vertices.inside(vertices) {
+        if let Some(inside) = self.vertices.inside(simd, vertices) {
             corners_of(
                 #[inline(always)]
                 |at| f32x4::from_slice(simd, inside.row(at)),
@@ -230,6 +243,27 @@ impl StoredCorners for Singles<'_> {
         let place: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, place[axis] as f32));
         by_axis!(corner => by_axis!(axis => (gathered[corner][axis] - place[axis]) * scale))
     }
+
+    #[inline(always)]
+    fn twice_centres<S: Simd>(&self, simd: S, faces: &[[u32; 3]; LANES]) -> [[f32x4<S>; 4]; 2] {
+        let vertices = faces.as_flattened();
+        if let Some(inside) = self.vertices.inside(simd, vertices) {
+            twice_centres_of(
+                #[inline(always)]
+                |at| f32x4::from_slice(simd, inside.row(at)),
+            )
+        } else {
+            twice_centres_of(
+                #[inline(always)]
+                |at| f32x4::from_slice(simd, self.vertices.row(vertices[at])),
+            )
+        }
+    }
+
+    fn twice_reach(&self) -> Aabb {
+        let [min, max] = [-REACH, REACH].map(|reach| self.frame.unpack([reach; 3]).map(|x| (2.0 * x) as f32));
+        Aabb { min, max }
+    }
 }
 
 /// Vertices that are taken to the packed frame in double precision.
@@ -267,7 +301,7 @@ impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
     #[inline(always)]
     fn gather<S: Simd>(&self, simd: S, triangles: &VertexRows) -> [[f64x4<S>; LANES]; 3] {
         let vertices = triangles.as_flattened();
-        if let Some(inside) = self.vertices.inside(vertices) {
+        if let Some(inside) = self.vertices.inside(simd, vertices) {
             widened_rows(
                 simd,
                 #[inline(always)]
@@ -329,6 +363,31 @@ impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
             transposed(low, high)
         })
     }
+
+    #[inline(always)]
+    fn twice_centres<S: Simd>(&self, simd: S, faces: &[[u32; 3]; LANES]) -> [[f32x4<S>; 4]; 2] {
+        let vertices = faces.as_flattened();
+        if let Some(inside) = self.vertices.inside(simd, vertices) {
+            twice_packed_centres_of(
+                simd,
+                self.frame,
+                #[inline(always)]
+                |at| inside.row(at),
+            )
+        } else {
+            twice_packed_centres_of(
+                simd,
+                self.frame,
+                #[inline(always)]
+                |at| self.vertices.row(vertices[at]),
+            )
+        }
+    }
+
+    fn twice_reach(&self) -> Aabb {
+        let reach = (2.0 * REACH) as f32;
+        Aabb { min: [-reach; 3], max: [reach; 3] }
+    }
 }
 
 /// The corners of eight triangles, by the places of their [rows](VertexRows).
@@ -341,6 +400,50 @@ fn corners_of<S: Simd>(row: impl Fn(usize) -> f32x4<S>) -> [Lanes3<S>; 3] {
     })
 }
 
+/// Twice the centres of the boxes of eight triangles, by the places of their corners.
+#[inline(always)]
+fn twice_centres_of<S: Simd>(row: impl Fn(usize) -> f32x4<S>) -> [[f32x4<S>; 4]; 2] {
+    let twice = [twice_of(&row, 0), twice_of(&row, 1), twice_of(&row, 2), twice_of(&row, 3)];
+    [twice, [twice_of(&row, 4), twice_of(&row, 5), twice_of(&row, 6), twice_of(&row, 7)]]
+}
+
+#[inline(always)]
+fn twice_of<S: Simd>(row: &impl Fn(usize) -> f32x4<S>, face: usize) -> f32x4<S> {
+    let [p, q, r] = by_axis!(corner => row(3 * face + corner));
+    p.min(q).min(r) + p.max(q).max(r)
+}
+
+/// Likewise in the packed frame.
+#[inline(always)]
+fn twice_packed_centres_of<'a, S: Simd, T: Copy + Into<f64> + 'a>(
+    simd: S,
+    frame: &PackedFrame,
+    row: impl Fn(usize) -> &'a [T; 4],
+) -> [[f32x4<S>; 4]; 2] {
+    let [x, y, z] = frame.origin;
+    let (origin, scale) = (f64x4::from_slice(simd, &[x, y, z, 0.0]), f64x4::splat(simd, frame.scale));
+    let mut twice = [[f32x4::splat(simd, 0.0); 4]; 2];
+    for (half, first) in twice.iter_mut().zip([0, 4]) {
+        for pair in [0, 2] {
+            let [even, odd] = [0, 1].map(|lane| 3 * (first + pair + lane));
+            let both: f32x8<S> = twice_packed(origin, scale, by_axis!(corner => widened(simd, row(even + corner))))
+                .narrow(twice_packed(origin, scale, by_axis!(corner => widened(simd, row(odd + corner)))));
+            (half[pair], half[pair + 1]) = both.split();
+        }
+    }
+    twice
+}
+
+#[inline(always)]
+fn twice_packed<S: Simd>(origin: f64x4<S>, scale: f64x4<S>, [p, q, r]: [f64x4<S>; 3]) -> f64x4<S> {
+    (p.min(q).min(r) - origin) * scale + (p.max(q).max(r) - origin) * scale
+}
+
+#[inline(always)]
+fn widened<S: Simd, T: Copy + Into<f64>>(simd: S, &[x, y, z, any]: &[T; 4]) -> f64x4<S> {
+    f64x4::from_slice(simd, &[x.into(), y.into(), z.into(), any.into()])
+}
+
 /// The corners of eight triangles in double precision, by the places of their [rows](VertexRows).
 #[inline(always)]
 fn widened_rows<'a, S: Simd, T: Copy + Into<f64> + 'a>(
@@ -350,26 +453,10 @@ fn widened_rows<'a, S: Simd, T: Copy + Into<f64> + 'a>(
     let mut rows = [[f64x4::splat(simd, 0.0); LANES]; 3];
     for lane in 0..LANES {
         for corner in 0..3 {
-            let [x, y, z, any] = *row(4 * lane + corner);
-            rows[corner][lane] = f64x4::from_slice(simd, &[x.into(), y.into(), z.into(), any.into()]);
+            rows[corner][lane] = widened(simd, row(4 * lane + corner));
         }
     }
     rows
-}
-
-/// The first three columns of eight rows.
-#[inline(always)]
-fn transposed<S: Simd>(low: [f32x4<S>; 4], high: [f32x4<S>; 4]) -> Lanes3<S> {
-    let (low, high) = (columns(low), columns(high));
-    by_axis!(axis => low[axis].combine(high[axis]))
-}
-
-/// The first three columns of four rows.
-#[inline(always)]
-fn columns<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 3] {
-    let (xy_even, xy_odd) = (a.zip_low(c), b.zip_low(d));
-    let (z_even, z_odd) = (a.zip_high(c), b.zip_high(d));
-    [xy_even.zip_low(xy_odd), xy_even.zip_high(xy_odd), z_even.zip_low(z_odd)]
 }
 
 /// The lanes of each of eight vectors taken together, in an order that is the same on every vector unit.

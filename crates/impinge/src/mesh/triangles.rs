@@ -68,7 +68,7 @@ pub(super) fn of_leaves<S: Simd>(simd: S, leaves: &[Leaf], stored: &impl StoredC
     leaves.iter().flat_map(|leaf| leaf.faces).for_each(|face| stored.faces().prefetch(face));
     let mut rows = [[[0; 4]; LANES]; LANES];
     for (rows, leaf) in rows.iter_mut().zip(leaves) {
-        stored.faces().look_up(leaf, rows);
+        stored.faces().look_up(simd, leaf, rows);
         rows.as_flattened().iter().for_each(|&vertex| stored.prefetch_vertex(vertex));
     }
     let mut gathered = [stored.gather(simd, &rows[0]); LANES];

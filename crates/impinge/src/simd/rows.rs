@@ -1,5 +1,10 @@
 //! Rows of a table by their numbers, of which one comparison settles that they are all there.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, u32x8};
+
+use super::LANES;
+
 /// Rows of three numbers, which are read four numbers at a time: any fourth comes along.
 #[derive(Clone, Copy)]
 pub(crate) struct Rows<'a, T> {
@@ -36,8 +41,13 @@ impl<'a, T: Copy + Default> Rows<'a, T> {
 
     /// Those of these numbers, where each is before the last row: nearly always, and read without a comparison each.
     #[inline(always)]
-    pub(crate) fn inside<'b>(&self, at: &'b [u32]) -> Option<Inside<'a, 'b, T>> {
-        let greatest = at.iter().fold(0, |greatest, &row| row.max(greatest));
+    pub(crate) fn inside<'b, S: Simd>(&self, simd: S, at: &'b [u32]) -> Option<Inside<'a, 'b, T>> {
+        let (eights, rest) = at.as_chunks::<LANES>();
+        let mut greatest = u32x8::splat(simd, 0);
+        for eight in eights {
+            greatest = greatest.max(u32x8::from_slice(simd, eight));
+        }
+        let greatest = rest.iter().fold(greatest.reduce_max(), |greatest, &row| row.max(greatest));
         // A number and one may be more than an index can be.
         let inside = (greatest as usize) < self.rows.len().saturating_sub(1);
         inside.then_some(Inside { rows: self.rows, at })
@@ -61,23 +71,33 @@ impl<'a, T> Inside<'a, '_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::levels;
+    use fearless_simd::dispatch;
 
     #[test]
     fn rows_are_those_of_their_numbers() {
         let table: Vec<[u32; 3]> = (0..9).map(|row| [3 * row, 3 * row + 1, 3 * row + 2]).collect();
         let rows = Rows::of(&table);
-        for row in 0..9 {
-            assert_eq!(rows.row(row)[..3], table[row as usize]);
-            let at = [0, row, 5];
-            let inside = rows.inside(&at);
-            assert_eq!(inside.is_some(), row < 8, "the last row has no fourth number");
-            for (index, &row) in at.iter().enumerate() {
-                assert!(inside.as_ref().is_none_or(|inside| inside.row(index)[..3] == table[row as usize]));
-            }
-        }
-        assert!(rows.inside(&[9]).is_none() && rows.inside(&[u32::MAX]).is_none());
-        assert!([9, u32::MAX].iter().all(|&row| rows.row(row)[..3] == table[8]));
         let none = Rows::<f32>::of(&[]);
-        assert!(none.inside(&[0]).is_none() && none.row(0) == &[0.0; 4]);
+        assert!([9, u32::MAX].iter().all(|&row| rows.row(row)[..3] == table[8]));
+        assert_eq!(none.row(0), &[0.0; 4]);
+        for (name, level) in levels() {
+            dispatch!(level, simd => {
+                // Among the whole vectors of numbers, and among those that are left.
+                for (count, place) in [(3, 1), (8, 7), (24, 0), (26, 25)] {
+                    for row in (0..9).chain([9, u32::MAX]) {
+                        let mut at = vec![0; count];
+                        (at[place], at[count - 1 - place]) = (row, 5);
+                        let inside = rows.inside(simd, &at);
+                        assert_eq!(inside.is_some(), row < 8, "{name}: the last row has no fourth number");
+                        for (index, &row) in at.iter().enumerate().filter(|_| row < 9) {
+                            assert_eq!(rows.row(row)[..3], table[row as usize]);
+                            assert!(inside.as_ref().is_none_or(|inside| inside.row(index)[..3] == table[row as usize]));
+                        }
+                    }
+                }
+                assert!(none.inside(simd, &[0]).is_none());
+            });
+        }
     }
 }

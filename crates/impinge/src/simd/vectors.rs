@@ -1,7 +1,7 @@
 //! Vectors of space, one in each lane.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, f32x4, f32x8};
 
 use super::{LANES, by_axis};
 
@@ -40,4 +40,19 @@ pub(crate) fn cross<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> Lanes3<S> {
 #[inline(always)]
 pub(crate) fn dot<S: Simd>(a: &Lanes3<S>, b: &Lanes3<S>) -> f32x8<S> {
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
+}
+
+/// The first three columns of eight rows.
+#[inline(always)]
+pub(crate) fn transposed<S: Simd>(low: [f32x4<S>; 4], high: [f32x4<S>; 4]) -> Lanes3<S> {
+    let (low, high) = (columns(low), columns(high));
+    by_axis!(axis => low[axis].combine(high[axis]))
+}
+
+/// The first three columns of four rows.
+#[inline(always)]
+fn columns<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 3] {
+    let (xy_even, xy_odd) = (a.zip_low(c), b.zip_low(d));
+    let (z_even, z_odd) = (a.zip_high(c), b.zip_high(d));
+    [xy_even.zip_low(xy_odd), xy_even.zip_high(xy_odd), z_even.zip_low(z_odd)]
 }

@@ -3,8 +3,8 @@
 //! Nodes and packed triangles live behind [`Buffer`], so that a baked file in a memory map, or memory shared between
 //! processes, serves a query without a copy.
 
+mod aligned;
 mod growing;
-mod room;
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -14,9 +14,8 @@ use std::sync::Arc;
 use bytemuck::Pod;
 use memmap2::MmapMut;
 
+pub use aligned::AlignedBytes;
 pub(crate) use growing::Growing;
-pub use room::AlignedBytes;
-pub(crate) use room::{Room, Space};
 
 /// Bytes that outlive every [`Buffer`] that borrows them: a vector, a memory map.
 pub type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
@@ -52,15 +51,6 @@ impl<T: Pod> Pages<T> {
         let mut copy = Self::zeroed(elements.len());
         copy.to_mut().copy_from_slice(elements);
         copy
-    }
-
-    /// The same memory as elements of another kind, with whatever was left there; as many zeros elsewhere where they do not
-    /// fit. Pages are aligned for any kind.
-    fn cast<U: Pod>(self, len: usize) -> Buffer<U> {
-        if len.saturating_mul(size_of::<U>()) > self.map.len() {
-            return Pages::zeroed(len);
-        }
-        Buffer::Paged(Pages { map: self.map, len, of: PhantomData })
     }
 
     fn bytes(&self) -> usize {

@@ -1,0 +1,166 @@
+//! Boxes dealt out along a curve: sorted by one digit of their codes after the other, from the leading one on.
+//!
+//! Source: Knuth, *The Art of Computer Programming* 3, 5.2.5. Ours deals a range out by the next digit when a builder gets there,
+//! and is done with it before the next: so that what is dealt is in the cache, and what few are left is never sorted.
+
+use std::slice::IterMut;
+use std::sync::Arc;
+
+use bytemuck::Zeroable;
+use fearless_simd::{Simd, dispatch, f32x4};
+use rayon::prelude::*;
+
+use super::boxes::{Boxes, Centre};
+use super::curve::{Curve, DIGITS, LEADING};
+use super::radix::add_up;
+use crate::simd::{LANES, best_level};
+use crate::volume::Aabb;
+
+/// How a range of centres lies on a curve: all of one cell of it, and in the order of their next digit.
+#[derive(Clone, Debug)]
+pub(super) struct Deals {
+    curve: Curve,
+    /// Of the digit.
+    place: u32,
+    /// Where those with each digit end.
+    ends: Arc<[u32; DIGITS]>,
+    /// The digits that there are, from the first to the last.
+    first: usize,
+    last: usize,
+}
+
+impl Deals {
+    /// Writes the centres of all boxes, of which there is one at least, dealt out along a curve. Each thread deals out a share.
+    pub(super) fn of<B: Boxes + ?Sized>(boxes: &B, centres: &mut [Centre]) -> Self {
+        let curve = Curve::over(&boxes.twice_centres()).unwrap_or(Curve::ONE_CELL);
+        let share = centres.len().div_ceil(rayon::current_num_threads());
+        let shares: Vec<_> = (0..centres.len()).step_by(share).map(|at| at..centres.len().min(at + share)).collect();
+        let counts: Vec<[u32; DIGITS]> = shares
+            .par_iter()
+            .map(|share| {
+                let mut counts = [0; DIGITS];
+                dispatch!(best_level(), simd => curve.for_each_digit(
+                    simd,
+                    LEADING,
+                    share.clone(),
+                    #[inline(always)]
+                    |first| boxes.eight(simd, first),
+                    #[inline(always)]
+                    |_, _, digit| counts[digit] += 1,
+                ));
+                counts
+            })
+            .collect();
+        let mut places: Vec<Vec<IterMut<'_, Centre>>> = counts.iter().map(|_| Vec::with_capacity(DIGITS)).collect();
+        let (mut left, mut ends, mut end) = (centres, [0; DIGITS], 0);
+        for digit in 0..DIGITS {
+            for (counts, places) in counts.iter().zip(&mut places) {
+                let (place, after) = left.split_at_mut(counts[digit] as usize);
+                places.push(place.iter_mut());
+                (left, end) = (after, end + counts[digit]);
+            }
+            ends[digit] = end;
+        }
+        shares.into_par_iter().zip(places).for_each(|(share, mut places)| {
+            dispatch!(best_level(), simd => curve.for_each_digit(
+                simd,
+                LEADING,
+                share,
+                #[inline(always)]
+                |first| boxes.eight(simd, first),
+                #[inline(always)]
+                |index, twice, digit| {
+                    if let Some(centre) = places[digit].next() {
+                        centre.set(twice, index as u32);
+                    }
+                },
+            ));
+        });
+        Self::with_ends(curve, LEADING, ends)
+    }
+
+    fn with_ends(curve: Curve, place: u32, ends: [u32; DIGITS]) -> Self {
+        let (mut first, mut last) = (0, DIGITS - 1);
+        while first < last && ends[first] == 0 {
+            first += 1;
+        }
+        while first < last && ends[last] == ends[last - 1] {
+            last -= 1;
+        }
+        Self { curve, place, ends: Arc::new(ends), first, last }
+    }
+
+    /// Deals out by the next digit what is of one cell until it is of several: along a curve of its own where it is of one cell to
+    /// the last digit. `None` where it is in one point, or reaches so far that there is no curve.
+    pub(super) fn parted(mut self, centres: &mut [Centre], spare: &mut Vec<Centre>) -> Option<Self> {
+        while self.first == self.last {
+            if let Some(place) = self.place.checked_sub(1) {
+                self = Self::again(self.curve, place, centres, spare);
+                continue;
+            }
+            let bounds = centres
+                .iter()
+                .fold(Aabb::EMPTY, |bounds, &Centre { twice, .. }| bounds.union(Aabb { min: twice, max: twice }));
+            let own = Self::again(Curve::over(&bounds)?, LEADING, centres, spare);
+            return (own.first < own.last).then_some(own);
+        }
+        Some(self)
+    }
+
+    /// Deals out by a digit, those with the same one in the order in which they come.
+    fn again(curve: Curve, place: u32, centres: &mut [Centre], spare: &mut Vec<Centre>) -> Self {
+        spare.clear();
+        spare.extend_from_slice(centres);
+        // Eight are read at a time.
+        spare.extend([Centre::zeroed(); LANES]);
+        let (all, mut next) = (0..centres.len(), [0; DIGITS]);
+        dispatch!(best_level(), simd => {
+            curve.for_each_digit(
+                simd,
+                place,
+                all.clone(),
+                #[inline(always)]
+                |first| lanes_of_eight(simd, &spare[first..]),
+                #[inline(always)]
+                |_, _, digit| next[digit] += 1,
+            );
+            add_up(&mut next);
+            curve.for_each_digit(
+                simd,
+                place,
+                all,
+                #[inline(always)]
+                |first| lanes_of_eight(simd, &spare[first..]),
+                #[inline(always)]
+                |at, _, digit| {
+                    let next = &mut next[digit];
+                    centres[*next as usize] = spare[at];
+                    *next += 1;
+                },
+            );
+        });
+        Self::with_ends(curve, place, next)
+    }
+
+    /// Where the cells of the curve split what is of several: how many come before, and how the two parts lie.
+    pub(super) fn split(self) -> (usize, Self, Self) {
+        let ends = &self.ends;
+        let top_bit = 1 << (self.first ^ self.last).ilog2();
+        let boundary = self.last & !(top_bit - 1);
+        let middle = ends[boundary - 1];
+        let start = if self.first == 0 { 0 } else { ends[self.first - 1] };
+        let is_there = |digit: &usize| ends[*digit] > ends[digit - 1];
+        let last = (self.first + 1..boundary).rev().find(is_there).unwrap_or(self.first);
+        let first = (boundary..self.last).find(is_there).unwrap_or(self.last);
+        let low = Self { last, ..self.clone() };
+        ((middle - start) as usize, low, Self { first, ..self })
+    }
+}
+
+/// Of the first eight.
+#[inline(always)]
+fn lanes_of_eight<S: Simd>(simd: S, centres: &[Centre]) -> [[f32x4<S>; 4]; 2] {
+    let [a, b, c, d, e, f, g, h] = &centres[..LANES] else { unreachable!("as many were taken") };
+    let (low, high) = ([a, b, c, d], [e, f, g, h]);
+    [low.map(|centre| centre.lanes(simd)), high.map(|centre| centre.lanes(simd))]
+}

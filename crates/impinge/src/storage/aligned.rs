@@ -1,0 +1,52 @@
+//! Bytes that are aligned for whatever may lie in them.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::{Buffer, Pages};
+
+/// Aligned for whatever is put there.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(64))]
+struct Line([u8; 64]);
+
+/// Bytes that are aligned for whatever may lie in them: a copy of what somebody else keeps, and may change.
+pub struct AlignedBytes {
+    lines: Buffer<Line>,
+    len: usize,
+}
+
+impl AlignedBytes {
+    /// As many zeros.
+    #[must_use]
+    pub fn zeroed(len: usize) -> Self {
+        Self { lines: Pages::zeroed(len.div_ceil(size_of::<Line>())), len }
+    }
+}
+
+impl AsRef<[u8]> for AlignedBytes {
+    fn as_ref(&self) -> &[u8] {
+        &bytemuck::cast_slice(&self.lines)[..self.len]
+    }
+}
+
+impl AsMut<[u8]> for AlignedBytes {
+    fn as_mut(&mut self) -> &mut [u8] {
+        &mut bytemuck::cast_slice_mut(self.lines.to_mut())[..self.len]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn aligned_bytes_are_aligned_zeros() {
+        for len in [0, 1, 63, 64, 65, 3 << 20] {
+            let mut bytes = AlignedBytes::zeroed(len);
+            assert_eq!(bytes.as_ref().as_ptr().align_offset(64), 0);
+            assert!(bytes.as_ref().len() == len && bytes.as_ref().iter().all(|&byte| byte == 0));
+            bytes.as_mut().fill(7);
+            assert!(bytes.as_ref().iter().all(|&byte| byte == 7));
+        }
+    }
+}
