@@ -47,38 +47,35 @@ impl Curve {
         (extent > 0.0 && extent.is_finite() && scale.is_finite()).then_some(Self { origin: bounds.min, scale })
     }
 
-    /// Calls `visit` with each number of a range, twice the centre that it has, and digit `place` of its code, the least being 0.
-    /// `eight` are those from a number on.
+    /// Calls `visit` with eight numbers of a range after the other, and with what is left at its end. `place` is that of the digit, the
+    /// least being 0, and `eight` are twice the centres from a number on.
     #[inline(always)]
-    pub(super) fn for_each_digit<S: Simd>(
+    pub(super) fn for_each_eight<S: Simd>(
         &self,
         simd: S,
         place: u32,
         numbers: Range<usize>,
         eight: impl Fn(usize) -> [[f32x4<S>; 4]; 2],
-        mut visit: impl FnMut(usize, f32x4<S>, usize),
+        mut visit: impl FnMut(&Eight<S>),
     ) {
         let whole = numbers.len() / LANES * LANES;
         for first in (numbers.start..numbers.start + whole).step_by(LANES) {
-            let centres = eight(first);
-            let digits = self.digits(simd, place, &centres);
-            for lane in 0..LANES {
-                visit(first + lane, centres[lane / 4][lane % 4], digits[lane] as usize % DIGITS);
-            }
+            let twice = eight(first);
+            let digits = self.digits(simd, place, &twice);
+            let is_same = digits.simd_eq(u32x8::splat(simd, digits[0])).all_true();
+            visit(&Eight { first, count: LANES, twice, digits: digits.into(), is_same });
         }
-        let last = numbers.start + whole..numbers.end;
-        if !last.is_empty() {
-            let centres = eight(last.start);
-            let digits = self.digits(simd, place, &centres);
-            for (number, lane) in last.zip(0..LANES) {
-                visit(number, centres[lane / 4][lane % 4], digits[lane] as usize % DIGITS);
-            }
+        if whole < numbers.len() {
+            let first = numbers.start + whole;
+            let twice = eight(first);
+            let digits = self.digits(simd, place, &twice).into();
+            visit(&Eight { first, count: numbers.end - first, twice, digits, is_same: false });
         }
     }
 
     /// Of the codes of the cells of centres.
     #[inline(always)]
-    fn digits<S: Simd>(&self, simd: S, place: u32, &[low, high]: &[[f32x4<S>; 4]; 2]) -> [u32; LANES] {
+    fn digits<S: Simd>(&self, simd: S, place: u32, &[low, high]: &[[f32x4<S>; 4]; 2]) -> u32x8<S> {
         let twice = transposed(low, high);
         let [x, y, z] = by_axis!(axis => {
             let along = (twice[axis] - self.origin[axis]) * self.scale - 0.5;
@@ -88,7 +85,29 @@ impl Curve {
             spread(cell.bitcast::<u32x8<S>>())
         });
         let code = x | (y << 1) | (z << 2);
-        ((code >> (DIGIT_BITS * place)) & (DIGITS as u32 - 1)).into()
+        (code >> (DIGIT_BITS * place)) & (DIGITS as u32 - 1)
+    }
+}
+
+/// Up to eight numbers one after the other, twice the centres that they have, and digits of their codes.
+pub(super) struct Eight<S: Simd> {
+    pub(super) first: usize,
+    pub(super) count: usize,
+    twice: [[f32x4<S>; 4]; 2],
+    digits: [u32; LANES],
+    /// All eight have one and the same digit, as neighbours have most often.
+    pub(super) is_same: bool,
+}
+
+impl<S: Simd> Eight<S> {
+    #[inline(always)]
+    pub(super) fn twice(&self, lane: usize) -> f32x4<S> {
+        self.twice[lane / 4][lane % 4]
+    }
+
+    #[inline(always)]
+    pub(super) fn digit(&self, lane: usize) -> usize {
+        self.digits[lane] as usize % DIGITS
     }
 }
 
@@ -127,14 +146,14 @@ mod tests {
         // On the borders of cells, outside all of them, and not a number.
         let far = [f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MAX];
         let mut coordinate = || if rng.one_in(20) { rng.choose(&far) } else { rng.integer(-600, 2_000) as f32 / 512.0 };
-        let mut seen = [0; 3];
+        let (mut seen, mut same) = ([0; 3], 0);
         for count in (0..40).chain([500]) {
             let centres: Vec<[f32; 4]> = (0..count).map(|_| [0; 4].map(|_| coordinate())).collect();
             for curve in [Curve::over(&bounds).expect("a cube"), Curve::ONE_CELL] {
                 for (name, level) in levels() {
                     for (first, place) in [(0, 0), (count / 2, 1), (0, LEADING)] {
                         let mut next = first;
-                        dispatch!(level, simd => curve.for_each_digit(
+                        dispatch!(level, simd => curve.for_each_eight(
                             simd,
                             place,
                             first..count,
@@ -145,15 +164,20 @@ mod tests {
                                 }
                                 eight
                             },
-                            |number, twice, digit| {
-                                assert_eq!(number, next, "{name}");
-                                assert_eq!(twice[0].to_bits(), centres[number][0].to_bits(), "{name}");
-                                let [x, y, z, _] = centres[number];
-                                let code = code(&curve, [x, y, z]);
-                                let expected = (code >> (DIGIT_BITS * place)) as usize % DIGITS;
-                                assert_eq!(digit, expected, "{name}, {place}: {:?}", centres[number]);
-                                seen[place as usize] |= digit;
-                                next += 1;
+                            |eight| {
+                                assert_eq!(eight.first, next, "{name}");
+                                for (lane, &[x, y, z, any]) in centres[next..][..eight.count].iter().enumerate() {
+                                    let twice = <[f32; 4]>::from(eight.twice(lane)).map(f32::to_bits);
+                                    assert_eq!(twice, [x, y, z, any].map(f32::to_bits), "{name}");
+                                    let code = code(&curve, [x, y, z]);
+                                    let expected = (code >> (DIGIT_BITS * place)) as usize % DIGITS;
+                                    assert_eq!(eight.digit(lane), expected, "{name}, {place}: {:?}", [x, y, z]);
+                                    seen[place as usize] |= expected;
+                                }
+                                let is_same = (1..LANES).all(|lane| eight.digit(lane) == eight.digit(0));
+                                assert_eq!(eight.is_same, eight.count == LANES && is_same, "{name}");
+                                same += usize::from(eight.is_same);
+                                next += eight.count;
                             },
                         ));
                         assert_eq!(next, count, "{name}");
@@ -162,5 +186,6 @@ mod tests {
             }
         }
         assert_eq!(seen, [DIGITS - 1; 3], "not all bits were met");
+        assert!(same > 100, "{same}");
     }
 }

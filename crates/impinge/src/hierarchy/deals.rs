@@ -11,7 +11,7 @@ use fearless_simd::{Simd, dispatch, f32x4};
 use rayon::prelude::*;
 
 use super::boxes::{Boxes, Centre};
-use super::curve::{Curve, DIGITS, LEADING};
+use super::curve::{Curve, DIGITS, Eight, LEADING};
 use super::radix::add_up;
 use crate::simd::{LANES, best_level};
 use crate::volume::Aabb;
@@ -39,14 +39,14 @@ impl Deals {
             .par_iter()
             .map(|share| {
                 let mut counts = [0; DIGITS];
-                dispatch!(best_level(), simd => curve.for_each_digit(
+                dispatch!(best_level(), simd => curve.for_each_eight(
                     simd,
                     LEADING,
                     share.clone(),
                     #[inline(always)]
                     |first| boxes.eight(simd, first),
                     #[inline(always)]
-                    |_, _, digit| counts[digit] += 1,
+                    |eight| count(&mut counts, eight),
                 ));
                 counts
             })
@@ -62,16 +62,25 @@ impl Deals {
             ends[digit] = end;
         }
         shares.into_par_iter().zip(places).for_each(|(share, mut places)| {
-            dispatch!(best_level(), simd => curve.for_each_digit(
+            dispatch!(best_level(), simd => curve.for_each_eight(
                 simd,
                 LEADING,
                 share,
                 #[inline(always)]
                 |first| boxes.eight(simd, first),
                 #[inline(always)]
-                |index, twice, digit| {
-                    if let Some(centre) = places[digit].next() {
-                        centre.set(twice, index as u32);
+                |eight| {
+                    if eight.is_same {
+                        // At hand, and not where the centres could be for all that is known.
+                        let mut place = std::mem::take(&mut places[eight.digit(0)]);
+                        for lane in 0..LANES {
+                            put(&mut place, eight, lane);
+                        }
+                        places[eight.digit(0)] = place;
+                    } else {
+                        for lane in 0..eight.count {
+                            put(&mut places[eight.digit(lane)], eight, lane);
+                        }
                     }
                 },
             ));
@@ -115,27 +124,36 @@ impl Deals {
         spare.extend([Centre::zeroed(); LANES]);
         let (all, mut next) = (0..centres.len(), [0; DIGITS]);
         dispatch!(best_level(), simd => {
-            curve.for_each_digit(
+            curve.for_each_eight(
                 simd,
                 place,
                 all.clone(),
                 #[inline(always)]
                 |first| lanes_of_eight(simd, &spare[first..]),
                 #[inline(always)]
-                |_, _, digit| next[digit] += 1,
+                |eight| count(&mut next, eight),
             );
             add_up(&mut next);
-            curve.for_each_digit(
+            curve.for_each_eight(
                 simd,
                 place,
                 all,
                 #[inline(always)]
                 |first| lanes_of_eight(simd, &spare[first..]),
                 #[inline(always)]
-                |at, _, digit| {
-                    let next = &mut next[digit];
-                    centres[*next as usize] = spare[at];
-                    *next += 1;
+                |eight| {
+                    let from = &spare[eight.first..][..eight.count];
+                    if eight.is_same {
+                        let next = &mut next[eight.digit(0)];
+                        centres[*next as usize..][..LANES].copy_from_slice(from);
+                        *next += LANES as u32;
+                        return;
+                    }
+                    for (lane, centre) in from.iter().enumerate() {
+                        let next = &mut next[eight.digit(lane)];
+                        centres[*next as usize] = *centre;
+                        *next += 1;
+                    }
                 },
             );
         });
@@ -154,6 +172,26 @@ impl Deals {
         let first = (boundary..self.last).find(is_there).unwrap_or(self.last);
         let low = Self { last, ..self.clone() };
         ((middle - start) as usize, low, Self { first, ..self })
+    }
+}
+
+/// Writes one of them where the next one belongs.
+#[inline(always)]
+fn put<S: Simd>(place: &mut IterMut<'_, Centre>, eight: &Eight<S>, lane: usize) {
+    if let Some(centre) = place.next() {
+        centre.set(eight.twice(lane), (eight.first + lane) as u32);
+    }
+}
+
+/// One after the other, a count would wait for itself where neighbours have the same digit.
+#[inline(always)]
+fn count<S: Simd>(counts: &mut [u32; DIGITS], eight: &Eight<S>) {
+    if eight.is_same {
+        counts[eight.digit(0)] += LANES as u32;
+    } else {
+        for lane in 0..eight.count {
+            counts[eight.digit(lane)] += 1;
+        }
     }
 }
 
