@@ -32,11 +32,13 @@ struct Left {
     is_spare: bool,
 }
 
-impl Cluster {
-    pub(crate) fn new() -> Self {
+impl Default for Cluster {
+    fn default() -> Self {
         Self { spare: Zeroable::zeroed(), along: [0.0; CLUSTER] }
     }
+}
 
+impl Cluster {
     /// Groups the boxes of a cluster, of which the first is the tree's box `first`, writes their order, appends their nodes in
     /// preorder, and returns what `bounds` keeps of them all.
     #[inline(always)]

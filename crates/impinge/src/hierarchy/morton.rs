@@ -7,6 +7,7 @@
 //! split often enough; and medians at the bottom, which make leaves and nodes full and compact where a curve would jump.
 
 use std::num::NonZeroU32;
+use std::sync::{Mutex, PoisonError};
 
 use fearless_simd::dispatch;
 
@@ -51,7 +52,8 @@ pub(crate) fn tree_along_curve<B: Bounds>(
     let mut order = vec![0; len];
     let mut blocks = Vec::new();
     let task = if rayon::current_num_threads() == 1 { len } else { LONGEST_TASK };
-    Builder { bounds, task }.subtree(Range { centres, order: &mut order, first: 0, depth: 0, deals }, &mut blocks);
+    let builder = Builder { bounds, task, idle: Mutex::default() };
+    builder.subtree(Range { centres, order: &mut order, first: 0, depth: 0, deals }, &mut blocks);
     let nodes = if blocks.len() == 1 { blocks.swap_remove(0) } else { blocks.concat() };
     BinaryTree { nodes, order }
 }
@@ -60,6 +62,8 @@ struct Builder<F> {
     bounds: F,
     /// Ranges longer than this are built as two tasks.
     task: usize,
+    /// What no task uses at the time: as much as there are threads at most, as memory is dear when it is new.
+    idle: Mutex<Vec<Passing>>,
 }
 
 /// A range of the centres, its part of the order, which is written, where it starts, and how deep its node lies.
@@ -95,6 +99,7 @@ impl Range<'_> {
 }
 
 /// Room for one range after another.
+#[derive(Default)]
 struct Passing {
     dealt: Vec<Centre>,
     cluster: Cluster,
@@ -106,12 +111,12 @@ impl<B: Bounds, F: Fn(&[u32]) -> B + Sync> Builder<F> {
         let (first, count) = (range.first as u32, range.centres.len());
         if count <= self.task {
             let mut nodes = Vec::with_capacity(count / (LEAF_CAPACITY / 2) + 1);
-            let bounds = self.emit(range, &mut nodes, &mut Passing { dealt: Vec::new(), cluster: Cluster::new() });
+            let bounds = self.with_passing(|passing| self.emit(range, &mut nodes, passing));
             let len = nodes.len();
             blocks.push(nodes);
             return (bounds, len);
         }
-        let (low, high) = range.split(&mut Vec::new());
+        let (low, high) = self.with_passing(|passing| range.split(&mut passing.dealt));
         let (mut left_blocks, mut right_blocks) = (Vec::new(), Vec::new());
         let ((left, left_len), (right, right_len)) =
             rayon::join(|| self.subtree(low, &mut left_blocks), || self.subtree(high, &mut right_blocks));
@@ -121,6 +126,15 @@ impl<B: Bounds, F: Fn(&[u32]) -> B + Sync> Builder<F> {
         blocks.append(&mut left_blocks);
         blocks.append(&mut right_blocks);
         (bounds, 1 + left_len + right_len)
+    }
+
+    /// Runs a task with room of its own.
+    fn with_passing<R>(&self, task: impl FnOnce(&mut Passing) -> R) -> R {
+        let idle = || self.idle.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut passing = idle().pop().unwrap_or_default();
+        let result = task(&mut passing);
+        idle().push(passing);
+        result
     }
 
     /// Appends the nodes of a range, the root first, and returns its bounds.

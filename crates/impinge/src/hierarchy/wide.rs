@@ -211,8 +211,8 @@ impl<B: Bounds> Collapse<'_, B> {
     }
 
     /// The binary nodes that become the children. What fits a node of leaves becomes one, even if it is a single leaf,
-    /// so that two trees meet leaves with leaves; above, the child that holds most is opened until the lanes are full.
-    /// Their order in space is kept.
+    /// so that two trees meet leaves with leaves; above, the child that holds most, and of those the first, is opened until the
+    /// lanes are full. Their order in space is kept.
     fn children(&self, subtree: Subtree) -> ([Subtree; LANES], usize) {
         let fullness = |child: Subtree| {
             let is_whole = child.len == 1 || !subtree.fits_a_node_of_leaves() && child.fits_a_node_of_leaves();
@@ -224,7 +224,8 @@ impl<B: Bounds> Collapse<'_, B> {
         while count < LANES {
             let mut fullest = 0;
             for lane in 1..count {
-                fullest = if held[lane] > held[fullest] { lane } else { fullest };
+                let is_fuller = (held[lane], lanes[fullest].root) > (held[fullest], lanes[lane].root);
+                fullest = if is_fuller { lane } else { fullest };
             }
             if held[fullest] == 0 {
                 break;
@@ -233,12 +234,11 @@ impl<B: Bounds> Collapse<'_, B> {
             let Some(right) = self.binary.nodes[opened.root as usize].right else { break };
             let low = Subtree { root: opened.root + 1, len: right.get() - 1 };
             let high = Subtree { root: opened.root + right.get(), len: opened.len - right.get() };
-            lanes.copy_within(fullest + 1..LANES - 1, fullest + 2);
-            held.copy_within(fullest + 1..LANES - 1, fullest + 2);
-            (lanes[fullest], lanes[fullest + 1]) = (low, high);
-            (held[fullest], held[fullest + 1]) = (fullness(low), fullness(high));
+            (lanes[fullest], held[fullest]) = (low, fullness(low));
+            (lanes[count], held[count]) = (high, fullness(high));
             count += 1;
         }
+        lanes[..count].sort_unstable_by_key(|child| child.root);
         (lanes, count)
     }
 }
