@@ -6,6 +6,7 @@ mod build;
 mod crossings;
 mod descent;
 mod distance;
+mod eight_triangles;
 mod face_boxes;
 mod face_search;
 mod far_field;

@@ -7,11 +7,12 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8, f64x4};
 
+use super::eight_triangles::{corners_of, twice_centres_of, twice_packed_centres_of, widened_rows};
 use super::frame::{PackedFrame, REACH};
 use super::leaf::Leaf;
 use super::positions::{Vertex, VertexSlice};
 use crate::hierarchy::BoxLanes;
-use crate::simd::{LANES, Lanes3, Rows, by_axis, prefetch_at, transposed};
+use crate::simd::{LANES, Lanes3, Rows, across, by_axis, prefetch_at, transposed};
 use crate::volume::Aabb;
 
 /// Faces over vertices, and how these get to the packed frame.
@@ -388,88 +389,4 @@ impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
         let reach = (2.0 * REACH) as f32;
         Aabb { min: [-reach; 3], max: [reach; 3] }
     }
-}
-
-/// The corners of eight triangles, by the places of their [rows](VertexRows).
-#[inline(always)]
-fn corners_of<S: Simd>(row: impl Fn(usize) -> f32x4<S>) -> [Lanes3<S>; 3] {
-    by_axis!(k => {
-        let low = [row(k), row(4 + k), row(8 + k), row(12 + k)];
-        let high = [row(16 + k), row(20 + k), row(24 + k), row(28 + k)];
-        transposed(low, high)
-    })
-}
-
-/// Twice the centres of the boxes of eight triangles, by the places of their corners.
-#[inline(always)]
-fn twice_centres_of<S: Simd>(row: impl Fn(usize) -> f32x4<S>) -> [[f32x4<S>; 4]; 2] {
-    let twice = [twice_of(&row, 0), twice_of(&row, 1), twice_of(&row, 2), twice_of(&row, 3)];
-    [twice, [twice_of(&row, 4), twice_of(&row, 5), twice_of(&row, 6), twice_of(&row, 7)]]
-}
-
-#[inline(always)]
-fn twice_of<S: Simd>(row: &impl Fn(usize) -> f32x4<S>, face: usize) -> f32x4<S> {
-    let [p, q, r] = by_axis!(corner => row(3 * face + corner));
-    p.min(q).min(r) + p.max(q).max(r)
-}
-
-/// Likewise in the packed frame.
-#[inline(always)]
-fn twice_packed_centres_of<'a, S: Simd, T: Copy + Into<f64> + 'a>(
-    simd: S,
-    frame: &PackedFrame,
-    row: impl Fn(usize) -> &'a [T; 4],
-) -> [[f32x4<S>; 4]; 2] {
-    let [x, y, z] = frame.origin;
-    let (origin, scale) = (f64x4::from_slice(simd, &[x, y, z, 0.0]), f64x4::splat(simd, frame.scale));
-    let mut twice = [[f32x4::splat(simd, 0.0); 4]; 2];
-    for (half, first) in twice.iter_mut().zip([0, 4]) {
-        for pair in [0, 2] {
-            let [even, odd] = [0, 1].map(|lane| 3 * (first + pair + lane));
-            let both: f32x8<S> = twice_packed(origin, scale, by_axis!(corner => widened(simd, row(even + corner))))
-                .narrow(twice_packed(origin, scale, by_axis!(corner => widened(simd, row(odd + corner)))));
-            (half[pair], half[pair + 1]) = both.split();
-        }
-    }
-    twice
-}
-
-#[inline(always)]
-fn twice_packed<S: Simd>(origin: f64x4<S>, scale: f64x4<S>, [p, q, r]: [f64x4<S>; 3]) -> f64x4<S> {
-    (p.min(q).min(r) - origin) * scale + (p.max(q).max(r) - origin) * scale
-}
-
-#[inline(always)]
-fn widened<S: Simd, T: Copy + Into<f64>>(simd: S, &[x, y, z, any]: &[T; 4]) -> f64x4<S> {
-    f64x4::from_slice(simd, &[x.into(), y.into(), z.into(), any.into()])
-}
-
-/// The corners of eight triangles in double precision, by the places of their [rows](VertexRows).
-#[inline(always)]
-fn widened_rows<'a, S: Simd, T: Copy + Into<f64> + 'a>(
-    simd: S,
-    row: impl Fn(usize) -> &'a [T; 4],
-) -> [[f64x4<S>; LANES]; 3] {
-    let mut rows = [[f64x4::splat(simd, 0.0); LANES]; 3];
-    for lane in 0..LANES {
-        for corner in 0..3 {
-            rows[corner][lane] = widened(simd, row(4 * lane + corner));
-        }
-    }
-    rows
-}
-
-/// The lanes of each of eight vectors taken together, in an order that is the same on every vector unit.
-#[inline(always)]
-pub(super) fn across<S: Simd>(each: &[f32x8<S>; LANES], both: impl Fn(f32x4<S>, f32x4<S>) -> f32x4<S>) -> f32x8<S> {
-    let [a, b, c, d, e, f, g, h] = *each;
-    across_four([a, b, c, d], &both).combine(across_four([e, f, g, h], &both))
-}
-
-#[inline(always)]
-fn across_four<S: Simd>(each: [f32x8<S>; 4], both: &impl Fn(f32x4<S>, f32x4<S>) -> f32x4<S>) -> f32x4<S> {
-    let [(a, b), (c, d), (e, f), (g, h)] = [each[0].split(), each[1].split(), each[2].split(), each[3].split()];
-    let [p, q, r, s] = [both(a, b), both(c, d), both(e, f), both(g, h)];
-    let (even, odd) = (both(p.zip_low(r), p.zip_high(r)), both(q.zip_low(s), q.zip_high(s)));
-    both(even.zip_low(odd), even.zip_high(odd))
 }

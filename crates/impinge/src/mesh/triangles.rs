@@ -6,9 +6,9 @@ use fearless_simd::{Simd, f32x8};
 
 use super::frame::PACKING_ERROR;
 use super::leaf::Leaf;
-use super::stored_corners::{Points, StoredCorners, across};
+use super::stored_corners::{Points, StoredCorners};
 use crate::hierarchy::HALF_ULP;
-use crate::simd::{LANES, Lanes3, by_axis, load3, store3, sub};
+use crate::simd::{LANES, Lanes3, across, by_axis, load3, store3, sub};
 
 /// `[corner][axis][lane]`.
 pub(crate) type CornerLanes = [[[f32; LANES]; 3]; 3];

@@ -33,7 +33,7 @@ pub(crate) use by_axis;
 
 pub(crate) use prefetch::{prefetch, prefetch_at};
 pub(crate) use rows::Rows;
-pub(crate) use vectors::{Lanes3, cross, dot, load, load3, store3, sub, transposed};
+pub(crate) use vectors::{Lanes3, across, cross, dot, load, load3, store3, sub, transposed};
 
 pub use fearless_simd::Level;
 

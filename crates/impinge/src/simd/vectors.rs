@@ -56,3 +56,18 @@ fn columns<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 3] {
     let (z_even, z_odd) = (a.zip_high(c), b.zip_high(d));
     [xy_even.zip_low(xy_odd), xy_even.zip_high(xy_odd), z_even.zip_low(z_odd)]
 }
+
+/// The lanes of each of eight vectors taken together, in an order that is the same on every vector unit.
+#[inline(always)]
+pub(crate) fn across<S: Simd>(each: &[f32x8<S>; LANES], both: impl Fn(f32x4<S>, f32x4<S>) -> f32x4<S>) -> f32x8<S> {
+    let [a, b, c, d, e, f, g, h] = *each;
+    across_four([a, b, c, d], &both).combine(across_four([e, f, g, h], &both))
+}
+
+#[inline(always)]
+fn across_four<S: Simd>(each: [f32x8<S>; 4], both: &impl Fn(f32x4<S>, f32x4<S>) -> f32x4<S>) -> f32x4<S> {
+    let [(a, b), (c, d), (e, f), (g, h)] = [each[0].split(), each[1].split(), each[2].split(), each[3].split()];
+    let [p, q, r, s] = [both(a, b), both(c, d), both(e, f), both(g, h)];
+    let (even, odd) = (both(p.zip_low(r), p.zip_high(r)), both(q.zip_low(s), q.zip_high(s)));
+    both(even.zip_low(odd), even.zip_high(odd))
+}
