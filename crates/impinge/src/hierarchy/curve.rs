@@ -73,6 +73,17 @@ impl Curve {
         }
     }
 
+    /// The code of one cell, by its bits one by one.
+    #[cfg(test)]
+    pub(super) fn code(&self, twice: [f32; 3]) -> u32 {
+        let code = |axis: usize| {
+            let along = (twice[axis] - self.origin[axis]) * self.scale - 0.5;
+            let cell = along.clamp(0.0, LAST).round_ties_even() as u32;
+            (0..BITS).map(|bit| (cell >> bit & 1) << (3 * bit + axis as u32)).sum::<u32>()
+        };
+        code(0) | code(1) | code(2)
+    }
+
     /// Of the codes of the cells of centres.
     #[inline(always)]
     fn digits<S: Simd>(&self, simd: S, place: u32, &[low, high]: &[[f32x4<S>; 4]; 2]) -> u32x8<S> {
@@ -128,17 +139,6 @@ mod tests {
     use fearless_simd::dispatch;
     use impinge_testkit::generate::Rng;
 
-    /// The code of a cell by its bits, one by one.
-    fn code(curve: &Curve, twice: [f32; 3]) -> u32 {
-        (0..3)
-            .map(|axis| {
-                let along = (twice[axis] - curve.origin[axis]) * curve.scale - 0.5;
-                let cell = along.clamp(0.0, LAST).round_ties_even() as u32;
-                (0..BITS).map(|bit| (cell >> bit & 1) << (3 * bit + axis as u32)).sum::<u32>()
-            })
-            .sum()
-    }
-
     #[test]
     fn a_code_has_the_bits_of_its_cell_by_turns() {
         let mut rng = Rng::new(142);
@@ -169,7 +169,7 @@ mod tests {
                                 for (lane, &[x, y, z, any]) in centres[next..][..eight.count].iter().enumerate() {
                                     let twice = <[f32; 4]>::from(eight.twice(lane)).map(f32::to_bits);
                                     assert_eq!(twice, [x, y, z, any].map(f32::to_bits), "{name}");
-                                    let code = code(&curve, [x, y, z]);
+                                    let code = curve.code([x, y, z]);
                                     let expected = (code >> (DIGIT_BITS * place)) as usize % DIGITS;
                                     assert_eq!(eight.digit(lane), expected, "{name}, {place}: {:?}", [x, y, z]);
                                     seen[place as usize] |= expected;

@@ -202,3 +202,58 @@ fn lanes_of_eight<S: Simd>(simd: S, centres: &[Centre]) -> [[f32x4<S>; 4]; 2] {
     let (low, high) = ([a, b, c, d], [e, f, g, h]);
     [low.map(|centre| centre.lanes(simd)), high.map(|centre| centre.lanes(simd))]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use impinge_testkit::generate::Rng;
+
+    /// Splits down to single cells, and counts the splits.
+    fn split_all(deals: Deals, centres: &mut [Centre], spare: &mut Vec<Centre>) -> usize {
+        if centres.len() < 2 {
+            return 0;
+        }
+        let Some(deals) = deals.parted(centres, spare) else { return 0 };
+        let (middle, low, high) = deals.split();
+        let (low_centres, high_centres) = centres.split_at_mut(middle);
+        assert!(!low_centres.is_empty() && !high_centres.is_empty());
+        1 + split_all(low, low_centres, spare) + split_all(high, high_centres, spare)
+    }
+
+    #[test]
+    fn what_is_split_to_the_end_lies_along_the_curve() {
+        let mut rng = Rng::new(143);
+        let mut shared = 0;
+        for (len, spread) in [(1, 1), (2, 1), (300, 3), (5_000, 4), (5_000, 1_024), (20_000, 40), (70_000, 100_000)] {
+            // In the middle of cells, and on the borders between two; a small crowd in a corner of a large cube, too.
+            let mut boxes: Vec<Aabb> = (0..len)
+                .map(|_| [0; 3].map(|_| rng.integer(0, spread) as f32))
+                .map(|centre| Aabb { min: centre, max: centre })
+                .collect();
+            boxes.push(Aabb { min: [4_096.0; 3], max: [4_096.0; 3] });
+            let [dealt, again] = [1, 3].map(|threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+                let mut centres = vec![Centre::zeroed(); boxes.len()];
+                let deals = pool.install(|| Deals::of(&boxes[..], &mut centres));
+                (deals, centres)
+            });
+            assert_eq!(dealt.1, again.1, "threads show");
+            let (deals, mut centres) = dealt;
+            let curve = deals.curve;
+            let splits = split_all(deals, &mut centres, &mut Vec::new());
+            let mut numbers: Vec<u32> = centres.iter().map(|centre| centre.index).collect();
+            for pair in centres.windows(2) {
+                let [before, after] = [pair[0], pair[1]].map(|centre| curve.code(centre.twice));
+                assert!(before <= after, "{len}, {spread}");
+                // Those in one place stay in the order in which they came.
+                assert!(pair[0].twice != pair[1].twice || pair[0].index < pair[1].index, "{len}, {spread}");
+                shared += usize::from(before == after && pair[0].twice != pair[1].twice);
+            }
+            let places = centres.chunk_by(|a, b| a.twice == b.twice).count();
+            assert_eq!(splits, places - 1, "{len}, {spread}: each place is parted from the others");
+            numbers.sort_unstable();
+            assert!(numbers.iter().enumerate().all(|(at, &number)| at == number as usize), "{len}, {spread}");
+        }
+        assert!(shared > 100, "{shared}: hardly a cell had to have a curve of its own");
+    }
+}
