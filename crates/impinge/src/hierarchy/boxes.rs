@@ -34,7 +34,7 @@ pub(crate) trait Boxes: Sync {
     fn len(&self) -> usize;
 
     /// Bounds of twice the centres of all of them, which may be generous.
-    fn twice_centres(&self) -> Aabb;
+    fn twice_reach(&self) -> Aabb;
 
     /// Twice the centres of eight boxes from number `first` on, and any fourth lanes; anything for boxes that there are not.
     fn eight<S: Simd>(&self, simd: S, first: usize) -> [[f32x4<S>; 4]; 2];
@@ -45,7 +45,7 @@ impl Boxes for [Aabb] {
         self.len()
     }
 
-    fn twice_centres(&self) -> Aabb {
+    fn twice_reach(&self) -> Aabb {
         let bounds = self.iter().copied().fold(Aabb::EMPTY, Aabb::union);
         Aabb { min: bounds.min.map(|x| 2.0 * x), max: bounds.max.map(|x| 2.0 * x) }
     }

@@ -32,7 +32,7 @@ pub(super) struct Deals {
 impl Deals {
     /// Writes the centres of all boxes, of which there is one at least, dealt out along a curve. Each thread deals out a share.
     pub(super) fn of<B: Boxes + ?Sized>(boxes: &B, centres: &mut [Centre]) -> Self {
-        let curve = Curve::over(&boxes.twice_centres()).unwrap_or(Curve::ONE_CELL);
+        let curve = Curve::over(&boxes.twice_reach()).unwrap_or(Curve::ONE_CELL);
         let share = centres.len().div_ceil(rayon::current_num_threads());
         let shares: Vec<_> = (0..centres.len()).step_by(share).map(|at| at..centres.len().min(at + share)).collect();
         let counts: Vec<[u32; DIGITS]> = shares

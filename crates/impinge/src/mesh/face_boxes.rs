@@ -31,7 +31,7 @@ impl<C: StoredCorners> Boxes for FaceBoxes<C> {
         self.0.faces().all().len()
     }
 
-    fn twice_centres(&self) -> Aabb {
+    fn twice_reach(&self) -> Aabb {
         self.0.twice_reach()
     }
 

@@ -120,7 +120,7 @@ pub(super) trait StoredCorners: Copy + Sync {
     /// Twice the centres of the boxes of eight faces and any fourth lanes, up to rounding: in the vertices' own frame or the packed one.
     fn twice_centres<S: Simd>(&self, simd: S, faces: &[[u32; 3]; LANES]) -> [[f32x4<S>; 4]; 2];
 
-    /// What bounds them all.
+    /// Bounds of twice the centres of all faces, which may be generous.
     fn twice_reach(&self) -> Aabb;
 
     /// What lies between extremes in the packed frame, rounded to nearest and then outward (docs/proof.md, L1).
