@@ -3,6 +3,7 @@
 use std::num::NonZeroU32;
 
 use crate::simd::LANES;
+use crate::storage::Buffer;
 use crate::volume::Aabb;
 
 /// The most boxes that a leaf holds: one for each lane of a packet.
@@ -35,12 +36,12 @@ pub struct BinaryTree<B = Aabb> {
     /// The root first; a left child follows its parent.
     pub nodes: Vec<BinaryNode<B>>,
     /// The boxes' indices, grouped so that each leaf is a range.
-    pub order: Vec<u32>,
+    pub order: Buffer<u32>,
 }
 
 impl<B> Default for BinaryTree<B> {
     fn default() -> Self {
-        Self { nodes: Vec::new(), order: Vec::new() }
+        Self { nodes: Vec::new(), order: Vec::new().into() }
     }
 }
 

@@ -3,6 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4};
 
+use crate::simd::LANES;
 use crate::volume::Aabb;
 
 /// Twice the centre of a box, and which box it is.
@@ -26,6 +27,14 @@ impl Centre {
     pub(super) fn lanes<S: Simd>(&self, simd: S) -> f32x4<S> {
         f32x4::from_slice(simd, bytemuck::cast_ref::<Self, [f32; 4]>(self))
     }
+}
+
+/// Of the first eight.
+#[inline(always)]
+pub(super) fn lanes_of_eight<S: Simd>(simd: S, centres: &[Centre]) -> [[f32x4<S>; 4]; 2] {
+    let [a, b, c, d, e, f, g, h] = &centres[..LANES] else { unreachable!("as many were taken") };
+    let (low, high) = ([a, b, c, d], [e, f, g, h]);
+    [low.map(|centre| centre.lanes(simd)), high.map(|centre| centre.lanes(simd))]
 }
 
 /// Things with boxes, none of which is empty.

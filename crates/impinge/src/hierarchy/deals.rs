@@ -7,10 +7,10 @@ use std::slice::IterMut;
 use std::sync::Arc;
 
 use bytemuck::Zeroable;
-use fearless_simd::{Simd, dispatch, f32x4};
+use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 
-use super::boxes::{Boxes, Centre};
+use super::boxes::{Boxes, Centre, lanes_of_eight};
 use super::curve::{Curve, DIGITS, Eight, LEADING};
 use super::radix::add_up;
 use crate::simd::{LANES, best_level};
@@ -193,14 +193,6 @@ fn count<S: Simd>(counts: &mut [u32; DIGITS], eight: &Eight<S>) {
             counts[eight.digit(lane)] += 1;
         }
     }
-}
-
-/// Of the first eight.
-#[inline(always)]
-fn lanes_of_eight<S: Simd>(simd: S, centres: &[Centre]) -> [[f32x4<S>; 4]; 2] {
-    let [a, b, c, d, e, f, g, h] = &centres[..LANES] else { unreachable!("as many were taken") };
-    let (low, high) = ([a, b, c, d], [e, f, g, h]);
-    [low.map(|centre| centre.lanes(simd)), high.map(|centre| centre.lanes(simd))]
 }
 
 #[cfg(test)]

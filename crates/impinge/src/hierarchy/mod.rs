@@ -9,6 +9,7 @@ mod binary;
 mod boxes;
 mod build;
 mod cluster;
+mod columns;
 mod cost;
 mod curve;
 mod deals;

@@ -1,10 +1,10 @@
 //! The default builder: boxes sorted along a space-filling curve and split where its cells split, down to clusters that
-//! are split at medians.
+//! are split by planes and at medians.
 //!
 //! Source: Lauterbach et al., *Fast BVH construction on GPUs*, Eurographics 2009; Karras, *Maximizing parallelism in the
 //! construction of BVHs*, HPG 2012. Ours departs in three ways: a cell that holds more than a cluster gets a curve of its
 //! own, so that small detail in a large scene keeps its order; a bounded depth, by halving ranges once the curve has
-//! split often enough; and medians at the bottom, which make leaves and nodes full and compact where a curve would jump.
+//! split often enough; and clusters at the bottom, whose leaves and nodes are full and compact where a curve would jump.
 
 use std::num::NonZeroU32;
 use std::sync::{Mutex, PoisonError};
@@ -19,9 +19,9 @@ use crate::simd::best_level;
 use crate::storage::Pages;
 use crate::volume::Aabb;
 
-/// Depth from which ranges are halved whatever the codes say: 2^32 boxes halved 23 times leave one cluster, which is at
-/// most 6 deep, so that no leaf is deeper than 32 + 23 + 6, below [`MAX_DEPTH`](super::MAX_DEPTH).
-const HALVE_FROM_DEPTH: usize = 32;
+/// Depth from which ranges are halved whatever the codes say: 2^32 boxes halved 20 times leave one cluster, which is at
+/// most 15 deep, so that no leaf is deeper than 28 + 20 + 15, below [`MAX_DEPTH`](super::MAX_DEPTH).
+const HALVE_FROM_DEPTH: usize = 28;
 
 /// The most boxes of a task where there is more than one thread.
 const LONGEST_TASK: usize = 1 << 15;
@@ -49,11 +49,11 @@ pub(crate) fn tree_along_curve<B: Bounds>(
     let mut centres = Pages::<Centre>::zeroed(len);
     let centres = centres.to_mut();
     let deals = Some(Deals::of(boxes, centres));
-    let mut order = vec![0; len];
+    let mut order = Pages::zeroed(len);
     let mut blocks = Vec::new();
     let task = if rayon::current_num_threads() == 1 { len } else { LONGEST_TASK };
     let builder = Builder { bounds, task, idle: Mutex::default() };
-    builder.subtree(Range { centres, order: &mut order, first: 0, depth: 0, deals }, &mut blocks);
+    builder.subtree(Range { centres, order: order.to_mut(), first: 0, depth: 0, deals }, &mut blocks);
     let nodes = if blocks.len() == 1 { blocks.swap_remove(0) } else { blocks.concat() };
     BinaryTree { nodes, order }
 }
@@ -110,7 +110,8 @@ impl<B: Bounds, F: Fn(&[u32]) -> B + Sync> Builder<F> {
     fn subtree(&self, mut range: Range<'_>, blocks: &mut Vec<Vec<BinaryNode<B>>>) -> (B, usize) {
         let (first, count) = (range.first as u32, range.centres.len());
         if count <= self.task {
-            let mut nodes = Vec::with_capacity(count / (LEAF_CAPACITY / 2) + 1);
+            // Hardly a leaf is not full; to move all of it once there are more takes longer than some more room.
+            let mut nodes = Vec::with_capacity(count / (LEAF_CAPACITY / 2) + count / (2 * LEAF_CAPACITY) + 1);
             let bounds = self.with_passing(|passing| self.emit(range, &mut nodes, passing));
             let len = nodes.len();
             blocks.push(nodes);

@@ -57,7 +57,7 @@ fn holds(outer: &Aabb, inner: &Aabb) -> bool {
 
 /// Walks the tree from its root and returns how deep the deepest leaf lies.
 fn depth_of_binary(name: &str, tree: &BinaryTree, boxes: &[Aabb]) -> usize {
-    let mut order = tree.order.clone();
+    let mut order = tree.order.to_vec();
     order.sort_unstable();
     assert!(order.iter().enumerate().all(|(at, &index)| at == index as usize), "{name}: not a permutation");
     assert_eq!(order.len(), boxes.len(), "{name}");

@@ -141,7 +141,8 @@ impl WideTree {
     pub fn collapse<B: Bounds>(binary: &BinaryTree<B>) -> (Self, Vec<u32>) {
         let mut collapse = Collapse {
             binary,
-            nodes: Growing::with_capacity(binary.nodes.len() / 12 + 1),
+            // A tenth for what builders that cut at medians make, and some more.
+            nodes: Growing::with_capacity(binary.nodes.len() / 8 + 1),
             leaves: Vec::with_capacity(binary.nodes.len() / 2 + 1),
         };
         if !binary.nodes.is_empty() {

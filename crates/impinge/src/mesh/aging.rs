@@ -150,7 +150,7 @@ impl Data {
         let faces: Vec<u32> = self.leaves[aged.leaves.clone()].iter().flat_map(|leaf| leaf.held()).copied().collect();
         let boxes: Vec<Aabb> = faces.par_iter().map(|&face| self.face_bounds(face)).collect();
         let mut binary: BinaryTree = Builder::default().build(&boxes);
-        binary.order.iter_mut().for_each(|face| *face = faces[*face as usize]);
+        binary.order.to_mut().iter_mut().for_each(|face| *face = faces[*face as usize]);
         let (tree, leaves) = WideTree::collapse(&binary);
         let layouts = leaves.iter().map(|&leaf| Leaf::holding(binary.held(leaf))).collect();
         (tree, layouts)

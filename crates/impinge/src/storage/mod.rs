@@ -125,6 +125,23 @@ impl<T: Pod> Deref for Buffer<T> {
     }
 }
 
+impl<T: Pod> Clone for Buffer<T> {
+    /// A copy, but for what is borrowed.
+    fn clone(&self) -> Self {
+        match self {
+            Self::Owned(elements) => Self::Owned(elements.clone()),
+            Self::Paged(_) => Pages::copied(self),
+            Self::Borrowed(bytes, range) => Self::Borrowed(bytes.clone(), range.clone()),
+        }
+    }
+}
+
+impl<T: Pod + PartialEq> PartialEq for Buffer<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self[..] == other[..]
+    }
+}
+
 impl<T> From<Vec<T>> for Buffer<T> {
     fn from(elements: Vec<T>) -> Self {
         Self::Owned(elements)

@@ -22,7 +22,7 @@ const DEAL_TOGETHER: usize = 1 << 15;
 pub(super) fn build(boxes: &[Aabb], capacity: usize) -> BinaryTree {
     let mut items = items(boxes);
     let nodes = top_down::nodes(Binned { items: &mut items, capacity }, capacity);
-    BinaryTree { nodes, order: order(&items) }
+    BinaryTree { nodes, order: order(&items).into() }
 }
 
 struct Binned<'a> {

@@ -74,29 +74,29 @@ impl Linked {
     /// box of each of its entries.
     pub(super) fn to_binary(&self, order: &[u32], capacity: usize, bounds_of: impl Fn(u32) -> Aabb) -> BinaryTree {
         let sizes = self.sizes(capacity);
-        let mut tree = BinaryTree { nodes: Vec::new(), order: Vec::with_capacity(order.len()) };
+        let (mut nodes, mut ordered) = (Vec::<BinaryNode>::new(), Vec::with_capacity(order.len()));
         // The nodes to come, each with its depth and, where it is a right child, where its parent now stands.
         let mut pending: Vec<(u32, usize, Option<usize>)> = vec![(self.root, 0, None)];
         while let Some((at, depth, parent)) = pending.pop() {
-            let here = tree.nodes.len();
+            let here = nodes.len();
             if let Some(parent) = parent {
-                tree.nodes[parent].right = NonZeroU32::new((here - parent) as u32);
+                nodes[parent].right = NonZeroU32::new((here - parent) as u32);
             }
             let (node, size) = (&self.nodes[at as usize], sizes[at as usize]);
             let is_too_deep = depth >= HALVE_FROM_DEPTH && depth + size.height as usize > MAX_DEPTH;
             match node.below {
                 Below::Pair([left, right]) if size.count as usize > capacity && !is_too_deep => {
-                    let first = tree.order.len() as u32;
-                    tree.nodes.push(BinaryNode { bounds: node.bounds, first, count: size.count, right: None });
+                    let first = ordered.len() as u32;
+                    nodes.push(BinaryNode { bounds: node.bounds, first, count: size.count, right: None });
                     pending.extend([(right, depth + 1, Some(here)), (left, depth + 1, None)]);
                 }
                 _ => {
                     let mut items = self.held(at, order, &bounds_of);
-                    median::append(&mut tree, &mut items, capacity, depth);
+                    median::append(&mut nodes, &mut ordered, &mut items, capacity, depth);
                 }
             }
         }
-        tree
+        BinaryTree { nodes, order: ordered.into() }
     }
 
     /// The boxes below a node.

@@ -11,40 +11,45 @@ use crate::volume::Aabb;
 pub(super) fn build(boxes: &[Aabb], capacity: usize) -> BinaryTree {
     let mut items = items(boxes);
     let nodes = top_down::nodes(Halved { items: &mut items, capacity }, capacity);
-    BinaryTree { nodes, order: order(&items) }
+    BinaryTree { nodes, order: order(&items).into() }
 }
 
 /// The tree with leaves of more than `capacity` boxes cut at medians.
 pub(super) fn cut_leaves(tree: &BinaryTree, boxes: &[Aabb], capacity: usize) -> BinaryTree {
-    let mut cut = BinaryTree { nodes: Vec::new(), order: Vec::with_capacity(tree.order.len()) };
+    let (mut nodes, mut order) = (Vec::<BinaryNode>::new(), Vec::with_capacity(tree.order.len()));
     // The nodes to come, each with its depth and, where it is a right child, where its parent now stands.
     let mut pending: Vec<(u32, usize, Option<usize>)> = vec![(0, 0, None)];
     while let Some((at, depth, parent)) = pending.pop() {
         let node = tree.nodes[at as usize];
-        let here = cut.nodes.len();
+        let here = nodes.len();
         if let Some(parent) = parent {
-            cut.nodes[parent].right = NonZeroU32::new((here - parent) as u32);
+            nodes[parent].right = NonZeroU32::new((here - parent) as u32);
         }
         match node.right {
             Some(right) => {
-                cut.nodes.push(node);
+                nodes.push(node);
                 pending.extend([(at + right.get(), depth + 1, Some(here)), (at + 1, depth + 1, None)]);
             }
             None => {
                 let held = tree.held(at).iter().map(|&index| Item { bounds: boxes[index as usize], index });
-                append(&mut cut, &mut held.collect::<Vec<_>>(), capacity, depth);
+                append(&mut nodes, &mut order, &mut held.collect::<Vec<_>>(), capacity, depth);
             }
         }
     }
-    cut
+    BinaryTree { nodes, order: order.into() }
 }
 
-/// Appends the median tree of some boxes, as a subtree at a depth.
-pub(super) fn append(tree: &mut BinaryTree, items: &mut [Item], capacity: usize, depth: usize) {
-    let nodes: Vec<BinaryNode> =
-        top_down::nodes_from(Halved { items: &mut *items, capacity }, capacity, tree.order.len(), depth);
-    tree.nodes.extend(nodes);
-    tree.order.extend(items.iter().map(|item| item.index));
+/// Appends the median tree of some boxes, as a subtree at a depth, and their order.
+pub(super) fn append(
+    nodes: &mut Vec<BinaryNode>,
+    order: &mut Vec<u32>,
+    items: &mut [Item],
+    capacity: usize,
+    depth: usize,
+) {
+    let halved = Halved { items: &mut *items, capacity };
+    nodes.extend(top_down::nodes_from(halved, capacity, order.len(), depth));
+    order.extend(items.iter().map(|item| item.index));
 }
 
 /// A box and its number, moved together, so that passes run over memory in order.

@@ -26,7 +26,7 @@ pub(super) fn build(boxes: &[Aabb], capacity: usize) -> BinaryTree {
     let sorted = Sorted { boxes, capacity, orders: [x, y, z], aside: &mut aside, above: &mut above };
     let nodes = top_down::nodes(sorted, capacity);
     let [order, ..] = orders;
-    BinaryTree { nodes, order }
+    BinaryTree { nodes, order: order.into() }
 }
 
 /// The same boxes in the order of their centres on each axis, and room to work in.

@@ -68,7 +68,7 @@ impl<V: NodeVolume, const DEGREE: usize> GenericTree<V, DEGREE> {
     #[must_use]
     pub fn new(binary: &BinaryTree, points_of: impl Fn(u32, &mut Vec<[f64; 3]>), enclosure: Enclosure) -> Option<Self> {
         const { assert!(2 <= DEGREE && DEGREE <= 32) };
-        let tree = Self { nodes: Vec::new(), leaves: Vec::new(), order: binary.order.clone(), root: None };
+        let tree = Self { nodes: Vec::new(), leaves: Vec::new(), order: binary.order.to_vec(), root: None };
         let mut opening = Opening { binary, points_of, enclosure, tree, points: Vec::new() };
         if !binary.nodes.is_empty() {
             opening.tree.root = Some(opening.node(0)?.1);

@@ -152,7 +152,8 @@ fn check_dynamic(tree: &DynamicTree, plain: &[Option<Aabb>]) {
     let numbers: Vec<u32> = (0..plain.len() as u32).filter(|&i| plain[i as usize].is_some()).collect();
     let boxes: Vec<Aabb> = plain.iter().flatten().copied().collect();
     let place = |number: &u32| numbers.binary_search(number).expect("a box that is there") as u32;
-    let renumbered = BinaryTree { order: binary.order.iter().map(place).collect::<Vec<u32>>(), nodes: binary.nodes };
+    let renumbered =
+        BinaryTree { order: binary.order.iter().map(place).collect::<Vec<u32>>().into(), nodes: binary.nodes };
     assert!(depth_of_binary("dynamic", &renumbered, &boxes) <= MAX_DEPTH);
 }
 

@@ -1,0 +1,371 @@
+//! The boxes of a cluster while it is halved: their centres as small integers, in columns that are read by whole vectors.
+//!
+//! Source: Polychroniou, Raghavan, Ross, *Rethinking SIMD vectorization for in-memory databases*, SIGMOD 2015: what a vector holds of
+//! either part is brought together by a shuffle and stored as a whole. Ours parts in place, as each run of rows has room for two.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x4, f32x8, i16x8, i16x16, i32x8, mask16x8};
+
+use super::boxes::{Centre, lanes_of_eight};
+use crate::simd::{LANES, by_axis, transposed};
+
+/// The most rows: a cluster's boxes.
+pub(super) const MOST: usize = 1 << 12;
+
+/// So many planes part a run one below the other, at most: medians part what is left.
+pub(super) const PLANES: u32 = 6;
+
+/// Room for all, and for whole vectors behind them. Columns are not a multiple of 4 KiB apart, as a processor takes addresses that are
+/// for one and the same at first.
+const ROOM: usize = 2 * MOST + (SIXTEEN << PLANES) + 560;
+
+/// Three coordinates and the number of a box in its cluster.
+const WIDTH: usize = 4;
+const NUMBER: usize = 3;
+
+/// A coordinate beyond all others, where there is no row.
+const BEYOND: i16 = i16::MAX;
+
+/// The greatest coordinate.
+const LAST: f32 = (BEYOND - 1) as f32;
+
+/// How many coordinates fill a vector.
+const SIXTEEN: usize = 16;
+
+/// So many rows are put in order by comparing each with each.
+const FEW: usize = 64;
+
+/// Rows that follow each other.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Run {
+    /// How many rows come before it.
+    pub(super) start: usize,
+    pub(super) len: usize,
+    /// Where it lies. There is room for twice as many rows, and for sixteen for each part that planes can make of it.
+    at: usize,
+    /// So many planes may part it.
+    planes: u32,
+}
+
+/// The rows of one cluster after another.
+pub(super) struct Columns {
+    columns: Box<[[i16; ROOM]; WIDTH]>,
+    finished: Box<[i16; MOST + 2 * SIXTEEN]>,
+}
+
+impl Run {
+    /// All of so many rows.
+    pub(super) fn all(len: usize) -> Self {
+        Self { start: 0, len, at: 0, planes: PLANES }
+    }
+
+    /// The first so many, a multiple of eight, or all; and the others.
+    pub(super) fn split(self, low: usize) -> (Self, Self) {
+        let low = low.min(self.len);
+        (Self { len: low, planes: 0, ..self }, self.high(low, self.at + 2 * low, 0))
+    }
+
+    /// What is left of it.
+    fn high(self, low: usize, at: usize, planes: u32) -> Self {
+        Self { start: self.start + low, len: self.len - low, at, planes }
+    }
+}
+
+impl Default for Columns {
+    fn default() -> Self {
+        Self { columns: bytemuck::allocation::zeroed_box(), finished: bytemuck::allocation::zeroed_box() }
+    }
+}
+
+impl Columns {
+    /// Writes the rows of these centres, of which there is one at least. Where they coincide or reach too far, all of them are in one
+    /// place.
+    #[inline(always)]
+    pub(super) fn set<S: Simd>(&mut self, simd: S, centres: &[Centre]) {
+        let (min, max) = reach(simd, centres);
+        let extent = max - min;
+        let scale = LAST / extent[0].max(extent[1]).max(extent[2]);
+        let is_cube = scale.is_finite() && (extent[0] + extent[1] + extent[2]).is_finite();
+        let cells = is_cube.then_some((min, scale));
+        let (eights, rest) = centres.as_chunks::<LANES>();
+        for (first, eight) in (0..).step_by(LANES).zip(eights) {
+            self.set_eight(simd, first, eight, cells);
+        }
+        if let Some(last) = rest.last() {
+            let mut eight = [*last; LANES];
+            eight[..rest.len()].copy_from_slice(rest);
+            self.set_eight(simd, centres.len() - rest.len(), &eight, cells);
+        }
+    }
+
+    /// `cells` are the least corner of their cube, and how many there are for each unit of length.
+    #[inline(always)]
+    fn set_eight<S: Simd>(&mut self, simd: S, first: usize, eight: &[Centre; LANES], cells: Option<(f32x4<S>, f32)>) {
+        let [low, high] = lanes_of_eight(simd, eight);
+        let [x, y, z] = match cells {
+            Some((min, scale)) => {
+                let twice = transposed(low, high);
+                by_axis!(axis => ((twice[axis] - min[axis]) * scale).to_int::<i32x8<S>>())
+            }
+            None => [i32x8::splat(simd, 0); 3],
+        };
+        let number = i32x8::from_slice(simd, &[0, 1, 2, 3, 4, 5, 6, 7]) + first as i32;
+        let ((x, y), (z, number)) = (x.saturating_narrow(y).split(), z.saturating_narrow(number).split());
+        for (column, eight) in self.columns.iter_mut().zip([x, y, z, number]) {
+            eight.store_slice(&mut column[first..][..LANES]);
+        }
+    }
+
+    /// Parts rows by a plane through the middle of the box about them, across the axis along which they spread most; `None` where all are
+    /// in one place, or enough planes were above.
+    #[inline(always)]
+    pub(super) fn part_by_plane<S: Simd>(&mut self, simd: S, run: Run) -> Option<(Run, Run)> {
+        let planes = run.planes.checked_sub(1)?;
+        let (axis, [least, greatest]) = self.widest(simd, run);
+        let pivot = least + (greatest - least) / 2 + 1;
+        if pivot > greatest {
+            return None;
+        }
+        let low = count_below(simd, self.along(axis, run), pivot);
+        // The larger part stays, so that the other lies behind what is still to be read.
+        let larger = low.max(run.len - low);
+        let behind = run.at + 2 * larger + (SIXTEEN << planes);
+        let (low_at, high_at) = if low == larger { (run.at, behind) } else { (behind, run.at) };
+        let mut parting = Parting { at: run.at, low: low_at, high: high_at };
+        while parting.at < run.at + run.len {
+            let along = i16x8::from_slice(simd, &self.columns[axis][parting.at..][..LANES]);
+            parting.put_eight(simd, &mut self.columns, along.simd_lt(pivot));
+        }
+        Some((Run { len: low, at: low_at, planes, ..run }, run.high(low, high_at, planes)))
+    }
+
+    /// Parts more than sixteen rows: the `low` ones that come first along the axis along which they spread most stay in the first half of
+    /// their room, the others go where the other part lies, either in the order in which they are. `low` is a multiple of eight,
+    /// and half of them at least.
+    #[inline(always)]
+    pub(super) fn part<S: Simd>(&mut self, simd: S, run: Run, low: usize) -> (Run, Run) {
+        if run.len <= 2 * SIXTEEN {
+            self.part_few::<2, S>(simd, run, low);
+        } else if run.len <= FEW {
+            self.part_few::<4, S>(simd, run, low);
+        } else {
+            self.part_many(simd, run, low);
+        }
+        run.split(low)
+    }
+
+    /// Is done with up to sixteen rows: the eight that come first along the axis along which they spread most, then the others,
+    /// either in the order in which they are.
+    #[inline(always)]
+    pub(super) fn finish<S: Simd>(&mut self, simd: S, run: Run) {
+        let [rank] = self.ranks(simd, run);
+        let (low, high) = rank.split();
+        let [low, high] = [low, high].map(|rank| rank.simd_lt(LANES as i16));
+        let numbers = &self.columns[NUMBER][run.at..][..SIXTEEN];
+        let eights = [0, LANES].map(|at| i16x8::from_slice(simd, &numbers[at..][..LANES]));
+        let finished = &mut self.finished[run.start..][..SIXTEEN + LANES];
+        let mut count = 0;
+        // What follows those that are wanted is overwritten by the next.
+        for (eight, is_wanted) in [(eights[0], low), (eights[1], high), (eights[0], !low), (eights[1], !high)] {
+            eight.compress(is_wanted).store_slice(&mut finished[count..][..LANES]);
+            count += is_wanted.to_bitmask().count_ones() as usize;
+        }
+    }
+
+    /// The numbers of the rows that it is done with, by their places.
+    pub(super) fn finished(&self) -> &[i16] {
+        &self.finished[..]
+    }
+
+    /// Of up to sixty-four rows.
+    #[inline(always)]
+    fn part_few<const SIXTEENS: usize, S: Simd>(&mut self, simd: S, run: Run, low: usize) {
+        let ranks: [i16x16<S>; SIXTEENS] = self.ranks(simd, run);
+        let mut parting = Parting::of(run, low);
+        for rank in ranks {
+            let (rank, next) = rank.split();
+            for rank in [rank, next] {
+                if parting.at < run.at + run.len {
+                    parting.put_eight(simd, &mut self.columns, rank.simd_lt(low as i16));
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn part_many<S: Simd>(&mut self, simd: S, run: Run, low: usize) {
+        let (axis, reach) = self.widest(simd, run);
+        let (from, mut to, below) = median(simd, self.along(axis, run), reach, low, run.len);
+        let mut wanted = (low - below) as u32;
+        let mut parting = Parting::of(run, low);
+        while parting.at < run.at + run.len {
+            let along = i16x8::from_slice(simd, &self.columns[axis][parting.at..][..LANES]);
+            let (below, before) = (along.simd_lt(from), along.simd_lt(to));
+            let between = (before & !below).to_bitmask();
+            let mut is_low = before;
+            if between.count_ones() <= wanted {
+                wanted -= between.count_ones();
+            } else {
+                is_low = mask16x8::from_bitmask(simd, below.to_bitmask() | first_bits(between, wanted));
+                // The others between are of the other part.
+                (wanted, to) = (0, from);
+            }
+            parting.put_eight(simd, &mut self.columns, is_low);
+        }
+    }
+
+    /// How many rows come before each of so many sixteens along the axis along which they spread most, those in one place in the order
+    /// in which they are; more than there are rows, where there is none.
+    #[inline(always)]
+    fn ranks<const SIXTEENS: usize, S: Simd>(&mut self, simd: S, run: Run) -> [i16x16<S>; SIXTEENS] {
+        const PLACES: [i16; FEW] = {
+            let mut places = [0; FEW];
+            let mut place = 1;
+            while place < FEW {
+                places[place] = place as i16;
+                place += 1;
+            }
+            places
+        };
+        let (axis, [least, greatest]) = self.widest(simd, run);
+        let along = &self.columns[axis][run.at..][..SIXTEENS * SIXTEEN];
+        // No two are alike: the place in the lowest bits, and before it as much as there is room for.
+        let shift = (greatest - least).leading_zeros() - 1;
+        let mut keys = [BEYOND; FEW];
+        let mut each = [i16x16::splat(simd, 0); SIXTEENS];
+        for sixteen in 0..SIXTEENS {
+            let along = i16x16::from_slice(simd, &along[sixteen * SIXTEEN..][..SIXTEEN]);
+            let place = i16x16::from_slice(simd, &PLACES[sixteen * SIXTEEN..][..SIXTEEN]);
+            let key = ((along - least) << shift) & !(FEW as i16 - 1) | place;
+            key.store_slice(&mut keys[sixteen * SIXTEEN..][..SIXTEEN]);
+        }
+        keys[run.len..].fill(BEYOND);
+        for sixteen in 0..SIXTEENS {
+            each[sixteen] = i16x16::from_slice(simd, &keys[sixteen * SIXTEEN..][..SIXTEEN]);
+        }
+        let mut ranks = [i16x16::splat(simd, 0); SIXTEENS];
+        for key in &keys[..SIXTEENS * SIXTEEN] {
+            let key = i16x16::splat(simd, *key);
+            for sixteen in 0..SIXTEENS {
+                ranks[sixteen] -= key.simd_lt(each[sixteen]).to_vector();
+            }
+        }
+        ranks
+    }
+
+    /// Whole vectors of coordinates.
+    #[inline(always)]
+    fn along(&self, axis: usize, run: Run) -> &[i16] {
+        &self.columns[axis][run.at..][..run.len.next_multiple_of(SIXTEEN)]
+    }
+
+    /// The axis along which rows spread most, and the least and the greatest of their coordinates; marks what comes after them.
+    #[inline(always)]
+    fn widest<S: Simd>(&mut self, simd: S, run: Run) -> (usize, [i16; 2]) {
+        let mut widest = (0, [0, -1]);
+        for axis in 0..3 {
+            let column = &mut self.columns[axis][run.at..][..run.len.next_multiple_of(SIXTEEN)];
+            column[run.len..].fill(BEYOND);
+            let (mut least, mut after) = (i16x16::splat(simd, BEYOND), i16x16::splat(simd, i16::MIN));
+            for sixteen in column.as_chunks::<SIXTEEN>().0 {
+                let sixteen = i16x16::from_slice(simd, sixteen);
+                least = least.min(sixteen);
+                // What is beyond comes round and is the least.
+                after = after.max(sixteen + 1);
+            }
+            let [least, greatest] = [least.reduce_min(), after.reduce_max() - 1];
+            let is_wider = greatest - least > widest.1[1] - widest.1[0];
+            widest = if is_wider { (axis, [least, greatest]) } else { widest };
+        }
+        widest
+    }
+}
+
+/// Where the next rows are, and where those of either part go, which is never before they were read.
+struct Parting {
+    at: usize,
+    low: usize,
+    high: usize,
+}
+
+impl Parting {
+    fn of(run: Run, low: usize) -> Self {
+        Self { at: run.at, low: run.at, high: run.split(low).1.at }
+    }
+
+    #[inline(always)]
+    fn put_eight<S: Simd>(&mut self, simd: S, columns: &mut [[i16; ROOM]; WIDTH], is_low: mask16x8<S>) {
+        for column in columns {
+            let eight = i16x8::from_slice(simd, &column[self.at..][..LANES]);
+            eight.compress(is_low).store_slice(&mut column[self.low..][..LANES]);
+            eight.compress(!is_low).store_slice(&mut column[self.high..][..LANES]);
+        }
+        let count = is_low.to_bitmask().count_ones() as usize;
+        self.at += LANES;
+        self.low += count;
+        self.high += LANES - count;
+    }
+}
+
+/// At most so many bits, the lowest ones.
+#[inline(always)]
+fn first_bits(bits: u64, count: u32) -> u64 {
+    let mut others = bits;
+    for _ in 0..count {
+        others &= others - 1;
+    }
+    bits ^ others
+}
+
+#[inline(always)]
+fn count_below<S: Simd>(simd: S, along: &[i16], pivot: i16) -> usize {
+    let mut counts = i16x16::splat(simd, 0);
+    for sixteen in along.as_chunks::<SIXTEEN>().0 {
+        counts -= i16x16::from_slice(simd, sixteen).simd_lt(pivot).to_vector();
+    }
+    counts.reduce_sum() as usize
+}
+
+/// An interval such that at most `low` of `len` numbers are below it and more than as many below its end, and how many are below it:
+/// so short that few are in it. Where `low` are below it, nobody looks at the end.
+#[inline(always)]
+fn median<S: Simd>(simd: S, along: &[i16], [least, greatest]: [i16; 2], low: usize, len: usize) -> (i16, i16, usize) {
+    /// This part of them is few: told apart by their order alone, which costs no tightness that can be measured.
+    const SHARE: usize = 64;
+    let (mut from, mut to) = (least, greatest + 1);
+    let (mut below, mut before) = (0, len);
+    while to - from > 1 && below != low && (before - below) * SHARE > len {
+        let middle = from + (to - from) / 2;
+        let count = count_below(simd, along, middle);
+        let is_low = count <= low;
+        from = if is_low { middle } else { from };
+        below = if is_low { count } else { below };
+        to = if is_low { to } else { middle };
+        before = if is_low { before } else { count };
+    }
+    (from, to, below)
+}
+
+/// Twice the least and the greatest of the centres, and any fourth lanes.
+#[inline(always)]
+fn reach<S: Simd>(simd: S, centres: &[Centre]) -> (f32x4<S>, f32x4<S>) {
+    let (pairs, last) = centres.as_chunks::<2>();
+    let first = centres[0].lanes(simd);
+    let (mut min, mut max) = (first.combine(first), first.combine(first));
+    for pair in pairs {
+        let pair = f32x8::from_slice(simd, bytemuck::cast_ref::<[Centre; 2], [f32; 8]>(pair));
+        min = min.min(pair);
+        max = max.max(pair);
+    }
+    let ((low_min, high_min), (low_max, high_max)) = (min.split(), max.split());
+    let (mut min, mut max) = (low_min.min(high_min), low_max.max(high_max));
+    for centre in last {
+        let centre = centre.lanes(simd);
+        min = min.min(centre);
+        max = max.max(centre);
+    }
+    (min, max)
+}
+
+#[cfg(test)]
+mod tests;
