@@ -185,7 +185,7 @@ fn the_bytes_are_those_of_this_version_on_every_machine() {
         (
             3,
             [
-                "56e4b2f3e2b7306d dde5cf1f4321204c ae2cc60d29de85c7",
+                "723bcaf1c02ca11d 966b9b8a7ea97ff2 ae2cc60d29de85c7",
                 "0930f353a2800fa5 d45bfa83b2712259 ae2cc60d29de85c7",
             ]
         )
