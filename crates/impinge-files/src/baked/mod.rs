@@ -127,7 +127,7 @@ impl Baked {
     /// Where it is not what was baked, or no mesh.
     ///
     /// # Complexity
-    /// Linear, whatever the file holds; a refit and a half to two, on all cores of the current rayon pool.
+    /// Linear, whatever the file holds; a refit and a half, on all cores of the current rayon pool.
     pub fn mesh(&self) -> Result<Mesh, LoadError> {
         let mesh = self.trusted_mesh()?;
         let proved = mesh.validate().map_err(|flaw| corrupt(flaw.to_string()));

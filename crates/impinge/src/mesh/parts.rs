@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
@@ -163,18 +163,16 @@ fn part<T: bytemuck::Pod>(bytes: &SharedBytes, range: &Range<usize>, part: &'sta
     Buffer::borrow(bytes.clone(), range.clone()).ok_or(Flaw::Shape { part })
 }
 
-/// Each of this many faces is in one packet, which has no other.
+/// Each of this many faces is in one leaf, which has no other.
 fn each_face_once(leaves: &[Leaf], faces: usize) -> Result<(), Flaw> {
-    let seen: Vec<AtomicU32> = (0..faces.div_ceil(32)).map(|_| AtomicU32::new(0)).collect();
-    let is_new = |&face: &u32| {
-        let bit = 1 << (face % 32);
-        // What is seen twice is seen twice in any order.
-        (face as usize) < faces && seen[face as usize / 32].fetch_or(bit, Ordering::Relaxed) & bit == 0
-    };
-    let is_good = |leaf: &Leaf| leaf.is_sound() && leaf.held().iter().all(is_new);
-    // As many as there are and none twice is each of them.
-    let held: usize = leaves.par_iter().with_min_len(super::CHUNK).map(|leaf| leaf.held().len()).sum();
-    let is_each = held == faces && leaves.par_iter().with_min_len(super::CHUNK).all(is_good);
+    // A byte each, which is only ever written: threads that set bits of one number wait for each other, and one for itself.
+    let seen: Vec<AtomicBool> = (0..faces).map(|_| AtomicBool::new(false)).collect();
+    let see = |&face: &u32| seen.get(face as usize).map(|seen| seen.store(true, Ordering::Relaxed)).is_some();
+    let count = |leaf: &Leaf| (leaf.is_sound() && leaf.held().iter().all(see)).then(|| leaf.held().len());
+    let held: Option<usize> = leaves.par_iter().with_min_len(super::CHUNK).map(count).sum();
+    // As many as there are, and each of them, is none twice.
+    let is_seen = |seen: &AtomicBool| seen.load(Ordering::Relaxed);
+    let is_each = held == Some(faces) && seen.par_iter().with_min_len(super::CHUNK).all(is_seen);
     if is_each { Ok(()) } else { Err(Flaw::Faces) }
 }
 
