@@ -29,7 +29,7 @@ impl Centre {
     }
 }
 
-/// Of the first eight.
+/// Twice the first eight of these centres, and any fourth lanes.
 #[inline(always)]
 pub(super) fn lanes_of_eight<S: Simd>(simd: S, centres: &[Centre]) -> [[f32x4<S>; 4]; 2] {
     let [a, b, c, d, e, f, g, h] = &centres[..LANES] else { unreachable!("as many were taken") };

@@ -34,7 +34,7 @@ fn places(rng: &mut Rng, len: usize) -> Vec<[f32; 3]> {
 
 #[test]
 fn rows_are_parted_about_the_median_of_their_widest_axis() {
-    let mut rng = Rng::new(171);
+    let (mut rng, mut tied) = (Rng::new(171), 0);
     for len in (17..200).chain((0..60).map(|_| rng.integer(200, MOST as i64) as usize)).collect::<Vec<_>>() {
         let places = places(&mut rng, len);
         let whole = if len > FEW { FEW } else { LANES };
@@ -59,6 +59,7 @@ fn rows_are_parted_about_the_median_of_their_widest_axis() {
             // What is in the wrong part is hardly beyond the median, or one of few.
             let mut sorted: Vec<i16> = along.iter().map(|row| row[axis]).collect();
             sorted.sort_unstable();
+            tied += usize::from(back.iter().any(|&number| along[number as usize][axis] == sorted[low - 1]));
             let is_wrong = |number: &&i16| along[**number as usize][axis] > sorted[low - 1];
             let wrong: Vec<i16> = front.iter().filter(is_wrong).map(|number| along[*number as usize][axis]).collect();
             let hardly = if len > FEW { 0 } else { extent(axis) >> 8 };
@@ -67,6 +68,7 @@ fn rows_are_parted_about_the_median_of_their_widest_axis() {
             assert_eq!(expected.get_or_insert(parts.clone()), parts, "{name}, {len}");
         }
     }
+    assert!(tied > 300, "{tied}: hardly a median was in both parts");
 }
 
 #[test]
