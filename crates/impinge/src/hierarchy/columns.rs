@@ -10,10 +10,10 @@ use super::boxes::{Centre, lanes_of_eight};
 use crate::simd::{LANES, by_axis, transposed};
 
 /// The most rows: a cluster's boxes.
-pub(super) const MOST: usize = 1 << 12;
+pub(super) const MOST: usize = 1 << 13;
 
 /// So many planes part a run one below the other, at most: medians part what is left.
-pub(super) const PLANES: u32 = 6;
+pub(super) const PLANES: u32 = 7;
 
 /// Room for all, and for whole vectors behind them. Columns are not a multiple of 4 KiB apart, as a processor takes addresses that are
 /// for one and the same at first.

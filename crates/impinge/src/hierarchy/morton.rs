@@ -19,9 +19,9 @@ use crate::simd::best_level;
 use crate::storage::Pages;
 use crate::volume::Aabb;
 
-/// Depth from which ranges are halved whatever the codes say: 2^32 boxes halved 20 times leave one cluster, which is at
-/// most 15 deep, so that no leaf is deeper than 28 + 20 + 15, below [`MAX_DEPTH`](super::MAX_DEPTH).
-const HALVE_FROM_DEPTH: usize = 28;
+/// Depth from which ranges are halved whatever the codes say: 2^32 boxes halved 19 times leave one cluster, which is at
+/// most 17 deep, so that no leaf is deeper than 27 + 19 + 17, below [`MAX_DEPTH`](super::MAX_DEPTH).
+const HALVE_FROM_DEPTH: usize = 27;
 
 /// The most boxes of a task where there is more than one thread.
 const LONGEST_TASK: usize = 1 << 15;

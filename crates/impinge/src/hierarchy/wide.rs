@@ -193,31 +193,44 @@ impl<B: Bounds> Collapse<'_, B> {
     /// most as deep as the binary tree, whose depth is bounded.
     fn node(&mut self, subtree: Subtree) -> u32 {
         let at = self.nodes.len();
+        if subtree.fits_a_node_of_leaves() {
+            let node = self.node_of_leaves(subtree);
+            self.nodes.push(node);
+            return at as u32;
+        }
         self.nodes.push(Node::EMPTY);
         let (lanes, count) = self.children(subtree);
         let mut node = Node { count: count as u32, ..Node::EMPTY };
         for (lane, &child) in lanes[..count].iter().enumerate() {
-            let wide = if subtree.fits_a_node_of_leaves() {
-                self.leaves.push(child.root);
-                Child::Leaf(self.leaves.len() as u32 - 1)
-            } else {
-                Child::Inner(self.node(child))
-            };
+            let wide = self.node(child);
             node.set_bounds(lane, &self.binary.nodes[child.root as usize].bounds.aabb());
-            node.set_child(lane, wide);
+            node.set_child(lane, Child::Inner(wide));
         }
         node.set_extent(&node.bounds());
         self.nodes[at] = node;
         at as u32
     }
 
-    /// The binary nodes that become the children. What fits a node of leaves becomes one, even if it is a single leaf,
-    /// so that two trees meet leaves with leaves; above, the child that holds most, and of those the first, is opened until the
-    /// lanes are full. Their order in space is kept.
+    /// What fits a node of leaves becomes one, even if it is a single leaf, so that two trees meet leaves with leaves.
+    fn node_of_leaves(&mut self, Subtree { root, len }: Subtree) -> Node {
+        let mut node = Node::EMPTY;
+        let below = &self.binary.nodes[root as usize..][..len as usize];
+        let leaves = (root..).zip(below).filter(|(_, below)| below.right.is_none());
+        for (lane, (place, leaf)) in leaves.enumerate() {
+            node.set_bounds(lane, &leaf.bounds.aabb());
+            node.set_child(lane, Child::Leaf(self.leaves.len() as u32));
+            node.count += 1;
+            self.leaves.push(place);
+        }
+        node.set_extent(&node.bounds());
+        node
+    }
+
+    /// The binary nodes that become the children: the child that holds most, and of those the first, is opened until the
+    /// lanes are full, but none that fits a node of leaves. Their order in space is kept.
     fn children(&self, subtree: Subtree) -> ([Subtree; LANES], usize) {
         let fullness = |child: Subtree| {
-            let is_whole = child.len == 1 || !subtree.fits_a_node_of_leaves() && child.fits_a_node_of_leaves();
-            if is_whole { 0 } else { self.binary.nodes[child.root as usize].count }
+            if child.fits_a_node_of_leaves() { 0 } else { self.binary.nodes[child.root as usize].count }
         };
         let (mut lanes, mut held) = ([subtree; LANES], [0; LANES]);
         held[0] = fullness(subtree);

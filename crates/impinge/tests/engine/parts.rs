@@ -185,7 +185,7 @@ fn the_bytes_are_those_of_this_version_on_every_machine() {
         (
             3,
             [
-                "723bcaf1c02ca11d 966b9b8a7ea97ff2 ae2cc60d29de85c7",
+                "723bcaf1c02ca11d 700312f2fa6c7326 ae2cc60d29de85c7",
                 "0930f353a2800fa5 d45bfa83b2712259 ae2cc60d29de85c7",
             ]
         )
