@@ -1,13 +1,15 @@
 //! The boxes of a cluster while it is halved: their centres as small integers, in columns that are read by whole vectors.
 //!
-//! Source: Polychroniou, Raghavan, Ross, *Rethinking SIMD vectorization for in-memory databases*, SIGMOD 2015: what a vector holds of
-//! either part is brought together by a shuffle and stored as a whole. Ours parts in place, as each run of rows has room for two.
+//! Each run of rows has room for two, in which it is parted (see [`parting`]).
+
+mod parting;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, f32x8, i16x8, i16x16, i32x8, mask16x8};
+use fearless_simd::{Simd, f32x4, f32x8, i16x8, i16x16, i32x8};
 
 use super::boxes::{Centre, lanes_of_eight};
 use crate::simd::{LANES, by_axis, transposed};
+use parting::{Cut, MOST_TOGETHER, Parting};
 
 /// The most rows: a cluster's boxes.
 pub(super) const MOST: usize = 1 << 13;
@@ -17,7 +19,7 @@ pub(super) const PLANES: u32 = 7;
 
 /// Room for all, and for whole vectors behind them. Columns are not a multiple of 4 KiB apart, as a processor takes addresses that are
 /// for one and the same at first.
-const ROOM: usize = 2 * MOST + (SIXTEEN << PLANES) + 560;
+const ROOM: usize = 2 * MOST + (MOST_TOGETHER << PLANES) + 560;
 
 /// Three coordinates and the number of a box in its cluster.
 const WIDTH: usize = 4;
@@ -41,7 +43,7 @@ pub(super) struct Run {
     /// How many rows come before it.
     pub(super) start: usize,
     pub(super) len: usize,
-    /// Where it lies. There is room for twice as many rows, and for sixteen for each part that planes can make of it.
+    /// Where it lies. There is room for twice as many rows, and for a vector more for each part that planes can make of it.
     at: usize,
     /// So many planes may part it.
     planes: u32,
@@ -121,7 +123,7 @@ impl Columns {
     #[inline(always)]
     pub(super) fn part_by_plane<S: Simd>(&mut self, simd: S, run: Run) -> Option<(Run, Run)> {
         let planes = run.planes.checked_sub(1)?;
-        let (axis, [least, greatest]) = self.widest(simd, run);
+        let (axis, [least, greatest]) = self.widest::<MOST_TOGETHER, S>(simd, run);
         let pivot = least + (greatest - least) / 2 + 1;
         if pivot > greatest {
             return None;
@@ -129,13 +131,11 @@ impl Columns {
         let low = count_below(simd, self.along(axis, run), pivot);
         // The larger part stays, so that the other lies behind what is still to be read.
         let larger = low.max(run.len - low);
-        let behind = run.at + 2 * larger + (SIXTEEN << planes);
+        let behind = run.at + 2 * larger + (MOST_TOGETHER << planes);
         let (low_at, high_at) = if low == larger { (run.at, behind) } else { (behind, run.at) };
-        let mut parting = Parting { at: run.at, low: low_at, high: high_at };
-        while parting.at < run.at + run.len {
-            let along = i16x8::from_slice(simd, &self.columns[axis][parting.at..][..LANES]);
-            parting.put_eight(simd, &mut self.columns, along.simd_lt(pivot));
-        }
+        let parting = Parting { at: run.at, low: low_at, high: high_at };
+        let cut = Cut { axis, from: pivot, to: pivot, wanted: 0 };
+        parting.put_all(simd, &mut self.columns, run.at + run.len, cut);
         Some((Run { len: low, at: low_at, planes, ..run }, run.high(low, high_at, planes)))
     }
 
@@ -186,7 +186,7 @@ impl Columns {
             let (rank, next) = rank.split();
             for rank in [rank, next] {
                 if parting.at < run.at + run.len {
-                    parting.put_eight(simd, &mut self.columns, rank.simd_lt(low as i16));
+                    parting.put::<i16x8<S>, S>(simd, &mut self.columns, rank.simd_lt(low as i16));
                 }
             }
         }
@@ -194,24 +194,10 @@ impl Columns {
 
     #[inline(always)]
     fn part_many<S: Simd>(&mut self, simd: S, run: Run, low: usize) {
-        let (axis, reach) = self.widest(simd, run);
-        let (from, mut to, below) = median(simd, self.along(axis, run), reach, low, run.len);
-        let mut wanted = (low - below) as u32;
-        let mut parting = Parting::of(run, low);
-        while parting.at < run.at + run.len {
-            let along = i16x8::from_slice(simd, &self.columns[axis][parting.at..][..LANES]);
-            let (below, before) = (along.simd_lt(from), along.simd_lt(to));
-            let between = (before & !below).to_bitmask();
-            let mut is_low = before;
-            if between.count_ones() <= wanted {
-                wanted -= between.count_ones();
-            } else {
-                is_low = mask16x8::from_bitmask(simd, below.to_bitmask() | first_bits(between, wanted));
-                // The others between are of the other part.
-                (wanted, to) = (0, from);
-            }
-            parting.put_eight(simd, &mut self.columns, is_low);
-        }
+        let (axis, reach) = self.widest::<MOST_TOGETHER, S>(simd, run);
+        let (from, to, below) = median(simd, self.along(axis, run), reach, low, run.len);
+        let cut = Cut { axis, from, to, wanted: (low - below) as u32 };
+        Parting::of(run, low).put_all(simd, &mut self.columns, run.at + run.len, cut);
     }
 
     /// How many rows come before each of so many sixteens along the axis along which they spread most, those in one place in the order
@@ -227,7 +213,7 @@ impl Columns {
             }
             places
         };
-        let (axis, [least, greatest]) = self.widest(simd, run);
+        let (axis, [least, greatest]) = self.widest::<SIXTEEN, S>(simd, run);
         let along = &self.columns[axis][run.at..][..SIXTEENS * SIXTEEN];
         // No two are alike: the place in the lowest bits, and before it as much as there is room for.
         let shift = (greatest - least).leading_zeros() - 1;
@@ -259,12 +245,13 @@ impl Columns {
         &self.columns[axis][run.at..][..run.len.next_multiple_of(SIXTEEN)]
     }
 
-    /// The axis along which rows spread most, and the least and the greatest of their coordinates; marks what comes after them.
+    /// The axis along which rows spread most, and the least and the greatest of their coordinates; marks what comes after them, where
+    /// so many are taken together.
     #[inline(always)]
-    fn widest<S: Simd>(&mut self, simd: S, run: Run) -> (usize, [i16; 2]) {
+    fn widest<const TOGETHER: usize, S: Simd>(&mut self, simd: S, run: Run) -> (usize, [i16; 2]) {
         let mut widest = (0, [0, -1]);
         for axis in 0..3 {
-            let column = &mut self.columns[axis][run.at..][..run.len.next_multiple_of(SIXTEEN)];
+            let column = &mut self.columns[axis][run.at..][..run.len.next_multiple_of(TOGETHER)];
             column[run.len..].fill(BEYOND);
             let (mut least, mut after) = (i16x16::splat(simd, BEYOND), i16x16::splat(simd, i16::MIN));
             for sixteen in column.as_chunks::<SIXTEEN>().0 {
@@ -279,42 +266,6 @@ impl Columns {
         }
         widest
     }
-}
-
-/// Where the next rows are, and where those of either part go, which is never before they were read.
-struct Parting {
-    at: usize,
-    low: usize,
-    high: usize,
-}
-
-impl Parting {
-    fn of(run: Run, low: usize) -> Self {
-        Self { at: run.at, low: run.at, high: run.split(low).1.at }
-    }
-
-    #[inline(always)]
-    fn put_eight<S: Simd>(&mut self, simd: S, columns: &mut [[i16; ROOM]; WIDTH], is_low: mask16x8<S>) {
-        for column in columns {
-            let eight = i16x8::from_slice(simd, &column[self.at..][..LANES]);
-            eight.compress(is_low).store_slice(&mut column[self.low..][..LANES]);
-            eight.compress(!is_low).store_slice(&mut column[self.high..][..LANES]);
-        }
-        let count = is_low.to_bitmask().count_ones() as usize;
-        self.at += LANES;
-        self.low += count;
-        self.high += LANES - count;
-    }
-}
-
-/// At most so many bits, the lowest ones.
-#[inline(always)]
-fn first_bits(bits: u64, count: u32) -> u64 {
-    let mut others = bits;
-    for _ in 0..count {
-        others &= others - 1;
-    }
-    bits ^ others
 }
 
 #[inline(always)]

@@ -65,6 +65,12 @@ pub fn best_level() -> Level {
     widest
 }
 
+/// The widest level that this processor has, AVX-512 too: for kernels that bring lanes together, which it has an instruction for.
+#[must_use]
+pub(crate) fn widest_level() -> Level {
+    Level::new()
+}
+
 /// Every level that this processor can run, the scalar one first; tests ask each of them the same questions.
 #[must_use]
 pub fn levels() -> Vec<(&'static str, Level)> {
