@@ -192,6 +192,8 @@ impl Columns {
         }
     }
 
+    /// Of more. Either part has [`MOST_TOGETHER`] rows at least, or nothing of another run lies behind it: as it has room for twice as
+    /// many, and a vector more at the end, whole vectors disturb nobody.
     #[inline(always)]
     fn part_many<S: Simd>(&mut self, simd: S, run: Run, low: usize) {
         let (axis, reach) = self.widest::<MOST_TOGETHER, S>(simd, run);

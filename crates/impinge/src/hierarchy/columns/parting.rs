@@ -19,7 +19,7 @@ pub(super) struct Parting {
     pub(super) high: usize,
 }
 
-/// Which rows are of the low part: those below an interval along an axis, and so many of those in it, the first ones.
+/// Which rows are of the low part: those below the interval `from..to` along an axis, and the first `wanted` of those in it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cut {
     pub(super) axis: usize,
