@@ -6,14 +6,14 @@ use std::ops::ControlFlow;
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 
-use super::filter::Verdict;
+use super::filter::Verdicts;
 use super::large_leaf::LargeLeaf;
 use super::packet::Packets;
 use super::relation::{HostChoice, Relation, Relations};
 use super::taken_up::Guests;
 use super::{Mesh, Placed};
 use crate::exact::{Placement, triangles_intersect};
-use crate::hierarchy::{Descent, Large, LeafVisitor, Order, QUEUE, Task, bits};
+use crate::hierarchy::{Descent, Large, LeafVisitor, Order, QUEUE, Task};
 use crate::simd::{self, ALL_LANES, LANES, Level, outlined};
 use crate::volume::Aabb;
 
@@ -246,36 +246,38 @@ impl Pairs<'_> {
         self.next = (self.next + 1) % WAITING;
         self.count -= 1;
         let (guest_leaf, guest) = self.guests.awaited(guest);
-        let mut verdicts = [Verdict::default(); LANES];
-        let met = guest.meet(simd, (&self.host_packets, host_leaf), ALL_LANES, &mut verdicts);
-        if met == 0 { ControlFlow::Continue(()) } else { self.report([host_leaf, guest_leaf], met, &verdicts, false) }
+        let verdicts = guest.meet(simd, (&self.host_packets, host_leaf), ALL_LANES);
+        self.report([host_leaf, guest_leaf], verdicts, false)
     }
 
-    /// Decides what the filter left open between a host leaf and a guest leaf, and keeps what meets. There is a verdict
-    /// for each lane of the guest's of which the bit is set, or of the host's where they are `turned`.
+    /// Keeps what meets of a host leaf and a guest leaf, of which the guest's was taken up or, where they are `turned`, the
+    /// host's.
+    #[inline(always)]
+    fn report(&mut self, leaves: [u32; 2], verdicts: Verdicts, turned: bool) -> ControlFlow<()> {
+        if verdicts == Verdicts::default() {
+            return ControlFlow::Continue(());
+        }
+        self.keep(leaves, verdicts, turned)
+    }
+
+    /// Decides what the filter left open, and keeps what meets.
     #[inline(never)]
-    fn report(
-        &mut self,
-        [host_leaf, guest_leaf]: [u32; 2],
-        met: u32,
-        verdicts: &[Verdict; LANES],
-        turned: bool,
-    ) -> ControlFlow<()> {
+    fn keep(&mut self, [host_leaf, guest_leaf]: [u32; 2], verdicts: Verdicts, turned: bool) -> ControlFlow<()> {
         let host_faces = &self.host_packets.leaf(host_leaf).faces;
         let guest_faces = &self.guest_packets.leaf(guest_leaf).faces;
         let (many, one) = if turned { (guest_faces, host_faces) } else { (host_faces, guest_faces) };
-        for lane in bits(met) {
-            let verdict = verdicts[lane];
-            for other in bits(verdict.meets | verdict.open) {
-                let pair =
-                    if self.question.swapped == turned { [many[other], one[lane]] } else { [one[lane], many[other]] };
-                if verdict.open >> other & 1 == 0 {
-                    self.found.push(pair);
-                } else if self.question.wanted.deciding == Deciding::Last {
-                    self.open.push(pair);
-                } else if self.decide(pair) {
-                    self.found.push(pair);
-                }
+        let mut left = verdicts.meet | verdicts.open;
+        while left != 0 {
+            let bit = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let (many, one) = (many[bit % LANES], one[bit / LANES]);
+            let pair = if self.question.swapped == turned { [many, one] } else { [one, many] };
+            if verdicts.open >> bit & 1 == 0 {
+                self.found.push(pair);
+            } else if self.question.wanted.deciding == Deciding::Last {
+                self.open.push(pair);
+            } else if self.decide(pair) {
+                self.found.push(pair);
             }
         }
         let kept = self.question.wanted.kept;
@@ -340,14 +342,14 @@ impl LeafVisitor for Pairs<'_> {
             || match large {
                 Large::Guest(leaf) => {
                     let large = LargeLeaf::new(simd, &guest.1.get(simd, leaf), relation, back);
-                    large.descend(simd, host, node, |host_leaf, met, verdicts| {
-                        self.report([host_leaf, leaf], met, verdicts, false)
+                    large.descend(simd, host, node, |host_leaf, verdicts| {
+                        self.report([host_leaf, leaf], verdicts, false)
                     })
                 }
                 Large::Host(leaf) => {
                     let large = LargeLeaf::new(simd, &host.1.get(simd, leaf), back, relation);
-                    large.descend(simd, guest, node, |guest_leaf, met, verdicts| {
-                        self.report([leaf, guest_leaf], met, verdicts, true)
+                    large.descend(simd, guest, node, |guest_leaf, verdicts| {
+                        self.report([leaf, guest_leaf], verdicts, true)
                     })
                 }
             },

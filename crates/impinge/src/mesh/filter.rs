@@ -22,15 +22,17 @@ use fearless_simd::{Simd, f32x8, mask32x8};
 
 use super::packet::{Packet, Packets};
 use super::relation::{CornerError, GROWN, Relation};
-use crate::hierarchy::{BoxLanes, HALF_ULP, each_byte, overlapping_each, spread_to_bytes};
-use crate::simd::{LANES, Lanes3, by_axis, cross, dot, load, load3, outlined, store3, sub};
+use super::triangles::CornerLanes;
+use crate::hierarchy::{BoxLanes, HALF_ULP, bits, each_byte, overlapping_each, spread_to_bytes};
+use crate::simd::{ALL_LANES, Choice, LANES, Lanes3, by_axis, cross, dot, load, load3, outlined, store3, sub};
 use crate::volume::Aabb;
 
-/// The bits of the lanes of a host packet that a guest triangle is proved to meet, and of those that are left open.
+/// The pairs of triangles of two packets that are proved to meet, and those that are left open: bit `h` of byte `g` for lane
+/// `h` of the host's and `g` of the guest's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Verdict {
-    pub(crate) meets: u32,
-    pub(crate) open: u32,
+pub(crate) struct Verdicts {
+    pub(crate) meet: u64,
+    pub(crate) open: u64,
 }
 
 /// A guest packet, turned into the host's orientation but not moved: each host packet has its own anchor.
@@ -123,45 +125,30 @@ impl Guest {
         f64::from(self.error)
     }
 
-    /// Meets triangles of the guest, those in `lanes`, with all of a host leaf: a verdict for each lane of which the
-    /// bits returned are set, nothing for the others.
+    /// Meets triangles of the guest, those in `lanes`, with all of a host leaf.
     #[inline(always)]
-    pub(crate) fn meet<S: Simd>(
-        &self,
-        simd: S,
-        (hosts, leaf): (&Packets<'_>, u32),
-        lanes: u32,
-        verdicts: &mut [Verdict; LANES],
-    ) -> u32 {
+    pub(crate) fn meet<S: Simd>(&self, simd: S, (hosts, leaf): (&Packets<'_>, u32), lanes: u32) -> Verdicts {
         outlined(
             simd,
             #[inline(always)]
-            || self.judge(simd, (hosts, leaf), lanes, verdicts),
+            || self.judge(simd, (hosts, leaf), lanes),
         )
     }
 
     #[inline(always)]
-    fn judge<S: Simd>(
-        &self,
-        simd: S,
-        (hosts, leaf): (&Packets<'_>, u32),
-        lanes: u32,
-        verdicts: &mut [Verdict; LANES],
-    ) -> u32 {
+    fn judge<S: Simd>(&self, simd: S, (hosts, leaf): (&Packets<'_>, u32), lanes: u32) -> Verdicts {
         let host = hosts.get(simd, leaf);
         let offset: [f32; 3] = by_axis!(axis => (self.anchor[axis] - host.anchor[axis]) as f32);
         // Of the host's corners: their own rounding, and two of sums with an offset of up to the host's radius.
         let error = self.error + 4.0 * HALF_ULP as f32 * host.radius;
         let guest_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &self.corners[corner]));
         let guest_lanes = !outside(simd, &guest_corners, offset, host.normal(), host.heights, error) & lanes;
-        if guest_lanes == 0 {
-            return 0;
-        }
         let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.corners[corner]));
         let back = by_axis!(axis => -offset[axis]);
         let host_lanes = host.lanes_in_use() & !outside(simd, &host_corners, back, self.across, self.heights, error);
-        if host_lanes == 0 {
-            return 0;
+        let lanes = each_byte(host_lanes) & spread_to_bytes(guest_lanes) & self.lanes_in_use;
+        if lanes == 0 {
+            return Verdicts::default();
         }
         let offset: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, offset[axis]));
         let (host_min, host_max) = bounds(&host_corners);
@@ -171,32 +158,76 @@ impl Guest {
             (load(simd, &self.min[axis]) + offset[axis] - slack).store_slice(&mut moved.min[axis]);
             (load(simd, &self.max[axis]) + offset[axis] + slack).store_slice(&mut moved.max[axis]);
         }
-        let lanes = each_byte(host_lanes) & spread_to_bytes(guest_lanes) & self.lanes_in_use;
         let mut near = overlapping_each(simd, (&host_min, &host_max), &moved) & lanes;
+        let mut verdicts = Verdicts::default();
         if near == 0 {
-            return 0;
+            return verdicts;
         }
-        let side = Side::new(simd, host_corners, width(&host_min, &host_max), error);
-        let mut met = 0;
+        let host_width: [f32; LANES] = width(&host_min, &host_max).into();
+        let error = f32x8::splat(simd, error);
+        // On average five pairs are near, of three triangles on either side: side by side, they seldom fill more than one
+        // vector, where each triangle of one side would take one for itself.
         while near != 0 {
-            let lane = near.trailing_zeros() as usize / LANES;
-            let guest = self.triangle(simd, lane, &offset);
-            verdicts[lane] = side.judge(&guest, (near >> (LANES * lane)) as u32 & 0xff);
-            near &= !(0xff << (LANES * lane));
-            met |= u32::from(verdicts[lane] != Verdict::default()) << lane;
+            let together = Together::take(&mut near);
+            let host = together.hosts(simd, &host.corners, &host_width);
+            let guest = together.guests(simd, self, &offset);
+            let [meet, open] = judge(&host, &guest, error);
+            verdicts.meet |= together.bits(meet);
+            verdicts.open |= together.bits(open);
         }
-        met
+        verdicts
+    }
+}
+
+/// Up to eight pairs of triangles of two packets.
+#[derive(Clone, Copy)]
+struct Together {
+    /// The bit of each pair, as [`Verdicts`] has them, in a byte of its own.
+    places: u64,
+    count: u32,
+}
+
+impl Together {
+    /// Takes the lowest bits away, eight where there are so many.
+    #[inline(always)]
+    fn take(bits: &mut u64) -> Self {
+        let count = bits.count_ones().min(LANES as u32);
+        let mut places = 0;
+        for place in 0..LANES {
+            // Without any bits left this is 64, which names the first two triangles.
+            places |= u64::from(bits.trailing_zeros()) << (8 * place);
+            *bits &= bits.wrapping_sub(1);
+        }
+        Self { places, count }
     }
 
-    /// The guest triangle of one lane, moved and repeated in every lane.
+    /// The bits of the pairs of which the lanes are set.
     #[inline(always)]
-    fn triangle<S: Simd>(&self, simd: S, lane: usize, offset: &Lanes3<S>) -> Triangle<S> {
+    fn bits(self, lanes: u32) -> u64 {
+        let in_use = lanes & ((1 << self.count) - 1);
+        bits(in_use).fold(0, |set, lane| set | 1 << (self.places >> (8 * lane) & 0x3f))
+    }
+
+    /// The host's triangle of each pair.
+    #[inline(always)]
+    fn hosts<S: Simd>(self, simd: S, corners: &CornerLanes, width: &[f32; LANES]) -> Triangle<S> {
+        let choice = Choice(self.places);
+        let corners: [Lanes3<S>; 3] =
+            by_axis!(corner => by_axis!(axis => choice.of(simd, &corners[corner][axis])));
+        let normal = cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0]));
+        Triangle { corners, normal, width: choice.of(simd, width) }
+    }
+
+    /// The guest's triangle of each pair, moved.
+    #[inline(always)]
+    fn guests<S: Simd>(self, simd: S, guest: &Guest, offset: &Lanes3<S>) -> Triangle<S> {
+        let choice = Choice(self.places >> LANES.trailing_zeros());
         Triangle {
             corners: by_axis!(corner => by_axis!(axis => {
-                f32x8::splat(simd, self.corners[corner][axis][lane]) + offset[axis]
+                choice.of(simd, &guest.corners[corner][axis]) + offset[axis]
             })),
-            normal: by_axis!(axis => f32x8::splat(simd, self.normal[axis][lane])),
-            width: f32x8::splat(simd, self.width[lane]),
+            normal: by_axis!(axis => choice.of(simd, &guest.normal[axis])),
+            width: choice.of(simd, &guest.width),
         }
     }
 }
@@ -238,67 +269,51 @@ struct Triangle<S: Simd> {
     width: f32x8<S>,
 }
 
-/// The host's eight triangles, ready for any number of guests.
-struct Side<S: Simd> {
-    simd: S,
-    triangle: Triangle<S>,
-    error: f32x8<S>,
+/// Judges eight pairs of triangles whose boxes overlap: the lanes of those that meet, and of those that are left open.
+#[inline(always)]
+fn judge<S: Simd>(host: &Triangle<S>, guest: &Triangle<S>, error: f32x8<S>) -> [u32; 2] {
+    let margin = error * 4.0;
+    let (x, z) = (host.width + margin, guest.width + margin);
+    // Corners of boxes that overlap when grown by the error are no farther apart than both widths and that.
+    let y = host.width + guest.width + margin + margin;
+    let host_plane = bound(error, x, x, y);
+    let guest_plane = bound(error, z, z, y);
+
+    let guest_heights: [f32x8<S>; 3] =
+        by_axis!(corner => dot(&host.normal, &sub(&guest.corners[corner], &host.corners[0])));
+    let host_heights: [f32x8<S>; 3] =
+        by_axis!(corner => dot(&guest.normal, &sub(&host.corners[corner], &guest.corners[0])));
+    let apart = one_sided(&guest_heights, host_plane) | one_sided(&host_heights, guest_plane);
+    let near = !(apart.to_bitmask() as u32) & ALL_LANES;
+    if near == 0 {
+        return [0, 0];
+    }
+    let certain = all_certain(&guest_heights, host_plane) & all_certain(&host_heights, guest_plane);
+
+    // Each triangle's corner that is alone on its side of the other's plane comes first, and a triangle is turned
+    // over where the other's lone corner lies below it.
+    let (host_lone, guest_lone) = (Lone::of(&host_heights), Lone::of(&guest_heights));
+    let zero = f32x8::splat(error.token(), 0.0);
+    let (host_first, host_rest) = host_lone.canonical(&host.corners, guest_lone.height.simd_lt(zero));
+    let (guest_first, guest_rest) = guest_lone.canonical(&guest.corners, host_lone.height.simd_lt(zero));
+    let between = sub(&guest_first, &host_first);
+    let edge_bound = bound(error, x, z, y);
+    let start = dot(&cross(&sub(&host_rest[0], &host_first), &sub(&guest_rest[0], &guest_first)), &between);
+    let end = dot(&cross(&sub(&host_rest[1], &host_first), &sub(&guest_rest[1], &guest_first)), &between);
+    let meets = certain & start.simd_gt(edge_bound) & end.simd_lt(-edge_bound);
+    let misses = certain & (start.simd_lt(-edge_bound) | end.simd_gt(edge_bound));
+    let meets = meets.to_bitmask() as u32 & near;
+    let misses = misses.to_bitmask() as u32;
+    [meets, near & !meets & !misses]
 }
 
-impl<S: Simd> Side<S> {
-    #[inline(always)]
-    fn new(simd: S, corners: [Lanes3<S>; 3], width: f32x8<S>, error: f32) -> Self {
-        let normal = cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0]));
-        Self { simd, triangle: Triangle { corners, normal, width }, error: f32x8::splat(simd, error) }
-    }
-
-    /// Judges one guest against the host lanes of `near`, whose boxes overlap its own.
-    #[inline(always)]
-    fn judge(&self, guest: &Triangle<S>, near: u32) -> Verdict {
-        let host = &self.triangle;
-        let margin = self.error * 4.0;
-        let (x, z) = (host.width + margin, guest.width + margin);
-        // Corners of boxes that overlap when grown by the error are no farther apart than both widths and that.
-        let y = host.width + guest.width + margin + margin;
-        let host_plane = self.bound(x, x, y);
-        let guest_plane = self.bound(z, z, y);
-
-        let guest_heights: [f32x8<S>; 3] =
-            by_axis!(corner => dot(&host.normal, &sub(&guest.corners[corner], &host.corners[0])));
-        let host_heights: [f32x8<S>; 3] =
-            by_axis!(corner => dot(&guest.normal, &sub(&host.corners[corner], &guest.corners[0])));
-        let apart = one_sided(&guest_heights, host_plane) | one_sided(&host_heights, guest_plane);
-        let near = near & !(apart.to_bitmask() as u32);
-        if near == 0 {
-            return Verdict::default();
-        }
-        let certain = all_certain(&guest_heights, host_plane) & all_certain(&host_heights, guest_plane);
-
-        // Each triangle's corner that is alone on its side of the other's plane comes first, and a triangle is turned
-        // over where the other's lone corner lies below it.
-        let (host_lone, guest_lone) = (Lone::of(&host_heights), Lone::of(&guest_heights));
-        let zero = f32x8::splat(self.simd, 0.0);
-        let (host_first, host_rest) = host_lone.canonical(&host.corners, guest_lone.height.simd_lt(zero));
-        let (guest_first, guest_rest) = guest_lone.canonical(&guest.corners, host_lone.height.simd_lt(zero));
-        let between = sub(&guest_first, &host_first);
-        let edge_bound = self.bound(x, z, y);
-        let start = dot(&cross(&sub(&host_rest[0], &host_first), &sub(&guest_rest[0], &guest_first)), &between);
-        let end = dot(&cross(&sub(&host_rest[1], &host_first), &sub(&guest_rest[1], &guest_first)), &between);
-        let meets = certain & start.simd_gt(edge_bound) & end.simd_lt(-edge_bound);
-        let misses = certain & (start.simd_lt(-edge_bound) | end.simd_gt(edge_bound));
-        let meets = meets.to_bitmask() as u32 & near;
-        let misses = misses.to_bitmask() as u32;
-        Verdict { meets, open: near & !meets & !misses }
-    }
-
-    /// The bound of a determinant's error; see the head of this file.
-    #[inline(always)]
-    fn bound(&self, x: f32x8<S>, z: f32x8<S>, y: f32x8<S>) -> f32x8<S> {
-        let product = x * z;
-        let rounding = f32x8::splat(self.simd, 72.0 * HALF_ULP as f32);
-        let edges = product.mul_add(f32x8::splat(self.simd, 6.0), y * (x + z) * 16.0);
-        self.error.mul_add(edges, rounding * product * y)
-    }
+/// The bound of a determinant's error; see the head of this file.
+#[inline(always)]
+fn bound<S: Simd>(error: f32x8<S>, x: f32x8<S>, z: f32x8<S>, y: f32x8<S>) -> f32x8<S> {
+    let product = x * z;
+    let rounding = f32x8::splat(error.token(), 72.0 * HALF_ULP as f32);
+    let edges = product.mul_add(f32x8::splat(error.token(), 6.0), y * (x + z) * 16.0);
+    error.mul_add(edges, rounding * product * y)
 }
 
 /// Which corner is alone on its side of the other's plane, by lane; the first unless a mask says otherwise. Only

@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 
 use fearless_simd::Simd;
 
-use super::filter::{Guest, Verdict};
+use super::filter::{Guest, Verdicts};
 use super::frame::REACH;
 use super::packet::{Packet, Packets};
 use super::relation::Relation;
@@ -43,8 +43,7 @@ impl LargeLeaf {
         Self { guest, triangles, in_use: packet.lanes_in_use() }
     }
 
-    /// Meets all that is below a node: `report` gets each leaf of which any triangle is met or left open, with the
-    /// verdicts of the lanes whose bits are set.
+    /// Meets all that is below a node: `report` gets each leaf that is met, with the verdicts.
     ///
     /// # Complexity
     /// At most one visit to each node below; for a triangle that is long and thin, to those near it.
@@ -54,7 +53,7 @@ impl LargeLeaf {
         simd: S,
         (nodes, packets): (&[Node], Packets<'_>),
         below: u32,
-        mut report: impl FnMut(u32, u32, &[Verdict; LANES]) -> ControlFlow<()>,
+        mut report: impl FnMut(u32, Verdicts) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let mut tasks = vec![(below, self.in_use)];
         while let Some((at, lanes)) = tasks.pop() {
@@ -69,11 +68,7 @@ impl LargeLeaf {
                 match node.child(child) {
                     Child::Inner(inner) => tasks.push((inner, lanes)),
                     Child::Leaf(leaf) => {
-                        let mut verdicts = [Verdict::default(); LANES];
-                        let met = self.guest.meet(simd, (&packets, leaf), lanes, &mut verdicts);
-                        if met != 0 {
-                            report(leaf, met, &verdicts)?;
-                        }
+                        report(leaf, self.guest.meet(simd, (&packets, leaf), lanes))?;
                     }
                 }
             }

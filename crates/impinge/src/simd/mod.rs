@@ -4,6 +4,7 @@
 //! processor has is chosen when a query starts. No answer depends on the level: lanes only ever *reject* or
 //! *confirm* within proved bounds, and what they leave open is decided exactly.
 
+mod choice;
 mod prefetch;
 mod rows;
 mod vectors;
@@ -31,6 +32,7 @@ macro_rules! by_axis {
 
 pub(crate) use by_axis;
 
+pub(crate) use choice::Choice;
 pub(crate) use prefetch::{prefetch, prefetch_at};
 pub(crate) use rows::Rows;
 pub(crate) use vectors::{Lanes3, across, cross, dot, load, load3, store3, sub, transposed};

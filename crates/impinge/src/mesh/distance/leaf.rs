@@ -9,7 +9,7 @@ use crate::hierarchy::{HALF_ULP, bits};
 use crate::mesh::Mesh;
 use crate::mesh::metric::MetricMap;
 use crate::mesh::packet::Packet;
-use crate::simd::{ALL_LANES, LANES, Lanes3, by_axis, cross, dot, load3, sub};
+use crate::simd::{ALL_LANES, Choice, LANES, Lanes3, by_axis, cross, dot, load3, sub};
 use crate::volume::Aabb;
 
 /// More than the roundings of a bound relative to the coordinates that go into it, in units of 2^-24: the offset and its sum
@@ -152,22 +152,16 @@ impl<'l, S: Simd> Facing<'l, S> {
         (lower, near & !far)
     }
 
-    /// Lower bounds of the distances of eight pairs of triangles, by their lanes in either leaf: along the line between points that
-    /// are roughly nearest.
+    /// Lower bounds of the distances of eight pairs of triangles, by the choice of each leaf's: along the line between points
+    /// that are roughly nearest.
     #[inline(always)]
-    pub(super) fn by_points(&self, lanes: &[[usize; 2]; LANES]) -> [f32; LANES] {
+    pub(super) fn by_points(&self, [hosts, guests]: [Choice; 2]) -> [f32; LANES] {
         let simd = self.simd;
-        let mut corners = [[[[0.0_f32; LANES]; 3]; 3]; 2];
-        for corner in 0..3 {
-            for axis in 0..3 {
-                for (at, &[host, guest]) in lanes.iter().enumerate() {
-                    corners[0][corner][axis][at] = self.host.about[corner][axis][host % LANES];
-                    corners[1][corner][axis][at] = self.guest.about[corner][axis][guest % LANES] + self.offset[axis];
-                }
-            }
-        }
-        let host: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &corners[0][corner]));
-        let guest: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &corners[1][corner]));
+        let host: [Lanes3<S>; 3] =
+            by_axis!(corner => by_axis!(axis => hosts.of(simd, &self.host.about[corner][axis])));
+        let guest: [Lanes3<S>; 3] = by_axis!(corner => by_axis!(axis => {
+            guests.of(simd, &self.guest.about[corner][axis]) + f32x8::splat(simd, self.offset[axis])
+        }));
         let direction = nearest_difference(&host, &guest);
         let mut lower = [0.0; LANES];
         (gap_along(&direction, &host, &guest) - f32x8::splat(simd, self.slack)).store_slice(&mut lower);

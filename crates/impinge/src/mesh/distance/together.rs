@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 
 use super::leaf::Facing;
-use crate::simd::{LANES, outlined};
+use crate::simd::{Choice, LANES, outlined};
 
 /// Up to eight pairs of triangles, by their lanes in the host's leaf and in the guest's, and lower bounds of their distances.
 pub(super) struct Together {
@@ -35,12 +35,18 @@ impl Together {
             let raised = outlined(
                 simd,
                 #[inline(always)]
-                || facing.by_points(&self.lanes),
+                || facing.by_points(self.choices()),
             );
             for (lower, raised) in self.lower.iter_mut().zip(raised) {
                 *lower = lower.max(raised);
             }
         }
+    }
+
+    /// Which triangles of the host's leaf, and of the guest's.
+    #[inline(always)]
+    fn choices(&self) -> [Choice; 2] {
+        [0, 1].map(|side| Choice::new(self.lanes.map(|lanes| lanes[side])))
     }
 
     /// The pair of the least bound, where that is not above `limit`; where it is, all are let go.

@@ -48,8 +48,8 @@ fn determinants(level: Level, host: &Lanes8, guest: &Lanes8, error: f32) -> [[[f
     dispatch!(level, simd => {
         let (h, g) = (in_lanes(simd, host), in_lanes(simd, guest));
         let points = [h.corners[0], h.corners[1], h.corners[2], g.corners[0], g.corners[1], g.corners[2]];
-        let side = Side::new(simd, h.corners, h.width, error);
-        let margin = side.error * 4.0;
+        let error = f32x8::splat(simd, error);
+        let margin = error * 4.0;
         let (x, z, y) = (h.width + margin, g.width + margin, h.width + g.width + margin + margin);
         for (which, [values, limits, units]) in DETERMINANTS.into_iter().zip(&mut found) {
             let [p, q, r, s, t] = which;
@@ -57,7 +57,7 @@ fn determinants(level: Level, host: &Lanes8, guest: &Lanes8, error: f32) -> [[[f
             let value = dot(&cross(&sub(&points[q], &points[p]), &sub(&points[s], &points[r])), &d);
             let size = |from: usize| if from < 3 { x } else { z };
             value.store_slice(values);
-            side.bound(size(p), size(r), y).store_slice(limits);
+            bound(error, size(p), size(r), y).store_slice(limits);
             (size(p) * size(r) * y * HALF_ULP as f32).store_slice(units);
         }
     });

@@ -1,0 +1,76 @@
+//! Lanes brought to other places, which are only known when they are asked for.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, f32x8};
+
+use super::{LANES, load};
+
+/// For each of eight places the lane that comes there: the low three bits of its byte, the first place's the lowest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Choice(pub(crate) u64);
+
+impl Choice {
+    /// Of these lanes.
+    #[inline(always)]
+    pub(crate) fn new(lanes: [usize; LANES]) -> Self {
+        Self(u64::from_le_bytes(lanes.map(|lane| lane as u8)))
+    }
+
+    /// What is chosen of eight lanes.
+    #[inline(always)]
+    pub(crate) fn of<S: Simd>(self, simd: S, lanes: &[f32; LANES]) -> f32x8<S> {
+        match simd.level() {
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(token) => x86::chosen(token, self.0, load(simd, lanes).into()).simd_into(simd),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512(token) => x86::chosen_512(token, self.0, load(simd, lanes).into()).simd_into(simd),
+            _ => {
+                let chosen = self.0.to_le_bytes().map(|lane| lanes[usize::from(lane) % LANES]);
+                load(simd, &chosen)
+            }
+        }
+    }
+}
+
+/// One instruction, which the portable vectors have no name for.
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use std::arch::x86_64::{__m256, _mm_cvtsi64_si128, _mm256_cvtepu8_epi32, _mm256_permutevar8x32_ps};
+
+    fearless_simd::kernel!(
+        #[inline]
+        pub(super) fn chosen(token: Avx2, places: u64, lanes: __m256) -> __m256 {
+            _mm256_permutevar8x32_ps(lanes, _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(places as i64)))
+        }
+    );
+
+    fearless_simd::kernel!(
+        #[inline]
+        pub(super) fn chosen_512(token: Avx512, places: u64, lanes: __m256) -> __m256 {
+            _mm256_permutevar8x32_ps(lanes, _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(places as i64)))
+        }
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+    use impinge_testkit::generate::Rng;
+
+    use super::*;
+    use crate::simd::levels;
+
+    #[test]
+    fn each_place_gets_the_lane_of_its_byte() {
+        let mut rng = Rng::new(7);
+        let lanes = std::array::from_fn(|lane| lane as f32);
+        for _ in 0..100 {
+            let bytes: [u8; LANES] = std::array::from_fn(|_| rng.integer(0, 255) as u8);
+            for (name, level) in levels() {
+                let chosen: [f32; LANES] =
+                    dispatch!(level, simd => Choice(u64::from_le_bytes(bytes)).of(simd, &lanes).into());
+                assert_eq!(chosen, bytes.map(|byte| f32::from(byte % 8)), "{name}");
+            }
+        }
+    }
+}
