@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 
-use super::filter::Verdicts;
+use super::filter::{Facing, Verdicts};
 use super::large_leaf::LargeLeaf;
 use super::packet::Packets;
 use super::relation::{HostChoice, Relation, Relations};
@@ -169,8 +169,14 @@ fn work(level: Level, descent: &Descent<'_>, order: Order, tasks: &mut Vec<Task>
     }
 }
 
-/// Pairs of leaves wait this long for the host leaf's memory: fewer hide less of its latency.
-const WAITING: usize = 8;
+/// So many pairs of leaves wait for the host leaf's memory, at least: fewer hide less of its latency.
+const WAITING: usize = 4;
+
+/// So many pairs of leaves are met in one go: with 4 there is less for the processor to work ahead on.
+const AT_ONCE: usize = 8;
+
+/// Room for all that wait; a power of two.
+const ROOM: usize = 16;
 
 /// Guest leaves that are kept taken up; a power of two, more than wait. More than half of all come again while they are; twice as
 /// many would fill the first cache and hardly save more.
@@ -210,9 +216,9 @@ impl Question<'_> {
             question: *self,
             host_packets: self.host.packets(),
             guest_packets: self.guest.packets(),
-            patience: kept.min(WAITING),
+            patience: kept.min(WAITING + AT_ONCE),
             guests: Guests::new(kept),
-            waiting: [Meeting { guest: 0, host_leaf: 0 }; WAITING],
+            waiting: [Meeting { guest: 0, host_leaf: 0 }; ROOM],
             next: 0,
             count: 0,
             open: Vec::new(),
@@ -227,10 +233,10 @@ struct Pairs<'a> {
     host_packets: Packets<'a>,
     guest_packets: Packets<'a>,
     guests: Guests,
-    /// How many pairs are put off at most, until their host leaf is at hand, and one more is met.
+    /// With so many put off the oldest are met.
     patience: usize,
     /// Those that are, the oldest at `next`.
-    waiting: [Meeting; WAITING],
+    waiting: [Meeting; ROOM],
     next: usize,
     count: usize,
     /// Pairs that the filter left open, where they are decided last; few more than [`MOST_OPEN`].
@@ -239,15 +245,40 @@ struct Pairs<'a> {
 }
 
 impl Pairs<'_> {
-    /// Meets the pair that has waited longest.
+    /// Meets the pairs that have waited longest.
     #[inline(always)]
-    fn meet_next<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
-        let Meeting { guest, host_leaf } = self.waiting[self.next];
-        self.next = (self.next + 1) % WAITING;
-        self.count -= 1;
-        let (guest_leaf, guest) = self.guests.awaited(guest);
-        let verdicts = guest.meet(simd, (&self.host_packets, host_leaf), ALL_LANES);
-        self.report([host_leaf, guest_leaf], verdicts, false)
+    fn meet_oldest<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
+        let mut facing = [(Meeting { guest: 0, host_leaf: 0 }, Facing::default()); AT_ONCE];
+        let left = outlined(
+            simd,
+            #[inline(always)]
+            || self.face_oldest(simd, &mut facing),
+        );
+        for (Meeting { guest, host_leaf }, facing) in &facing[..left] {
+            let (guest_leaf, guest) = self.guests.at(*guest);
+            let host = self.host_packets.get(simd, *host_leaf);
+            let verdicts = guest.meet(simd, &host, facing);
+            self.report([*host_leaf, guest_leaf], verdicts, false)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Finds out how the oldest pairs face each other; returns how many may meet.
+    #[inline(always)]
+    fn face_oldest<S: Simd>(&mut self, simd: S, facing: &mut [(Meeting, Facing); AT_ONCE]) -> usize {
+        let count = self.count.min(AT_ONCE);
+        let mut left = 0;
+        for at in 0..count {
+            let meeting = self.waiting[(self.next + at) % ROOM];
+            let guest = self.guests.awaited(meeting.guest);
+            let host = self.host_packets.get(simd, meeting.host_leaf);
+            let met = guest.face(simd, &host, ALL_LANES);
+            facing[left] = (meeting, met);
+            left += usize::from(met.pairs != 0);
+        }
+        self.next = (self.next + count) % ROOM;
+        self.count -= count;
+        left
     }
 
     /// Keeps what meets of a host leaf and a guest leaf, of which the guest's was taken up or, where they are `turned`, the
@@ -327,9 +358,9 @@ impl LeafVisitor for Pairs<'_> {
     #[inline(always)]
     fn pair<S: Simd>(&mut self, simd: S, host_leaf: u32) -> ControlFlow<()> {
         self.host_packets.prefetch(host_leaf);
-        self.waiting[(self.next + self.count) % WAITING] = Meeting { guest: self.guests.await_last(), host_leaf };
+        self.waiting[(self.next + self.count) % ROOM] = Meeting { guest: self.guests.await_last(), host_leaf };
         self.count += 1;
-        if self.count < self.patience { ControlFlow::Continue(()) } else { self.meet_next(simd) }
+        if self.count < self.patience { ControlFlow::Continue(()) } else { self.meet_oldest(simd) }
     }
 
     fn meet_below<S: Simd>(&mut self, simd: S, large: Large, node: u32) -> ControlFlow<()> {
@@ -359,7 +390,7 @@ impl LeafVisitor for Pairs<'_> {
     #[inline(always)]
     fn finish<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
         while self.count > 0 {
-            self.meet_next(simd)?;
+            self.meet_oldest(simd)?;
         }
         self.go_on(0)
     }

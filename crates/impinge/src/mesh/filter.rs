@@ -20,9 +20,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 
-use super::packet::{Packet, Packets};
+use super::packet::Packet;
 use super::relation::{CornerError, GROWN, Relation};
-use super::triangles::CornerLanes;
+use super::triangles::{CornerLanes, Triangles};
 use crate::hierarchy::{BoxLanes, HALF_ULP, bits, each_byte, overlapping_each, spread_to_bytes};
 use crate::simd::{ALL_LANES, Choice, LANES, Lanes3, by_axis, cross, dot, load, load3, outlined, store3, sub};
 use crate::volume::Aabb;
@@ -33,6 +33,17 @@ use crate::volume::Aabb;
 pub(crate) struct Verdicts {
     pub(crate) meet: u64,
     pub(crate) open: u64,
+}
+
+/// How a guest packet lies to a host's.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Facing {
+    /// What moves the guest to the host's anchor.
+    offset: [f32; 3],
+    /// What the corners may be off by, then.
+    error: f32,
+    /// The pairs of triangles of which each reaches into the slab of the other's packet, as [`Verdicts`] has them.
+    pub(crate) pairs: u64,
 }
 
 /// A guest packet, turned into the host's orientation but not moved: each host packet has its own anchor.
@@ -125,19 +136,10 @@ impl Guest {
         f64::from(self.error)
     }
 
-    /// Meets triangles of the guest, those in `lanes`, with all of a host leaf.
+    /// How the packet, its triangles in `lanes`, lies to a host's. Nothing branches here, so that the processor works ahead on
+    /// the next two packets: whether these go on to [`meet`](Self::meet), as half do, cannot be foreseen.
     #[inline(always)]
-    pub(crate) fn meet<S: Simd>(&self, simd: S, (hosts, leaf): (&Packets<'_>, u32), lanes: u32) -> Verdicts {
-        outlined(
-            simd,
-            #[inline(always)]
-            || self.judge(simd, (hosts, leaf), lanes),
-        )
-    }
-
-    #[inline(always)]
-    fn judge<S: Simd>(&self, simd: S, (hosts, leaf): (&Packets<'_>, u32), lanes: u32) -> Verdicts {
-        let host = hosts.get(simd, leaf);
+    pub(crate) fn face<S: Simd>(&self, simd: S, host: &Packet<'_>, lanes: u32) -> Facing {
         let offset: [f32; 3] = by_axis!(axis => (self.anchor[axis] - host.anchor[axis]) as f32);
         // Of the host's corners: their own rounding, and two of sums with an offset of up to the host's radius.
         let error = self.error + 4.0 * HALF_ULP as f32 * host.radius;
@@ -146,10 +148,23 @@ impl Guest {
         let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.corners[corner]));
         let back = by_axis!(axis => -offset[axis]);
         let host_lanes = host.lanes_in_use() & !outside(simd, &host_corners, back, self.across, self.heights, error);
-        let lanes = each_byte(host_lanes) & spread_to_bytes(guest_lanes) & self.lanes_in_use;
-        if lanes == 0 {
-            return Verdicts::default();
-        }
+        let pairs = each_byte(host_lanes) & spread_to_bytes(guest_lanes) & self.lanes_in_use;
+        Facing { offset, error, pairs }
+    }
+
+    /// Meets the triangles of a host leaf that the packet faces.
+    #[inline(always)]
+    pub(crate) fn meet<S: Simd>(&self, simd: S, host: &Triangles, facing: &Facing) -> Verdicts {
+        outlined(
+            simd,
+            #[inline(always)]
+            || self.judge(simd, host, facing),
+        )
+    }
+
+    #[inline(always)]
+    fn judge<S: Simd>(&self, simd: S, host: &Triangles, &Facing { offset, error, pairs }: &Facing) -> Verdicts {
+        let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.corners[corner]));
         let offset: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, offset[axis]));
         let (host_min, host_max) = bounds(&host_corners);
         let slack = f32x8::splat(simd, error * GROWN);
@@ -158,7 +173,7 @@ impl Guest {
             (load(simd, &self.min[axis]) + offset[axis] - slack).store_slice(&mut moved.min[axis]);
             (load(simd, &self.max[axis]) + offset[axis] + slack).store_slice(&mut moved.max[axis]);
         }
-        let mut near = overlapping_each(simd, (&host_min, &host_max), &moved) & lanes;
+        let mut near = overlapping_each(simd, (&host_min, &host_max), &moved) & pairs;
         let mut verdicts = Verdicts::default();
         if near == 0 {
             return verdicts;
@@ -212,8 +227,7 @@ impl Together {
     #[inline(always)]
     fn hosts<S: Simd>(self, simd: S, corners: &CornerLanes, width: &[f32; LANES]) -> Triangle<S> {
         let choice = Choice(self.places);
-        let corners: [Lanes3<S>; 3] =
-            by_axis!(corner => by_axis!(axis => choice.of(simd, &corners[corner][axis])));
+        let corners: [Lanes3<S>; 3] = by_axis!(corner => by_axis!(axis => choice.of(simd, &corners[corner][axis])));
         let normal = cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0]));
         Triangle { corners, normal, width: choice.of(simd, width) }
     }

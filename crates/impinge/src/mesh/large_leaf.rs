@@ -68,7 +68,11 @@ impl LargeLeaf {
                 match node.child(child) {
                     Child::Inner(inner) => tasks.push((inner, lanes)),
                     Child::Leaf(leaf) => {
-                        report(leaf, self.guest.meet(simd, (&packets, leaf), lanes))?;
+                        let packet = packets.get(simd, leaf);
+                        let facing = self.guest.face(simd, &packet, lanes);
+                        if facing.pairs != 0 {
+                            report(leaf, self.guest.meet(simd, &packet, &facing))?;
+                        }
                     }
                 }
             }

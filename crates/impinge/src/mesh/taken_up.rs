@@ -68,11 +68,18 @@ impl Guests {
         self.last
     }
 
-    /// The leaf in a place for which a pair has waited.
+    /// The leaf in a place for which a pair has waited. It stays there until the next one is taken up.
     #[inline(always)]
-    pub(super) fn awaited(&mut self, place: usize) -> (u32, &Guest) {
+    pub(super) fn awaited(&mut self, place: usize) -> &Guest {
         let place = &mut self.places[place];
         place.awaited -= 1;
+        &place.guest
+    }
+
+    /// The leaf in a place, and its number.
+    #[inline(always)]
+    pub(super) fn at(&self, place: usize) -> (u32, &Guest) {
+        let place = &self.places[place];
         (place.leaf, &place.guest)
     }
 }
@@ -115,8 +122,8 @@ mod tests {
                 // At most three wait when another is taken up.
                 if waiting.len() > 3 {
                     let (place, leaf) = waiting.pop_front().expect("four wait");
-                    let (awaited, guest) = guests.awaited(place);
-                    assert_eq!((awaited, guest.bounds), (leaf, bounds[leaf as usize]));
+                    assert_eq!(guests.awaited(place).bounds, bounds[leaf as usize]);
+                    assert_eq!(guests.at(place).0, leaf);
                 }
             }
         }

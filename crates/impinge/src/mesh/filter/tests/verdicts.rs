@@ -114,7 +114,9 @@ fn judge_packets(kind: Kind, seed: u64, packets: usize) -> Outcomes {
             let Verdicts { meet, open } = dispatch!(level, simd => {
                 let mut taken = Guest::EMPTY;
                 taken.take_up(simd, &guest.packet(), &relation, &back);
-                taken.meet(simd, (&host.mesh.packets(), 0), 0xff)
+                let packet = host.mesh.packets().get(simd, 0);
+                let facing = taken.face(simd, &packet, 0xff);
+                taken.meet(simd, &packet, &facing)
             });
             assert_eq!(meet & open, 0, "{name}");
             for lane in 0..LANES {
