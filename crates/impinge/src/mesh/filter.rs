@@ -136,8 +136,11 @@ impl Guest {
         f64::from(self.error)
     }
 
-    /// How the packet, its triangles in `lanes`, lies to a host's. Nothing branches here, so that the processor works ahead on
-    /// the next two packets: whether these go on to [`meet`](Self::meet), as half do, cannot be foreseen.
+    /// How the packet, its triangles in `lanes`, lies to a host's.
+    ///
+    /// Whether a pair goes on from here to [`meet`](Self::meet), as half do, cannot be foreseen: asked of many pairs before any goes
+    /// on, the processor works ahead on the next ones. Only surfaces that lie along each other have few whose first slab holds
+    /// anything of the other.
     #[inline(always)]
     pub(crate) fn face<S: Simd>(&self, simd: S, host: &Packet<'_>, lanes: u32) -> Facing {
         let offset: [f32; 3] = by_axis!(axis => (self.anchor[axis] - host.anchor[axis]) as f32);
@@ -145,6 +148,9 @@ impl Guest {
         let error = self.error + 4.0 * HALF_ULP as f32 * host.radius;
         let guest_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &self.corners[corner]));
         let guest_lanes = !outside(simd, &guest_corners, offset, host.normal(), host.heights, error) & lanes;
+        if guest_lanes == 0 {
+            return Facing::default();
+        }
         let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.corners[corner]));
         let back = by_axis!(axis => -offset[axis]);
         let host_lanes = host.lanes_in_use() & !outside(simd, &host_corners, back, self.across, self.heights, error);
