@@ -18,6 +18,7 @@ mod inspection;
 mod judge;
 mod large_leaf;
 mod leaf;
+mod leaf_pairs;
 mod metric;
 mod nearest;
 mod packet;

@@ -1,0 +1,250 @@
+//! Pairs of leaves that the descent comes to: put off until their memory is at hand, filtered in bulk, and what the filter
+//! leaves open decided exactly.
+
+use std::ops::ControlFlow;
+
+use fearless_simd::Simd;
+
+use super::Mesh;
+use super::descent::{Deciding, Wanted, keep_least};
+use super::filter::{Facing, Verdicts};
+use super::large_leaf::LargeLeaf;
+use super::packet::Packets;
+use super::relation::Relation;
+use super::taken_up::Guests;
+use crate::exact::{Placement, triangles_intersect};
+use crate::hierarchy::{Large, LeafVisitor};
+use crate::simd::{ALL_LANES, LANES, outlined};
+use crate::volume::Aabb;
+
+/// So many pairs of leaves wait for the host leaf's memory, at least: fewer hide less of its latency.
+const WAITING: usize = 4;
+
+/// So many pairs of leaves are met in one go: with 4 there is less for the processor to work ahead on.
+const AT_ONCE: usize = 8;
+
+/// Room for all that wait; a power of two.
+const ROOM: usize = 16;
+
+/// Guest leaves that are kept taken up; a power of two, more than wait. More than half of all come again while they are; twice as
+/// many would fill the first cache and hardly save more.
+pub(super) const KEPT: usize = 32;
+
+/// With more pairs put off than this, they are decided. One takes as long as some leaves to meet, any of which may hold a pair that
+/// the filter is sure of; where surfaces touch, none does, and looking on is in vain.
+const MOST_OPEN: usize = 8;
+
+/// Half of the pairs that there is always room for, 256 KiB: less would save nothing.
+const LEAST_ROOM: usize = 1 << 14;
+
+/// A guest leaf taken up, by its place among them, and a host leaf that it will meet.
+#[derive(Clone, Copy, Debug)]
+struct Meeting {
+    guest: usize,
+    host_leaf: u32,
+}
+
+/// Two meshes, how they lie to each other, and which of their pairs are wanted.
+#[derive(Clone, Copy)]
+pub(super) struct Question<'a> {
+    pub(super) host: &'a Mesh,
+    pub(super) guest: &'a Mesh,
+    pub(super) relation: &'a Relation,
+    pub(super) back: &'a Relation,
+    pub(super) placement: &'a Placement,
+    /// Whether the host is the second mesh.
+    pub(super) swapped: bool,
+    pub(super) wanted: Wanted,
+}
+
+impl Question<'_> {
+    /// No pairs so far; at most so many guest leaves are kept, a power of two, and no more pairs wait.
+    pub(super) fn pairs(&self, kept: usize) -> LeafPairs<'_> {
+        LeafPairs {
+            question: *self,
+            host_packets: self.host.packets(),
+            guest_packets: self.guest.packets(),
+            patience: kept.min(WAITING + AT_ONCE),
+            guests: Guests::new(kept),
+            waiting: [Meeting { guest: 0, host_leaf: 0 }; ROOM],
+            next: 0,
+            count: 0,
+            open: Vec::new(),
+            found: Vec::new(),
+        }
+    }
+}
+
+/// Leaf pairs of two meshes, filtered and decided.
+pub(super) struct LeafPairs<'a> {
+    question: Question<'a>,
+    host_packets: Packets<'a>,
+    guest_packets: Packets<'a>,
+    guests: Guests,
+    /// With so many put off the oldest are met.
+    patience: usize,
+    /// Those that are, the oldest at `next`.
+    waiting: [Meeting; ROOM],
+    next: usize,
+    count: usize,
+    /// Pairs that the filter left open, where they are decided last; few more than [`MOST_OPEN`].
+    open: Vec<[u32; 2]>,
+    pub(super) found: Vec<[u32; 2]>,
+}
+
+impl LeafPairs<'_> {
+    /// Meets the pairs that have waited longest.
+    #[inline(always)]
+    fn meet_oldest<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
+        let mut facing = [(Meeting { guest: 0, host_leaf: 0 }, Facing::default()); AT_ONCE];
+        let left = outlined(
+            simd,
+            #[inline(always)]
+            || self.face_oldest(simd, &mut facing),
+        );
+        for (Meeting { guest, host_leaf }, facing) in &facing[..left] {
+            let (guest_leaf, guest) = self.guests.at(*guest);
+            let host = self.host_packets.get(simd, *host_leaf);
+            let verdicts = guest.meet(simd, &host, facing);
+            self.report([*host_leaf, guest_leaf], verdicts, false)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Finds out how the oldest pairs face each other; returns how many may meet.
+    #[inline(always)]
+    fn face_oldest<S: Simd>(&mut self, simd: S, facing: &mut [(Meeting, Facing); AT_ONCE]) -> usize {
+        let count = self.count.min(AT_ONCE);
+        let mut left = 0;
+        for at in 0..count {
+            let meeting = self.waiting[(self.next + at) % ROOM];
+            let guest = self.guests.awaited(meeting.guest);
+            let host = self.host_packets.get(simd, meeting.host_leaf);
+            let met = guest.face(simd, &host, ALL_LANES);
+            facing[left] = (meeting, met);
+            left += usize::from(met.pairs != 0);
+        }
+        self.next = (self.next + count) % ROOM;
+        self.count -= count;
+        left
+    }
+
+    /// Keeps what meets of a host leaf and a guest leaf, of which the guest's was taken up or, where they are `turned`, the
+    /// host's.
+    #[inline(always)]
+    fn report(&mut self, leaves: [u32; 2], verdicts: Verdicts, turned: bool) -> ControlFlow<()> {
+        if verdicts == Verdicts::default() {
+            return ControlFlow::Continue(());
+        }
+        self.keep(leaves, verdicts, turned)
+    }
+
+    /// Decides what the filter left open, and keeps what meets.
+    #[inline(never)]
+    fn keep(&mut self, [host_leaf, guest_leaf]: [u32; 2], verdicts: Verdicts, turned: bool) -> ControlFlow<()> {
+        let host_faces = &self.host_packets.leaf(host_leaf).faces;
+        let guest_faces = &self.guest_packets.leaf(guest_leaf).faces;
+        let (many, one) = if turned { (guest_faces, host_faces) } else { (host_faces, guest_faces) };
+        let mut left = verdicts.meet | verdicts.open;
+        while left != 0 {
+            let bit = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let (many, one) = (many[bit % LANES], one[bit / LANES]);
+            let pair = if self.question.swapped == turned { [many, one] } else { [one, many] };
+            if verdicts.open >> bit & 1 == 0 {
+                self.found.push(pair);
+            } else if self.question.wanted.deciding == Deciding::Last {
+                self.open.push(pair);
+            } else if self.decide(pair) {
+                self.found.push(pair);
+            }
+        }
+        let kept = self.question.wanted.kept;
+        if self.found.len() / 2 > kept.max(LEAST_ROOM) {
+            keep_least(&mut self.found, kept);
+        }
+        self.go_on(MOST_OPEN)
+    }
+
+    /// Breaks off where enough is found; before that, decides what was put off where that is more than so many pairs.
+    #[inline(always)]
+    fn go_on(&mut self, most: usize) -> ControlFlow<()> {
+        if self.found.len() < self.question.wanted.limit && self.open.len() > most {
+            self.decide_open();
+        }
+        if self.found.len() < self.question.wanted.limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    }
+
+    /// Decides the pairs that were put off, until enough meet.
+    #[cold]
+    fn decide_open(&mut self) {
+        while self.found.len() < self.question.wanted.limit
+            && let Some(pair) = self.open.pop()
+        {
+            if self.decide(pair) {
+                self.found.push(pair);
+            }
+        }
+    }
+
+    /// Whether two faces, of the first mesh and of the second, meet.
+    #[cold]
+    fn decide(&self, [face_a, face_b]: [u32; 2]) -> bool {
+        let Question { host, guest, placement, swapped, .. } = self.question;
+        let (a, b) = if swapped { (guest, host) } else { (host, guest) };
+        triangles_intersect(placement, &a.corners(face_a), &b.corners(face_b))
+    }
+}
+
+impl LeafVisitor for LeafPairs<'_> {
+    #[inline(always)]
+    fn take_up<S: Simd>(&mut self, simd: S, guest_leaf: u32) -> Aabb {
+        let Question { relation, back, .. } = self.question;
+        self.guests.take_up(simd, guest_leaf, &self.guest_packets, relation, back)
+    }
+
+    #[inline(always)]
+    fn pair<S: Simd>(&mut self, simd: S, host_leaf: u32) -> ControlFlow<()> {
+        self.host_packets.prefetch(host_leaf);
+        self.waiting[(self.next + self.count) % ROOM] = Meeting { guest: self.guests.await_last(), host_leaf };
+        self.count += 1;
+        if self.count < self.patience { ControlFlow::Continue(()) } else { self.meet_oldest(simd) }
+    }
+
+    fn meet_below<S: Simd>(&mut self, simd: S, large: Large, node: u32) -> ControlFlow<()> {
+        let Question { relation, back, host, guest, .. } = self.question;
+        let host = (host.0.tree.nodes(), self.host_packets);
+        let guest = (guest.0.tree.nodes(), self.guest_packets);
+        outlined(
+            simd,
+            #[inline(always)]
+            || match large {
+                Large::Guest(leaf) => {
+                    let large = LargeLeaf::new(simd, &guest.1.get(simd, leaf), relation, back);
+                    large.descend(simd, host, node, |host_leaf, verdicts| {
+                        self.report([host_leaf, leaf], verdicts, false)
+                    })
+                }
+                Large::Host(leaf) => {
+                    let large = LargeLeaf::new(simd, &host.1.get(simd, leaf), back, relation);
+                    large.descend(simd, guest, node, |guest_leaf, verdicts| {
+                        self.report([leaf, guest_leaf], verdicts, true)
+                    })
+                }
+            },
+        )
+    }
+
+    #[inline(always)]
+    fn finish<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
+        while self.count > 0 {
+            self.meet_oldest(simd)?;
+        }
+        self.go_on(0)
+    }
+
+    #[inline(always)]
+    fn prefetch_guest(&self, leaf: u32) {
+        self.guest_packets.prefetch(leaf);
+    }
+}
