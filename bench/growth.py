@@ -10,7 +10,7 @@ import json
 
 import plots
 from matplotlib.axes import Axes
-from rivals import circumstances, output, poses
+from rivals import KNOT_POSES, circumstances, output
 
 SIZES = [(140, 36), (316, 79), (632, 158), (1412, 354), (2000, 500), (4000, 1000)]
 """Quads along the knot and round its tube."""
@@ -31,7 +31,7 @@ TITLES = (
 
 def measure(along: int, around: int, repeats: int) -> dict[str, float]:
     """The least seconds of each, the pairs, and the triangles."""
-    pose = poses()[0]
+    pose = KNOT_POSES[0]
     numbers = ",".join(repr(x) for x in (*pose.translation, *pose.quaternion))
     command = ["cargo", "run", "--quiet", "--release", "-p", "impinge-bench", "--bin", "headline", "--", "--json"]
     size = ["--along", str(along), "--around", str(around), "--repeats", str(repeats)]

@@ -1,9 +1,10 @@
-"""FCL, Coal and impinge on the same two meshes in one run, one thread each: build, all intersecting pairs, first hit.
+"""FCL, Coal and impinge on the same meshes in one run, one thread each: build, all intersecting pairs, first hit.
 
     python3 -m venv .venv && .venv/bin/pip install -r bench/requirements.txt
     .venv/bin/python bench/rivals.py
 
-A mesh is a torus knot of two million triangles unless --nu and --nv say otherwise, set against itself moved. FCL
+A mesh is set against itself moved: a torus knot of two million triangles unless --nu and --nv say otherwise; a bumpy sphere of
+as many, turned so little that the surfaces nearly coincide; and a tiny knot of as many amid long slivers. FCL
 and Coal get it as arrays, impinge as a PLY file of the same doubles. At full size FCL and Coal need 5 GB each, one
 after the other. The answers are compared: a rival that finds other pairs is no yardstick. All is asked in rounds, one
 engine after another in each, as a shared machine changes its speed by the minute: a round takes a minute.
@@ -23,9 +24,11 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from datetime import date
 from importlib.metadata import version
+from itertools import product
 from pathlib import Path
 
 import numpy as np
+from adversaries import bumpy_sphere, stadium
 from torus_knot import torus_knot, write_ply
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -70,16 +73,42 @@ class Timing:
 Mesh = tuple[np.ndarray, np.ndarray]
 
 
-def poses() -> list[Pose]:
+@dataclass(frozen=True)
+class Scene:
+    """A mesh, and where it stands against itself."""
+
+    name: str
+    mesh: Mesh
+    poses: list[Pose]
+
+
+def turn(angle: float) -> tuple[float, float, float, float]:
     axis = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
-    half = 0.7 / 2  # rad
-    turn = (float(np.cos(half)), *(float(c) for c in np.sin(half) * axis))
-    return [
-        Pose("deep", (0.3, 0.2, 0.1), turn),
-        Pose("shallow", (4.5, 0.5, 0.3), turn),
-        Pose("apart", (6.0, 0.5, 0.3), turn),  # by 0.28, so that boxes overlap deep into both trees
-        Pose("far", (100.0, 0.0, 0.0), turn),  # costs a call and no descent: what every other first hit holds of it
-    ]
+    return (float(np.cos(angle / 2)), *(float(c) for c in np.sin(angle / 2) * axis))
+
+
+KNOT_POSES = [
+    Pose("deep", (0.3, 0.2, 0.1), turn(0.7)),
+    Pose("shallow", (4.5, 0.5, 0.3), turn(0.7)),
+    Pose("apart", (6.0, 0.5, 0.3), turn(0.7)),  # by 0.28, so that boxes overlap deep into both trees
+    Pose("far", (100.0, 0.0, 0.0), turn(0.7)),  # costs a call and no descent: what every other first hit holds of it
+]
+
+
+def knots(nu: int, nv: int) -> Scene:
+    return Scene("torus_knot", torus_knot(nu, nv), KNOT_POSES)
+
+
+def near(nu: int, nv: int) -> Scene:
+    """With about as many triangles as a knot of nu by nv quads has."""
+    return Scene("bumpy_sphere", bumpy_sphere(round((nu * nv / 6) ** 0.5)), [Pose("near", (0.0, 0.0, 0.0), turn(0.01))])
+
+
+def slivers(nu: int, nv: int) -> Scene:
+    return Scene("stadium", stadium(nu, nv, 300), [Pose("slivers", (0.0006, 0.0004, 0.0005), turn(0.0))])
+
+
+SCENES = {"knots": knots, "near": near, "slivers": slivers}
 
 
 def seconds(run: Callable[[], object]) -> float:
@@ -88,14 +117,14 @@ def seconds(run: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
-def measure_fcl(mesh: Mesh, repeats: int) -> list[Timing]:
+def measure_fcl(scene: Scene, repeats: int) -> list[Timing]:
     """FCL through python-fcl: BVHModel is its OBBRSS tree in double precision.
 
     Twice: as python-fcl's caller waits for it, and FCL's own share, without what Python objects cost.
     """
     import fcl
 
-    vertices, faces = mesh
+    vertices, faces = scene.mesh
     model = fcl.BVHModel()
     model.beginModel(len(faces), len(vertices))
     filling = seconds(lambda: model.addSubModel(vertices, faces))  # one triangle after another, in Python
@@ -113,7 +142,7 @@ def measure_fcl(mesh: Mesh, repeats: int) -> list[Timing]:
         raise Found
 
     timings = []
-    for pose in poses():
+    for pose in scene.poses:
         a = fcl.CollisionObject(model, fcl.Transform())
         b = fcl.CollisionObject(model, fcl.Transform(pose.rotation(), np.array(pose.translation)))
 
@@ -136,11 +165,11 @@ def measure_fcl(mesh: Mesh, repeats: int) -> list[Timing]:
     return timings
 
 
-def measure_coal(mesh: Mesh, repeats: int) -> list[Timing]:
+def measure_coal(scene: Scene, repeats: int) -> list[Timing]:
     """Coal through its own Python module, whose contacts stay in C++ until they are asked for."""
     import coal
 
-    vertices, faces = mesh
+    vertices, faces = scene.mesh
     model = coal.BVHModelOBBRSS()
     model.beginModel(len(faces), len(vertices))
     model.addVertices(vertices)
@@ -148,7 +177,7 @@ def measure_coal(mesh: Mesh, repeats: int) -> list[Timing]:
     build = [seconds(model.endModel)]
 
     timings = []
-    for pose in poses():
+    for pose in scene.poses:
         world_from_b = coal.Transform3s(pose.rotation(), np.array(pose.translation))
         result = coal.CollisionResult()
 
@@ -178,13 +207,13 @@ def time_queries(
     )
 
 
-def measure_impinge(mesh: Mesh, repeats: int) -> list[Timing]:
+def measure_impinge(scene: Scene, repeats: int) -> list[Timing]:
     """impinge by its benchmark program, which reads the mesh from a file and times its own calls."""
-    path = ROOT / "target" / "rivals" / f"torus_knot_{len(mesh[1])}.ply"
+    path = ROOT / "target" / "rivals" / f"{scene.name}_{len(scene.mesh[1])}.ply"
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_ply(path, *mesh)
+    write_ply(path, *scene.mesh)
     timings = []
-    for pose in poses():
+    for pose in scene.poses:
         numbers = ",".join(repr(x) for x in (*pose.translation, *pose.quaternion))
         program = ["cargo", "run", "--quiet", "--release", "-p", "impinge-bench", "--bin", "headline", "--"]
         # A query takes a small part of a rival's: asked more often, its median is as steady as theirs.
@@ -223,16 +252,21 @@ def merged(before: list[Timing], round_of_one: list[Timing]) -> list[Timing]:
     return list(by_name.values())
 
 
+def poses(timings: list[Timing]) -> list[str]:
+    """The poses' names, each once, in the order of the runs."""
+    return list(dict.fromkeys(t.pose for t in timings))
+
+
 def disagreements(timings: list[Timing]) -> list[str]:
     """Where the numbers of pairs differ by more than they may; impinge is the reference, in its absence FCL."""
     found = []
-    for pose in poses():
-        pairs = {t.engine: t.pairs for t in timings if t.pose == pose.name}
+    for pose in poses(timings):
+        pairs = {t.engine: t.pairs for t in timings if t.pose == pose}
         reference = next((pairs[e] for e in ("impinge", "FCL") if e in pairs), None)
         for engine, count in pairs.items():
             allowed = COAL_TOLERANCE * (reference or 0) if engine == "Coal" else 0
             if reference is not None and abs(count - reference) > allowed:
-                found.append(f"{pose.name}: {engine} finds {count} pairs where {reference} are expected")
+                found.append(f"{pose}: {engine} finds {count} pairs where {reference} are expected")
     return found
 
 
@@ -240,8 +274,8 @@ def table(timings: list[Timing]) -> str:
     """Medians and, in brackets, minima; a ratio is the median of the engine over that of impinge."""
     ours = {t.pose: t for t in timings if t.engine == "impinge"}
     rows = ["| pose | engine | pairs | build, s | all pairs, ms | ratio | first hit, µs | ratio |", "|" + "---|" * 8]
-    for pose in poses():
-        for t in (t for t in timings if t.pose == pose.name):
+    for pose in poses(timings):
+        for t in (t for t in timings if t.pose == pose):
             base = ours.get(t.pose)
             cells = [
                 t.pose,
@@ -306,6 +340,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--nu", type=int, default=2000, help="quads along the knot")
     parser.add_argument("--nv", type=int, default=500, help="quads round its tube")
+    parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
     parser.add_argument("--rounds", type=int, default=5, help="times that every engine builds and is asked, in turn")
     parser.add_argument(
         "--repeats", type=int, default=3, help="runs of each query of FCL and Coal in a round; impinge has five times as many"
@@ -315,11 +350,11 @@ def main() -> int:
     options = parser.parse_args()
 
     about = circumstances("python-fcl", "coal")
-    mesh = torus_knot(options.nu, options.nv)
+    scenes = [SCENES[name](options.nu, options.nv) for name in options.scenes]
     timings = []
     for _ in range(options.rounds):
-        for engine in options.engines:
-            timings = merged(timings, ENGINES[engine](mesh, options.repeats))
+        for scene, engine in product(scenes, options.engines):
+            timings = merged(timings, ENGINES[engine](scene, options.repeats))
             gc.collect()  # the trees of one rival leave the memory before those of the next come
     problems = disagreements(timings)
     print(table(timings))

@@ -13,7 +13,7 @@ import subprocess
 from pathlib import Path
 
 import numpy as np
-from rivals import ROOT, Mesh, Pose, circumstances, output, poses, ratio, spread
+from rivals import KNOT_POSES, ROOT, Mesh, Pose, circumstances, output, ratio, spread
 from torus_knot import torus_knot, write_ply
 
 FOLDER = ROOT / "target" / "rivals"
@@ -74,7 +74,7 @@ def main() -> None:
     mesh = (single.astype(np.float64), faces)
     write_ply(path, single, faces)
     timings = []
-    for pose in poses():
+    for pose in KNOT_POSES:
         timings.append({"pose": pose.name, "engine": "impinge", **measure_impinge(path, pose, options.repeats)})
         timings.append({"pose": pose.name, "engine": "Embree", **measure_embree(mesh, pose, options.repeats)})
         # A box holds its triangle, so that no pair of triangles may be missing among those of boxes.

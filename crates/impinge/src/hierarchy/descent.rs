@@ -219,8 +219,15 @@ impl Descent<'_> {
             carried.boxes = self.boxes.apply(simd, guest);
             carried.slab = self.guest_slabs.carry(&guest.slab);
         }
-        let guest_lanes = lanes_in_use(guest) & !self.host_slabs.carry(&host.slab).outside(simd, guest);
-        let host_lanes = lanes_in_use(host) & !carried.slab.outside(simd, host);
+        let host_slab = self.host_slabs.carry(&host.slab);
+        let mut guest_lanes = lanes_in_use(guest) & !host_slab.outside(simd, guest);
+        let mut host_lanes = lanes_in_use(host) & !carried.slab.outside(simd, host);
+        if let Some(slab) = self.guest_slabs.beside(&carried.slab, &host.slab) {
+            host_lanes &= !slab.outside(simd, host);
+            if let Some(slab) = self.host_slabs.beside(&host_slab, &guest.slab) {
+                guest_lanes &= !slab.outside(simd, guest);
+            }
+        }
         if guest_lanes == 0 || host_lanes == 0 {
             return ControlFlow::Continue(());
         }

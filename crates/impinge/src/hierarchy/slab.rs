@@ -34,7 +34,12 @@ pub(crate) struct SlabMap {
     linear: [[f32; 3]; 3],
     translation: [f64; 3],
     slack: f32,
+    /// No coordinate of the source is larger.
+    reach: f32,
 }
+
+/// The least square of the cosine between normals of slabs of which one is taken off the other: they are within 14 degrees.
+const FACING: f32 = 15.0 / 16.0;
 
 impl SlabMap {
     /// For the map `linear · x + translation`, known up to `error` on each axis, from boxes whose coordinates are at
@@ -54,6 +59,7 @@ impl SlabMap {
             linear: linear.map(|row| row.map(|x| x as f32)),
             translation: *translation,
             slack: (slack as f32).next_up(),
+            reach: (reach as f32).next_up(),
         }
     }
 
@@ -70,6 +76,34 @@ impl SlabMap {
             min: (f64::from(slab.min) - moved) as f32 - self.slack,
             max: (f64::from(slab.max) - moved) as f32 + self.slack,
         }
+    }
+
+    /// What lies both in a slab that was carried and in one of the source's own lies in the slab that is returned, if the two face
+    /// nearly the same way. Its normal is short, being what the carried one's is besides the own one's: boxes, which are as thick
+    /// along either as they are wide, hardly reach along it.
+    ///
+    /// # Accuracy
+    /// With S = (Σ|carried| + |share| Σ|own|)·reach the normal's two roundings take 2 u S, the bounds' 5 u S, and a box's heights and
+    /// their comparison 10 u S (docs/proof.md, L2a). The slack is 32 u S.
+    #[inline(always)]
+    pub(crate) fn beside(&self, carried: &Slab, own: &Slab) -> Option<Slab> {
+        let (n, m) = (&carried.normal, &own.normal);
+        let dot = |a: &[f32; 3], b: &[f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let (along, square) = (dot(n, m), dot(m, m));
+        // Not so for a slab without a normal.
+        let is_facing = along * along > FACING * square * dot(n, n);
+        is_facing.then(|| {
+            let share = along / square;
+            let sum = |normal: &[f32; 3]| normal[0].abs() + normal[1].abs() + normal[2].abs();
+            let size = (sum(n) + share.abs() * sum(m)) * self.reach;
+            let slack = 32.0 * HALF_ULP as f32 * size + f32::MIN_POSITIVE;
+            let (p, q) = (share * own.min, share * own.max);
+            Slab {
+                normal: by_axis!(axis => n[axis] - share * m[axis]),
+                min: carried.min - p.max(q) - slack,
+                max: carried.max - p.min(q) + slack,
+            }
+        })
     }
 }
 

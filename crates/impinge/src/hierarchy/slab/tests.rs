@@ -130,3 +130,78 @@ fn what_overflows_proves_nothing() {
         assert_eq!(dispatch!(level, simd => map.carry(&slab).outside(simd, &Node::zeroed())), 0, "{name}");
     }
 }
+
+/// The map that changes nothing, for boxes in the unit cube.
+fn identity() -> SlabMap {
+    SlabMap::new(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], &[0.0; 3], &[0.0; 3], 1.0)
+}
+
+/// The thinnest slab across a normal that holds a point, on one side of it by `thickness`.
+fn slab_at(point: [f32; 3], normal: [f32; 3], thickness: f32) -> Slab {
+    let height: f64 = (0..3).map(|axis| f64::from(normal[axis]) * f64::from(point[axis])).sum();
+    let nearest = height as f32;
+    let low = if f64::from(nearest) > height { nearest.next_down() } else { nearest };
+    let high = if f64::from(nearest) < height { nearest.next_up() } else { nearest };
+    if thickness > 0.0 {
+        Slab { normal, min: low, max: high + thickness }
+    } else {
+        Slab { normal, min: low + thickness, max: high }
+    }
+}
+
+#[test]
+fn what_lies_in_two_slabs_is_not_said_to_lie_outside_of_both() {
+    let mut rng = Rng::new(132);
+    let (mut facing, mut missed) = (0, 0);
+    for _ in 0..4_000 {
+        let mut node = Node::zeroed();
+        let size = 2.0_f32.powi(-(rng.integer(0, 8) as i32));
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                let (p, q) = (coarse(&mut rng) as f32 * size, coarse(&mut rng) as f32 * size);
+                (node.min[axis][lane], node.max[axis][lane]) = (p.min(q), p.max(q));
+            }
+        }
+        // A corner of a box: no point of it lies farther out.
+        let lane = rng.integer(0, LANES as i64 - 1) as usize;
+        let point: [f32; 3] =
+            std::array::from_fn(|axis| if rng.one_in(2) { node.min[axis][lane] } else { node.max[axis][lane] });
+        let normal: [f32; 3] = if rng.one_in(3) {
+            std::array::from_fn(|_| coarse(&mut rng) as f32)
+        } else {
+            std::array::from_fn(|_| rng.uniform(-1.0, 1.0) as f32)
+        };
+        let turned = 2.0_f64.powi(-(rng.integer(2, 20) as i32));
+        let length = rng.choose(&[1.0, -1.0, 0.5]);
+        let other = normal.map(|x| (f64::from(x) * length + turned * coarse(&mut rng)).clamp(-1.0, 1.0) as f32);
+        let thickness = |rng: &mut Rng| (rng.choose(&[1.0, -1.0]) * 2.0_f64.powi(-(rng.integer(0, 20) as i32))) as f32;
+        let carried = slab_at(point, normal, thickness(&mut rng));
+        let own = slab_at(point, other, thickness(&mut rng));
+        let Some(beside) = identity().beside(&carried, &own) else { continue };
+        facing += 1;
+        for (name, level) in levels() {
+            let outside = dispatch!(level, simd => beside.outside(simd, &node));
+            assert_eq!(outside >> lane & 1, 0, "{name}: {point:?} in {carried:?} and {own:?}");
+            missed += outside.count_ones();
+        }
+    }
+    assert!(facing > 2_000 && missed > 5_000, "{facing} pairs of slabs, {missed} boxes missed");
+}
+
+#[test]
+fn slabs_that_face_the_same_way_are_told_apart_where_boxes_lie_in_both() {
+    let normal = [0.6, 0.5, 0.6];
+    let mut node = Node::zeroed();
+    for axis in 0..3 {
+        node.max[axis] = [1e-2; LANES];
+    }
+    let own = Slab { normal, min: 8e-3, max: 8.1e-3 };
+    let carried = Slab { normal: [0.6, 0.503, 0.599], min: 8.2e-3, max: 8.3e-3 };
+    let beside = identity().beside(&carried, &own).expect("they face the same way");
+    for (name, level) in levels() {
+        let outside = dispatch!(level, simd => [own, carried, beside].map(|slab| slab.outside(simd, &node)));
+        assert_eq!(outside, [0, 0, 0xff], "{name}");
+    }
+    assert_eq!(identity().beside(&carried, &Slab::ALL), None);
+    assert_eq!(identity().beside(&Slab { normal: [0.6, -0.5, 0.6], ..carried }, &own), None);
+}

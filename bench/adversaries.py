@@ -1,0 +1,38 @@
+"""The meshes that are hardest for hierarchies of boxes: two surfaces that nearly coincide, and slivers across everything."""
+
+import numpy as np
+from torus_knot import torus_knot
+
+BUMP = 0.05  # of the sphere's radius; without bumps it would meet itself turned everywhere and nowhere
+SHRUNK = 1e-3  # the knot beside the box that the slivers cross
+SLIVER = (0.003, 0.002, 0.0)  # the short side of each
+
+
+def bumpy_sphere(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Returns float64 vertices and (12 * n * n, 3) int32 faces: a cube's six sides of n quads each way, blown up."""
+    grid = np.tan(np.linspace(-np.pi / 4, np.pi / 4, n + 1))
+    x, y = (side.ravel() for side in np.meshgrid(grid, grid, indexing="ij"))
+    one = np.ones_like(x)
+    sides = [(x, y, one), (y, x, -one), (one, x, y), (-one, y, x), (y, one, x), (x, -one, y)]
+    vertices = np.concatenate([np.stack(side, axis=-1) for side in sides])
+    vertices /= np.linalg.norm(vertices, axis=1, keepdims=True)
+
+    row, column = (side.ravel() for side in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
+    corner = row * (n + 1) + column
+    halves = [(corner, corner + n + 1, corner + n + 2), (corner, corner + n + 2, corner + 1)]
+    of_a_side = [np.stack(half, axis=-1) for half in halves]
+    faces = np.concatenate([half + side * (n + 1) ** 2 for side in range(6) for half in of_a_side])
+
+    px, py, pz = vertices.T
+    radius = 1.0 + BUMP * np.sin(7.0 * px) * np.sin(9.0 * py) * np.sin(8.0 * pz)
+    return vertices * radius[:, None], faces.astype(np.int32)
+
+
+def stadium(nu: int, nv: int, slivers: int) -> tuple[np.ndarray, np.ndarray]:
+    """A tiny torus knot of nu by nv quads amid long slivers, by chance, that cross a box a thousand times as large."""
+    vertices, faces = torus_knot(nu, nv)
+    rng = np.random.default_rng(7)
+    starts, ends = rng.random((slivers, 3)), rng.random((slivers, 3))
+    corners = np.stack([starts, ends, ends + SLIVER], axis=1).reshape(-1, 3)
+    added = len(vertices) + np.arange(3 * slivers, dtype=np.int32).reshape(-1, 3)
+    return np.concatenate([vertices * SHRUNK + 0.5, corners]), np.concatenate([faces, added])
