@@ -4,7 +4,8 @@
     .venv/bin/python bench/rivals.py
 
 A mesh is set against itself moved: a torus knot of two million triangles unless --nu and --nv say otherwise; a bumpy sphere of
-as many, turned so little that the surfaces nearly coincide; and a tiny knot of as many amid long slivers. FCL
+as many, turned so little that the surfaces nearly coincide; and a tiny knot of as many amid long slivers. Of the last two
+Coal is not asked. FCL
 and Coal get it as arrays, impinge as a PLY file of the same doubles. At full size FCL and Coal need 5 GB each, one
 after the other. The answers are compared: a rival that finds other pairs is no yardstick. All is asked in rounds, one
 engine after another in each, as a shared machine changes its speed by the minute: a round takes a minute.

@@ -5,7 +5,7 @@ use fearless_simd::dispatch;
 use rayon::prelude::*;
 
 use super::Placed;
-use super::leaf_pairs::{KEPT, LeafPairs, Question};
+use super::leaf_pairs::{Deciding, KEPT, LeafPairs, Question, Wanted, keep_least};
 use super::relation::{HostChoice, Relations};
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{Descent, Order, QUEUE, Task};
@@ -35,31 +35,6 @@ const LEAST_SHARED_TASKS: usize = 256;
 
 /// Room for the tasks of most searches for a first pair, a kilobyte: more grow, which takes as long as opening one.
 const TASKS_OF_A_FIRST_HIT: usize = 128;
-
-/// When pairs that the filter leaves open are decided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Deciding {
-    /// At once: where only some pairs are wanted, they are the first ones in the order of the descent, which is the same for
-    /// every vector unit.
-    AtOnce,
-    /// Once nothing else is left, or too many wait, as the filter may be sure of another pair: of which, differs between
-    /// vector units.
-    Last,
-}
-
-/// Which of the pairs that meet are wanted.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Wanted {
-    /// With so many the descent is over.
-    pub(super) limit: usize,
-    /// How many of the least are kept, of those found.
-    pub(super) kept: usize,
-    pub(super) deciding: Deciding,
-}
-
-impl Wanted {
-    const ALL: Self = Self { limit: usize::MAX, kept: usize::MAX, deciding: Deciding::AtOnce };
-}
 
 /// Two faces that intersect, of the first mesh and of the second, of those that do any; none where no two do.
 pub(crate) fn any_hit(a: Placed<'_>, b: Placed<'_>, options: &Options) -> Option<[u32; 2]> {
@@ -144,14 +119,6 @@ fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options) -> Vec
     work(options.level, &descent, Order::DepthFirst { ahead }, &mut tasks, &mut first);
     keep_least(&mut first.found, wanted.kept);
     first.found
-}
-
-/// Leaves the least pairs, so many where there are more.
-pub(super) fn keep_least(pairs: &mut Vec<[u32; 2]>, kept: usize) {
-    if pairs.len() > kept {
-        pairs.select_nth_unstable(kept);
-        pairs.truncate(kept);
-    }
 }
 
 /// The descent, compiled once for each vector unit.

@@ -6,7 +6,6 @@ use std::ops::ControlFlow;
 use fearless_simd::Simd;
 
 use super::Mesh;
-use super::descent::{Deciding, Wanted, keep_least};
 use super::filter::{Facing, Verdicts};
 use super::large_leaf::LargeLeaf;
 use super::packet::Packets;
@@ -23,8 +22,8 @@ const WAITING: usize = 4;
 /// So many pairs of leaves are met in one go: with 4 there is less for the processor to work ahead on.
 const AT_ONCE: usize = 8;
 
-/// Room for all that wait; a power of two.
-const ROOM: usize = 16;
+/// Room for all that wait.
+const ROOM: usize = (WAITING + AT_ONCE).next_power_of_two();
 
 /// Guest leaves that are kept taken up; a power of two, more than wait. More than half of all come again while they are; twice as
 /// many would fill the first cache and hardly save more.
@@ -37,8 +36,33 @@ const MOST_OPEN: usize = 8;
 /// Half of the pairs that there is always room for, 256 KiB: less would save nothing.
 const LEAST_ROOM: usize = 1 << 14;
 
-/// A guest leaf taken up, by its place among them, and a host leaf that it will meet.
+/// When pairs that the filter leaves open are decided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Deciding {
+    /// At once: where only some pairs are wanted, they are the first ones in the order of the descent, which is the same for
+    /// every vector unit.
+    AtOnce,
+    /// Once nothing else is left, or too many wait, as the filter may be sure of another pair: of which, differs between
+    /// vector units.
+    Last,
+}
+
+/// Which of the pairs that meet are wanted.
 #[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    /// With so many the descent is over.
+    pub(super) limit: usize,
+    /// How many of the least are kept, of those found.
+    pub(super) kept: usize,
+    pub(super) deciding: Deciding,
+}
+
+impl Wanted {
+    pub(super) const ALL: Self = Self { limit: usize::MAX, kept: usize::MAX, deciding: Deciding::AtOnce };
+}
+
+/// A guest leaf taken up, by its place among them, and a host leaf that it will meet.
+#[derive(Clone, Copy, Debug, Default)]
 struct Meeting {
     guest: usize,
     host_leaf: u32,
@@ -66,7 +90,7 @@ impl Question<'_> {
             guest_packets: self.guest.packets(),
             patience: kept.min(WAITING + AT_ONCE),
             guests: Guests::new(kept),
-            waiting: [Meeting { guest: 0, host_leaf: 0 }; ROOM],
+            waiting: [Meeting::default(); ROOM],
             next: 0,
             count: 0,
             open: Vec::new(),
@@ -96,7 +120,7 @@ impl LeafPairs<'_> {
     /// Meets the pairs that have waited longest.
     #[inline(always)]
     fn meet_oldest<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
-        let mut facing = [(Meeting { guest: 0, host_leaf: 0 }, Facing::default()); AT_ONCE];
+        let mut facing = [(Meeting::default(), Facing::default()); AT_ONCE];
         let left = outlined(
             simd,
             #[inline(always)]
@@ -246,5 +270,13 @@ impl LeafVisitor for LeafPairs<'_> {
     #[inline(always)]
     fn prefetch_guest(&self, leaf: u32) {
         self.guest_packets.prefetch(leaf);
+    }
+}
+
+/// Leaves the least pairs, so many where there are more.
+pub(super) fn keep_least(pairs: &mut Vec<[u32; 2]>, kept: usize) {
+    if pairs.len() > kept {
+        pairs.select_nth_unstable(kept);
+        pairs.truncate(kept);
     }
 }
