@@ -110,20 +110,21 @@ fn measure(a: &Mesh, b: &Mesh, pose: Pose, last: &mut WitnessCache, repeats: usi
     let ask = |cache: &mut WitnessCache| distance_with(black_box(a), black_box(b.at(pose)), cache, &options);
     let (once, cold) = timed(|| ask(&mut WitnessCache::default()));
     let calls = (BATCH_SECONDS / once).clamp(1.0, 100.0) as usize;
-    let from = |witness: WitnessCache| {
+    let from = |witness: &WitnessCache| {
         Samples::take(repeats, || {
+            let mut witnesses = vec![witness.clone(); calls];
             let (seconds, ()) = timed(|| {
-                for _ in 0..calls {
-                    black_box(ask(&mut black_box(witness)));
+                for witness in &mut witnesses {
+                    black_box(ask(witness));
                 }
             });
             anyhow::Ok(seconds / calls as f64)
         })
     };
-    let following = from(*last)?;
+    let following = from(last)?;
     let first = ask(last);
     ensure!(first == cold, "{first:?} from the last witness and {cold:?} without");
-    let (cold, seeded) = (from(WitnessCache::default())?, from(*last)?);
-    ensure!(ask(last) == first, "asked again, the distance is another");
+    let (cold, seeded) = (from(&WitnessCache::default())?, from(last)?);
+    ensure!(ask(&mut last.clone()) == first, "asked again, the distance is another");
     Ok(Measured { distance: first.upper, cold, following, seeded })
 }

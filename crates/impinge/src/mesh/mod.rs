@@ -31,6 +31,7 @@ mod refit;
 mod relation;
 mod self_descent;
 mod solid_angle;
+mod stamp;
 mod stored_corners;
 mod taken_up;
 mod topology;
@@ -44,7 +45,7 @@ pub use aging::Aging;
 pub use bsp::SolidBsp;
 pub use descent::Options;
 pub(crate) use descent::{any_hit, collect_intersecting, faces_meet, first_hit};
-pub(crate) use distance::{nearest, within};
+pub(crate) use distance::{Trail, nearest, within};
 pub(crate) use face_search::FaceSearch;
 pub use health::Health;
 pub use nearest::ClosestPoint;
@@ -68,6 +69,7 @@ use far_field::FarField;
 use frame::PackedFrame;
 use leaf::Leaf;
 use packet::Made;
+use stamp::Stamp;
 use topology::Topology;
 
 /// A triangle mesh, judged and packed, with its hierarchy; cheap to clone, and never changing under a query.
@@ -88,6 +90,7 @@ pub struct Mesh(Arc<Data>);
 
 #[derive(Debug)]
 struct Data {
+    stamp: Stamp,
     vertices: Vertices,
     /// Shared by all meshes that were refitted from one.
     faces: Arc<Buffer<[u32; 3]>>,
@@ -202,8 +205,8 @@ impl Data {
         leaves: Arc<Buffer<Leaf>>,
     ) -> Self {
         let (cost, costs_as_built, topology, far_field) = Default::default();
-        let made = Made::none(leaves.len());
-        Self { vertices, faces, frame, tree, leaves, made, cost, costs_as_built, topology, far_field }
+        let (stamp, made) = (Stamp::new(), Made::none(leaves.len()));
+        Self { stamp, vertices, faces, frame, tree, leaves, made, cost, costs_as_built, topology, far_field }
     }
 }
 

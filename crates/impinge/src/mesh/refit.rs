@@ -13,6 +13,7 @@ use super::fit::{Fitting, NO_CORNERS};
 use super::frame::PackedFrame;
 use super::leaf::Leaf;
 use super::positions::{Positions, VertexSlice, Vertices};
+use super::stamp::Stamp;
 use super::stored_corners::Corners;
 use super::triangles::CornerLanes;
 use super::{Aging, Data, Mesh, judge};
@@ -88,6 +89,7 @@ impl Data {
     }
 
     fn fit(&mut self, positions: Positions, frame: PackedFrame) {
+        self.stamp = Stamp::new();
         self.vertices = Vertices::Given(positions);
         self.topology.take();
         self.far_field.take();

@@ -63,6 +63,8 @@ impl Relations {
 pub(crate) struct Relation {
     pub(crate) linear: [[f64; 3]; 3],
     pub(crate) translation: [f64; 3],
+    /// How far the image of a packed point may be off on an axis, before it is rounded; infinite where nothing is known.
+    pub(crate) error: f64,
     /// The greatest sum of magnitudes in a row: no image of a vector is larger than this times the vector.
     pub(crate) stretch: f64,
     /// What the corners of a guest packet of radius r may be off by: `per_radius · r + constant`.
@@ -105,10 +107,10 @@ impl Relation {
         }
         let boxes = BoxMap::new(&linear, &translation, &error, REACH);
         let slabs = SlabMap::new(&linear, &translation, &error, REACH);
-        let map_error = error.into_iter().fold(0.0, f64::max);
-        let map_error = if largest < LARGEST_FOR_TRIANGLES { map_error } else { f64::INFINITY };
-        let corner_error = CornerError::new(&translation, map_error, stretch);
-        Self { linear, translation, stretch, corner_error, boxes, slabs }
+        let error = error.into_iter().fold(0.0, f64::max);
+        let of_corners = if largest < LARGEST_FOR_TRIANGLES { error } else { f64::INFINITY };
+        let corner_error = CornerError::new(&translation, of_corners, stretch);
+        Self { linear, translation, error, stretch, corner_error, boxes, slabs }
     }
 
     /// A direction of the host's frame in the guest's, such that what lies between two planes across the one lies

@@ -28,7 +28,7 @@ pub(crate) fn distance_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine)) ->
     let expected = distance_with(placed_a, placed_b, &mut cache, &Options::default());
     assert_eq!(distance_with(placed_a, placed_b, &mut stale, &Options::default()), expected, "from a stale witness");
     for options in all_options() {
-        for mut cache in [WitnessCache::default(), cache] {
+        for mut cache in [WitnessCache::default(), cache.clone()] {
             let found = distance_with(placed_a, placed_b, &mut cache, &options);
             assert_eq!(found, expected, "{:?}", options.host);
         }
@@ -42,7 +42,7 @@ pub(crate) fn within_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine), clea
     let mut cache = WitnessCache::default();
     let expected = within_with(placed_a, placed_b, clearance, &mut cache, &Options::default());
     for options in all_options() {
-        for mut cache in [WitnessCache::default(), cache] {
+        for mut cache in [WitnessCache::default(), cache.clone()] {
             assert_eq!(within_with(placed_a, placed_b, clearance, &mut cache, &options), expected);
         }
     }

@@ -44,6 +44,8 @@ pub(super) struct Scene<'a> {
 /// What is known so far.
 pub(super) struct Answer {
     pub(super) best: Option<Valued>,
+    /// Whether faces that were met may have a common point, where that is asked.
+    pub(super) may_meet: Option<bool>,
     /// Faces that are within the clearance.
     pub(super) kept: Option<[u32; 2]>,
     /// What is farther than this, in metric units, does not matter; the same in single precision; and for nodes.
@@ -61,6 +63,7 @@ impl Answer {
     pub(super) fn new(scene: &Scene<'_>, farthest: f64) -> Self {
         let mut answer = Self {
             best: None,
+            may_meet: None,
             kept: None,
             cut: f64::INFINITY,
             limit: f32::INFINITY,
@@ -116,12 +119,15 @@ impl Answer {
         let witness = triangle_triangle(&corners[0], &corners[1]);
         // Faces that do not meet are apart, though rounding may bring them together.
         let value = witness.squared.sqrt().max(f64::MIN_POSITIVE);
+        let are_separated = || separation(&corners[0], &corners[1], &witness) > error;
+        if let Some(may_meet) = &mut self.may_meet {
+            *may_meet |= !are_separated();
+        }
         if scene.clearance < f64::INFINITY {
             let valued = Valued { value, faces, witness };
             self.best = Some(self.best.filter(|best| best.precedes(&valued)).unwrap_or(valued));
             // What the value leaves open is decided exactly, and so is everything about triangles that may cross.
-            let are_separated = separation(&corners[0], &corners[1], &witness) > error;
-            let is_open = !(are_separated && scene.lower(value) > scene.clearance);
+            let is_open = !(are_separated() && scene.lower(value) > scene.clearance);
             if is_open && (scene.upper(value) <= scene.clearance || scene.within(faces)) {
                 self.kept = Some(faces);
                 return Break(());

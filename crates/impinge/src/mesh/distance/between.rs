@@ -62,27 +62,49 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// Whether the triangles in the boxes are proved to be farther apart than `cut`.
+    /// What is left of the line between the boxes.
     #[inline(always)]
-    pub(super) fn is_longer(&self, cut: f64) -> bool {
-        self.leaves_more(&self.reaches, cut)
+    pub(super) fn left(&self) -> Remainder {
+        self.less(&self.reaches)
     }
 
-    /// Whether they are, where each box is that of a leaf, for what their slabs allow along the slabs' normals.
+    /// What is left where each box is that of a leaf, for what their slabs allow along the slabs' normals.
     #[inline(always)]
-    pub(super) fn is_longer_for_leaves(&self, [host, guest]: &[Packet<'_>; 2], cut: f64) -> bool {
+    pub(super) fn left_by_leaves(&self, [host, guest]: &[Packet<'_>; 2]) -> Remainder {
         let [along_host, along_guest] = &self.along;
         // Not a number, where there is no slab, bounds nothing.
         let by_host = self.middles[0].reach_in_slab(host, along_host).min(self.reaches[0]);
         let by_guest = self.middles[1].reach_in_slab(guest, &along_guest.map(|x| -x)).min(self.reaches[1]);
-        self.leaves_more(&[by_host, by_guest], cut)
+        self.less(&[by_host, by_guest])
     }
 
     #[inline(always)]
-    fn leaves_more(&self, [host, guest]: &[f64; 2], cut: f64) -> bool {
-        let (left, cut) = (self.squared - (host + guest), cut + self.slack);
+    fn less(&self, [host, guest]: &[f64; 2]) -> Remainder {
+        Remainder { times_length: self.squared - (host + guest), squared: self.squared, slack: self.slack }
+    }
+}
+
+/// How much of a line is left between two parts, times its length.
+#[derive(Clone, Copy)]
+pub(super) struct Remainder {
+    times_length: f64,
+    squared: f64,
+    slack: f64,
+}
+
+impl Remainder {
+    /// Whether the triangles of the parts are proved to be farther apart than `cut`.
+    #[inline(always)]
+    pub(super) fn is_longer(self, cut: f64) -> bool {
+        let (left, cut) = (self.times_length, cut + self.slack);
         // Comparisons with NaN prove nothing.
         left > 0.0 && left * left > cut * cut * self.squared * (1.0 + 1e-12)
+    }
+
+    /// No two points of the triangles are nearer than this, in metric units.
+    #[inline(always)]
+    pub(super) fn length(self) -> f64 {
+        self.times_length / self.squared.sqrt() * (1.0 - 1e-12) - self.slack
     }
 }
 

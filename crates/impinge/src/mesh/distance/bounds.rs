@@ -12,6 +12,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
+use super::front::Standing;
 use crate::hierarchy::{BoxLanes, BoxMap, HALF_ULP, Node};
 use crate::math::RelativeMap;
 use crate::mesh::frame::REACH;
@@ -56,6 +57,8 @@ pub(super) struct Bounds {
     /// Metric units, at least, for one unit of the frame of the boxes.
     per_unit: f64,
     far: Option<Far>,
+    /// How the guest lies in the host's packed frame, where boxes are compared there.
+    pub(super) standing: Option<Standing>,
 }
 
 /// The gap between the centres, as a direction of about unit length, and how much of it there is along it.
@@ -92,20 +95,23 @@ impl Bounds {
             let offset = if is_far { [0.0; 3] } else { map.offset };
             BoxMap::new(&linear, &offset, &[metric.error; 3], REACH)
         };
-        let kept = if is_far { None } else { least_stretch(host.world_from_mesh.linear()) };
+        let kept = if is_far { None } else { stretch(host.world_from_mesh.linear()) };
         let bounds = match kept {
-            Some(stretch) => {
+            Some([least, most]) => {
                 let local = RelativeMap::a_from_b(&host.world_from_mesh, &guest.world_from_mesh);
                 let (host_frame, guest_frame) = (&host.mesh.0.frame, &guest.mesh.0.frame);
-                let per_unit = stretch / host_frame.scale * metric.scale * (1.0 - 1e-12);
-                let guest = Relation::new(&local, host_frame, guest_frame).boxes;
-                Self { swapped, maps: [None, Some(guest)], per_unit, far: None }
+                let per_unit = |stretch: f64| stretch / host_frame.scale * metric.scale;
+                let stretch = [per_unit(least) * (1.0 - 1e-12), per_unit(most) * (1.0 + 1e-12)];
+                let Relation { linear, translation, error, boxes, .. } = Relation::new(&local, host_frame, guest_frame);
+                let standing = Some(Standing { linear, translation, error, stretch });
+                Self { swapped, maps: [None, Some(boxes)], per_unit: stretch[0], far: None, standing }
             }
             None => Self {
                 swapped,
                 maps: [Some(carried(host, host_side)), Some(carried(guest, guest_side))],
                 per_unit: 1.0,
                 far: is_far.then(|| Far::new(&gap, metric)),
+                standing: None,
             },
         };
         let slack: f64 = bounds.maps.iter().flatten().map(|map| f64::from(map.slack())).sum();
@@ -217,8 +223,8 @@ pub(super) fn by_centres<S: Simd>(
     squared + dot3(&doubled, &doubled) * CENTRES
 }
 
-/// A lower bound of the stretch of a matrix that keeps the shape of things; none for others.
-fn least_stretch(linear: &[Vector; 3]) -> Option<f64> {
+/// Bounds of the stretch of a matrix that keeps the shape of things, the lower and the upper; none for others.
+fn stretch(linear: &[Vector; 3]) -> Option<[f64; 2]> {
     let column = |j: usize| [linear[0][j], linear[1][j], linear[2][j]];
     let gram = [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot(&column(i), &column(j))));
     let squared = (gram[0][0] + gram[1][1] + gram[2][2]) / 3.0;
@@ -227,5 +233,6 @@ fn least_stretch(linear: &[Vector; 3]) -> Option<f64> {
     // The largest sum of magnitudes in a row bounds what a symmetric matrix stretches by.
     let worst = deviation(0).max(deviation(1)).max(deviation(2)) + 1e-14;
     // Squares that vanish or overflow make this NaN or infinite, and so no shape.
-    (worst <= SHAPE_KEPT && squared > f64::MIN_POSITIVE * 1e20).then(|| (squared * (1.0 - worst)).sqrt())
+    let keeps_shape = worst <= SHAPE_KEPT && squared > f64::MIN_POSITIVE * 1e20;
+    keeps_shape.then(|| [1.0 - worst, 1.0 + worst].map(|share| (squared * share).sqrt()))
 }

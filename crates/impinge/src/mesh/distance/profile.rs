@@ -12,7 +12,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::AtHand;
+use super::at_hand::AtHand;
 use super::task::Slot;
 use super::towards::Towards;
 use crate::mesh::Mesh;

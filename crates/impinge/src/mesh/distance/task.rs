@@ -18,6 +18,8 @@ pub(super) struct Task {
     pub(super) reach: Reach,
     /// Of the host and of the guest.
     pub(super) slots: [Slot; 2],
+    /// Where a front keeps what is found out about them.
+    pub(super) entry: u32,
 }
 
 /// Pairs of children by their bounds.
@@ -45,9 +47,15 @@ impl Sorted {
         self.count += 1;
     }
 
-    /// Moves what was added to the tasks, the nearest last; `along` is the number of the direction along which they reach.
+    /// Moves what was added to the tasks, the nearest last; `along` is the number of the direction along which they reach, `entry` what the
+    /// front has of them.
     #[inline(always)]
-    pub(super) fn push(&mut self, tasks: &mut Vec<Task>, along: u32, slots: impl Fn([u8; 2]) -> [Slot; 2]) {
+    pub(super) fn push(
+        &mut self,
+        tasks: &mut Vec<Task>,
+        [along, entry]: [u32; 2],
+        slots: impl Fn([u8; 2]) -> [Slot; 2],
+    ) {
         let keys = &mut self.keys[..self.count];
         keys.sort_unstable_by(|x, y| y.cmp(x));
         tasks.reserve(keys.len());
@@ -55,7 +63,7 @@ impl Sorted {
             let lanes = key as u8;
             let slots = slots([lanes / LANES as u8, lanes % LANES as u8]);
             let [bound, both] = self.bounds[usize::from(lanes)];
-            tasks.push(Task { bound, reach: Reach { both, along }, slots });
+            tasks.push(Task { bound, reach: Reach { both, along }, slots, entry });
         }
         self.count = 0;
     }

@@ -28,10 +28,10 @@ impl Together {
         self.count == LANES
     }
 
-    /// Raises the bounds, where that does not take longer than giving one pair its value.
+    /// Raises the bounds, where that does not take longer than giving one pair its value or they are wanted.
     #[inline(always)]
-    pub(super) fn raise<S: Simd>(&mut self, simd: S, facing: &Facing<'_, S>) {
-        if self.count > 1 {
+    pub(super) fn raise<S: Simd>(&mut self, simd: S, facing: &Facing<'_, S>, is_wanted: bool) {
+        if self.count > usize::from(!is_wanted) {
             let raised = outlined(
                 simd,
                 #[inline(always)]
@@ -41,6 +41,12 @@ impl Together {
                 *lower = lower.max(raised);
             }
         }
+    }
+
+    /// The least of the bounds and this one.
+    #[inline(always)]
+    pub(super) fn least(&self, other: f32) -> f32 {
+        self.lower[..self.count].iter().fold(other, |least, &lower| least.min(lower))
     }
 
     /// Which triangles of the host's leaf, and of the guest's.
