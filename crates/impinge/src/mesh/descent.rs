@@ -4,9 +4,9 @@
 use fearless_simd::dispatch;
 use rayon::prelude::*;
 
-use super::Placed;
 use super::leaf_pairs::{Deciding, KEPT, LeafPairs, Question, Wanted, keep_least};
 use super::relation::{HostChoice, Relations};
+use super::{Placed, world_box};
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{Descent, Order, QUEUE, Task};
 use crate::simd::{self, Level};
@@ -64,6 +64,9 @@ pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, kept: usize, op
 }
 
 fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options) -> Vec<[u32; 2]> {
+    if world_box::are_apart(&a, &b) {
+        return Vec::new();
+    }
     let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
     let Relations { relation, back, swapped } = &Relations::new(a, b, placement.relative(), options.host);
     let swapped = *swapped;

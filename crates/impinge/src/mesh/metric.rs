@@ -7,7 +7,6 @@
 
 use super::Placed;
 use super::frame::reciprocal_power_of_two;
-use crate::hierarchy::HALF_ULP;
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
 use crate::primitive::{CLOSED_FORM_ERROR, Vector, accurate_sum_of_products, length, scaled_length};
 
@@ -123,15 +122,9 @@ fn terms(placed: Placed<'_>) -> [[(f64, f64); 4]; 3] {
     })
 }
 
-/// How far from the image of its centre a mesh may reach on each axis of the world, from its root's boxes.
+/// How far from the image of its centre a mesh may reach on each axis of the world.
 fn half_extents(placed: Placed<'_>) -> Vector {
-    let data = &placed.mesh.0;
-    let Some(root) = data.tree.nodes().first() else { return [0.0; 3] };
-    let local = [0, 1, 2].map(|k| {
-        let largest = (0..root.count())
-            .fold(0.0_f32, |most, lane| most.max(root.min[k][lane].abs()).max(root.max[k][lane].abs()));
-        f64::from(largest) * (1.0 + HALF_ULP) / data.frame.scale
-    });
+    let local = placed.mesh.0.half_extents;
     placed
         .world_from_mesh
         .linear()

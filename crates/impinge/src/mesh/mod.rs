@@ -38,6 +38,7 @@ mod topology;
 mod triangles;
 mod walls;
 mod winding;
+mod world_box;
 
 use std::sync::{Arc, OnceLock};
 
@@ -63,6 +64,7 @@ use crate::exact::Corners;
 use crate::hierarchy::{Builder, WideTree};
 use crate::input::InputError;
 use crate::math::Pose;
+use crate::primitive::Vector;
 use crate::storage::Buffer;
 use build::built;
 use far_field::FarField;
@@ -95,6 +97,8 @@ struct Data {
     /// Shared by all meshes that were refitted from one.
     faces: Arc<Buffer<[u32; 3]>>,
     frame: PackedFrame,
+    /// About the frame's origin.
+    half_extents: Vector,
     tree: WideTree,
     /// Likewise.
     leaves: Arc<Buffer<Leaf>>,
@@ -206,7 +210,21 @@ impl Data {
     ) -> Self {
         let (cost, costs_as_built, topology, far_field) = Default::default();
         let (stamp, made) = (Stamp::new(), Made::none(leaves.len()));
-        Self { stamp, vertices, faces, frame, tree, leaves, made, cost, costs_as_built, topology, far_field }
+        let half_extents = world_box::half_extents(&tree, &frame);
+        Self {
+            stamp,
+            vertices,
+            faces,
+            frame,
+            half_extents,
+            tree,
+            leaves,
+            made,
+            cost,
+            costs_as_built,
+            topology,
+            far_field,
+        }
     }
 }
 

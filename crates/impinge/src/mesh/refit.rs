@@ -16,7 +16,7 @@ use super::positions::{Positions, VertexSlice, Vertices};
 use super::stamp::Stamp;
 use super::stored_corners::Corners;
 use super::triangles::CornerLanes;
-use super::{Aging, Data, Mesh, judge};
+use super::{Aging, Data, Mesh, judge, world_box};
 use crate::hierarchy::{Node, Patch, Patches, WideTree, Work};
 use crate::input::InputError;
 use crate::simd::{Level, best_level};
@@ -97,6 +97,7 @@ impl Data {
         self.frame = frame;
         let moved = Moved { vertices: self.vertices.slice(), faces: &self.faces, frame: &self.frame };
         self.cost = moved.fit(&mut self.tree, &self.leaves).into();
+        self.half_extents = world_box::half_extents(&self.tree, &self.frame);
     }
 }
 

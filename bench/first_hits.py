@@ -1,0 +1,165 @@
+"""First hits of real meshes in one run, one thread each: impinge, python-fcl and Coal.
+
+    python3 -m venv .venv && .venv/bin/pip install -r bench/requirements.txt .
+    IMPINGE_DATA=... .venv/bin/python bench/first_hits.py
+
+The meshes are read from the folder that IMPINGE_DATA names. One of two is turned by chance and moved along a line by
+chance until the two just touch, which halving finds. Asked is where they are deep in each other (half of that way),
+just in touch, just apart, and plainly apart. FCL and Coal get their objects beforehand and are called once a pose from
+a loop in Python, impinge gets all poses in one call. What the loops take where meshes are plainly apart is mostly
+Python. The answers are compared.
+"""
+
+import argparse
+import os
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import coal
+import fcl
+import impinge
+import numpy as np
+from rivals import circumstances, seconds
+
+WAYS = ("deep", "just in touch", "just apart", "plainly apart")
+NEAR = 1e-3  # how far "just" is, of the size of the first mesh
+HALVINGS = 16
+
+
+@dataclass
+class Scene:
+    name: str
+    meshes: tuple[impinge.Mesh, impinge.Mesh]
+
+
+def scenes(folder: Path) -> list[Scene]:
+    load = {
+        "env": folder / "nasty" / "fcl_resources" / "env.obj",
+        "rob": folder / "nasty" / "fcl_resources" / "rob.obj",
+        "human": folder / "meshes" / "human_makehuman_cc0.ply",
+        "bunny": folder / "meshes" / "stanford-bunny.obj",
+        "igea": folder / "meshes" / "igea.ply",
+    }
+    meshes = {name: impinge.load(path) for name, path in load.items()}
+    # A quarter as large as the human, by a power of two, which rounds nothing.
+    human, bunny = meshes["human"].vertices, meshes["bunny"].vertices
+    scale = 2.0 ** np.round(np.log2(np.ptp(human, axis=0).max() / 4 / np.ptp(bunny, axis=0).max()))
+    small = impinge.Mesh(bunny * scale, meshes["bunny"].faces)
+    pairs = [("env", "rob"), ("human", "human"), ("bunny", "bunny"), ("igea", "igea")]
+    itself = [Scene(f"{a} and {b}", (meshes[a], meshes[b])) for a, b in pairs]
+    return [*itself, Scene("human and bunny", (meshes["human"], small))]
+
+
+def poses(scene: Scene, count: int) -> dict[str, np.ndarray]:
+    """(count, 4, 4) poses of the second mesh, for each way."""
+    rng = np.random.default_rng(7)
+    turns = rng.normal(size=(count, 4))
+    turns /= np.linalg.norm(turns, axis=1)[:, None]
+    along = rng.normal(size=(count, 3))
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    sizes = [np.linalg.norm(np.ptp(mesh.vertices, axis=0)) for mesh in scene.meshes]
+    centres = [(mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0)) / 2 for mesh in scene.meshes]
+    turned = impinge.pose(np.zeros((count, 3)), quat_wxyz=turns)[:, :3, :3]
+
+    def at(way: np.ndarray) -> np.ndarray:
+        pose = np.tile(np.eye(4), (count, 1, 1))
+        pose[:, :3, :3] = turned
+        pose[:, :3, 3] = centres[0] + along * way[:, None] - turned @ centres[1]
+        return pose
+
+    low, high = np.zeros(count), np.full(count, sum(sizes))
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        meet = impinge.intersects(*scene.meshes, None, at(middle))
+        low, high = np.where(meet, middle, low), np.where(meet, high, middle)
+    near = NEAR * sizes[0]
+    ways = (high / 2, high - near, high + near, high * 1.25)
+    return {name: at(way) for name, way in zip(WAYS, ways, strict=True)}
+
+
+def fcl_loop(scene: Scene) -> Callable[[np.ndarray], list[bool]]:
+    def model(mesh: impinge.Mesh) -> fcl.BVHModel:
+        model = fcl.BVHModel()
+        model.beginModel(mesh.face_count, mesh.vertex_count)
+        model.addSubModel(mesh.vertices.astype(float), mesh.faces.tolist())
+        model.endModel()
+        return model
+
+    a, b = (fcl.CollisionObject(model(mesh)) for mesh in scene.meshes)
+    request = fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
+
+    def loop(world_from_b: np.ndarray) -> list[bool]:
+        answers = []
+        for pose in world_from_b:
+            b.setTransform(fcl.Transform(pose[:3, :3], pose[:3, 3]))
+            answers.append(fcl.collide(a, b, request, fcl.CollisionResult()) > 0)
+        return answers
+
+    return loop
+
+
+def coal_loop(scene: Scene) -> Callable[[np.ndarray], list[bool]]:
+    def model(mesh: impinge.Mesh) -> coal.BVHModelOBBRSS:
+        model = coal.BVHModelOBBRSS()
+        model.beginModel(mesh.face_count, mesh.vertex_count)
+        model.addVertices(mesh.vertices.astype(float))
+        model.addTriangles(mesh.faces.astype(np.int64))
+        model.endModel()
+        return model
+
+    a, b = (model(mesh) for mesh in scene.meshes)
+    here, request = coal.Transform3s(), coal.CollisionRequest(coal.CollisionRequestFlag.NO_REQUEST, 1)
+    result = coal.CollisionResult()
+
+    def loop(world_from_b: np.ndarray) -> list[bool]:
+        answers = []
+        for pose in world_from_b:
+            result.clear()
+            coal.collide(a, here, b, coal.Transform3s(pose[:3, :3], pose[:3, 3]), request, result)
+            answers.append(result.isCollision())
+        return answers
+
+    return loop
+
+
+def impinge_call(scene: Scene) -> Callable[[np.ndarray], list[bool]]:
+    return lambda world_from_b: impinge.intersects(*scene.meshes, None, world_from_b).tolist()
+
+
+ENGINES = {"impinge": impinge_call, "python-fcl": fcl_loop, "Coal": coal_loop}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--poses", type=int, default=300, help="of each way")
+    parser.add_argument("--repeats", type=int, default=5, help="runs of each; the least time counts")
+    options = parser.parse_args()
+    folder = os.environ.get("IMPINGE_DATA")
+    if folder is None:
+        sys.exit("IMPINGE_DATA names no folder of extra data")
+    for name, value in circumstances("python-fcl", "coal").items():
+        print(f"- {name}: `{value}`")
+    print(f"\nµs a pose\n\n| meshes | poses | {' | '.join(ENGINES)} |\n" + "|---" * (2 + len(ENGINES)) + "|")
+    problems = 0
+    for scene in scenes(Path(folder)):
+        engines = {name: engine(scene) for name, engine in ENGINES.items()}
+        for way, world_from_b in poses(scene, options.poses).items():
+            answers, times = {}, []
+            for name, ask in engines.items():
+                with impinge.threads(1):
+                    answers[name] = ask(world_from_b)
+                    least = min(seconds(lambda ask=ask, at=world_from_b: ask(at)) for _ in range(options.repeats))
+                times.append(f"{least / options.poses * 1e6:.2f}")
+            print(f"| {scene.name} | {way} | {' | '.join(times)} |", flush=True)
+            for name, found in answers.items():
+                differing = sum(a != b for a, b in zip(found, answers["impinge"], strict=True))
+                problems += differing
+                if differing:
+                    print(f"error: {scene.name}, {way}: {name} differs at {differing} poses", file=sys.stderr)
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,104 @@
+//! Where a mesh can be in the world, axis by axis: what tells most bodies apart before anything else is made.
+//!
+//! Source: Arvo, *Transforming axis-aligned bounding boxes*, Graphics Gems, 1990 (Ericson, 4.2.6); ours bounds its rounding.
+
+use super::Placed;
+use super::frame::{PACKING_ERROR, PackedFrame};
+use crate::hierarchy::{HALF_ULP, WideTree};
+use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
+use crate::primitive::Vector;
+
+/// How far from the origin of its frame a mesh reaches on each axis, in its own unit and frame.
+pub(super) fn half_extents(tree: &WideTree, frame: &PackedFrame) -> Vector {
+    let Some(root) = tree.nodes().first() else { return [0.0; 3] };
+    [0, 1, 2].map(|k| {
+        let largest = (0..root.count())
+            .fold(0.0_f32, |most, lane| most.max(root.min[k][lane].abs()).max(root.max[k][lane].abs()));
+        (f64::from(largest) * (1.0 + HALF_ULP) + PACKING_ERROR) / frame.scale
+    })
+}
+
+/// Whether the boxes about two meshes are apart on an axis of the world, which proves that no points of theirs coincide.
+///
+/// # Accuracy
+/// A coordinate of a centre's image takes four roundings of terms of at most the sum of their magnitudes; reaches are sums of
+/// positive numbers. What is not a number proves nothing.
+#[inline]
+pub(super) fn are_apart(a: &Placed<'_>, b: &Placed<'_>) -> bool {
+    let [on_a, on_b] = [a, b].map(|placed| [0, 1, 2].map(|k| Interval::of(placed, k)));
+    (0..3).any(|k| on_a[k].is_apart(&on_b[k]))
+}
+
+/// Where a mesh can be on an axis of the world.
+struct Interval {
+    centre: f64,
+    reach: f64,
+    /// What sums up to the centre, by its magnitude.
+    terms: f64,
+}
+
+impl Interval {
+    #[inline(always)]
+    fn of(placed: &Placed<'_>, k: usize) -> Self {
+        let (mesh, pose) = (&placed.mesh.0, &placed.world_from_mesh);
+        let (row, [x, y, z], [u, v, w]) = (pose.linear()[k], mesh.frame.origin, mesh.half_extents);
+        let at = [row[0] * x, row[1] * y, row[2] * z, pose.translation()[k]];
+        Self {
+            centre: (at[0] + at[1]) + (at[2] + at[3]),
+            reach: row[0].abs() * u + row[1].abs() * v + row[2].abs() * w,
+            terms: (at[0].abs() + at[1].abs()) + (at[2].abs() + at[3].abs()),
+        }
+    }
+
+    #[inline(always)]
+    fn is_apart(&self, other: &Self) -> bool {
+        let rounding = 8.0 * UNIT_ROUNDOFF * (self.terms + other.terms) + UNDERFLOW;
+        (self.centre - other.centre).abs() > (self.reach + other.reach) * (1.0 + 1e-12) + rounding
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use impinge_testkit::generate::poses::{large_integer_map, rotation};
+    use impinge_testkit::generate::{Rng, solids};
+
+    use super::*;
+    use crate::math::Pose;
+    use crate::mesh::{Mesh, Options, Positions, first_hit};
+
+    #[test]
+    fn what_touches_is_not_apart_and_what_is_hardly_apart_is() {
+        let plain = solids::cuboid([-1.0, -2.0, 3.0], [2.0, 1.0, 4.0]);
+        let mesh = Mesh::new(Positions::F64(plain.vertices), plain.faces).expect("a mesh");
+        for shift in [[3.0, 0.5, 0.25], [0.0, -3.0, 1.0], [-1.0, 1.0, 1.0]] {
+            for (share, meet) in [(1.0, true), (1.0 + 1e-6, false)] {
+                let there = mesh.at(Pose::from_translation(shift.map(|x| x * share)).expect("a pose"));
+                assert_eq!(first_hit((&mesh).into(), there, &Options::default()).is_some(), meet);
+                assert_eq!(are_apart(&(&mesh).into(), &there), !meet, "{shift:?} times {share}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_corner_is_outside_of_its_box() {
+        let plain = solids::icosphere(2).scaled(0.3);
+        let mut rng = Rng::new(12);
+        let mut apart = 0;
+        for round in 0..400 {
+            let away = [0; 3].map(|_| rng.uniform(-1e6, 1e6));
+            let vertices = plain.vertices.iter().map(|v| [0, 1, 2].map(|k| v[k] + away[k])).collect();
+            let mesh = Mesh::new(Positions::F64(vertices), plain.faces.clone()).expect("a mesh");
+            let map = if round % 2 == 0 { rotation(&mut rng) } else { large_integer_map(&mut rng) };
+            let pose = Pose::new(map.linear, map.translation).expect("a pose");
+            // A point that a corner is mapped to is not apart from the mesh, but for what the mapping rounds.
+            let corner = mesh.corners(rng.integer(0, 300) as u32)[0];
+            let image = map.apply_rounded(corner);
+            let point = Mesh::new(Positions::F64(vec![image; 3]), vec![[0, 1, 2]]).expect("a mesh");
+            assert!(!are_apart(&mesh.at(pose), &(&point).into()), "round {round}");
+            let size = map.linear.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let shift = Pose::from_translation([1.5 * size, 0.0, 0.0]).expect("a pose");
+            apart += usize::from(are_apart(&mesh.at(pose), &point.at(shift)));
+        }
+        assert!(apart > 300, "{apart} of 400 are told apart");
+    }
+}
