@@ -103,7 +103,7 @@ struct Carried {
 }
 
 /// What a run has at hand beside its tasks.
-struct Front {
+struct Underway {
     carried: Carried,
     /// Put off until the guest leaves' memory is at hand.
     approaches: Queue<Approach>,
@@ -157,7 +157,7 @@ impl Descent<'_> {
         visitor: &mut V,
     ) -> ControlFlow<()> {
         let mut queue = Queue::new(Task::ROOT);
-        let mut front = Front {
+        let mut underway = Underway {
             carried: Carried { node: u32::MAX, boxes: BoxLanes::default(), slab: Slab::ALL },
             approaches: Queue::new(Approach { guest_leaf: 0, host: 0, host_lanes: 0 }),
             patience: match order {
@@ -179,7 +179,7 @@ impl Descent<'_> {
                     tasks[done - 1]
                 }
                 Order::DepthFirst { .. } => {
-                    while queue.len < front.patience
+                    while queue.len < underway.patience
                         && let Some(task) = tasks.pop()
                     {
                         prefetch(&self.guest[task.guest as usize]);
@@ -192,10 +192,10 @@ impl Descent<'_> {
                     queue.pop()
                 }
             };
-            self.open(simd, task, visitor, &mut front, tasks)?;
+            self.open(simd, task, visitor, &mut underway, tasks)?;
         }
-        while front.approaches.len > 0 {
-            self.meet_leaves(simd, front.approaches.pop(), visitor)?;
+        while underway.approaches.len > 0 {
+            self.meet_leaves(simd, underway.approaches.pop(), visitor)?;
         }
         visitor.finish(simd)
     }
@@ -209,10 +209,10 @@ impl Descent<'_> {
         simd: S,
         task: Task,
         visitor: &mut V,
-        front: &mut Front,
+        underway: &mut Underway,
         below: &mut Vec<Task>,
     ) -> ControlFlow<()> {
-        let carried = &mut front.carried;
+        let carried = &mut underway.carried;
         let (guest, host) = (&self.guest[task.guest as usize], &self.host[task.host as usize]);
         if carried.node != task.guest {
             carried.node = task.guest;
@@ -290,9 +290,9 @@ impl Descent<'_> {
                     let host_lanes = (near >> first) as u32 & 0xff;
                     let guest_leaf = guest.index(first / LANES);
                     visitor.prefetch_guest(guest_leaf);
-                    front.approaches.push(Approach { guest_leaf, host: task.host, host_lanes });
-                    if front.approaches.len >= front.patience {
-                        self.meet_leaves(simd, front.approaches.pop(), visitor)?;
+                    underway.approaches.push(Approach { guest_leaf, host: task.host, host_lanes });
+                    if underway.approaches.len >= underway.patience {
+                        self.meet_leaves(simd, underway.approaches.pop(), visitor)?;
                     }
                 }
             }

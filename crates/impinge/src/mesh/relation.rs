@@ -98,7 +98,9 @@ impl Relation {
                 carried += row_error[from] * guest.origin[from].abs();
                 per_unit += row_error[from];
             }
-            error[axis] = ((ROUNDING * terms + carried) * host.scale + per_unit * ratio * REACH) * OUTWARD;
+            let total = ((ROUNDING * terms + carried) * host.scale + per_unit * ratio * REACH) * OUTWARD;
+            // Of an entry that is beyond range nothing is known, and infinity times zero is not a number.
+            error[axis] = if total.is_nan() { f64::INFINITY } else { total };
         }
         let stretch = linear.iter().map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max) * OUTWARD;
         let largest = translation.iter().fold(stretch, |largest, x| largest.max(x.abs()));

@@ -37,7 +37,8 @@ impl Distance {
 
 /// What the last question about two meshes found out; the caller keeps one for each two meshes.
 ///
-/// It makes the next answer faster where they have moved little, and never another. Mostly that is the two faces that were nearest.
+/// It makes the next answer faster where they have moved little, and never another; where millions of pairs of faces are equally near,
+/// perhaps another of the proved intervals. Mostly that is the two faces that were nearest.
 /// Where a search takes milliseconds, as many places are as near as the nearest, such as where one mesh lies in the other, and they
 /// move by less than a sixteenth of their distance from one question to the next, it is also where the search ended (some
 /// megabytes, 17 at most), and what follows takes a thirtieth of the time. Other meshes, or one that was refitted, are no harm.

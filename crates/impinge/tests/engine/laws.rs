@@ -244,6 +244,24 @@ fn triangles_of_any_relative_size_meet() {
     }
 }
 
+#[test]
+fn n20_maps_beyond_the_range_of_floats_are_decided() {
+    // What maps one mesh to the other has entries of 2^1030, of which floats know nothing.
+    let flat = Mesh { vertices: vec![[-1.0, -1.0, 0.5], [1.0, -1.0, 0.5], [0.0, 1.0, 0.5]], faces: vec![[0, 1, 2]] };
+    let upright = Mesh { vertices: vec![[0.0, -1.0, -1.0], [0.0, 1.0, -1.0], [0.0, 0.0, 1.0]], faces: vec![[0, 1, 2]] };
+    let scaled = |exponent: i32, z: f64| {
+        let scale = 2.0_f64.powi(exponent);
+        let linear = [[scale, 0.0, 0.0], [0.0, scale, 0.0], [0.0, 0.0, scale]];
+        Affine { linear, translation: [0.0, 0.0, z] }
+    };
+    let (tiny, huge) = (-996, 34);
+    for (shift, expected) in [(0.0, vec![(0, 0)]), (1.0, vec![(0, 0)]), (2.0_f64.powi(35), vec![])] {
+        let found =
+            posed_pairs_in_every_way(flat.at(scaled(tiny, 0.0)), upright.at(scaled(huge, shift)), Precision::F64);
+        assert_eq!(found, expected, "{shift}");
+    }
+}
+
 /// A rotation about an axis by the testkit's own sine and cosine, then a translation.
 fn rotated(axis: [f64; 3], angle: f64, translation: [f64; 3]) -> Affine {
     use impinge_testkit::generate::{cos, sin};

@@ -105,10 +105,17 @@ impl Front {
     /// How far beyond what matters bounds outlast some more such motion; none where it is too large for that to pay.
     fn outlasting(&self, motion: &Motion, nodes: &[Node], options: &Options, cut: f64) -> Option<f32> {
         let (level, root) = (options.level, nodes.first()?);
-        let lanes = dispatch!(level, simd => motion.of_children(simd, root));
-        let most = bits(lanes_in_use(root)).fold(0.0, |most: f32, lane| most.max(lanes[lane]));
-        let share = OUTLASTED * most / self.limit(cut);
-        (share <= BEYOND[1]).then(|| 1.0 + share.max(BEYOND[0]))
+        let motions = dispatch!(level, simd => motion.of_children(simd, root));
+        let mut most = BEYOND[0];
+        for lane in bits(lanes_in_use(root)) {
+            let share = OUTLASTED * motions[lane] / self.limit(cut);
+            // What is not a number is too large.
+            if share.is_nan() || share > BEYOND[1] {
+                return None;
+            }
+            most = most.max(share);
+        }
+        Some(1.0 + most)
     }
 
     pub(super) fn beyond(&self) -> f32 {
@@ -143,15 +150,15 @@ impl Front {
     pub(super) fn keep_row<S: Simd>(&mut self, simd: S, entry: u32, guest: usize, lanes: u32, squared: &[f32; LANES]) {
         let bounds: [f32; LANES] = (load(simd, squared).sqrt() * f32x8::splat(simd, OF_BOXES)).into();
         for host in bits(lanes) {
-            self.entries[entry as usize].bounds[guest][host] = bounds[host];
+            self.entries[entry as usize].bounds[guest][host] = finite(bounds[host]);
         }
     }
 
     /// Keeps a bound of what is below two children: the distance of their boxes, squared.
     #[inline(always)]
     pub(super) fn keep(&mut self, entry: u32, [host, guest]: [Slot; 2], squared: f32) {
-        self.entries[entry as usize].bounds[usize::from(guest.lane)][usize::from(host.lane)] =
-            squared.sqrt() * OF_BOXES;
+        let bound = finite(squared.sqrt() * OF_BOXES);
+        self.entries[entry as usize].bounds[usize::from(guest.lane)][usize::from(host.lane)] = bound;
     }
 
     /// The bound of what is below two children is at least this, in metric units, `error` aside.
@@ -167,8 +174,7 @@ impl Front {
     /// A lower bound in metric units, `error` aside, as one in the host's packed frame.
     #[inline(always)]
     fn packed(&self, metric: f64, error: f64) -> f32 {
-        let packed = (metric - 2.0 * error) / self.standing.stretch[1];
-        (packed.min(MOST) * (1.0 - 16.0 * HALF_ULP)) as f32
+        finite(((metric - 2.0 * error) / self.standing.stretch[1] * (1.0 - 16.0 * HALF_ULP)) as f32)
     }
 
     /// The two children have an entry of their own.
@@ -238,8 +244,15 @@ impl Front {
     }
 }
 
-/// No finite bound is larger.
-const MOST: f64 = 1e30;
+/// No finite bound is larger. Squares of less do not overflow.
+const MOST: f32 = 1e19;
+
+/// A bound that does not say of the children that they have an entry.
+#[inline(always)]
+fn finite(bound: f32) -> f32 {
+    // Not by `f32::min`, to which what is not a number is nothing.
+    if bound > MOST { MOST } else { bound }
+}
 
 /// Makes up for the rounding of the distance of boxes, seven operations and a root: 1 - 2^-20.
 const OF_BOXES: f32 = 1.0 - 1.0 / (1_u32 << 20) as f32;

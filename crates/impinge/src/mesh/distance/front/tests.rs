@@ -136,6 +136,31 @@ fn what_has_come_to_cross_meets() {
     assert_eq!((found.upper, found.faces), (0.0, [0, 0]));
 }
 
+#[test]
+fn n20_boxes_too_far_for_squares_are_not_forgotten() {
+    // Beside a speck of 2^-70 two plates are so far in its unit that squares of single precision overflow.
+    let speck = mesh(&solids::cuboid([-1.0; 3], [1.0; 3]));
+    let scale = 1.0 / (1_u128 << 70) as f64;
+    let small = Pose::new([[scale, 0.0, 0.0], [0.0, scale, 0.0], [0.0, 0.0, scale]], [0.0; 3]).expect("a pose");
+    let plate = |x: f64| {
+        let mut grid = solids::plane_grid(6, 6);
+        grid.vertices.iter_mut().for_each(|v| *v = [x, v[0] / 3.0 - 1.0, v[1] / 3.0 - 1.0]);
+        grid
+    };
+    let (near, far) = (plate(1.0), plate(-1.001));
+    let count = near.vertices.len() as u32;
+    let faces = [near.faces, far.faces.iter().map(|face| face.map(|v| v + count)).collect()].concat();
+    let plates = Mesh::new(Positions::F64([near.vertices, far.vertices].concat()), faces).expect("a mesh");
+    let options = Options { host: HostChoice::First, ..Options::default() };
+    let mut trail = Trail::default();
+    for shift in [0.0, 0.0, 0.00001, 0.002] {
+        let there = plates.at(Pose::from_translation([shift, 0.0, 0.0]).expect("a pose"));
+        keep_front(&mut trail, speck.at(small), there, &options);
+        let alone = nearest(speck.at(small), there, &mut Trail::default(), &options);
+        assert_eq!(nearest(speck.at(small), there, &mut trail, &options), alone, "{shift}");
+    }
+}
+
 /// The faces below a child.
 fn faces(mesh: &Mesh, child: Child, found: &mut Vec<u32>) {
     match child {
