@@ -21,6 +21,7 @@ import coal
 import fcl
 import impinge
 import numpy as np
+from poses import fcl_model
 from rivals import circumstances, seconds
 
 WAYS = ("deep", "just in touch", "just apart", "plainly apart")
@@ -80,14 +81,7 @@ def poses(scene: Scene, count: int) -> dict[str, np.ndarray]:
 
 
 def fcl_loop(scene: Scene) -> Callable[[np.ndarray], list[bool]]:
-    def model(mesh: impinge.Mesh) -> fcl.BVHModel:
-        model = fcl.BVHModel()
-        model.beginModel(mesh.face_count, mesh.vertex_count)
-        model.addSubModel(mesh.vertices.astype(float), mesh.faces.tolist())
-        model.endModel()
-        return model
-
-    a, b = (fcl.CollisionObject(model(mesh)) for mesh in scene.meshes)
+    a, b = (fcl.CollisionObject(fcl_model(mesh)) for mesh in scene.meshes)
     request = fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
 
     def loop(world_from_b: np.ndarray) -> list[bool]:

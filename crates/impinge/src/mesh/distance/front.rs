@@ -196,7 +196,7 @@ impl Front {
         (cut / self.standing.stretch[0] * (1.0 + 16.0 * HALF_ULP)).min(f64::from(f32::MAX)) as f32
     }
 
-    /// The slots of an entry, and for each lane of the guest's the host's lanes whose bound is not above `limit`.
+    /// The nodes of an entry, and for each lane of the guest's the host's lanes whose bound is not above `limit`.
     #[inline(always)]
     pub(super) fn near<S: Simd>(&self, simd: S, entry: u32, limit: f32) -> ([u32; 2], [u32; LANES]) {
         let Entry { nodes, bounds } = &self.entries[entry as usize];

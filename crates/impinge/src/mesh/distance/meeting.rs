@@ -5,6 +5,7 @@ use std::ops::ControlFlow::{self, Continue};
 use fearless_simd::Simd;
 
 use super::answer::Answer;
+use super::front::Front;
 use super::leaf::{Facing, Leaf};
 use super::profile::Reached;
 use super::search::Search;
@@ -22,8 +23,9 @@ impl Search<'_> {
         [host, guest]: [u32; 2],
         [host_packet, guest_packet]: &[Packet<'_>; 2],
     ) -> ControlFlow<(), f32> {
-        let Self { scene, answer, leaves: [at_host, at_guest], profiles, beyond, .. } = self;
-        let beyond = if KEEPS { *beyond } else { 1.0 };
+        let Self { scene, answer, leaves: [at_host, at_guest], profiles, front, .. } = self;
+        // Bounds of a front are sought beyond what matters.
+        let beyond = if KEEPS { front.as_ref().map_or(1.0, Front::beyond) } else { 1.0 };
         let [on_host, on_guest] = scene.sides();
         let reached = profiles.of_leaves(simd, [host_packet, guest_packet]);
         let mut near = Reached::near(&reached, simd, answer.cut * f64::from(beyond));

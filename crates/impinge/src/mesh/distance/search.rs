@@ -43,7 +43,7 @@ const GUEST: usize = 1;
 pub(super) struct Search<'a> {
     pub(super) scene: Scene<'a>,
     pub(super) answer: Answer,
-    pub(super) nodes: [&'a [Node]; 2],
+    nodes: [&'a [Node]; 2],
     packets: [Packets<'a>; 2],
     tasks: Vec<Task>,
     found: Sorted,
@@ -53,8 +53,6 @@ pub(super) struct Search<'a> {
     between: Between,
     /// Where the search ends, if that is kept.
     pub(super) front: Option<Front>,
-    /// How many times as far as what matters pairs of triangles are looked at: beyond once for a front.
-    pub(super) beyond: f32,
     /// Pairs of leaves that were met.
     met: usize,
 }
@@ -92,7 +90,6 @@ impl<'a> Search<'a> {
             profiles: Profiles::new([host, guest]),
             between,
             front: None,
-            beyond: 1.0,
             met: 0,
         })
     }
@@ -112,7 +109,6 @@ impl<'a> Search<'a> {
     /// search was dear.
     pub(super) fn run(&mut self, options: &Options, since: Option<&Standing>) {
         self.front = since.and_then(|since| Front::new(&self.scene, since, self.nodes, options, self.answer.cut));
-        self.beyond = self.front.as_ref().map_or(1.0, Front::beyond);
         let level = options.level;
         let found = if self.front.is_some() {
             dispatch!(level, simd => self.advance(simd))
@@ -130,7 +126,6 @@ impl<'a> Search<'a> {
     /// Looks at what the front leaves open; false where it is of no use any more, and then nothing was looked at.
     pub(super) fn go_on(&mut self, front: Front, options: &Options) -> bool {
         let Some(front) = front.moved(&self.scene, self.nodes[GUEST], options, self.answer.cut) else { return false };
-        self.beyond = front.beyond();
         self.front = Some(front);
         let level = options.level;
         if dispatch!(level, simd => self.advance(simd)).is_continue() {
@@ -333,7 +328,7 @@ impl<'a> Search<'a> {
                 found.add(&bounds, host_lane, reach, [host_lane, guest_lane]);
             }
         }
-        found.push(tasks, [profiles.along(), entry], |[host_lane, guest_lane]| {
+        found.push(tasks, (profiles.along(), entry), |[host_lane, guest_lane]| {
             [Slot { node: host, lane: host_lane }, Slot { node: guest, lane: guest_lane }]
         });
     }
@@ -359,7 +354,7 @@ impl<'a> Search<'a> {
         for lane in bits(bounds.near & near) {
             found.add(&bounds, lane, reaches[lane], if side == HOST { [lane, 0] } else { [0, lane] });
         }
-        found.push(tasks, [profiles.along(), entry], |lanes| {
+        found.push(tasks, (profiles.along(), entry), |lanes| {
             let opened = Slot { node, lane: lanes[side] };
             if side == HOST { [opened, other] } else { [other, opened] }
         });

@@ -53,7 +53,7 @@ impl Sorted {
     pub(super) fn push(
         &mut self,
         tasks: &mut Vec<Task>,
-        [along, entry]: [u32; 2],
+        (along, entry): (u32, u32),
         slots: impl Fn([u8; 2]) -> [Slot; 2],
     ) {
         let keys = &mut self.keys[..self.count];

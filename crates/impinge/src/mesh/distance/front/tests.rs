@@ -152,13 +152,15 @@ fn n20_boxes_too_far_for_squares_are_not_forgotten() {
     let faces = [near.faces, far.faces.iter().map(|face| face.map(|v| v + count)).collect()].concat();
     let plates = Mesh::new(Positions::F64([near.vertices, far.vertices].concat()), faces).expect("a mesh");
     let options = Options { host: HostChoice::First, ..Options::default() };
-    let mut trail = Trail::default();
+    let (mut trail, mut kept) = (Trail::default(), 0);
     for shift in [0.0, 0.0, 0.00001, 0.002] {
         let there = plates.at(Pose::from_translation([shift, 0.0, 0.0]).expect("a pose"));
         keep_front(&mut trail, speck.at(small), there, &options);
         let alone = nearest(speck.at(small), there, &mut Trail::default(), &options);
         assert_eq!(nearest(speck.at(small), there, &mut trail, &options), alone, "{shift}");
+        kept += usize::from(trail.front.is_some());
     }
+    assert!(kept > 1, "{kept} of 4 kept a front");
 }
 
 /// The faces below a child.
