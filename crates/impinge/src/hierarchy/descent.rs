@@ -9,6 +9,7 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
 use super::lanes::{BoxLanes, BoxMap, overlapping, overlapping_each};
+use super::queue::{QUEUE, Queue};
 use super::slab::{Slab, SlabMap};
 use super::wide::{Child, Node};
 use crate::simd::{LANES, Lanes3, by_axis, load3, prefetch};
@@ -28,6 +29,10 @@ pub(crate) trait LeafVisitor {
 
     /// Meets what was put off.
     fn finish<S: Simd>(&mut self, simd: S) -> ControlFlow<()>;
+
+    /// Asks for what says where the memory of leaves is: of those about a guest leaf and those about a host leaf, which will be
+    /// [asked for](Self::prefetch_guest) soon.
+    fn prefetch_places(&self, guest_leaf: u32, host_leaf: u32);
 
     /// Asks for the memory of a guest leaf that will be taken up soon.
     fn prefetch_guest(&self, leaf: u32);
@@ -63,37 +68,8 @@ struct Approach {
     host_lanes: u32,
 }
 
-/// The most tasks between the stack and their turn, and the most approaches between their node's turn and theirs. Fewer
-/// hide less of the memory's latency; more push each other's lines out of the first cache.
-pub(crate) const QUEUE: usize = 8;
-
-/// The first to come is the first to go, of at most [`QUEUE`].
-struct Queue<T> {
-    items: [T; QUEUE],
-    next: usize,
-    len: usize,
-}
-
-impl<T: Copy> Queue<T> {
-    fn new(filler: T) -> Self {
-        Self { items: [filler; QUEUE], next: 0, len: 0 }
-    }
-
-    #[inline(always)]
-    fn push(&mut self, item: T) {
-        self.items[(self.next + self.len) % QUEUE] = item;
-        self.len += 1;
-    }
-
-    /// Only for one that is not empty.
-    #[inline(always)]
-    fn pop(&mut self) -> T {
-        let item = self.items[self.next];
-        self.next = (self.next + 1) % QUEUE;
-        self.len -= 1;
-        item
-    }
-}
+/// A guest leaf's memory is asked for when so many approaches have come after its own: by then it is known where that memory is.
+const LATER: usize = 3;
 
 /// The guest node carried over last: its boxes and its slab in the host's frame.
 struct Carried {
@@ -179,14 +155,14 @@ impl Descent<'_> {
                     tasks[done - 1]
                 }
                 Order::DepthFirst { .. } => {
-                    while queue.len < underway.patience
+                    while queue.len() < underway.patience
                         && let Some(task) = tasks.pop()
                     {
                         prefetch(&self.guest[task.guest as usize]);
                         prefetch(&self.host[task.host as usize]);
                         queue.push(task);
                     }
-                    if queue.len == 0 {
+                    if queue.len() == 0 {
                         break;
                     }
                     queue.pop()
@@ -194,7 +170,7 @@ impl Descent<'_> {
             };
             self.open(simd, task, visitor, &mut underway, tasks)?;
         }
-        while underway.approaches.len > 0 {
+        while underway.approaches.len() > 0 {
             self.meet_leaves(simd, underway.approaches.pop(), visitor)?;
         }
         visitor.finish(simd)
@@ -217,9 +193,9 @@ impl Descent<'_> {
         if carried.node != task.guest {
             carried.node = task.guest;
             carried.boxes = self.boxes.apply(simd, guest);
-            carried.slab = self.guest_slabs.carry(&guest.slab);
+            carried.slab = self.guest_slabs.carry(simd, &guest.slab);
         }
-        let host_slab = self.host_slabs.carry(&host.slab);
+        let host_slab = self.host_slabs.carry(simd, &host.slab);
         let mut guest_lanes = lanes_in_use(guest) & !host_slab.outside(simd, guest);
         let mut host_lanes = lanes_in_use(host) & !carried.slab.outside(simd, host);
         if let Some(slab) = self.guest_slabs.beside(&carried.slab, &host.slab) {
@@ -284,14 +260,19 @@ impl Descent<'_> {
             }
             (true, true) => {
                 let mut any = nonzero_bytes(near);
+                if any != 0 {
+                    visitor.prefetch_places(guest.index(0), host.index(0));
+                }
                 while any != 0 {
                     let first = any.trailing_zeros() as usize;
                     any &= any - 1;
                     let host_lanes = (near >> first) as u32 & 0xff;
                     let guest_leaf = guest.index(first / LANES);
-                    visitor.prefetch_guest(guest_leaf);
                     underway.approaches.push(Approach { guest_leaf, host: task.host, host_lanes });
-                    if underway.approaches.len >= underway.patience {
+                    if let Some(Approach { guest_leaf, .. }) = underway.approaches.before(LATER) {
+                        visitor.prefetch_guest(guest_leaf);
+                    }
+                    if underway.approaches.len() >= underway.patience {
                         self.meet_leaves(simd, underway.approaches.pop(), visitor)?;
                     }
                 }

@@ -17,6 +17,7 @@ mod descent;
 mod generic;
 mod lanes;
 mod morton;
+mod queue;
 mod radix;
 mod refit;
 mod slab;
@@ -31,13 +32,12 @@ pub use boxes::Bounds;
 pub(crate) use boxes::Boxes;
 pub use build::{Builder, DynamicTree, optimise};
 pub use cost::{Costs, Counters, TreeStatistics};
-pub(crate) use descent::{
-    Descent, Large, LeafVisitor, Order, QUEUE, Task, bits, each_byte, lanes_in_use, spread_to_bytes,
-};
+pub(crate) use descent::{Descent, Large, LeafVisitor, Order, Task, bits, each_byte, lanes_in_use, spread_to_bytes};
 pub use generic::{Enclosure, GenericTree, NodeVolume};
 pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, overlapping, overlapping_each};
 pub use morton::build_morton;
 pub(crate) use morton::tree_along_curve;
+pub(crate) use queue::QUEUE;
 pub(crate) use radix::scatter;
 pub(crate) use refit::{Leaves, Patch, Patches, Work};
 pub use slab::Slab;

@@ -5,7 +5,7 @@
 //! whose direction is the node's own.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, f32x4, f32x8};
 
 use super::lanes::HALF_ULP;
 use super::wide::Node;
@@ -31,8 +31,9 @@ impl Slab {
 /// Carries slabs against an affine map: from the map's target into its source, where the boxes are.
 #[derive(Clone, Debug)]
 pub(crate) struct SlabMap {
-    linear: [[f32; 3]; 3],
-    translation: [f64; 3],
+    /// For each axis of the target: what a unit of a normal along it comes to along the source's axes, and how high it lifts the
+    /// target's origin.
+    rows: [[f32; 4]; 3],
     slack: f32,
     /// No coordinate of the source is larger.
     reach: f32,
@@ -47,35 +48,33 @@ impl SlabMap {
     ///
     /// # Accuracy
     /// With u = 2^-24 and S the sum over the axes of Σ|linear|·reach + |translation|, normals being at most one, the
-    /// height of a box's corner collects at most 5 u S for the rounded matrix and the turned normal, 6 u S for centre
-    /// and extents and their sums, and 4 u S for the last difference and the rounded bounds. The slack is 32 u S and
-    /// twice the errors.
+    /// height of a box's corner collects at most 5 u S for the rounded matrix and the turned normal, 5 u S for the rounded
+    /// translation and its height, 5 u S for the corner's own height, and 4 u S for the last differences and sums. The slack is
+    /// 32 u S and twice the errors.
     pub(crate) fn new(linear: &[[f64; 3]; 3], translation: &[f64; 3], error: &[f64; 3], reach: f64) -> Self {
         const UNDERFLOW: f64 = 1.0 / (1_u128 << 100) as f64;
-        let size: f64 = linear.as_flattened().iter().map(|x| x.abs()).sum::<f64>() * reach
-            + translation.iter().map(|x| x.abs()).sum::<f64>();
-        let slack = 32.0 * HALF_ULP * size + 2.0 * error.iter().sum::<f64>() + UNDERFLOW;
+        let [turns, moves] = [linear.as_flattened(), translation].map(|x| x.iter().map(|x| x.abs()).sum::<f64>());
+        let slack = 32.0 * HALF_ULP * (turns * reach + moves) + 2.0 * error.iter().sum::<f64>() + UNDERFLOW;
+        let is_in_range = turns + moves < f64::from(f32::MAX);
         Self {
-            linear: linear.map(|row| row.map(|x| x as f32)),
-            translation: *translation,
-            slack: (slack as f32).next_up(),
+            rows: by_axis!(axis => {
+                let [x, y, z] = linear[axis];
+                [x as f32, y as f32, z as f32, translation[axis] as f32]
+            }),
+            // A slab that is carried by what is beyond single precision is all of space.
+            slack: if is_in_range { (slack as f32).next_up() } else { f32::INFINITY },
             reach: (reach as f32).next_up(),
         }
     }
 
     /// The slab in the source's frame, so wide that it holds whatever the map takes into the slab.
     #[inline(always)]
-    pub(crate) fn carry(&self, slab: &Slab) -> Slab {
-        let [x, y, z] = slab.normal;
-        let [along_x, along_y, along_z] = &self.linear;
-        let moved = f64::from(x) * self.translation[0]
-            + f64::from(y) * self.translation[1]
-            + f64::from(z) * self.translation[2];
-        Slab {
-            normal: by_axis!(axis => z.mul_add(along_z[axis], y.mul_add(along_y[axis], x * along_x[axis]))),
-            min: (f64::from(slab.min) - moved) as f32 - self.slack,
-            max: (f64::from(slab.max) - moved) as f32 + self.slack,
-        }
+    pub(crate) fn carry<S: Simd>(&self, simd: S, slab: &Slab) -> Slab {
+        let [x, y, z] = by_axis!(axis => f32x4::splat(simd, slab.normal[axis]));
+        let [along_x, along_y, along_z] = by_axis!(axis => f32x4::from_slice(simd, &self.rows[axis]));
+        let [x, y, z, height] = z.mul_add(along_z, y.mul_add(along_y, x * along_x)).into();
+        let (min, max) = (slab.min - height - self.slack, slab.max - height + self.slack);
+        Slab { normal: [x, y, z], min, max }
     }
 
     /// What lies both in a slab that was carried and in one of the source's own lies in the slab that is returned, if the two face
@@ -112,17 +111,18 @@ impl Slab {
     /// comparison with NaN proves nothing.
     #[inline(always)]
     pub(crate) fn outside<S: Simd>(&self, simd: S, boxes: &Node) -> u32 {
-        // Twice the heights of centre and extent, as there is no need to halve both.
-        let mut centre = f32x8::splat(simd, 0.0);
-        let mut extent = f32x8::splat(simd, 0.0);
+        // The corners of each box that are lowest and highest along the normal.
+        let mut low = f32x8::splat(simd, 0.0);
+        let mut high = f32x8::splat(simd, 0.0);
         for axis in 0..3 {
-            let (min, max) = (load(simd, &boxes.min[axis]), load(simd, &boxes.max[axis]));
+            let (lower, higher) =
+                if self.normal[axis] < 0.0 { (&boxes.max, &boxes.min) } else { (&boxes.min, &boxes.max) };
             let normal = f32x8::splat(simd, self.normal[axis]);
-            centre = (min + max).mul_add(normal, centre);
-            extent = (max - min).mul_add(normal.abs(), extent);
+            low = load(simd, &lower[axis]).mul_add(normal, low);
+            high = load(simd, &higher[axis]).mul_add(normal, high);
         }
-        let above = (centre - extent).simd_gt(f32x8::splat(simd, self.max + self.max));
-        let below = (centre + extent).simd_lt(f32x8::splat(simd, self.min + self.min));
+        let above = low.simd_gt(f32x8::splat(simd, self.max));
+        let below = high.simd_lt(f32x8::splat(simd, self.min));
         (above | below).to_bitmask() as u32
     }
 }

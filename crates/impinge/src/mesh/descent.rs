@@ -54,7 +54,7 @@ pub(crate) fn faces_meet(a: Placed<'_>, b: Placed<'_>, [face_a, face_b]: [u32; 2
 
 /// Two faces that intersect, the first in the order of the descent; none where no two do.
 pub(crate) fn first_hit(a: Placed<'_>, b: Placed<'_>, options: &Options) -> Option<[u32; 2]> {
-    found(a, b, Wanted { limit: 1, ..Wanted::ALL }, options).first().copied()
+    found(a, b, Wanted { limit: 1, deciding: Deciding::AtOnce, ..Wanted::ALL }, options).first().copied()
 }
 
 /// Pairs of faces (of a, of b) that intersect, each once, in no particular order: all of them, or the least `kept` where

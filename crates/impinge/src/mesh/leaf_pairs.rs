@@ -42,8 +42,8 @@ pub(super) enum Deciding {
     /// At once: where only some pairs are wanted, they are the first ones in the order of the descent, which is the same for
     /// every vector unit.
     AtOnce,
-    /// Once nothing else is left, or too many wait, as the filter may be sure of another pair: of which, differs between
-    /// vector units.
+    /// Once nothing else is left, or too many wait: their faces and vertices are asked for meanwhile, and the filter may be sure of
+    /// another pair; of which, differs between vector units.
     Last,
 }
 
@@ -58,7 +58,7 @@ pub(super) struct Wanted {
 }
 
 impl Wanted {
-    pub(super) const ALL: Self = Self { limit: usize::MAX, kept: usize::MAX, deciding: Deciding::AtOnce };
+    pub(super) const ALL: Self = Self { limit: usize::MAX, kept: usize::MAX, deciding: Deciding::Last };
 }
 
 /// A guest leaf taken up, by its place among them, and a host leaf that it will meet.
@@ -126,6 +126,11 @@ impl LeafPairs<'_> {
             #[inline(always)]
             || self.face_oldest(simd, &mut facing),
         );
+        // Many of these have pairs that meet, whose faces are looked up then.
+        for (Meeting { guest, host_leaf }, _) in &facing[..left] {
+            self.host_packets.prefetch_leaf(*host_leaf);
+            self.guest_packets.prefetch_leaf(self.guests.at(*guest).0);
+        }
         for (Meeting { guest, host_leaf }, facing) in &facing[..left] {
             let (guest_leaf, guest) = self.guests.at(*guest);
             let host = self.host_packets.get(simd, *host_leaf);
@@ -179,6 +184,9 @@ impl LeafPairs<'_> {
                 self.found.push(pair);
             } else if self.question.wanted.deciding == Deciding::Last {
                 self.open.push(pair);
+                let [a, b] = self.packets();
+                a.prefetch_face(pair[0]);
+                b.prefetch_face(pair[1]);
             } else if self.decide(pair) {
                 self.found.push(pair);
             }
@@ -202,6 +210,11 @@ impl LeafPairs<'_> {
     /// Decides the pairs that were put off, until enough meet.
     #[cold]
     fn decide_open(&mut self) {
+        let [a, b] = self.packets();
+        for &[face_a, face_b] in &self.open {
+            a.prefetch_vertices(face_a);
+            b.prefetch_vertices(face_b);
+        }
         while self.found.len() < self.question.wanted.limit
             && let Some(pair) = self.open.pop()
         {
@@ -209,6 +222,13 @@ impl LeafPairs<'_> {
                 self.found.push(pair);
             }
         }
+    }
+
+    /// The packets of the first mesh and of the second.
+    #[inline(always)]
+    fn packets(&self) -> [Packets<'_>; 2] {
+        let (host, guest) = (self.host_packets, self.guest_packets);
+        if self.question.swapped { [guest, host] } else { [host, guest] }
     }
 
     /// Whether two faces, of the first mesh and of the second, meet.
@@ -265,6 +285,12 @@ impl LeafVisitor for LeafPairs<'_> {
             self.meet_oldest(simd)?;
         }
         self.go_on(0)
+    }
+
+    #[inline(always)]
+    fn prefetch_places(&self, guest_leaf: u32, host_leaf: u32) {
+        self.guest_packets.prefetch_place(guest_leaf);
+        self.host_packets.prefetch_place(host_leaf);
     }
 
     #[inline(always)]

@@ -2,9 +2,9 @@
 //! kept until the mesh moves: most of a large mesh is never met, and what a build and a refit would write else is mostly packets.
 
 use std::ops::Deref;
-use std::sync::OnceLock;
 
 use fearless_simd::Simd;
+use once_cell::race::OnceBox;
 
 use super::Mesh;
 use super::leaf::Leaf;
@@ -35,24 +35,24 @@ const TOGETHER: usize = LANES;
 
 /// What was made so far.
 #[derive(Debug)]
-pub(super) struct Made(Box<[OnceLock<Box<[Triangles]>>]>);
+pub(super) struct Made(Box<[OnceBox<[Triangles; TOGETHER]>]>);
 
 impl Made {
     /// Nothing of so many leaves.
     pub(super) fn none(leaves: usize) -> Self {
-        Self((0..leaves.div_ceil(TOGETHER)).map(|_| OnceLock::new()).collect())
+        Self((0..leaves.div_ceil(TOGETHER)).map(|_| OnceBox::new()).collect())
     }
 
     /// Nothing any more.
     pub(super) fn clear(&mut self) {
         for slot in &mut self.0 {
-            slot.take();
+            *slot = OnceBox::new();
         }
     }
 
     /// Bytes.
     pub(super) fn memory(&self) -> usize {
-        let made = self.0.iter().filter_map(OnceLock::get).map(|made| size_of_val(&made[..])).sum::<usize>();
+        let made = self.0.iter().filter_map(OnceBox::get).map(size_of_val).sum::<usize>();
         size_of_val(&self.0[..]) + made
     }
 }
@@ -61,7 +61,7 @@ impl Made {
 #[derive(Clone, Copy)]
 pub(crate) struct Packets<'a> {
     leaves: &'a [Leaf],
-    made: &'a [OnceLock<Box<[Triangles]>>],
+    made: &'a [OnceBox<[Triangles; TOGETHER]>],
     corners: Corners<'a>,
 }
 
@@ -86,10 +86,41 @@ impl<'a> Packets<'a> {
         &self.leaves[leaf as usize]
     }
 
-    /// Asks for a leaf and its packet, where that is made.
+    /// Asks for which faces a leaf holds.
+    #[inline(always)]
+    pub(crate) fn prefetch_leaf(&self, leaf: u32) {
+        prefetch(&self.leaves[leaf as usize]);
+    }
+
+    /// Asks for a face.
+    #[inline(always)]
+    pub(crate) fn prefetch_face(&self, face: u32) {
+        match &self.corners {
+            Corners::Single(stored) => stored.faces().prefetch(face),
+            Corners::SingleWidened(stored) => stored.faces().prefetch(face),
+            Corners::Double(stored) => stored.faces().prefetch(face),
+        }
+    }
+
+    /// Asks for the vertices of a face.
+    #[inline(always)]
+    pub(crate) fn prefetch_vertices(&self, face: u32) {
+        match &self.corners {
+            Corners::Single(stored) => stored.prefetch_vertices(face),
+            Corners::SingleWidened(stored) => stored.prefetch_vertices(face),
+            Corners::Double(stored) => stored.prefetch_vertices(face),
+        }
+    }
+
+    /// Asks for what says where the packet of a leaf is, and those of its neighbours.
+    #[inline(always)]
+    pub(crate) fn prefetch_place(&self, leaf: u32) {
+        prefetch(&self.made[leaf as usize / TOGETHER]);
+    }
+
+    /// Asks for the packet of a leaf, where that is made.
     #[inline(always)]
     pub(crate) fn prefetch(&self, leaf: u32) {
-        prefetch(&self.leaves[leaf as usize]);
         let leaf = leaf as usize;
         if let Some(made) = self.made[leaf / TOGETHER].get() {
             prefetch(&made[leaf % TOGETHER]);
@@ -115,7 +146,7 @@ impl<'a> Packets<'a> {
 
     #[cold]
     #[inline(never)]
-    fn make<S: Simd>(&self, simd: S, slot: usize) -> &'a [Triangles] {
+    fn make<S: Simd>(&self, simd: S, slot: usize) -> &'a [Triangles; TOGETHER] {
         let end = self.leaves.len().min((slot + 1) * TOGETHER);
         let leaves = &self.leaves[slot * TOGETHER..end];
         self.made[slot].get_or_init(|| {

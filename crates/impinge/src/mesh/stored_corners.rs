@@ -95,6 +95,12 @@ pub(super) trait StoredCorners: Copy + Sync {
     /// Asks for a vertex.
     fn prefetch_vertex(&self, vertex: u32);
 
+    /// Asks for the vertices of a face.
+    #[inline(always)]
+    fn prefetch_vertices(&self, face: u32) {
+        self.faces().all()[face as usize].iter().for_each(|&vertex| self.prefetch_vertex(vertex));
+    }
+
     /// The corners of these triangles.
     fn gather<S: Simd>(&self, simd: S, triangles: &VertexRows) -> Self::Gathered<S>;
 

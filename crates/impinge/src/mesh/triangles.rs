@@ -59,12 +59,12 @@ impl Triangles {
     }
 }
 
-/// The triangles of up to eight leaves: each step is taken for all of them before the next, as every number of a leaf waits for the
+/// The triangles of up to eight leaves, and then none: each step is taken for all of them before the next, as every number of a leaf waits for the
 /// one before, and one vector holds it for eight.
 ///
 /// No operation is fused, so that the bits are the same on every vector unit.
 #[inline(always)]
-pub(super) fn of_leaves<S: Simd>(simd: S, leaves: &[Leaf], stored: &impl StoredCorners) -> Box<[Triangles]> {
+pub(super) fn of_leaves<S: Simd>(simd: S, leaves: &[Leaf], stored: &impl StoredCorners) -> Box<[Triangles; LANES]> {
     leaves.iter().flat_map(|leaf| leaf.faces).for_each(|face| stored.faces().prefetch(face));
     let mut rows = [[[0; 4]; LANES]; LANES];
     for (rows, leaf) in rows.iter_mut().zip(leaves) {
@@ -79,9 +79,9 @@ pub(super) fn of_leaves<S: Simd>(simd: S, leaves: &[Leaf], stored: &impl StoredC
     let anchors = stored.anchors(&extremes, &stored.bounds(&extremes));
     let mut places = [[0.0; LANES]; 3];
     let mut areas = [[f32x8::splat(simd, 0.0); LANES]; 3];
-    let mut made: Vec<Triangles> = Vec::with_capacity(leaves.len());
+    let mut made: Box<[Triangles; LANES]> = bytemuck::zeroed_box();
     for (lane, leaf) in leaves.iter().enumerate() {
-        let mut triangles: Triangles = bytemuck::Zeroable::zeroed();
+        let triangles = &mut made[lane];
         triangles.anchor = by_axis!(axis => anchors[axis][lane]);
         triangles.count = leaf.count() as u16;
         let place = stored.place(triangles.anchor);
@@ -92,7 +92,6 @@ pub(super) fn of_leaves<S: Simd>(simd: S, leaves: &[Leaf], stored: &impl StoredC
             places[axis][lane] = place[axis];
             areas[axis][lane] = facing[axis];
         }
-        made.push(triangles);
     }
     let radii = radii(&extremes, &places, stored.frame().scale);
     let areas: Lanes3<S> = by_axis!(axis => across(
@@ -101,7 +100,7 @@ pub(super) fn of_leaves<S: Simd>(simd: S, leaves: &[Leaf], stored: &impl StoredC
         |a, b| a + b,
     ));
     let normals = normals(&areas);
-    for (lane, triangles) in made.iter_mut().enumerate() {
+    for (lane, triangles) in made.iter_mut().take(leaves.len()).enumerate() {
         triangles.radius = radii[lane];
         triangles.normal = by_axis!(axis => normals[axis][lane] as i16);
         let corners = load_corners(simd, &triangles.corners);
@@ -110,7 +109,7 @@ pub(super) fn of_leaves<S: Simd>(simd: S, leaves: &[Leaf], stored: &impl StoredC
         let error = 20.0 * HALF_ULP as f32 * triangles.radius + f32::MIN_POSITIVE;
         triangles.heights = [low.reduce_min() - error, high.reduce_max() + error];
     }
-    made.into()
+    made
 }
 
 /// How far corners with these extremes reach about these places on any axis, rounded outward: differences of extremes are rounded
@@ -224,7 +223,7 @@ pub(super) mod tests {
                     Corners::SingleWidened(_) => 1,
                     Corners::Double(_) => 2,
                 }] += 1;
-                let made: Vec<Box<[Triangles]>> = levels()
+                let made: Vec<Box<[Triangles; LANES]>> = levels()
                     .into_iter()
                     .map(|(_, level)| {
                         dispatch!(level, simd => match &corners {
@@ -236,11 +235,12 @@ pub(super) mod tests {
                     .collect();
                 for other in &made {
                     assert_eq!(
-                        bytemuck::cast_slice::<_, u8>(other),
-                        bytemuck::cast_slice::<_, u8>(&made[0]),
+                        bytemuck::cast_slice::<_, u8>(&other[..]),
+                        bytemuck::cast_slice::<_, u8>(&made[0][..]),
                         "other bits"
                     );
                 }
+                assert!(made[0][leaves.len()..].iter().all(|none| *none == bytemuck::Zeroable::zeroed()));
                 for ((triangles, leaf), held) in made[0].iter().zip(&leaves).zip(&held) {
                     assert_eq!((leaf.held(), triangles.lanes_in_use()), (&held[..], (1 << held.len()) - 1));
                     let normal = triangles.normal();

@@ -79,7 +79,7 @@ impl Trial {
         let map = SlabMap::new(&self.linear, &self.translation, &self.error, 1.0);
         let mut missed = 0;
         for (name, level) in levels() {
-            let outside = dispatch!(level, simd => map.carry(&self.slab).outside(simd, &self.node));
+            let outside = dispatch!(level, simd => map.carry(simd, &self.slab).outside(simd, &self.node));
             for lane in (0..LANES).filter(|&lane| outside >> lane & 1 == 1) {
                 let [low, high] = self.heights(lane);
                 let (min, max) = (exact(f64::from(self.slab.min)), exact(f64::from(self.slab.max)));
@@ -115,9 +115,9 @@ fn the_slack_is_small() {
     }
     let slab = Slab { normal: [0.0, 0.0, 1.0], min: 1e-3 + 1e-5, max: 1.0 };
     for (name, level) in levels() {
-        let outside = dispatch!(level, simd => map.carry(&slab).outside(simd, &node));
+        let outside = dispatch!(level, simd => map.carry(simd, &slab).outside(simd, &node));
         assert_eq!(outside, 0xff, "{name}");
-        let all = dispatch!(level, simd => map.carry(&Slab::ALL).outside(simd, &node));
+        let all = dispatch!(level, simd => map.carry(simd, &Slab::ALL).outside(simd, &node));
         assert_eq!(all, 0, "{name}: nothing is outside all of space");
     }
 }
@@ -127,7 +127,18 @@ fn what_overflows_proves_nothing() {
     let map = SlabMap::new(&[[1e30; 3]; 3], &[1e38; 3], &[f64::INFINITY; 3], 1.0);
     let slab = Slab { normal: [1.0; 3], min: -1.0, max: 1.0 };
     for (name, level) in levels() {
-        assert_eq!(dispatch!(level, simd => map.carry(&slab).outside(simd, &Node::zeroed())), 0, "{name}");
+        assert_eq!(dispatch!(level, simd => map.carry(simd, &slab).outside(simd, &Node::zeroed())), 0, "{name}");
+    }
+}
+
+#[test]
+fn what_is_beyond_single_precision_is_not_taken_for_far_away() {
+    // Nearly along the planes, so that the origin is lifted by 10, out of reach of single precision's factors alone.
+    let map = SlabMap::new(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], &[1e39, 0.0, 0.0], &[0.0; 3], 1.0);
+    let slab = Slab { normal: [1e-38, 1.0, 0.0], min: 9.0, max: 11.0 };
+    for (name, level) in levels() {
+        let outside = dispatch!(level, simd => map.carry(simd, &slab).outside(simd, &Node::zeroed()));
+        assert_eq!(outside, 0, "{name}");
     }
 }
 
