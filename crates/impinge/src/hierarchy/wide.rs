@@ -110,6 +110,14 @@ impl Node {
         self.extent = (0..3).fold(0.0, |extent, axis| extent.max(max[axis] - min[axis]));
     }
 
+    /// Eight leaves with these boxes.
+    #[cfg(test)]
+    pub(crate) fn of_leaves(boxes: &BoxLanes) -> Self {
+        let mut node = Self { references: [LEAF_BIT; LANES], count: LANES as u32, ..Self::EMPTY };
+        node.set_boxes(boxes);
+        node
+    }
+
     pub(super) fn set_child(&mut self, lane: usize, child: Child) {
         self.references[lane] = child.reference();
     }

@@ -126,12 +126,18 @@ impl Guest {
         };
     }
 
-    /// The corners of one triangle in the host's packed frame, each coordinate off by at most
-    /// [`corner_error`](Self::corner_error).
-    pub(super) fn corners_of(&self, lane: usize) -> [[f64; 3]; 3] {
-        by_axis!(corner => by_axis!(axis => self.anchor[axis] + f64::from(self.corners[corner][axis][lane])))
+    /// The corners about [`anchor`](Self::anchor), in the host's orientation.
+    #[inline(always)]
+    pub(super) fn corners<S: Simd>(&self, simd: S) -> [Lanes3<S>; 3] {
+        by_axis!(corner => load3(simd, &self.corners[corner]))
     }
 
+    /// Where the corners are about, in the host's packed frame.
+    pub(super) fn anchor(&self) -> [f64; 3] {
+        self.anchor
+    }
+
+    /// What anchor and corners may be off by together.
     pub(super) fn corner_error(&self) -> f64 {
         f64::from(self.error)
     }

@@ -6,16 +6,15 @@
 
 use std::ops::ControlFlow;
 
-use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
 
 use super::filter::{Guest, Verdicts};
 use super::frame::REACH;
 use super::packet::{Packet, Packets};
 use super::relation::Relation;
-use crate::hierarchy::{Child, HALF_ULP, Node, Slab, bits, lanes_in_use, overlapping};
-use crate::primitive::{Vector, cross, sub};
-use crate::simd::{LANES, load3};
-use crate::volume::Aabb;
+use crate::hierarchy::{BoxLanes, Child, HALF_ULP, Node, Slab, bits, lanes_in_use, overlapping};
+use crate::simd::{LANES, Lanes3, by_axis, cross, dot, load3, store3, sub};
 
 /// The axes that a triangle's own shape brings: its normal, and each edge across each axis of the boxes.
 const OWN_AXES: usize = 10;
@@ -23,14 +22,22 @@ const OWN_AXES: usize = 10;
 /// A packet of large triangles in the other mesh's packed frame.
 pub(super) struct LargeLeaf {
     guest: Guest,
-    triangles: [Bounds; LANES],
+    bounds: Bounds,
     in_use: u32,
 }
 
-/// What holds one triangle.
+/// What holds each triangle.
 struct Bounds {
-    aabb: Aabb,
-    slabs: [Slab; OWN_AXES],
+    boxes: BoxLanes,
+    slabs: [SlabLanes; OWN_AXES],
+}
+
+/// A slab in each lane.
+#[derive(Clone, Copy, Default)]
+struct SlabLanes {
+    normal: [[f32; LANES]; 3],
+    min: [f32; LANES],
+    max: [f32; LANES],
 }
 
 impl LargeLeaf {
@@ -39,8 +46,8 @@ impl LargeLeaf {
     pub(super) fn new<S: Simd>(simd: S, packet: &Packet<'_>, relation: &Relation, back: &Relation) -> Self {
         let mut guest = Guest::EMPTY;
         guest.take_up(simd, packet, relation, back);
-        let triangles = std::array::from_fn(|lane| Bounds::new(guest.corners_of(lane), guest.corner_error()));
-        Self { guest, triangles, in_use: packet.lanes_in_use() }
+        let bounds = Bounds::new(simd, &guest.corners(simd), guest.anchor(), guest.corner_error());
+        Self { guest, bounds, in_use: packet.lanes_in_use() }
     }
 
     /// Meets all that is below a node: `report` gets each leaf that is met, with the verdicts.
@@ -60,7 +67,7 @@ impl LargeLeaf {
             let node = &nodes[at as usize];
             let mut reached = [0; LANES];
             for lane in bits(lanes) {
-                for child in bits(self.triangles[lane].near(simd, node)) {
+                for child in bits(self.bounds.near(simd, lane, node)) {
                     reached[child] |= 1 << lane;
                 }
             }
@@ -82,52 +89,86 @@ impl LargeLeaf {
 }
 
 impl Bounds {
-    /// Of a triangle whose corners may be off by `error` on each axis.
+    /// Of triangles whose corners about an anchor may be off by `error` on each axis with it.
     ///
-    /// A slab is widened by what the corners may be off by along it, by 32 u Σ|n|·reach for the rounding of a box's
-    /// heights where it is tested (docs/proof.md, L2a), and by what double precision loses of its own heights. What is
-    /// not a number proves nothing there.
-    fn new(corners: [Vector; 3], error: f64) -> Self {
-        let reach = corners.as_flattened().iter().fold(0.0, |reach: f64, x| reach.max(x.abs()));
-        let rounding = 32.0 * HALF_ULP * REACH + 4.0 * f64::EPSILON * reach;
-        let edges = [sub(&corners[1], &corners[0]), sub(&corners[2], &corners[1]), sub(&corners[0], &corners[2])];
-        let slab = |axis: Vector| {
-            let largest = axis.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
-            let normal = axis.map(|x| if largest > 0.0 { (x / largest) as f32 } else { 0.0 });
-            let [x, y, z] = normal.map(f64::from);
-            let heights = corners.map(|[a, b, c]| x * a + y * b + z * c);
-            let slack = (x.abs() + y.abs() + z.abs()) * (error + rounding);
-            let [low, high] = range(heights, slack);
-            Slab { normal, min: low, max: high }
-        };
-        let mut slabs = [Slab::ALL; OWN_AXES];
-        slabs[0] = slab(cross(&edges[0], &edges[1]));
-        for (three, [x, y, z]) in slabs[1..].chunks_mut(3).zip(edges) {
-            three[0] = slab([0.0, z, -y]);
-            three[1] = slab([-z, 0.0, x]);
-            three[2] = slab([y, -x, 0.0]);
+    /// # Accuracy
+    /// With u = 2^-24, R for the largest coordinate of anchor and corners, and n for an axis, whatever its numbers say: a sum of
+    /// anchor and corner takes 2 u R, a height 5 u Σ|n| R, the difference that widens it 2 u of itself. A slab is widened by
+    /// 16 u Σ|n| R for that, by what the corners may be off by along it, and by 32 u Σ|n|·reach for the rounding of a box's heights
+    /// where it is tested (docs/proof.md, L2a). What is not a number proves nothing there.
+    #[inline(always)]
+    fn new<S: Simd>(simd: S, about: &[Lanes3<S>; 3], anchor: [f64; 3], error: f64) -> Self {
+        let anchor: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, anchor[axis] as f32));
+        let corners: [Lanes3<S>; 3] = by_axis!(corner => by_axis!(axis => about[corner][axis] + anchor[axis]));
+        let mut largest = f32x8::splat(simd, 0.0);
+        for axis in 0..3 {
+            let [p, q, r] = by_axis!(corner => corners[corner][axis].abs());
+            largest = largest.max(anchor[axis].abs()).max(p.max(q).max(r));
         }
-        let [x, y, z] = [0, 1, 2].map(|axis| range(corners.map(|corner| corner[axis]), error + rounding));
-        Self { aabb: Aabb { min: [x[0], y[0], z[0]], max: [x[1], y[1], z[1]] }, slabs }
+        let widening = error + HALF_ULP * (32.0 * REACH + 16.0 * f64::from(largest.reduce_max()));
+        let slack = f32x8::splat(simd, (widening * (1.0 + 8.0 * HALF_ULP)) as f32);
+
+        let mut boxes = BoxLanes::default();
+        for axis in 0..3 {
+            let [p, q, r] = by_axis!(corner => corners[corner][axis]);
+            (p.min(q).min(r) - slack).store_slice(&mut boxes.min[axis]);
+            (p.max(q).max(r) + slack).store_slice(&mut boxes.max[axis]);
+        }
+        let edges = [sub(&about[1], &about[0]), sub(&about[2], &about[1]), sub(&about[0], &about[2])];
+        let edges: [Lanes3<S>; 3] = by_axis!(edge => scaled(&edges[edge]));
+        let zero = f32x8::splat(simd, 0.0);
+        let mut slabs = [SlabLanes::default(); OWN_AXES];
+        slabs[0].set(&cross(&edges[0], &edges[1]), &corners, slack);
+        for (three, &[x, y, z]) in slabs[1..].chunks_mut(3).zip(&edges) {
+            three[0].set(&[zero, z, -y], &corners, slack);
+            three[1].set(&[-z, zero, x], &corners, slack);
+            three[2].set(&[y, -x, zero], &corners, slack);
+        }
+        Self { boxes, slabs }
     }
 
-    /// The children whose boxes are not proved apart from the triangle, as bits.
+    /// The children whose boxes are not proved apart from one triangle, as bits.
     #[inline(always)]
-    fn near<S: Simd>(&self, simd: S, node: &Node) -> u32 {
+    fn near<S: Simd>(&self, simd: S, lane: usize, node: &Node) -> u32 {
         let boxes = (&load3(simd, &node.min), &load3(simd, &node.max));
-        let mut near = overlapping(simd, boxes, &self.aabb) & lanes_in_use(node);
+        let mut near = overlapping(simd, boxes, &self.boxes.lane(lane)) & lanes_in_use(node);
         for slab in &self.slabs {
             if near == 0 {
                 break;
             }
-            near &= !slab.outside(simd, node);
+            near &= !slab.lane(lane).outside(simd, node);
         }
         near
     }
 }
 
-/// The least and the greatest of three numbers, wider by `slack` and rounded outward.
-fn range(numbers: [f64; 3], slack: f64) -> [f32; 2] {
-    let [a, b, c] = numbers;
-    [((a.min(b).min(c) - slack) as f32).next_down(), ((a.max(b).max(c) + slack) as f32).next_up()]
+impl SlabLanes {
+    /// About these corners along an axis, wider by `slack` times the sum of what the axis has.
+    #[inline(always)]
+    fn set<S: Simd>(&mut self, axis: &Lanes3<S>, corners: &[Lanes3<S>; 3], slack: f32x8<S>) {
+        let normal = scaled(axis);
+        let [p, q, r]: [f32x8<S>; 3] = by_axis!(corner => dot(&normal, &corners[corner]));
+        let slack = slack * (normal[0].abs() + normal[1].abs() + normal[2].abs());
+        store3(&normal, &mut self.normal);
+        (p.min(q).min(r) - slack).store_slice(&mut self.min);
+        (p.max(q).max(r) + slack).store_slice(&mut self.max);
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Slab {
+        Slab { normal: by_axis!(axis => self.normal[axis][lane]), min: self.min[lane], max: self.max[lane] }
+    }
 }
+
+/// Vectors of which the largest component is one, but for rounding; zero where there is none.
+#[inline(always)]
+fn scaled<S: Simd>(vectors: &Lanes3<S>) -> Lanes3<S> {
+    let [x, y, z] = by_axis!(axis => vectors[axis].abs());
+    let largest = x.max(y).max(z);
+    let (zero, one) = (f32x8::splat(largest.token(), 0.0), f32x8::splat(largest.token(), 1.0));
+    let factor = largest.simd_gt(zero).select(one / largest, zero);
+    by_axis!(axis => vectors[axis] * factor)
+}
+
+#[cfg(test)]
+mod tests;
