@@ -308,7 +308,10 @@ fn descend<S: Simd>(simd: S, mesh: &Mesh, ray: &MovingPoint, visitor: &mut impl 
                     let child = node.child(lane);
                     match child {
                         Child::Inner(node) => prefetch(&nodes[node as usize]),
-                        Child::Leaf(leaf) => packets.prefetch(leaf),
+                        Child::Leaf(leaf) => {
+                            packets.prefetch_leaf(leaf);
+                            packets.prefetch(leaf);
+                        }
                     }
                     tasks.push((entered[lane], child));
                     let mut at = tasks.len() - 1;

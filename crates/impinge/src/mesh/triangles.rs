@@ -59,8 +59,8 @@ impl Triangles {
     }
 }
 
-/// The triangles of up to eight leaves, and then none: each step is taken for all of them before the next, as every number of a leaf waits for the
-/// one before, and one vector holds it for eight.
+/// The triangles of up to eight leaves, and zeros in the places after them: each step is taken for all of them before the next, as
+/// every number of a leaf waits for the one before, and one vector holds it for eight.
 ///
 /// No operation is fused, so that the bits are the same on every vector unit.
 #[inline(always)]
