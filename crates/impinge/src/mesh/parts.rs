@@ -94,7 +94,7 @@ impl Mesh {
     /// An array that does not fit.
     ///
     /// # Complexity
-    /// Nothing is read; a list of empty places for packets is made, 24 bytes for 64 triangles.
+    /// Nothing is read; a list of empty places for packets is made, 8 bytes for 64 triangles.
     pub fn borrow(bytes: &SharedBytes, is_single_precision: bool, parts: &Parts<Range<usize>>) -> Result<Self, Flaw> {
         let vertices = if is_single_precision {
             Vertices::BorrowedF32(part(bytes, &parts.positions, "positions")?, OnceLock::new())
