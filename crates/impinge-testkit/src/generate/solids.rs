@@ -1,4 +1,4 @@
-//! Spheres, boxes, grids, fans and soups.
+//! Spheres, boxes, grids, fans, rods and soups.
 
 use super::{Rng, cos, sin};
 use crate::Mesh;
@@ -135,6 +135,31 @@ pub fn fan(n: u32) -> Mesh {
         let angle = std::f64::consts::TAU * f64::from(i) / f64::from(n);
         mesh.vertices.push([cos(angle), sin(angle), 0.0]);
         mesh.faces.push([0, 1 + i, 1 + (i + 1) % n]);
+    }
+    mesh
+}
+
+/// A rod along x from -10 to 10, of radius one: `2 * facets` slivers, each as long as the rod, and no ends.
+pub fn rod(facets: u32) -> Mesh {
+    let mut mesh = Mesh::default();
+    for i in 0..facets {
+        let angle = std::f64::consts::TAU * f64::from(i) / f64::from(facets);
+        mesh.vertices.extend([-10.0, 10.0].map(|x| [x, cos(angle), sin(angle)]));
+        let (a, b) = (2 * i, 2 * ((i + 1) % facets));
+        mesh.faces.extend([[a, a + 1, b + 1], [a, b + 1, b]]);
+    }
+    mesh
+}
+
+/// Upright strips along x, `n` of them at y = 0, 1, 2 and so on, from z = 0 to 1, so long that they cross all others wherever these
+/// are turned about the origin; all coordinates integers.
+pub fn strips(n: u32) -> Mesh {
+    let mut mesh = Mesh::default();
+    let end = 4.0 * f64::from(n);
+    for i in 0..n {
+        let (y, first) = (f64::from(i), 4 * i);
+        mesh.vertices.extend([[-end, y, 0.0], [end, y, 0.0], [end, y, 1.0], [-end, y, 1.0]]);
+        mesh.faces.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
     }
     mesh
 }

@@ -8,11 +8,12 @@ use std::ops::ControlFlow;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
+use super::askew::Askew;
 use super::lanes::{BoxLanes, BoxMap, overlapping, overlapping_each};
 use super::queue::{QUEUE, Queue};
 use super::slab::{Slab, SlabMap};
 use super::wide::{Child, Node};
-use crate::simd::{LANES, Lanes3, by_axis, load3, prefetch};
+use crate::simd::{LANES, Lanes3, by_axis, load3, outlined, prefetch};
 use crate::volume::Aabb;
 
 /// What happens at the leaves, which the hierarchy does not understand.
@@ -71,6 +72,10 @@ struct Approach {
 /// A guest leaf's memory is asked for when so many approaches have come after its own: by then it is known where that memory is.
 const LATER: usize = 3;
 
+/// With so many of the 64 pairs of boxes of two nodes near each other they may be long ones that pass each other askew. To find out
+/// takes less than a tenth of what opening so many would.
+const CROWDED: u32 = 32;
+
 /// The guest node carried over last: its boxes and its slab in the host's frame.
 struct Carried {
     node: u32,
@@ -84,6 +89,8 @@ struct Underway {
     /// Put off until the guest leaves' memory is at hand.
     approaches: Queue<Approach>,
     patience: usize,
+    /// None before the first crowd.
+    askew: Option<Askew>,
 }
 
 /// In which order tasks are opened, and how long.
@@ -111,6 +118,8 @@ pub(crate) struct Descent<'a> {
     pub(crate) guest_slabs: &'a SlabMap,
     /// How much longer a guest's extent may be in the host's frame.
     pub(crate) stretch: f32,
+    /// Makes what tells long boxes apart that pass each other.
+    pub(crate) askew: &'a (dyn Fn() -> Askew + Sync),
 }
 
 impl Descent<'_> {
@@ -140,6 +149,7 @@ impl Descent<'_> {
                 Order::DepthFirst { ahead } => ahead.min(QUEUE),
                 Order::BreadthFirstUntil(_) => QUEUE,
             },
+            askew: None,
         };
         // Breadth first, the tasks before this one are done.
         let mut done = 0;
@@ -236,6 +246,9 @@ impl Descent<'_> {
         // A byte of host lanes for each guest lane.
         let mut near =
             overlapping_each(simd, host_boxes, &carried.boxes) & each_byte(host_lanes) & spread_to_bytes(guest_lanes);
+        if near.count_ones() >= CROWDED {
+            near = self.part(simd, underway, host, guest, near);
+        }
         match (guest.holds_leaves(), host.holds_leaves()) {
             (false, false) => {
                 while near != 0 {
@@ -279,6 +292,18 @@ impl Descent<'_> {
             }
         }
         ControlFlow::Continue(())
+    }
+
+    /// Of a crowd of near boxes those that do not pass each other askew.
+    #[cold]
+    #[inline(never)]
+    fn part<S: Simd>(&self, simd: S, underway: &mut Underway, host: &Node, guest: &Node, near: u64) -> u64 {
+        let askew = underway.askew.get_or_insert_with(self.askew);
+        outlined(
+            simd,
+            #[inline(always)]
+            || askew.near(simd, host, guest, near),
+        )
     }
 
     /// A guest leaf against leaves of the host.

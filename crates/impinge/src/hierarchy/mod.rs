@@ -5,6 +5,7 @@
 
 mod aging;
 mod area;
+mod askew;
 mod binary;
 mod boxes;
 mod build;
@@ -27,6 +28,7 @@ mod tests;
 mod wide;
 
 pub(crate) use aging::{Aged, Origin};
+pub(crate) use askew::Askew;
 pub use binary::{BinaryNode, BinaryTree, LEAF_CAPACITY, MAX_DEPTH, NODE_OF_LEAVES};
 pub use boxes::Bounds;
 pub(crate) use boxes::Boxes;

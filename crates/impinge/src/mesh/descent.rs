@@ -78,6 +78,7 @@ fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options) -> Vec
         host_slabs: &relation.slabs,
         guest_slabs: &back.slabs,
         stretch: relation.stretch as f32,
+        askew: &|| relation.askew(),
     };
     let (Some(root), true) = (descent.root(), wanted.kept > 0) else { return Vec::new() };
 

@@ -17,6 +17,7 @@
 //! is above what products too small for single precision lose (at most 2^-146 (1 + X + Y + Z) against 2^-111 Y). A
 //! bound or determinant that overflows compares as *open*.
 
+mod across;
 mod together;
 
 use fearless_simd::prelude::*;
@@ -28,6 +29,7 @@ use super::triangles::Triangles;
 use crate::hierarchy::{BoxLanes, HALF_ULP, each_byte, overlapping_each, spread_to_bytes};
 use crate::simd::{ALL_LANES, LANES, Lanes3, by_axis, cross, dot, load, load3, outlined, store3, sub};
 use crate::volume::Aabb;
+use across::apart_across;
 use together::Together;
 
 /// The pairs of triangles of two packets that are proved to meet, and those that are left open: bit `h` of byte `g` for lane
@@ -281,7 +283,11 @@ fn judge<S: Simd>(host: &Triangle<S>, guest: &Triangle<S>, error: f32x8<S>) -> [
     let misses = certain & (start.simd_lt(-edge_bound) | end.simd_gt(edge_bound));
     let meets = meets.to_bitmask() as u32 & near;
     let misses = misses.to_bitmask() as u32;
-    [meets, near & !meets & !misses]
+    let open = near & !meets & !misses;
+    if open == 0 {
+        return [meets, 0];
+    }
+    [meets, open & !apart_across(host, guest, error, y)]
 }
 
 /// The bound of a determinant's error; see the head of this file.

@@ -2,7 +2,7 @@
 
 use super::Placed;
 use super::frame::{PACKING_ERROR, PackedFrame, REACH};
-use crate::hierarchy::{BoxMap, HALF_ULP, SlabMap};
+use crate::hierarchy::{Askew, BoxMap, HALF_ULP, SlabMap};
 use crate::math::RelativeMap;
 use crate::simd::by_axis;
 
@@ -113,6 +113,11 @@ impl Relation {
         let of_corners = if largest < LARGEST_FOR_TRIANGLES { error } else { f64::INFINITY };
         let corner_error = CornerError::new(&translation, of_corners, stretch);
         Self { linear, translation, error, stretch, corner_error, boxes, slabs }
+    }
+
+    /// What tells long boxes apart that pass each other.
+    pub(crate) fn askew(&self) -> Askew {
+        Askew::new(&self.linear, &self.translation, self.error, REACH)
     }
 
     /// A direction of the host's frame in the guest's, such that what lies between two planes across the one lies

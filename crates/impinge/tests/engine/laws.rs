@@ -4,7 +4,7 @@ use impinge_testkit::cases::Precision;
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::knots::{TREFOIL, bumpy_sphere, stadium, torus_knot};
 use impinge_testkit::generate::poses::{large_integer_map, rotation};
-use impinge_testkit::generate::solids::{grid_soup, icosphere, plane_grid};
+use impinge_testkit::generate::solids::{grid_soup, icosphere, plane_grid, rod, strips};
 use impinge_testkit::{Affine, Mesh, oracle};
 
 use crate::ways::{engine_mesh, pairs_in_every_way, posed_pairs_in_every_way};
@@ -176,12 +176,17 @@ fn large_meshes_have_the_pairs_of_the_grid() {
     let deep = rotated([1.0, 2.0, 3.0], 0.7, [0.3, 0.2, 0.1]);
     let knot = torus_knot(200, 50, TREFOIL);
     let slivers = stadium(100, 25, 60);
+    let (rod, strips) = (rod(500), strips(100));
+    // By the angle of a triangle of sides 3, 4 and 5, and up until they touch: everywhere at once.
+    let crossed = Affine { linear: [[3.0, -4.0, 0.0], [4.0, 3.0, 0.0], [0.0, 0.0, 5.0]], translation: [0.0, 0.0, 1.0] };
     let sphere = bumpy_sphere(40);
     let plane = plane_grid(40, 40);
     let scenes = [
         ("knots, deep", &knot, &knot, deep),
         ("knots, shallow", &knot, &knot, rotated([1.0, 2.0, 3.0], 0.7, [4.5, 0.5, 0.3])),
         ("slivers", &slivers, &slivers, Affine::translation([0.0006, 0.0004, 0.0005])),
+        ("long ones askew", &rod, &rod, rotated([1.0, 2.0, 3.0], 0.7, [0.3, 0.2, 0.1])),
+        ("long ones that touch", &strips, &strips, crossed),
         ("near-coincident", &sphere, &sphere, rotated([1.0, 2.0, 3.0], 0.01, [0.0; 3])),
         ("one plane", &plane, &plane, step(1, 0, 0)),
         ("far from the origin", &knot, &knot, Affine { translation: [1e7, -1e7, 1e7], ..deep }),

@@ -52,6 +52,18 @@ enum Kind {
     Close,
     /// Of other sizes by up to 2^50, and close.
     Sized,
+    /// Slivers that pass each other, closely or not.
+    Askew,
+}
+
+/// A triangle of length one or two through a point, so thin that single precision does not know its plane.
+fn sliver(rng: &mut Rng, through: &Point) -> [Point; 3] {
+    let direction = unit_point(rng);
+    let end: Point = std::array::from_fn(|axis| through[axis] + direction[axis]);
+    let other = along(&end, through, rng.uniform(1.5, 3.0));
+    let step = unit_point(rng).map(|x| 1e-6 * x);
+    let beside = along(&end, &other, rng.choose(&[0.0, 1.0]));
+    [end, other, std::array::from_fn(|axis| beside[axis] + step[axis])]
 }
 
 /// Counts of pairs that were proved to meet, proved apart, and left open.
@@ -68,11 +80,26 @@ fn judge_packets(kind: Kind, seed: u64, packets: usize) -> Outcomes {
     let mut asked = 0;
     for _ in 0..packets {
         let (hosts, guests) = (rng.integer(1, 8) as usize, rng.integer(1, 8) as usize);
-        let mut host: Vec<[Point; 3]> = (0..hosts).map(|_| [0; 3].map(|_| unit_point(&mut rng))).collect();
+        let mut host: Vec<[Point; 3]> = (0..hosts)
+            .map(|_| match kind {
+                Kind::Askew => {
+                    let through = unit_point(&mut rng);
+                    sliver(&mut rng, &through)
+                }
+                _ => [0; 3].map(|_| unit_point(&mut rng)),
+            })
+            .collect();
         let size = if kind == Kind::Sized { power_of_two(&mut rng, -50, 50) } else { 1.0 };
         let mut guest: Vec<[Point; 3]> = (0..guests)
             .map(|i| match kind {
                 Kind::Generic => [0; 3].map(|_| unit_point(&mut rng)),
+                Kind::Askew => {
+                    let [p, q, _] = host[i % hosts];
+                    let on = along(&p, &q, rng.uniform(0.2, 0.8));
+                    let gap = if rng.one_in(8) { 0.0 } else { power_of_two(&mut rng, -30, -4) };
+                    let step = unit_point(&mut rng);
+                    sliver(&mut rng, &std::array::from_fn(|axis| on[axis] + gap * step[axis]))
+                }
                 Kind::Close | Kind::Sized => {
                     let gap = if rng.one_in(8) { 0.0 } else { power_of_two(&mut rng, -54, -4) };
                     let host = &host[i % hosts];
@@ -161,4 +188,11 @@ fn close_pairs_are_never_wrong() {
         let total = meet + apart + open;
         assert!(meet * rare > total && apart * 10 > total && open * 20 > total, "{kind:?}: {meet} {apart} {open}");
     }
+}
+
+#[test]
+fn slivers_that_pass_each_other_are_apart() {
+    let Outcomes { meet, apart, open } = judge_packets(Kind::Askew, 87, 1_500);
+    let total = meet + apart + open;
+    assert!(open * 6 < total && open * 100 > total, "{meet} meet, {apart} are apart and {open} are open");
 }

@@ -1,0 +1,112 @@
+//! Segments that cross, which are the boxes that a direction across both has least room for, carried exactly.
+
+use dashu_ratio::Relaxed;
+use fearless_simd::dispatch;
+use impinge_testkit::generate::Rng;
+use impinge_testkit::generate::poses::rotation;
+
+use super::super::lanes::BoxLanes;
+use super::*;
+use crate::simd::{LANES, levels};
+
+fn exact(x: f64) -> Relaxed {
+    Relaxed::try_from(x).expect("finite")
+}
+
+fn coarse(rng: &mut Rng) -> f64 {
+    rng.integer(-16, 16) as f64 / 16.0
+}
+
+/// A map, and eight boxes on either side: thin ones along an axis, of which each of the guest's is carried so that it passes the
+/// host's of its lane by a gap.
+struct Trial {
+    linear: [[f64; 3]; 3],
+    translation: [f64; 3],
+    error: f64,
+    host: Node,
+    guest: Node,
+}
+
+impl Trial {
+    fn new(rng: &mut Rng, gap: f64, largest_error: f64) -> Self {
+        let mut linear =
+            if rng.one_in(3) { [[0; 3]; 3].map(|row| row.map(|_| coarse(rng))) } else { rotation(rng).linear };
+        if rng.one_in(4) {
+            linear = linear.map(|row| row.map(|x| x * 2.0_f64.powi(rng.integer(-20, 0) as i32)));
+        }
+        let size = linear.as_flattened().iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+        let translation = [0; 3].map(|_| coarse(rng) * size);
+        let error = if rng.one_in(2) { 0.0 } else { rng.uniform(0.0, largest_error) * size };
+        let (mut host, mut guest) = (BoxLanes::default(), BoxLanes::default());
+        for lane in 0..LANES {
+            let along = [0; 2].map(|_| rng.integer(0, 2) as usize);
+            let place = [0; 3].map(|_| coarse(rng) as f32);
+            // Somewhere within the map's error, and a gap off along the direction across both.
+            let across = cross(along[0], &linear.map(|row| row[along[1]]));
+            let length = across.iter().map(|x| x * x).sum::<f64>().sqrt();
+            for axis in 0..3 {
+                let long = if axis == along[1] { rng.unit() as f32 } else { 0.0 };
+                (guest.min[axis][lane], guest.max[axis][lane]) = (place[axis] - long, place[axis] + long);
+                let terms = (0..3).map(|from| exact(linear[axis][from]) * exact(f64::from(place[from])));
+                let image = terms.fold(exact(translation[axis]), |sum, term| sum + term)
+                    + exact(rng.choose(&[-error, 0.0, error]))
+                    + exact(if length > 0.0 { gap * size * across[axis] / length } else { 0.0 });
+                let long = if axis == along[0] { rng.unit() as f32 } else { 0.0 };
+                let [low, high] = around(&image);
+                (host.min[axis][lane], host.max[axis][lane]) = (low - long, high + long);
+            }
+        }
+        Self { linear, translation, error, host: Node::of_leaves(&host), guest: Node::of_leaves(&guest) }
+    }
+
+    /// The lanes whose boxes are said to pass each other.
+    fn apart(&self) -> usize {
+        // The translation may carry boxes out of reach of one.
+        let askew = Askew::new(&self.linear, &self.translation, self.error, 8.0);
+        let apart = |(_, level)| {
+            let near = dispatch!(level, simd => askew.near(simd, &self.host, &self.guest, u64::MAX));
+            (0..LANES).filter(|lane| near >> (LANES * lane + lane) & 1 == 0).count()
+        };
+        levels().into_iter().map(apart).sum()
+    }
+}
+
+/// The axis crossed with a vector.
+fn cross(axis: usize, v: &[f64; 3]) -> [f64; 3] {
+    let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+    let mut product = [0.0; 3];
+    product[next] = -v[last];
+    product[last] = v[next];
+    product
+}
+
+/// The numbers of single precision next to one, or itself twice.
+fn around(x: &Relaxed) -> [f32; 2] {
+    let near = x.to_f64_fast() as f32;
+    let (mut low, mut high) = (near, near);
+    while exact(f64::from(low)) > *x {
+        low = low.next_down();
+    }
+    while exact(f64::from(high)) < *x {
+        high = high.next_up();
+    }
+    [low, high]
+}
+
+#[test]
+fn what_meets_is_never_apart() {
+    let mut rng = Rng::new(311);
+    for _ in 0..2_000 {
+        assert_eq!(Trial::new(&mut rng, 0.0, 0.1).apart(), 0);
+    }
+}
+
+/// A gap of a thousandth is more than errors of a hundred thousandth and rounding.
+#[test]
+fn what_passes_by_is_apart() {
+    let mut rng = Rng::new(312);
+    let found: usize = (0..500).map(|_| Trial::new(&mut rng, 1e-3, 1e-5).apart()).sum();
+    let all = 500 * LANES * levels().len();
+    // The others are parallel, or nearly so.
+    assert!(found * 10 > all * 8, "{found} of {all}");
+}
