@@ -1,4 +1,4 @@
-"""The meshes that are hardest for hierarchies of boxes: two surfaces that nearly coincide, and slivers across everything."""
+"""The meshes that are hardest for hierarchies of boxes: surfaces that nearly coincide, slivers across everything, slivers alone."""
 
 import numpy as np
 from torus_knot import torus_knot
@@ -36,3 +36,14 @@ def stadium(nu: int, nv: int, slivers: int) -> tuple[np.ndarray, np.ndarray]:
     corners = np.stack([starts, ends, ends + SLIVER], axis=1).reshape(-1, 3)
     added = len(vertices) + np.arange(3 * slivers, dtype=np.int32).reshape(-1, 3)
     return np.concatenate([vertices * SHRUNK + 0.5, corners]), np.concatenate([faces, added])
+
+
+def rod(facets: int) -> tuple[np.ndarray, np.ndarray]:
+    """A rod along x of length 20 and radius one, without ends: two slivers a facet, each as long as the rod."""
+    angle = 2.0 * np.pi * np.arange(facets) / facets
+    ends = [np.stack([np.full(facets, x), np.cos(angle), np.sin(angle)], axis=-1) for x in (-10.0, 10.0)]
+    low = np.arange(facets, dtype=np.int32)
+    high, beside = low + facets, np.roll(low, -1)
+    return np.concatenate(ends), np.concatenate(
+        [np.stack([low, high, beside + facets], axis=-1), np.stack([low, beside + facets, beside], axis=-1)]
+    )

@@ -4,8 +4,8 @@
     .venv/bin/python bench/rivals.py
 
 A mesh is set against itself moved: a torus knot of two million triangles unless --nu and --nv say otherwise; a bumpy sphere of
-as many, turned so little that the surfaces nearly coincide; and a tiny knot of as many amid long slivers. Of the last two
-Coal is not asked. FCL
+as many, turned so little that the surfaces nearly coincide; a tiny knot of as many amid long slivers; and a rod of slivers
+alone, a hundredth as many. Of the last three Coal is not asked. FCL
 and Coal get it as arrays, impinge as a PLY file of the same doubles. At full size FCL and Coal need 5 GB each, one
 after the other. The answers are compared: a rival that finds other pairs is no yardstick. All is asked in rounds, one
 engine after another in each, as a shared machine changes its speed by the minute: a round takes a minute.
@@ -29,7 +29,7 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from adversaries import bumpy_sphere, stadium
+from adversaries import bumpy_sphere, rod, stadium
 from torus_knot import torus_knot, write_ply
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -114,7 +114,12 @@ def slivers(nu: int, nv: int) -> Scene:
     return Scene("stadium", stadium(nu, nv, 300), [Pose("slivers", (0.0006, 0.0004, 0.0005), turn(0.0))], False)
 
 
-SCENES = {"knots": knots, "near": near, "slivers": slivers}
+def rods(nu: int, nv: int) -> Scene:
+    """With a hundredth as many triangles: each passes close to a thousand others."""
+    return Scene("rod", rod(nu * nv // 100), [Pose("askew", (0.3, 0.2, 0.1), turn(0.7))], False)
+
+
+SCENES = {"knots": knots, "near": near, "slivers": slivers, "rods": rods}
 
 
 def seconds(run: Callable[[], object]) -> float:
