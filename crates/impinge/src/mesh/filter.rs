@@ -29,7 +29,7 @@ use super::triangles::Triangles;
 use crate::hierarchy::{BoxLanes, HALF_ULP, each_byte, overlapping_each, spread_to_bytes};
 use crate::simd::{ALL_LANES, LANES, Lanes3, by_axis, cross, dot, load, load3, outlined, store3, sub};
 use crate::volume::Aabb;
-use across::apart_across;
+use across::{CROWDED, apart_across, near_across};
 use together::Together;
 
 /// The pairs of triangles of two packets that are proved to meet, and those that are left open: bit `h` of byte `g` for lane
@@ -197,6 +197,12 @@ impl Guest {
         }
         let host_width: [f32; LANES] = width(&host_min, &host_max).into();
         let error = f32x8::splat(simd, error);
+        if near.count_ones() >= CROWDED {
+            let guest_corners: [Lanes3<S>; 3] = by_axis!(corner => {
+                by_axis!(axis => load(simd, &self.corners[corner][axis]) + offset[axis])
+            });
+            near &= near_across(&host_corners, &guest_corners, error);
+        }
         // On average five pairs are near, of three triangles on either side: side by side, they seldom fill more than one
         // vector, where each triangle of one side would take one for itself.
         while near != 0 {
@@ -287,7 +293,7 @@ fn judge<S: Simd>(host: &Triangle<S>, guest: &Triangle<S>, error: f32x8<S>) -> [
     if open == 0 {
         return [meets, 0];
     }
-    [meets, open & !apart_across(host, guest, error, y)]
+    [meets, open & !apart_across(&host.corners, &guest.corners, error)]
 }
 
 /// The bound of a determinant's error; see the head of this file.

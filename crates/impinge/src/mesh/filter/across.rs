@@ -7,33 +7,55 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::Triangle;
 use crate::hierarchy::HALF_ULP;
-use crate::simd::{Lanes3, by_axis, cross, dot, sub};
+use crate::simd::{LANES, Lanes3, by_axis, cross, dot, sub};
 
-/// The lanes whose triangles are proved apart, where their corners may be off by `error` together and no two are farther apart on
-/// an axis than `reach`.
-///
-/// A direction may be anything. Along it, a difference of corners has four roundings, of what is no larger than the reach,
-/// and two such are compared: with the comparison's own, less than 16 in all.
+/// With so many of the 64 pairs of triangles of two packets near each other these are worth a direction of their own.
+pub(super) const CROWDED: u32 = 32;
+
+/// The lanes whose triangles are proved apart, where corners may be off by `error`.
 #[inline(always)]
-pub(super) fn apart_across<S: Simd>(host: &Triangle<S>, guest: &Triangle<S>, error: f32x8<S>, reach: f32x8<S>) -> u32 {
-    let across = cross(&longest_edge(&host.corners), &longest_edge(&guest.corners));
-    let [x, y, z] = by_axis!(axis => across[axis].abs());
-    let rounding = reach * (16.0 * HALF_ULP as f32);
-    let slack = (x + y + z).mul_add(error + error + rounding, f32x8::splat(error.token(), f32::MIN_POSITIVE));
-    let from = &host.corners[0];
-    let (host_low, host_high) = reached(&host.corners, from, &across);
-    let (guest_low, guest_high) = reached(&guest.corners, from, &across);
-    let apart = guest_low.simd_gt(host_high + slack) | host_low.simd_gt(guest_high + slack);
+pub(super) fn apart_across<S: Simd>(host: &[Lanes3<S>; 3], guest: &[Lanes3<S>; 3], error: f32x8<S>) -> u32 {
+    let across = cross(&longest_edge(host), &longest_edge(guest));
+    let [host_low, host_high] = reached(host, &across, error);
+    let [guest_low, guest_high] = reached(guest, &across, error);
+    let apart = guest_low.simd_gt(host_high) | host_low.simd_gt(guest_high);
     apart.to_bitmask() as u32
 }
 
-/// How far the corners of each triangle reach along a direction, at least and at most.
+/// For lane `i` of the guest's the byte `i`: the host's lanes whose triangles are not proved apart from it along one direction for
+/// all, across the longest edges of the first two, as long triangles of a leaf mostly lie alike.
 #[inline(always)]
-fn reached<S: Simd>(corners: &[Lanes3<S>; 3], from: &Lanes3<S>, direction: &Lanes3<S>) -> (f32x8<S>, f32x8<S>) {
-    let [p, q, r]: [f32x8<S>; 3] = by_axis!(corner => dot(direction, &sub(&corners[corner], from)));
-    (p.min(q).min(r), p.max(q).max(r))
+pub(super) fn near_across<S: Simd>(host: &[Lanes3<S>; 3], guest: &[Lanes3<S>; 3], error: f32x8<S>) -> u64 {
+    let across = cross(&longest_edge(host), &longest_edge(guest));
+    let across = by_axis!(axis => f32x8::splat(error.token(), across[axis][0]));
+    let [host_low, host_high] = reached(host, &across, error);
+    let [guest_low, guest_high] = reached(guest, &across, error);
+    let (low, high): ([f32; LANES], [f32; LANES]) = (guest_low.into(), guest_high.into());
+    let mut apart = 0;
+    for lane in 0..LANES {
+        let above = host_low.simd_gt(f32x8::splat(error.token(), high[lane]));
+        let below = host_high.simd_lt(f32x8::splat(error.token(), low[lane]));
+        apart |= u64::from((above | below).to_bitmask() as u32) << (LANES * lane);
+    }
+    !apart
+}
+
+/// How far each triangle reaches along a direction, at least and at most, outward: any direction will do. A height has four
+/// roundings of products with the largest coordinate, and its last sum one more.
+#[inline(always)]
+fn reached<S: Simd>(corners: &[Lanes3<S>; 3], direction: &Lanes3<S>, error: f32x8<S>) -> [f32x8<S>; 2] {
+    let mut largest = f32x8::splat(error.token(), 0.0);
+    for corner in corners {
+        for x in corner {
+            largest = largest.max(x.abs());
+        }
+    }
+    let [x, y, z] = by_axis!(axis => direction[axis].abs());
+    let rounding = largest * (8.0 * HALF_ULP as f32);
+    let slack = (x + y + z).mul_add(error + rounding, f32x8::splat(error.token(), f32::MIN_POSITIVE));
+    let [p, q, r]: [f32x8<S>; 3] = by_axis!(corner => dot(direction, &corners[corner]));
+    [p.min(q).min(r) - slack, p.max(q).max(r) + slack]
 }
 
 #[inline(always)]

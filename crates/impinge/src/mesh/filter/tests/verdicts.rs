@@ -56,9 +56,8 @@ enum Kind {
     Askew,
 }
 
-/// A triangle of length one or two through a point, so thin that single precision does not know its plane.
-fn sliver(rng: &mut Rng, through: &Point) -> [Point; 3] {
-    let direction = unit_point(rng);
+/// A triangle of length one or two along a direction through a point, so thin that single precision does not know its plane.
+fn sliver(rng: &mut Rng, through: &Point, direction: &Point) -> [Point; 3] {
     let end: Point = std::array::from_fn(|axis| through[axis] + direction[axis]);
     let other = along(&end, through, rng.uniform(1.5, 3.0));
     let step = unit_point(rng).map(|x| 1e-6 * x);
@@ -80,11 +79,17 @@ fn judge_packets(kind: Kind, seed: u64, packets: usize) -> Outcomes {
     let mut asked = 0;
     for _ in 0..packets {
         let (hosts, guests) = (rng.integer(1, 8) as usize, rng.integer(1, 8) as usize);
+        // Slivers of a packet lie alike, or not.
+        let (same, common) = (rng.one_in(2), [0; 2].map(|_| unit_point(&mut rng)));
+        let direction = |rng: &mut Rng, side: usize| {
+            let turn = if same { 0.0 } else { rng.choose(&[0.01, 1.0]) };
+            along(&common[side], &unit_point(rng), turn)
+        };
         let mut host: Vec<[Point; 3]> = (0..hosts)
             .map(|_| match kind {
                 Kind::Askew => {
-                    let through = unit_point(&mut rng);
-                    sliver(&mut rng, &through)
+                    let (through, direction) = (unit_point(&mut rng), direction(&mut rng, 0));
+                    sliver(&mut rng, &through, &direction)
                 }
                 _ => [0; 3].map(|_| unit_point(&mut rng)),
             })
@@ -98,7 +103,8 @@ fn judge_packets(kind: Kind, seed: u64, packets: usize) -> Outcomes {
                     let on = along(&p, &q, rng.uniform(0.2, 0.8));
                     let gap = if rng.one_in(8) { 0.0 } else { power_of_two(&mut rng, -30, -4) };
                     let step = unit_point(&mut rng);
-                    sliver(&mut rng, &std::array::from_fn(|axis| on[axis] + gap * step[axis]))
+                    let direction = direction(&mut rng, 1);
+                    sliver(&mut rng, &std::array::from_fn(|axis| on[axis] + gap * step[axis]), &direction)
                 }
                 Kind::Close | Kind::Sized => {
                     let gap = if rng.one_in(8) { 0.0 } else { power_of_two(&mut rng, -54, -4) };
