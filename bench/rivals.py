@@ -115,7 +115,7 @@ def slivers(nu: int, nv: int) -> Scene:
 
 
 def rods(nu: int, nv: int) -> Scene:
-    """With a hundredth as many triangles: each passes close to a thousand others."""
+    """With a hundredth as many triangles as a knot, each as long as the rod."""
     return Scene("rod", rod(nu * nv // 100), [Pose("askew", (0.3, 0.2, 0.1), turn(0.7))], False)
 
 

@@ -151,8 +151,7 @@ pub fn rod(facets: u32) -> Mesh {
     mesh
 }
 
-/// Upright strips along x, `n` of them at y = 0, 1, 2 and so on, from z = 0 to 1, so long that they cross all others wherever these
-/// are turned about the origin; all coordinates integers.
+/// Upright strips along x from -4n to 4n, `n` of them at y = 0, 1, 2 and so on, from z = 0 to 1; all coordinates integers.
 pub fn strips(n: u32) -> Mesh {
     let mut mesh = Mesh::default();
     let end = 4.0 * f64::from(n);

@@ -2,8 +2,8 @@
 //! of the one and an edge of the other.
 //!
 //! Source: Gottschalk, Lin, Manocha, *OBBTree*, SIGGRAPH 1996 (Ericson, 4.4.1). There each pair of boxes has axes of its own; here
-//! all boxes of a tree have the same, so that the nine directions are three frames for a whole query, into which boxes are carried like into any
-//! other.
+//! all boxes of a tree have the same, so that the nine directions are three frames for a whole query, into which boxes are
+//! carried like into any other.
 
 use fearless_simd::Simd;
 

@@ -1,6 +1,7 @@
 //! Boxes of every kind through the builder and the collapse: nothing is lost, nothing is repeated, nothing is too deep.
 
 mod builders;
+pub(super) mod maps;
 
 use super::*;
 use crate::volume::Aabb;

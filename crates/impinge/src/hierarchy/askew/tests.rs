@@ -3,19 +3,11 @@
 use dashu_ratio::Relaxed;
 use fearless_simd::dispatch;
 use impinge_testkit::generate::Rng;
-use impinge_testkit::generate::poses::rotation;
 
 use super::super::lanes::BoxLanes;
+use super::super::tests::maps::{any_linear, coarse, exact};
 use super::*;
 use crate::simd::{LANES, levels};
-
-fn exact(x: f64) -> Relaxed {
-    Relaxed::try_from(x).expect("finite")
-}
-
-fn coarse(rng: &mut Rng) -> f64 {
-    rng.integer(-16, 16) as f64 / 16.0
-}
 
 /// A map, and eight boxes on either side: thin ones along an axis, of which each of the guest's is carried so that it passes the
 /// host's of its lane by a gap.
@@ -29,8 +21,7 @@ struct Trial {
 
 impl Trial {
     fn new(rng: &mut Rng, gap: f64, largest_error: f64) -> Self {
-        let mut linear =
-            if rng.one_in(3) { [[0; 3]; 3].map(|row| row.map(|_| coarse(rng))) } else { rotation(rng).linear };
+        let mut linear = any_linear(rng);
         if rng.one_in(4) {
             linear = linear.map(|row| row.map(|x| x * 2.0_f64.powi(rng.integer(-20, 0) as i32)));
         }

@@ -6,14 +6,11 @@ use fearless_simd::dispatch;
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::poses::rotation;
 
+use super::super::tests::maps::exact;
 use super::*;
 use crate::simd::{Level, levels};
 
 const REACH: f64 = 1.0;
-
-fn exact(x: f64) -> Relaxed {
-    Relaxed::try_from(x).expect("finite")
-}
 
 /// A map, and eight boxes within reach.
 #[derive(Clone, Debug)]

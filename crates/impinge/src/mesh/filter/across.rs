@@ -70,3 +70,36 @@ fn longest_edge<S: Simd>([p, q, r]: &[Lanes3<S>; 3]) -> Lanes3<S> {
     }
     longest
 }
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+
+    use super::*;
+    use crate::simd::{levels, load3};
+
+    /// Eight slivers along x, and eight along y across all of them, one at each height: only those of one height meet.
+    #[test]
+    fn of_a_crowd_those_are_near_that_touch() {
+        let (mut host, mut guest) = ([[[0.0; LANES]; 3]; 3], [[[0.0; LANES]; 3]; 3]);
+        for lane in 0..LANES {
+            let height = lane as f32;
+            let of_host = [[-1.0, 0.0, height], [1.0, 0.0, height], [1.0, 1e-6, height]];
+            let of_guest = [[0.0, -1.0, height], [0.0, 1.0, height], [1e-6, 1.0, height]];
+            for corner in 0..3 {
+                for axis in 0..3 {
+                    host[corner][axis][lane] = of_host[corner][axis];
+                    guest[corner][axis][lane] = of_guest[corner][axis];
+                }
+            }
+        }
+        for (name, level) in levels() {
+            let (near, apart) = dispatch!(level, simd => {
+                let [host, guest] = [&host, &guest].map(|side| by_axis!(corner => load3(simd, &side[corner])));
+                let error = f32x8::splat(simd, 1e-5);
+                (near_across(&host, &guest, error), apart_across(&host, &guest, error))
+            });
+            assert_eq!((near, apart), (0x8040_2010_0804_0201, 0), "{name}");
+        }
+    }
+}
