@@ -210,8 +210,8 @@ impl Guest {
             let host = together.hosts(simd, &host.corners, &host_width);
             let guest = together.guests(simd, self, &offset);
             let [meet, open] = judge(&host, &guest, error);
-            verdicts.meet |= together.bits(meet);
-            verdicts.open |= together.bits(open);
+            verdicts.meet |= together.bits(simd, meet);
+            verdicts.open |= together.bits(simd, open);
         }
         verdicts
     }

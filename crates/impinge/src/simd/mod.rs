@@ -5,6 +5,7 @@
 //! *confirm* within proved bounds, and what they leave open is decided exactly.
 
 mod choice;
+mod deposit;
 mod prefetch;
 mod rows;
 mod vectors;
@@ -33,6 +34,7 @@ macro_rules! by_axis {
 pub(crate) use by_axis;
 
 pub(crate) use choice::Choice;
+pub(crate) use deposit::deposit;
 pub(crate) use prefetch::{prefetch, prefetch_at};
 pub(crate) use rows::Rows;
 pub(crate) use vectors::{Lanes3, across, cross, dot, load, load3, store3, sub, transposed};

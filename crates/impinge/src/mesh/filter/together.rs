@@ -3,37 +3,36 @@
 use fearless_simd::Simd;
 
 use super::{Guest, Triangle};
-use crate::hierarchy::bits;
 use crate::mesh::triangles::CornerLanes;
-use crate::simd::{Choice, LANES, Lanes3, by_axis, cross, sub};
+use crate::simd::{Choice, LANES, Lanes3, by_axis, cross, deposit, sub};
 
 /// Up to eight pairs of triangles of two packets.
 #[derive(Clone, Copy)]
 pub(super) struct Together {
     /// The bit of each pair, as [`Verdicts`] has them, in a byte of its own.
     places: u64,
-    count: u32,
+    /// These bits.
+    taken: u64,
 }
 
 impl Together {
     /// Takes the lowest bits away, eight where there are so many.
     #[inline(always)]
     pub(super) fn take(bits: &mut u64) -> Self {
-        let count = bits.count_ones().min(LANES as u32);
+        let all = *bits;
         let mut places = 0;
         for place in 0..LANES {
             // Without any bits left this is 64, which names the first two triangles.
             places |= u64::from(bits.trailing_zeros()) << (8 * place);
             *bits &= bits.wrapping_sub(1);
         }
-        Self { places, count }
+        Self { places, taken: all ^ *bits }
     }
 
     /// The bits of the pairs of which the lanes are set.
     #[inline(always)]
-    pub(super) fn bits(self, lanes: u32) -> u64 {
-        let in_use = lanes & ((1 << self.count) - 1);
-        bits(in_use).fold(0, |set, lane| set | 1 << (self.places >> (8 * lane) & 0x3f))
+    pub(super) fn bits<S: Simd>(self, simd: S, lanes: u32) -> u64 {
+        deposit(simd, lanes, self.taken)
     }
 
     /// The host's triangle of each pair.
