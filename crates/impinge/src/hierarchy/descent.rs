@@ -18,17 +18,17 @@ use crate::volume::Aabb;
 
 /// What happens at the leaves, which the hierarchy does not understand.
 pub(crate) trait LeafVisitor {
-    /// Takes up a guest leaf, if it is not the one taken up last: the calls of [`pair`](Self::pair) that follow mean
-    /// this one. Returns bounds of all that it holds, in the host's frame.
-    fn take_up<S: Simd>(&mut self, simd: S, guest_leaf: u32) -> Aabb;
+    /// Lets the leaves of a host node that lie in `lanes` wait for a guest leaf, but for those whose boxes are proved apart from all
+    /// that it holds.
+    fn approach<S: Simd>(&mut self, simd: S, guest_leaf: u32, host: &Node, lanes: u32);
 
-    /// Meets the guest leaf taken up last with a host leaf, now or later.
-    fn pair<S: Simd>(&mut self, simd: S, host_leaf: u32) -> ControlFlow<()>;
+    /// Meets those that have waited long enough.
+    fn meet<S: Simd>(&mut self, simd: S) -> ControlFlow<()>;
 
     /// Meets a leaf with all that is below a node of the other tree that is much smaller than what holds the leaf.
     fn meet_below<S: Simd>(&mut self, simd: S, large: Large, node: u32) -> ControlFlow<()>;
 
-    /// Meets what was put off.
+    /// Meets all that wait.
     fn finish<S: Simd>(&mut self, simd: S) -> ControlFlow<()>;
 
     /// Asks for what says where the memory of leaves is: of those about a guest leaf and those about a host leaf, which will be
@@ -69,12 +69,18 @@ struct Approach {
     host_lanes: u32,
 }
 
+/// So many approaches are made in one go: what comes of one cannot be foreseen, and nothing in between asks for it.
+const AT_ONCE: usize = 4;
+
 /// A guest leaf's memory is asked for when so many approaches have come after its own: by then it is known where that memory is.
 const LATER: usize = 3;
 
 /// With so many of the 64 pairs of boxes of two nodes near each other they may be long ones that pass each other askew. To find out
 /// takes less than a tenth of what opening so many would.
 const CROWDED: u32 = 32;
+
+/// Room for those that wait and all that two nodes of leaves come to.
+const APPROACHES: usize = QUEUE + LANES;
 
 /// The guest node carried over last: its boxes and its slab in the host's frame.
 struct Carried {
@@ -87,7 +93,7 @@ struct Carried {
 struct Underway {
     carried: Carried,
     /// Put off until the guest leaves' memory is at hand.
-    approaches: Queue<Approach>,
+    approaches: Queue<Approach, APPROACHES>,
     patience: usize,
     /// None before the first crowd.
     askew: Option<Askew>,
@@ -141,7 +147,7 @@ impl Descent<'_> {
         tasks: &mut Vec<Task>,
         visitor: &mut V,
     ) -> ControlFlow<()> {
-        let mut queue = Queue::new(Task::ROOT);
+        let mut queue = Queue::<_, QUEUE>::new(Task::ROOT);
         let mut underway = Underway {
             carried: Carried { node: u32::MAX, boxes: BoxLanes::default(), slab: Slab::ALL },
             approaches: Queue::new(Approach { guest_leaf: 0, host: 0, host_lanes: 0 }),
@@ -181,7 +187,7 @@ impl Descent<'_> {
             self.open(simd, task, visitor, &mut underway, tasks)?;
         }
         while underway.approaches.len() > 0 {
-            self.meet_leaves(simd, underway.approaches.pop(), visitor)?;
+            self.approach(simd, 1, &mut underway, visitor)?;
         }
         visitor.finish(simd)
     }
@@ -252,10 +258,15 @@ impl Descent<'_> {
         match (guest.holds_leaves(), host.holds_leaves()) {
             (false, false) => {
                 while near != 0 {
-                    let bit = near.trailing_zeros() as usize;
-                    near &= near - 1;
-                    let (guest, host) = (guest.index(bit / LANES), host.index(bit % LANES));
-                    below.push(Task { guest, host });
+                    // More are seldom left, and a loop over bits ends where no processor can foresee it.
+                    let (left, len) = (near.count_ones() as usize, below.len());
+                    let four: [Task; 4] = std::array::from_fn(|_| {
+                        let bit = near.trailing_zeros() as usize;
+                        near &= near.wrapping_sub(1);
+                        Task { guest: guest.index(bit / LANES % LANES), host: host.index(bit % LANES) }
+                    });
+                    below.extend_from_slice(&four);
+                    below.truncate(len + left);
                 }
             }
             (true, false) => {
@@ -285,9 +296,9 @@ impl Descent<'_> {
                     if let Some(Approach { guest_leaf, .. }) = underway.approaches.before(LATER) {
                         visitor.prefetch_guest(guest_leaf);
                     }
-                    if underway.approaches.len() >= underway.patience {
-                        self.meet_leaves(simd, underway.approaches.pop(), visitor)?;
-                    }
+                }
+                while underway.approaches.len() >= underway.patience {
+                    self.approach(simd, underway.patience.min(AT_ONCE), underway, visitor)?;
                 }
             }
         }
@@ -306,16 +317,20 @@ impl Descent<'_> {
         )
     }
 
-    /// A guest leaf against leaves of the host.
+    /// So many guest leaves against leaves of the host.
     #[inline(always)]
-    fn meet_leaves<S: Simd, V: LeafVisitor>(&self, simd: S, approach: Approach, visitor: &mut V) -> ControlFlow<()> {
-        let bounds = visitor.take_up(simd, approach.guest_leaf);
-        let host = &self.host[approach.host as usize];
-        let near = overlapping(simd, (&load3(simd, &host.min), &load3(simd, &host.max)), &bounds);
-        for lane in bits(near & approach.host_lanes) {
-            visitor.pair(simd, host.index(lane))?;
+    fn approach<S: Simd, V: LeafVisitor>(
+        &self,
+        simd: S,
+        count: usize,
+        underway: &mut Underway,
+        visitor: &mut V,
+    ) -> ControlFlow<()> {
+        for _ in 0..count {
+            let Approach { guest_leaf, host, host_lanes } = underway.approaches.pop();
+            visitor.approach(simd, guest_leaf, &self.host[host as usize], host_lanes);
         }
-        ControlFlow::Continue(())
+        visitor.meet(simd)
     }
 }
 

@@ -1,20 +1,20 @@
 //! What waits for its memory: a short queue between the moment at which something is known to be needed and its turn.
 
-/// The most tasks between the stack and their turn, and the most approaches between their node's turn and theirs. Fewer
+/// The most tasks between the stack and their turn, and the approaches between their node's turn and theirs. Fewer
 /// hide less of the memory's latency; more push each other's lines out of the first cache.
 pub(crate) const QUEUE: usize = 8;
 
-/// The first to come is the first to go, of at most [`QUEUE`].
-pub(super) struct Queue<T> {
-    items: [T; QUEUE],
+/// The first to come is the first to go, of at most so many.
+pub(super) struct Queue<T, const ROOM: usize> {
+    items: [T; ROOM],
     next: usize,
     len: usize,
 }
 
-impl<T: Copy> Queue<T> {
+impl<T: Copy, const ROOM: usize> Queue<T, ROOM> {
     /// Nothing; any filler will do.
     pub(super) fn new(filler: T) -> Self {
-        Self { items: [filler; QUEUE], next: 0, len: 0 }
+        Self { items: [filler; ROOM], next: 0, len: 0 }
     }
 
     #[inline(always)]
@@ -25,21 +25,21 @@ impl<T: Copy> Queue<T> {
     /// Only for one that is not full.
     #[inline(always)]
     pub(super) fn push(&mut self, item: T) {
-        self.items[(self.next + self.len) % QUEUE] = item;
+        self.items[(self.next + self.len) % ROOM] = item;
         self.len += 1;
     }
 
     /// The one with so many after it, if it is here still.
     #[inline(always)]
     pub(super) fn before(&self, later: usize) -> Option<T> {
-        (self.len > later).then(|| self.items[(self.next + self.len - later - 1) % QUEUE])
+        (self.len > later).then(|| self.items[(self.next + self.len - later - 1) % ROOM])
     }
 
     /// Only for one that is not empty.
     #[inline(always)]
     pub(super) fn pop(&mut self) -> T {
         let item = self.items[self.next];
-        self.next = (self.next + 1) % QUEUE;
+        self.next = (self.next + 1) % ROOM;
         self.len -= 1;
         item
     }
@@ -51,7 +51,7 @@ mod tests {
 
     #[test]
     fn what_comes_first_goes_first() {
-        let mut queue = Queue::new(0);
+        let mut queue = Queue::<_, QUEUE>::new(0);
         let (mut pushed, mut popped) = (0, 0);
         for round in 1..100 {
             while queue.len() < 1 + round % QUEUE {

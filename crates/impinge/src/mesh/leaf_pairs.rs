@@ -12,9 +12,8 @@ use super::packet::Packets;
 use super::relation::Relation;
 use super::taken_up::Guests;
 use crate::exact::{Placement, triangles_intersect};
-use crate::hierarchy::{Large, LeafVisitor};
-use crate::simd::{ALL_LANES, LANES, outlined};
-use crate::volume::Aabb;
+use crate::hierarchy::{Large, LeafVisitor, Node, overlapping};
+use crate::simd::{ALL_LANES, LANES, load3, outlined};
 
 /// So many pairs of leaves wait for the host leaf's memory, at least: fewer hide less of its latency.
 const WAITING: usize = 4;
@@ -22,8 +21,8 @@ const WAITING: usize = 4;
 /// So many pairs of leaves are met in one go: with 4 there is less for the processor to work ahead on.
 const AT_ONCE: usize = 8;
 
-/// Room for all that wait.
-const ROOM: usize = (WAITING + AT_ONCE).next_power_of_two();
+/// Room for all that wait, and for what comes of guest leaves that are taken up in one go.
+const ROOM: usize = 64;
 
 /// Guest leaves that are kept taken up; a power of two, more than wait. More than half of all come again while they are; twice as
 /// many would fill the first cache and hardly save more.
@@ -64,7 +63,7 @@ impl Wanted {
 /// A guest leaf taken up, by its place among them, and a host leaf that it will meet.
 #[derive(Clone, Copy, Debug, Default)]
 struct Meeting {
-    guest: usize,
+    guest: u32,
     host_leaf: u32,
 }
 
@@ -89,10 +88,12 @@ impl Question<'_> {
             host_packets: self.host.packets(),
             guest_packets: self.guest.packets(),
             patience: kept.min(WAITING + AT_ONCE),
+            at_once: kept.min(AT_ONCE),
             guests: Guests::new(kept),
             waiting: [Meeting::default(); ROOM],
             next: 0,
             count: 0,
+            asked_for: 0,
             open: Vec::new(),
             found: Vec::new(),
         }
@@ -107,10 +108,13 @@ pub(super) struct LeafPairs<'a> {
     guests: Guests,
     /// With so many put off the oldest are met.
     patience: usize,
+    at_once: usize,
     /// Those that are, the oldest at `next`.
     waiting: [Meeting; ROOM],
     next: usize,
     count: usize,
+    /// Of so many of these the host leaf's memory is on its way.
+    asked_for: usize,
     /// Pairs that the filter left open, where they are decided last; few more than [`MOST_OPEN`].
     open: Vec<[u32; 2]>,
     pub(super) found: Vec<[u32; 2]>,
@@ -129,10 +133,10 @@ impl LeafPairs<'_> {
         // Many of these have pairs that meet, whose faces are looked up then.
         for (Meeting { guest, host_leaf }, _) in &facing[..left] {
             self.host_packets.prefetch_leaf(*host_leaf);
-            self.guest_packets.prefetch_leaf(self.guests.at(*guest).0);
+            self.guest_packets.prefetch_leaf(self.guests.at(*guest as usize).0);
         }
         for (Meeting { guest, host_leaf }, facing) in &facing[..left] {
-            let (guest_leaf, guest) = self.guests.at(*guest);
+            let (guest_leaf, guest) = self.guests.at(*guest as usize);
             let host = self.host_packets.get(simd, *host_leaf);
             let verdicts = guest.meet(simd, &host, facing);
             self.report([*host_leaf, guest_leaf], verdicts, false)?;
@@ -143,11 +147,11 @@ impl LeafPairs<'_> {
     /// Finds out how the oldest pairs face each other; returns how many may meet.
     #[inline(always)]
     fn face_oldest<S: Simd>(&mut self, simd: S, facing: &mut [(Meeting, Facing); AT_ONCE]) -> usize {
-        let count = self.count.min(AT_ONCE);
+        let count = self.count.min(self.at_once);
         let mut left = 0;
         for at in 0..count {
             let meeting = self.waiting[(self.next + at) % ROOM];
-            let guest = self.guests.awaited(meeting.guest);
+            let guest = self.guests.awaited(meeting.guest as usize);
             let host = self.host_packets.get(simd, meeting.host_leaf);
             let met = guest.face(simd, &host, ALL_LANES);
             facing[left] = (meeting, met);
@@ -155,6 +159,7 @@ impl LeafPairs<'_> {
         }
         self.next = (self.next + count) % ROOM;
         self.count -= count;
+        self.asked_for -= count;
         left
     }
 
@@ -242,17 +247,34 @@ impl LeafPairs<'_> {
 
 impl LeafVisitor for LeafPairs<'_> {
     #[inline(always)]
-    fn take_up<S: Simd>(&mut self, simd: S, guest_leaf: u32) -> Aabb {
+    fn approach<S: Simd>(&mut self, simd: S, guest_leaf: u32, host: &Node, lanes: u32) {
         let Question { relation, back, .. } = self.question;
-        self.guests.take_up(simd, guest_leaf, &self.guest_packets, relation, back)
+        let bounds = self.guests.take_up(simd, guest_leaf, &self.guest_packets, relation, back);
+        let mut near = lanes & overlapping(simd, (&load3(simd, &host.min), &load3(simd, &host.max)), &bounds);
+        let count = near.count_ones();
+        let guest = self.guests.await_last(count);
+        let mut end = self.next + self.count;
+        self.count += count as usize;
+        while near != 0 {
+            for at in 0..4 {
+                let lane = near.trailing_zeros() as usize % LANES;
+                near &= near.wrapping_sub(1);
+                self.waiting[(end + at) % ROOM] = Meeting { guest, host_leaf: host.index(lane) };
+            }
+            end += 4;
+        }
     }
 
     #[inline(always)]
-    fn pair<S: Simd>(&mut self, simd: S, host_leaf: u32) -> ControlFlow<()> {
-        self.host_packets.prefetch(host_leaf);
-        self.waiting[(self.next + self.count) % ROOM] = Meeting { guest: self.guests.await_last(), host_leaf };
-        self.count += 1;
-        if self.count < self.patience { ControlFlow::Continue(()) } else { self.meet_oldest(simd) }
+    fn meet<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
+        for at in self.asked_for..self.count {
+            self.host_packets.prefetch(self.waiting[(self.next + at) % ROOM].host_leaf);
+        }
+        self.asked_for = self.count;
+        while self.count >= self.patience {
+            self.meet_oldest(simd)?;
+        }
+        ControlFlow::Continue(())
     }
 
     fn meet_below<S: Simd>(&mut self, simd: S, large: Large, node: u32) -> ControlFlow<()> {

@@ -61,11 +61,11 @@ impl Guests {
         self.places[self.last].guest.bounds
     }
 
-    /// Lets a pair wait for the leaf taken up last; returns its place.
+    /// Lets so many pairs wait for the leaf taken up last; returns its place.
     #[inline(always)]
-    pub(super) fn await_last(&mut self) -> usize {
-        self.places[self.last].awaited += 1;
-        self.last
+    pub(super) fn await_last(&mut self, pairs: u32) -> u32 {
+        self.places[self.last].awaited += pairs;
+        self.last as u32
     }
 
     /// The leaf in a place for which a pair has waited. It stays there until the next one is taken up.
@@ -118,7 +118,7 @@ mod tests {
             assert_eq!(taken, bounds[leaf as usize]);
             displaced += u32::from(guests.last != leaf as usize % 4);
             for _ in 0..rng.integer(0, 2) {
-                waiting.push_back((guests.await_last(), leaf));
+                waiting.push_back((guests.await_last(1) as usize, leaf));
                 // At most three wait when another is taken up.
                 if waiting.len() > 3 {
                     let (place, leaf) = waiting.pop_front().expect("four wait");
