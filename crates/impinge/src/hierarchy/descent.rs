@@ -13,7 +13,7 @@ use super::lanes::{BoxLanes, BoxMap, overlapping, overlapping_each};
 use super::queue::{QUEUE, Queue};
 use super::slab::{Slab, SlabMap};
 use super::wide::{Child, Node};
-use crate::simd::{LANES, Lanes3, by_axis, load3, outlined, prefetch};
+use crate::simd::{ALL_LANES, LANES, Lanes3, by_axis, load3, outlined, prefetch};
 use crate::volume::Aabb;
 
 /// What happens at the leaves, which the hierarchy does not understand.
@@ -72,15 +72,12 @@ struct Approach {
 /// So many approaches are made in one go: what comes of one cannot be foreseen, and nothing in between asks for it.
 const AT_ONCE: usize = 4;
 
-/// A guest leaf's memory is asked for when so many approaches have come after its own: by then it is known where that memory is.
-const LATER: usize = 3;
-
 /// With so many of the 64 pairs of boxes of two nodes near each other they may be long ones that pass each other askew. To find out
 /// takes less than a tenth of what opening so many would.
 const CROWDED: u32 = 32;
 
 /// Room for those that wait and all that two nodes of leaves come to.
-const APPROACHES: usize = QUEUE + LANES;
+const APPROACHES: usize = (QUEUE + LANES + 4).next_power_of_two();
 
 /// The guest node carried over last: its boxes and its slab in the host's frame.
 struct Carried {
@@ -283,19 +280,17 @@ impl Descent<'_> {
                 }
             }
             (true, true) => {
+                visitor.prefetch_places(guest.index(0), host.index(0));
                 let mut any = nonzero_bytes(near);
-                if any != 0 {
-                    visitor.prefetch_places(guest.index(0), host.index(0));
-                }
                 while any != 0 {
-                    let first = any.trailing_zeros() as usize;
-                    any &= any - 1;
-                    let host_lanes = (near >> first) as u32 & 0xff;
-                    let guest_leaf = guest.index(first / LANES);
-                    underway.approaches.push(Approach { guest_leaf, host: task.host, host_lanes });
-                    if let Some(Approach { guest_leaf, .. }) = underway.approaches.before(LATER) {
-                        visitor.prefetch_guest(guest_leaf);
-                    }
+                    let left = any.count_ones() as usize;
+                    let four = std::array::from_fn(|_| {
+                        let first = any.trailing_zeros() as usize % u64::BITS as usize;
+                        any &= any.wrapping_sub(1);
+                        let guest_leaf = guest.index(first / LANES);
+                        Approach { guest_leaf, host: task.host, host_lanes: (near >> first) as u32 & ALL_LANES }
+                    });
+                    underway.approaches.push_some(four, left);
                 }
                 while underway.approaches.len() >= underway.patience {
                     self.approach(simd, underway.patience.min(AT_ONCE), underway, visitor)?;
@@ -329,6 +324,11 @@ impl Descent<'_> {
         for _ in 0..count {
             let Approach { guest_leaf, host, host_lanes } = underway.approaches.pop();
             visitor.approach(simd, guest_leaf, &self.host[host as usize], host_lanes);
+        }
+        for ahead in 0..count {
+            if let Some(Approach { guest_leaf, .. }) = underway.approaches.ahead(ahead) {
+                visitor.prefetch_guest(guest_leaf);
+            }
         }
         visitor.meet(simd)
     }

@@ -29,10 +29,19 @@ impl<T: Copy, const ROOM: usize> Queue<T, ROOM> {
         self.len += 1;
     }
 
-    /// The one with so many after it, if it is here still.
+    /// The first so many of four; only where there is room for all.
     #[inline(always)]
-    pub(super) fn before(&self, later: usize) -> Option<T> {
-        (self.len > later).then(|| self.items[(self.next + self.len - later - 1) % ROOM])
+    pub(super) fn push_some(&mut self, four: [T; 4], count: usize) {
+        for (at, item) in four.into_iter().enumerate() {
+            self.items[(self.next + self.len + at) % ROOM] = item;
+        }
+        self.len += count.min(4);
+    }
+
+    /// The one whose turn it is once so many before it had theirs, if it is here already.
+    #[inline(always)]
+    pub(super) fn ahead(&self, before: usize) -> Option<T> {
+        (self.len > before).then(|| self.items[(self.next + before) % ROOM])
     }
 
     /// Only for one that is not empty.
@@ -58,8 +67,8 @@ mod tests {
                 pushed += 1;
                 queue.push(pushed);
             }
-            for later in 0..=QUEUE {
-                assert_eq!(queue.before(later), (later < queue.len()).then(|| pushed - later));
+            for before in 0..=QUEUE {
+                assert_eq!(queue.ahead(before), (before < queue.len()).then(|| popped + before + 1));
             }
             for _ in 0..=round % queue.len() {
                 popped += 1;

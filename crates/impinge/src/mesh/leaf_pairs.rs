@@ -179,13 +179,16 @@ impl LeafPairs<'_> {
         let host_faces = &self.host_packets.leaf(host_leaf).faces;
         let guest_faces = &self.guest_packets.leaf(guest_leaf).faces;
         let (many, one) = if turned { (guest_faces, host_faces) } else { (host_faces, guest_faces) };
-        let mut left = verdicts.meet | verdicts.open;
-        while left != 0 {
-            let bit = left.trailing_zeros() as usize;
-            left &= left - 1;
-            let (many, one) = (many[bit % LANES], one[bit / LANES]);
-            let pair = if self.question.swapped == turned { [many, one] } else { [one, many] };
-            if verdicts.open >> bit & 1 == 0 {
+        let pair = |bit: usize| {
+            let (many, one) = (many[bit % LANES], one[bit / LANES % LANES]);
+            if self.question.swapped == turned { [many, one] } else { [one, many] }
+        };
+        let Verdicts { mut meet, mut open } = verdicts;
+        // Where some are open, all are taken in order: see `Deciding::AtOnce`.
+        while open != 0 {
+            let lowest = (meet | open) & (meet | open).wrapping_neg();
+            let pair = pair(lowest.trailing_zeros() as usize);
+            if meet & lowest != 0 {
                 self.found.push(pair);
             } else if self.question.wanted.deciding == Deciding::Last {
                 self.open.push(pair);
@@ -195,6 +198,18 @@ impl LeafPairs<'_> {
             } else if self.decide(pair) {
                 self.found.push(pair);
             }
+            meet &= !lowest;
+            open &= !lowest;
+        }
+        while meet != 0 {
+            let end = self.found.len() + meet.count_ones() as usize;
+            let four: [[u32; 2]; 4] = std::array::from_fn(|_| {
+                let bit = meet.trailing_zeros() as usize;
+                meet &= meet.wrapping_sub(1);
+                pair(bit)
+            });
+            self.found.extend_from_slice(&four);
+            self.found.truncate(end);
         }
         let kept = self.question.wanted.kept;
         if self.found.len() / 2 > kept.max(LEAST_ROOM) {

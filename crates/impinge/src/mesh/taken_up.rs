@@ -45,18 +45,16 @@ impl Guests {
         if self.places.is_empty() {
             self.places = vec![TakenUp { leaf: u32::MAX, awaited: 0, guest: Guest::EMPTY }; self.most];
         }
+        // A division would take as long as half of what is saved.
+        let mask = self.most - 1;
+        self.last = leaf as usize & mask;
         if self.places[self.last].leaf != leaf {
-            // A division would take as long as half of what is saved.
-            let mask = self.most - 1;
-            self.last = leaf as usize & mask;
-            if self.places[self.last].leaf != leaf {
-                while self.places[self.last].awaited > 0 {
-                    self.last = (self.last + 1) & mask;
-                }
-                let place = &mut self.places[self.last];
-                place.leaf = leaf;
-                place.guest.take_up(simd, &packets.get(simd, leaf), relation, back);
+            while self.places[self.last].awaited > 0 {
+                self.last = (self.last + 1) & mask;
             }
+            let place = &mut self.places[self.last];
+            place.leaf = leaf;
+            place.guest.take_up(simd, &packets.get(simd, leaf), relation, back);
         }
         self.places[self.last].guest.bounds
     }
