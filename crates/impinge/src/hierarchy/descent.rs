@@ -13,7 +13,10 @@ use super::lanes::{BoxLanes, BoxMap, overlapping, overlapping_each};
 use super::queue::{QUEUE, Queue};
 use super::slab::{Slab, SlabMap};
 use super::wide::{Child, Node};
-use crate::simd::{ALL_LANES, LANES, Lanes3, by_axis, load3, outlined, prefetch};
+use crate::simd::{
+    ALL_LANES, LANES, Lanes3, any_byte, bits, by_axis, each_byte, extend_some, load3, nonzero_bytes, outlined,
+    prefetch, spread_to_bytes, take_four,
+};
 use crate::volume::Aabb;
 
 /// What happens at the leaves, which the hierarchy does not understand.
@@ -255,15 +258,10 @@ impl Descent<'_> {
         match (guest.holds_leaves(), host.holds_leaves()) {
             (false, false) => {
                 while near != 0 {
-                    // More are seldom left, and a loop over bits ends where no processor can foresee it.
-                    let (left, len) = (near.count_ones() as usize, below.len());
-                    let four: [Task; 4] = std::array::from_fn(|_| {
-                        let bit = near.trailing_zeros() as usize;
-                        near &= near.wrapping_sub(1);
-                        Task { guest: guest.index(bit / LANES % LANES), host: host.index(bit % LANES) }
-                    });
-                    below.extend_from_slice(&four);
-                    below.truncate(len + left);
+                    let left = near.count_ones() as usize;
+                    let four = take_four(&mut near)
+                        .map(|bit| Task { guest: guest.index(bit / LANES), host: host.index(bit % LANES) });
+                    extend_some(below, four, left);
                 }
             }
             (true, false) => {
@@ -284,11 +282,10 @@ impl Descent<'_> {
                 let mut any = nonzero_bytes(near);
                 while any != 0 {
                     let left = any.count_ones() as usize;
-                    let four = std::array::from_fn(|_| {
-                        let first = any.trailing_zeros() as usize % u64::BITS as usize;
-                        any &= any.wrapping_sub(1);
-                        let guest_leaf = guest.index(first / LANES);
-                        Approach { guest_leaf, host: task.host, host_lanes: (near >> first) as u32 & ALL_LANES }
+                    let four = take_four(&mut any).map(|first| Approach {
+                        guest_leaf: guest.index(first / LANES),
+                        host: task.host,
+                        host_lanes: (near >> first) as u32 & ALL_LANES,
                     });
                     underway.approaches.push_some(four, left);
                 }
@@ -358,50 +355,7 @@ fn union<S: Simd>((min, max): (&Lanes3<S>, &Lanes3<S>)) -> Aabb {
     Aabb { min: by_axis!(axis => min[axis].reduce_min()), max: by_axis!(axis => max[axis].reduce_max()) }
 }
 
-/// A one in each byte.
-const EACH_BYTE: u64 = 0x0101_0101_0101_0101;
-
-/// A one in each byte that has any bit set.
-#[inline(always)]
-fn nonzero_bytes(bytes: u64) -> u64 {
-    const LOW_BITS: u64 = 0x7f * EACH_BYTE;
-    ((((bytes & LOW_BITS) + LOW_BITS) | bytes) >> 7) & EACH_BYTE
-}
-
-/// All bits of the bytes whose places are set in `lanes`.
-#[inline(always)]
-pub(crate) fn spread_to_bytes(lanes: u32) -> u64 {
-    const OWN_BIT: u64 = 0x8040_2010_0804_0201;
-    nonzero_bytes(each_byte(lanes) & OWN_BIT) * 0xff
-}
-
-/// The lanes in each byte.
-#[inline(always)]
-pub(crate) fn each_byte(lanes: u32) -> u64 {
-    EACH_BYTE * u64::from(lanes)
-}
-
-/// The bits that are set in any byte.
-#[inline(always)]
-fn any_byte(bytes: u64) -> u32 {
-    let half = bytes | bytes >> 32;
-    let quarter = half | half >> 16;
-    (quarter | quarter >> 8) as u32 & 0xff
-}
-
 #[inline(always)]
 pub(crate) fn lanes_in_use(node: &Node) -> u32 {
     (1 << node.count()) - 1
-}
-
-/// The positions of the bits that are set, from the lowest.
-#[inline(always)]
-pub(crate) fn bits(mut set: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        (set != 0).then(|| {
-            let lowest = set.trailing_zeros() as usize;
-            set &= set - 1;
-            lowest
-        })
-    })
 }

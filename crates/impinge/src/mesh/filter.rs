@@ -26,8 +26,10 @@ use fearless_simd::{Simd, f32x8, mask32x8};
 use super::packet::Packet;
 use super::relation::{CornerError, GROWN, Relation};
 use super::triangles::Triangles;
-use crate::hierarchy::{BoxLanes, HALF_ULP, each_byte, overlapping_each, spread_to_bytes};
-use crate::simd::{ALL_LANES, LANES, Lanes3, by_axis, cross, dot, load, load3, outlined, store3, sub};
+use crate::hierarchy::{BoxLanes, HALF_ULP, overlapping_each};
+use crate::simd::{
+    ALL_LANES, LANES, Lanes3, by_axis, cross, dot, each_byte, load, load3, outlined, spread_to_bytes, store3, sub,
+};
 use crate::volume::Aabb;
 use across::{CROWDED, apart_across, near_across};
 use together::Together;

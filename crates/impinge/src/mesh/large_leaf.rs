@@ -13,8 +13,8 @@ use super::filter::{Guest, Verdicts};
 use super::frame::REACH;
 use super::packet::{Packet, Packets};
 use super::relation::Relation;
-use crate::hierarchy::{BoxLanes, Child, HALF_ULP, Node, Slab, bits, lanes_in_use, overlapping};
-use crate::simd::{LANES, Lanes3, by_axis, cross, dot, load3, store3, sub};
+use crate::hierarchy::{BoxLanes, Child, HALF_ULP, Node, Slab, lanes_in_use, overlapping};
+use crate::simd::{LANES, Lanes3, bits, by_axis, cross, dot, load3, store3, sub};
 
 /// The axes that a triangle's own shape brings: its normal, and each edge across each axis of the boxes.
 const OWN_AXES: usize = 10;

@@ -13,7 +13,7 @@ use super::relation::Relation;
 use super::taken_up::Guests;
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{Large, LeafVisitor, Node, overlapping};
-use crate::simd::{ALL_LANES, LANES, load3, outlined};
+use crate::simd::{ALL_LANES, LANES, extend_some, load3, outlined, take_four};
 
 /// So many pairs of leaves wait for the host leaf's memory, at least: fewer hide less of its latency.
 const WAITING: usize = 4;
@@ -202,14 +202,8 @@ impl LeafPairs<'_> {
             open &= !lowest;
         }
         while meet != 0 {
-            let end = self.found.len() + meet.count_ones() as usize;
-            let four: [[u32; 2]; 4] = std::array::from_fn(|_| {
-                let bit = meet.trailing_zeros() as usize;
-                meet &= meet.wrapping_sub(1);
-                pair(bit)
-            });
-            self.found.extend_from_slice(&four);
-            self.found.truncate(end);
+            let left = meet.count_ones() as usize;
+            extend_some(&mut self.found, take_four(&mut meet).map(pair), left);
         }
         let kept = self.question.wanted.kept;
         if self.found.len() / 2 > kept.max(LEAST_ROOM) {
@@ -265,16 +259,14 @@ impl LeafVisitor for LeafPairs<'_> {
     fn approach<S: Simd>(&mut self, simd: S, guest_leaf: u32, host: &Node, lanes: u32) {
         let Question { relation, back, .. } = self.question;
         let bounds = self.guests.take_up(simd, guest_leaf, &self.guest_packets, relation, back);
-        let mut near = lanes & overlapping(simd, (&load3(simd, &host.min), &load3(simd, &host.max)), &bounds);
-        let count = near.count_ones();
-        let guest = self.guests.await_last(count);
+        let near = lanes & overlapping(simd, (&load3(simd, &host.min), &load3(simd, &host.max)), &bounds);
+        let guest = self.guests.await_last(near.count_ones());
         let mut end = self.next + self.count;
-        self.count += count as usize;
-        while near != 0 {
-            for at in 0..4 {
-                let lane = near.trailing_zeros() as usize % LANES;
-                near &= near.wrapping_sub(1);
-                self.waiting[(end + at) % ROOM] = Meeting { guest, host_leaf: host.index(lane) };
+        self.count += near.count_ones() as usize;
+        let mut left = u64::from(near);
+        while left != 0 {
+            for (at, lane) in take_four(&mut left).into_iter().enumerate() {
+                self.waiting[(end + at) % ROOM] = Meeting { guest, host_leaf: host.index(lane % LANES) };
             }
             end += 4;
         }

@@ -15,11 +15,11 @@ use rayon::prelude::*;
 use super::Mesh;
 use super::frame::reciprocal_power_of_two;
 use super::ray_packet::Line;
-use crate::hierarchy::{Child, HALF_ULP, Node, bits};
+use crate::hierarchy::{Child, HALF_ULP, Node};
 use crate::input::{InputError, InputErrorKind};
 use crate::math::relative::UNIT_ROUNDOFF;
 use crate::primitive::{RayCrossing, Vector, dot, ray_triangle, sub};
-use crate::simd::{self, LANES, Level, by_axis, load, prefetch};
+use crate::simd::{self, LANES, Level, bits, by_axis, load, prefetch};
 
 /// A ray: the points `origin + t direction` with `t` zero or more, in a mesh's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

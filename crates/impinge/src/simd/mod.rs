@@ -4,8 +4,8 @@
 //! processor has is chosen when a query starts. No answer depends on the level: lanes only ever *reject* or
 //! *confirm* within proved bounds, and what they leave open is decided exactly.
 
+mod bits;
 mod choice;
-mod deposit;
 mod prefetch;
 mod rows;
 mod vectors;
@@ -33,8 +33,8 @@ macro_rules! by_axis {
 
 pub(crate) use by_axis;
 
+pub(crate) use bits::{any_byte, bits, deposit, each_byte, extend_some, nonzero_bytes, spread_to_bytes, take_four};
 pub(crate) use choice::Choice;
-pub(crate) use deposit::deposit;
 pub(crate) use prefetch::{prefetch, prefetch_at};
 pub(crate) use rows::Rows;
 pub(crate) use vectors::{Lanes3, across, cross, dot, load, load3, store3, sub, transposed};

@@ -5,10 +5,9 @@ use fearless_simd::dispatch;
 use super::volume::NodeVolume;
 use super::{GenericNode, GenericTree};
 use crate::hierarchy::cost::Counters;
-use crate::hierarchy::descent::bits;
 use crate::hierarchy::wide::Child;
 use crate::math::Pose;
-use crate::simd::best_level;
+use crate::simd::{best_level, bits};
 
 /// Two subtrees whose volumes overlap; that of the guest is carried into the host's frame. Without a bound it overlaps
 /// whatever it is asked about.

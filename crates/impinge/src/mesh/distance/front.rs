@@ -17,11 +17,11 @@ use fearless_simd::{Simd, dispatch, f32x8};
 
 use super::answer::Scene;
 use super::task::Slot;
-use crate::hierarchy::{HALF_ULP, Node, bits, lanes_in_use};
+use crate::hierarchy::{HALF_ULP, Node, lanes_in_use};
 use crate::mesh::frame::REACH;
 use crate::mesh::stamp::Stamp;
 use crate::mesh::{HostChoice, Options};
-use crate::simd::{LANES, Lanes3, by_axis, dot, load, load3};
+use crate::simd::{LANES, Lanes3, bits, by_axis, dot, load, load3};
 
 /// Fronts with more than this many times the entries that they had at first are given up: what they passed by long ago is in
 /// the way.

@@ -5,11 +5,11 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 
 use super::bounds::{by_centres, squared_gaps};
-use crate::hierarchy::{HALF_ULP, bits};
+use crate::hierarchy::HALF_ULP;
 use crate::mesh::Mesh;
 use crate::mesh::metric::MetricMap;
 use crate::mesh::packet::Packet;
-use crate::simd::{ALL_LANES, Choice, LANES, Lanes3, by_axis, cross, dot, load3, sub};
+use crate::simd::{ALL_LANES, Choice, LANES, Lanes3, bits, by_axis, cross, dot, load3, sub};
 use crate::volume::Aabb;
 
 /// More than the roundings of a bound relative to the coordinates that go into it, in units of 2^-24: the offset and its sum

@@ -10,9 +10,8 @@ use super::leaf::{Facing, Leaf};
 use super::profile::Reached;
 use super::search::Search;
 use super::together::Together;
-use crate::hierarchy::bits;
 use crate::mesh::packet::Packet;
-use crate::simd::LANES;
+use crate::simd::{LANES, bits};
 
 impl Search<'_> {
     /// Returns what no two of their triangles are nearer than, in metric units.

@@ -15,11 +15,11 @@ use super::profile::{Profiles, Reach, Reached};
 use super::task::{Slot, Sorted, Task};
 use super::{Nearest, Trail};
 use crate::exact::Placement;
-use crate::hierarchy::{BoxLanes, Child, Node, bits, lanes_in_use};
+use crate::hierarchy::{BoxLanes, Child, Node, lanes_in_use};
 use crate::mesh::metric::Metric;
 use crate::mesh::packet::Packets;
 use crate::mesh::{Options, Placed};
-use crate::simd::{LANES, by_axis, outlined};
+use crate::simd::{LANES, bits, by_axis, outlined};
 use crate::volume::Aabb;
 
 /// A search that meets more pairs of leaves than this, and takes some milliseconds, is dear: where its like follow, a front pays.

@@ -1,0 +1,153 @@
+//! Sets of lanes, and of pairs of lanes, as bits: of eight lanes the bits of a byte, of pairs those of eight bytes.
+
+use fearless_simd::{Level, Simd};
+
+/// A one in each byte.
+const EACH_BYTE: u64 = 0x0101_0101_0101_0101;
+
+/// A one in each byte that has any bit set.
+#[inline(always)]
+pub(crate) fn nonzero_bytes(bytes: u64) -> u64 {
+    const LOW_BITS: u64 = 0x7f * EACH_BYTE;
+    ((((bytes & LOW_BITS) + LOW_BITS) | bytes) >> 7) & EACH_BYTE
+}
+
+/// All bits of the bytes whose places are set in `lanes`.
+#[inline(always)]
+pub(crate) fn spread_to_bytes(lanes: u32) -> u64 {
+    const OWN_BIT: u64 = 0x8040_2010_0804_0201;
+    nonzero_bytes(each_byte(lanes) & OWN_BIT) * 0xff
+}
+
+/// The lanes in each byte.
+#[inline(always)]
+pub(crate) fn each_byte(lanes: u32) -> u64 {
+    EACH_BYTE * u64::from(lanes)
+}
+
+/// The bits that are set in any byte.
+#[inline(always)]
+pub(crate) fn any_byte(bytes: u64) -> u32 {
+    let half = bytes | bytes >> 32;
+    let quarter = half | half >> 16;
+    (quarter | quarter >> 8) as u32 & 0xff
+}
+
+/// The positions of the bits that are set, from the lowest.
+#[inline(always)]
+pub(crate) fn bits(mut set: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (set != 0).then(|| {
+            let lowest = set.trailing_zeros() as usize;
+            set &= set - 1;
+            lowest
+        })
+    })
+}
+
+/// Takes the lowest four bits away, and returns where they are; where there are fewer, anything below 64 follows.
+///
+/// A loop over bits ends where no processor can foresee it. Lists that take on four at a time, of which only so many
+/// [count](extend_some), hardly ever need another four.
+#[inline(always)]
+pub(crate) fn take_four(set: &mut u64) -> [usize; 4] {
+    [0; 4].map(|_| {
+        let lowest = set.trailing_zeros() % u64::BITS;
+        *set &= set.wrapping_sub(1);
+        lowest as usize
+    })
+}
+
+/// Appends the first `count` of four, or all where that is more.
+#[inline(always)]
+pub(crate) fn extend_some<T: Copy>(list: &mut Vec<T>, four: [T; 4], count: usize) {
+    let end = list.len() + count;
+    list.extend_from_slice(&four);
+    list.truncate(end);
+}
+
+/// The lowest bit of `bits` where `mask` has its lowest, the next where it has the next, and so on; zeros elsewhere.
+///
+/// One instruction where there is one: a loop over bits ends where no processor can foresee it.
+#[inline(always)]
+pub(crate) fn deposit<S: Simd>(simd: S, bits: u32, mask: u64) -> u64 {
+    match simd.level() {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2(token) => x86::deposited(token, bits, mask),
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512(token) => x86::deposited_512(token, bits, mask),
+        _ => one_by_one(bits, mask),
+    }
+}
+
+#[inline(always)]
+fn one_by_one(mut bits: u32, mut mask: u64) -> u64 {
+    let mut deposited = 0;
+    while mask != 0 {
+        let lowest = mask & mask.wrapping_neg();
+        deposited |= lowest * u64::from(bits & 1);
+        mask ^= lowest;
+        bits >>= 1;
+    }
+    deposited
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use std::arch::x86_64::_pdep_u64;
+
+    fearless_simd::kernel!(
+        #[inline]
+        pub(super) fn deposited(token: Avx2, bits: u32, mask: u64) -> u64 {
+            _pdep_u64(u64::from(bits), mask)
+        }
+    );
+
+    fearless_simd::kernel!(
+        #[inline]
+        pub(super) fn deposited_512(token: Avx512, bits: u32, mask: u64) -> u64 {
+            _pdep_u64(u64::from(bits), mask)
+        }
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+    use impinge_testkit::generate::Rng;
+
+    use super::*;
+    use crate::simd::levels;
+
+    #[test]
+    fn each_bit_comes_to_the_place_of_its_turn() {
+        let mut rng = Rng::new(8);
+        for _ in 0..1000 {
+            let set =
+                |rng: &mut Rng, limit| (0..rng.integer(0, limit)).fold(0, |set, _| set | 1_u64 << rng.integer(0, 63));
+            let (bits, mask) = (set(&mut rng, 40) as u32, set(&mut rng, 80));
+            let places: Vec<usize> = (0..64).filter(|place| mask >> place & 1 != 0).collect();
+            let expected = (places.iter().enumerate())
+                .filter(|&(turn, _)| turn < 32 && bits >> turn & 1 != 0)
+                .fold(0, |set, (_, place)| set | 1_u64 << place);
+            for (name, level) in levels() {
+                assert_eq!(dispatch!(level, simd => deposit(simd, bits, mask)), expected, "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn lists_take_on_each_bit_once() {
+        let mut rng = Rng::new(9);
+        for count in [0, 1, 3, 4, 5, 8, 20, 64] {
+            let mut set = (0..count).fold(0, |set, _| set | 1_u64 << rng.integer(0, 63));
+            let places: Vec<usize> = (0..64).filter(|place| set >> place & 1 != 0).collect();
+            let mut taken = Vec::new();
+            while set != 0 {
+                let left = set.count_ones() as usize;
+                extend_some(&mut taken, take_four(&mut set), left);
+            }
+            assert_eq!(taken, places);
+        }
+    }
+}
