@@ -22,7 +22,7 @@ use crate::volume::Aabb;
 /// What happens at the leaves, which the hierarchy does not understand.
 pub(crate) trait LeafVisitor {
     /// Lets the leaves of a host node that lie in `lanes` wait for a guest leaf, but for those whose boxes are proved apart from all
-    /// that it holds.
+    /// that it holds. At most [`APPROACHED`] come before [`meet`](Self::meet).
     fn approach<S: Simd>(&mut self, simd: S, guest_leaf: u32, host: &Node, lanes: u32);
 
     /// Meets those that have waited long enough.
@@ -73,7 +73,7 @@ struct Approach {
 }
 
 /// So many approaches are made in one go: what comes of one cannot be foreseen, and nothing in between asks for it.
-const AT_ONCE: usize = 4;
+pub(crate) const APPROACHED: usize = 4;
 
 /// With so many of the 64 pairs of boxes of two nodes near each other they may be long ones that pass each other askew. To find out
 /// takes less than a tenth of what opening so many would.
@@ -290,7 +290,7 @@ impl Descent<'_> {
                     underway.approaches.push_some(four, left);
                 }
                 while underway.approaches.len() >= underway.patience {
-                    self.approach(simd, underway.patience.min(AT_ONCE), underway, visitor)?;
+                    self.approach(simd, underway.patience.min(APPROACHED), underway, visitor)?;
                 }
             }
         }

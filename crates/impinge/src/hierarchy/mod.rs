@@ -34,7 +34,7 @@ pub use boxes::Bounds;
 pub(crate) use boxes::Boxes;
 pub use build::{Builder, DynamicTree, optimise};
 pub use cost::{Costs, Counters, TreeStatistics};
-pub(crate) use descent::{Descent, Large, LeafVisitor, Order, Task, lanes_in_use};
+pub(crate) use descent::{APPROACHED, Descent, Large, LeafVisitor, Order, Task, lanes_in_use};
 pub use generic::{Enclosure, GenericTree, NodeVolume};
 pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, overlapping, overlapping_each};
 pub use morton::build_morton;

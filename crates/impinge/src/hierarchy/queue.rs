@@ -60,14 +60,18 @@ mod tests {
 
     #[test]
     fn what_comes_first_goes_first() {
-        let mut queue = Queue::<_, QUEUE>::new(0);
+        let mut queue = Queue::<_, 16>::new(0);
         let (mut pushed, mut popped) = (0, 0);
         for round in 1..100 {
             while queue.len() < 1 + round % QUEUE {
                 pushed += 1;
                 queue.push(pushed);
             }
-            for before in 0..=QUEUE {
+            if queue.len() + 4 <= 16 {
+                queue.push_some([1, 2, 3, 4].map(|later| pushed + later), round % 6);
+                pushed += (round % 6).min(4);
+            }
+            for before in 0..16 {
                 assert_eq!(queue.ahead(before), (before < queue.len()).then(|| popped + before + 1));
             }
             for _ in 0..=round % queue.len() {

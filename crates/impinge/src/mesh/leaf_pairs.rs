@@ -12,7 +12,7 @@ use super::packet::Packets;
 use super::relation::Relation;
 use super::taken_up::Guests;
 use crate::exact::{Placement, triangles_intersect};
-use crate::hierarchy::{Large, LeafVisitor, Node, overlapping};
+use crate::hierarchy::{APPROACHED, Large, LeafVisitor, Node, overlapping};
 use crate::simd::{ALL_LANES, LANES, extend_some, load3, outlined, take_four};
 
 /// So many pairs of leaves wait for the host leaf's memory, at least: fewer hide less of its latency.
@@ -22,7 +22,7 @@ const WAITING: usize = 4;
 const AT_ONCE: usize = 8;
 
 /// Room for all that wait, and for what comes of guest leaves that are taken up in one go.
-const ROOM: usize = 64;
+const ROOM: usize = (WAITING + AT_ONCE + APPROACHED * LANES + 4).next_power_of_two();
 
 /// Guest leaves that are kept taken up; a power of two, more than wait. More than half of all come again while they are; twice as
 /// many would fill the first cache and hardly save more.
@@ -108,6 +108,7 @@ pub(super) struct LeafPairs<'a> {
     guests: Guests,
     /// With so many put off the oldest are met.
     patience: usize,
+    /// So many of them, where there are.
     at_once: usize,
     /// Those that are, the oldest at `next`.
     waiting: [Meeting; ROOM],
