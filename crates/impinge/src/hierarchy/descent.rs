@@ -79,7 +79,7 @@ pub(crate) const APPROACHED: usize = 4;
 /// takes less than a tenth of what opening so many would.
 const CROWDED: u32 = 32;
 
-/// Room for those that wait and all that two nodes of leaves come to.
+/// Room for those that wait, all that two nodes of leaves come to, and what four at a time write after the last.
 const APPROACHES: usize = (QUEUE + LANES + 4).next_power_of_two();
 
 /// The guest node carried over last: its boxes and its slab in the host's frame.

@@ -21,7 +21,7 @@ const WAITING: usize = 4;
 /// So many pairs of leaves are met in one go: with 4 there is less for the processor to work ahead on.
 const AT_ONCE: usize = 8;
 
-/// Room for all that wait, and for what comes of guest leaves that are taken up in one go.
+/// Room for all that wait, for what comes of guest leaves that are taken up in one go, and for what is written after the last, as four are noted at a time.
 const ROOM: usize = (WAITING + AT_ONCE + APPROACHED * LANES + 4).next_power_of_two();
 
 /// Guest leaves that are kept taken up; a power of two, more than wait. More than half of all come again while they are; twice as

@@ -122,6 +122,7 @@ mod tests {
     #[test]
     fn each_bit_comes_to_the_place_of_its_turn() {
         let mut rng = Rng::new(8);
+        let mut deposited = 0;
         for _ in 0..1000 {
             let set =
                 |rng: &mut Rng, limit| (0..rng.integer(0, limit)).fold(0, |set, _| set | 1_u64 << rng.integer(0, 63));
@@ -130,10 +131,12 @@ mod tests {
             let expected = (places.iter().enumerate())
                 .filter(|&(turn, _)| turn < 32 && bits >> turn & 1 != 0)
                 .fold(0, |set, (_, place)| set | 1_u64 << place);
+            deposited += expected.count_ones();
             for (name, level) in levels() {
                 assert_eq!(dispatch!(level, simd => deposit(simd, bits, mask)), expected, "{name}");
             }
         }
+        assert!(deposited > 1_000, "{deposited}");
     }
 
     #[test]
