@@ -1,46 +1,22 @@
-//! Triangles against packets of triangles in single precision: proved apart, proved to meet, or open.
-//!
-//! Source: Devillers, Guigue, *Faster triangle-triangle intersection tests*, INRIA RR-4488, 2002, on eight lanes; ours
-//! departs in that every sign comes with a bound of its error (docs/proof.md, L4), and a lane whose signs are not all certain
-//! stays open.
-//!
-//! # The bound of a determinant
-//! Every determinant here is (e × f) · d with edges e, f of two triangles and d from a corner of one to a corner of the
-//! other. Write u = 2^-24, ε for the sum of what the corners of the two triangles may be off by, and let
-//! X ≥ |e| + 4ε, Z ≥ |f| + 4ε and Y ≥ |d| + 4ε bound the components. An edge is off by at most 2ε + uX, d by ε + uY.
-//! Then e × f is off by at most 4ε(X + Z) + 10uXZ, the 4ε in X and Z paying for products of errors, and the dot product
-//! with its own four roundings by at most
-//!
-//! ε (6XZ + 15Y(X + Z)) + 68 u XYZ.
-//!
-//! The code takes 16 for 15 and 72 for 68, which pays for evaluating the bound. ε is at least 2^-40, so that the bound
-//! is above what products too small for single precision lose (at most 2^-146 (1 + X + Y + Z) against 2^-111 Y). A
-//! bound or determinant that overflows compares as *open*.
+//! Packets of triangles against packets in single precision: which pairs of triangles are near each other, and of these, which
+//! are proved apart, proved to meet, or left open (docs/proof.md, L4).
 
 mod across;
-mod together;
+mod candidates;
+mod judge;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8, mask32x8};
+use fearless_simd::{Simd, f32x8};
 
 use super::packet::Packet;
 use super::relation::{CornerError, GROWN, Relation};
 use super::triangles::Triangles;
 use crate::hierarchy::{BoxLanes, HALF_ULP, overlapping_each};
-use crate::simd::{
-    ALL_LANES, LANES, Lanes3, by_axis, cross, dot, each_byte, load, load3, outlined, spread_to_bytes, store3, sub,
-};
+use crate::simd::{LANES, Lanes3, by_axis, dot, each_byte, load, load3, outlined, spread_to_bytes, store3, sub};
 use crate::volume::Aabb;
-use across::{CROWDED, apart_across, near_across};
-use together::Together;
+use across::{CROWDED, near_across};
 
-/// The pairs of triangles of two packets that are proved to meet, and those that are left open: bit `h` of byte `g` for lane
-/// `h` of the host's and `g` of the guest's.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Verdicts {
-    pub(crate) meet: u64,
-    pub(crate) open: u64,
-}
+pub(crate) use candidates::{Candidates, LeafFaces, Verdicts};
 
 /// How a guest packet lies to a host's.
 #[derive(Clone, Copy, Debug, Default)]
@@ -49,7 +25,8 @@ pub(crate) struct Facing {
     offset: [f32; 3],
     /// What the corners may be off by, then.
     error: f32,
-    /// The pairs of triangles of which each reaches into the slab of the other's packet, as [`Verdicts`] has them.
+    /// The pairs of triangles of which each reaches into the slab of the other's packet: bit `h` of byte `g` for lane `h` of the
+    /// host's and `g` of the guest's.
     pub(crate) pairs: u64,
 }
 
@@ -58,7 +35,6 @@ pub(crate) struct Facing {
 #[repr(align(64))]
 pub(crate) struct Guest {
     corners: [[[f32; LANES]; 3]; 3],
-    normal: [[f32; LANES]; 3],
     min: [[f32; LANES]; 3],
     max: [[f32; LANES]; 3],
     /// The greatest extent of each triangle's box.
@@ -81,7 +57,6 @@ impl Guest {
     /// No triangles.
     pub(crate) const EMPTY: Self = Self {
         corners: [[[0.0; LANES]; 3]; 3],
-        normal: [[0.0; LANES]; 3],
         min: [[0.0; LANES]; 3],
         max: [[0.0; LANES]; 3],
         width: [0.0; LANES],
@@ -117,7 +92,6 @@ impl Guest {
         store3(&corners[2], &mut self.corners[2]);
         store3(&min, &mut self.min);
         store3(&max, &mut self.max);
-        store3(&cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0])), &mut self.normal);
         width(&min, &max).store_slice(&mut self.width);
         self.lanes_in_use = u64::MAX >> (u64::BITS - LANES as u32 * packet.lanes_in_use().count_ones()).min(63);
         self.anchor = relation.apply(packet.anchor);
@@ -171,18 +145,32 @@ impl Guest {
         Facing { offset, error, pairs }
     }
 
-    /// Meets the triangles of a host leaf that the packet faces.
+    /// Takes on the pairs of triangles of a host leaf and this one that face each other and whose boxes overlap, 64 at most.
     #[inline(always)]
-    pub(crate) fn meet<S: Simd>(&self, simd: S, host: &Triangles, facing: &Facing) -> Verdicts {
+    pub(crate) fn meet<S: Simd>(
+        &self,
+        simd: S,
+        host: &Triangles,
+        facing: &Facing,
+        faces: &LeafFaces<'_>,
+        candidates: &mut Candidates,
+    ) {
         outlined(
             simd,
             #[inline(always)]
-            || self.judge(simd, host, facing),
-        )
+            || self.select(simd, host, facing, faces, candidates),
+        );
     }
 
     #[inline(always)]
-    fn judge<S: Simd>(&self, simd: S, host: &Triangles, &Facing { offset, error, pairs }: &Facing) -> Verdicts {
+    fn select<S: Simd>(
+        &self,
+        simd: S,
+        host: &Triangles,
+        &Facing { offset, error, pairs }: &Facing,
+        faces: &LeafFaces<'_>,
+        candidates: &mut Candidates,
+    ) {
         let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.corners[corner]));
         let offset: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, offset[axis]));
         let (host_min, host_max) = bounds(&host_corners);
@@ -193,9 +181,8 @@ impl Guest {
             (load(simd, &self.max[axis]) + offset[axis] + slack).store_slice(&mut moved.max[axis]);
         }
         let mut near = overlapping_each(simd, (&host_min, &host_max), &moved) & pairs;
-        let mut verdicts = Verdicts::default();
         if near == 0 {
-            return verdicts;
+            return;
         }
         let host_width: [f32; LANES] = width(&host_min, &host_max).into();
         let error = f32x8::splat(simd, error);
@@ -205,17 +192,16 @@ impl Guest {
             });
             near &= near_across(&host_corners, &guest_corners, error);
         }
-        // On average five pairs are near, of three triangles on either side: side by side, they seldom fill more than one
-        // vector, where each triangle of one side would take one for itself.
+        let sides = candidates::Sides {
+            host: (&host.corners, &host_width),
+            guest: (&self.corners, &self.width),
+            offset,
+            error,
+            faces,
+        };
         while near != 0 {
-            let together = Together::take(&mut near);
-            let host = together.hosts(simd, &host.corners, &host_width);
-            let guest = together.guests(simd, self, &offset);
-            let [meet, open] = judge(&host, &guest, error);
-            verdicts.meet |= together.bits(simd, meet);
-            verdicts.open |= together.bits(simd, open);
+            candidates.push(simd, &mut near, &sides);
         }
-        verdicts
     }
 }
 
@@ -248,110 +234,6 @@ fn heights<S: Simd>(simd: S, corners: &[Lanes3<S>; 3], normal: [f32; 3]) -> (f32
     let normal: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, normal[axis]));
     let [p, q, r]: [f32x8<S>; 3] = by_axis!(corner => dot(&normal, &corners[corner]));
     (p.min(q).min(r), p.max(q).max(r))
-}
-
-struct Triangle<S: Simd> {
-    corners: [Lanes3<S>; 3],
-    normal: Lanes3<S>,
-    width: f32x8<S>,
-}
-
-/// Judges eight pairs of triangles whose boxes overlap: the lanes of those that meet, and of those that are left open.
-#[inline(always)]
-fn judge<S: Simd>(host: &Triangle<S>, guest: &Triangle<S>, error: f32x8<S>) -> [u32; 2] {
-    let margin = error * 4.0;
-    let (x, z) = (host.width + margin, guest.width + margin);
-    // Corners of boxes that overlap when grown by the error are no farther apart than both widths and that.
-    let y = host.width + guest.width + margin + margin;
-    let host_plane = bound(error, x, x, y);
-    let guest_plane = bound(error, z, z, y);
-
-    let guest_heights: [f32x8<S>; 3] =
-        by_axis!(corner => dot(&host.normal, &sub(&guest.corners[corner], &host.corners[0])));
-    let host_heights: [f32x8<S>; 3] =
-        by_axis!(corner => dot(&guest.normal, &sub(&host.corners[corner], &guest.corners[0])));
-    let apart = one_sided(&guest_heights, host_plane) | one_sided(&host_heights, guest_plane);
-    let near = !(apart.to_bitmask() as u32) & ALL_LANES;
-    if near == 0 {
-        return [0, 0];
-    }
-    let certain = all_certain(&guest_heights, host_plane) & all_certain(&host_heights, guest_plane);
-
-    // Each triangle's corner that is alone on its side of the other's plane comes first, and a triangle is turned
-    // over where the other's lone corner lies below it.
-    let (host_lone, guest_lone) = (Lone::of(&host_heights), Lone::of(&guest_heights));
-    let zero = f32x8::splat(error.token(), 0.0);
-    let (host_first, host_rest) = host_lone.canonical(&host.corners, guest_lone.height.simd_lt(zero));
-    let (guest_first, guest_rest) = guest_lone.canonical(&guest.corners, host_lone.height.simd_lt(zero));
-    let between = sub(&guest_first, &host_first);
-    let edge_bound = bound(error, x, z, y);
-    let start = dot(&cross(&sub(&host_rest[0], &host_first), &sub(&guest_rest[0], &guest_first)), &between);
-    let end = dot(&cross(&sub(&host_rest[1], &host_first), &sub(&guest_rest[1], &guest_first)), &between);
-    let meets = certain & start.simd_gt(edge_bound) & end.simd_lt(-edge_bound);
-    let misses = certain & (start.simd_lt(-edge_bound) | end.simd_gt(edge_bound));
-    let meets = meets.to_bitmask() as u32 & near;
-    let misses = misses.to_bitmask() as u32;
-    let open = near & !meets & !misses;
-    if open == 0 {
-        return [meets, 0];
-    }
-    [meets, open & !apart_across(&host.corners, &guest.corners, error)]
-}
-
-/// The bound of a determinant's error; see the head of this file.
-#[inline(always)]
-fn bound<S: Simd>(error: f32x8<S>, x: f32x8<S>, z: f32x8<S>, y: f32x8<S>) -> f32x8<S> {
-    let product = x * z;
-    let rounding = f32x8::splat(error.token(), 72.0 * HALF_ULP as f32);
-    let edges = product.mul_add(f32x8::splat(error.token(), 6.0), y * (x + z) * 16.0);
-    error.mul_add(edges, rounding * product * y)
-}
-
-/// Which corner is alone on its side of the other's plane, by lane; the first unless a mask says otherwise. Only
-/// meaningful where the three heights are not all of one sign.
-struct Lone<S: Simd> {
-    second: mask32x8<S>,
-    third: mask32x8<S>,
-    height: f32x8<S>,
-}
-
-impl<S: Simd> Lone<S> {
-    #[inline(always)]
-    fn of(heights: &[f32x8<S>; 3]) -> Self {
-        let zero = f32x8::splat(heights[0].token(), 0.0);
-        let above: [mask32x8<S>; 3] = by_axis!(corner => heights[corner].simd_gt(zero));
-        let second = (above[1] ^ above[0]) & (above[1] ^ above[2]);
-        let third = (above[2] ^ above[0]) & (above[2] ^ above[1]);
-        Self { second, third, height: second.select(heights[1], third.select(heights[2], heights[0])) }
-    }
-
-    /// The lone corner, and the other two in turn, or in reverse where the triangle is turned `over`.
-    #[inline(always)]
-    fn canonical(&self, corners: &[Lanes3<S>; 3], over: mask32x8<S>) -> (Lanes3<S>, [Lanes3<S>; 2]) {
-        let [p, q, r] = corners;
-        let first = by_axis!(axis => self.second.select(q[axis], self.third.select(r[axis], p[axis])));
-        let next: Lanes3<S> = by_axis!(axis => self.second.select(r[axis], self.third.select(p[axis], q[axis])));
-        let last: Lanes3<S> = by_axis!(axis => self.second.select(p[axis], self.third.select(q[axis], r[axis])));
-        let turned = [
-            by_axis!(axis => over.select(last[axis], next[axis])),
-            by_axis!(axis => over.select(next[axis], last[axis])),
-        ];
-        (first, turned)
-    }
-}
-
-/// Lanes in which all three heights are certainly on one side.
-#[inline(always)]
-fn one_sided<S: Simd>(heights: &[f32x8<S>; 3], bound: f32x8<S>) -> mask32x8<S> {
-    let [a, b, c] = *heights;
-    (a.simd_gt(bound) & b.simd_gt(bound) & c.simd_gt(bound))
-        | (a.simd_lt(-bound) & b.simd_lt(-bound) & c.simd_lt(-bound))
-}
-
-/// Lanes in which all three signs are certain.
-#[inline(always)]
-fn all_certain<S: Simd>(heights: &[f32x8<S>; 3], bound: f32x8<S>) -> mask32x8<S> {
-    heights[0].abs().simd_gt(bound) & heights[1].abs().simd_gt(bound) & heights[2].abs().simd_gt(bound)
 }
 
 #[inline(always)]

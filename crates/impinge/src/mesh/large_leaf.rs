@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::filter::{Guest, Verdicts};
+use super::filter::{Facing, Guest};
 use super::frame::REACH;
 use super::packet::{Packet, Packets};
 use super::relation::Relation;
@@ -50,7 +50,7 @@ impl LargeLeaf {
         Self { guest, bounds, in_use: packet.lanes_in_use() }
     }
 
-    /// Meets all that is below a node: `report` gets each leaf that is met, with the verdicts.
+    /// Meets all that is below a node: `meet` gets the large leaf as a guest, each packet that it faces, and how.
     ///
     /// # Complexity
     /// At most one visit to each node below; for a triangle that is long and thin, to those near it.
@@ -60,7 +60,7 @@ impl LargeLeaf {
         simd: S,
         (nodes, packets): (&[Node], Packets<'_>),
         below: u32,
-        mut report: impl FnMut(u32, Verdicts) -> ControlFlow<()>,
+        mut meet: impl FnMut(&Guest, &Packet<'_>, &Facing) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let mut tasks = vec![(below, self.in_use)];
         while let Some((at, lanes)) = tasks.pop() {
@@ -78,7 +78,7 @@ impl LargeLeaf {
                         let packet = packets.get(simd, leaf);
                         let facing = self.guest.face(simd, &packet, lanes);
                         if facing.pairs != 0 {
-                            report(leaf, self.guest.meet(simd, &packet, &facing))?;
+                            meet(&self.guest, &packet, &facing)?;
                         }
                     }
                 }

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use fearless_simd::Simd;
 
 use super::Mesh;
-use super::filter::{Facing, Verdicts};
+use super::filter::{Candidates, Facing, LeafFaces, Verdicts};
 use super::large_leaf::LargeLeaf;
 use super::packet::Packets;
 use super::relation::Relation;
@@ -94,6 +94,7 @@ impl Question<'_> {
             next: 0,
             count: 0,
             asked_for: 0,
+            candidates: Candidates::none(),
             open: Vec::new(),
             found: Vec::new(),
         }
@@ -116,6 +117,7 @@ pub(super) struct LeafPairs<'a> {
     count: usize,
     /// Of so many of these the host leaf's memory is on its way.
     asked_for: usize,
+    candidates: Candidates,
     /// Pairs that the filter left open, where they are decided last; few more than [`MOST_OPEN`].
     open: Vec<[u32; 2]>,
     pub(super) found: Vec<[u32; 2]>,
@@ -131,16 +133,21 @@ impl LeafPairs<'_> {
             #[inline(always)]
             || self.face_oldest(simd, &mut facing),
         );
-        // Many of these have pairs that meet, whose faces are looked up then.
+        // Most of these have triangles that are near each other, whose faces are looked up then.
         for (Meeting { guest, host_leaf }, _) in &facing[..left] {
             self.host_packets.prefetch_leaf(*host_leaf);
             self.guest_packets.prefetch_leaf(self.guests.at(*guest as usize).0);
         }
+        // What came of the pairs before these has been written a while ago: it would be waited for else.
+        self.judge(simd, LANES)?;
+        let swapped = self.question.swapped;
         for (Meeting { guest, host_leaf }, facing) in &facing[..left] {
             let (guest_leaf, guest) = self.guests.at(*guest as usize);
             let host = self.host_packets.get(simd, *host_leaf);
-            let verdicts = guest.meet(simd, &host, facing);
-            self.report([*host_leaf, guest_leaf], verdicts, false)?;
+            let faces =
+                LeafFaces { host: &host.leaf.faces, guest: &self.guest_packets.leaf(guest_leaf).faces, swapped };
+            guest.meet(simd, &host, facing, &faces, &mut self.candidates);
+            self.judge_in_time(simd)?;
         }
         ControlFlow::Continue(())
     }
@@ -164,31 +171,43 @@ impl LeafPairs<'_> {
         left
     }
 
-    /// Keeps what meets of a host leaf and a guest leaf, of which the guest's was taken up or, where they are `turned`, the
-    /// host's.
+    /// Judges candidates where no pair waits for another, or where there is little room.
     #[inline(always)]
-    fn report(&mut self, leaves: [u32; 2], verdicts: Verdicts, turned: bool) -> ControlFlow<()> {
-        if verdicts == Verdicts::default() {
-            return ControlFlow::Continue(());
+    fn judge_in_time<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
+        if self.at_once == 1 {
+            self.judge(simd, 1)
+        } else if !self.candidates.has_room() {
+            self.judge(simd, LANES)
+        } else {
+            ControlFlow::Continue(())
         }
-        self.keep(leaves, verdicts, turned)
     }
 
-    /// Decides what the filter left open, and keeps what meets.
+    /// Judges candidates, eight at a time, while there are so many at least, and keeps what meets.
+    #[inline(always)]
+    fn judge<S: Simd>(&mut self, simd: S, least: usize) -> ControlFlow<()> {
+        let count = self.candidates.count();
+        if count < least {
+            return ControlFlow::Continue(());
+        }
+        let mut judged = 0;
+        while count.saturating_sub(judged) >= least {
+            let verdicts = self.candidates.judge(simd, judged);
+            self.keep(judged, verdicts)?;
+            judged += LANES;
+        }
+        self.candidates.forget(judged);
+        ControlFlow::Continue(())
+    }
+
+    /// Decides what the filter left open of the candidates from one on, and keeps what meets.
     #[inline(never)]
-    fn keep(&mut self, [host_leaf, guest_leaf]: [u32; 2], verdicts: Verdicts, turned: bool) -> ControlFlow<()> {
-        let host_faces = &self.host_packets.leaf(host_leaf).faces;
-        let guest_faces = &self.guest_packets.leaf(guest_leaf).faces;
-        let (many, one) = if turned { (guest_faces, host_faces) } else { (host_faces, guest_faces) };
-        let pair = |bit: usize| {
-            let (many, one) = (many[bit % LANES], one[bit / LANES % LANES]);
-            if self.question.swapped == turned { [many, one] } else { [one, many] }
-        };
-        let Verdicts { mut meet, mut open } = verdicts;
+    fn keep(&mut self, from: usize, Verdicts { meet, open }: Verdicts) -> ControlFlow<()> {
+        let (mut meet, mut open) = (u64::from(meet), u64::from(open));
         // Where some are open, all are taken in order: see `Deciding::AtOnce`.
         while open != 0 {
             let lowest = (meet | open) & (meet | open).wrapping_neg();
-            let pair = pair(lowest.trailing_zeros() as usize);
+            let pair = self.candidates.faces(from + lowest.trailing_zeros() as usize);
             if meet & lowest != 0 {
                 self.found.push(pair);
             } else if self.question.wanted.deciding == Deciding::Last {
@@ -204,7 +223,8 @@ impl LeafPairs<'_> {
         }
         while meet != 0 {
             let left = meet.count_ones() as usize;
-            extend_some(&mut self.found, take_four(&mut meet).map(pair), left);
+            let four = take_four(&mut meet).map(|lane| self.candidates.faces(from + lane % LANES));
+            extend_some(&mut self.found, four, left);
         }
         let kept = self.question.wanted.kept;
         if self.found.len() / 2 > kept.max(LEAST_ROOM) {
@@ -289,22 +309,27 @@ impl LeafVisitor for LeafPairs<'_> {
         let Question { relation, back, host, guest, .. } = self.question;
         let host = (host.0.tree.nodes(), self.host_packets);
         let guest = (guest.0.tree.nodes(), self.guest_packets);
+        let swapped = self.question.swapped;
         outlined(
             simd,
             #[inline(always)]
-            || match large {
-                Large::Guest(leaf) => {
-                    let large = LargeLeaf::new(simd, &guest.1.get(simd, leaf), relation, back);
-                    large.descend(simd, host, node, |host_leaf, verdicts| {
-                        self.report([host_leaf, leaf], verdicts, false)
-                    })
-                }
-                Large::Host(leaf) => {
-                    let large = LargeLeaf::new(simd, &host.1.get(simd, leaf), back, relation);
-                    large.descend(simd, guest, node, |guest_leaf, verdicts| {
-                        self.report([leaf, guest_leaf], verdicts, true)
-                    })
-                }
+            || {
+                let ((to, to_packets), own, [onto, from], swapped) = match large {
+                    Large::Guest(leaf) => (host, guest.1.get(simd, leaf), [relation, back], swapped),
+                    Large::Host(leaf) => (guest, host.1.get(simd, leaf), [back, relation], !swapped),
+                };
+                let large = LargeLeaf::new(simd, &own, onto, from);
+                large.descend(
+                    simd,
+                    (to, to_packets),
+                    node,
+                    #[inline(always)]
+                    |guest, host, facing| {
+                        let faces = LeafFaces { host: &host.leaf.faces, guest: &own.leaf.faces, swapped };
+                        guest.meet(simd, host, facing, &faces, &mut self.candidates);
+                        self.judge_in_time(simd)
+                    },
+                )
             },
         )
     }
@@ -314,6 +339,7 @@ impl LeafVisitor for LeafPairs<'_> {
         while self.count > 0 {
             self.meet_oldest(simd)?;
         }
+        self.judge(simd, 1)?;
         self.go_on(0)
     }
 

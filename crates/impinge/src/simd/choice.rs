@@ -1,7 +1,7 @@
 //! Lanes brought to other places, which are only known when they are asked for.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, f32x8};
+use fearless_simd::{Level, Simd, f32x8, u32x8};
 
 use super::{LANES, load};
 
@@ -24,11 +24,23 @@ impl Choice {
             Level::Avx2(token) => x86::chosen(token, self.0, load(simd, lanes).into()).simd_into(simd),
             #[cfg(target_arch = "x86_64")]
             Level::Avx512(token) => x86::chosen_512(token, self.0, load(simd, lanes).into()).simd_into(simd),
-            _ => {
-                let chosen = self.0.to_le_bytes().map(|lane| lanes[usize::from(lane) % LANES]);
-                load(simd, &chosen)
-            }
+            _ => load(simd, &self.one_by_one(lanes)),
         }
+    }
+
+    /// Likewise of numbers that are whole.
+    #[inline(always)]
+    pub(crate) fn of_numbers<S: Simd>(self, simd: S, lanes: &[u32; LANES]) -> u32x8<S> {
+        match simd.level() {
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(_) | Level::Avx512(_) => self.of(simd, bytemuck::cast_ref(lanes)).bitcast(),
+            _ => u32x8::from_slice(simd, &self.one_by_one(lanes)),
+        }
+    }
+
+    #[inline(always)]
+    fn one_by_one<T: Copy>(self, lanes: &[T; LANES]) -> [T; LANES] {
+        self.0.to_le_bytes().map(|lane| lanes[usize::from(lane) % LANES])
     }
 }
 
@@ -70,6 +82,11 @@ mod tests {
                 let chosen: [f32; LANES] =
                     dispatch!(level, simd => Choice(u64::from_le_bytes(bytes)).of(simd, &lanes).into());
                 assert_eq!(chosen, bytes.map(|byte| f32::from(byte % 8)), "{name}");
+                // As floats these are not numbers, and those that a processor may quieten.
+                let numbers = lanes.map(|lane: f32| 0x7f80_0001 + lane as u32);
+                let chosen: [u32; LANES] =
+                    dispatch!(level, simd => Choice(u64::from_le_bytes(bytes)).of_numbers(simd, &numbers).into());
+                assert_eq!(chosen, bytes.map(|byte| 0x7f80_0001 + u32::from(byte % 8)), "{name}");
             }
         }
     }

@@ -33,7 +33,7 @@ macro_rules! by_axis {
 
 pub(crate) use by_axis;
 
-pub(crate) use bits::{any_byte, bits, deposit, each_byte, extend_some, nonzero_bytes, spread_to_bytes, take_four};
+pub(crate) use bits::{any_byte, bits, each_byte, extend_some, nonzero_bytes, spread_to_bytes, take_four};
 pub(crate) use choice::Choice;
 pub(crate) use prefetch::{prefetch, prefetch_at};
 pub(crate) use rows::Rows;

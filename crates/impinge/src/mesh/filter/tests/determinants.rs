@@ -3,9 +3,10 @@
 use fearless_simd::dispatch;
 use impinge_testkit::generate::Rng;
 
+use super::super::judge::{Triangle, bound};
 use super::super::*;
 use super::{Point, exact, power_of_two, unit_point};
-use crate::simd::{Level, levels};
+use crate::simd::{Level, cross, levels};
 
 /// Eight triangles in lanes, known exactly.
 type Lanes8 = [[[f32; 3]; 3]; LANES];
@@ -21,8 +22,7 @@ fn in_lanes<S: Simd>(simd: S, triangles: &Lanes8) -> Triangle<S> {
     }
     let corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &lanes[corner]));
     let (min, max) = bounds(&corners);
-    let normal = cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0]));
-    Triangle { corners, normal, width: width(&min, &max) }
+    Triangle { corners, width: width(&min, &max) }
 }
 
 /// The determinants that decide, each by the four points that it is of: (e from p to q) × (f from r to s) · (p to t).

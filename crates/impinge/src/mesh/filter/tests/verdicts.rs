@@ -1,5 +1,7 @@
 //! Whether what the filter says of pairs of triangles is true.
 
+use std::collections::HashMap;
+
 use fearless_simd::dispatch;
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::poses::{large_integer_map, rotation};
@@ -8,7 +10,7 @@ use impinge_testkit::{Affine, oracle};
 use super::super::*;
 use super::{Point, Side8, along, power_of_two, relate, unit_point};
 use crate::exact::{Placement, triangles_intersect};
-use crate::simd::levels;
+use crate::simd::{Level, levels};
 
 /// A triangle made to meet or just miss `host`, by `gap`.
 fn close_to(rng: &mut Rng, host: &[Point; 3], gap: f64) -> [Point; 3] {
@@ -65,6 +67,47 @@ fn sliver(rng: &mut Rng, through: &Point, direction: &Point) -> [Point; 3] {
     [end, other, std::array::from_fn(|axis| beside[axis] + step[axis])]
 }
 
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Verdict {
+    Meet,
+    Apart,
+    Open,
+}
+
+/// Takes on what is near of two packets.
+fn take_on(level: Level, host: &Side8, guest: &Side8, swapped: bool, candidates: &mut Candidates) {
+    let (relation, back) = (relate(host, guest), relate(guest, host));
+    dispatch!(level, simd => {
+        let mut taken = Guest::EMPTY;
+        taken.take_up(simd, &guest.packet(), &relation, &back);
+        let packet = host.mesh.packets().get(simd, 0);
+        let facing = taken.face(simd, &packet, 0xff);
+        let faces = LeafFaces { host: &packet.leaf.faces, guest: &guest.packet().leaf.faces, swapped };
+        taken.meet(simd, &packet, &facing, &faces, candidates);
+    });
+}
+
+/// Judges candidates, eight at a time, while there are so many at least, and says of which faces each is.
+fn judge_all(level: Level, candidates: &mut Candidates, least: usize) -> Vec<([usize; 2], Verdict)> {
+    let mut judged = Vec::new();
+    while candidates.count() - judged.len() >= least {
+        let from = judged.len();
+        let count = LANES.min(candidates.count() - from);
+        let Verdicts { meet, open } = dispatch!(level, simd => candidates.judge(simd, from));
+        assert!(meet & open == 0 && (meet | open) >> count == 0);
+        judged.extend((0..count).map(|lane| {
+            let verdict = match (meet >> lane & 1, open >> lane & 1) {
+                (0, 0) => Verdict::Apart,
+                (1, _) => Verdict::Meet,
+                _ => Verdict::Open,
+            };
+            (candidates.faces(from + lane).map(|face| face as usize), verdict)
+        }));
+    }
+    candidates.forget(judged.len());
+    judged
+}
+
 /// Counts of pairs that were proved to meet, proved apart, and left open.
 #[derive(Clone, Copy, Debug, Default)]
 struct Outcomes {
@@ -73,105 +116,108 @@ struct Outcomes {
     open: usize,
 }
 
-fn judge_packets(kind: Kind, seed: u64, packets: usize) -> Outcomes {
+/// Two packets.
+fn packets(rng: &mut Rng, kind: Kind) -> (Side8, Side8) {
+    let (hosts, guests) = (rng.integer(1, 8) as usize, rng.integer(1, 8) as usize);
+    // Slivers of a packet lie alike, or not.
+    let (same, common) = (rng.one_in(2), [0; 2].map(|_| unit_point(rng)));
+    let direction = |rng: &mut Rng, side: usize| {
+        let turn = if same { 0.0 } else { rng.choose(&[0.01, 1.0]) };
+        along(&common[side], &unit_point(rng), turn)
+    };
+    let mut host: Vec<[Point; 3]> = (0..hosts)
+        .map(|_| match kind {
+            Kind::Askew => {
+                let (through, direction) = (unit_point(rng), direction(rng, 0));
+                sliver(rng, &through, &direction)
+            }
+            _ => [0; 3].map(|_| unit_point(rng)),
+        })
+        .collect();
+    let size = if kind == Kind::Sized { power_of_two(rng, -50, 50) } else { 1.0 };
+    let mut guest: Vec<[Point; 3]> = (0..guests)
+        .map(|i| match kind {
+            Kind::Generic => [0; 3].map(|_| unit_point(rng)),
+            Kind::Askew => {
+                let [p, q, _] = host[i % hosts];
+                let on = along(&p, &q, rng.uniform(0.2, 0.8));
+                let gap = if rng.one_in(8) { 0.0 } else { power_of_two(rng, -30, -4) };
+                let step = unit_point(rng);
+                let direction = direction(rng, 1);
+                sliver(rng, &std::array::from_fn(|axis| on[axis] + gap * step[axis]), &direction)
+            }
+            Kind::Close | Kind::Sized => {
+                let gap = if rng.one_in(8) { 0.0 } else { power_of_two(rng, -54, -4) };
+                let host = &host[i % hosts];
+                let near = close_to(rng, host, gap);
+                // About its first corner, which is close in half of the cases.
+                let size = if rng.one_in(4) { size.sqrt() } else { size };
+                near.map(|corner| along(&near[0], &corner, size))
+            }
+        })
+        .collect();
+    if rng.one_in(3) {
+        // On the grid of single precision.
+        for x in host.iter_mut().chain(&mut guest).flatten().flatten() {
+            *x = f64::from(*x as f32);
+        }
+    }
+    // A map of both changes no answer, nor does a power of two that the pose takes back.
+    let common = match rng.integer(0, 3) {
+        0 => large_integer_map(rng),
+        1 => rotation(rng),
+        _ => Affine::IDENTITY,
+    };
+    let range = if common.linear[0][1].abs() > 2.0 { 40 } else { 60 };
+    let range = if rng.one_in(2) { 0 } else { range };
+    let side = |rng: &mut Rng, corners: &[[Point; 3]]| {
+        let scale = power_of_two(rng, -range, range);
+        let stray = rng.one_in(3).then(|| [power_of_two(rng, 0, 12) / scale; 3]);
+        let own: Vec<[Point; 3]> = corners.iter().map(|c| c.map(|point| point.map(|x| x / scale))).collect();
+        let linear = common.linear.map(|row| row.map(|x| x * scale));
+        Side8::new(&own, stray, Affine { linear, translation: common.translation })
+    };
+    (side(rng, &host), side(rng, &guest))
+}
+
+fn judge_packets(kind: Kind, seed: u64, count: usize) -> Outcomes {
     let mut rng = Rng::new(seed);
     let mut outcomes = Outcomes::default();
     let mut asked = 0;
-    for _ in 0..packets {
-        let (hosts, guests) = (rng.integer(1, 8) as usize, rng.integer(1, 8) as usize);
-        // Slivers of a packet lie alike, or not.
-        let (same, common) = (rng.one_in(2), [0; 2].map(|_| unit_point(&mut rng)));
-        let direction = |rng: &mut Rng, side: usize| {
-            let turn = if same { 0.0 } else { rng.choose(&[0.01, 1.0]) };
-            along(&common[side], &unit_point(rng), turn)
-        };
-        let mut host: Vec<[Point; 3]> = (0..hosts)
-            .map(|_| match kind {
-                Kind::Askew => {
-                    let (through, direction) = (unit_point(&mut rng), direction(&mut rng, 0));
-                    sliver(&mut rng, &through, &direction)
-                }
-                _ => [0; 3].map(|_| unit_point(&mut rng)),
-            })
-            .collect();
-        let size = if kind == Kind::Sized { power_of_two(&mut rng, -50, 50) } else { 1.0 };
-        let mut guest: Vec<[Point; 3]> = (0..guests)
-            .map(|i| match kind {
-                Kind::Generic => [0; 3].map(|_| unit_point(&mut rng)),
-                Kind::Askew => {
-                    let [p, q, _] = host[i % hosts];
-                    let on = along(&p, &q, rng.uniform(0.2, 0.8));
-                    let gap = if rng.one_in(8) { 0.0 } else { power_of_two(&mut rng, -30, -4) };
-                    let step = unit_point(&mut rng);
-                    let direction = direction(&mut rng, 1);
-                    sliver(&mut rng, &std::array::from_fn(|axis| on[axis] + gap * step[axis]), &direction)
-                }
-                Kind::Close | Kind::Sized => {
-                    let gap = if rng.one_in(8) { 0.0 } else { power_of_two(&mut rng, -54, -4) };
-                    let host = &host[i % hosts];
-                    let near = close_to(&mut rng, host, gap);
-                    // About its first corner, which is close in half of the cases.
-                    let size = if rng.one_in(4) { size.sqrt() } else { size };
-                    near.map(|corner| along(&near[0], &corner, size))
-                }
-            })
-            .collect();
-        if rng.one_in(3) {
-            // On the grid of single precision.
-            for x in host.iter_mut().chain(&mut guest).flatten().flatten() {
-                *x = f64::from(*x as f32);
-            }
-        }
-        // A map of both changes no answer, nor does a power of two that the pose takes back.
-        let common = match rng.integer(0, 3) {
-            0 => large_integer_map(&mut rng),
-            1 => rotation(&mut rng),
-            _ => Affine::IDENTITY,
-        };
-        let range = if common.linear[0][1].abs() > 2.0 { 40 } else { 60 };
-        let range = if rng.one_in(2) { 0 } else { range };
-        let side = |rng: &mut Rng, corners: &[[Point; 3]]| {
-            let scale = power_of_two(rng, -range, range);
-            let stray = rng.one_in(3).then(|| [power_of_two(rng, 0, 12) / scale; 3]);
-            let own: Vec<[Point; 3]> = corners.iter().map(|c| c.map(|point| point.map(|x| x / scale))).collect();
-            let linear = common.linear.map(|row| row.map(|x| x * scale));
-            Side8::new(&own, stray, Affine { linear, translation: common.translation })
-        };
-        let (host, guest) = (side(&mut rng, &host), side(&mut rng, &guest));
-        let (relation, back) = (relate(&host, &guest), relate(&guest, &host));
+    for _ in 0..count {
+        let (host, guest) = packets(&mut rng, kind);
+        let [hosts, guests] = [&host, &guest].map(|side| side.mesh.faces().len());
         let placement = Placement::new(&host.world_from_mesh(), &guest.world_from_mesh());
         let truths: Vec<Vec<bool>> = (0..guests)
-            .map(|g| (0..hosts).map(|h| triangles_intersect(&placement, &host.corners(h), &guest.corners(g))).collect())
+            .map(|g| {
+                (0..hosts)
+                    .map(|h| {
+                        triangles_intersect(&placement, &host.mesh.corners(h as u32), &guest.mesh.corners(g as u32))
+                    })
+                    .collect()
+            })
             .collect();
         for (name, level) in levels() {
-            let Verdicts { meet, open } = dispatch!(level, simd => {
-                let mut taken = Guest::EMPTY;
-                taken.take_up(simd, &guest.packet(), &relation, &back);
-                let packet = host.mesh.packets().get(simd, 0);
-                let facing = taken.face(simd, &packet, 0xff);
-                taken.meet(simd, &packet, &facing)
-            });
-            assert_eq!(meet & open, 0, "{name}");
-            for lane in 0..LANES {
-                let of_lane = |pairs: u64| (pairs >> (LANES * lane)) as u32 & 0xff;
-                let (meet, open) = (of_lane(meet), of_lane(open));
-                let hosts = if lane < guests { hosts } else { 0 };
-                assert_eq!((meet | open) >> hosts, 0, "{name}: a lane without a triangle");
-                for h in 0..hosts {
-                    if open >> h & 1 == 1 {
-                        outcomes.open += 1;
-                        continue;
-                    }
-                    let meets = meet >> h & 1 == 1;
-                    let truth = truths[lane][h];
-                    assert_eq!(meets, truth, "{name}, {kind:?}, lanes {h} and {lane}: {host:?} {guest:?}");
-                    *(if meets { &mut outcomes.meet } else { &mut outcomes.apart }) += 1;
-                    asked += 1;
-                    if asked % 101 == 0 {
-                        // An oracle that shares nothing with the engine.
-                        let (a, b) = (host.corners(h), guest.corners(lane));
-                        assert_eq!(truth, oracle::triangles_meet(&a, &host.pose, &b, &guest.pose));
-                    }
+            let mut candidates = Candidates::none();
+            take_on(level, &host, &guest, false, &mut candidates);
+            let count = candidates.count();
+            let judged: HashMap<[usize; 2], Verdict> = judge_all(level, &mut candidates, 1).into_iter().collect();
+            assert_eq!((judged.len(), candidates.count()), (count, 0), "{name}: a pair came twice");
+            assert!(judged.keys().all(|&[h, g]| h < hosts && g < guests), "{name}: a lane without a triangle");
+            for [h, g] in (0..hosts).flat_map(|h| (0..guests).map(move |g| [h, g])) {
+                let verdict = judged.get(&[h, g]).copied().unwrap_or(Verdict::Apart);
+                if verdict == Verdict::Open {
+                    outcomes.open += 1;
+                    continue;
+                }
+                let (meets, truth) = (verdict == Verdict::Meet, truths[g][h]);
+                assert_eq!(meets, truth, "{name}, {kind:?}, faces {h} and {g}: {host:?} {guest:?}");
+                *(if meets { &mut outcomes.meet } else { &mut outcomes.apart }) += 1;
+                asked += 1;
+                if asked % 101 == 0 {
+                    // An oracle that shares nothing with the engine.
+                    let (a, b) = (host.mesh.corners(h as u32), guest.mesh.corners(g as u32));
+                    assert_eq!(truth, oracle::triangles_meet(&a, &host.pose, &b, &guest.pose));
                 }
             }
         }
@@ -201,4 +247,35 @@ fn slivers_that_pass_each_other_are_apart() {
     let Outcomes { meet, apart, open } = judge_packets(Kind::Askew, 87, 1_500);
     let total = meet + apart + open;
     assert!(open * 6 < total && open * 100 > total, "{meet} meet, {apart} are apart and {open} are open");
+}
+
+/// Candidates of many packets, in vectors of whichever, and those of each packet alone, as either mesh.
+#[test]
+fn candidates_are_judged_beside_any_others_as_they_are_alone() {
+    let mut rng = Rng::new(88);
+    let mut beside = 0;
+    for _ in 0..20 {
+        let kinds = [Kind::Generic, Kind::Close, Kind::Sized, Kind::Askew];
+        let sides: Vec<(Side8, Side8)> = (0..20).map(|at| packets(&mut rng, kinds[at % 4])).collect();
+        for (name, level) in levels() {
+            let (mut alone, mut together, mut candidates) = (Vec::new(), Vec::new(), Candidates::none());
+            for (at, (host, guest)) in sides.iter().enumerate() {
+                let mut own = Candidates::none();
+                take_on(level, host, guest, false, &mut own);
+                beside += usize::from(own.count() % LANES != 0);
+                let swapped = at % 2 == 1;
+                let in_turn =
+                    |([h, g], verdict): ([usize; 2], Verdict)| (if swapped { [g, h] } else { [h, g] }, verdict);
+                alone.extend(judge_all(level, &mut own, 1).into_iter().map(in_turn));
+                take_on(level, host, guest, swapped, &mut candidates);
+                if !candidates.has_room() {
+                    together.extend(judge_all(level, &mut candidates, LANES));
+                    assert!(candidates.count() < LANES && candidates.has_room());
+                }
+            }
+            together.extend(judge_all(level, &mut candidates, 1));
+            assert_eq!(alone, together, "{name}");
+        }
+    }
+    assert!(beside > 500, "{beside}");
 }
