@@ -138,7 +138,7 @@ impl LeafPairs<'_> {
             self.host_packets.prefetch_leaf(*host_leaf);
             self.guest_packets.prefetch_leaf(self.guests.at(*guest as usize).0);
         }
-        // What came of the pairs before these has been written a while ago: it would be waited for else.
+        // What the pairs before these came to was written a while ago, and is at hand.
         self.judge(simd, LANES)?;
         let swapped = self.question.swapped;
         for (Meeting { guest, host_leaf }, facing) in &facing[..left] {

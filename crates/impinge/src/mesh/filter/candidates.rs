@@ -97,7 +97,7 @@ impl Candidates {
             places |= u64::from(pairs.trailing_zeros()) << (8 * place);
             *pairs &= pairs.wrapping_sub(1);
         }
-        let at = self.count.min(ROOM - LANES);
+        let at = self.count;
         let (of_host, of_guest) = (Choice(places), Choice(places >> LANES.trailing_zeros()));
         let ((host, host_width), (guest, guest_width)) = (sides.host, sides.guest);
         for corner in 0..3 {
@@ -120,30 +120,28 @@ impl Candidates {
 
     /// Judges eight candidates from one on, or those that there are.
     #[inline(always)]
-    pub(crate) fn judge<S: Simd>(&self, simd: S, from: usize) -> Verdicts {
+    pub(crate) fn judge<S: Simd>(&self, simd: S, at: usize) -> Verdicts {
         outlined(
             simd,
             #[inline(always)]
             || {
-                let at = from.min(ROOM - LANES);
                 let error = row(simd, &self.error, at);
                 let [meet, open] = judge(&self.host.triangles(simd, at), &self.guest.triangles(simd, at), error);
-                let there = ALL_LANES >> LANES.saturating_sub(self.count - at);
+                let there = ALL_LANES >> LANES.saturating_sub(self.count.saturating_sub(at));
                 Verdicts { meet: meet & there, open: open & there }
             },
         )
     }
 
-    /// Forgets the first so many, which leaves less than eight.
+    /// Forgets the first so many, or all, so that less than eight are left.
     #[inline(always)]
     pub(crate) fn forget(&mut self, first: usize) {
-        let from = first.min(ROOM - LANES);
         for side in [&mut self.host, &mut self.guest] {
-            side.corners.as_flattened_mut().iter_mut().for_each(|row| row.copy_within(from..from + LANES, 0));
-            side.width.copy_within(from..from + LANES, 0);
+            side.corners.as_flattened_mut().iter_mut().for_each(|row| row.copy_within(first..first + LANES, 0));
+            side.width.copy_within(first..first + LANES, 0);
         }
-        self.error.copy_within(from..from + LANES, 0);
-        self.faces.iter_mut().for_each(|row| row.copy_within(from..from + LANES, 0));
+        self.error.copy_within(first..first + LANES, 0);
+        self.faces.iter_mut().for_each(|row| row.copy_within(first..first + LANES, 0));
         self.count = self.count.saturating_sub(first);
     }
 }
