@@ -262,7 +262,7 @@ fn candidates_are_judged_beside_any_others_as_they_are_alone() {
             for (at, (host, guest)) in sides.iter().enumerate() {
                 let mut own = Candidates::none();
                 take_on(level, host, guest, false, &mut own);
-                beside += usize::from(own.count() % LANES != 0);
+                beside += usize::from(!own.count().is_multiple_of(LANES));
                 let swapped = at % 2 == 1;
                 let in_turn =
                     |([h, g], verdict): ([usize; 2], Verdict)| (if swapped { [g, h] } else { [h, g] }, verdict);
