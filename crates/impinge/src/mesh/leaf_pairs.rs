@@ -306,22 +306,21 @@ impl LeafVisitor for LeafPairs<'_> {
     }
 
     fn meet_below<S: Simd>(&mut self, simd: S, large: Large, node: u32) -> ControlFlow<()> {
-        let Question { relation, back, host, guest, .. } = self.question;
+        let Question { relation, back, host, guest, swapped, .. } = self.question;
         let host = (host.0.tree.nodes(), self.host_packets);
         let guest = (guest.0.tree.nodes(), self.guest_packets);
-        let swapped = self.question.swapped;
         outlined(
             simd,
             #[inline(always)]
             || {
-                let ((to, to_packets), own, [onto, from], swapped) = match large {
+                let (other, own, [onto, from], swapped) = match large {
                     Large::Guest(leaf) => (host, guest.1.get(simd, leaf), [relation, back], swapped),
                     Large::Host(leaf) => (guest, host.1.get(simd, leaf), [back, relation], !swapped),
                 };
                 let large = LargeLeaf::new(simd, &own, onto, from);
                 large.descend(
                     simd,
-                    (to, to_packets),
+                    other,
                     node,
                     #[inline(always)]
                     |guest, host, facing| {
