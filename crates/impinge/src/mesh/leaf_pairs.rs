@@ -94,7 +94,7 @@ impl Question<'_> {
             next: 0,
             count: 0,
             asked_for: 0,
-            candidates: Candidates::none(),
+            candidates: Candidates::NONE,
             open: Vec::new(),
             found: Vec::new(),
         }
@@ -193,21 +193,21 @@ impl LeafPairs<'_> {
         let mut judged = 0;
         while count.saturating_sub(judged) >= least {
             let verdicts = self.candidates.judge(simd, judged);
-            self.keep(judged, verdicts)?;
+            self.keep(&verdicts)?;
             judged += LANES;
         }
         self.candidates.forget(judged);
         ControlFlow::Continue(())
     }
 
-    /// Decides what the filter left open of the candidates from one on, and keeps what meets.
+    /// Decides what the filter left open of candidates, and keeps what meets.
     #[inline(never)]
-    fn keep(&mut self, from: usize, Verdicts { meet, open }: Verdicts) -> ControlFlow<()> {
-        let (mut meet, mut open) = (u64::from(meet), u64::from(open));
+    fn keep(&mut self, verdicts: &Verdicts) -> ControlFlow<()> {
+        let (mut meet, mut open) = (u64::from(verdicts.meet), u64::from(verdicts.open));
         // Where some are open, all are taken in order: see `Deciding::AtOnce`.
         while open != 0 {
             let lowest = (meet | open) & (meet | open).wrapping_neg();
-            let pair = self.candidates.faces(from + lowest.trailing_zeros() as usize);
+            let pair = verdicts.faces(lowest.trailing_zeros() as usize);
             if meet & lowest != 0 {
                 self.found.push(pair);
             } else if self.question.wanted.deciding == Deciding::Last {
@@ -223,8 +223,7 @@ impl LeafPairs<'_> {
         }
         while meet != 0 {
             let left = meet.count_ones() as usize;
-            let four = take_four(&mut meet).map(|lane| self.candidates.faces(from + lane % LANES));
-            extend_some(&mut self.found, four, left);
+            extend_some(&mut self.found, take_four(&mut meet).map(|lane| verdicts.faces(lane)), left);
         }
         let kept = self.question.wanted.kept;
         if self.found.len() / 2 > kept.max(LEAST_ROOM) {

@@ -3,7 +3,7 @@
 //! A pair of leaves has five of them on average, of three triangles on either side. A vector of its own would be filled by half.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, f32x8, u32x8};
 
 use super::judge::{Triangle, judge};
 use crate::mesh::triangles::CornerLanes;
@@ -20,7 +20,8 @@ const ROOM: usize = 24 + MOST_OF_LEAVES + LANES;
 type Row<T> = [T; ROOM];
 
 /// A triangle of each candidate.
-#[derive(Debug)]
+#[derive(Debug, bytemuck::Zeroable)]
+#[repr(C)]
 struct Side {
     /// `[corner][axis]`, in the host's orientation about the host leaf's anchor.
     corners: [[Row<f32>; 3]; 3],
@@ -30,20 +31,36 @@ struct Side {
 /// Pairs of triangles, in the order in which they came.
 #[derive(Debug)]
 pub(crate) struct Candidates {
+    /// None before the first candidate: most searches come to none.
+    rows: Option<Box<Rows>>,
+    count: usize,
+}
+
+#[derive(Debug, bytemuck::Zeroable)]
+#[repr(C)]
+struct Rows {
     host: Side,
     guest: Side,
     /// What the corners of both may be off by together.
     error: Row<f32>,
     /// Which faces they are, of the first mesh and of the second.
     faces: [Row<u32>; 2],
-    count: usize,
 }
 
 /// Of up to eight candidates the lanes of those that are proved to meet, and of those that are left open.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Verdicts {
     pub(crate) meet: u32,
     pub(crate) open: u32,
+    faces: [[u32; LANES]; 2],
+}
+
+impl Verdicts {
+    /// The faces of a candidate, of the first mesh and of the second.
+    #[inline(always)]
+    pub(crate) fn faces(&self, lane: usize) -> [u32; 2] {
+        [self.faces[0][lane % LANES], self.faces[1][lane % LANES]]
+    }
 }
 
 /// Which faces the lanes of two leaves hold.
@@ -65,10 +82,7 @@ pub(super) struct Sides<'a, S: Simd> {
 
 impl Candidates {
     /// None yet.
-    pub(crate) fn none() -> Self {
-        let side = || Side { corners: [[[0.0; ROOM]; 3]; 3], width: [0.0; ROOM] };
-        Self { host: side(), guest: side(), error: [0.0; ROOM], faces: [[0; ROOM]; 2], count: 0 }
-    }
+    pub(crate) const NONE: Self = Self { rows: None, count: 0 };
 
     pub(crate) fn count(&self) -> usize {
         self.count
@@ -78,12 +92,6 @@ impl Candidates {
     #[inline(always)]
     pub(crate) fn has_room(&self) -> bool {
         self.count + MOST_OF_LEAVES + LANES <= ROOM
-    }
-
-    /// The two faces of a candidate.
-    #[inline(always)]
-    pub(crate) fn faces(&self, at: usize) -> [u32; 2] {
-        [self.faces[0][at], self.faces[1][at]]
     }
 
     /// Takes the lowest bits away, eight where there are so many, and takes these pairs on. There must be [room](Self::has_room) for
@@ -98,20 +106,21 @@ impl Candidates {
             *pairs &= pairs.wrapping_sub(1);
         }
         let at = self.count;
+        let rows = self.rows.get_or_insert_with(bytemuck::zeroed_box);
         let (of_host, of_guest) = (Choice(places), Choice(places >> LANES.trailing_zeros()));
         let ((host, host_width), (guest, guest_width)) = (sides.host, sides.guest);
         for corner in 0..3 {
             for axis in 0..3 {
-                put(of_host.of(simd, &host[corner][axis]), &mut self.host.corners[corner][axis], at);
+                put(of_host.of(simd, &host[corner][axis]), &mut rows.host.corners[corner][axis], at);
                 let moved = of_guest.of(simd, &guest[corner][axis]) + sides.offset[axis];
-                put(moved, &mut self.guest.corners[corner][axis], at);
+                put(moved, &mut rows.guest.corners[corner][axis], at);
             }
         }
-        put(of_host.of(simd, host_width), &mut self.host.width, at);
-        put(of_guest.of(simd, guest_width), &mut self.guest.width, at);
-        put(sides.error, &mut self.error, at);
+        put(of_host.of(simd, host_width), &mut rows.host.width, at);
+        put(of_guest.of(simd, guest_width), &mut rows.guest.width, at);
+        put(sides.error, &mut rows.error, at);
         let LeafFaces { host, guest, swapped } = sides.faces;
-        let [of_first, of_second] = &mut self.faces;
+        let [of_first, of_second] = &mut rows.faces;
         let (hosts, guests) = if *swapped { (of_second, of_first) } else { (of_first, of_second) };
         of_host.of_numbers(simd, host).store_slice(&mut hosts[at..at + LANES]);
         of_guest.of_numbers(simd, guest).store_slice(&mut guests[at..at + LANES]);
@@ -121,14 +130,19 @@ impl Candidates {
     /// Judges eight candidates from one on, or those that there are.
     #[inline(always)]
     pub(crate) fn judge<S: Simd>(&self, simd: S, at: usize) -> Verdicts {
+        let Some(rows) = &self.rows else { return Verdicts::default() };
         outlined(
             simd,
             #[inline(always)]
             || {
-                let error = row(simd, &self.error, at);
-                let [meet, open] = judge(&self.host.triangles(simd, at), &self.guest.triangles(simd, at), error);
+                let error = row(simd, &rows.error, at);
+                let [meet, open] = judge(&rows.host.triangles(simd, at), &rows.guest.triangles(simd, at), error);
                 let there = ALL_LANES >> LANES.saturating_sub(self.count.saturating_sub(at));
-                Verdicts { meet: meet & there, open: open & there }
+                let faces = rows.faces.each_ref().map(
+                    #[inline(always)]
+                    |row| u32x8::from_slice(simd, &row[at..at + LANES]).into(),
+                );
+                Verdicts { meet: meet & there, open: open & there, faces }
             },
         )
     }
@@ -136,12 +150,13 @@ impl Candidates {
     /// Forgets the first so many, or all, so that less than eight are left.
     #[inline(always)]
     pub(crate) fn forget(&mut self, first: usize) {
-        for side in [&mut self.host, &mut self.guest] {
+        let Some(rows) = &mut self.rows else { return };
+        for side in [&mut rows.host, &mut rows.guest] {
             side.corners.as_flattened_mut().iter_mut().for_each(|row| row.copy_within(first..first + LANES, 0));
             side.width.copy_within(first..first + LANES, 0);
         }
-        self.error.copy_within(first..first + LANES, 0);
-        self.faces.iter_mut().for_each(|row| row.copy_within(first..first + LANES, 0));
+        rows.error.copy_within(first..first + LANES, 0);
+        rows.faces.iter_mut().for_each(|row| row.copy_within(first..first + LANES, 0));
         self.count = self.count.saturating_sub(first);
     }
 }

@@ -93,7 +93,8 @@ fn judge_all(level: Level, candidates: &mut Candidates, least: usize) -> Vec<([u
     while candidates.count() - judged.len() >= least {
         let from = judged.len();
         let count = LANES.min(candidates.count() - from);
-        let Verdicts { meet, open } = dispatch!(level, simd => candidates.judge(simd, from));
+        let verdicts = dispatch!(level, simd => candidates.judge(simd, from));
+        let Verdicts { meet, open, .. } = verdicts;
         assert!(meet & open == 0 && (meet | open) >> count == 0);
         judged.extend((0..count).map(|lane| {
             let verdict = match (meet >> lane & 1, open >> lane & 1) {
@@ -101,7 +102,7 @@ fn judge_all(level: Level, candidates: &mut Candidates, least: usize) -> Vec<([u
                 (1, _) => Verdict::Meet,
                 _ => Verdict::Open,
             };
-            (candidates.faces(from + lane).map(|face| face as usize), verdict)
+            (verdicts.faces(lane).map(|face| face as usize), verdict)
         }));
     }
     candidates.forget(judged.len());
@@ -198,7 +199,7 @@ fn judge_packets(kind: Kind, seed: u64, count: usize) -> Outcomes {
             })
             .collect();
         for (name, level) in levels() {
-            let mut candidates = Candidates::none();
+            let mut candidates = Candidates::NONE;
             take_on(level, &host, &guest, false, &mut candidates);
             let count = candidates.count();
             let judged: HashMap<[usize; 2], Verdict> = judge_all(level, &mut candidates, 1).into_iter().collect();
@@ -258,9 +259,9 @@ fn candidates_are_judged_beside_any_others_as_they_are_alone() {
         let kinds = [Kind::Generic, Kind::Close, Kind::Sized, Kind::Askew];
         let sides: Vec<(Side8, Side8)> = (0..20).map(|at| packets(&mut rng, kinds[at % 4])).collect();
         for (name, level) in levels() {
-            let (mut alone, mut together, mut candidates) = (Vec::new(), Vec::new(), Candidates::none());
+            let (mut alone, mut together, mut candidates) = (Vec::new(), Vec::new(), Candidates::NONE);
             for (at, (host, guest)) in sides.iter().enumerate() {
-                let mut own = Candidates::none();
+                let mut own = Candidates::NONE;
                 take_on(level, host, guest, false, &mut own);
                 beside += usize::from(!own.count().is_multiple_of(LANES));
                 let swapped = at % 2 == 1;
