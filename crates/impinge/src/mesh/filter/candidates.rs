@@ -1,6 +1,8 @@
 //! Candidates: pairs of triangles whose boxes overlap, side by side until they are judged eight at a time.
 //!
 //! A pair of leaves has five of them on average, of three triangles on either side. A vector of its own would be filled by half.
+//! Each stands about the anchor of its own host leaf, turned and scaled as the host's packed frame, with the error of its own two
+//! leaves, so that it does not matter what it stands beside (docs/proof.md, L4).
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, u32x8};
@@ -23,8 +25,9 @@ type Row<T> = [T; ROOM];
 #[derive(Debug, bytemuck::Zeroable)]
 #[repr(C)]
 struct Side {
-    /// `[corner][axis]`, in the host's orientation about the host leaf's anchor.
+    /// `[corner][axis]`, in the host's packed frame about the host leaf's anchor.
     corners: [[Row<f32>; 3]; 3],
+    /// The greatest extent of its box.
     width: Row<f32>,
 }
 
@@ -36,6 +39,7 @@ pub(crate) struct Candidates {
     count: usize,
 }
 
+/// What is known of candidates, and anything after the last.
 #[derive(Debug, bytemuck::Zeroable)]
 #[repr(C)]
 struct Rows {
@@ -84,6 +88,7 @@ impl Candidates {
     /// None yet.
     pub(crate) const NONE: Self = Self { rows: None, count: 0 };
 
+    /// How many there are.
     pub(crate) fn count(&self) -> usize {
         self.count
     }
