@@ -7,7 +7,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 
 use super::wide::Node;
-use crate::simd::{LANES, by_axis, load};
+use crate::simd::{LANES, by_axis, load, nonzero_bytes, take_four};
 use crate::volume::Aabb;
 
 /// Half a unit in the last place of single precision: the relative error of one rounding.
@@ -110,6 +110,26 @@ pub(crate) fn overlapping_each<S: Simd>(simd: S, boxes: (&[f32x8<S>; 3], &[f32x8
         apart_from |= u64::from(apart(simd, boxes, &many.lane(lane))) << (LANES * lane);
     }
     !apart_from
+}
+
+/// Of pairs of boxes those that are not proved apart: bit `i` of byte `k` for lane `i` of `boxes` and `k` of `many`.
+///
+/// Four of `many` are looked at in one go: for pairs in which there are mostly no more of them.
+#[inline(always)]
+pub(crate) fn overlapping_pairs<S: Simd>(
+    simd: S,
+    boxes: (&[f32x8<S>; 3], &[f32x8<S>; 3]),
+    many: &BoxLanes,
+    pairs: u64,
+) -> u64 {
+    let mut left = nonzero_bytes(pairs);
+    let mut apart_from = 0;
+    while left != 0 {
+        for first in take_four(&mut left) {
+            apart_from |= u64::from(apart(simd, boxes, &many.lane(first / LANES))) << first;
+        }
+    }
+    pairs & !apart_from
 }
 
 /// The lanes whose boxes are proved apart from `one`, as bits.

@@ -36,7 +36,7 @@ pub use build::{Builder, DynamicTree, optimise};
 pub use cost::{Costs, Counters, TreeStatistics};
 pub(crate) use descent::{APPROACHED, Descent, Large, LeafVisitor, Order, Task, lanes_in_use};
 pub use generic::{Enclosure, GenericTree, NodeVolume};
-pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, overlapping, overlapping_each};
+pub(crate) use lanes::{BoxLanes, BoxMap, HALF_ULP, overlapping, overlapping_pairs};
 pub use morton::build_morton;
 pub(crate) use morton::tree_along_curve;
 pub(crate) use queue::QUEUE;

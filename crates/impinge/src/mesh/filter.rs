@@ -11,7 +11,7 @@ use fearless_simd::{Simd, f32x8};
 use super::packet::Packet;
 use super::relation::{CornerError, GROWN, Relation};
 use super::triangles::Triangles;
-use crate::hierarchy::{BoxLanes, HALF_ULP, overlapping_each};
+use crate::hierarchy::{BoxLanes, HALF_ULP, overlapping_pairs};
 use crate::simd::{LANES, Lanes3, by_axis, dot, each_byte, load, load3, outlined, spread_to_bytes, store3, sub};
 use crate::volume::Aabb;
 use across::{CROWDED, near_across};
@@ -35,8 +35,7 @@ pub(crate) struct Facing {
 #[repr(align(64))]
 pub(crate) struct Guest {
     corners: [[[f32; LANES]; 3]; 3],
-    min: [[f32; LANES]; 3],
-    max: [[f32; LANES]; 3],
+    boxes: BoxLanes,
     /// The greatest extent of each triangle's box.
     width: [f32; LANES],
     /// All bits of the byte of each lane that holds a triangle.
@@ -57,8 +56,7 @@ impl Guest {
     /// No triangles.
     pub(crate) const EMPTY: Self = Self {
         corners: [[[0.0; LANES]; 3]; 3],
-        min: [[0.0; LANES]; 3],
-        max: [[0.0; LANES]; 3],
+        boxes: BoxLanes { min: [[0.0; LANES]; 3], max: [[0.0; LANES]; 3] },
         width: [0.0; LANES],
         lanes_in_use: 0,
         anchor: [0.0; 3],
@@ -90,8 +88,8 @@ impl Guest {
         store3(&corners[0], &mut self.corners[0]);
         store3(&corners[1], &mut self.corners[1]);
         store3(&corners[2], &mut self.corners[2]);
-        store3(&min, &mut self.min);
-        store3(&max, &mut self.max);
+        store3(&min, &mut self.boxes.min);
+        store3(&max, &mut self.boxes.max);
         width(&min, &max).store_slice(&mut self.width);
         self.lanes_in_use = u64::MAX >> (u64::BITS - LANES as u32 * packet.lanes_in_use().count_ones()).min(63);
         self.anchor = relation.apply(packet.anchor);
@@ -174,13 +172,11 @@ impl Guest {
         let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.corners[corner]));
         let offset: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, offset[axis]));
         let (host_min, host_max) = bounds(&host_corners);
+        // About the guest's anchor, as its boxes lie in memory, from where one at a time is asked for.
         let slack = f32x8::splat(simd, error * GROWN);
-        let mut moved = BoxLanes::default();
-        for axis in 0..3 {
-            (load(simd, &self.min[axis]) + offset[axis] - slack).store_slice(&mut moved.min[axis]);
-            (load(simd, &self.max[axis]) + offset[axis] + slack).store_slice(&mut moved.max[axis]);
-        }
-        let mut near = overlapping_each(simd, (&host_min, &host_max), &moved) & pairs;
+        let min = by_axis!(axis => host_min[axis] - offset[axis] - slack);
+        let max = by_axis!(axis => host_max[axis] - offset[axis] + slack);
+        let mut near = overlapping_pairs(simd, (&min, &max), &self.boxes, pairs);
         if near == 0 {
             return;
         }

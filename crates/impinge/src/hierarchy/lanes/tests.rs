@@ -8,7 +8,7 @@ use impinge_testkit::generate::poses::rotation;
 
 use super::super::tests::maps::exact;
 use super::*;
-use crate::simd::{Level, levels};
+use crate::simd::{Level, levels, load3};
 
 const REACH: f64 = 1.0;
 
@@ -171,4 +171,35 @@ fn rounding_takes_no_more_than_its_share() {
     }
     let worst = best.taken_at_any_level();
     assert!((5.5..=16.0).contains(&worst), "{worst} u S");
+}
+
+/// Whichever pairs are asked for, and of boxes with faces in common.
+#[test]
+fn pairs_overlap_where_each_against_all_does() {
+    let mut rng = Rng::new(91);
+    let boxes = |rng: &mut Rng| {
+        let mut node = Node::zeroed();
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                let [p, q] = [0; 2].map(|_| rng.integer(0, 4) as f32);
+                (node.min[axis][lane], node.max[axis][lane]) = (p.min(q), p.max(q));
+            }
+        }
+        BoxLanes { min: node.min, max: node.max }
+    };
+    let mut met = 0;
+    for _ in 0..300 {
+        let (one, many) = (boxes(&mut rng), boxes(&mut rng));
+        let rows = (0..rng.integer(0, 8)).fold(0, |rows, _| rows | 0xff << (8 * rng.integer(0, 7)));
+        let pairs = rng.next_u64() & rows;
+        for (name, level) in levels() {
+            let [each, some] = dispatch!(level, simd => {
+                let one = (&load3(simd, &one.min), &load3(simd, &one.max));
+                [overlapping_each(simd, one, &many), overlapping_pairs(simd, one, &many, pairs)]
+            });
+            assert_eq!(some, each & pairs, "{name}");
+            met += some.count_ones();
+        }
+    }
+    assert!(met > 1000, "{met}");
 }
