@@ -32,8 +32,8 @@ impl<'a> Corners<'a> {
             VertexSlice::F32(vertices) if (1.0 / LARGEST_SCALE..=LARGEST_SCALE).contains(&frame.scale) => {
                 Self::Single(Singles { vertices: Rows::of(vertices), faces, frame })
             }
-            VertexSlice::F32(vertices) => Self::SingleWidened(Doubles { vertices: Rows::of(vertices), faces, frame }),
-            VertexSlice::F64(vertices) => Self::Double(Doubles { vertices: Rows::of(vertices), faces, frame }),
+            VertexSlice::F32(vertices) => Self::SingleWidened(Doubles::of(Rows::of(vertices), faces, frame)),
+            VertexSlice::F64(vertices) => Self::Double(Doubles::of(Rows::of(vertices), faces, frame)),
         }
     }
 }
@@ -279,6 +279,14 @@ pub(super) struct Doubles<'a, T> {
     vertices: Rows<'a, T>,
     faces: Faces<'a>,
     frame: &'a PackedFrame,
+    /// The packed frame's, in the mesh's own frame: a power of two, by which to multiply is to divide by the scale, only sooner.
+    unit: f64,
+}
+
+impl<'a, T> Doubles<'a, T> {
+    fn of(vertices: Rows<'a, T>, faces: Faces<'a>, frame: &'a PackedFrame) -> Self {
+        Self { vertices, faces, frame, unit: 1.0 / frame.scale }
+    }
 }
 
 impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
@@ -354,7 +362,8 @@ impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
 
     #[inline(always)]
     fn place(&self, anchor: [f32; 3]) -> [f64; 3] {
-        self.frame.unpack(anchor.widened())
+        let anchor = anchor.widened();
+        by_axis!(axis => anchor[axis] * self.unit + self.frame.origin[axis])
     }
 
     #[inline(always)]
