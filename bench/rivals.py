@@ -21,12 +21,14 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from datetime import date
 from importlib.metadata import version
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from adversaries import bumpy_sphere, rod, stadium
@@ -142,38 +144,54 @@ def measure_fcl(scene: Scene, repeats: int) -> list[Timing]:
     build = [seconds(model.endModel)]
     whole_build = [filling + build[0]]
 
-    # After the query python-fcl makes four arrays of each contact, which takes as long as the query did. FCL's own
-    # share is what comes before: the class that it makes them of stops the call at the first.
-    contact = fcl.fcl.Contact
-
-    class Found(Exception):
-        pass
-
-    def stop() -> None:
-        raise Found
-
     timings = []
     for pose in scene.poses:
-        a = fcl.CollisionObject(model, fcl.Transform())
-        b = fcl.CollisionObject(model, fcl.Transform(pose.rotation(), np.array(pose.translation)))
-
-        def call(limit: int, a=a, b=b) -> None:
-            fcl.collide(a, b, fcl.CollisionRequest(num_max_contacts=limit, enable_contact=False))
-
-        def query(limit: int, call=call) -> None:
-            try:
-                call(limit)
-            except Found:
-                pass
-
-        result = fcl.CollisionResult()
-        fcl.collide(a, b, fcl.CollisionRequest(num_max_contacts=NO_LIMIT, enable_contact=False), result)
-        pairs = len({(c.b1, c.b2) for c in result.contacts})
-        timings.append(time_queries("python-fcl", pose, pairs, whole_build, call, repeats))
-        fcl.fcl.Contact = stop
-        timings.append(time_queries("FCL", pose, pairs, build, query, repeats))
-        fcl.fcl.Contact = contact
+        query, pairs = fcl_query(model, pose)
+        timings.append(time_queries("python-fcl", pose, pairs, whole_build, query, repeats))
+        with fcl_alone():
+            timings.append(time_queries("FCL", pose, pairs, build, query, repeats))
     return timings
+
+
+class FirstContact(Exception):
+    """FCL is done, and python-fcl begins to make objects of what it found."""
+
+
+@contextmanager
+def fcl_alone() -> Iterator[None]:
+    """Within, queries of python-fcl are over when FCL is.
+
+    After a query it makes four arrays of each contact, which takes as long as the query did: the class that it makes
+    them of stops the call at the first.
+    """
+    import fcl
+
+    def stop() -> None:
+        raise FirstContact
+
+    contact, fcl.fcl.Contact = fcl.fcl.Contact, stop
+    try:
+        yield
+    finally:
+        fcl.fcl.Contact = contact
+
+
+def fcl_query(model: Any, pose: Pose) -> tuple[Callable[[int], None], int]:
+    """A call that finds up to so many pairs of a BVHModel and itself moved, and how many there are."""
+    import fcl
+
+    a = fcl.CollisionObject(model, fcl.Transform())
+    b = fcl.CollisionObject(model, fcl.Transform(pose.rotation(), np.array(pose.translation)))
+
+    def query(limit: int) -> None:
+        try:
+            fcl.collide(a, b, fcl.CollisionRequest(num_max_contacts=limit, enable_contact=False))
+        except FirstContact:
+            pass
+
+    result = fcl.CollisionResult()
+    fcl.collide(a, b, fcl.CollisionRequest(num_max_contacts=NO_LIMIT, enable_contact=False), result)
+    return query, len({(c.b1, c.b2) for c in result.contacts})
 
 
 def measure_coal(scene: Scene, repeats: int) -> list[Timing]:
