@@ -21,7 +21,7 @@ from pathlib import Path
 import fcl
 import impinge
 import numpy as np
-from rivals import NO_LIMIT, ROOT, SCENES, Pose, Scene, circumstances, fcl_alone, fcl_query, seconds
+from rivals import NO_LIMIT, ROOT, SCENES, Pose, Scene, circumstances, fcl_alone, fcl_query, ratio, seconds, spread
 
 LEAST_TURNS = 5
 
@@ -92,25 +92,20 @@ def table(all_turns: list[Turns]) -> str:
     head = "| pose | pairs | turns | impinge, ms | python-fcl, ms | ratio | of a turn | FCL alone, ms | ratio |"
     rows = [head, "|" + "---|" * 9]
     for turns in all_turns:
-        own = statistics.median(turns.impinge)
         quarter, half, three_quarters = statistics.quantiles(turns.ratios, n=4)
         cells = [
             turns.pose,
             str(turns.pairs),
             str(len(turns.ratios)),
-            spread(turns.impinge),
-            spread(turns.whole),
-            f"{statistics.median(turns.whole) / own:.3g}",
+            spread(turns.impinge, 1e3),
+            spread(turns.whole, 1e3),
+            ratio(turns.whole, turns.impinge),
             f"{half:.3g} ({quarter:.3g} to {three_quarters:.3g})",
-            spread(turns.own_share),
-            f"{statistics.median(turns.own_share) / own:.3g}",
+            spread(turns.own_share, 1e3),
+            ratio(turns.own_share, turns.impinge),
         ]
         rows.append("| " + " | ".join(cells) + " |")
     return "\n".join(rows)
-
-
-def spread(runs: list[float]) -> str:
-    return f"{statistics.median(runs) * 1e3:.3g} ({min(runs) * 1e3:.3g})"
 
 
 def main() -> int:
