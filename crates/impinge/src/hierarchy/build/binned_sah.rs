@@ -4,29 +4,33 @@
 //! Source: Wald, *On fast construction of SAH-based bounding volume hierarchies*, RT 2007. Ours prices a side by the
 //! leaves that its boxes fill and not by the boxes, since the boxes of a leaf are met all at once: leaves come out full.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 
-use super::super::area::half_area;
 use super::super::binary::BinaryTree;
-use super::median::{Item, bounds, centre_bounds, halves, items, order};
+use super::bins::{Bins, Grid, Plane};
+use super::item::{Item, Reach, order, point};
+use super::median::{bounds, centre_bounds, halves};
 use super::top_down::{self, Choice, Range};
+use crate::simd::{best_level, outlined};
 use crate::volume::Aabb;
-
-/// Bins on each axis: with 32, trees are a few thousandths cheaper and take half as long again to build.
-const BINS: usize = 16;
 
 /// Ranges longer than this are dealt out by several threads.
 const DEAL_TOGETHER: usize = 1 << 15;
 
 /// The tree of these boxes, of which there is at least one.
 pub(super) fn build(boxes: &[Aabb], capacity: usize) -> BinaryTree {
-    let mut items = items(boxes);
-    let nodes = top_down::nodes(Binned { items: &mut items, capacity }, capacity);
+    let mut items = Item::all(boxes);
+    let centres = centre_bounds(&items);
+    let nodes = top_down::nodes(Binned { items: &mut items, centres, capacity }, capacity);
     BinaryTree { nodes, order: order(&items).into() }
 }
 
 struct Binned<'a> {
     items: &'a mut [Item],
+    /// The box of their centres.
+    centres: Aabb,
     capacity: usize,
 }
 
@@ -40,126 +44,60 @@ impl Range for Binned<'_> {
     }
 
     fn split(self, choice: Choice) -> (Self, Self) {
-        let centres = together(self.items, centre_bounds, Aabb::union);
+        let Self { items, centres, capacity } = self;
         let chosen = match choice {
-            Choice::Builder => Grid::over(&centres).divide(self.items, self.capacity),
+            Choice::Builder => dispatch!(best_level(), simd => part(simd, items, &centres, capacity)),
             Choice::Halves => None,
         };
-        let middle = chosen.unwrap_or_else(|| halves(self.items, &centres, self.capacity));
-        let (low, high) = self.items.split_at_mut(middle);
-        (Self { items: low, ..self }, Self { items: high, capacity: self.capacity })
-    }
-}
-
-/// Folds chunks on all cores where it pays. `join` must not depend on the order, as unions and counts do not.
-fn together<T: Send>(items: &[Item], fold: impl Fn(&[Item]) -> T + Sync, join: impl Fn(T, T) -> T + Sync) -> T {
-    if items.len() <= DEAL_TOGETHER {
-        return fold(items);
-    }
-    let (low, high) = items.split_at(items.len() / 2);
-    let (low, high) = rayon::join(|| together_again(low, &fold, &join), || together_again(high, &fold, &join));
-    join(low, high)
-}
-
-fn together_again<T: Send>(
-    items: &[Item],
-    fold: &(impl Fn(&[Item]) -> T + Sync),
-    join: &(impl Fn(T, T) -> T + Sync),
-) -> T {
-    let parts = items.par_chunks(DEAL_TOGETHER).map(fold);
-    parts.reduce_with(join).unwrap_or_else(|| fold(items))
-}
-
-/// What one bin holds.
-#[derive(Clone, Copy)]
-struct Bin {
-    bounds: Aabb,
-    count: usize,
-}
-
-type Bins = [[Bin; BINS]; 3];
-
-/// The bins' places.
-struct Grid {
-    origin: [f32; 3],
-    scale: [f32; 3],
-}
-
-impl Grid {
-    fn over(centres: &Aabb) -> Self {
-        let scale = std::array::from_fn(|axis| {
-            let half = 0.5 * centres.max[axis] - 0.5 * centres.min[axis];
-            if half > 0.0 { (0.5 * BINS as f32) / half } else { 0.0 }
+        let (middle, centres) = chosen.unwrap_or_else(|| {
+            let middle = halves(items, &centres, capacity);
+            let (low, high) = items.split_at(middle);
+            (middle, [centre_bounds(low), centre_bounds(high)])
         });
-        Self { origin: centres.min, scale }
-    }
-
-    #[inline(always)]
-    fn bin(&self, item: &Item, axis: usize) -> usize {
-        // A float cast saturates, and takes NaN to zero: any bin is a legal one.
-        (((item.centre(axis) - self.origin[axis]) * self.scale[axis]) as usize).min(BINS - 1)
-    }
-
-    /// Rearranges the items about the cheapest plane; none where no plane has boxes on either side.
-    fn divide(&self, items: &mut [Item], capacity: usize) -> Option<usize> {
-        let bins = together(items, |items| self.deal(items), merge);
-        let mut best: Option<(f64, usize, usize)> = None;
-        for axis in 0..3 {
-            for (plane, cost) in prices(&bins[axis], items.len(), capacity) {
-                if best.is_none_or(|(least, ..)| cost < least) {
-                    best = Some((cost, axis, plane));
-                }
-            }
-        }
-        let (_, axis, plane) = best?;
-        let mut middle = 0;
-        for at in 0..items.len() {
-            if self.bin(&items[at], axis) < plane {
-                items.swap(at, middle);
-                middle += 1;
-            }
-        }
-        Some(middle)
-    }
-
-    fn deal(&self, items: &[Item]) -> Bins {
-        let mut bins = [[Bin { bounds: Aabb::EMPTY, count: 0 }; BINS]; 3];
-        for item in items {
-            for axis in 0..3 {
-                let bin = &mut bins[axis][self.bin(item, axis)];
-                bin.bounds = bin.bounds.union(item.bounds);
-                bin.count += 1;
-            }
-        }
-        bins
+        let (low, high) = items.split_at_mut(middle);
+        (Self { items: low, centres: centres[0], capacity }, Self { items: high, centres: centres[1], capacity })
     }
 }
 
-fn merge(a: Bins, b: Bins) -> Bins {
-    std::array::from_fn(|axis| {
-        std::array::from_fn(|bin| {
-            let (a, b) = (a[axis][bin], b[axis][bin]);
-            Bin { bounds: a.bounds.union(b.bounds), count: a.count + b.count }
-        })
-    })
+/// Rearranges the items about the cheapest plane: how many come before it, and the boxes of the centres on either side. None where no
+/// plane has boxes on either side.
+#[inline(always)]
+fn part<S: Simd>(simd: S, items: &mut [Item], centres: &Aabb, capacity: usize) -> Option<(usize, [Aabb; 2])> {
+    let grid = Grid::over(centres);
+    let plane = deal(simd, items, &grid).cheapest(simd, capacity)?;
+    Some(part_at(simd, items, &grid, plane))
 }
 
-/// The planes below bins 1, 2, ... with boxes on either side, and what splitting there costs.
-fn prices(bins: &[Bin; BINS], count: usize, capacity: usize) -> impl Iterator<Item = (usize, f64)> {
-    let mut above = [0.0; BINS];
-    let mut bounds = Aabb::EMPTY;
-    for plane in (1..BINS).rev() {
-        bounds = bounds.union(bins[plane].bounds);
-        above[plane] = half_area(&bounds);
+/// On all cores where it pays.
+#[inline(always)]
+fn deal<S: Simd>(simd: S, items: &[Item], grid: &Grid) -> Bins {
+    let deal = |items: &[Item]| {
+        outlined(
+            simd,
+            #[inline(always)]
+            || Bins::of(simd, items, grid),
+        )
+    };
+    if items.len() <= DEAL_TOGETHER {
+        return deal(items);
     }
-    let mut below = Bin { bounds: Aabb::EMPTY, count: 0 };
-    (1..BINS).filter_map(move |plane| {
-        let bin = &bins[plane - 1];
-        below = Bin { bounds: below.bounds.union(bin.bounds), count: below.count + bin.count };
-        let rest = count - below.count;
-        (below.count > 0 && rest > 0).then(|| {
-            let low = half_area(&below.bounds) * top_down::leaves(below.count, capacity);
-            (plane, low + above[plane] * top_down::leaves(rest, capacity))
-        })
-    })
+    let dealt = items.par_chunks(DEAL_TOGETHER).map(deal);
+    dealt.reduce_with(Bins::merged).unwrap_or_else(|| deal(items))
+}
+
+/// Without a branch that depends on the side, as nobody foresees it.
+#[inline(always)]
+fn part_at<S: Simd>(simd: S, items: &mut [Item], grid: &Grid, plane: Plane) -> (usize, [Aabb; 2]) {
+    let nothing = Reach::NOTHING.lanes(simd);
+    let (mut below, mut above) = (nothing, nothing);
+    let mut middle = 0;
+    for at in 0..items.len() {
+        let item = &items[at];
+        let (reach, is_above) = (point(item.centres(simd)), grid.is_above(simd, item, plane));
+        below = below.max(is_above.select(nothing, reach));
+        above = above.max(is_above.select(reach, nothing));
+        items.swap(at, middle);
+        middle += 1 - (is_above.to_bitmask() & 1) as usize;
+    }
+    (middle, [Reach::of(below).aabb(), Reach::of(above).aabb()])
 }

@@ -4,7 +4,8 @@
 use std::num::NonZeroU32;
 
 use super::super::binary::{BinaryNode, BinaryTree, MAX_DEPTH};
-use super::median::{self, Item};
+use super::item::Item;
+use super::median;
 use super::top_down::HALVE_FROM_DEPTH;
 use crate::volume::Aabb;
 
@@ -108,7 +109,7 @@ impl Linked {
                 Below::Pair([left, right]) => pending.extend([right, left]),
                 Below::Boxes { first, count } => {
                     let held = &order[first as usize..][..count as usize];
-                    items.extend(held.iter().map(|&index| Item { bounds: bounds_of(index), index }));
+                    items.extend(held.iter().map(|&index| Item::new(&bounds_of(index), index)));
                 }
             }
         }

@@ -3,13 +3,17 @@
 
 use std::num::NonZeroU32;
 
+use fearless_simd::dispatch;
+
 use super::super::binary::{BinaryNode, BinaryTree};
+use super::item::{Item, Reach, order};
 use super::top_down::{self, Choice, Range};
+use crate::simd::best_level;
 use crate::volume::Aabb;
 
 /// The tree of these boxes, of which there is at least one.
 pub(super) fn build(boxes: &[Aabb], capacity: usize) -> BinaryTree {
-    let mut items = items(boxes);
+    let mut items = Item::all(boxes);
     let nodes = top_down::nodes(Halved { items: &mut items, capacity }, capacity);
     BinaryTree { nodes, order: order(&items).into() }
 }
@@ -31,7 +35,7 @@ pub(super) fn cut_leaves(tree: &BinaryTree, boxes: &[Aabb], capacity: usize) -> 
                 pending.extend([(at + right.get(), depth + 1, Some(here)), (at + 1, depth + 1, None)]);
             }
             None => {
-                let held = tree.held(at).iter().map(|&index| Item { bounds: boxes[index as usize], index });
+                let held = tree.held(at).iter().map(|&index| Item::new(&boxes[index as usize], index));
                 append(&mut nodes, &mut order, &mut held.collect::<Vec<_>>(), capacity, depth);
             }
         }
@@ -49,65 +53,24 @@ pub(super) fn append(
 ) {
     let halved = Halved { items: &mut *items, capacity };
     nodes.extend(top_down::nodes_from(halved, capacity, order.len(), depth));
-    order.extend(items.iter().map(|item| item.index));
-}
-
-/// A box and its number, moved together, so that passes run over memory in order.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Item {
-    pub(super) bounds: Aabb,
-    pub(super) index: u32,
-}
-
-impl Item {
-    /// The middle of the box on an axis.
-    #[inline(always)]
-    pub(super) fn centre(&self, axis: usize) -> f32 {
-        centre(&self.bounds, axis)
-    }
-}
-
-/// The middle of a box on an axis, without overflow.
-#[inline(always)]
-pub(super) fn centre(bounds: &Aabb, axis: usize) -> f32 {
-    0.5 * bounds.min[axis] + 0.5 * bounds.max[axis]
-}
-
-/// Sorts by a coordinate as floats do, then by the index: no two boxes are alike, so that there is one order.
-#[inline(always)]
-pub(super) fn key(centre: f32, index: u32) -> u64 {
-    let bits = centre.to_bits();
-    // A negative float's bits grow the wrong way; a positive one's need their top bit to come after it.
-    let ordered = if bits >> 31 == 1 { !bits } else { bits | 1 << 31 };
-    u64::from(ordered) << 32 | u64::from(index)
-}
-
-pub(super) fn items(boxes: &[Aabb]) -> Vec<Item> {
-    boxes.iter().enumerate().map(|(index, &bounds)| Item { bounds, index: index as u32 }).collect()
-}
-
-pub(super) fn order(items: &[Item]) -> Vec<u32> {
-    items.iter().map(|item| item.index).collect()
+    order.extend(items.iter().map(Item::index));
 }
 
 /// The box of some boxes.
 pub(super) fn bounds(items: &[Item]) -> Aabb {
-    items.iter().fold(Aabb::EMPTY, |bounds, item| bounds.union(item.bounds))
+    dispatch!(best_level(), simd => Reach::of_boxes(simd, items)).aabb()
 }
 
 /// The box of the centres of some boxes.
 pub(super) fn centre_bounds(items: &[Item]) -> Aabb {
-    items.iter().fold(Aabb::EMPTY, |bounds, item| {
-        let centre = [0, 1, 2].map(|axis| item.centre(axis));
-        bounds.union(Aabb { min: centre, max: centre })
-    })
+    dispatch!(best_level(), simd => Reach::of_centres(simd, items)).aabb()
 }
 
 /// Halves of equal number across the widest axis of the centres.
 pub(super) fn halves(items: &mut [Item], centres: &Aabb, capacity: usize) -> usize {
     let middle = top_down::middle(items.len(), capacity);
     let axis = widest(centres);
-    items.select_nth_unstable_by_key(middle, |item| key(item.centre(axis), item.index));
+    items.select_nth_unstable_by_key(middle, |item| item.key(axis));
     middle
 }
 

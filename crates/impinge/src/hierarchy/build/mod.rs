@@ -13,7 +13,9 @@
 //! Which of them to take is measured in `docs/hierarchies.md`; [`Builder::Auto`] goes by it.
 
 mod binned_sah;
+mod bins;
 mod dynamic;
+mod item;
 mod linked;
 mod median;
 mod ploc;

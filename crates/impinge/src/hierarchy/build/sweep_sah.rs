@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::super::area::half_area;
 use super::super::binary::BinaryTree;
-use super::median::{centre, key};
+use super::item::key;
 use super::top_down::{self, Choice, Range};
 use crate::volume::Aabb;
 
@@ -27,6 +27,12 @@ pub(super) fn build(boxes: &[Aabb], capacity: usize) -> BinaryTree {
     let nodes = top_down::nodes(sorted, capacity);
     let [order, ..] = orders;
     BinaryTree { nodes, order: order.into() }
+}
+
+/// The middle of a box on an axis, without overflow.
+#[inline(always)]
+fn centre(bounds: &Aabb, axis: usize) -> f32 {
+    0.5 * bounds.min[axis] + 0.5 * bounds.max[axis]
 }
 
 /// The same boxes in the order of their centres on each axis, and room to work in.
