@@ -44,7 +44,7 @@ pub(crate) struct Arguments {
 /// Which builder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Hierarchy {
-    /// At the cheapest of all planes by surface area for up to 65,536 faces, or else quickly
+    /// At the cheapest of all planes by surface area for up to 8,192 faces, of a few for up to 131,072, or else quickly
     Auto,
     /// Along a space-filling curve
     Fast,

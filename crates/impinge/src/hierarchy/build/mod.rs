@@ -45,7 +45,8 @@ use crate::volume::Aabb;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Builder {
-    /// [`SweepSah`](Self::SweepSah) for up to 65,536 boxes, [`Morton`](Self::Morton) for more.
+    /// [`SweepSah`](Self::SweepSah) for up to 8,192 boxes, [`BinnedSah`](Self::BinnedSah) for up to 131,072, [`Morton`](Self::Morton)
+    /// for more.
     #[default]
     Auto,
     /// Along a space-filling curve: the fastest build.
@@ -64,9 +65,12 @@ pub enum Builder {
     Reinsertion,
 }
 
-/// Up to so many boxes `Auto` sweeps, which takes some 60 ms for as many: the tree answers up to three times as soon where
-/// triangles are uneven, as those of machines and rooms are. Many more are waited for.
-const MOST_SWEPT: usize = 1 << 16;
+/// Up to so many boxes `Auto` sweeps, which takes some 6 ms for as many.
+const MOST_SWEPT: usize = 1 << 13;
+
+/// Up to so many it goes by the surface area in bins, which takes some 40 ms for as many: the tree answers up to three times as soon as
+/// one along a curve where triangles are uneven, as those of machines and rooms are. Many more are waited for.
+const MOST_BINNED: usize = 1 << 17;
 
 impl Builder {
     /// Every strategy, which leaves out `Auto`.
@@ -99,14 +103,16 @@ impl Builder {
     /// ```
     /// use impinge::hierarchy::Builder;
     ///
-    /// assert_eq!(Builder::Auto.strategy(65_536), Builder::SweepSah);
-    /// assert_eq!(Builder::Auto.strategy(65_537), Builder::Morton);
+    /// assert_eq!(Builder::Auto.strategy(8_192), Builder::SweepSah);
+    /// assert_eq!(Builder::Auto.strategy(131_072), Builder::BinnedSah);
+    /// assert_eq!(Builder::Auto.strategy(131_073), Builder::Morton);
     /// assert_eq!(Builder::named("ploc").map(|named| named.strategy(3)), Some(Builder::Ploc));
     /// ```
     #[must_use]
     pub fn strategy(self, boxes: usize) -> Self {
         match self {
             Self::Auto if boxes <= MOST_SWEPT => Self::SweepSah,
+            Self::Auto if boxes <= MOST_BINNED => Self::BinnedSah,
             Self::Auto => Self::Morton,
             chosen => chosen,
         }
