@@ -247,9 +247,9 @@ class Mesh(PointQueries):
         builder : str, default "auto"
             How: ``"auto"``, as a new mesh is built, takes ``"sweep-sah"`` for up to 8,192 faces, ``"binned-sah"`` for
             up to 131,072 and ``"morton"``, which builds five times as fast, for more. ``"binned-sah"`` is for a large
-            mesh that is asked often: it takes a third of a microsecond a face, and questions take up to several times
-            less where faces are uneven. The others,
-            ``"median"``, ``"ploc"``, ``"insertion"`` and ``"reinsertion"``, are there to be compared.
+            mesh that is asked often: it takes some 0.4 microseconds a face, and questions take up to several times less
+            where faces are uneven. The others, ``"median"``, ``"ploc"``, ``"insertion"`` and ``"reinsertion"``, are
+            there to be compared.
 
         Raises
         ------

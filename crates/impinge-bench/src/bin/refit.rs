@@ -9,6 +9,7 @@ use std::path::Path;
 
 use anyhow::{Result, ensure};
 use clap::Parser;
+use impinge::hierarchy::Builder;
 use impinge::mesh::Placed;
 use impinge::{InputError, Mesh, Pose, Positions, query};
 use impinge_bench::samples::{Samples, timed};
@@ -76,7 +77,7 @@ fn growth(repeats: usize) -> Result<Table<6>> {
     for [along, around] in SIZES {
         let knot = torus_knot(along, around, TREFOIL);
         let surface = Surface { positions: Positions::F64(knot.vertices), faces: knot.faces };
-        let (mut mesh, build) = surface.build(repeats)?;
+        let (mut mesh, build) = surface.build_with(Builder::Morton, repeats)?;
         let refit = Samples::take(repeats, || {
             let positions = surface.positions.clone();
             let (seconds, aging) = timed(|| mesh.refit(positions));
@@ -140,7 +141,7 @@ fn follow(
             Ok::<usize, InputError>(if is_aged { watched.rebuild_aged() } else { 0 })
         })?;
         let faces_of = still.faces().to_vec();
-        let (build, rebuilt) = timed_ok(|| Mesh::new(positions, faces_of))?;
+        let (build, rebuilt) = timed_ok(|| Mesh::with_builder(positions, faces_of, Builder::Morton))?;
         let meshes = [&refitted, &watched, &rebuilt];
         let pairs = query::intersecting_pairs(&rebuilt, other);
         let mut queries = [f64::INFINITY; 3];
@@ -180,7 +181,7 @@ fn aging_table(first: &'static str, frames: impl IntoIterator<Item = (String, Fr
 /// A knot of 200,000 triangles twisted about its axis, more and more, against itself as it was.
 fn twisted(twists: &[f64], repeats: usize) -> Result<Vec<Frame>> {
     let knot = torus_knot(632, 158, TREFOIL);
-    let still = Mesh::new(Positions::F64(knot.vertices.clone()), knot.faces)?;
+    let still = Mesh::with_builder(Positions::F64(knot.vertices.clone()), knot.faces, Builder::Morton)?;
     let frames = twists.iter().map(|twist| {
         let turned = |v: &[f64; 3]| {
             let (s, c) = (twist * v[2]).sin_cos();
@@ -194,7 +195,7 @@ fn twisted(twists: &[f64], repeats: usize) -> Result<Vec<Frame>> {
 /// A recorded animation against its first frame, moved aside.
 fn animated(folder: &Path, name: &str, repeats: usize) -> Result<Vec<Frame>> {
     let Animation { frames, faces } = Animation::read(folder, name)?;
-    let still = Mesh::new(Positions::F32(frames[0].clone()), faces)?;
+    let still = Mesh::with_builder(Positions::F32(frames[0].clone()), faces, Builder::Morton)?;
     let xs = || frames[0].iter().map(|v| f64::from(v[0]));
     let width = xs().fold(f64::MIN, f64::max) - xs().fold(f64::MAX, f64::min);
     let aside = Pose::from_translation([0.25 * width, 0.0, 0.0])?;

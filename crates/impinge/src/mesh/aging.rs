@@ -159,6 +159,6 @@ impl Data {
     /// The box of a face in the packed frame, as a builder is given it.
     fn face_bounds(&self, face: u32) -> Aabb {
         let corners = self.faces[face as usize].map(|vertex| self.frame.pack(self.vertices.get(vertex as usize)));
-        Aabb::of_points(corners.map(|corner| corner.map(|x| x as f32))).next_outward()
+        Aabb::of_points(corners.map(|corner| corner.map(|x| x as f32)))
     }
 }

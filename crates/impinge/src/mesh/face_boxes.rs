@@ -15,13 +15,13 @@ const CHUNK: usize = 1 << 14;
 pub(super) struct FaceBoxes<C>(pub(super) C);
 
 impl<C: StoredCorners> FaceBoxes<C> {
-    /// The boxes one by one in the packed frame, rounded outward (docs/proof.md, L1): a step to the next float is a whole unit in
-    /// the last place, more than half of one for the rounding to single precision and the double precision errors before it.
+    /// The boxes one by one in the packed frame, up to rounding: a builder lays out what a refit gives its bounds. Rounded outward, flat
+    /// meshes would be full of the numbers next to zero, with which arithmetic is slow.
     pub(super) fn listed(&self) -> Vec<Aabb> {
         let Self(stored) = self;
         let packed = |vertex: u32| stored.frame().pack(stored.vertex(vertex)).map(|x| x as f32);
         let faces = stored.faces().all();
-        let bounds = |face: &[u32; 3]| Aabb::of_points(face.map(packed)).next_outward();
+        let bounds = |face: &[u32; 3]| Aabb::of_points(face.map(packed));
         faces.par_iter().with_min_len(CHUNK).map(bounds).collect()
     }
 }
@@ -35,7 +35,6 @@ impl<C: StoredCorners> Boxes for FaceBoxes<C> {
         self.0.twice_reach()
     }
 
-    /// Of boxes before they are rounded outward.
     #[inline(always)]
     fn eight<S: Simd>(&self, simd: S, first: usize) -> [[f32x4<S>; 4]; 2] {
         let Self(stored) = self;

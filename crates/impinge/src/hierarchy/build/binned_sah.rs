@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 use super::super::binary::BinaryTree;
 use super::bins::{Bins, Grid, Plane};
-use super::item::{Item, Reach, order, point};
-use super::median::{bounds, centre_bounds, halves};
+use super::item::{Item, Reach, bounds, order, point, twice_centre_bounds};
+use super::median::halves;
 use super::top_down::{self, Choice, Range};
 use crate::simd::{best_level, outlined};
 use crate::volume::Aabb;
@@ -22,15 +22,15 @@ const DEAL_TOGETHER: usize = 1 << 15;
 /// The tree of these boxes, of which there is at least one.
 pub(super) fn build(boxes: &[Aabb], capacity: usize) -> BinaryTree {
     let mut items = Item::all(boxes);
-    let centres = centre_bounds(&items);
-    let nodes = top_down::nodes(Binned { items: &mut items, centres, capacity }, capacity);
+    let twice_centres = twice_centre_bounds(&items);
+    let nodes = top_down::nodes(Binned { items: &mut items, twice_centres, capacity }, capacity);
     BinaryTree { nodes, order: order(&items).into() }
 }
 
 struct Binned<'a> {
     items: &'a mut [Item],
-    /// The box of their centres.
-    centres: Aabb,
+    /// The box of twice their centres.
+    twice_centres: Aabb,
     capacity: usize,
 }
 
@@ -44,26 +44,27 @@ impl Range for Binned<'_> {
     }
 
     fn split(self, choice: Choice) -> (Self, Self) {
-        let Self { items, centres, capacity } = self;
+        let Self { items, twice_centres, capacity } = self;
         let chosen = match choice {
-            Choice::Builder => dispatch!(best_level(), simd => part(simd, items, &centres, capacity)),
+            Choice::Builder => dispatch!(best_level(), simd => part(simd, items, &twice_centres, capacity)),
             Choice::Halves => None,
         };
-        let (middle, centres) = chosen.unwrap_or_else(|| {
-            let middle = halves(items, &centres, capacity);
+        let (middle, [below, above]) = chosen.unwrap_or_else(|| {
+            let middle = halves(items, &twice_centres, capacity);
             let (low, high) = items.split_at(middle);
-            (middle, [centre_bounds(low), centre_bounds(high)])
+            (middle, [low, high].map(twice_centre_bounds))
         });
         let (low, high) = items.split_at_mut(middle);
-        (Self { items: low, centres: centres[0], capacity }, Self { items: high, centres: centres[1], capacity })
+        let part = |items, twice_centres| Self { items, twice_centres, capacity };
+        (part(low, below), part(high, above))
     }
 }
 
-/// Rearranges the items about the cheapest plane: how many come before it, and the boxes of the centres on either side. None where no
-/// plane has boxes on either side.
+/// Rearranges the items about the cheapest plane: how many come before it, and the boxes of twice the centres on either side. None
+/// where there is no such plane.
 #[inline(always)]
-fn part<S: Simd>(simd: S, items: &mut [Item], centres: &Aabb, capacity: usize) -> Option<(usize, [Aabb; 2])> {
-    let grid = Grid::over(centres);
+fn part<S: Simd>(simd: S, items: &mut [Item], twice_centres: &Aabb, capacity: usize) -> Option<(usize, [Aabb; 2])> {
+    let grid = Grid::over(twice_centres);
     let plane = deal(simd, items, &grid).cheapest(simd, capacity)?;
     Some(part_at(simd, items, &grid, plane))
 }
@@ -71,7 +72,8 @@ fn part<S: Simd>(simd: S, items: &mut [Item], centres: &Aabb, capacity: usize) -
 /// On all cores where it pays.
 #[inline(always)]
 fn deal<S: Simd>(simd: S, items: &[Item], grid: &Grid) -> Bins {
-    let deal = |items: &[Item]| {
+    // Of its own, as what another thread calls has none of the vector unit of who sent it there.
+    let deal_chunk = |items: &[Item]| {
         outlined(
             simd,
             #[inline(always)]
@@ -79,10 +81,11 @@ fn deal<S: Simd>(simd: S, items: &[Item], grid: &Grid) -> Bins {
         )
     };
     if items.len() <= DEAL_TOGETHER {
-        return deal(items);
+        return deal_chunk(items);
     }
-    let dealt = items.par_chunks(DEAL_TOGETHER).map(deal);
-    dealt.reduce_with(Bins::merged).unwrap_or_else(|| deal(items))
+    // Merged in any order, on which neither unions nor counts depend.
+    let dealt = items.par_chunks(DEAL_TOGETHER).map(deal_chunk);
+    dealt.reduce_with(Bins::merged).unwrap_or_else(|| deal_chunk(items))
 }
 
 /// Without a branch that depends on the side, as nobody foresees it.
@@ -93,11 +96,71 @@ fn part_at<S: Simd>(simd: S, items: &mut [Item], grid: &Grid, plane: Plane) -> (
     let mut middle = 0;
     for at in 0..items.len() {
         let item = &items[at];
-        let (reach, is_above) = (point(item.centres(simd)), grid.is_above(simd, item, plane));
+        let (reach, is_above) = (point(item.twice_centres(simd)), grid.is_above(simd, item, plane));
         below = below.max(is_above.select(nothing, reach));
         above = above.max(is_above.select(reach, nothing));
         items.swap(at, middle);
         middle += 1 - (is_above.to_bitmask() & 1) as usize;
     }
     (middle, [Reach::of(below).aabb(), Reach::of(above).aabb()])
+}
+
+#[cfg(test)]
+mod tests {
+    use impinge_testkit::generate::Rng;
+
+    use super::super::bins::tests::some_boxes;
+    use super::*;
+    use crate::simd::levels;
+
+    /// What comes before the middle is below the plane, and all else above; nothing is lost; and the boxes are those of the centres.
+    #[test]
+    fn parts_are_the_sides_of_the_plane() {
+        let mut rng = Rng::new(403);
+        let mut parted = 0;
+        for round in 0..200 {
+            let boxes = some_boxes(&mut rng, round % 4);
+            let items = Item::all(&boxes);
+            let grid = Grid::over(&twice_centre_bounds(&items));
+            for (name, level) in levels() {
+                let mut items = items.clone();
+                let Some((plane, (middle, twice_centres))) = dispatch!(level, simd => {
+                    let plane = Bins::of(simd, &items, &grid).cheapest(simd, 2);
+                    plane.map(|plane| (plane, part_at(simd, &mut items, &grid, plane)))
+                }) else {
+                    continue;
+                };
+                parted += 1;
+                let (below, above) = items.split_at(middle);
+                let is_above =
+                    |item: &Item| dispatch!(level, simd => grid.is_above(simd, item, plane).to_bitmask()) > 0;
+                assert!(!below.is_empty() && !below.iter().any(is_above), "{name}: {plane:?}");
+                assert!(!above.is_empty() && above.iter().all(is_above), "{name}: {plane:?}");
+                assert_eq!(twice_centres, [below, above].map(twice_centre_bounds), "{name}: {plane:?}");
+                let mut order = order(&items);
+                order.sort_unstable();
+                assert!(order.into_iter().eq(0..boxes.len() as u32), "{name}: {plane:?}");
+            }
+        }
+        assert!(parted > 100 * levels().len(), "{parted} were parted");
+    }
+
+    #[test]
+    fn what_several_threads_deal_is_what_one_deals() {
+        let mut rng = Rng::new(404);
+        let boxes: Vec<Aabb> = (0..3 * DEAL_TOGETHER + 5)
+            .map(|_| {
+                let mut corner = || [0; 3].map(|_| rng.uniform(0.0, 1.0).powi(3) as f32);
+                Aabb::of_points([corner(), corner()])
+            })
+            .collect();
+        let items = Item::all(&boxes);
+        let grid = Grid::over(&twice_centre_bounds(&items));
+        let (together, alone) = dispatch!(best_level(), simd => {
+            (deal(simd, &items, &grid).cheapest(simd, 8), Bins::of(simd, &items, &grid).cheapest(simd, 8))
+        });
+        assert!(together == alone && together.is_some(), "{together:?} and {alone:?}");
+        let on = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        assert!(on(1).install(|| build(&boxes, 8)) == on(3).install(|| build(&boxes, 8)), "threads show");
+    }
 }

@@ -1,13 +1,13 @@
 //! Boxes that a builder rearranges, each in one vector, and unions of them.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, f32x8, i32x4};
+use fearless_simd::{Simd, dispatch, f32x4, f32x8, i32x4};
 
-use crate::simd::LANES;
+use crate::simd::{LANES, best_level};
 use crate::volume::Aabb;
 
 /// A box and its number, moved together, so that passes run over memory in order.
-#[derive(Clone, Copy, Debug, bytemuck::Zeroable, bytemuck::Pod)]
+#[derive(Clone, Copy, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C, align(32))]
 pub(super) struct Item {
     max: [f32; 3],
@@ -32,16 +32,16 @@ impl Item {
         self.index
     }
 
-    /// The middle of the box on an axis, without overflow.
+    /// Twice the middle of the box on an axis. A sum, as a product takes many times as long where a coordinate is the next to zero.
     #[inline(always)]
-    pub(super) fn centre(&self, axis: usize) -> f32 {
-        0.5 * self.max[axis] - 0.5 * self.negated_min[axis]
+    pub(super) fn twice_centre(&self, axis: usize) -> f32 {
+        self.max[axis] - self.negated_min[axis]
     }
 
     /// Its place among all along an axis.
     #[inline(always)]
     pub(super) fn key(&self, axis: usize) -> u64 {
-        key(self.centre(axis), self.index)
+        key(self.twice_centre(axis), self.index)
     }
 
     /// How far the box reaches.
@@ -50,14 +50,32 @@ impl Item {
         f32x8::from_slice(simd, bytemuck::cast_ref::<Self, [f32; LANES]>(self))
     }
 
-    /// The middle of the box on each axis, as [`centre`](Self::centre) has it, and zero.
+    /// Likewise on each axis, and zero.
     #[inline(always)]
-    pub(super) fn centres<S: Simd>(&self, simd: S) -> f32x4<S> {
+    pub(super) fn twice_centres<S: Simd>(&self, simd: S) -> f32x4<S> {
         let (max, negated_min) = self.lanes(simd).split();
-        // The number may be a float with which one does not multiply at full speed.
-        let max = (max.bitcast::<i32x4<S>>() & i32x4::from_slice(simd, &[-1, -1, -1, 0])).bitcast::<f32x4<S>>();
-        0.5 * max - 0.5 * negated_min
+        // The number may be a float that slows products down.
+        let twice = (max - negated_min).bitcast::<i32x4<S>>() & i32x4::from_slice(simd, &[-1, -1, -1, 0]);
+        twice.bitcast::<f32x4<S>>()
     }
+}
+
+/// The box of some boxes.
+pub(super) fn bounds(items: &[Item]) -> Aabb {
+    dispatch!(best_level(), simd => {
+        let lanes = items.iter().map(#[inline(always)] |item| item.lanes(simd));
+        Reach::of_all(simd, lanes)
+    })
+    .aabb()
+}
+
+/// The box of twice the centres of some boxes.
+pub(super) fn twice_centre_bounds(items: &[Item]) -> Aabb {
+    dispatch!(best_level(), simd => {
+        let points = items.iter().map(#[inline(always)] |item| point(item.twice_centres(simd)));
+        Reach::of_all(simd, points)
+    })
+    .aabb()
 }
 
 /// The numbers of some boxes.
@@ -67,8 +85,8 @@ pub(super) fn order(items: &[Item]) -> Vec<u32> {
 
 /// Sorts by a coordinate as floats do, then by the index: no two boxes are alike, so that there is one order.
 #[inline(always)]
-pub(super) fn key(centre: f32, index: u32) -> u64 {
-    let bits = centre.to_bits();
+pub(super) fn key(along: f32, index: u32) -> u64 {
+    let bits = along.to_bits();
     // A negative float's bits grow the wrong way; a positive one's need their top bit to come after it.
     let ordered = if bits >> 31 == 1 { !bits } else { bits | 1 << 31 };
     u64::from(ordered) << 32 | u64::from(index)
@@ -76,7 +94,7 @@ pub(super) fn key(centre: f32, index: u32) -> u64 {
 
 /// How far something reaches along each axis and against each: its greatest coordinates, and its least ones negated, so that a union is
 /// one maximum of all lanes. In the fourth and the last lane there is anything.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 #[repr(align(32))]
 pub(super) struct Reach([f32; LANES]);
 
@@ -90,24 +108,14 @@ impl Reach {
         Self(lanes.into())
     }
 
-    /// Of some boxes.
+    /// Of what is in the lanes of many vectors.
     #[inline(always)]
-    pub(super) fn of_boxes<S: Simd>(simd: S, items: &[Item]) -> Self {
-        Self::of(items.iter().fold(
-            Self::NOTHING.lanes(simd),
-            #[inline(always)]
-            |reach, item| reach.max(item.lanes(simd)),
-        ))
-    }
-
-    /// Of the centres of some boxes.
-    #[inline(always)]
-    pub(super) fn of_centres<S: Simd>(simd: S, items: &[Item]) -> Self {
-        let mut reach = Self::NOTHING;
-        for item in items {
-            reach.take_in(simd, point(item.centres(simd)));
+    fn of_all<S: Simd>(simd: S, all: impl Iterator<Item = f32x8<S>>) -> Self {
+        let mut reach = Self::NOTHING.lanes(simd);
+        for lanes in all {
+            reach = reach.max(lanes);
         }
-        reach
+        Self::of(reach)
     }
 
     #[inline(always)]

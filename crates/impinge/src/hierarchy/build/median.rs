@@ -3,12 +3,9 @@
 
 use std::num::NonZeroU32;
 
-use fearless_simd::dispatch;
-
 use super::super::binary::{BinaryNode, BinaryTree};
-use super::item::{Item, Reach, order};
+use super::item::{Item, bounds, order, twice_centre_bounds};
 use super::top_down::{self, Choice, Range};
-use crate::simd::best_level;
 use crate::volume::Aabb;
 
 /// The tree of these boxes, of which there is at least one.
@@ -56,16 +53,6 @@ pub(super) fn append(
     order.extend(items.iter().map(Item::index));
 }
 
-/// The box of some boxes.
-pub(super) fn bounds(items: &[Item]) -> Aabb {
-    dispatch!(best_level(), simd => Reach::of_boxes(simd, items)).aabb()
-}
-
-/// The box of the centres of some boxes.
-pub(super) fn centre_bounds(items: &[Item]) -> Aabb {
-    dispatch!(best_level(), simd => Reach::of_centres(simd, items)).aabb()
-}
-
 /// Halves of equal number across the widest axis of the centres.
 pub(super) fn halves(items: &mut [Item], centres: &Aabb, capacity: usize) -> usize {
     let middle = top_down::middle(items.len(), capacity);
@@ -75,7 +62,7 @@ pub(super) fn halves(items: &mut [Item], centres: &Aabb, capacity: usize) -> usi
 }
 
 /// The axis along which a box is longest.
-pub(super) fn widest(bounds: &Aabb) -> usize {
+fn widest(bounds: &Aabb) -> usize {
     // In halves, which do not overflow.
     let extent: [f32; 3] = std::array::from_fn(|axis| 0.5 * bounds.max[axis] - 0.5 * bounds.min[axis]);
     if extent[0] >= extent[1] && extent[0] >= extent[2] {
@@ -102,7 +89,7 @@ impl Range for Halved<'_> {
     }
 
     fn split(self, _: Choice) -> (Self, Self) {
-        let centres = centre_bounds(self.items);
+        let centres = twice_centre_bounds(self.items);
         let middle = halves(self.items, &centres, self.capacity);
         let (low, high) = self.items.split_at_mut(middle);
         (Self { items: low, ..self }, Self { items: high, capacity: self.capacity })

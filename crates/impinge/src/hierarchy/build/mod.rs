@@ -118,7 +118,7 @@ impl Builder {
         }
     }
 
-    /// The tree of these boxes, none of which may be empty; the same for any number of threads.
+    /// The tree of these boxes, none of which may be empty or not finite; the same for any number of threads.
     ///
     /// # Complexity
     /// O(n log n), depth at most [`MAX_DEPTH`](super::MAX_DEPTH), for any input: equal, nested or sorted boxes included.

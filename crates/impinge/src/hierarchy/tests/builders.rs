@@ -71,7 +71,10 @@ fn a_better_builder_makes_a_cheaper_tree() {
         Builder::Reinsertion,
     ]
     .map(sah);
-    assert!(sweep <= 1.01 * binned && binned < 1.05 * median, "sweep {sweep}, binned {binned}, median {median}");
+    assert!(
+        sweep <= 1.01 * binned && binned < 1.03 * sweep && binned < 1.05 * median,
+        "sweep {sweep}, binned {binned}, median {median}"
+    );
     assert!(reinsertion < ploc, "reinsertion {reinsertion}, PLOC {ploc}");
     assert!(insertion < 2.0 * binned, "insertion {insertion}, binned {binned}");
 }
