@@ -20,6 +20,19 @@ pub(crate) const REACH: f64 = 1.0 + 1e-6;
 /// subtraction's relative error and, for differences too small to keep, the least subnormal number.
 pub(crate) const PACKING_ERROR: f64 = 1.0 / (1_u64 << 51) as f64;
 
+/// No bound of a box is nearer to zero: far less than [`PACKING_ERROR`], and so much that its products with the entries of a map are
+/// no subnormal numbers, with which some processors take a hundred times as long. Flat meshes would be full of them.
+const LEAST_BOUND: f32 = 1.0 / (1_u64 << 60) as f32;
+
+/// A float above a packed coordinate that was rounded to this one: the next, or the least bound.
+#[inline(always)]
+pub(super) fn outward(rounded: f32) -> f32 {
+    // A negative float's bits grow the wrong way.
+    let bits = rounded.to_bits().cast_signed();
+    let next = f32::from_bits(bits.wrapping_add(bits >> 31 | 1).cast_unsigned());
+    if rounded.abs() < LEAST_BOUND { LEAST_BOUND } else { next }
+}
+
 impl PackedFrame {
     /// A frame in which all vertices between these extremes are at most [`REACH`] in magnitude.
     pub(super) fn over(extremes: &Extremes) -> Self {
@@ -133,6 +146,21 @@ mod tests {
         assert_eq!(reciprocal_power_of_two(1.0), 1.0);
         assert_eq!(reciprocal_power_of_two(1.5), 0.5);
         assert_eq!(reciprocal_power_of_two(0.5), 2.0);
+    }
+
+    #[test]
+    fn outward_is_beyond_and_never_next_to_zero() {
+        let mut near_zero = 0;
+        for x in (-120..1).flat_map(|power| [1.0, 1.1, 1.9].map(|x| x * 2.0_f32.powi(power))) {
+            for x in [x, -x, 0.0, -0.0, x.next_down(), -x.next_down(), f32::from_bits(1), -f32::from_bits(1)] {
+                let beyond = outward(x);
+                // What was rounded to it is at most half way to the next.
+                assert!(beyond >= x.next_up() && beyond.abs() > 2.0_f32.powi(-61), "{x} to {beyond}");
+                near_zero += usize::from(beyond > x.next_up());
+                assert!(beyond == x.next_up() || x.abs() < LEAST_BOUND && beyond == LEAST_BOUND, "{x} to {beyond}");
+            }
+        }
+        assert!(near_zero > 1_000, "{near_zero} were near zero");
     }
 
     /// Extremes of so many vertices that some are taken side by side and some are left over, and which of them are below a limit.

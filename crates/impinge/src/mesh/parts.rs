@@ -61,7 +61,7 @@ pub enum Flaw {
 impl Mesh {
     /// The version of the form that [`parts`](Self::parts) have, which is one on all machines whose numbers are
     /// little-endian: it changes whenever a build makes other bits of the same arrays.
-    pub const PARTS_VERSION: u32 = 3;
+    pub const PARTS_VERSION: u32 = 4;
 
     /// No array needs a larger alignment, in bytes.
     pub const PARTS_ALIGNMENT: usize = align_of::<Node>();

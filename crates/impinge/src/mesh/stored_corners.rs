@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8, f64x4};
 
 use super::eight_triangles::{corners_of, twice_centres_of, twice_packed_centres_of, widened_rows};
-use super::frame::{PackedFrame, REACH};
+use super::frame::{PackedFrame, REACH, outward};
 use super::leaf::Leaf;
 use super::positions::{Vertex, VertexSlice};
 use crate::hierarchy::BoxLanes;
@@ -136,20 +136,12 @@ pub(super) trait StoredCorners: Copy + Sync {
         let mut bounds = BoxLanes::default();
         for axis in 0..3 {
             for lane in 0..LANES {
-                bounds.min[axis][lane] = -next_up(-((least[axis][lane] - origin[axis]) * scale) as f32);
-                bounds.max[axis][lane] = next_up(((greatest[axis][lane] - origin[axis]) * scale) as f32);
+                bounds.min[axis][lane] = -outward(-((least[axis][lane] - origin[axis]) * scale) as f32);
+                bounds.max[axis][lane] = outward(((greatest[axis][lane] - origin[axis]) * scale) as f32);
             }
         }
         bounds
     }
-}
-
-/// As [`f32::next_up`], of what is finite.
-#[inline(always)]
-fn next_up(x: f32) -> f32 {
-    // Zero is positive in a sum of zeros.
-    let bits = (x + 0.0).to_bits().cast_signed();
-    f32::from_bits((bits + (bits >> 31 | 1)).cast_unsigned())
 }
 
 /// Vertices in single precision.

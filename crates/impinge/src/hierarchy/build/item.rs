@@ -50,7 +50,7 @@ impl Item {
         f32x8::from_slice(simd, bytemuck::cast_ref::<Self, [f32; LANES]>(self))
     }
 
-    /// Likewise on each axis, and zero.
+    /// Twice the middle of the box on each axis, and zero.
     #[inline(always)]
     pub(super) fn twice_centres<S: Simd>(&self, simd: S) -> f32x4<S> {
         let (max, negated_min) = self.lanes(simd).split();
