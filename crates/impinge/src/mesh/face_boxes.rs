@@ -15,8 +15,7 @@ const CHUNK: usize = 1 << 14;
 pub(super) struct FaceBoxes<C>(pub(super) C);
 
 impl<C: StoredCorners> FaceBoxes<C> {
-    /// The boxes one by one in the packed frame, up to rounding: a builder lays out what a refit gives its bounds. Rounded outward, flat
-    /// meshes would be full of the numbers next to zero, with which arithmetic is slow.
+    /// The boxes one by one in the packed frame, up to rounding: a builder lays out what a refit gives its bounds.
     pub(super) fn listed(&self) -> Vec<Aabb> {
         let Self(stored) = self;
         let packed = |vertex: u32| stored.frame().pack(stored.vertex(vertex)).map(|x| x as f32);

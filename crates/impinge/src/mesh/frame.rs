@@ -20,8 +20,8 @@ pub(crate) const REACH: f64 = 1.0 + 1e-6;
 /// subtraction's relative error and, for differences too small to keep, the least subnormal number.
 pub(crate) const PACKING_ERROR: f64 = 1.0 / (1_u64 << 51) as f64;
 
-/// No bound of a box is nearer to zero: far less than [`PACKING_ERROR`], and so much that its products with the entries of a map are
-/// no subnormal numbers, with which a product takes seventy times as long on a Xeon. Flat meshes would be full of them.
+/// No bound of a box is nearer to zero: far less than [`PACKING_ERROR`], and so much that its products with what is in the map of a
+/// pose are not subnormal, as all would be that a flat mesh has to offer: such a product takes seventy times as long on a Xeon.
 const LEAST_BOUND: f32 = 1.0 / (1_u64 << 60) as f32;
 
 /// A float above a packed coordinate that was rounded to this one: the next, or the least bound.

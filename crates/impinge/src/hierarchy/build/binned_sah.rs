@@ -55,8 +55,8 @@ impl Range for Binned<'_> {
             (middle, [low, high].map(twice_centre_bounds))
         });
         let (low, high) = items.split_at_mut(middle);
-        let part = |items, twice_centres| Self { items, twice_centres, capacity };
-        (part(low, below), part(high, above))
+        let side = |items, twice_centres| Self { items, twice_centres, capacity };
+        (side(low, below), side(high, above))
     }
 }
 
