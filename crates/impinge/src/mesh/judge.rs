@@ -26,9 +26,10 @@ pub(super) fn judge(vertices: VertexSlice<'_>, faces: &[[u32; 3]]) -> Result<Ext
     }
     let extremes = judge_vertices(vertices)?;
     let len = vertices.len();
-    let lost = first(faces, |face| face[0].max(face[1]).max(face[2]) as usize >= len);
-    if let Some(face) = lost {
-        let index = faces[face].into_iter().find(|&vertex| vertex as usize >= len).unwrap_or_default();
+    // One after the other and not face by face, so that several are compared at once.
+    let indices = faces.as_flattened();
+    if let Some(lost) = first(indices, |&index| index >= len as u32) {
+        let (face, index) = (lost / 3, indices[lost]);
         return Err(InputError::new(InputErrorKind::IndexOutOfBounds { face, index, len }));
     }
     Ok(extremes)
@@ -79,4 +80,30 @@ fn first<T: Sync>(elements: &[T], is_bad: impl Fn(&T) -> bool + Sync) -> Option<
 #[inline(always)]
 fn all<T>(elements: &[T], is_good: impl Fn(&T) -> bool) -> bool {
     elements.iter().fold(true, |all, one| all & is_good(one))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whichever corner of whichever face it is, in the first chunk or a later one, and the first of several.
+    #[test]
+    fn the_first_index_out_of_bounds_is_named() {
+        let vertices = [[0.0_f32; 3]; 5];
+        let vertices = VertexSlice::F32(&vertices);
+        let faces = vec![[0, 4, 2]; CHUNK];
+        assert!(judge(vertices, &faces).is_ok());
+        for at in [0, 1, CHUNK / 3 - 1, CHUNK / 3, CHUNK / 3 + 1, CHUNK - 1] {
+            for corner in 0..3 {
+                for index in [5, 6, 1 << 31, u32::MAX] {
+                    let mut faces = faces.clone();
+                    faces[at][corner] = index;
+                    faces[CHUNK - 1][2] = index;
+                    let expected = InputErrorKind::IndexOutOfBounds { face: at, index, len: 5 };
+                    let refused = judge(vertices, &faces).map_err(|error| error.kind().clone());
+                    assert_eq!(refused, Err(expected), "at {at}, corner {corner}");
+                }
+            }
+        }
+    }
 }

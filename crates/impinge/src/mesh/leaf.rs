@@ -28,11 +28,42 @@ impl Leaf {
     /// How many lanes hold a face of their own, where none of them comes after one that does not.
     #[inline(always)]
     pub(super) fn count(&self) -> usize {
-        1 + self.faces[1..].iter().filter(|&&face| face != self.faces[0]).count()
+        1 + self.faces.iter().filter(|&&face| face != self.faces[0]).count()
     }
 
     /// Whether only lanes after all others repeat the first.
     pub(super) fn is_sound(&self) -> bool {
-        self.held()[1..].iter().all(|&face| face != self.faces[0])
+        let is_other = |lane: usize| u32::from(self.faces[lane] != self.faces[0]);
+        let others = (0..LANES).fold(0, |others, lane| others | is_other(lane) << lane);
+        // Ones in a row from the second on, or none.
+        (others + 2).is_power_of_two()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use impinge_testkit::generate::Rng;
+
+    use super::*;
+
+    /// Whatever the lanes repeat: made anew of what it holds, only a sound leaf is the same.
+    #[test]
+    fn sound_leaves_are_what_leaves_of_their_faces_are() {
+        let mut rng = Rng::new(171);
+        let mut sound = BTreeSet::new();
+        for _ in 0..20_000 {
+            let faces = [0; LANES].map(|_| rng.integer(0, 2) as u32);
+            // One in two as a build makes them.
+            let count = rng.integer(1, 2 * LANES as i64) as usize;
+            let leaf = if count > LANES { Leaf { faces } } else { Leaf::holding(&faces[..count]) };
+            let is_sound = Leaf::holding(leaf.held()).faces == leaf.faces;
+            assert_eq!(leaf.is_sound(), is_sound, "{leaf:?}");
+            if is_sound {
+                sound.insert(leaf.count());
+            }
+        }
+        assert_eq!(sound.len(), LANES, "{sound:?}");
     }
 }

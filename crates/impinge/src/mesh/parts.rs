@@ -166,13 +166,14 @@ fn part<T: bytemuck::Pod>(bytes: &SharedBytes, range: &Range<usize>, part: &'sta
 /// Each of this many faces is in one leaf, which has no other.
 fn each_face_once(leaves: &[Leaf], faces: usize) -> Result<(), Flaw> {
     // A byte each, which is only ever written: threads that set bits of one number wait for each other, and one for itself.
-    let seen: Vec<AtomicBool> = (0..faces).map(|_| AtomicBool::new(false)).collect();
+    let mut seen: Vec<AtomicBool> = (0..faces).map(|_| AtomicBool::new(false)).collect();
     let see = |&face: &u32| seen.get(face as usize).map(|seen| seen.store(true, Ordering::Relaxed)).is_some();
-    let count = |leaf: &Leaf| (leaf.is_sound() && leaf.held().iter().all(see)).then(|| leaf.held().len());
+    // All lanes, as those that are not in use repeat the first.
+    let count = |leaf: &Leaf| (leaf.is_sound() && leaf.faces.iter().all(see)).then(|| leaf.count());
     let held: Option<usize> = leaves.par_iter().with_min_len(super::CHUNK).map(count).sum();
     // As many as there are, and each of them, is none twice.
-    let is_seen = |seen: &AtomicBool| seen.load(Ordering::Relaxed);
-    let is_each = held == Some(faces) && seen.par_iter().with_min_len(super::CHUNK).all(is_seen);
+    let are_seen = |seen: &mut [AtomicBool]| seen.iter_mut().fold(true, |all, seen| all & *seen.get_mut());
+    let is_each = held == Some(faces) && seen.par_chunks_mut(super::CHUNK).all(are_seen);
     if is_each { Ok(()) } else { Err(Flaw::Faces) }
 }
 
