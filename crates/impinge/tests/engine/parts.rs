@@ -163,6 +163,23 @@ fn n34_arrays_that_do_not_fit_are_refused() {
     assert!(flaw(&|s| s.is_single_precision = true).is_some());
 }
 
+/// Of faces at one place, a leaf may hold any without another box: only that each is held once tells them apart.
+#[test]
+fn n34_a_face_twice_in_place_of_one_that_is_alike_is_seen() {
+    let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    for count in [3, 8, 1_000] {
+        let mesh = Mesh::new(Positions::F32(corners.clone()), vec![[0, 1, 2]; count]).expect("legal");
+        let stored = Stored::of(&mesh);
+        assert_eq!(stored.flaw(), None);
+        let Range { start, end } = stored.parts.leaves;
+        for at in [start + 4, end - 32 + 4] {
+            let mut spoiled = stored.clone();
+            spoiled.bytes.copy_within(at..at + 4, at + 4);
+            assert_eq!(spoiled.flaw(), Some(Flaw::Faces), "{count} faces, byte {}", at - start);
+        }
+    }
+}
+
 /// The first bytes of the SHA-256 of all arrays.
 fn digest(mesh: &Mesh) -> String {
     use sha2::{Digest, Sha256};
