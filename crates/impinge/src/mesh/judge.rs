@@ -12,7 +12,7 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 /// Lanes of leaves are numbered with 32 bits; there are at most as many leaves as faces, each of eight lanes.
 const MOST_FACES: usize = 1 << 29;
 
-/// Vertices, or faces, that are one task.
+/// Vertices, or indices of faces, that are one task.
 const CHUNK: usize = 1 << 10;
 
 /// Judges a mesh, and returns the extremes of its vertices.
@@ -26,7 +26,7 @@ pub(super) fn judge(vertices: VertexSlice<'_>, faces: &[[u32; 3]]) -> Result<Ext
     }
     let extremes = judge_vertices(vertices)?;
     let len = vertices.len();
-    // One after the other and not face by face, so that several are compared at once.
+    // All in a row and not face by face, so that vectors of them are compared at once.
     let indices = faces.as_flattened();
     if let Some(lost) = first(indices, |&index| index >= len as u32) {
         let (face, index) = (lost / 3, indices[lost]);
