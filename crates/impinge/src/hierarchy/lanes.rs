@@ -93,6 +93,14 @@ impl BoxLanes {
     pub(crate) fn lane(&self, lane: usize) -> Aabb {
         Aabb { min: by_axis!(axis => self.min[axis][lane]), max: by_axis!(axis => self.max[axis][lane]) }
     }
+
+    #[inline(always)]
+    pub(crate) fn set_lane(&mut self, lane: usize, bounds: &Aabb) {
+        for axis in 0..3 {
+            self.min[axis][lane] = bounds.min[axis];
+            self.max[axis][lane] = bounds.max[axis];
+        }
+    }
 }
 
 /// The lanes whose boxes are not proved apart from `one`, as bits. A comparison with NaN proves nothing, so that a bound

@@ -6,16 +6,21 @@
 
 use std::ops::Range;
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8, f64x4};
+
 use super::aging::cost;
 use super::area::half_area;
 use super::lanes::BoxLanes;
 use super::slab::Slab;
 use super::wide::{Node, PATCH, WideTree};
-use crate::simd::{by_axis, prefetch};
+use crate::simd::{LANES, Lanes3, across3, by_axis, load3, prefetch, store3};
 use crate::volume::Aabb;
 
 /// Nodes ahead that are asked for.
 const AHEAD: usize = 2;
+
+const LANE_NUMBERS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// A subtree small enough to have slabs, whose parent is not.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -113,7 +118,7 @@ pub(crate) struct Work<'a> {
 
 /// What the leaves of a patch hold, and where that is now. Leaves are counted from the patch's first.
 pub(crate) trait Leaves {
-    /// Looks at what the leaves of a node hold: returns their boxes, with anything in the lanes beyond them, and the direction in
+    /// Looks at what the leaves of a node hold: returns their boxes, with any boxes in the lanes beyond them, and the direction in
     /// which it all faces, of which those of several nodes can be added up. The last leaves come first.
     fn fit(&mut self, leaves: Range<usize>) -> (BoxLanes, [f32; 3]);
 
@@ -137,7 +142,7 @@ impl Patch {
     /// Refits the patch's own `nodes` to what its leaves hold, each node right after what is below it. Returns what the areas below
     /// them add up to.
     #[inline(always)]
-    pub(crate) fn refit(&self, nodes: &mut [Node], leaves: &mut impl Leaves) -> f64 {
+    pub(crate) fn refit<S: Simd>(&self, simd: S, nodes: &mut [Node], leaves: &mut impl Leaves) -> f64 {
         let mut area = 0.0;
         // Children come after their parents, and their leaves stand side by side.
         let mut below = vec![Below::NOTHING; nodes.len()];
@@ -148,27 +153,65 @@ impl Patch {
             let node = &mut nodes[at];
             let count = node.count();
             let mut held = Below::NOTHING;
+            let mut boxes = BoxLanes::default();
             if node.holds_leaves() {
                 let first = node.index(0) as usize - self.leaves.start;
-                let (boxes, facing) = leaves.fit(first..first + count);
-                node.set_boxes(&boxes);
-                (held.leaves, held.facing) = (first..first + count, facing);
+                held.leaves = first..first + count;
+                (boxes, held.facing) = leaves.fit(held.leaves.clone());
             } else {
                 for lane in 0..count {
                     let Below { leaves, bounds, facing } = &below[node.index(lane) as usize - self.nodes.start];
-                    node.set_bounds(lane, bounds);
+                    boxes.set_lane(lane, bounds);
                     let first = if lane == 0 { leaves.start } else { held.leaves.start };
                     held.leaves = first..leaves.end;
                     held.facing = by_axis!(axis => held.facing[axis] + facing[axis]);
                 }
             }
-            held.bounds = node.bounds();
-            node.set_extent(&held.bounds);
-            node.slab = leaves.slab(held.leaves.clone(), &held.bounds, held.facing);
-            area += node.area_below();
-            below[at] = held;
+            let (bounds, area_below) = node.fit(simd, &boxes);
+            node.slab = leaves.slab(held.leaves.clone(), &bounds, held.facing);
+            area += area_below;
+            below[at] = Below { bounds, ..held };
         }
         area
+    }
+}
+
+impl Node {
+    /// Gives the lanes that are in use these boxes; returns the box about them all, and what their areas [add up](Self::area_below) to.
+    ///
+    /// How many lanes that is differs from node to node and is not to be foreseen, so that nothing branches on it.
+    #[inline(always)]
+    fn fit<S: Simd>(&mut self, simd: S, boxes: &BoxLanes) -> (Aabb, f64) {
+        let number = f32x8::from_slice(simd, &LANE_NUMBERS);
+        let is_in_use = number.simd_lt(f32x8::splat(simd, self.count() as f32));
+        let (min, max): (Lanes3<S>, Lanes3<S>) = (load3(simd, &boxes.min), load3(simd, &boxes.max));
+        let none = f32x8::splat(simd, f32::INFINITY);
+        let held_min: Lanes3<S> = by_axis!(axis => is_in_use.select(min[axis], none));
+        let held_max: Lanes3<S> = by_axis!(axis => is_in_use.select(max[axis], -none));
+        store3(&held_min, &mut self.min);
+        store3(&held_max, &mut self.max);
+        let bounds = Aabb {
+            min: across3(
+                &held_min,
+                #[inline(always)]
+                |a, b| a.min(b),
+            ),
+            max: across3(
+                &held_max,
+                #[inline(always)]
+                |a, b| a.max(b),
+            ),
+        };
+        self.set_extent(&bounds);
+        let edges: [(f64x4<S>, f64x4<S>); 3] = by_axis!(axis => {
+            // As long as nothing in the lanes that are not in use.
+            let (from, to) = (min[axis].widen(), is_in_use.select(max[axis], min[axis]).widen());
+            (to.0 - from.0, to.1 - from.1)
+        });
+        let [(x, p), (y, q), (z, r)] = edges;
+        let areas = (x * y + y * z + z * x) + (p * q + q * r + r * p);
+        let [a, b, c, d] = <[f64; 4]>::from(areas);
+        (bounds, (a + c) + (b + d))
     }
 }
 
@@ -178,4 +221,38 @@ fn first_leaf(nodes: &[Node], mut at: usize) -> usize {
         at = nodes[at].index(0) as usize;
     }
     nodes[at].index(0) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+    use impinge_testkit::generate::Rng;
+
+    use super::*;
+    use crate::simd::levels;
+
+    /// Whatever is in the lanes beyond, a node gets just the boxes of its children; and what is found out about all lanes at once is
+    /// what is found lane by lane, to the bit and at every vector level.
+    #[test]
+    fn all_lanes_at_once_are_what_each_lane_is() {
+        let mut rng = Rng::new(172);
+        for round in 0..2_000 {
+            let count = round % LANES + 1;
+            let mut boxes = BoxLanes::default();
+            for lane in 0..LANES {
+                // On a grid, so that several are the least, and some without extent.
+                let [p, q] = [0; 2].map(|_| [0; 3].map(|_| rng.integer(-4, 4) as f32 + 0.25));
+                boxes.set_lane(lane, &Aabb::of_points([p, q]));
+            }
+            let mut expected = Node { count: count as u32, ..Node::EMPTY };
+            (0..count).for_each(|lane| expected.set_bounds(lane, &boxes.lane(lane)));
+            expected.set_extent(&expected.bounds());
+            for (name, level) in levels() {
+                let mut node = Node { count: count as u32, ..Node::EMPTY };
+                let (bounds, area) = dispatch!(level, simd => node.fit(simd, &boxes));
+                assert_eq!(bytemuck::bytes_of(&node), bytemuck::bytes_of(&expected), "{name}, {count} boxes");
+                assert_eq!((bounds, area.to_bits()), (expected.bounds(), expected.area_below().to_bits()), "{name}");
+            }
+        }
+    }
 }

@@ -6,6 +6,7 @@
 
 use super::binary::BinaryTree;
 use super::boxes::Bounds;
+#[cfg(test)]
 use super::lanes::BoxLanes;
 use super::slab::Slab;
 use crate::simd::LANES;
@@ -91,19 +92,6 @@ impl Node {
         }
     }
 
-    /// Likewise of all lanes; in those that are not in use there may be anything.
-    #[inline(always)]
-    pub(super) fn set_boxes(&mut self, boxes: &BoxLanes) {
-        let count = self.count();
-        for axis in 0..3 {
-            // Whole vectors, which are asked for again at once.
-            self.min[axis] =
-                std::array::from_fn(|lane| if lane < count { boxes.min[axis][lane] } else { f32::INFINITY });
-            self.max[axis] =
-                std::array::from_fn(|lane| if lane < count { boxes.max[axis][lane] } else { f32::NEG_INFINITY });
-        }
-    }
-
     /// Of what is below, whose box this is.
     #[inline(always)]
     pub(super) fn set_extent(&mut self, Aabb { min, max }: &Aabb) {
@@ -113,9 +101,8 @@ impl Node {
     /// Eight leaves with these boxes.
     #[cfg(test)]
     pub(crate) fn of_leaves(boxes: &BoxLanes) -> Self {
-        let mut node = Self { references: [LEAF_BIT; LANES], count: LANES as u32, ..Self::EMPTY };
-        node.set_boxes(boxes);
-        node
+        let BoxLanes { min, max } = *boxes;
+        Self { min, max, references: [LEAF_BIT; LANES], count: LANES as u32, ..Self::EMPTY }
     }
 
     pub(super) fn set_child(&mut self, lane: usize, child: Child) {

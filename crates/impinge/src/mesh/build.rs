@@ -19,7 +19,7 @@ pub(super) fn built(
     builder: Builder,
 ) -> (WideTree, Buffer<Leaf>) {
     let moved = Moved { vertices, faces, frame };
-    match Corners::of(vertices, faces, frame) {
+    match Corners::of(vertices, faces, *frame) {
         Corners::Single(stored) => built_from(&moved, stored, builder),
         Corners::SingleWidened(stored) => built_from(&moved, stored, builder),
         Corners::Double(stored) => built_from(&moved, stored, builder),

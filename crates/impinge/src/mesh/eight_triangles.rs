@@ -6,7 +6,7 @@ use fearless_simd::{Simd, f32x4, f32x8, f64x4};
 use super::frame::PackedFrame;
 use crate::simd::{LANES, Lanes3, by_axis, transposed};
 
-/// The corners of eight triangles, by the places of their [rows](super::stored_corners::VertexRows).
+/// The corners of eight triangles, by the places of their [rows](super::faces::VertexRows).
 #[inline(always)]
 pub(super) fn corners_of<S: Simd>(row: impl Fn(usize) -> f32x4<S>) -> [Lanes3<S>; 3] {
     by_axis!(k => {
@@ -60,7 +60,7 @@ fn widened<S: Simd, T: Copy + Into<f64>>(simd: S, &[x, y, z, any]: &[T; 4]) -> f
     f64x4::from_slice(simd, &[x.into(), y.into(), z.into(), any.into()])
 }
 
-/// The corners of eight triangles in double precision, by the places of their [rows](super::stored_corners::VertexRows).
+/// The corners of eight triangles in double precision, by the places of their [rows](super::faces::VertexRows).
 #[inline(always)]
 pub(super) fn widened_rows<'a, S: Simd, T: Copy + Into<f64> + 'a>(
     simd: S,

@@ -8,9 +8,10 @@ use std::ops::Range;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::frame::PACKING_ERROR;
+use super::faces::VertexRows;
+use super::frame::{PACKING_ERROR, outward};
 use super::leaf::Leaf;
-use super::stored_corners::{StoredCorners, VertexRows};
+use super::stored_corners::StoredCorners;
 use super::triangles::{CornerLanes, facing, heights, load_corners, store_corners};
 use crate::hierarchy::{BoxLanes, HALF_ULP, Leaves, Slab};
 use crate::simd::{LANES, Lanes3, by_axis, prefetch_at};
@@ -38,7 +39,7 @@ pub(super) struct Fitting<'a, S: Simd, C: StoredCorners> {
     /// The vertices of the leaves at hand and of those that are next, each in the place that its number tells.
     ahead: [VertexRows; 2 * LANES],
     /// Of the leaves at hand; those of others where there are less than eight.
-    gathered: [C::Gathered<S>; LANES],
+    extremes: [C::Extremes<S>; LANES],
 }
 
 impl<'a, S: Simd, C: StoredCorners> Fitting<'a, S, C> {
@@ -49,8 +50,8 @@ impl<'a, S: Simd, C: StoredCorners> Fitting<'a, S, C> {
         stored.faces().look_up(simd, &leaves[0], &mut rows);
         let place = stored.vertex(rows[0][0]);
         let packed_place = stored.frame().pack(place);
-        let (ahead, gathered) = ([rows; 2 * LANES], [stored.gather(simd, &rows); LANES]);
-        let mut fitting = Self { simd, stored, leaves, corners, place, packed_place, ahead, gathered };
+        let (ahead, extremes) = ([rows; 2 * LANES], [stored.extremes_of(&stored.gather(simd, &rows)); LANES]);
+        let mut fitting = Self { simd, stored, leaves, corners, place, packed_place, ahead, extremes };
         // One thing after the other for all that come first, as nothing was asked for yet.
         let last = |count: usize| leaves.len().saturating_sub(count)..leaves.len();
         last(LEAVES_AHEAD).for_each(|leaf| prefetch_at(leaves, leaf));
@@ -88,19 +89,21 @@ impl<S: Simd, C: StoredCorners> Leaves for Fitting<'_, S, C> {
     /// No operation is fused, so that the bits are the same on every vector unit.
     #[inline(always)]
     fn fit(&mut self, at: Range<usize>) -> (BoxLanes, [f32; 3]) {
-        let (simd, stored) = (self.simd, self.stored);
+        // Of its own here, so that it need not be looked up again after each leaf.
+        let (simd, stored, place) = (self.simd, self.stored, self.place);
         let mut area: Lanes3<S> = [f32x8::splat(simd, 0.0); 3];
         for (lane, at) in at.enumerate() {
             if let Some(ahead) = at.checked_sub(LANES) {
                 self.look_ahead(ahead);
             }
-            self.gathered[lane] = stored.gather(simd, &self.ahead[at % (2 * LANES)]);
-            let corners = stored.about(simd, &self.gathered[lane], self.place);
+            let gathered = stored.gather(simd, &self.ahead[at % (2 * LANES)]);
+            self.extremes[lane] = stored.extremes_of(&gathered);
+            let corners = stored.about(simd, &gathered, place);
             store_corners(&corners, &mut self.corners[at]);
             let facing = facing(&corners);
             area = by_axis!(axis => area[axis] + facing[axis]);
         }
-        let bounds = stored.bounds(&stored.extremes(simd, &self.gathered));
+        let bounds = stored.bounds(&stored.extremes(&self.extremes));
         (bounds, by_axis!(axis => sum(area[axis])))
     }
 
@@ -132,7 +135,7 @@ impl<S: Simd, C: StoredCorners> Leaves for Fitting<'_, S, C> {
         let [x, y, z] = normal.map(f64::from);
         let place = x * self.packed_place[0] + y * self.packed_place[1] + z * self.packed_place[2];
         let (min, max) = (f64::from(min.reduce_min()) + place, f64::from(max.reduce_max()) + place);
-        Slab { normal, min: ((min - error) as f32).next_down(), max: ((max + error) as f32).next_up() }
+        Slab { normal, min: -outward((error - min) as f32), max: outward((max + error) as f32) }
     }
 }
 
@@ -148,9 +151,9 @@ fn sum<S: Simd>(lanes: f32x8<S>) -> f32 {
 mod tests {
     use impinge_testkit::generate::Rng;
 
+    use super::outward;
     use crate::hierarchy::{Builder, Child, Patches};
     use crate::mesh::Mesh;
-    use crate::mesh::frame::outward;
     use crate::mesh::refit::Moved;
     use crate::mesh::triangles::tests::kinds;
     use crate::simd::levels;

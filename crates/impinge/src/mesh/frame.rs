@@ -3,7 +3,7 @@
 
 use std::ops::{Add, Mul};
 
-use crate::simd::by_axis;
+use crate::simd::{by_axis, prefetch_at};
 
 /// `packed = (local − origin) · scale`, with a power of two for the scale, which rounds nothing.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Zeroable, bytemuck::Pod)]
@@ -75,6 +75,8 @@ impl Extremes {
     {
         /// Coordinates of four vertices, that the compiler takes side by side.
         const TOGETHER: usize = 12;
+        /// Bytes before their turn in which they are asked for: sooner than the processor does by itself, and across its pages.
+        const AHEAD: usize = 2048;
         let mut min = [T::from(f32::INFINITY); TOGETHER];
         let mut max = [T::from(f32::NEG_INFINITY); TOGETHER];
         // Not a number where a coordinate was not finite.
@@ -85,7 +87,8 @@ impl Extremes {
             zero[lane] = zero[lane] + x * T::from(0.0);
         };
         let (together, rest) = vertices.as_flattened().as_chunks::<TOGETHER>();
-        for coordinates in together {
+        for (at, coordinates) in together.iter().enumerate() {
+            prefetch_at(together, at + AHEAD / size_of_val(coordinates));
             (0..TOGETHER).for_each(|lane| take(lane, coordinates[lane]));
         }
         rest.iter().enumerate().for_each(|(lane, &x)| take(lane, x));

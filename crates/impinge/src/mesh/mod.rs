@@ -9,6 +9,7 @@ mod distance;
 mod eight_triangles;
 mod face_boxes;
 mod face_search;
+mod faces;
 mod far_field;
 mod filter;
 mod fit;

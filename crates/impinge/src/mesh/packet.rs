@@ -69,7 +69,7 @@ impl Mesh {
     /// The packets of its leaves.
     pub(crate) fn packets(&self) -> Packets<'_> {
         let data = &*self.0;
-        let corners = Corners::of(data.vertices.slice(), &data.faces, &data.frame);
+        let corners = Corners::of(data.vertices.slice(), &data.faces, data.frame);
         Packets { leaves: &data.leaves, made: &data.made.0, corners }
     }
 

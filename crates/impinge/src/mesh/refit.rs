@@ -133,15 +133,15 @@ impl Moved<'_> {
         corners: &mut Vec<CornerLanes>,
     ) -> f64 {
         corners.resize(leaves.len().max(corners.len()), NO_CORNERS);
-        match Corners::of(self.vertices, self.faces, self.frame) {
+        match Corners::of(self.vertices, self.faces, *self.frame) {
             Corners::Single(stored) => {
-                dispatch!(level, simd => patch.refit(nodes, &mut Fitting::new(simd, stored, leaves, corners)))
+                dispatch!(level, simd => patch.refit(simd, nodes, &mut Fitting::new(simd, stored, leaves, corners)))
             }
             Corners::SingleWidened(stored) => {
-                dispatch!(level, simd => patch.refit(nodes, &mut Fitting::new(simd, stored, leaves, corners)))
+                dispatch!(level, simd => patch.refit(simd, nodes, &mut Fitting::new(simd, stored, leaves, corners)))
             }
             Corners::Double(stored) => {
-                dispatch!(level, simd => patch.refit(nodes, &mut Fitting::new(simd, stored, leaves, corners)))
+                dispatch!(level, simd => patch.refit(simd, nodes, &mut Fitting::new(simd, stored, leaves, corners)))
             }
         }
     }

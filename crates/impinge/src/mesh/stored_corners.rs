@@ -8,8 +8,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8, f64x4};
 
 use super::eight_triangles::{corners_of, twice_centres_of, twice_packed_centres_of, widened_rows};
+use super::faces::{Faces, VertexRows};
 use super::frame::{PackedFrame, REACH, outward};
-use super::leaf::Leaf;
 use super::positions::{Vertex, VertexSlice};
 use crate::hierarchy::BoxLanes;
 use crate::simd::{LANES, Lanes3, Rows, across, by_axis, prefetch_at, transposed};
@@ -24,7 +24,7 @@ pub(super) enum Corners<'a> {
 }
 
 impl<'a> Corners<'a> {
-    pub(super) fn of(vertices: VertexSlice<'a>, faces: &'a [[u32; 3]], frame: &'a PackedFrame) -> Self {
+    pub(super) fn of(vertices: VertexSlice<'a>, faces: &'a [[u32; 3]], frame: PackedFrame) -> Self {
         /// Beyond this and below its reciprocal, products of scale and coordinates may leave single precision.
         const LARGEST_SCALE: f64 = (1_u128 << 100) as f64;
         let faces = Faces::of(faces);
@@ -41,45 +41,6 @@ impl<'a> Corners<'a> {
 /// Coordinates of eight points, or leaves, by axis.
 pub(super) type Points<T> = [[T; LANES]; 3];
 
-/// The vertices of each of eight triangles, and any fourth number.
-pub(super) type VertexRows = [[u32; 4]; LANES];
-
-/// Faces by their vertices.
-#[derive(Clone, Copy)]
-pub(super) struct Faces<'a>(Rows<'a, u32>);
-
-impl<'a> Faces<'a> {
-    fn of(faces: &'a [[u32; 3]]) -> Self {
-        Self(Rows::of(faces))
-    }
-
-    /// All of them.
-    #[inline(always)]
-    pub(super) fn all(&self) -> &[[u32; 3]] {
-        self.0.all()
-    }
-
-    /// Asks for a face.
-    #[inline(always)]
-    pub(super) fn prefetch(&self, face: u32) {
-        prefetch_at(self.0.all(), face as usize);
-    }
-
-    /// Looks up the vertices of a leaf's faces.
-    #[inline(always)]
-    pub(super) fn look_up<S: Simd>(&self, simd: S, leaf: &Leaf, rows: &mut VertexRows) {
-        if let Some(inside) = self.0.inside(simd, &leaf.faces) {
-            for lane in 0..LANES {
-                rows[lane] = *inside.row(lane);
-            }
-        } else {
-            for lane in 0..LANES {
-                rows[lane] = *self.0.row(leaf.faces[lane]);
-            }
-        }
-    }
-}
-
 /// What gathers corners.
 ///
 /// Corners are kept about an anchor, which is kept in single precision: of the mesh's own frame where the vertices are, of the packed
@@ -87,6 +48,9 @@ impl<'a> Faces<'a> {
 pub(super) trait StoredCorners: Copy + Sync {
     /// Corners of up to eight triangles as they are stored.
     type Gathered<S: Simd>: Copy;
+
+    /// The least and the greatest coordinates of them, not yet of all together.
+    type Extremes<S: Simd>: Copy;
 
     fn frame(&self) -> &PackedFrame;
 
@@ -107,8 +71,11 @@ pub(super) trait StoredCorners: Copy + Sync {
     /// Where a vertex is, in the mesh's own frame.
     fn vertex(&self, vertex: u32) -> [f64; 3];
 
-    /// The least and greatest coordinates of each leaf's corners.
-    fn extremes<S: Simd>(&self, simd: S, gathered: &[Self::Gathered<S>; LANES]) -> [Points<f64>; 2];
+    /// The least and the greatest coordinates of a leaf's corners.
+    fn extremes_of<S: Simd>(&self, gathered: &Self::Gathered<S>) -> Self::Extremes<S>;
+
+    /// Those of eight leaves side by side.
+    fn extremes<S: Simd>(&self, each: &[Self::Extremes<S>; LANES]) -> [Points<f64>; 2];
 
     /// Anchors amid corners with these extremes and these bounds in the packed frame.
     fn anchors(&self, extremes: &[Points<f64>; 2], bounds: &BoxLanes) -> Points<f32>;
@@ -149,15 +116,18 @@ pub(super) trait StoredCorners: Copy + Sync {
 pub(super) struct Singles<'a> {
     vertices: Rows<'a, f32>,
     faces: Faces<'a>,
-    frame: &'a PackedFrame,
+    frame: PackedFrame,
 }
 
 impl StoredCorners for Singles<'_> {
     type Gathered<S: Simd> = [Lanes3<S>; 3];
 
+    /// Of the triangles in each lane.
+    type Extremes<S: Simd> = [Lanes3<S>; 2];
+
     #[inline(always)]
     fn frame(&self) -> &PackedFrame {
-        self.frame
+        &self.frame
     }
 
     #[inline(always)]
@@ -192,14 +162,17 @@ impl StoredCorners for Singles<'_> {
     }
 
     #[inline(always)]
-    fn extremes<S: Simd>(&self, simd: S, gathered: &[[Lanes3<S>; 3]; LANES]) -> [Points<f64>; 2] {
+    fn extremes_of<S: Simd>(&self, [p, q, r]: &[Lanes3<S>; 3]) -> [Lanes3<S>; 2] {
+        [by_axis!(axis => p[axis].min(q[axis]).min(r[axis])), by_axis!(axis => p[axis].max(q[axis]).max(r[axis]))]
+    }
+
+    #[inline(always)]
+    fn extremes<S: Simd>(&self, each: &[[Lanes3<S>; 2]; LANES]) -> [Points<f64>; 2] {
         let mut extremes = [[[0.0; LANES]; 3]; 2];
         for axis in 0..3 {
-            let (mut least, mut greatest) = ([f32x8::splat(simd, 0.0); LANES], [f32x8::splat(simd, 0.0); LANES]);
-            for lane in 0..LANES {
-                let [p, q, r] = by_axis!(corner => gathered[lane][corner][axis]);
-                least[lane] = p.min(q).min(r);
-                greatest[lane] = p.max(q).max(r);
+            let (mut least, mut greatest) = ([each[0][0][axis]; LANES], [each[0][1][axis]; LANES]);
+            for lane in 1..LANES {
+                (least[lane], greatest[lane]) = (each[lane][0][axis], each[lane][1][axis]);
             }
             let least = across(
                 &least,
@@ -270,13 +243,13 @@ impl StoredCorners for Singles<'_> {
 pub(super) struct Doubles<'a, T> {
     vertices: Rows<'a, T>,
     faces: Faces<'a>,
-    frame: &'a PackedFrame,
+    frame: PackedFrame,
     /// The packed frame's, in the mesh's own frame: a power of two, by which to multiply is to divide by the scale, only sooner.
     unit: f64,
 }
 
 impl<'a, T> Doubles<'a, T> {
-    fn of(vertices: Rows<'a, T>, faces: Faces<'a>, frame: &'a PackedFrame) -> Self {
+    fn of(vertices: Rows<'a, T>, faces: Faces<'a>, frame: PackedFrame) -> Self {
         Self { vertices, faces, frame, unit: 1.0 / frame.scale }
     }
 }
@@ -285,9 +258,12 @@ impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
     /// A vertex each, and any fourth number.
     type Gathered<S: Simd> = [[f64x4<S>; LANES]; 3];
 
+    /// As a vertex is.
+    type Extremes<S: Simd> = [f64x4<S>; 2];
+
     #[inline(always)]
     fn frame(&self) -> &PackedFrame {
-        self.frame
+        &self.frame
     }
 
     #[inline(always)]
@@ -324,18 +300,23 @@ impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
     }
 
     #[inline(always)]
-    fn extremes<S: Simd>(&self, _: S, gathered: &[[[f64x4<S>; LANES]; 3]; LANES]) -> [Points<f64>; 2] {
+    fn extremes_of<S: Simd>(&self, gathered: &[[f64x4<S>; LANES]; 3]) -> [f64x4<S>; 2] {
+        let (mut least, mut greatest) = (gathered[0][0], gathered[0][0]);
+        for corner in gathered {
+            for &row in corner {
+                (least, greatest) = (least.min(row), greatest.max(row));
+            }
+        }
+        [least, greatest]
+    }
+
+    #[inline(always)]
+    fn extremes<S: Simd>(&self, each: &[[f64x4<S>; 2]; LANES]) -> [Points<f64>; 2] {
         let mut extremes = [[[0.0; LANES]; 3]; 2];
         for lane in 0..LANES {
-            let (mut least, mut greatest) = (gathered[lane][0][0], gathered[lane][0][0]);
-            for corner in &gathered[lane] {
-                for &row in corner {
-                    (least, greatest) = (least.min(row), greatest.max(row));
-                }
-            }
             for axis in 0..3 {
-                extremes[0][axis][lane] = least[axis];
-                extremes[1][axis][lane] = greatest[axis];
+                extremes[0][axis][lane] = each[lane][0][axis];
+                extremes[1][axis][lane] = each[lane][1][axis];
             }
         }
         extremes
@@ -378,14 +359,14 @@ impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
         if let Some(inside) = self.vertices.inside(simd, vertices) {
             twice_packed_centres_of(
                 simd,
-                self.frame,
+                &self.frame,
                 #[inline(always)]
                 |at| inside.row(at),
             )
         } else {
             twice_packed_centres_of(
                 simd,
-                self.frame,
+                &self.frame,
                 #[inline(always)]
                 |at| self.vertices.row(vertices[at]),
             )

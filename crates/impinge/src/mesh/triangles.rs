@@ -75,7 +75,11 @@ pub(super) fn of_leaves<S: Simd>(simd: S, leaves: &[Leaf], stored: &impl StoredC
     for lane in 1..leaves.len().min(LANES) {
         gathered[lane] = stored.gather(simd, &rows[lane]);
     }
-    let extremes = stored.extremes(simd, &gathered);
+    let mut extremes = [stored.extremes_of(&gathered[0]); LANES];
+    for lane in 1..leaves.len().min(LANES) {
+        extremes[lane] = stored.extremes_of(&gathered[lane]);
+    }
+    let extremes = stored.extremes(&extremes);
     let anchors = stored.anchors(&extremes, &stored.bounds(&extremes));
     let mut places = [[0.0; LANES]; 3];
     let mut areas = [[f32x8::splat(simd, 0.0); LANES]; 3];
@@ -217,7 +221,7 @@ pub(super) mod tests {
             let leaves: Vec<Leaf> = held.iter().map(|held| Leaf::holding(held)).collect();
             for positions in kinds(&vertices) {
                 let frame = frame_over(positions.slice());
-                let corners = Corners::of(positions.slice(), &faces, &frame);
+                let corners = Corners::of(positions.slice(), &faces, frame);
                 ways[match corners {
                     Corners::Single(_) => 0,
                     Corners::SingleWidened(_) => 1,

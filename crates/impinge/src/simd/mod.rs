@@ -37,7 +37,7 @@ pub(crate) use bits::{any_byte, bits, each_byte, extend_some, nonzero_bytes, spr
 pub(crate) use choice::Choice;
 pub(crate) use prefetch::{prefetch, prefetch_at};
 pub(crate) use rows::Rows;
-pub(crate) use vectors::{Lanes3, across, cross, dot, load, load3, store3, sub, transposed};
+pub(crate) use vectors::{Lanes3, across, across3, cross, dot, load, load3, store3, sub, transposed};
 
 pub use fearless_simd::Level;
 

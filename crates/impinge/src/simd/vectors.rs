@@ -64,6 +64,13 @@ pub(crate) fn across<S: Simd>(each: &[f32x8<S>; LANES], both: impl Fn(f32x4<S>, 
     across_four([a, b, c, d], &both).combine(across_four([e, f, g, h], &both))
 }
 
+/// Likewise of three.
+#[inline(always)]
+pub(crate) fn across3<S: Simd>([x, y, z]: &Lanes3<S>, both: impl Fn(f32x4<S>, f32x4<S>) -> f32x4<S>) -> [f32; 3] {
+    let [x, y, z, _] = <[f32; 4]>::from(across_four([*x, *y, *z, *z], &both));
+    [x, y, z]
+}
+
 #[inline(always)]
 fn across_four<S: Simd>(each: [f32x8<S>; 4], both: &impl Fn(f32x4<S>, f32x4<S>) -> f32x4<S>) -> f32x4<S> {
     let [(a, b), (c, d), (e, f), (g, h)] = [each[0].split(), each[1].split(), each[2].split(), each[3].split()];
