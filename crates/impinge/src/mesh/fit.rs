@@ -79,9 +79,7 @@ impl<'a, S: Simd, C: StoredCorners> Fitting<'a, S, C> {
 
     #[inline(always)]
     fn prefetch_faces(&self, leaf: usize) {
-        for lane in EVERY_OTHER {
-            self.stored.faces().prefetch(self.leaves[leaf].faces[lane]);
-        }
+        self.leaves[leaf].faces.iter().for_each(|&face| self.stored.faces().prefetch(face));
     }
 }
 
