@@ -21,8 +21,8 @@ use crate::volume::Aabb;
 pub(super) const NO_CORNERS: CornerLanes = [[[0.0; LANES]; 3]; 3];
 
 /// How long before their turn leaves are asked for, and their faces; they are looked up one node before it.
-const LEAVES_AHEAD: usize = 5 * LANES;
-const FACES_AHEAD: usize = 2 * LANES;
+const LEAVES_AHEAD: usize = 6 * LANES;
+const FACES_AHEAD: usize = 3 * LANES;
 
 /// Neighbours are most often in the same line of the cache.
 const EVERY_OTHER: [usize; 4] = [0, 2, 4, 6];
