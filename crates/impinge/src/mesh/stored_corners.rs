@@ -301,13 +301,19 @@ impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
 
     #[inline(always)]
     fn extremes_of<S: Simd>(&self, gathered: &[[f64x4<S>; LANES]; 3]) -> [f64x4<S>; 2] {
-        let (mut least, mut greatest) = (gathered[0][0], gathered[0][0]);
-        for corner in gathered {
-            for &row in corner {
-                (least, greatest) = (least.min(row), greatest.max(row));
+        let [mut least, mut greatest] = [gathered[0]; 2];
+        for lane in 0..LANES {
+            let [p, q, r] = by_axis!(corner => gathered[corner][lane]);
+            (least[lane], greatest[lane]) = (p.min(q).min(r), p.max(q).max(r));
+        }
+        // By halves, as in a row each would wait for the one before.
+        for half in [4, 2, 1] {
+            for lane in 0..half {
+                least[lane] = least[lane].min(least[lane + half]);
+                greatest[lane] = greatest[lane].max(greatest[lane + half]);
             }
         }
-        [least, greatest]
+        [least[0], greatest[0]]
     }
 
     #[inline(always)]
