@@ -2,7 +2,7 @@
 //! from somewhere.
 
 use super::binary::MAX_DEPTH;
-use super::wide::{Child, Node, WideTree};
+use super::wide::{LEAF_BIT, Node, WideTree};
 use crate::simd::LANES;
 
 impl WideTree {
@@ -26,12 +26,11 @@ impl WideTree {
                 return false;
             }
             if node.holds_leaves() {
-                for lane in 0..node.count() {
-                    if node.index(lane) as usize != leaves_so_far {
-                        return false;
-                    }
-                    leaves_so_far += 1;
+                let is_next = |lane: usize| node.index(lane) as usize == leaves_so_far + lane;
+                if !(0..LANES).fold(true, |all, lane| all & (is_next(lane) | (lane >= node.count()))) {
+                    return false;
                 }
+                leaves_so_far += node.count();
             } else {
                 awaited.extend((0..node.count()).rev().map(|lane| (node.index(lane), depth + 1)));
             }
@@ -41,18 +40,20 @@ impl WideTree {
 }
 
 impl Node {
-    /// Whether lanes and references are as the collapse leaves them.
+    /// Whether lanes and references are as the collapse leaves them; without a branch on how many lanes are in use, which is not to
+    /// be foreseen.
     fn is_well_formed(&self) -> bool {
-        let count = self.count as usize;
-        let is_leaf = |lane: usize| matches!(self.child(lane), Child::Leaf(_));
-        (1..=LANES).contains(&count)
-            && (0..count).all(|lane| is_leaf(lane) == is_leaf(0))
-            && self.references[count..].iter().all(|&reference| reference == 0)
-            && self.reserved == Self::EMPTY.reserved
-            && (0..3).all(|axis| {
-                self.min[axis][count..].iter().all(|&min| min == f32::INFINITY)
-                    && self.max[axis][count..].iter().all(|&max| max == f32::NEG_INFINITY)
+        let is_leaf = |lane: usize| self.references[lane] & LEAF_BIT;
+        let is_empty = |lane: usize| {
+            (0..3).fold(self.references[lane] == 0, |all, axis| {
+                all & (self.min[axis][lane] == f32::INFINITY) & (self.max[axis][lane] == f32::NEG_INFINITY)
             })
+        };
+        let are_as_left = (0..LANES).fold(true, |all, lane| {
+            let is_in_use = lane < self.count as usize;
+            all & ((is_in_use & (is_leaf(lane) == is_leaf(0))) | (!is_in_use & is_empty(lane)))
+        });
+        are_as_left & (1..=LANES as u32).contains(&self.count) & (self.reserved == Self::EMPTY.reserved)
     }
 }
 

@@ -27,7 +27,7 @@ pub enum Child {
 pub(super) const PATCH: usize = LANES * LANES * LANES;
 
 /// Marks the reference to a leaf.
-const LEAF_BIT: u32 = 1 << 31;
+pub(super) const LEAF_BIT: u32 = 1 << 31;
 
 /// Eight children, all of them nodes or all of them leaves: their boxes by axis, what they lead to, and a slab about
 /// all that they hold. Lanes from `count` on hold the empty box.

@@ -35,7 +35,7 @@ pub(crate) use by_axis;
 
 pub(crate) use bits::{any_byte, bits, each_byte, extend_some, nonzero_bytes, spread_to_bytes, take_four};
 pub(crate) use choice::Choice;
-pub(crate) use prefetch::{prefetch, prefetch_at};
+pub(crate) use prefetch::{CACHE_LINE, prefetch, prefetch_at};
 pub(crate) use rows::Rows;
 pub(crate) use vectors::{Lanes3, across, across3, cross, dot, load, load3, store3, sub, transposed};
 

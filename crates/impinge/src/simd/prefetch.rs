@@ -1,5 +1,8 @@
 //! Asking for memory before it is needed: the descent knows its next pairs well before it reaches them.
 
+/// What is brought from memory in one piece.
+pub(crate) const CACHE_LINE: usize = 64;
+
 /// Asks the processor to bring every cache line of `target` closer; changes nothing that a program can observe.
 ///
 /// Worth 1.4 times on descents whose trees outgrow the caches; a no-op where the target has no such instruction.
@@ -18,7 +21,6 @@ pub(crate) fn prefetch_at<T>(elements: &[T], at: usize) {
 fn ask_for<T>(target: *const T) {
     #[cfg(target_arch = "x86_64")]
     {
-        const CACHE_LINE: usize = 64;
         let ask = |offset: usize| {
             // SAFETY: a prefetch is a hint that cannot fault, whatever the address. SSE, which has the instruction, is part
             // of every x86-64 processor.
