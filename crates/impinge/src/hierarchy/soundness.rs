@@ -65,8 +65,9 @@ mod tests {
     use impinge_testkit::generate::Rng;
 
     #[test]
-    fn builders_make_sound_trees_and_no_change_of_a_reference_leaves_them_sound() {
+    fn builders_make_sound_trees_and_no_change_of_what_is_not_a_box_in_use_leaves_them_sound() {
         let mut rng = Rng::new(71);
+        let mut boxes_not_in_use = 0;
         let boxes: Vec<Aabb> = (0..3_000)
             .map(|_| {
                 let min = [0; 3].map(|_| rng.integer(0, 40) as f32);
@@ -81,10 +82,20 @@ mod tests {
                 let mut nodes = tree.nodes().to_vec();
                 let at = rng.integer(0, nodes.len() as i64 - 1) as usize;
                 let lane = rng.integer(0, LANES as i64 - 1) as usize;
-                match rng.integer(0, 3) {
+                match rng.integer(0, 4) {
                     0 => nodes[at].references[lane] ^= 1 << rng.integer(0, 31),
                     1 => nodes[at].count ^= 1 << rng.integer(0, 31),
                     2 => nodes[at].reserved ^= 1 << rng.integer(0, 31),
+                    3 => {
+                        let count = nodes[at].count();
+                        if count == LANES {
+                            continue;
+                        }
+                        let (lane, axis) = (rng.integer(count as i64, 7) as usize, rng.integer(0, 2) as usize);
+                        let Node { min, max, .. } = &mut nodes[at];
+                        [min, max][rng.integer(0, 1) as usize][axis][lane] = 0.0;
+                        boxes_not_in_use += 1;
+                    }
                     // The root as its own descendant.
                     _ => {
                         let node = nodes[at];
@@ -94,6 +105,7 @@ mod tests {
                 assert!(!WideTree::from_nodes(nodes.into()).is_sound(leaves.len()), "{}", builder.name());
             }
         }
+        assert!(boxes_not_in_use > 100, "{boxes_not_in_use} of 2,100 changes are of a box not in use");
         assert!(WideTree::from_nodes(Vec::new().into()).is_sound(0));
         assert!(!WideTree::from_nodes(Vec::new().into()).is_sound(1));
     }
