@@ -236,12 +236,14 @@ mod tests {
     #[test]
     fn all_lanes_at_once_are_what_each_lane_is() {
         let mut rng = Rng::new(172);
+        let mut flat = 0;
         for round in 0..2_000 {
             let count = round % LANES + 1;
             let mut boxes = BoxLanes::default();
             for lane in 0..LANES {
                 // On a grid, so that several are the least, and some without extent.
                 let [p, q] = [0; 2].map(|_| [0; 3].map(|_| rng.integer(-4, 4) as f32 + 0.25));
+                flat += usize::from((0..3).any(|axis| p[axis] == q[axis]));
                 boxes.set_lane(lane, &Aabb::of_points([p, q]));
             }
             let mut expected = Node { count: count as u32, ..Node::EMPTY };
@@ -254,5 +256,6 @@ mod tests {
                 assert_eq!((bounds, area.to_bits()), (expected.bounds(), expected.area_below().to_bits()), "{name}");
             }
         }
+        assert!(flat > 3_000, "{flat} of 16,000 boxes are flat");
     }
 }

@@ -24,7 +24,7 @@ pub(super) const NO_CORNERS: CornerLanes = [[[0.0; LANES]; 3]; 3];
 const LEAVES_AHEAD: usize = 6 * LANES;
 const FACES_AHEAD: usize = 3 * LANES;
 
-/// Neighbours are most often in the same line of the cache.
+/// Of the lanes whose vertices are asked for: those of neighbours are most often in the same line of the cache.
 const EVERY_OTHER: [usize; 4] = [0, 2, 4, 6];
 
 /// The leaves of a patch, and the corners of those that were looked at, about one of them.
