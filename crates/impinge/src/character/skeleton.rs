@@ -1,7 +1,8 @@
 //! Bones that hang on each other, and where a pose puts them.
 
+use crate::simd::dispatch;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch, f64x4};
+use fearless_simd::{Simd, f64x4};
 
 use crate::simd::{best_level, by_axis};
 

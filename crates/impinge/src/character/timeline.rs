@@ -1,7 +1,8 @@
 //! Keys of channels that share their times, and what four linear channels have between two keys, a channel in each lane.
 
+use crate::simd::dispatch;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch, f64x4};
+use fearless_simd::{Simd, f64x4};
 
 use crate::simd::{best_level, by_axis};
 

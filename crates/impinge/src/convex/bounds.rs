@@ -1,7 +1,8 @@
 //! Boxes about convex sets in the world.
 
+use crate::simd::dispatch;
+use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
-use fearless_simd::{dispatch, f64x4};
 
 use super::posed::{Core, Pair, Swept};
 use crate::math::relative::UNIT_ROUNDOFF;

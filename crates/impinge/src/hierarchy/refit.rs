@@ -225,7 +225,7 @@ fn first_leaf(nodes: &[Node], mut at: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
+    use crate::simd::dispatch;
     use impinge_testkit::generate::Rng;
 
     use super::*;

@@ -10,8 +10,9 @@
 //! `Σ |direction| · reach` and terms in u², taken as 6 u, whether or not multiply and add are fused. [`UNDERFLOW`] holds what is
 //! too small for a float.
 
+use crate::simd::dispatch;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch, f32x8};
+use fearless_simd::{Simd, f32x8};
 
 use super::cull::stored;
 use crate::exact::compare_along;

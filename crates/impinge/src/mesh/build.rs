@@ -30,10 +30,14 @@ fn built_from(moved: &Moved<'_>, stored: impl StoredCorners, builder: Builder) -
     let boxes = FaceBoxes(stored);
     match builder.strategy(moved.faces.len()) {
         // The one that looks at centres alone.
-        Builder::Morton => fitted(moved, &tree_along_curve(&boxes, |_| ())),
+        Builder::Morton => fitted(moved, &tree_along_curve(&boxes, no_bounds)),
         strategy => fitted(moved, &strategy.build(&boxes.listed())),
     }
 }
+
+/// Keeps nothing of the boxes of a group. As a function rather than a closure it gives all kinds of vertices one builder, which
+/// is compiled once.
+fn no_bounds(_: &[u32]) {}
 
 /// The wide tree and its leaves, laid out as the binary tree says.
 fn fitted<B: Bounds>(moved: &Moved<'_>, binary: &BinaryTree<B>) -> (WideTree, Buffer<Leaf>) {

@@ -1,7 +1,7 @@
 //! The one descent of two meshes: from their roots to the triangles that meet, each pair filtered in bulk and, where
 //! the filter leaves it open, decided exactly.
 
-use fearless_simd::dispatch;
+use crate::simd::dispatch;
 use rayon::prelude::*;
 
 use super::leaf_pairs::{Deciding, KEPT, LeafPairs, Question, Wanted, keep_least};

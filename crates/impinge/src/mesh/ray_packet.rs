@@ -81,7 +81,7 @@ fn splat<S: Simd>(simd: S, x: f64) -> f32x8<S> {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
+    use crate::simd::dispatch;
     use impinge_testkit::generate::Rng;
 
     use super::*;

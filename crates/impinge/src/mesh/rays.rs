@@ -8,8 +8,9 @@
 use std::cmp::Ordering;
 use std::ops::ControlFlow::{self, Break, Continue};
 
+use crate::simd::dispatch;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch, f32x8};
+use fearless_simd::{Simd, f32x8};
 use rayon::prelude::*;
 
 use super::Mesh;

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use fearless_simd::dispatch;
+use crate::simd::dispatch;
 use rayon::prelude::*;
 
 use super::fit::{Fitting, NO_CORNERS};

@@ -86,7 +86,7 @@ impl Guests {
 mod tests {
     use std::collections::VecDeque;
 
-    use fearless_simd::dispatch;
+    use crate::simd::dispatch;
     use impinge_testkit::generate::Rng;
     use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
 

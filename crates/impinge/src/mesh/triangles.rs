@@ -181,7 +181,7 @@ pub(super) fn store_corners<S: Simd>(corners: &[Lanes3<S>; 3], lanes: &mut Corne
 
 #[cfg(test)]
 pub(super) mod tests {
-    use fearless_simd::dispatch;
+    use crate::simd::dispatch;
     use impinge_testkit::generate::Rng;
 
     use super::*;

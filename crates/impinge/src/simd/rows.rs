@@ -71,8 +71,8 @@ impl<'a, T> Inside<'a, '_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::dispatch;
     use crate::simd::levels;
-    use fearless_simd::dispatch;
 
     #[test]
     fn rows_are_those_of_their_numbers() {

@@ -1,7 +1,8 @@
 //! One box against many, eight at a time (*Notes*, algorithm 2.1).
 
+use crate::simd::dispatch;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch, f32x8};
+use fearless_simd::{Simd, f32x8};
 
 use super::Aabb;
 use crate::simd::{LANES, Level, best_level, by_axis};

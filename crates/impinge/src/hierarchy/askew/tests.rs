@@ -1,7 +1,7 @@
 //! Segments that cross, which are the boxes that a direction across both has least room for, carried exactly.
 
+use crate::simd::dispatch;
 use dashu_ratio::Relaxed;
-use fearless_simd::dispatch;
 use impinge_testkit::generate::Rng;
 
 use super::super::lanes::BoxLanes;

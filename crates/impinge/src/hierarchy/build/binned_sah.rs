@@ -4,8 +4,9 @@
 //! Source: Wald, *On fast construction of SAH-based bounding volume hierarchies*, RT 2007. Ours prices a side by the
 //! leaves that its boxes fill and not by the boxes, since the boxes of a leaf are met all at once: leaves come out full.
 
+use crate::simd::dispatch;
+use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 
 use super::super::binary::BinaryTree;

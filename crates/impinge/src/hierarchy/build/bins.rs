@@ -187,7 +187,7 @@ fn extents<S: Simd>(max: f32x8<S>, negated_min: f32x8<S>) -> [f64x4<S>; 2] {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use fearless_simd::dispatch;
+    use crate::simd::dispatch;
     use impinge_testkit::generate::Rng;
 
     use super::*;

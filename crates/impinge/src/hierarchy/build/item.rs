@@ -1,7 +1,8 @@
 //! Boxes that a builder rearranges, each in one vector, and unions of them.
 
+use crate::simd::dispatch;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch, f32x4, f32x8, i32x4};
+use fearless_simd::{Simd, f32x4, f32x8, i32x4};
 
 use crate::simd::{LANES, best_level};
 use crate::volume::Aabb;

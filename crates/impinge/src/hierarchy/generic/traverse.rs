@@ -1,6 +1,6 @@
 //! Simultaneous descent of two generic trees, or of one with itself, counting what it does.
 
-use fearless_simd::dispatch;
+use crate::simd::dispatch;
 
 use super::volume::NodeVolume;
 use super::{GenericNode, GenericTree};

@@ -1,8 +1,8 @@
 //! Carried boxes against exact rational images.
 
+use crate::simd::dispatch;
 use bytemuck::Zeroable;
 use dashu_ratio::Relaxed;
-use fearless_simd::dispatch;
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::poses::rotation;
 

@@ -1,8 +1,8 @@
 //! Carried slabs against exact rational heights.
 
+use crate::simd::dispatch;
 use bytemuck::Zeroable;
 use dashu_ratio::Relaxed;
-use fearless_simd::dispatch;
 use impinge_testkit::generate::Rng;
 
 use super::super::tests::maps::{any_linear, coarse, exact};

@@ -12,8 +12,9 @@
 //! Source: Ehmann, Lin, *Accurate and fast proximity queries between polyhedra using convex surface decomposition*, Eurographics
 //! 2001, for fronts of distance queries; ours keeps numbers in place of yes and no, so that a front outlasts motion.
 
+use crate::simd::dispatch;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch, f32x8};
+use fearless_simd::{Simd, f32x8};
 
 use super::answer::Scene;
 use super::task::Slot;

@@ -238,7 +238,7 @@ impl<'m> Profiles<'m> {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
+    use crate::simd::dispatch;
     use impinge_testkit::Affine;
     use impinge_testkit::generate::Rng;
     use impinge_testkit::generate::knots::{TREFOIL, torus_knot};

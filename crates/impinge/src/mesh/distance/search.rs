@@ -3,7 +3,7 @@
 use std::ops::ControlFlow::{self, Continue};
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch, f32x8};
+use fearless_simd::{Simd, f32x8};
 
 use super::answer::{Answer, Scene};
 use super::at_hand::AtHand;
@@ -19,7 +19,7 @@ use crate::hierarchy::{BoxLanes, Child, Node, lanes_in_use};
 use crate::mesh::metric::Metric;
 use crate::mesh::packet::Packets;
 use crate::mesh::{Options, Placed};
-use crate::simd::{LANES, bits, by_axis, outlined};
+use crate::simd::{LANES, Level, bits, by_axis, dispatch, outlined};
 use crate::volume::Aabb;
 
 /// A search that meets more pairs of leaves than this, and takes some milliseconds, is dear: where its like follow, a front pays.
@@ -109,11 +109,10 @@ impl<'a> Search<'a> {
     /// search was dear.
     pub(super) fn run(&mut self, options: &Options, since: Option<&Standing>) {
         self.front = since.and_then(|since| Front::new(&self.scene, since, self.nodes, options, self.answer.cut));
-        let level = options.level;
         let found = if self.front.is_some() {
-            dispatch!(level, simd => self.advance(simd))
+            self.advance_on(options.level)
         } else {
-            dispatch!(level, simd => self.descend(simd))
+            dispatch!(options.level, simd => self.descend(simd))
         };
         if found.is_continue() {
             let _ = self.answer.meet_put_off(&self.scene);
@@ -127,8 +126,7 @@ impl<'a> Search<'a> {
     pub(super) fn go_on(&mut self, front: Front, options: &Options) -> bool {
         let Some(front) = front.moved(&self.scene, self.nodes[GUEST], options, self.answer.cut) else { return false };
         self.front = Some(front);
-        let level = options.level;
-        if dispatch!(level, simd => self.advance(simd)).is_continue() {
+        if self.advance_on(options.level).is_continue() {
             let _ = self.answer.meet_put_off(&self.scene);
         }
         true
@@ -154,6 +152,12 @@ impl<'a> Search<'a> {
             let (sides, on) = (scene.sides(), [&best.witness.on_a, &best.witness.on_b]);
             profiles.take(sides.map(|side| on[side]), best.value, &scene.metric, sides);
         }
+    }
+
+    /// Runs [`advance`](Self::advance) with a vector unit. Both callers share the one copy that is compiled for each unit.
+    #[inline(never)]
+    fn advance_on(&mut self, level: Level) -> ControlFlow<()> {
+        dispatch!(level, simd => self.advance(simd))
     }
 
     #[inline(always)]
@@ -206,7 +210,8 @@ impl<'a> Search<'a> {
                 continue;
             }
             let entries = self.entries();
-            match (host_node.child(host_lane), guest_node.child(guest_lane)) {
+            // Which node to open, if not both. One call of each function below keeps the compiled code small.
+            let one = match (host_node.child(host_lane), guest_node.child(guest_lane)) {
                 (Child::Leaf(host), Child::Leaf(guest)) => {
                     let packets = [self.packets[HOST].get(simd, host), self.packets[GUEST].get(simd, guest)];
                     let left = line.left_by_leaves(&packets);
@@ -219,19 +224,23 @@ impl<'a> Search<'a> {
                     }
                     continue;
                 }
-                (Child::Inner(node), Child::Leaf(_)) => self.open_one::<S, KEEPS>(simd, HOST, node, guest),
-                (Child::Leaf(_), Child::Inner(node)) => self.open_one::<S, KEEPS>(simd, GUEST, node, host),
+                (Child::Inner(node), Child::Leaf(_)) => Some((HOST, node, guest)),
+                (Child::Leaf(_), Child::Inner(node)) => Some((GUEST, node, host)),
                 (Child::Inner(host_node), Child::Inner(guest_node)) => {
                     let host_size = size(&self.box_of(simd, HOST, host));
                     let guest_size = size(&self.box_of(simd, GUEST, guest));
                     if host_size > OPENED_TOGETHER * guest_size {
-                        self.open_one::<S, KEEPS>(simd, HOST, host_node, guest);
+                        Some((HOST, host_node, guest))
                     } else if guest_size > OPENED_TOGETHER * host_size {
-                        self.open_one::<S, KEEPS>(simd, GUEST, guest_node, host);
+                        Some((GUEST, guest_node, host))
                     } else {
                         self.open_both::<S, KEEPS>(simd, host_node, guest_node);
+                        None
                     }
                 }
+            };
+            if let Some((side, node, other)) = one {
+                self.open_one::<S, KEEPS>(simd, side, node, other);
             }
             // What has no entry, as there are too many, stays with its bound and is opened again.
             if KEEPS

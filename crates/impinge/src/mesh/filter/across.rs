@@ -73,7 +73,7 @@ fn longest_edge<S: Simd>([p, q, r]: &[Lanes3<S>; 3]) -> Lanes3<S> {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
+    use crate::simd::dispatch;
 
     use super::*;
     use crate::simd::{levels, load3};

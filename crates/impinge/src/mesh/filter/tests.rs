@@ -3,8 +3,8 @@
 mod determinants;
 mod verdicts;
 
+use crate::simd::dispatch;
 use dashu_ratio::{RBig, Relaxed};
-use fearless_simd::dispatch;
 use impinge_testkit::Affine;
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::poses::{large_integer_map, rotation};

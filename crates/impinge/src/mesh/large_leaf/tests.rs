@@ -1,6 +1,6 @@
 //! What holds a triangle holds all of its points, and little else.
 
-use fearless_simd::dispatch;
+use crate::simd::dispatch;
 use impinge_testkit::generate::Rng;
 
 use super::*;

@@ -1,7 +1,8 @@
 //! Columns in memory: each a chain of blocks, so that boxes find their places in one pass.
 
+use crate::simd::dispatch;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch, u32x16};
+use fearless_simd::{Simd, u32x16};
 
 use super::frame::{Frame, LARGEST, LEVELS, WIDTH, nearest};
 use super::record::{Record, from_next, interval};

@@ -17,7 +17,8 @@ mod slots;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use fearless_simd::{Simd, dispatch};
+use crate::simd::dispatch;
+use fearless_simd::Simd;
 use rayon::prelude::*;
 
 use crate::simd::best_level;

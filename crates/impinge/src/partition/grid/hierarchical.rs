@@ -3,8 +3,6 @@
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-use fearless_simd::Simd;
-
 use super::super::{Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visitor, Work};
 use super::follow::Looks;
 use super::level::Level;
@@ -167,11 +165,10 @@ impl Follows for HierarchicalGrid {
         true
     }
 
-    #[inline(always)]
-    fn follow<S: Simd>(&mut self, simd: S, movers: &Movers, looks: &mut [Looks], changes: &mut Changes) {
+    fn follow(&mut self, movers: &Movers, looks: &mut [Looks], changes: &mut Changes) {
         let Self { levels, items, .. } = self;
         for (level, looks) in levels.values_mut().zip(looks) {
-            looks.follow(simd, level, items, movers, changes);
+            looks.follow(level, items, movers, changes);
         }
         for (key, [_, to]) in movers.iter() {
             items.replace(key, *to);

@@ -2,8 +2,6 @@
 
 use std::ops::ControlFlow;
 
-use fearless_simd::Simd;
-
 use super::super::{BoxTree, Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visitor, Work};
 use super::follow::{Looks, SHORT};
 use super::level::Level;
@@ -216,10 +214,9 @@ impl Follows for Single {
         looks[0].trace(&self.level, mover, way, true)
     }
 
-    #[inline(always)]
-    fn follow<S: Simd>(&mut self, simd: S, movers: &Movers, looks: &mut [Looks], changes: &mut Changes) {
+    fn follow(&mut self, movers: &Movers, looks: &mut [Looks], changes: &mut Changes) {
         let Self { level, large, items } = self;
-        looks[0].follow(simd, level, items, movers, changes);
+        looks[0].follow(level, items, movers, changes);
         for (key, [_, to]) in movers.iter() {
             items.replace(key, *to);
         }

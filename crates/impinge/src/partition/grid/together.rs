@@ -1,10 +1,7 @@
 //! Moves that are done together, so that the memory that they need is asked for at once.
 
-use fearless_simd::{Simd, dispatch};
-
 use super::super::{Changes, Dynamic, Items, Move, record};
 use super::follow::Looks;
-use crate::simd::best_level;
 use crate::volume::MinMax;
 
 /// Moves that are done together, side by side in a vector: what they touch is in the first cache, and memory is asked for so often
@@ -34,7 +31,7 @@ pub(super) trait Follows: Dynamic {
     fn trace(&self, mover: usize, way: &[MinMax; 2], looks: &mut [Looks]) -> bool;
 
     /// Moves the boxes, and notes what that changes.
-    fn follow<S: Simd>(&mut self, simd: S, movers: &Movers, looks: &mut [Looks], changes: &mut Changes);
+    fn follow(&mut self, movers: &Movers, looks: &mut [Looks], changes: &mut Changes);
 }
 
 impl Movers {
@@ -68,15 +65,9 @@ impl Movers {
     }
 }
 
-/// Does these moves, in turn as far as anything can tell.
+/// Applies moves. The result is the same as if they were applied one after the other.
 pub(super) fn step(grid: &mut impl Follows, moves: &[Move], changes: &mut Changes) {
     changes.clear();
-    dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || in_turn(simd, grid, moves, changes)));
-    changes.settle();
-}
-
-#[inline(always)]
-fn in_turn<S: Simd>(simd: S, grid: &mut impl Follows, moves: &[Move], changes: &mut Changes) {
     let mut movers = Movers::new();
     let mut looks: Vec<Looks> = Vec::new();
     for (at, step) in moves.iter().enumerate() {
@@ -88,7 +79,7 @@ fn in_turn<S: Simd>(simd: S, grid: &mut impl Follows, moves: &[Move], changes: &
             }
         }
         if movers.holds(step.key) {
-            follow(simd, grid, &mut movers, &mut looks, changes);
+            follow(grid, &mut movers, &mut looks, changes);
         }
         if let (Some(from), Some(to)) = (grid.items().get(step.key), &step.to) {
             if looks.len() != grid.levels() {
@@ -102,25 +93,25 @@ fn in_turn<S: Simd>(simd: S, grid: &mut impl Follows, moves: &[Move], changes: &
                 movers.seen |= 1 << (step.key % 64);
                 movers.count += 1;
                 if movers.count == TOGETHER {
-                    follow(simd, grid, &mut movers, &mut looks, changes);
+                    follow(grid, &mut movers, &mut looks, changes);
                 }
                 continue;
             }
         }
-        follow(simd, grid, &mut movers, &mut looks, changes);
+        follow(grid, &mut movers, &mut looks, changes);
         record(grid, step, changes);
         match step.to {
             Some(bounds) => grid.insert(step.key, bounds),
             None => grid.remove(step.key),
         };
     }
-    follow(simd, grid, &mut movers, &mut looks, changes);
+    follow(grid, &mut movers, &mut looks, changes);
+    changes.settle();
 }
 
-#[inline(always)]
-fn follow<S: Simd>(simd: S, grid: &mut impl Follows, movers: &mut Movers, looks: &mut [Looks], changes: &mut Changes) {
+fn follow(grid: &mut impl Follows, movers: &mut Movers, looks: &mut [Looks], changes: &mut Changes) {
     if movers.count > 0 {
-        grid.follow(simd, movers, looks, changes);
+        grid.follow(movers, looks, changes);
         movers.keys = [NONE; TOGETHER];
         movers.count = 0;
         movers.seen = 0;

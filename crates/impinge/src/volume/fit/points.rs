@@ -2,7 +2,8 @@
 
 use std::ops::{Add, Sub};
 
-use fearless_simd::{Simd, dispatch};
+use crate::simd::dispatch;
+use fearless_simd::Simd;
 
 use super::super::MinMax;
 use crate::input::{InputError, InputErrorKind};

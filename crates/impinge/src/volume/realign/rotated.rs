@@ -1,7 +1,8 @@
 //! The box of the turned box, one at a time or many.
 
+use crate::simd::dispatch;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch, f64x4};
+use fearless_simd::{Simd, f64x4};
 
 use super::Realign;
 use crate::math::Pose;

@@ -1,6 +1,6 @@
 //! How far determinants in single precision are off.
 
-use fearless_simd::dispatch;
+use crate::simd::dispatch;
 use impinge_testkit::generate::Rng;
 
 use super::super::judge::{Triangle, bound};

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use fearless_simd::dispatch;
+use crate::simd::dispatch;
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::poses::{large_integer_map, rotation};
 use impinge_testkit::{Affine, oracle};

@@ -1,6 +1,7 @@
 //! The points that may be on the sphere: those beyond a distance that nearly all of them keep.
 
-use fearless_simd::{Simd, dispatch};
+use crate::simd::dispatch;
+use fearless_simd::Simd;
 use rayon::prelude::*;
 
 use super::super::super::rounding::{add_up, length_up};
