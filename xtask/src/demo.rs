@@ -14,7 +14,10 @@ const CURVES: &str = "target/demo/curves.obj";
 pub(crate) fn run(root: &Path) -> Result<bool> {
     if !root.join(KNOT).exists() {
         println!("writing {KNOT}");
-        let written = cargo(root, &["--package", "impinge-testkit", "--example", "torus_knot", "--", KNOT])?;
+        let written = cargo(
+            root,
+            &["--package", "impinge-testkit", "--no-default-features", "--example", "torus_knot", "--", KNOT],
+        )?;
         ensure!(written.success(), "{KNOT} could not be written");
     }
     let check = ["check", HUMAN, KNOT, "--pose-b", POSE, "--curves", CURVES];

@@ -6,6 +6,7 @@ mod demo;
 mod file_length;
 mod layers;
 mod python_tests;
+mod slowest;
 mod sources;
 mod test_run;
 mod unsafe_code;

@@ -8,17 +8,21 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail, ensure};
 
+use crate::slowest::Slowest;
+use crate::test_run::FEATURES;
+
 /// The environment, kept between runs.
 const ENVIRONMENT: &str = "target/python-tests";
 /// What the tests need beside the package, every version pinned.
 const REQUIREMENTS: &str = "python/requirements-test.txt";
 
-/// How many tests passed, failed and were skipped.
-#[derive(Debug, Default, PartialEq)]
+/// Numbers of tests that passed, failed and were skipped, and the slowest of them.
+#[derive(Debug, Default)]
 pub(crate) struct Outcome {
     pub(crate) passed: usize,
     pub(crate) failed: usize,
     pub(crate) skipped: usize,
+    pub(crate) slowest: Slowest,
 }
 
 /// Installs the package and runs pytest on its tests and on the examples in its documentation.
@@ -27,7 +31,7 @@ pub(crate) fn run(root: &Path) -> Result<Outcome> {
     environment.install(root)?;
     let mut child = environment
         .python(root)
-        .args(["-m", "pytest", "-q", "--color=no", "python/tests", "--pyargs", "impinge"])
+        .args(["-m", "pytest", "-q", "--color=no", "--durations=10", "python/tests", "--pyargs", "impinge"])
         .stdout(Stdio::piped())
         .spawn()
         .context("starting pytest")?;
@@ -37,9 +41,7 @@ pub(crate) fn run(root: &Path) -> Result<Outcome> {
         let line = line?;
         let line = String::from_utf8_lossy(&line); // a test may print any bytes
         println!("{line}");
-        if let Some(read) = Outcome::read(&line) {
-            outcome = read;
-        }
+        outcome.read(&line);
     }
     let succeeded = child.wait()?.success();
     ensure!(succeeded || outcome.failed > 0, "pytest failed without a failed test");
@@ -48,23 +50,35 @@ pub(crate) fn run(root: &Path) -> Result<Outcome> {
 }
 
 impl Outcome {
-    /// Reads pytest's last line, `1 failed, 334 passed, 2 skipped in 33.43s`.
-    fn read(line: &str) -> Option<Self> {
-        let (counts, seconds) = line.trim_matches(['=', ' ']).rsplit_once(" in ")?;
-        seconds.split(['s', ' ']).next()?.parse::<f64>().ok()?;
-        let mut outcome = Self::default();
-        for count in counts.split(", ") {
-            let (number, what) = count.split_once(' ')?;
-            let number: usize = number.parse().ok()?;
-            match what {
-                "passed" => outcome.passed += number,
-                "failed" | "error" | "errors" => outcome.failed += number,
-                "skipped" => outcome.skipped += number,
-                _ => {}
+    /// Reads a line of pytest's report: a duration, `1.20s call     python/tests/test_a.py::test_b`, or the last line,
+    /// `1 failed, 334 passed, 2 skipped in 33.43s`. Ignores any other line.
+    fn read(&mut self, line: &str) {
+        if let Some((seconds, rest)) = line.trim_start().split_once("s call ") {
+            if let Ok(seconds) = seconds.parse() {
+                self.slowest.add(rest.trim(), seconds);
             }
+        } else if let Some([passed, failed, skipped]) = counts(line) {
+            (self.passed, self.failed, self.skipped) = (passed, failed, skipped);
         }
-        Some(outcome)
     }
+}
+
+/// Returns the numbers of passed, failed and skipped tests in the last line of pytest's report, or `None` for any other line.
+fn counts(line: &str) -> Option<[usize; 3]> {
+    let (counts, seconds) = line.trim_matches(['=', ' ']).rsplit_once(" in ")?;
+    seconds.split(['s', ' ']).next()?.parse::<f64>().ok()?;
+    let [mut passed, mut failed, mut skipped] = [0; 3];
+    for count in counts.split(", ") {
+        let (number, what) = count.split_once(' ')?;
+        let number: usize = number.parse().ok()?;
+        match what {
+            "passed" => passed += number,
+            "failed" | "error" | "errors" => failed += number,
+            "skipped" => skipped += number,
+            _ => {}
+        }
+    }
+    Some([passed, failed, skipped])
 }
 
 /// A virtual environment.
@@ -110,8 +124,8 @@ impl Environment {
             "--force-reinstall",
             ".",
         ]);
-        // A release would take minutes; much of this profile's work was done for these chores already.
-        pip(install.env("MATURIN_PEP517_ARGS", "--profile dev"))
+        // With this profile and these features Cargo has compiled the library already, for the tests of Rust.
+        pip(install.env("MATURIN_PEP517_ARGS", format!("--profile dev --features {FEATURES}")))
     }
 
     /// The interpreter, with the environment's own programs first on the path.
@@ -139,12 +153,20 @@ mod tests {
 
     #[test]
     fn the_last_line_is_read() {
-        let read = |line: &str| Outcome::read(line).map(|o| (o.passed, o.failed, o.skipped));
-        assert_eq!(read("337 passed in 33.43s"), Some((337, 0, 0)));
-        assert_eq!(read("= 1 failed, 334 passed, 2 skipped, 3 warnings in 0.50s ="), Some((334, 1, 2)));
-        assert_eq!(read("2 errors in 75.10s (0:01:15)"), Some((0, 2, 0)));
-        assert_eq!(read("no tests ran in 0.01s"), None);
-        assert_eq!(read("test a passed in time"), None);
-        assert_eq!(read("....F. [ 22%]"), None);
+        assert_eq!(counts("337 passed in 33.43s"), Some([337, 0, 0]));
+        assert_eq!(counts("= 1 failed, 334 passed, 2 skipped, 3 warnings in 0.50s ="), Some([334, 1, 2]));
+        assert_eq!(counts("2 errors in 75.10s (0:01:15)"), Some([0, 2, 0]));
+        assert_eq!(counts("no tests ran in 0.01s"), None);
+        assert_eq!(counts("test a passed in time"), None);
+        assert_eq!(counts("....F. [ 22%]"), None);
+    }
+
+    #[test]
+    fn durations_are_read() {
+        let mut outcome = Outcome::default();
+        outcome.read("12.50s call     python/tests/test_a.py::test_b");
+        outcome.read("2 passed in 14.00s");
+        assert_eq!(outcome.slowest.to_string(), "slowest tests:\n   12.50 s  python/tests/test_a.py::test_b");
+        assert_eq!((outcome.passed, outcome.failed), (2, 0));
     }
 }

@@ -1,53 +1,138 @@
-//! Every test of the workspace in one run, whose counts come last.
+//! `cargo xtask test`: builds every test of the workspace, runs it, and prints the slowest tests and the counts last.
 
 use std::fmt;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
+use cargo_metadata::Message;
 
 use crate::python_tests;
+use crate::slowest::Slowest;
 
-/// What a test prints first when the data that it needs is not there; libtest itself would call it passed.
+/// First words of a test's output if the data that the test needs is missing. The test harness itself counts such a test as passed.
 const SKIPPED: &str = "skipped: ";
 
-/// Runs `cargo test --workspace` and the Python package's tests, passes their output on and prints the summed counts;
-/// whether all is well.
+/// Arguments of Cargo that select every test program. The benchmark programs have no tests, and would take minutes to build.
+const PROGRAMS: [&str; 8] = ["--workspace", "--lib", "--bin", "impinge", "--bin", "xtask", "--test", "*"];
+
+/// Features of `impinge` that only the tests use. The extension module is built with them too, so that the library is compiled once.
+pub(crate) const FEATURES: &str = "impinge/glam,impinge/nalgebra";
+
+/// Runs all tests of Rust and of the Python package and prints their output, the slowest tests and the summed counts. Returns whether
+/// all passed.
 pub(crate) fn run(root: &Path) -> Result<bool> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let mut child = Command::new(cargo)
-        .args(["test", "--workspace", "--no-fail-fast", "--", "--show-output", "--color", "never"])
-        .current_dir(root)
-        .stdout(Stdio::piped())
-        .spawn()
-        .context("starting cargo test")?;
-    let output = child.stdout.take().context("the output of cargo test is piped")?;
-    let mut counts = Counts::default();
-    for line in BufReader::new(output).split(b'\n') {
-        let line = line?;
-        let line = String::from_utf8_lossy(&line); // a test may print any bytes
-        println!("{line}");
-        counts.read(&line);
+    let mut tests = Tests::default();
+    for program in programs(root, &PROGRAMS)? {
+        println!("     Running {}", program.name);
+        tests.run(Command::new(&program.path).current_dir(&program.folder))?;
     }
-    let succeeded = child.wait()?.success();
+    let mut examples = cargo();
+    examples.args(["test", "--workspace", "--doc", "--no-fail-fast", "--features", FEATURES]);
+    tests.run_examples(examples.current_dir(root))?;
     let python = python_tests::run(root)?;
+    tests.slowest.extend(python.slowest);
+    let Tests { mut counts, succeeded, slowest } = tests;
     counts.passed += python.passed;
     counts.failed += python.failed;
     counts.skipped += python.skipped;
+    println!("{slowest}");
     println!("{counts}");
     Ok(succeeded && counts.failed == 0 && counts.passed > 0)
 }
 
-/// The sums over all test binaries so far.
+/// A program that runs tests, and the folder to start it in.
+pub(crate) struct Program {
+    name: String,
+    path: PathBuf,
+    folder: PathBuf,
+}
+
+/// Builds test programs and returns them in the order of their names.
+///
+/// # Errors
+/// Cargo cannot be started, or the build fails. Cargo has printed the reason.
+pub(crate) fn programs(root: &Path, selection: &[&str]) -> Result<Vec<Program>> {
+    let mut build = cargo()
+        .args(["test", "--no-run", "--message-format", "json-render-diagnostics", "--features", FEATURES])
+        .args(selection)
+        .current_dir(root)
+        .stdout(Stdio::piped())
+        .spawn()
+        .context("starting cargo test")?;
+    let messages = BufReader::new(build.stdout.take().context("the messages of cargo are piped")?);
+    let mut programs = Vec::new();
+    for message in Message::parse_stream(messages) {
+        if let Message::CompilerArtifact(artifact) = message?
+            && artifact.profile.test
+            && let Some(path) = artifact.executable
+        {
+            let folder = artifact.manifest_path.parent().context("a manifest lies in a folder")?.into();
+            let package = artifact.manifest_path.parent().and_then(|folder| folder.file_name()).unwrap_or_default();
+            programs.push(Program { name: format!("{package}: {}", artifact.target.name), path: path.into(), folder });
+        }
+    }
+    ensure!(build.wait()?.success(), "the tests could not be built");
+    programs.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(programs)
+}
+
+fn cargo() -> Command {
+    Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+}
+
+/// What the tests that have run so far came to.
+pub(crate) struct Tests {
+    pub(crate) counts: Counts,
+    /// Whether every program ended well. A program that crashes prints no counts.
+    pub(crate) succeeded: bool,
+    pub(crate) slowest: Slowest,
+}
+
+impl Default for Tests {
+    fn default() -> Self {
+        Self { counts: Counts::default(), succeeded: true, slowest: Slowest::default() }
+    }
+}
+
+impl Tests {
+    /// Runs a test program and reads what it prints.
+    fn run(&mut self, program: &mut Command) -> Result<()> {
+        // Times of single tests are an unstable option of the harness, which this variable allows on a stable compiler.
+        program.env("RUSTC_BOOTSTRAP", "1").args(["-Zunstable-options", "--report-time"]);
+        self.read(program.args(["--show-output", "--color", "never"]))
+    }
+
+    /// Runs the examples in the documentation, which Cargo has to start, and reads what they print.
+    fn run_examples(&mut self, cargo: &mut Command) -> Result<()> {
+        self.read(cargo.args(["--", "--show-output", "--color", "never"]))
+    }
+
+    fn read(&mut self, command: &mut Command) -> Result<()> {
+        let mut child = command.stdout(Stdio::piped()).spawn().with_context(|| format!("starting {command:?}"))?;
+        let output = child.stdout.take().context("the output of a test program is piped")?;
+        for line in BufReader::new(output).split(b'\n') {
+            let line = line?;
+            let line = String::from_utf8_lossy(&line); // a test may print any bytes
+            println!("{line}");
+            self.counts.read(&line);
+            self.slowest.read(&line);
+        }
+        self.succeeded &= child.wait()?.success();
+        Ok(())
+    }
+}
+
+/// Sums over all test programs so far.
 #[derive(Debug, Default, PartialEq)]
-struct Counts {
+pub(crate) struct Counts {
     passed: usize,
     failed: usize,
     skipped: usize,
-    /// Tests of the binary now running that said that they skipped.
+    /// Number of tests of the running program that printed that they were skipped.
     said_skipped: usize,
-    /// Whether the test whose output is being read has said so already.
+    /// Whether the test whose output is being read has printed it already.
     said: bool,
 }
 

@@ -5,17 +5,24 @@
 //! byte, on every machine: no platform mathematics library and no thread takes part.
 //!
 //! - [`generate`] makes meshes and tie-heavy pairs of triangles.
-//! - [`oracle`] answers which triangles meet, slowly and exactly.
+//! - [`oracle`](mod@oracle) answers which triangles intersect, slowly and exactly (feature `oracles`, on by default).
 
+#[cfg(feature = "oracles")]
 pub mod animation;
+#[cfg(feature = "oracles")]
 pub mod cases;
+#[cfg(feature = "oracles")]
 pub mod ccd;
+#[cfg(feature = "oracles")]
 pub mod env_rob;
 pub mod generate;
+#[cfg(feature = "oracles")]
 pub mod oracle;
 
+#[cfg(feature = "oracles")]
 mod read_error;
 mod scene;
 
+#[cfg(feature = "oracles")]
 pub use read_error::ReadError;
 pub use scene::{Affine, Mesh, Posed};

@@ -135,7 +135,7 @@ fn spread<S: Simd>(x: u32x8<S>) -> u32x8<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd::levels;
+    use crate::simd::kernel_levels;
     use fearless_simd::dispatch;
     use impinge_testkit::generate::Rng;
 
@@ -150,7 +150,7 @@ mod tests {
         for count in (0..40).chain([500]) {
             let centres: Vec<[f32; 4]> = (0..count).map(|_| [0; 4].map(|_| coordinate())).collect();
             for curve in [Curve::over(&bounds).expect("a cube"), Curve::ONE_CELL] {
-                for (name, level) in levels() {
+                for (name, level) in kernel_levels() {
                     for (first, place) in [(0, 0), (count / 2, LEADING)] {
                         let mut next = first;
                         dispatch!(level, simd => curve.for_each_eight(

@@ -7,13 +7,13 @@ use std::slice::IterMut;
 use std::sync::Arc;
 
 use bytemuck::Zeroable;
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::Simd;
 use rayon::prelude::*;
 
 use super::boxes::{Boxes, Centre, lanes_of_eight};
 use super::curve::{Curve, DIGITS, Eight, LEADING};
 use super::radix::add_up;
-use crate::simd::{LANES, widest_level};
+use crate::simd::{LANES, dispatch_widest, widest_level};
 use crate::volume::Aabb;
 
 /// How a range of centres lies on a curve: all of one cell of it, and in the order of their next digit.
@@ -39,7 +39,7 @@ impl Deals {
             .par_iter()
             .map(|share| {
                 let mut counts = [0; DIGITS];
-                dispatch!(widest_level(), simd => curve.for_each_eight(
+                dispatch_widest!(widest_level(), simd => curve.for_each_eight(
                     simd,
                     LEADING,
                     share.clone(),
@@ -62,7 +62,7 @@ impl Deals {
             ends[digit] = end;
         }
         shares.into_par_iter().zip(places).for_each(|(share, mut places)| {
-            dispatch!(widest_level(), simd => curve.for_each_eight(
+            dispatch_widest!(widest_level(), simd => curve.for_each_eight(
                 simd,
                 LEADING,
                 share,
@@ -123,7 +123,7 @@ impl Deals {
         // Eight are read at a time.
         spare.extend([Centre::zeroed(); LANES]);
         let (all, mut next) = (0..centres.len(), [0; DIGITS]);
-        dispatch!(widest_level(), simd => {
+        dispatch_widest!(widest_level(), simd => {
             curve.for_each_eight(
                 simd,
                 place,

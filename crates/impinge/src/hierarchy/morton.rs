@@ -9,13 +9,11 @@
 use std::num::NonZeroU32;
 use std::sync::{Mutex, PoisonError};
 
-use fearless_simd::dispatch;
-
 use super::binary::{BinaryNode, BinaryTree, LEAF_CAPACITY};
 use super::boxes::{Bounds, Boxes, Centre};
 use super::cluster::{CLUSTER, Cluster};
 use super::deals::Deals;
-use crate::simd::widest_level;
+use crate::simd::{dispatch_widest, widest_level};
 use crate::storage::Pages;
 use crate::volume::Aabb;
 
@@ -144,7 +142,7 @@ impl<B: Bounds, F: Fn(&[u32]) -> B + Sync> Builder<F> {
         if count <= CLUSTER {
             let Range { centres, order, .. } = range;
             let cluster = &mut passing.cluster;
-            return dispatch!(widest_level(), simd => cluster.emit(simd, centres, &self.bounds, order, first, nodes));
+            return dispatch_widest!(widest_level(), simd => cluster.emit(simd, centres, &self.bounds, order, first, nodes));
         }
         let (low, high) = range.split(&mut passing.dealt);
         let at = nodes.len();

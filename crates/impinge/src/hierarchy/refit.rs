@@ -225,11 +225,11 @@ fn first_leaf(nodes: &[Node], mut at: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use crate::simd::dispatch;
+    use fearless_simd::dispatch;
     use impinge_testkit::generate::Rng;
 
     use super::*;
-    use crate::simd::levels;
+    use crate::simd::kernel_levels;
 
     /// Whatever is in the lanes beyond, a node gets just the boxes of its children; and what is found out about all lanes at once is
     /// what is found lane by lane, to the bit and at every vector level.
@@ -249,7 +249,7 @@ mod tests {
             let mut expected = Node { count: count as u32, ..Node::EMPTY };
             (0..count).for_each(|lane| expected.set_bounds(lane, &boxes.lane(lane)));
             expected.set_extent(&expected.bounds());
-            for (name, level) in levels() {
+            for (name, level) in kernel_levels() {
                 let mut node = Node { count: count as u32, ..Node::EMPTY };
                 let (bounds, area) = dispatch!(level, simd => node.fit(simd, &boxes));
                 assert_eq!(bytemuck::bytes_of(&node), bytemuck::bytes_of(&expected), "{name}, {count} boxes");

@@ -81,14 +81,14 @@ fn splat<S: Simd>(simd: S, x: f64) -> f32x8<S> {
 
 #[cfg(test)]
 mod tests {
-    use crate::simd::dispatch;
+    use fearless_simd::dispatch;
     use impinge_testkit::generate::Rng;
 
     use super::*;
     use crate::hierarchy::Builder;
     use crate::mesh::{Mesh, Positions};
     use crate::primitive::ray_triangle;
-    use crate::simd::levels;
+    use crate::simd::kernel_levels;
 
     /// Lines through corners, edges and places beside triangles of many sizes, from near and far: none that is met is left out, and
     /// nearly all others are.
@@ -120,7 +120,7 @@ mod tests {
                 let from = mesh.0.frame.pack(origin);
                 let error = 16.0 * UNIT_ROUNDOFF * from.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
                 let line = Line::new(from, direction, error);
-                for (name, level) in levels() {
+                for (name, level) in kernel_levels() {
                     for (at, leaf) in mesh.0.leaves.iter().enumerate() {
                         let packets = mesh.packets();
                         let lanes = dispatch!(level, simd => line.may_meet(simd, &packets.get(simd, at as u32)));

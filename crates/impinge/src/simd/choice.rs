@@ -70,7 +70,7 @@ mod tests {
     use impinge_testkit::generate::Rng;
 
     use super::*;
-    use crate::simd::levels;
+    use crate::simd::kernel_levels;
 
     #[test]
     fn each_place_gets_the_lane_of_its_byte() {
@@ -78,7 +78,7 @@ mod tests {
         let lanes = std::array::from_fn(|lane| lane as f32);
         for _ in 0..100 {
             let bytes: [u8; LANES] = std::array::from_fn(|_| rng.integer(0, 255) as u8);
-            for (name, level) in levels() {
+            for (name, level) in kernel_levels() {
                 let chosen: [f32; LANES] =
                     dispatch!(level, simd => Choice(u64::from_le_bytes(bytes)).of(simd, &lanes).into());
                 assert_eq!(chosen, bytes.map(|byte| f32::from(byte % 8)), "{name}");

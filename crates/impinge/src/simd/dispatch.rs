@@ -1,47 +1,38 @@
 //! Choosing the vector unit of a kernel at run time.
 //!
-//! Every level that a kernel is compiled for costs build time, so a kernel is compiled only for levels that can be chosen:
-//! - AVX-512 is left out. [`best_level`](super::best_level) never returns it, because it is slower for most kernels. The few kernels
-//!   that gain from it use [`fearless_simd::dispatch`] and [`widest_level`](super::widest_level).
-//! - The scalar level is compiled only with the feature `scalar`, or on a processor family without vectors.
-//! - A build with debug assertions and the feature `scalar` leaves out SSE2 and SSE4.2 too, unless the feature `every-level` is on. It
-//!   is the build of a contributor who edits and tests; `cargo xtask test` turns `every-level` on.
+//! A kernel is compiled once for each level that it can run at, and each copy costs build time. So kernels are compiled only for
+//! levels that queries choose:
+//! - AVX-512 only for kernels that gain from it. [`best_level`](super::best_level) never returns it.
+//! - Scalar arithmetic only for processors without vectors, or if the feature `scalar` is on. It takes the compiler longer than all
+//!   other levels together. Tests of single kernels use [`fearless_simd::dispatch`], which has it always.
 
 /// Runs a kernel with the vector unit of a level: `dispatch!(level, simd => kernel(simd, …))`.
 ///
-/// Levels that are not compiled in run as the next narrower one that is. The kernel must be `#[inline(always)]`.
+/// If the kernel is not compiled for the level, it runs with the next narrower unit that it is compiled for, or with the narrowest. The
+/// kernel must be `#[inline(always)]`.
 macro_rules! dispatch {
     ($level:expr, $simd:pat => $op:expr) => {{
-        let level = $level;
+        let level: $crate::simd::Level = $level;
         'chosen: {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            if let Some(unit) = level.as_avx2() {
+            #[cfg(any(feature = "scalar", not(any(target_feature = "sse2", target_feature = "neon"))))]
+            if let fearless_simd::Level::Fallback(unit) = level {
                 break 'chosen $crate::simd::dispatch!(@run unit, $simd => $op);
             }
-            #[cfg(all(
-                any(target_arch = "x86", target_arch = "x86_64"),
-                any(not(debug_assertions), not(feature = "scalar"), feature = "every-level")
-            ))]
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             {
+                if let Some(unit) = level.as_avx2() {
+                    break 'chosen $crate::simd::dispatch!(@run unit, $simd => $op);
+                }
                 if let Some(unit) = level.as_sse4_2() {
                     break 'chosen $crate::simd::dispatch!(@run unit, $simd => $op);
                 }
-                if let Some(unit) = level.as_sse2() {
-                    break 'chosen $crate::simd::dispatch!(@run unit, $simd => $op);
-                }
-            }
-            #[cfg(target_arch = "aarch64")]
-            if let Some(unit) = level.as_neon() {
+                let Some(unit) = level.as_sse2().or_else(|| $crate::simd::Level::baseline().as_sse2()) else {
+                    unreachable!("without SSE2 the level is the scalar one")
+                };
                 break 'chosen $crate::simd::dispatch!(@run unit, $simd => $op);
             }
-            #[cfg(feature = "scalar")]
-            if let fearless_simd::Level::Fallback(unit) = fearless_simd::Level::fallback() {
-                break 'chosen $crate::simd::dispatch!(@run unit, $simd => $op);
-            }
-            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64")))]
+            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
             break 'chosen fearless_simd::dispatch!(level, $simd => $op);
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64"))]
-            unreachable!("{level:?} is compiled in")
         }
     }};
     (@run $unit:expr, $simd:pat => $op:expr) => {{
@@ -55,4 +46,18 @@ macro_rules! dispatch {
     }};
 }
 
-pub(crate) use dispatch;
+/// Runs a kernel as [`dispatch!`] does, and with AVX-512 if the level is AVX-512.
+macro_rules! dispatch_widest {
+    ($level:expr, $simd:pat => $op:expr) => {{
+        let level: $crate::simd::Level = $level;
+        'widest: {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            if let Some(unit) = level.as_avx512() {
+                break 'widest $crate::simd::dispatch!(@run unit, $simd => $op);
+            }
+            $crate::simd::dispatch!(level, $simd => $op)
+        }
+    }};
+}
+
+pub(crate) use {dispatch, dispatch_widest};

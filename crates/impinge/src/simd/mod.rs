@@ -36,7 +36,7 @@ pub(crate) use by_axis;
 
 pub(crate) use bits::{any_byte, bits, each_byte, extend_some, nonzero_bytes, spread_to_bytes, take_four};
 pub(crate) use choice::Choice;
-pub(crate) use dispatch::dispatch;
+pub(crate) use dispatch::{dispatch, dispatch_widest};
 pub(crate) use prefetch::{CACHE_LINE, prefetch, prefetch_at};
 pub(crate) use rows::Rows;
 pub(crate) use vectors::{Lanes3, across, across3, cross, dot, load, load3, store3, sub, transposed};
@@ -77,8 +77,8 @@ pub(crate) fn widest_level() -> Level {
     Level::new()
 }
 
-/// Returns every level that this processor can run and that is compiled in, with its name, the narrowest first. Tests ask
-/// each of them the same questions. The scalar level is among them if the feature `scalar` is on.
+/// Returns every level that this processor can run and that queries are compiled for, with its name, the narrowest first. Tests ask each
+/// of them the same questions. Scalar arithmetic is one of them if the feature `scalar` is on.
 #[must_use]
 pub fn levels() -> Vec<(&'static str, Level)> {
     let best = Level::new();
@@ -87,14 +87,22 @@ pub fn levels() -> Vec<(&'static str, Level)> {
     levels.push(("scalar", Level::fallback()));
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     {
-        if cfg!(any(not(debug_assertions), not(feature = "scalar"), feature = "every-level")) {
-            levels.extend(best.as_sse2().map(|token| ("sse2", Level::Sse2(token))));
-            levels.extend(best.as_sse4_2().map(|token| ("sse4.2", Level::Sse4_2(token))));
-        }
+        levels.extend(best.as_sse2().map(|token| ("sse2", Level::Sse2(token))));
+        levels.extend(best.as_sse4_2().map(|token| ("sse4.2", Level::Sse4_2(token))));
         levels.extend(best.as_avx2().map(|token| ("avx2", Level::Avx2(token))));
         levels.extend(best.as_avx512().map(|token| ("avx512", Level::Avx512(token))));
     }
     #[cfg(target_arch = "aarch64")]
     levels.extend(best.as_neon().map(|token| ("neon", Level::Neon(token))));
     levels
+}
+
+/// Returns every level that this processor can run, the scalar one first: for tests that call a kernel by
+/// [`fearless_simd::dispatch`], which compiles it for all of them.
+#[cfg(test)]
+pub(crate) fn kernel_levels() -> Vec<(&'static str, Level)> {
+    let mut all = levels();
+    all.retain(|(name, _)| *name != "scalar");
+    all.insert(0, ("scalar", Level::fallback()));
+    all
 }

@@ -1,13 +1,13 @@
 //! Segments that cross, which are the boxes that a direction across both has least room for, carried exactly.
 
-use crate::simd::dispatch;
 use dashu_ratio::Relaxed;
+use fearless_simd::dispatch;
 use impinge_testkit::generate::Rng;
 
 use super::super::lanes::BoxLanes;
 use super::super::tests::maps::{any_linear, coarse, exact};
 use super::*;
-use crate::simd::{LANES, levels};
+use crate::simd::{LANES, kernel_levels};
 
 /// A map, and eight boxes on either side: thin ones along an axis, of which each of the guest's is carried so that it passes the
 /// host's of its lane by a gap.
@@ -58,7 +58,7 @@ impl Trial {
             let near = dispatch!(level, simd => askew.near(simd, &self.host, &self.guest, u64::MAX));
             (0..LANES).filter(|lane| near >> (LANES * lane + lane) & 1 == 0).count()
         };
-        levels().into_iter().map(apart).sum()
+        kernel_levels().into_iter().map(apart).sum()
     }
 }
 
@@ -97,7 +97,7 @@ fn what_meets_is_never_apart() {
 fn what_passes_by_is_apart() {
     let mut rng = Rng::new(312);
     let found: usize = (0..500).map(|_| Trial::new(&mut rng, 1e-3, 1e-5).apart()).sum();
-    let all = 500 * LANES * levels().len();
+    let all = 500 * LANES * kernel_levels().len();
     // The others are parallel, or nearly so.
     assert!(found * 10 > all * 8, "{found} of {all}");
 }

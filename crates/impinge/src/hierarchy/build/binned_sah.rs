@@ -112,7 +112,8 @@ mod tests {
 
     use super::super::bins::tests::some_boxes;
     use super::*;
-    use crate::simd::levels;
+    use crate::simd::kernel_levels;
+    use fearless_simd::dispatch;
 
     /// What comes before the middle is below the plane, and all else above; nothing is lost; and the boxes are those of the centres.
     #[test]
@@ -123,7 +124,7 @@ mod tests {
             let boxes = some_boxes(&mut rng, round % 4);
             let items = Item::all(&boxes);
             let grid = Grid::over(&twice_centre_bounds(&items));
-            for (name, level) in levels() {
+            for (name, level) in kernel_levels() {
                 let mut items = items.clone();
                 let Some((plane, (middle, twice_centres))) = dispatch!(level, simd => {
                     let plane = Bins::of(simd, &items, &grid).cheapest(simd, 2);
@@ -143,7 +144,7 @@ mod tests {
                 assert!(order.into_iter().eq(0..boxes.len() as u32), "{name}: {plane:?}");
             }
         }
-        assert!(parted > 100 * levels().len(), "{parted} were parted");
+        assert!(parted > 100 * kernel_levels().len(), "{parted} were parted");
     }
 
     #[test]

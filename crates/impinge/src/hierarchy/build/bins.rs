@@ -187,14 +187,14 @@ fn extents<S: Simd>(max: f32x8<S>, negated_min: f32x8<S>) -> [f64x4<S>; 2] {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use crate::simd::dispatch;
+    use fearless_simd::dispatch;
     use impinge_testkit::generate::Rng;
 
     use super::*;
     use crate::hierarchy::area::half_area;
     use crate::hierarchy::build::item::twice_centre_bounds;
     use crate::hierarchy::build::top_down::leaves;
-    use crate::simd::levels;
+    use crate::simd::kernel_levels;
 
     /// The bin of a box along an axis, one operation after the other.
     fn plain_bin(bounds: &Aabb, twice_centres: &Aabb, axis: usize) -> usize {
@@ -253,7 +253,7 @@ pub(super) mod tests {
                 Some(plane) => planes[plane.axis] += 1,
                 None => none += 1,
             }
-            for (name, level) in levels() {
+            for (name, level) in kernel_levels() {
                 let cheapest = dispatch!(level, simd => {
                     let (low, high) = items.split_at(items.len() / 3);
                     Bins::of(simd, low, &grid).merged(Bins::of(simd, high, &grid)).cheapest(simd, capacity)
@@ -276,7 +276,7 @@ pub(super) mod tests {
             for (item, bounds) in items.iter().zip(&boxes) {
                 let expected = [0, 1, 2].map(|axis| plain_bin(bounds, &twice_centres, axis));
                 expected.iter().for_each(|&bin| seen[bin] += 1);
-                for (name, level) in levels() {
+                for (name, level) in kernel_levels() {
                     let bins = dispatch!(level, simd => grid.bins(simd, item));
                     assert_eq!(bins, expected, "{name}: {bounds:?} of {twice_centres:?}");
                     for (axis, bin) in (0..3).flat_map(|axis| (1..BINS).map(move |bin| (axis, bin))) {

@@ -3,7 +3,7 @@ use fearless_simd::dispatch;
 use impinge_testkit::generate::Rng;
 
 use super::*;
-use crate::simd::{Level, levels};
+use crate::simd::{Level, kernel_levels};
 
 fn centres(places: &[[f32; 3]]) -> Vec<Centre> {
     let centre = |(index, &[x, y, z]): (usize, &[f32; 3])| {
@@ -40,7 +40,7 @@ fn rows_are_parted_about_the_median_of_their_widest_axis() {
         let whole = if len > FEW { FEW } else { LANES };
         let low = len.div_ceil(whole).div_ceil(2) * whole;
         let mut expected = None;
-        for (name, level) in levels() {
+        for (name, level) in kernel_levels() {
             let mut columns = Columns::default();
             dispatch!(level, simd => columns.set(simd, &centres(&places)));
             // Rows are side by side until they are parted, and have room for it.
@@ -77,7 +77,7 @@ fn runs_are_parted_down_to_sixteen_without_disturbing_each_other() {
     for len in [1, 8, 9, 16, 17, 24, 40, 63, 65, 512, 700, 1_000, 2_000, 3_000, MOST - 1, MOST] {
         let places = places(&mut rng, len);
         let mut expected = None;
-        for (name, level) in levels() {
+        for (name, level) in kernel_levels() {
             let mut columns = Columns::default();
             dispatch!(level, simd => columns.set(simd, &centres(&places)));
             let mut left = vec![Run::all(len)];
@@ -122,7 +122,7 @@ fn what_reaches_too_far_or_coincides_stays_in_its_order() {
         let mut anywhere: Vec<[f32; 3]> = (0..len).map(|_| [0; 3].map(|_| rng.choose(&far))).collect();
         anywhere[0] = [f32::INFINITY; 3];
         for places in [all_at([1.0, 2.0, 3.0]), all_at([f32::INFINITY; 3]), all_at([0.0, f32::MAX, -0.0]), anywhere] {
-            for (name, level) in levels() {
+            for (name, level) in kernel_levels() {
                 let mut columns = Columns::default();
                 dispatch!(level, simd => columns.set(simd, &centres(&places)));
                 assert!((0..3).all(|axis| columns.columns[axis][..len].iter().all(|&along| along == 0)), "{name}");

@@ -1,14 +1,14 @@
 //! Carried boxes against exact rational images.
 
-use crate::simd::dispatch;
 use bytemuck::Zeroable;
 use dashu_ratio::Relaxed;
+use fearless_simd::dispatch;
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::poses::rotation;
 
 use super::super::tests::maps::exact;
 use super::*;
-use crate::simd::{Level, levels, load3};
+use crate::simd::{Level, kernel_levels, load3};
 
 const REACH: f64 = 1.0;
 
@@ -54,7 +54,7 @@ impl Trial {
     }
 
     fn taken_at_any_level(&self) -> f64 {
-        levels().into_iter().map(|(_, level)| self.taken(level)).fold(0.0, f64::max)
+        kernel_levels().into_iter().map(|(_, level)| self.taken(level)).fold(0.0, f64::max)
     }
 }
 
@@ -192,7 +192,7 @@ fn pairs_overlap_where_each_against_all_does() {
         let (one, many) = (boxes(&mut rng), boxes(&mut rng));
         let rows = (0..rng.integer(0, 8)).fold(0, |rows, _| rows | 0xff << (8 * rng.integer(0, 7)));
         let pairs = rng.next_u64() & rows;
-        for (name, level) in levels() {
+        for (name, level) in kernel_levels() {
             let [each, some] = dispatch!(level, simd => {
                 let one = (&load3(simd, &one.min), &load3(simd, &one.max));
                 [overlapping_each(simd, one, &many), overlapping_pairs(simd, one, &many, pairs)]

@@ -206,8 +206,8 @@ fn interleaved<S: Simd>(simd: S, kinds: &[[u16; TOGETHER]; KINDS]) -> [u16x16<S>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd::dispatch;
     use fearless_simd::Level;
+    use fearless_simd::dispatch;
     use impinge_testkit::generate::Rng;
 
     type Ends = [[u8; 3]; 2];

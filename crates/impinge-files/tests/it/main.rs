@@ -1,0 +1,9 @@
+//! The integration tests of the file formats. They are one program, because each program is compiled and linked on its own.
+
+mod baked;
+mod characters;
+mod cloth;
+mod load;
+mod real_files;
+mod rigs;
+mod winding_numbers;

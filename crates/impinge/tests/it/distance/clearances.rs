@@ -1,0 +1,92 @@
+//! `within` at the clearance itself, and a float to either side of the distance.
+
+use impinge::exact::{Placement, triangles_within};
+use impinge::query;
+use impinge_testkit::Affine;
+use impinge_testkit::generate::Rng;
+use impinge_testkit::generate::poses::{large_integer_map, rotation};
+use impinge_testkit::generate::solids::{cuboid, grid_soup};
+
+use crate::distance::meshes::{all_pairs, images, least};
+use crate::distance::oracle::{image, rational, squared_distance};
+use crate::distance::ways::{engine_mesh, engine_pose, within_in_every_way};
+
+#[test]
+fn boxes_at_exactly_the_clearance_are_within() {
+    // Distances 5, 13 and 7 by Pythagoras: across an edge, and corner to corner.
+    let cube = engine_mesh(&cuboid([0.0; 3], [1.0; 3]));
+    for (step, distance) in [([4.0, 5.0, 0.5], 5.0), ([4.0, 5.0, 13.0], 13.0), ([3.0, -4.0, 7.0], 7.0)] {
+        for scale in [1e-6, 1e-3, 1.0, 1024.0] {
+            let scaled = Affine::new([[scale, 0.0, 0.0], [0.0, scale, 0.0], [0.0, 0.0, scale]], [0.0; 3]);
+            let moved = Affine::new(scaled.linear, step.map(|x: f64| x * scale));
+            let truth = images(&cuboid([0.0; 3], [1.0; 3]), &moved);
+            let pairs = all_pairs(&images(&cuboid([0.0; 3], [1.0; 3]), &scaled)[..], &truth[..]);
+            let clearance = distance * scale;
+            for clearance in [clearance.next_down(), clearance, clearance.next_up()] {
+                let expected = *least(&pairs) <= rational(clearance) * rational(clearance);
+                assert_eq!(within_in_every_way((&cube, &scaled), (&cube, &moved), clearance), expected);
+                if scale == 1.0 || scale == 1024.0 {
+                    assert_eq!(expected, clearance >= distance * scale, "these numbers are exact");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn soups_are_within_their_distance_and_not_within_less() {
+    let (mut within, mut asked) = (0, 0);
+    for seed in 0..40 {
+        let mut rng = Rng::new(900 + seed);
+        let (a, b) = (grid_soup(&mut rng, 4, 4, 2), grid_soup(&mut rng, 4, 4, 2));
+        let (pose_a, pose_b) = match seed % 4 {
+            0 => (Affine::IDENTITY, Affine::translation([rng.integer(0, 9) as f64, 5.0, 0.0])),
+            1 => (large_integer_map(&mut rng), large_integer_map(&mut rng)),
+            _ => (rotation(&mut rng), rotation(&mut rng)),
+        };
+        let pairs = all_pairs(&images(&a, &pose_a), &images(&b, &pose_b));
+        let squared = least(&pairs);
+        let root = squared.to_f64().value().sqrt();
+        let (mesh_a, mesh_b) = (engine_mesh(&a), engine_mesh(&b));
+        for clearance in [root.next_down().next_down(), root.next_down(), root, root.next_up(), root * 1.5, 0.0] {
+            let expected = clearance >= 0.0 && *squared <= rational(clearance) * rational(clearance);
+            let found = within_in_every_way((&mesh_a, &pose_a), (&mesh_b, &pose_b), clearance);
+            assert_eq!(found, expected, "seed {seed} at {clearance:e}");
+            within += usize::from(found);
+            asked += 1;
+        }
+    }
+    assert!((asked / 4..asked * 3 / 4).contains(&within), "{within} of {asked}");
+}
+
+#[test]
+fn triangles_within_is_the_rational_comparison() {
+    let mut rng = Rng::new(77);
+    let (mut equal, mut near) = (0, 0);
+    for case in 0..400 {
+        let mut triangle = || [[0; 3]; 3].map(|p| p.map(|_: i32| rng.integer(0, 5) as f64));
+        let (a, b) = (triangle(), triangle());
+        let pose = if case % 2 == 0 { Affine::IDENTITY } else { Affine::translation([6.0, 0.0, 0.25]) };
+        let placement = Placement::new(&engine_pose(&Affine::IDENTITY), &engine_pose(&pose));
+        let squared = squared_distance(&a.map(|p| image(&Affine::IDENTITY, p)), &b.map(|p| image(&pose, p)));
+        let root = squared.to_f64().value().sqrt();
+        for clearance in [root.next_down(), root, root.next_up(), 1.0, 2.0] {
+            let limit = rational(clearance) * rational(clearance);
+            let expected = clearance >= 0.0 && squared <= limit;
+            assert_eq!(triangles_within(&placement, &a, &b, clearance), expected, "{a:?} {b:?} {clearance}");
+            equal += usize::from(squared == limit && clearance > 0.0);
+            near += usize::from(expected);
+        }
+    }
+    assert!(equal > 15 && near > 200, "{equal} {near}");
+}
+
+#[test]
+fn clearances_that_are_none_are_kept_by_nothing() {
+    let cube = engine_mesh(&cuboid([0.0; 3], [1.0; 3]));
+    assert!(query::within(&cube, &cube, 0.0));
+    for none in [-1.0, -f64::MIN_POSITIVE, f64::NAN, f64::NEG_INFINITY] {
+        assert!(!query::within(&cube, &cube, none));
+    }
+    assert!(query::within(&cube, &cube, f64::INFINITY));
+}

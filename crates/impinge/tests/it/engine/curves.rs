@@ -1,0 +1,67 @@
+//! Intersection curves: closed where the meshes are, of known length, and the same however the meshes are stored.
+
+use std::f64::consts::PI;
+
+use impinge::{Mesh, Positions, query};
+use impinge_testkit::cases::Precision;
+use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
+use impinge_testkit::generate::solids::{cuboid, icosphere};
+use impinge_testkit::{Affine, Mesh as Plain};
+
+use crate::engine::ways::{engine_mesh, engine_pose};
+
+#[test]
+fn closed_meshes_meet_in_closed_curves() {
+    let knot = engine_mesh(&torus_knot(200, 50, TREFOIL), Precision::F64);
+    let pose = impinge::Pose::from_axis_angle([1.0, 2.0, 3.0], 0.7, [0.3, 0.2, 0.1]).expect("a pose");
+    let curves = query::intersection_curves(&knot, knot.at(pose));
+    assert!(curves.polylines.len() > 3, "{} curves", curves.polylines.len());
+    assert_eq!(curves.closed(), curves.polylines.len());
+    assert!(curves.points.is_empty());
+    assert_eq!(curves.coplanar_pairs, 0);
+}
+
+#[test]
+fn two_unit_spheres_meet_in_a_circle() {
+    let sphere = engine_mesh(&icosphere(5), Precision::F64);
+    let apart = engine_pose(&Affine::translation([1.0, 0.013, 0.007]));
+    let curves = query::intersection_curves(&sphere, sphere.at(apart));
+    assert_eq!((curves.polylines.len(), curves.closed()), (1, 1));
+    let half = (1.0_f64 + 0.013 * 0.013 + 0.007 * 0.007).sqrt() / 2.0;
+    let circle = 2.0 * PI * (1.0 - half * half).sqrt();
+    assert!((curves.length() / circle - 1.0).abs() < 0.005, "{} against {circle}", curves.length());
+}
+
+#[test]
+fn repeated_vertices_link_up_like_shared_ones() {
+    let shared = icosphere(3);
+    let repeated = Plain {
+        vertices: shared.faces.iter().flatten().map(|&v| shared.vertices[v as usize]).collect(),
+        faces: (0..shared.faces.len() as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(),
+    };
+    let pose = engine_pose(&Affine::translation([0.5, 0.3, 0.2]));
+    let (shared, repeated) = (engine_mesh(&shared, Precision::F64), engine_mesh(&repeated, Precision::F64));
+    let expected = query::intersection_curves(&shared, shared.at(pose));
+    assert_eq!(expected.closed(), 1);
+    assert_eq!(query::intersection_curves(&repeated, repeated.at(pose)), expected);
+}
+
+#[test]
+fn boxes_that_share_corners_and_edges_still_link_up() {
+    // A cube that stands out of a larger one, its floor in the larger one's top plane: the outline of its floor.
+    let (table, cup) = (cuboid([0.0; 3], [4.0, 4.0, 1.0]), cuboid([1.0, 1.0, 1.0], [2.0, 2.0, 2.0]));
+    let (table, cup) = (engine_mesh(&table, Precision::F64), engine_mesh(&cup, Precision::F64));
+    let curves = query::intersection_curves(&table, &cup);
+    assert_eq!(curves.length(), 4.0);
+    assert!(curves.coplanar_pairs > 0);
+}
+
+#[test]
+fn a_corner_on_a_face_is_a_point_and_no_curve() {
+    let mesh = |corners: [[f64; 3]; 3]| Mesh::new(Positions::F64(corners.to_vec()), vec![[0, 1, 2]]).expect("a mesh");
+    let floor = mesh([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]);
+    let standing = mesh([[1.0, 1.0, 0.0], [1.0, 1.0, 2.0], [2.0, 1.0, 2.0]]);
+    let curves = query::intersection_curves(&floor, &standing);
+    assert_eq!(curves.points, [[1.0, 1.0, 0.0]]);
+    assert!(curves.polylines.is_empty());
+}

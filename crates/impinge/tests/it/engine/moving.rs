@@ -1,0 +1,322 @@
+//! Meshes that move: refitted and rebuilt in part or whole, they answer as if they were new.
+
+use impinge::hierarchy::Builder;
+use impinge::mesh::{Aging, Options, Ray};
+use impinge::query::HitCache;
+use impinge::{InputErrorKind, Mesh, Positions, query};
+use impinge_testkit::cases::Precision;
+use impinge_testkit::generate::Rng;
+use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
+use impinge_testkit::generate::poses::rotation;
+use impinge_testkit::generate::solids::{cube_sphere, grid_soup};
+use impinge_testkit::{Affine, oracle};
+
+use crate::engine::ways::{engine_mesh, engine_pose, on_threads, pairs_in_every_way};
+
+/// The arrays of the hierarchy, to the bit.
+fn bits(mesh: &Mesh) -> [Vec<u8>; 3] {
+    let parts = mesh.parts();
+    [parts.frame.to_vec(), parts.nodes.to_vec(), parts.leaves.to_vec()]
+}
+
+fn singles(vertices: &[[f64; 3]]) -> Positions {
+    Positions::F32(vertices.iter().map(|v| v.map(|x| x as f32)).collect())
+}
+
+/// Moves the vertices in one of many ways, most of which keep them on a grid, so that touching is common.
+fn deformed(rng: &mut Rng, way: u64, vertices: &[[f64; 3]]) -> Positions {
+    let power = |exponent: i32| 2.0_f64.powi(exponent);
+    let moved = |f: &mut dyn FnMut(&[f64; 3]) -> [f64; 3]| vertices.iter().map(f).collect::<Vec<_>>();
+    match way {
+        // Every corner a step to somewhere.
+        0 => singles(&moved(&mut |v| v.map(|x| x + rng.integer(-1, 1) as f64))),
+        // Folded in two.
+        1 => singles(&moved(&mut |v| [v[0].min(6.0 - v[0]), v[1], v[2]])),
+        // Flattened to a plane, a line, a point.
+        2 => singles(&moved(&mut |v| [v[0], v[1], 3.0])),
+        3 => singles(&moved(&mut |v| [v[0], 2.0, 3.0])),
+        4 => singles(&moved(&mut |_| [3.0, 2.0, 3.0])),
+        // Mirrored and mixed up, so that no neighbour stays one.
+        5 => {
+            let mut mixed = vertices.to_vec();
+            for at in (1..mixed.len()).rev() {
+                mixed.swap(at, rng.integer(0, at as i64) as usize);
+            }
+            singles(&mixed)
+        }
+        // A size that has little to do with the old one, and doubles where there were singles.
+        6 => singles(&moved(&mut |v| v.map(|x| x * power(-40)))),
+        7 => Positions::F64(moved(&mut |v| v.map(|x| x * power(100) + power(60)))),
+        _ => Positions::F64(moved(&mut |v| v.map(|x| x + x * x * power(-45)))),
+    }
+}
+
+const WAYS: u64 = 9;
+
+#[test]
+fn a_refit_to_where_it_was_changes_no_bit() {
+    let knot = torus_knot(150, 40, TREFOIL);
+    let soup = grid_soup(&mut Rng::new(17), 3_000, 12, 2);
+    for (name, mesh) in [("knot", &knot), ("soup", &soup)] {
+        for positions in [singles(&mesh.vertices), Positions::F64(mesh.vertices.clone())] {
+            for builder in Builder::ALL {
+                let built = Mesh::with_builder(positions.clone(), mesh.faces.clone(), builder).expect("a legal mesh");
+                let mut in_place = Mesh::with_builder(positions.clone(), mesh.faces.clone(), builder).expect("legal");
+                let aging = in_place.refit(positions.clone()).expect("as before");
+                assert!(bits(&in_place) == bits(&built), "{name}, {}", builder.name());
+                assert_eq!(aging.ratio(), 1.0, "{name}, {}", builder.name());
+                // There and back again.
+                let elsewhere = deformed(&mut Rng::new(1), 0, &mesh.vertices);
+                let back = built.refitted(elsewhere).and_then(|away| away.refitted(positions.clone())).expect("legal");
+                assert!(bits(&back) == bits(&built), "{name}, {}", builder.name());
+            }
+        }
+    }
+}
+
+/// Packets are made for a question and forgotten by a refit: were they kept, the second answer would be of where the mesh was.
+#[test]
+fn a_refit_forgets_what_questions_kept() {
+    let knot = torus_knot(150, 40, TREFOIL);
+    let moved: Vec<[f64; 3]> = knot.vertices.iter().map(|v| v.map(|x| 1.5 * x)).collect();
+    let places = [&knot.vertices, &moved];
+    for [before, after] in [places.map(|at| singles(at)), places.map(|at| Positions::F64(at.clone()))] {
+        let still = Mesh::new(before.clone(), knot.faces.clone()).expect("a legal mesh");
+        let mut mesh = Mesh::new(before, knot.faces.clone()).expect("a legal mesh");
+        let new = mesh.memory();
+        let pairs = query::intersecting_pairs(&mesh, &still);
+        assert!(mesh.memory() > new + 1_000, "{} bytes are kept", mesh.memory() - new);
+        let asked = mesh.clone();
+        mesh.refit(after.clone()).expect("as many vertices");
+        assert_eq!(mesh.memory(), new);
+        let expected = Mesh::new(after, knot.faces.clone()).expect("a legal mesh");
+        let moved_pairs = query::intersecting_pairs(&mesh, &still);
+        assert_eq!(moved_pairs, query::intersecting_pairs(&expected, &still));
+        assert_ne!(moved_pairs, pairs);
+        assert_eq!(query::intersecting_pairs(&asked, &still), pairs, "a clone stays where it was");
+    }
+}
+
+#[test]
+fn refitted_meshes_have_the_pairs_of_new_ones_and_of_brute_force() {
+    let (mut met, mut asked) = (0, 0);
+    for seed in 0..4 {
+        for way in 0..WAYS {
+            let mut rng = Rng::new(1_000 * seed + way);
+            let soup = grid_soup(&mut rng, 150, 6, 2);
+            let positions = deformed(&mut rng, way, &soup.vertices);
+            let still = Mesh::new(singles(&soup.vertices), soup.faces.clone()).expect("a legal mesh");
+            let fresh = Mesh::new(positions.clone(), soup.faces.clone()).expect("a legal mesh");
+            let refitted = [1, 2].map(|threads| {
+                on_threads(threads, || still.refitted(positions.clone()).expect("as many vertices as before"))
+            });
+            assert!(bits(&refitted[0]) == bits(&refitted[1]), "seed {seed}, way {way}: threads show");
+            let place = (&Affine::IDENTITY, Affine::translation([1.0, 0.0, 0.0]));
+            let expected = pairs_in_every_way((&fresh, place.0), (&still, &place.1));
+            let found = pairs_in_every_way((&refitted[0], place.0), (&still, &place.1));
+            assert_eq!(found, expected, "seed {seed}, way {way}");
+            let vertices = (0..positions.len()).map(|vertex| positions.get(vertex)).collect();
+            let moved = impinge_testkit::Mesh { vertices, faces: soup.faces.clone() };
+            assert_eq!(
+                found,
+                oracle::brute_force(moved.at(Affine::IDENTITY), soup.at(place.1)),
+                "seed {seed}, way {way}"
+            );
+            met += usize::from(!found.is_empty());
+            asked += 1;
+        }
+    }
+    assert!(met * 10 >= asked * 5 && met < asked, "{met} of {asked} soups meet");
+}
+
+#[test]
+fn every_question_is_about_the_vertices_as_they_are() {
+    let sphere = cube_sphere(8);
+    let grown: Vec<[f64; 3]> = sphere.vertices.iter().map(|v| [3.0 * v[0], v[1], 0.5 * v[2]]).collect();
+    let mut moving = Mesh::new(Positions::F64(sphere.vertices.clone()), sphere.faces.clone()).expect("a legal mesh");
+    let other = Mesh::new(Positions::F64(sphere.vertices.clone()), sphere.faces.clone()).expect("a legal mesh");
+    let ask = |mesh: &Mesh| {
+        let point = [2.2, 0.1, 0.05];
+        let ray = Ray::new([2.2, 0.1, 9.0], [0.0, 0.0, -1.0]).expect("a ray");
+        (
+            query::intersecting_pairs(mesh, &other),
+            query::self_intersecting_pairs(mesh),
+            mesh.closest_point(point).expect("a point"),
+            mesh.winding_number(&[point]).map(|winding| format!("{winding:?}")).expect("a point"),
+            mesh.ray_cast(&ray),
+            // Which of the faces that meet bear witness is the hierarchy's choice.
+            (query::distance(mesh, &other).lower, query::distance(mesh, &other).upper),
+            (mesh.health(), mesh.is_closed()),
+        )
+    };
+    // What is made when it is first asked for has been made.
+    let before = ask(&moving);
+    moving.refit(Positions::F64(grown.clone())).expect("as many vertices as before");
+    let fresh = Mesh::new(Positions::F64(grown.clone()), sphere.faces.clone()).expect("a legal mesh");
+    assert_eq!(ask(&moving), ask(&fresh));
+    assert_ne!(ask(&moving), before);
+    assert!(*moving.positions() == Positions::F64(grown));
+}
+
+#[test]
+fn n33_a_refit_that_fails_leaves_the_mesh_as_it_was() {
+    let soup = grid_soup(&mut Rng::new(33), 400, 9, 2);
+    let mut mesh = Mesh::new(singles(&soup.vertices), soup.faces.clone()).expect("a legal mesh");
+    let (before, count) = (bits(&mesh), soup.vertices.len());
+    let spoiled = |value: f64| {
+        let mut vertices = soup.vertices.clone();
+        vertices[count / 2][1] = value;
+        Positions::F64(vertices)
+    };
+    let (shorter, vertex) = (Positions::F64(soup.vertices[1..].to_vec()), count / 2);
+    for (positions, expected) in [
+        (spoiled(f64::NAN), InputErrorKind::NonFinite { what: "vertex", index: vertex }),
+        (spoiled(f64::NEG_INFINITY), InputErrorKind::NonFinite { what: "vertex", index: vertex }),
+        (spoiled(1e39), InputErrorKind::OutOfRange { what: "vertex", index: vertex, limit: "2^128" }),
+        (shorter, InputErrorKind::OtherCount { what: "vertices", count: count - 1, expected: count }),
+    ] {
+        assert_eq!(mesh.refitted(positions.clone()).map(|_| ()).map_err(|e| e.kind().clone()), Err(expected.clone()));
+        assert_eq!(mesh.refit(positions).map(|_| ()).map_err(|e| e.kind().clone()), Err(expected));
+        assert!(bits(&mesh) == before && *mesh.positions() == singles(&soup.vertices));
+    }
+    let empty = Mesh::new(Positions::F32(Vec::new()), Vec::new()).expect("a legal mesh");
+    assert_eq!(empty.refitted(Positions::F64(Vec::new())).map(|mesh| mesh.aging().ratio()), Ok(1.0));
+}
+
+#[test]
+fn n32_clones_answer_on_their_snapshot_while_the_mesh_moves() {
+    let knot = torus_knot(120, 30, TREFOIL);
+    let mut mesh = Mesh::new(Positions::F64(knot.vertices.clone()), knot.faces.clone()).expect("a legal mesh");
+    let frame =
+        |t: f64| Positions::F64(knot.vertices.iter().map(|v| [v[0] + t * v[1], v[1], v[2] - t * v[0]]).collect());
+    std::thread::scope(|scope| {
+        for step in 1..6 {
+            let snapshot = mesh.clone();
+            let expected = query::intersecting_pairs(&snapshot, &snapshot);
+            let asking =
+                scope.spawn(move || (0..10).all(|_| query::intersecting_pairs(&snapshot, &snapshot) == expected));
+            mesh.refit(frame(0.1 * f64::from(step))).expect("as many vertices as before");
+            mesh.rebuild(Builder::default());
+            assert!(asking.join().expect("no panic"), "step {step}");
+        }
+    });
+}
+
+/// The faces of a knot, each with corners of its own.
+fn loose_knot() -> impinge_testkit::Mesh {
+    let knot = torus_knot(200, 50, TREFOIL);
+    let vertices: Vec<[f64; 3]> = knot.faces.iter().flatten().map(|&v| knot.vertices[v as usize]).collect();
+    let faces = (0..knot.faces.len() as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+    impinge_testkit::Mesh { vertices, faces }
+}
+
+/// The first twelfth of the faces mixed up, so that none stays beside its neighbours.
+fn mixed_in_part(mesh: &impinge_testkit::Mesh) -> Vec<[f64; 3]> {
+    let mut rng = Rng::new(7);
+    let mut vertices = mesh.vertices.clone();
+    for face in (1..mesh.faces.len() / 12).rev() {
+        let other = rng.integer(0, face as i64) as usize;
+        for corner in 0..3 {
+            vertices.swap(3 * face + corner, 3 * other + corner);
+        }
+    }
+    vertices
+}
+
+#[test]
+fn a_tree_that_has_aged_knows_it_and_grows_young() {
+    let knot = loose_knot();
+    // Whose upper nodes part the knot so that what is mixed up is below some of them alone.
+    let build = |vertices: &[[f64; 3]]| {
+        let positions = Positions::F64(vertices.to_vec());
+        Mesh::with_builder(positions, knot.faces.clone(), Builder::SweepSah).expect("a legal mesh")
+    };
+    let built = build(&knot.vertices);
+    // A motion as a whole, a mirror and another size age nothing, or hardly.
+    for (scale, most) in [([1.0, 1.0, 1.0], 1.001), ([-4.0, 4.0, 4.0], 1.001), ([1.1, 1.0, 0.9], 1.1)] {
+        let moved = knot.vertices.iter().map(|v| std::array::from_fn(|k| scale[k] * v[k] + 2.0)).collect();
+        let mut mesh = built.clone();
+        let aging = mesh.refit(Positions::F64(moved)).expect("legal");
+        assert!(aging.ratio() <= most && !aging.is_worth_rebuilding(), "{aging:?}");
+        let before = bits(&mesh);
+        assert_eq!(mesh.rebuild_aged(), 0);
+        assert!(bits(&mesh) == before);
+    }
+    let mut mesh = built.clone();
+    let vertices = mixed_in_part(&knot);
+    let aging = mesh.refit(Positions::F64(vertices.clone())).expect("legal");
+    assert!(aging.is_worth_rebuilding() && mesh.aging() == aging, "{aging:?}");
+
+    let fresh = build(&vertices);
+    let expected = query::intersecting_pairs(&fresh, &built);
+    assert!(expected.len() > 100);
+    let (mut partly, mut wholly) = (mesh.clone(), mesh.clone());
+    let on_two = on_threads(2, || {
+        let mut mesh = mesh.clone();
+        (mesh.rebuild_aged(), bits(&mesh))
+    });
+    let rebuilt = on_threads(1, || partly.rebuild_aged());
+    assert!(on_two == (rebuilt, bits(&partly)), "threads show");
+    // What was mixed up, and what lay among it.
+    assert!((knot.faces.len() / 12..knot.faces.len()).contains(&rebuilt), "{rebuilt}, {aging:?}");
+    wholly.rebuild(Builder::SweepSah);
+    assert!(bits(&wholly) == bits(&fresh));
+    for (name, young) in [("in part", &mut partly), ("as a whole", &mut wholly)] {
+        assert_eq!(young.validate(), Ok(()), "{name}");
+        assert!(young.aging().cost < aging.cost / Aging::WORTH_REBUILDING, "{name}: {:?}, {aging:?}", young.aging());
+        assert_eq!((young.aging().ratio(), young.rebuild_aged()), (1.0, 0), "{name}: {:?}", young.aging());
+        assert_eq!(query::intersecting_pairs(&*young, &built), expected, "{name}");
+    }
+    // The old one is still there, and knows how old it is.
+    assert_eq!((mesh.aging(), query::intersecting_pairs(&mesh, &built)), (aging, expected));
+}
+
+#[test]
+fn parts_that_are_rebuilt_answer_like_new_ones_whatever_moved() {
+    let mut rebuilt_in_part = 0;
+    for seed in 0..40 {
+        let mut rng = Rng::new(500 + seed);
+        let soup = grid_soup(&mut rng, 900, 12, 1);
+        let mut mesh = Mesh::new(singles(&soup.vertices), soup.faces.clone()).expect("a legal mesh");
+        let still = mesh.clone();
+        for _ in 0..3 {
+            // Those on one side far away: mirrored, or where others were.
+            let side = rng.integer(2, 11) as f64;
+            let mut away = |v: &[f64; 3]| if rng.one_in(2) { [v[2], 12.0 - v[0], v[1]] } else { *v };
+            let moved: Vec<[f64; 3]> = soup.vertices.iter().map(|v| if v[0] < side { away(v) } else { *v }).collect();
+            mesh.refit(singles(&moved)).expect("as many vertices as before");
+            let rebuilt = mesh.rebuild_aged();
+            rebuilt_in_part += usize::from(0 < rebuilt && rebuilt < soup.faces.len());
+            assert_eq!(mesh.validate(), Ok(()), "seed {seed}");
+            let fresh = Mesh::new(singles(&moved), soup.faces.clone()).expect("a legal mesh");
+            let expected = query::intersecting_pairs(&fresh, &still);
+            assert_eq!(query::intersecting_pairs(&mesh, &still), expected, "seed {seed}");
+        }
+    }
+    assert!(rebuilt_in_part > 20, "{rebuilt_in_part} of 120 in part");
+}
+
+#[test]
+fn faces_that_met_last_change_no_answer() {
+    let knot = torus_knot(60, 12, TREFOIL);
+    let ball = cube_sphere(6);
+    let meshes = [&knot, &ball].map(|mesh| engine_mesh(mesh, Precision::F64));
+    let mut rng = Rng::new(2211);
+    let (mut met, mut apart) = (0, 0);
+    // One cache for all: faces of one mesh are tried on another, which may not have them.
+    let mut cache = HitCache::default();
+    for _ in 0..40 {
+        let [a, b] = [0; 2].map(|_| &meshes[rng.integer(0, 1) as usize]);
+        let turn = rotation(&mut rng);
+        let from = [0; 3].map(|_| rng.uniform(-4.0, 4.0));
+        for step in 0..30 {
+            // Along a line, and now and then far from it.
+            let stray = if rng.one_in(8) { 3.0 } else { 0.02 * f64::from(step) };
+            let pose = engine_pose(&Affine::new(turn.linear, from.map(|x| x - x.signum() * stray)));
+            let truth = query::intersects(a, b.at(pose));
+            assert_eq!(query::intersects_with(a, b.at(pose), &mut cache, &Options::default()), truth);
+            *(if truth { &mut met } else { &mut apart }) += 1;
+        }
+    }
+    assert!(met > 200 && apart > 200, "{met} met, {apart} apart");
+}

@@ -1,0 +1,123 @@
+//! Compounds against everything else: what their parts say one by one.
+
+use impinge::Pose;
+use impinge::query::shapes;
+use impinge::shape::{PlacedShape, Shape};
+use impinge_testkit::generate::solids::icosphere;
+use impinge_testkit::generate::{Rng, poses};
+
+use crate::shapes::hulls::pose;
+use crate::shapes::support::{Known, at, engine};
+
+/// A compound is what its parts are, and names them.
+#[test]
+fn compounds_are_their_parts() {
+    let mut rng = Rng::new(575);
+    let all = Known::all();
+    let finite: Vec<&Known> = all.iter().filter(|known| !matches!(known, Known::HalfSpace(..))).collect();
+    let mesh = Shape::solid(&engine(&icosphere(1)));
+    let (mut meeting, mut apart) = (0, 0);
+    for _ in 0..16 {
+        let mut parts: Vec<(Shape, Pose)> = (0..3)
+            .map(|_| {
+                let mut place = poses::rotation(&mut rng);
+                place.translation = std::array::from_fn(|_| rng.uniform(-2.0, 2.0));
+                (rng.choose(&finite).shape(), pose(&place))
+            })
+            .collect();
+        parts.push((mesh.clone(), at([0.0, 0.0, 3.0])));
+        let compound = Shape::compound(&parts).unwrap().at(Pose::IDENTITY).unwrap();
+        let mut place = poses::rotation(&mut rng);
+        place.translation = std::array::from_fn(|_| rng.uniform(-3.0, 3.0));
+        let other = rng.choose(&finite).shape().at(pose(&place)).unwrap();
+        let singles: Vec<PlacedShape> = parts.iter().map(|(shape, pose)| shape.at(*pose).unwrap()).collect();
+        let found = shapes::distance(&compound, &other);
+        let least = singles.iter().map(|part| shapes::distance(part, &other).upper).fold(f64::INFINITY, f64::min);
+        assert_eq!(found.upper, least);
+        let hits = singles.iter().any(|part| shapes::intersects(part, &other));
+        assert_eq!(shapes::intersects(&compound, &other), hits);
+        let contacts = shapes::contacts(&other, &compound);
+        let touched = |part: u32| contacts.iter().flat_map(|m| &m.points).any(|point| point.id.part_b == part);
+        for (part, single) in (0..).zip(&singles) {
+            assert_eq!(touched(part), shapes::intersects(single, &other));
+        }
+        if let Some(depth) = shapes::penetration(&compound, &other) {
+            let by: [f64; 3] = std::array::from_fn(|k| depth.normal[k] * depth.upper * (1.0 + 1e-9));
+            let pose = other.world_from_local();
+            let moved = Pose::new(*pose.linear(), std::array::from_fn(|k| pose.translation()[k] + by[k])).unwrap();
+            assert!(depth.lower <= depth.upper && depth.upper.is_finite(), "{depth:?}");
+            // Each part is at least as deep as all are at least.
+            let deepest = singles.iter().filter_map(|part| shapes::penetration(part, &other)).map(|d| d.lower);
+            assert!(deepest.fold(0.0, f64::max) <= depth.upper * (1.0 + 1e-9), "{depth:?}");
+            assert!(moved.translation().iter().all(|x| x.is_finite()));
+            meeting += 1;
+        } else {
+            apart += 1;
+        }
+    }
+    assert!(meeting > 1 && apart > 1, "{meeting} {apart}");
+}
+
+/// A compound of many parts, which has a tree, says what all its parts say one by one; beside single shapes, other compounds and
+/// half-spaces, and with a half-space among its parts.
+#[test]
+fn many_parts_are_asked_by_a_tree() {
+    let mut rng = Rng::new(577);
+    let all = Known::all();
+    let finite: Vec<&Known> = all.iter().filter(|known| !matches!(known, Known::HalfSpace(..))).collect();
+    let scattered = |rng: &mut Rng, count: usize, reach: f64| -> Vec<(Shape, Pose)> {
+        let part = |rng: &mut Rng| {
+            let mut place = poses::rotation(rng);
+            // On a grid, so that parts are as near as others.
+            let step = |rng: &mut Rng| 3.0 * rng.integer(-4, 4) as f64;
+            place.translation = [step(rng), step(rng), if rng.one_in(2) { step(rng) } else { reach * rng.unit() }];
+            (rng.choose(&finite).shape(), pose(&place))
+        };
+        (0..count).map(|_| part(rng)).collect()
+    };
+    let (mut meeting, mut apart, mut contacts) = (0, 0, 0);
+    for case in 0..24 {
+        let mut parts = scattered(&mut rng, 150, 9.0);
+        if case % 6 >= 3 {
+            parts[70] = (Shape::half_space([0.0, 0.0, 1.0], -40.0).unwrap(), Pose::IDENTITY);
+        }
+        let others = match case % 3 {
+            0 => scattered(&mut rng, 1, 40.0),
+            1 => scattered(&mut rng, 40, 40.0),
+            _ => vec![(Shape::half_space([0.0, 1.0, 1.0], -16.0).unwrap(), Pose::IDENTITY)],
+        };
+        let shift = at([0.0, 0.0, if case % 2 == 0 { 0.0 } else { 16.0 }]);
+        let compound = Shape::compound(&parts).unwrap().at(Pose::IDENTITY).unwrap();
+        let other = Shape::compound(&others).unwrap().at(shift).unwrap();
+        let singles = |parts: &[(Shape, Pose)], by: &Pose| -> Vec<PlacedShape> {
+            parts.iter().map(|(shape, place)| shape.at(by.compose(place).unwrap()).unwrap()).collect()
+        };
+        let (ours, theirs) = (singles(&parts, &Pose::IDENTITY), singles(&others, &shift));
+        let pairs = || ours.iter().flat_map(|part| theirs.iter().map(move |other| (part, other)));
+        let least = pairs().map(|(part, other)| shapes::distance(part, other).upper).fold(f64::INFINITY, f64::min);
+        let found = shapes::distance(&compound, &other);
+        assert_eq!(found.upper, least, "{case}");
+        assert_eq!(shapes::distance(&other, &compound).upper, least, "{case}");
+        assert!(found.lower <= least);
+        let hit = pairs().any(|(part, other)| shapes::intersects(part, other));
+        assert_eq!(shapes::intersects(&compound, &other), hit, "{case}");
+        for clearance in [0.5 * least, least, 1.5 * least] {
+            let near = pairs().any(|(part, other)| shapes::within(part, other, clearance));
+            assert_eq!(shapes::within(&compound, &other, clearance), near, "{case} {clearance}");
+        }
+        let named: Vec<[u32; 2]> = {
+            let manifolds = shapes::contacts(&compound, &other);
+            manifolds.iter().flat_map(|m| &m.points).map(|point| [point.id.part_a, point.id.part_b]).collect()
+        };
+        assert!(named.is_sorted(), "{named:?}");
+        for (i, part) in (0..).zip(&ours) {
+            for (j, other) in (0..).zip(&theirs) {
+                assert_eq!(named.contains(&[i, j]), shapes::intersects(part, other), "{case} {i} {j}");
+            }
+        }
+        contacts += named.len();
+        meeting += usize::from(hit);
+        apart += usize::from(!hit);
+    }
+    assert!(meeting > 5 && apart > 5 && contacts > 40, "{meeting} {apart} {contacts}");
+}

@@ -1,0 +1,164 @@
+//! Every kind of shape against every other: all verbs answer, and the answers prove themselves by closed forms.
+//!
+//! How far apart two convex sets are, negative where they overlap, is the greatest over all directions n of length 1 of what
+//! lies between their heights along n. So any direction bounds it from below, the witnesses' own among them, and points that
+//! are in the sets bound it from above: where both agree with the answer it is right, however it was found.
+
+use impinge::Pose;
+use impinge::query::shapes::{self, Proximity};
+use impinge::shape::PlacedShape;
+use impinge_testkit::Affine;
+use impinge_testkit::generate::{Rng, poses};
+
+use crate::shapes::hulls::pose;
+use crate::shapes::support::{Known, dot};
+
+/// A known shape in the world.
+pub(crate) struct Placed<'k> {
+    pub(crate) known: &'k Known,
+    pub(crate) place: Affine,
+    pub(crate) shape: PlacedShape,
+}
+
+impl<'k> Placed<'k> {
+    pub(crate) fn new(known: &'k Known, place: Affine) -> Self {
+        Self { known, place, shape: known.shape().at(pose(&place)).expect("rigid") }
+    }
+
+    /// The height along a direction of the world, which for a half-space is its own.
+    fn height(&self, n: &[f64; 3]) -> f64 {
+        if let Some((_, level)) = self.plane() {
+            return level;
+        }
+        let local = std::array::from_fn(|j| (0..3).map(|k| self.place.linear[k][j] * n[k]).sum());
+        self.known.height(&local) + dot(n, &self.place.translation)
+    }
+
+    /// The normal and the level of a half-space in the world.
+    fn plane(&self) -> Option<([f64; 3], f64)> {
+        let Known::HalfSpace(normal, level) = self.known else { return None };
+        let length = dot(normal, normal).sqrt();
+        let turned: [f64; 3] = std::array::from_fn(|k| dot(&self.place.linear[k], normal) / length);
+        Some((turned, level / length + dot(&turned, &self.place.translation)))
+    }
+}
+
+/// What lies between the heights of two shapes along a direction from the first to the second; the greatest of that over all
+/// directions is how far they are apart.
+pub(crate) fn gap_along(a: &Placed, b: &Placed, n: &[f64; 3]) -> f64 {
+    -b.height(&n.map(|x| -x)) - a.height(n)
+}
+
+/// The directions along which heights are finite: those of planes, else some.
+pub(crate) fn directions(a: &Placed, b: &Placed) -> Vec<[f64; 3]> {
+    let unit = |n: [f64; 3]| n.map(|x| x / dot(&n, &n).sqrt());
+    let mut rng = Rng::new(5);
+    match (a.plane(), b.plane()) {
+        (Some(_), Some(_)) => Vec::new(),
+        (Some((n, _)), None) => vec![n],
+        (None, Some((n, _))) => vec![n.map(|x| -x)],
+        (None, None) => (0..300).map(|_| unit(std::array::from_fn(|_| rng.uniform(-1.0, 1.0)))).collect(),
+    }
+}
+
+/// Whether no direction tells a point from those of a shape.
+pub(crate) fn holds(shape: &Placed, point: &[f64; 3], directions: &[[f64; 3]]) -> bool {
+    match shape.plane() {
+        Some((n, level)) => dot(&n, point) <= level + 1e-9,
+        None => directions.iter().all(|n| dot(n, point) <= shape.height(n) + 1e-9),
+    }
+}
+
+/// What is asked of a pair, once each way; returns whether the pair meets.
+fn ask(a: &Placed, b: &Placed) -> bool {
+    let directions = directions(a, b);
+    let best = directions.iter().map(|n| gap_along(a, b, n)).fold(f64::NEG_INFINITY, f64::max);
+    let context = || format!("{:?} {:?} against {:?} {:?}: {best}", a.known, a.place, b.known, b.place);
+    let found = shapes::distance(&a.shape, &b.shape);
+    let proximity = shapes::proximity(&a.shape, &b.shape);
+    let meets = shapes::intersects(&a.shape, &b.shape);
+    let is_exact = a.known.is_exact() && b.known.is_exact();
+    assert!(!is_exact || proximity != Proximity::Undecided, "{}", context());
+    assert_eq!(found.proximity, proximity, "{}", context());
+    assert!(found.lower <= found.upper && found.upper - found.lower < 1e-9, "{found:?} {}", context());
+    assert!(best <= found.upper + 1e-12, "{found:?} {}", context());
+    assert!(shapes::within(&a.shape, &b.shape, found.upper + 1e-9), "{}", context());
+    assert!(meets || !shapes::within(&a.shape, &b.shape, found.lower - 1e-9), "{}", context());
+    let back = shapes::distance(&b.shape, &a.shape);
+    assert_eq!((found.lower, found.upper, proximity), (back.lower, back.upper, back.proximity), "{}", context());
+    assert!(holds(a, &found.point_a, &directions), "{found:?} {}", context());
+    assert!(holds(b, &found.point_b, &directions), "{found:?} {}", context());
+    let between: [f64; 3] = std::array::from_fn(|k| found.point_b[k] - found.point_a[k]);
+    let apart = dot(&between, &between).sqrt();
+    if !meets {
+        assert!((apart - found.upper).abs() < 1e-9, "{found:?} {apart} {}", context());
+        let n = if directions.len() == 1 { directions[0] } else { between.map(|x| x / apart) };
+        assert!(gap_along(a, b, &n) >= found.lower - 1e-6, "{found:?} {}", context());
+    }
+
+    let (depth, depth_back) = (shapes::penetration(&a.shape, &b.shape), shapes::penetration(&b.shape, &a.shape));
+    assert_eq!(depth.is_some(), meets, "{}", context());
+    let (Some(depth), Some(depth_back)) = (depth, depth_back) else { return meets };
+    assert_eq!((depth.lower, depth.upper), (depth_back.lower, depth_back.upper), "{}", context());
+    assert!((dot(&depth.normal, &depth.normal) - 1.0).abs() < 1e-14, "{depth:?} {}", context());
+    assert!(depth.point_a.iter().chain(&depth.point_b).all(|x| x.is_finite()), "{depth:?} {}", context());
+    if directions.is_empty() {
+        assert_eq!((depth.lower, depth.upper), (f64::INFINITY, f64::INFINITY), "{}", context());
+        return true;
+    }
+    assert!(dot(&depth.normal, &depth_back.normal) < -0.999_999, "{}", context());
+    assert!(depth.lower <= -best + 1e-12, "{depth:?} {}", context());
+    let n = if directions.len() == 1 { directions[0] } else { depth.normal };
+    assert!((-gap_along(a, b, &n) - depth.upper).abs() < 1e-9, "{depth:?} {}", context());
+    assert!(depth.upper - depth.lower < if is_exact { 1e-12 } else { 1e-10 }, "{depth:?} {}", context());
+    // Moved apart by the upper end they are apart.
+    let mut place = b.place;
+    let by = depth.upper + 1e-9;
+    place.translation = std::array::from_fn(|k| place.translation[k] + depth.normal[k] * by);
+    assert!(!shapes::intersects(&a.shape, &Placed::new(b.known, place).shape), "{depth:?} {}", context());
+    true
+}
+
+#[test]
+fn every_pair_answers_every_verb() {
+    let all = Known::all();
+    let mut rng = Rng::new(55);
+    let (mut meeting, mut count) = (0, 0);
+    for a in &all {
+        for b in &all {
+            for reach in [0.0, 1.0, 2.0] {
+                let mut places = [poses::rotation(&mut rng), poses::rotation(&mut rng)];
+                places[0].translation = [0.5, 0.25, -1.0];
+                places[1].translation =
+                    std::array::from_fn(|k| places[0].translation[k] + reach * rng.uniform(-1.0, 1.0));
+                meeting += usize::from(ask(&Placed::new(a, places[0]), &Placed::new(b, places[1])));
+                count += 1;
+            }
+        }
+    }
+    assert!(meeting > count / 4 && meeting < count * 4 / 5, "{meeting} of {count}");
+}
+
+/// Two half-spaces: facing each other, apart and not, and in one another.
+#[test]
+fn half_spaces_meet_unless_they_face_each_other() {
+    let place = |normal, level, at: [f64; 3]| {
+        Known::HalfSpace(normal, level).shape().at(Pose::from_translation(at).unwrap()).unwrap()
+    };
+    let floor = place([0.0, 0.0, 2.0], 1.0, [0.0; 3]);
+    let ceiling = place([0.0, 0.0, -1.0], 0.0, [5.0, 0.0, 3.5]);
+    let apart = shapes::distance(&floor, &ceiling);
+    assert!(apart.lower <= 3.0 && 3.0 <= apart.upper && apart.upper - apart.lower < 1e-12, "{apart:?}");
+    assert!(shapes::within(&floor, &ceiling, 3.0) && !shapes::within(&floor, &ceiling, 3_f64.next_down()));
+    assert!(shapes::penetration(&floor, &ceiling).is_none());
+    let low = place([0.0, 0.0, -1.0], 0.0, [5.0, 0.0, 0.5]);
+    assert_eq!(shapes::proximity(&floor, &low), Proximity::Meets);
+    assert_eq!(shapes::penetration(&floor, &low).unwrap().upper, 0.0);
+    let lower = place([0.0, 0.0, -1.0], 0.0, [5.0, 0.0, -0.5]);
+    let depth = shapes::penetration(&lower, &floor).unwrap();
+    assert!(depth.lower <= 1.0 && 1.0 <= depth.upper && depth.normal == [0.0, 0.0, -1.0], "{depth:?}");
+    for other in [place([0.0, 0.0, 1.0], -7.0, [0.0; 3]), place([0.0, 1e-300, 1.0], -7.0, [0.0; 3])] {
+        assert_eq!(shapes::penetration(&floor, &other).unwrap().lower, f64::INFINITY);
+        assert_eq!(shapes::distance(&floor, &other).upper, 0.0);
+    }
+}

@@ -1,0 +1,225 @@
+//! Meshes against everything else: every face in rationals, closed forms, laws.
+
+use std::sync::Arc;
+
+use dashu_ratio::RBig;
+use impinge::Pose;
+use impinge::hull::Hull;
+use impinge::query::shapes::{self, Feature, Proximity};
+use impinge::shape::{PlacedShape, Shape};
+use impinge_testkit::generate::solids::{cuboid, grid_soup, icosphere, plane_grid};
+use impinge_testkit::generate::{Rng, poses};
+use impinge_testkit::oracle::squared_distance_of_hulls;
+use impinge_testkit::{Affine, Mesh as Plain};
+
+use crate::shapes::hulls::pose;
+use crate::shapes::support::{IDENTITY, Known, at, dot, engine};
+
+fn square(x: f64) -> RBig {
+    let x = RBig::try_from(x).expect("finite");
+    x.clone() * x
+}
+
+/// The square of the distance of a polytope from the nearest face.
+fn truth(mesh: &Plain, place: &Affine, points: &[[f64; 3]], points_at: &Affine) -> RBig {
+    let of_face = |face: &[u32; 3]| {
+        squared_distance_of_hulls(&face.map(|vertex| mesh.vertices[vertex as usize]), place, points, points_at)
+    };
+    mesh.faces.iter().map(of_face).min().expect("faces")
+}
+
+/// What the verbs say of two shapes whose distance is the root of a rational, each way.
+fn ask(a: &PlacedShape, b: &PlacedShape, truth: &RBig, context: &str) {
+    let meets = *truth == RBig::ZERO;
+    assert_eq!(shapes::intersects(a, b), meets, "{context}");
+    assert_ne!(shapes::proximity(a, b), Proximity::Undecided, "{context}");
+    let (found, back) = (shapes::distance(a, b), shapes::distance(b, a));
+    assert_eq!((found.lower, found.upper), (back.lower, back.upper), "{context}");
+    assert_eq!(found.distance() == 0.0, meets, "{found:?} {context}");
+    assert!(square(found.lower) <= *truth && *truth <= square(found.upper), "{found:?} {context}");
+    assert!(found.upper - found.lower <= 1e-9 * found.upper || found.upper < 1e-140, "{found:?} {context}");
+    assert!(shapes::within(a, b, found.upper), "{found:?} {context}");
+    assert!(meets || !shapes::within(a, b, found.lower.next_down()), "{found:?} {context}");
+    assert_eq!(shapes::contacts(a, b).is_empty(), !meets, "{context}");
+    assert_eq!(shapes::penetration(a, b).is_some(), meets, "{context}");
+}
+
+/// Soups of small integers against boxes, hulls and points of small integers: much of it touches.
+#[test]
+fn faces_against_polytopes_are_as_the_rationals_say() {
+    let mut rng = Rng::new(571);
+    let (mut meeting, mut touching, mut apart) = (0, 0, 0);
+    for case in 0..90 {
+        let mesh = grid_soup(&mut rng, 12, 2, 3);
+        let on_grid = rng.one_in(2);
+        let mut places = if on_grid { [IDENTITY; 2] } else { [poses::rotation(&mut rng), poses::rotation(&mut rng)] };
+        if rng.one_in(4) {
+            places[1] = places[0];
+        }
+        let spread = if on_grid { 3 } else { 2 };
+        places[1].translation =
+            std::array::from_fn(|k| places[0].translation[k] + rng.integer(-spread, spread) as f64 / 2.0);
+        let half: [f64; 3] = std::array::from_fn(|_| rng.integer(0, 2) as f64 / 2.0);
+        let (shape, points): (Shape, Vec<[f64; 3]>) = match case % 3 {
+            0 => {
+                let corner = |i: usize| std::array::from_fn(|k| if i >> k & 1 == 1 { half[k] } else { -half[k] });
+                (Shape::cuboid(half).unwrap(), (0..8).map(corner).collect())
+            }
+            1 => {
+                let points: Vec<[f64; 3]> =
+                    (0..6).map(|_| std::array::from_fn(|_| rng.integer(-1, 1) as f64)).collect();
+                (Shape::hull(Arc::new(Hull::new(&points).unwrap())), points)
+            }
+            _ => {
+                let point: [f64; 3] = std::array::from_fn(|_| rng.integer(-2, 2) as f64);
+                (Shape::point(point).unwrap(), vec![point])
+            }
+        };
+        let truth = truth(&mesh, &places[0], &points, &places[1]);
+        let surface = Shape::mesh(&engine(&mesh)).at(pose(&places[0])).unwrap();
+        let shape = shape.at(pose(&places[1])).unwrap();
+        ask(&surface, &shape, &truth, &format!("{mesh:?} {places:?} {points:?}"));
+        let meets = truth == RBig::ZERO;
+        meeting += usize::from(meets);
+        apart += usize::from(!meets);
+        touching += usize::from(meets && on_grid);
+    }
+    assert!(meeting > 15 && apart > 15 && touching > 8, "{meeting} {apart} {touching}");
+}
+
+/// Every kind of shape against a mesh: the distance is that of the nearest face, asked one by one.
+#[test]
+fn every_kind_is_as_far_from_a_mesh_as_from_its_nearest_face() {
+    let mesh = icosphere(1);
+    let surface = engine(&mesh);
+    let mut rng = Rng::new(572);
+    let (mut meeting, mut apart) = (0, 0);
+    for known in Known::all() {
+        for reach in [0.5, 2.5] {
+            let place = poses::rotation(&mut rng);
+            let mut other = poses::rotation(&mut rng);
+            other.translation = std::array::from_fn(|k| place.translation[k] + reach * rng.uniform(-1.0, 1.0));
+            let shape = known.shape().at(pose(&other)).unwrap();
+            let faces: Vec<_> = mesh
+                .faces
+                .iter()
+                .map(|face| {
+                    let corners = face.map(|vertex| mesh.vertices[vertex as usize]);
+                    let face = Shape::triangle(corners).unwrap().at(pose(&place)).unwrap();
+                    shapes::distance(&face, &shape)
+                })
+                .collect();
+            let lower = faces.iter().map(|found| found.lower).fold(f64::INFINITY, f64::min);
+            let upper = faces.iter().map(|found| found.upper).fold(f64::INFINITY, f64::min);
+            let placed = Shape::mesh(&surface).at(pose(&place)).unwrap();
+            let found = shapes::distance(&placed, &shape);
+            assert!(
+                (found.lower - lower).abs() <= 1e-13 && (found.upper - upper).abs() <= 1e-13,
+                "{known:?} {found:?}"
+            );
+            let hits = faces.iter().filter(|found| found.proximity != Proximity::Apart).count();
+            assert_eq!(shapes::intersects(&placed, &shape), hits > 0, "{known:?}");
+            let contacts = shapes::contacts(&placed, &shape);
+            assert_eq!(contacts.is_empty(), hits == 0, "{known:?}");
+            for manifold in &contacts {
+                assert!((dot(&manifold.normal, &manifold.normal) - 1.0).abs() < 1e-14);
+                assert!((1..=4).contains(&manifold.points.len()));
+                assert!(manifold.points.iter().all(|p| p.point_a.iter().chain(&p.point_b).all(|x| x.is_finite())));
+            }
+            meeting += usize::from(hits > 0);
+            apart += usize::from(hits == 0);
+        }
+    }
+    assert!(meeting > 6 && apart > 4, "{meeting} {apart}");
+}
+
+/// A solid holds what is inside it, a surface does not; a shape holds a mesh either way.
+#[test]
+fn solids_hold_what_is_inside() {
+    let hall = engine(&cuboid([-2.0; 3], [2.0; 3]));
+    let [surface, solid] = [Shape::mesh(&hall), Shape::solid(&hall)].map(|shape| shape.at(Pose::IDENTITY).unwrap());
+    let small = engine(&cuboid([-0.25; 3], [0.25; 3]));
+    let inside = [Shape::sphere([0.5, 0.0, 0.0], 0.5).unwrap(), Shape::cuboid([0.5; 3]).unwrap(), Shape::solid(&small)];
+    for shape in inside {
+        let (near, far) = (shape.at(at([0.0; 3])).unwrap(), shape.at(at([0.0, 0.0, 4.0])).unwrap());
+        assert!(!shapes::intersects(&surface, &near) && shapes::intersects(&solid, &near), "{shape:?}");
+        assert!(!shapes::intersects(&solid, &far) && shapes::distance(&solid, &far).lower > 1.0, "{shape:?}");
+        let depth = shapes::penetration(&near, &solid).expect("inside");
+        assert!(depth.lower > 1.0 && depth.lower <= depth.upper && depth.upper < 2.75, "{shape:?} {depth:?}");
+        let contacts = shapes::contacts(&solid, &near);
+        assert_eq!(contacts.len(), 1, "{shape:?}");
+        assert!(contacts[0].points[0].upper >= 1.0, "{shape:?} {contacts:?}");
+    }
+    let around = Shape::sphere([0.0; 3], 9.0).unwrap().at(Pose::IDENTITY).unwrap();
+    assert!(shapes::intersects(&surface, &around));
+}
+
+/// A box on a floor of many triangles has its four corners and no normal but the floor's, wherever the triangles' edges are.
+#[test]
+fn floors_of_triangles_have_one_normal() {
+    let floor = engine(&plane_grid(16, 16));
+    let bounds = Shape::mesh(&floor).at(Pose::IDENTITY).unwrap().bounds().unwrap();
+    let centre: [f64; 3] = std::array::from_fn(|k| 0.5 * (bounds[0][k] + bounds[1][k]));
+    let size = (bounds[1][0] - bounds[0][0]).min(bounds[1][1] - bounds[0][1]);
+    let half = 0.2 * size;
+    let mut rng = Rng::new(573);
+    let crate_ = Shape::cuboid([half; 3]).unwrap();
+    let ball = Shape::sphere([0.0; 3], half).unwrap();
+    let floor = Shape::mesh(&floor).at(Pose::IDENTITY).unwrap();
+    for case in 0..6 {
+        let depth = half * [0.0, 1e-3, 0.05][case % 3];
+        let place = [centre[0] + 0.1 * size * rng.uniform(-1.0, 1.0), centre[1], centre[2] + half - depth];
+        let lying = shapes::contacts(&floor, &crate_.at(at(place)).unwrap());
+        assert_eq!(lying.len(), 1, "{lying:?}");
+        assert!(lying[0].normal[2] > 1.0 - 1e-12, "{lying:?}");
+        assert_eq!(lying[0].points.len(), 4, "{lying:?}");
+        for point in &lying[0].points {
+            assert!((point.upper - depth).abs() < 1e-9 * size, "{point:?} {depth}");
+        }
+        let spread = |k: usize| {
+            let at = lying[0].points.iter().map(|point| point.point_b[k]);
+            at.clone().fold(f64::NEG_INFINITY, f64::max) - at.fold(f64::INFINITY, f64::min)
+        };
+        assert!((spread(0) - 2.0 * half).abs() < 1e-9 && (spread(1) - 2.0 * half).abs() < 1e-9, "{lying:?}");
+        let rolling = shapes::contacts(&floor, &ball.at(at(place)).unwrap());
+        assert_eq!(rolling.len(), 1, "{rolling:?}");
+        assert!(rolling[0].normal[2] > 1.0 - 1e-3, "{rolling:?}");
+    }
+}
+
+/// A half-space against a mesh: the lowest vertex, exactly.
+#[test]
+fn half_spaces_reach_to_the_lowest_vertex() {
+    let mesh = icosphere(2);
+    let surface = engine(&mesh);
+    let mut rng = Rng::new(574);
+    for _ in 0..20 {
+        let place = poses::rotation(&mut rng);
+        let n: [f64; 3] = std::array::from_fn(|_| rng.uniform(-1.0, 1.0));
+        let plane = Shape::half_space(n, 0.0).unwrap();
+        let image =
+            |v: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|k| dot(&place.linear[k], v) + place.translation[k]) };
+        let length = dot(&n, &n).sqrt();
+        let lowest = mesh.vertices.iter().map(|v| dot(&n, &image(v)) / length).fold(f64::INFINITY, f64::min);
+        let placed = Shape::solid(&surface).at(pose(&place)).unwrap();
+        for (level, meets) in [(lowest + 0.25, true), (lowest - 0.25, false)] {
+            let shift: [f64; 3] = std::array::from_fn(|k| n[k] / length * level);
+            let plane = plane.at(at(shift)).unwrap();
+            assert_eq!(shapes::intersects(&plane, &placed), meets);
+            let found = shapes::distance(&placed, &plane);
+            assert!((found.upper - if meets { 0.0 } else { 0.25 }).abs() < 1e-9, "{found:?}");
+            let Some(depth) = shapes::penetration(&plane, &placed) else { continue };
+            assert!((depth.upper - 0.25).abs() < 1e-9 && depth.upper - depth.lower < 1e-12, "{depth:?}");
+            let contacts = shapes::contacts(&plane, &placed);
+            assert_eq!(contacts.len(), 1);
+            let deepest = contacts[0].points.iter().map(|p| p.upper).fold(0.0, f64::max);
+            assert!((deepest - 0.25).abs() < 1e-9, "{contacts:?}");
+            assert!(contacts[0].points.iter().all(|p| matches!(p.id.feature_b, Feature::Vertex(_))));
+        }
+    }
+    // Touching to the last digit: a box on the floor, and one unit in the last place above it.
+    let crate_ = Shape::mesh(&engine(&cuboid([0.0; 3], [1.0; 3])));
+    let floor = Shape::half_space([0.0, 0.0, 3.0], 0.0).unwrap().at(Pose::IDENTITY).unwrap();
+    assert!(shapes::intersects(&floor, &crate_.at(Pose::IDENTITY).unwrap()));
+    assert!(!shapes::intersects(&floor, &crate_.at(at([0.0, 0.0, f64::MIN_POSITIVE])).unwrap()));
+}

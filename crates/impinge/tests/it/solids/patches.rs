@@ -1,0 +1,90 @@
+//! The vertices that regions of contact have inside, against asking for each vertex alone; on grids, so that corners, edges and faces
+//! touch as often as they cross.
+
+use std::collections::{BTreeSet, HashMap};
+
+use impinge::Mesh;
+use impinge::mesh::Containment;
+use impinge::query;
+use impinge_testkit::Affine;
+use impinge_testkit::generate::{Rng, poses, solids};
+
+use crate::solids::shapes::{engine, flipped, moved, pose, soup};
+
+/// For each vertex the first one at its position.
+fn first_at(mesh: &impinge_testkit::Mesh) -> Vec<u32> {
+    let mut first: HashMap<[u64; 3], u32> = HashMap::new();
+    let of = |(number, v): (u32, &[f64; 3])| *first.entry(v.map(|x| (x + 0.0).to_bits())).or_insert(number);
+    (0..).zip(&mesh.vertices).map(of).collect()
+}
+
+/// The vertices of `mesh` at faces that meet `other`, by whether they are inside that; both are in one frame.
+fn truth(mesh: &impinge_testkit::Mesh, other: &Mesh, touched: &BTreeSet<u32>) -> BTreeSet<u32> {
+    let first_at = first_at(mesh);
+    let corners = touched.iter().flat_map(|&face| mesh.faces[face as usize]);
+    let vertices: BTreeSet<u32> = corners.map(|vertex| first_at[vertex as usize]).collect();
+    let points: Vec<[f64; 3]> = vertices.iter().map(|&vertex| mesh.vertices[vertex as usize]).collect();
+    let at = other.contains(&points).expect("in range");
+    vertices.into_iter().zip(at).filter(|(_, at)| *at == Containment::Inside).map(|(vertex, _)| vertex).collect()
+}
+
+/// A solid whose corners are on a grid: a box, two that overlap, a shell, a ball; as a soup by chance, and with faces without area.
+fn solid(rng: &mut Rng) -> impinge_testkit::Mesh {
+    let cuboid = |rng: &mut Rng| {
+        let low: [i64; 3] = std::array::from_fn(|_| rng.integer(-3, 1));
+        let high: [f64; 3] = std::array::from_fn(|k| (low[k] + rng.integer(1, 4)) as f64);
+        solids::cuboid(low.map(|x| x as f64), high)
+    };
+    let mut mesh = match rng.integer(0, 3) {
+        0 => cuboid(rng),
+        1 => cuboid(rng).joined(&cuboid(rng)),
+        2 => solids::cuboid([-3.0; 3], [3.0; 3]).joined(&flipped(solids::cuboid([-2.0; 3], [2.0; 3]))),
+        // Of the small integers that the corners of a fine cube are moved to.
+        _ => {
+            let mut ball = solids::cube_sphere(4);
+            ball.vertices.iter_mut().for_each(|v| *v = v.map(|x| (3.0 * x).round()));
+            moved(ball, std::array::from_fn(|_| rng.integer(-2, 2) as f64))
+        }
+    };
+    if rng.one_in(3) {
+        let [a, b, _] = mesh.faces[0];
+        mesh.faces.extend([[a, b, b], [a, b, a]]);
+    }
+    if rng.one_in(4) { soup(&mesh) } else { mesh }
+}
+
+#[test]
+fn n13_n14_vertices_inside_are_those_that_are() {
+    let mut rng = Rng::new(591);
+    let (mut inside, mut outside, mut patches, mut deeper) = (0, 0, 0, 0);
+    for case in 0..600 {
+        let plain = [solid(&mut rng), solid(&mut rng)];
+        let meshes = plain.each_ref().map(engine);
+        // The same place for both changes nothing of what is where.
+        let place = if case % 2 == 0 { Affine::IDENTITY } else { poses::rotation(&mut rng) };
+        let (a, b) = (meshes[0].at(pose(&place)), meshes[1].at(pose(&place)));
+        let found = query::contact_patches(a, b);
+        let pairs = query::intersecting_pairs(a, b);
+        for side in 0..2 {
+            let touched: BTreeSet<u32> = pairs.iter().map(|pair| pair[side]).collect();
+            let truth = truth(&plain[side], &meshes[1 - side], &touched);
+            let first_at = first_at(&plain[side]);
+            let at_curves: BTreeSet<u32> = touched
+                .iter()
+                .flat_map(|&face| plain[side].faces[face as usize].map(|vertex| first_at[vertex as usize]))
+                .collect();
+            let told: BTreeSet<u32> = found.iter().flat_map(|patch| &patch.inside[side]).copied().collect();
+            let told_at_curves: BTreeSet<u32> = told.intersection(&at_curves).copied().collect();
+            assert_eq!(told_at_curves, truth, "{case} {side} {plain:?}");
+            // Those that hang together with them are inside too.
+            let points: Vec<[f64; 3]> = told.iter().map(|&vertex| plain[side].vertices[vertex as usize]).collect();
+            let all = meshes[1 - side].contains(&points).expect("in range");
+            assert!(all.iter().all(|at| *at == Containment::Inside), "{case} {side} {plain:?}");
+            inside += truth.len();
+            outside += at_curves.len() - truth.len();
+            deeper += told.len() - truth.len();
+        }
+        patches += found.len();
+    }
+    assert!(inside > 1000 && outside > 5000 && patches > 500 && deeper > 20, "{inside} {outside} {patches} {deeper}");
+}

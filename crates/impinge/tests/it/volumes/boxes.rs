@@ -1,0 +1,198 @@
+//! The three forms of a box and their packed forms: no conversion shrinks, no test calls apart what meets.
+
+use impinge::volume::{
+    Aabb, BoundingVolume, CentreRadius, MinMax, MinWidths, PackedCentreRadius, PackedMinWidths, Steps,
+};
+use impinge_testkit::generate::Rng;
+
+use crate::volumes::exact::{Exact, point};
+use crate::volumes::points::{KINDS, cloud};
+
+fn holds_box(outer: &impl Exact, inner: &impl Exact) {
+    for corner in inner.witnesses() {
+        assert!(outer.holds(&corner), "{outer:?} lacks a corner of {inner:?}");
+    }
+}
+
+#[test]
+fn no_chain_of_conversions_shrinks() {
+    let mut rng = Rng::new(31);
+    let mut kept = 0;
+    for round in 0..400 {
+        let bounds = MinMax::of(&cloud(&mut rng, KINDS[round % 8], 5)).unwrap();
+        let widths = MinWidths::from(bounds);
+        holds_box(&widths, &bounds);
+        let back = MinMax::from(widths);
+        holds_box(&back, &widths);
+        let radius = CentreRadius::from(back);
+        holds_box(&radius, &back);
+        let again = MinMax::from(radius);
+        holds_box(&again, &radius);
+        let single = MinMax::from_aabb(&again.to_aabb()).unwrap();
+        assert!(single.encloses(&again) && single.encloses(&bounds));
+        packed_chain::<u8>(&bounds);
+        packed_chain::<u16>(&bounds);
+        kept += usize::from(again == bounds);
+    }
+    assert!(kept > 100, "{kept} of 400 chains came back unchanged, as what is on a grid should");
+}
+
+/// Packed forms hold what they were made of, decode exactly, and stay tight: a step is a power of two below 2 / MOST of the
+/// longest extent.
+fn packed_chain<T: Steps>(bounds: &MinMax) {
+    let (widths, radius) = (MinWidths::from(*bounds), CentreRadius::from(*bounds));
+    let packed = PackedMinWidths::<T>::try_from(widths).unwrap();
+    let decoded = MinWidths::from(packed);
+    holds_box(&decoded, &widths);
+    holds_box(&MinMax::from(packed), &decoded);
+    assert_eq!(
+        PackedMinWidths::<T>::try_from(decoded).unwrap().volume(),
+        packed.volume(),
+        "packing again changes nothing"
+    );
+    let centred = PackedCentreRadius::<T>::try_from(radius).unwrap();
+    let decoded_radius = CentreRadius::from(centred);
+    holds_box(&decoded_radius, &radius);
+    holds_box(&MinMax::from(centred), &decoded_radius);
+    let longest = widths.widths().into_iter().fold(0.0, f64::max);
+    // What a corner loses in single precision, and a step of the longest.
+    let corner = bounds.min().into_iter().chain(bounds.max()).fold(0.0_f64, |far, x| far.max(2.4e-7 * x.abs()));
+    for k in 0..3 {
+        let step = 2.0 * (longest + corner) / f64::from(T::MOST) + 1e-38;
+        assert!(decoded.widths()[k] <= widths.widths()[k] + 2.0 * step + corner, "{decoded:?} {bounds:?}");
+        assert!(
+            decoded_radius.half_extents()[k] <= radius.half_extents()[k] + 2.0 * step + corner,
+            "{decoded_radius:?}"
+        );
+    }
+}
+
+#[test]
+fn the_tests_of_all_forms_are_right() {
+    let mut rng = Rng::new(32);
+    let (mut met, mut close) = (0, 0);
+    for round in 0..2000 {
+        let draw = Draw::new(&mut rng);
+        let (a, mut b) = (draw.any_box(&mut rng), draw.any_box(&mut rng));
+        if round % 2 == 0 {
+            // A touch on one axis: exactly, a step short of it, or a step over.
+            let axis = rng.integer(0, 2) as usize;
+            let mut min = b.min();
+            min[axis] = rng.choose(&[a.max()[axis], a.max()[axis].next_up(), a.max()[axis].next_down()]);
+            let max = std::array::from_fn(|k| b.max()[k].max(min[k]));
+            b = MinMax::new(min, max).unwrap();
+            close += 1;
+        }
+        let truth = meet(&a, &b);
+        met += usize::from(truth);
+        assert_eq!(a.overlaps(&b), truth);
+        let (p, q) = (MinWidths::from(a), MinWidths::from(b));
+        assert_eq!(p.overlaps(&q), meet(&p, &q), "{p:?} {q:?}");
+        let (p, q) = (CentreRadius::from(a), CentreRadius::from(b));
+        assert!(p.overlaps(&q) || !meet(&p, &q), "{p:?} {q:?}");
+        packed_overlap::<u8>(&a, &b);
+        packed_overlap::<u16>(&a, &b);
+    }
+    assert!((600..1600).contains(&met) && close == 1000, "{met} of 2000 meet");
+}
+
+fn packed_overlap<T: Steps>(a: &MinMax, b: &MinMax) {
+    let pack = |bounds: &MinMax| PackedMinWidths::<T>::try_from(MinWidths::from(*bounds)).unwrap();
+    let (p, q) = (pack(a), pack(b));
+    assert_eq!(p.overlaps(&q), meet(&MinWidths::from(p), &MinWidths::from(q)));
+    assert!(p.overlaps(&q) || !meet(a, b));
+    holds_box(&MinWidths::from(p.merged(&q).unwrap()), a);
+    let pack = |bounds: &MinMax| PackedCentreRadius::<T>::try_from(CentreRadius::from(*bounds)).unwrap();
+    let (p, q) = (pack(a), pack(b));
+    assert!(p.overlaps(&q) || !meet(&CentreRadius::from(p), &CentreRadius::from(q)));
+    assert!(p.overlaps(&q) || !meet(a, b));
+    holds_box(&CentreRadius::from(p.merged(&q).unwrap()), b);
+}
+
+/// Whether two boxes have a common point: no axis on which all corners of the one are beyond all of the other.
+fn meet<V: Exact>(a: &V, b: &V) -> bool {
+    let (p, q) = (a.witnesses(), b.witnesses());
+    (0..3).all(|k| {
+        let ends = |points: &[crate::volumes::exact::Point]| {
+            let on_axis = || points.iter().map(|p| p[k].clone());
+            (on_axis().min().unwrap(), on_axis().max().unwrap())
+        };
+        let ((a_low, a_high), (b_low, b_high)) = (ends(&p), ends(&q));
+        a_low <= b_high && b_low <= a_high
+    })
+}
+
+#[test]
+fn containment_is_what_it_says() {
+    let mut rng = Rng::new(33);
+    let (mut inside, mut enclosed) = (0, 0);
+    for _ in 0..2000 {
+        let draw = Draw::new(&mut rng);
+        let (a, b) = (draw.any_box(&mut rng), draw.any_box(&mut rng));
+        let p: [f64; 3] =
+            std::array::from_fn(|k| rng.choose(&[a.min()[k], a.max()[k], a.max()[k].next_up(), b.min()[k]]));
+        assert_eq!(a.contains(p), a.holds(&point(p)));
+        let (widths, radius) = (MinWidths::from(a), CentreRadius::from(a));
+        assert_eq!(widths.contains(p), widths.holds(&point(p)));
+        assert_eq!(radius.contains(p), radius.holds(&point(p)));
+        let truth = b.witnesses().iter().all(|corner| a.holds(corner));
+        assert_eq!(a.encloses(&b), truth);
+        let of_widths = MinWidths::from(b);
+        assert!(!widths.encloses(&of_widths) || of_widths.witnesses().iter().all(|corner| widths.holds(corner)));
+        let of_radius = CentreRadius::from(b);
+        assert!(!radius.encloses(&of_radius) || of_radius.witnesses().iter().all(|corner| radius.holds(corner)));
+        inside += usize::from(a.contains(p));
+        enclosed += usize::from(truth);
+    }
+    assert!(inside > 300 && enclosed > 30, "{inside} inside, {enclosed} enclosed");
+}
+
+#[test]
+fn measures_are_those_of_the_box() {
+    let bounds = MinMax::new([1.0; 3], [2.0, 3.0, 4.0]).unwrap();
+    assert_eq!((bounds.volume(), bounds.surface_area()), (6.0, 22.0));
+    let (widths, radius) = (MinWidths::from(bounds), CentreRadius::from(bounds));
+    assert_eq!((widths.volume(), widths.surface_area()), (6.0, 22.0));
+    assert_eq!((radius.volume(), radius.surface_area()), (6.0, 22.0));
+    assert_eq!(MinMax::from_aabb(&Aabb::EMPTY), None);
+}
+
+#[test]
+fn what_is_tiny_or_huge_is_packed_too() {
+    for size in [5e-324, 1e-45, 1e-38, 1.0, 1e37] {
+        let bounds = MinMax::new([-size, 0.0, size], [size, size, size]).unwrap();
+        packed_holds::<u8>(&bounds);
+        packed_holds::<u16>(&bounds);
+        assert!(MinMax::from_aabb(&bounds.to_aabb()).unwrap().encloses(&bounds));
+    }
+    let huge = MinWidths::new([0.0; 3], [1e39; 3]).unwrap();
+    let error = PackedMinWidths::<u8>::try_from(huge).unwrap_err();
+    assert!(error.to_string().contains("2^127"), "{error}");
+}
+
+fn packed_holds<T: Steps>(bounds: &MinMax) {
+    holds_box(&MinMax::from(PackedMinWidths::<T>::try_from(MinWidths::from(*bounds)).unwrap()), bounds);
+    holds_box(&MinMax::from(PackedCentreRadius::<T>::try_from(CentreRadius::from(*bounds)).unwrap()), bounds);
+}
+
+/// An offset and a size that both boxes of a pair share; half on a grid, half anywhere.
+struct Draw {
+    offset: f64,
+    size: f64,
+    grid: bool,
+}
+
+impl Draw {
+    fn new(rng: &mut Rng) -> Self {
+        Self { offset: rng.choose(&[0.0, 0.0, 1e7]), size: rng.choose(&[1.0, 1e-6, 1e6]), grid: rng.one_in(2) }
+    }
+
+    fn any_box(&self, rng: &mut Rng) -> MinMax {
+        let number = |rng: &mut Rng| if self.grid { rng.integer(-2, 2) as f64 } else { rng.uniform(-2.0, 2.0) };
+        let ends: [[f64; 2]; 3] = std::array::from_fn(|_| {
+            let (s, t) = (self.offset + self.size * number(rng), self.offset + self.size * number(rng));
+            [s.min(t), s.max(t)]
+        });
+        MinMax::new(ends.map(|[low, _]| low), ends.map(|[_, high]| high)).unwrap()
+    }
+}

@@ -1,0 +1,69 @@
+//! Meshes all of whose faces intersect each other: a limit keeps memory small and reports that it was reached.
+
+use impinge::mesh::Options;
+use impinge::{Mesh, Pose, Positions, query};
+use impinge_testkit::generate::Rng;
+use impinge_testkit::generate::solids::grid_soup;
+
+use crate::{COUNTED, alone};
+
+fn on_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool").install(run)
+}
+
+/// So many triangles of one place.
+fn pile(count: usize) -> Mesh {
+    let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    Mesh::new(Positions::F32(corners), vec![[0, 1, 2]; count]).expect("a mesh")
+}
+
+fn first_of_soups_are_first_of_all() {
+    let (mut reached, mut not_reached) = (0, 0);
+    for seed in 0..40 {
+        let mut rng = Rng::new(seed);
+        let [a, b] = [0; 2].map(|_| {
+            let count = rng.integer(1, 300) as usize;
+            let soup = grid_soup(&mut rng, count, 5, 3);
+            Mesh::new(Positions::F64(soup.vertices), soup.faces).expect("a mesh")
+        });
+        let all = query::intersecting_pairs(&a, &b);
+        for limit in [0, 1, 7, all.len() / 2, all.len().saturating_sub(1), all.len(), all.len() + 1, usize::MAX] {
+            for threads in [1, 2] {
+                let some = on_threads(threads, || query::intersecting_pairs_up_to(&a, &b, limit, &Options::default()));
+                assert_eq!(some.pairs, all[..limit.min(all.len())], "seed {seed}, limit {limit}, {threads} threads");
+                assert_eq!(some.truncated, limit < all.len(), "seed {seed}, limit {limit}");
+                let room = some.pairs.capacity();
+                assert!(!some.truncated || room == limit, "room for {room} pairs, limit {limit}");
+                *(if some.truncated { &mut reached } else { &mut not_reached }) += 1;
+            }
+        }
+    }
+    assert!(reached > 200 && not_reached > 200, "{reached} limits reached, {not_reached} not");
+}
+
+/// Four million pairs would take 32 MB, and as much again to sort.
+fn a_limit_bounds_memory() {
+    const FACES: usize = 2_000;
+    const LIMIT: usize = 10_000;
+    let (below, above) = (pile(FACES), pile(FACES));
+    let pose = Pose::from_translation([0.25, 0.0, 0.0]).expect("a pose");
+    for threads in [1, 2] {
+        let some = on_threads(threads, || {
+            COUNTED.reset_peak_usage();
+            let before = COUNTED.current_usage();
+            let some = query::intersecting_pairs_up_to(&below, above.at(pose), LIMIT, &Options::default());
+            let most = COUNTED.peak_usage().saturating_sub(before);
+            assert!(most < 4 << 20, "{most} bytes for {LIMIT} pairs on {threads} threads");
+            some
+        });
+        let first: Vec<[u32; 2]> = (0..LIMIT).map(|i| [i / FACES, i % FACES].map(|face| face as u32)).collect();
+        assert!(some.truncated && some.pairs == first, "{threads} threads");
+    }
+}
+
+#[test]
+fn a_limit_gives_the_first_pairs_and_bounds_memory() {
+    let _alone = alone();
+    first_of_soups_are_first_of_all();
+    a_limit_bounds_memory();
+}
