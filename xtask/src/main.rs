@@ -1,4 +1,4 @@
-//! The chores of the workspace: `cargo xtask layers`, `cargo xtask file-length`, `cargo xtask test`,
+//! The chores of the workspace: `cargo xtask layers`, `cargo xtask file-length`, `cargo xtask quick`, `cargo xtask test`,
 //! `cargo xtask demo`.
 #![allow(clippy::print_stdout, reason = "a chore reports to the terminal")]
 
@@ -6,6 +6,7 @@ mod demo;
 mod file_length;
 mod layers;
 mod python_tests;
+mod quick;
 mod slowest;
 mod sources;
 mod test_run;
@@ -31,6 +32,11 @@ enum Chore {
     Layers,
     /// Warn of source files past 400 lines, fail on those past 800.
     FileLength,
+    /// After an edit: format, check the layers, build, and run the unit tests of a room and the cases.
+    Quick {
+        /// A module of `impinge` by its path, such as `query` or `mesh/filter`; without it all unit tests run.
+        room: Option<String>,
+    },
     /// Run every test, those of the Python package too, and print their counts last.
     Test,
     /// Check a human of 26,756 triangles against a torus knot of 2,000,000.
@@ -40,15 +46,7 @@ enum Chore {
 fn main() -> Result<ExitCode> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask lies in the workspace")?;
     let passed = match Arguments::parse().chore {
-        Chore::Layers => {
-            let mut violations = layers::check(root)?;
-            violations.extend(unsafe_code::check(root)?);
-            for violation in &violations {
-                println!("{violation}");
-            }
-            println!("layers: {} violations", violations.len());
-            violations.is_empty()
-        }
+        Chore::Layers => layers_hold(root)?,
         Chore::FileLength => {
             let found = file_length::check(root)?;
             for (_, line) in &found {
@@ -57,8 +55,20 @@ fn main() -> Result<ExitCode> {
             println!("file-length: {} long files", found.len());
             found.iter().all(|(verdict, _)| *verdict != file_length::Verdict::TooLong)
         }
+        Chore::Quick { room } => quick::run(root, room.as_deref())?,
         Chore::Test => test_run::run(root)?,
         Chore::Demo => demo::run(root)?,
     };
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Prints every import against the order of crates or modules and every `unsafe` outside its homes. Returns whether there are none.
+fn layers_hold(root: &Path) -> Result<bool> {
+    let mut violations = layers::check(root)?;
+    violations.extend(unsafe_code::check(root)?);
+    for violation in &violations {
+        println!("{violation}");
+    }
+    println!("layers: {} violations", violations.len());
+    Ok(violations.is_empty())
 }

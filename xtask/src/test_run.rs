@@ -15,7 +15,8 @@ use crate::slowest::Slowest;
 const SKIPPED: &str = "skipped: ";
 
 /// Arguments of Cargo that select every test program. The benchmark programs have no tests, and would take minutes to build.
-const PROGRAMS: [&str; 8] = ["--workspace", "--lib", "--bin", "impinge", "--bin", "xtask", "--test", "*"];
+const PROGRAMS: [&str; 10] =
+    ["--workspace", "--exclude", "impinge-python", "--lib", "--bin", "impinge", "--bin", "xtask", "--test", "*"];
 
 /// Features of `impinge` that only the tests use. The extension module is built with them too, so that the library is compiled once.
 pub(crate) const FEATURES: &str = "impinge/glam,impinge/nalgebra";
@@ -26,20 +27,19 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
     let mut tests = Tests::default();
     for program in programs(root, &PROGRAMS)? {
         println!("     Running {}", program.name);
-        tests.run(Command::new(&program.path).current_dir(&program.folder))?;
+        tests.run(&mut program.command())?;
     }
     let mut examples = cargo();
     examples.args(["test", "--workspace", "--doc", "--no-fail-fast", "--features", FEATURES]);
     tests.run_examples(examples.current_dir(root))?;
     let python = python_tests::run(root)?;
     tests.slowest.extend(python.slowest);
-    let Tests { mut counts, succeeded, slowest } = tests;
-    counts.passed += python.passed;
-    counts.failed += python.failed;
-    counts.skipped += python.skipped;
-    println!("{slowest}");
-    println!("{counts}");
-    Ok(succeeded && counts.failed == 0 && counts.passed > 0)
+    tests.counts.passed += python.passed;
+    tests.counts.failed += python.failed;
+    tests.counts.skipped += python.skipped;
+    println!("{}", tests.slowest);
+    println!("{}", tests.counts);
+    Ok(tests.all_passed())
 }
 
 /// A program that runs tests, and the folder to start it in.
@@ -47,6 +47,22 @@ pub(crate) struct Program {
     name: String,
     path: PathBuf,
     folder: PathBuf,
+    /// Whether its tests are the unit tests of a library.
+    is_of_units: bool,
+}
+
+impl Program {
+    /// Returns the command that runs it.
+    pub(crate) fn command(&self) -> Command {
+        let mut command = Command::new(&self.path);
+        command.current_dir(&self.folder);
+        command
+    }
+
+    /// Reports whether its tests are the unit tests of a library.
+    pub(crate) fn is_of_units(&self) -> bool {
+        self.is_of_units
+    }
 }
 
 /// Builds test programs and returns them in the order of their names.
@@ -70,7 +86,8 @@ pub(crate) fn programs(root: &Path, selection: &[&str]) -> Result<Vec<Program>> 
         {
             let folder = artifact.manifest_path.parent().context("a manifest lies in a folder")?.into();
             let package = artifact.manifest_path.parent().and_then(|folder| folder.file_name()).unwrap_or_default();
-            programs.push(Program { name: format!("{package}: {}", artifact.target.name), path: path.into(), folder });
+            let name = format!("{package}: {}", artifact.target.name);
+            programs.push(Program { name, path: path.into(), folder, is_of_units: artifact.target.is_lib() });
         }
     }
     ensure!(build.wait()?.success(), "the tests could not be built");
@@ -78,7 +95,8 @@ pub(crate) fn programs(root: &Path, selection: &[&str]) -> Result<Vec<Program>> 
     Ok(programs)
 }
 
-fn cargo() -> Command {
+/// Returns the command that runs the Cargo that runs this chore.
+pub(crate) fn cargo() -> Command {
     Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
 }
 
@@ -86,7 +104,7 @@ fn cargo() -> Command {
 pub(crate) struct Tests {
     pub(crate) counts: Counts,
     /// Whether every program ended well. A program that crashes prints no counts.
-    pub(crate) succeeded: bool,
+    succeeded: bool,
     pub(crate) slowest: Slowest,
 }
 
@@ -97,8 +115,13 @@ impl Default for Tests {
 }
 
 impl Tests {
+    /// Reports whether every program ended well, some test ran, and none failed.
+    pub(crate) fn all_passed(&self) -> bool {
+        self.succeeded && self.counts.failed == 0 && self.counts.passed > 0
+    }
+
     /// Runs a test program and reads what it prints.
-    fn run(&mut self, program: &mut Command) -> Result<()> {
+    pub(crate) fn run(&mut self, program: &mut Command) -> Result<()> {
         // Times of single tests are an unstable option of the harness, which this variable allows on a stable compiler.
         program.env("RUSTC_BOOTSTRAP", "1").args(["-Zunstable-options", "--report-time"]);
         self.read(program.args(["--show-output", "--color", "never"]))

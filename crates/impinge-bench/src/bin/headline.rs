@@ -44,7 +44,7 @@ struct Arguments {
     /// Fail where the number of pairs is another
     #[arg(long, value_name = "K", requires = "pose_b")]
     expect: Option<usize>,
-    /// Vector unit: scalar, sse2, sse4.2, avx2, avx512 or neon, where the processor has it [default: the widest]
+    /// Vector unit: sse2, sse4.2, avx2 or neon if the processor has it, or scalar if built with the feature impinge/scalar [default: the widest]
     #[arg(long, value_name = "NAME", value_parser = parse_level)]
     level: Option<Level>,
     /// Print one JSON object per pose, in seconds, in place of a table

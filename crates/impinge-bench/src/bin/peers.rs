@@ -1,6 +1,6 @@
 //! impinge beside parry3d, in one run on one thread: build, all intersecting pairs and first hit.
 //!
-//! `cargo run --release -p impinge-bench --bin peers`
+//! `cargo run --release -p impinge-bench --features peers --bin peers`
 //!
 //! parry3d computes in single precision, so both get vertices and a pose that are rounded to it beforehand: the same
 //! floats. Its first hit is its own `intersection_test`. All pairs it has no call for; they are found as its

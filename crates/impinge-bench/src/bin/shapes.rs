@@ -1,6 +1,6 @@
 //! Shapes against shapes beside parry3d, pair by pair, in one run on one thread; and two spheres of triangles in light contact.
 //!
-//! `cargo run --release -p impinge-bench --bin shapes`
+//! `cargo run --release -p impinge-bench --features peers --bin shapes`
 //!
 //! parry3d computes in single precision, so both get numbers that it holds. Both are given the second shape's pose anew for each
 //! question, which for ours includes its bounding box. Ours must be consistent in itself, and where parry3d's distance is farther from

@@ -1,6 +1,6 @@
 //! impinge beside obvhs, in one run on one thread: builds of a tree, and the first hit of rays through it.
 //!
-//! `cargo run --release -p impinge-bench --bin trees`
+//! `cargo run --release -p impinge-bench --features peers --bin trees`
 //!
 //! A build of impinge is that of a whole mesh: judged, and with its triangles packed for queries; one of obvhs is that of the wide
 //! tree over triangles already laid out, and of the binary tree that it is made from. obvhs computes in single precision, so both

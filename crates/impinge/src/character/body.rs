@@ -44,7 +44,7 @@ impl Character {
     /// # Accuracy
     /// Conservative volumes hold each vertex at rest and at *every* time of every animation, by construction: they hold
     /// the vertices at sampled times, and the curves between these, seen from the bone of the volume, deviate from their
-    /// chords by a bound that is added (`impinge-files/tests/characters` checks vertex by vertex). A face whose
+    /// chords by a bound that is added (`impinge-files/tests/it/characters` checks vertex by vertex). A face whose
     /// corners are in one volume is in it whole, so no ray that meets the surface misses the volumes.
     ///
     /// # Complexity

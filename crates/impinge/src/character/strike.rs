@@ -103,7 +103,7 @@ impl Posed<'_> {
     ///
     /// # Accuracy
     /// Times are never later than the true first contact of the volumes, and in conservative volumes never later than that of
-    /// the surface where its frames move so (`impinge-files/tests/characters`).
+    /// the surface where its frames move so (`impinge-files/tests/it/characters`).
     ///
     /// # Panics
     /// Where `to` is a pose of a character with fewer parts.

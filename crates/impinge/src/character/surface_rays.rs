@@ -73,7 +73,7 @@ impl<'c> SurfaceRays<'c> {
     ///
     /// # Accuracy
     /// To the bit what [`Surface::ray_cast`](super::Surface::ray_cast) says where the origin is zero
-    /// (`impinge-files/tests/characters/surface.rs`). What a sphere about faces leaves out is proved to be missed.
+    /// (`impinge-files/tests/it/characters/surface.rs`). What a sphere about faces leaves out is proved to be missed.
     #[must_use]
     pub fn ray_cast(&self, ray: &Ray) -> Option<SurfaceHit> {
         let line = Line::new(ray);

@@ -18,7 +18,7 @@ use crate::math::Pose;
 /// where triangles have a common point and zero or positive for the others. The error is 2^-47 of the diagonal of the
 /// box that holds both sets: 15 units of 2^-53 of distances between points and 8 of each edge for the parameters,
 /// 5 of each for rounding the edges and what is between the points, twice, 46 in all, taken as 64. Coordinates of the
-/// points are rounded once more, in their last place. Tested against rationals in `tests/distance`: the largest error
+/// points are rounded once more, in their last place. Tested against rationals in `tests/it/distance`: the largest error
 /// seen is a tenth of the bound.
 ///
 /// Any finite coordinates up to 2^500 will do; scales are taken out by a power of two.

@@ -67,7 +67,7 @@ pub struct WitnessCache(Trail);
 /// # Accuracy
 /// The true distance lies in `[lower, upper]`, whose width is at most 2^-44 of the diagonal of the box that holds both
 /// meshes, most often 2^-45: how far they are from the origins of their frames and of the world does not count. The
-/// witnesses' coordinates are rounded once more, to the world's. Tested against rationals in `tests/distance`.
+/// witnesses' coordinates are rounded once more, to the world's. Tested against rationals in `tests/it/distance`.
 ///
 /// # Complexity
 /// Logarithmic for meshes apart, and grows with the faces that are as near as the nearest: faces that tie are all

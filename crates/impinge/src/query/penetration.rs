@@ -28,7 +28,7 @@ use crate::mesh::Placed;
 /// it and proved to be outside; there may be shorter ways out of meshes that are not convex. The lower end is that of two balls
 /// about one point, one in each solid, and so is near the upper one where both are round there, and may be far below it where they
 /// are thin. Of spheres of 20,480 triangles that overlap by a quarter of their size it is within 1 % (tests:
-/// `tests/solids/depths.rs`). Where a mesh is open its inside is where its winding number is beyond one half. Closed meshes that
+/// `tests/it/solids/depths.rs`). Where a mesh is open its inside is where its winding number is beyond one half. Closed meshes that
 /// only touch have a depth of zero, exactly.
 ///
 /// # Complexity

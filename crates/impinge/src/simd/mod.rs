@@ -90,19 +90,20 @@ pub fn levels() -> Vec<(&'static str, Level)> {
         levels.extend(best.as_sse2().map(|token| ("sse2", Level::Sse2(token))));
         levels.extend(best.as_sse4_2().map(|token| ("sse4.2", Level::Sse4_2(token))));
         levels.extend(best.as_avx2().map(|token| ("avx2", Level::Avx2(token))));
-        levels.extend(best.as_avx512().map(|token| ("avx512", Level::Avx512(token))));
     }
     #[cfg(target_arch = "aarch64")]
     levels.extend(best.as_neon().map(|token| ("neon", Level::Neon(token))));
     levels
 }
 
-/// Returns every level that this processor can run, the scalar one first: for tests that call a kernel by
+/// Returns every level that this processor can run, the scalar one first and AVX-512 too: for tests that call a kernel by
 /// [`fearless_simd::dispatch`], which compiles it for all of them.
 #[cfg(test)]
 pub(crate) fn kernel_levels() -> Vec<(&'static str, Level)> {
     let mut all = levels();
     all.retain(|(name, _)| *name != "scalar");
     all.insert(0, ("scalar", Level::fallback()));
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    all.extend(Level::new().as_avx512().map(|token| ("avx512", Level::Avx512(token))));
     all
 }

@@ -58,7 +58,7 @@ pub(super) struct Span {
 /// # Accuracy The truth about the real motion lies in the interval that is returned: infinite times where there is no
 /// contact. Where contact is proved, the interval is at most 2^-30 wide, mostly 2^-40. What is not decided in bounded
 /// work has an infinite `t_upper`; that is contact, or a miss by less than 2^-96 of the motion, or one that stays that
-/// close for long. Tested against an exact oracle in `tests/sweep`.
+/// close for long. Tested against an exact oracle in `tests/it/sweep`.
 ///
 /// # Complexity Constant: well under a microsecond for most that do not touch, some microseconds for those that do,
 /// and milliseconds at the worst.

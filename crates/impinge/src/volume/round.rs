@@ -89,7 +89,7 @@ pub trait Round: sealed::Swept + Sized {
     ///
     /// # Accuracy
     /// The interval is at most about 2^-46 of the size of the cores and of their distance wide (tests:
-    /// `tests/volumes/round.rs`).
+    /// `tests/it/volumes/round.rs`).
     fn distance<B: Round>(&self, other: &B) -> DistanceBounds {
         let (lower, upper) = core_distance(&self.core(), &other.core());
         DistanceBounds {

@@ -1,6 +1,6 @@
 //! Space partitions beside parry3d's `Bvh`, kiddo and rstar, in one run on one thread, every answer checked.
 //!
-//! `cargo run --release -p impinge-bench --bin partitions`
+//! `cargo run --release -p impinge-bench --features peers --bin partitions`
 //!
 //! Boxes have coordinates that single precision holds, so that parry3d gets the same ones. Times are of the processor, the
 //! least and the median of the steps; a step starts with all new boxes and ends with a list of pairs, sorted for ours.

@@ -168,7 +168,7 @@ pub fn within_with(a: &PlacedShape, b: &PlacedShape, clearance: f64, cache: &mut
 /// # Accuracy
 /// The true distance lies in `[lower, upper]`. For polytopes the interval is at most 2^-36 of the distance wide, however
 /// small that is. For spheres and capsules there is what the pose is off orthogonal on top, and 2^-46 of the size of the
-/// cores; for other round shapes it is about 2^-40 of the size (tests: `tests/shapes`), and up to 2^-23 of it where they are
+/// cores; for other round shapes it is about 2^-40 of the size (tests: `tests/it/shapes`), and up to 2^-23 of it where they are
 /// turned so that several points are as near.
 ///
 /// # Source
@@ -197,7 +197,7 @@ pub fn distance(a: &PlacedShape, b: &PlacedShape) -> ShapeDistance {
 /// The true depth lies in `[lower, upper]`, and the upper end is valid for the normal whatever else happened. The interval is
 /// about 2^-44 of the sizes wide for polytopes, spheres and capsules. For cylinders, cones and ellipsoids it is narrowed to 2^-40 of the
 /// sizes; where they are deep in each other, as in one place, it is what the work allows: the tests assert 1e-10 for those placed at
-/// random, and 1e-3 of the sizes in one place, 1e-2 for a cone (`tests/shapes`).
+/// random, and 1e-3 of the sizes in one place, 1e-2 for a cone (`tests/it/shapes`).
 ///
 /// For compounds, and for meshes but with half-spaces, the upper end is that of a search, at the end of which the second shape was
 /// moved and proved to be apart; there may be shorter ways. The lower end comes from two balls about one point, one in

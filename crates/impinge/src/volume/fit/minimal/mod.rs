@@ -55,7 +55,7 @@ struct Frame {
 ///
 /// # Accuracy
 /// `radius - lower` is at most the distance that rounding moves the centre, below one unit in its last place, and eight
-/// units in the last place of the radius (tests: `tests/volumes/minimal.rs`).
+/// units in the last place of the radius (tests: `tests/it/volumes/minimal.rs`).
 ///
 /// # Complexity
 /// One pass over memory for a generic cloud; linear for any set met so far, a million points that all lie on one sphere
