@@ -4,6 +4,7 @@ use impinge::mesh::Options;
 use impinge::{Mesh, Pose, Positions, query};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::solids::grid_soup;
+use impinge_testkit::rounds;
 
 use crate::{COUNTED, alone};
 
@@ -19,7 +20,8 @@ fn pile(count: usize) -> Mesh {
 
 fn first_of_soups_are_first_of_all() {
     let (mut reached, mut not_reached) = (0, 0);
-    for seed in 0..40 {
+    let rounds = rounds(15);
+    for seed in 0..rounds as u64 {
         let mut rng = Rng::new(seed);
         let [a, b] = [0; 2].map(|_| {
             let count = rng.integer(1, 300) as usize;
@@ -38,7 +40,7 @@ fn first_of_soups_are_first_of_all() {
             }
         }
     }
-    assert!(reached > 200 && not_reached > 200, "{reached} limits reached, {not_reached} not");
+    assert!(reached > 5 * rounds && not_reached > 5 * rounds, "{reached} limits reached, {not_reached} not");
 }
 
 /// Four million pairs would take 32 MB, and as much again to sort.

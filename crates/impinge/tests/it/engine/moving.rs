@@ -9,6 +9,7 @@ use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
 use impinge_testkit::generate::poses::rotation;
 use impinge_testkit::generate::solids::{cube_sphere, grid_soup};
+use impinge_testkit::rounds;
 use impinge_testkit::{Affine, oracle};
 
 use crate::engine::ways::{engine_mesh, engine_pose, on_threads, pairs_in_every_way};
@@ -100,7 +101,7 @@ fn a_refit_forgets_what_questions_kept() {
 #[test]
 fn refitted_meshes_have_the_pairs_of_new_ones_and_of_brute_force() {
     let (mut met, mut asked) = (0, 0);
-    for seed in 0..4 {
+    for seed in 0..rounds(2) as u64 {
         for way in 0..WAYS {
             let mut rng = Rng::new(1_000 * seed + way);
             let soup = grid_soup(&mut rng, 150, 6, 2);

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use impinge::partition::{BoxTree, Changes, ColumnSweep, Dynamic, Move, Work};
 use impinge::volume::MinMax;
 use impinge_testkit::generate::Rng;
+use impinge_testkit::rounds;
 
 use crate::partition::brute::{self, Boxes};
 use crate::partition::kinds::dynamic;
@@ -51,8 +52,8 @@ fn every_kind_follows_brute_force_through_thousands_of_steps() {
         let mut changes = Changes::default();
         let (mut columns, mut swept) = (ColumnSweep::new(), Vec::new());
         let (mut began, mut ended, mut steps_with_pairs, mut found) = (0, 0, 0, 0);
-        const STEPS: usize = 600;
-        for step in 0..STEPS {
+        let steps = rounds(300);
+        for step in 0..steps {
             let moves = moves(scene, &boxes, &mut rng, 1 + step % 12);
             apply(&mut boxes, &moves);
             let now = brute::pairs(&boxes);
@@ -80,9 +81,9 @@ fn every_kind_follows_brute_force_through_thousands_of_steps() {
             pairs = now;
         }
         // A scene in which nothing meets, or nothing changes, would prove nothing.
-        assert!(began > STEPS / 4 && ended > STEPS / 4, "{scene:?}: {began} began, {ended} ended");
+        assert!(began > steps / 4 && ended > steps / 4, "{scene:?}: {began} began, {ended} ended");
         assert!(
-            2 * steps_with_pairs > STEPS && found > 1000,
+            2 * steps_with_pairs > steps && found > steps,
             "{scene:?}: {steps_with_pairs} with pairs, {found} found"
         );
         // And to nothing again.
