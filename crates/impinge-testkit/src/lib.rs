@@ -22,7 +22,9 @@ pub mod oracle;
 #[cfg(feature = "oracles")]
 mod read_error;
 mod scene;
+mod thorough;
 
 #[cfg(feature = "oracles")]
 pub use read_error::ReadError;
 pub use scene::{Affine, Mesh, Posed};
+pub use thorough::rounds;
