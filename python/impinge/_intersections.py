@@ -131,7 +131,7 @@ def penetrates(
     Returns
     -------
     bool or (...) bool array
-        True also where it is undecided: a mesh is open, or meets itself where it meets the other one. With
+        True also if it is undecided: a mesh is open near the other one, or meets itself where it meets that. With
         ``on_error="status"`` a tuple of that and of a uint8 array, in which ``Status.UNDECIDED`` marks these. Otherwise
         the answer is exact.
 

@@ -1,5 +1,6 @@
 //! Meshes and pairs of triangles, the same bytes on every machine.
 
+pub mod bricks;
 pub mod knots;
 pub mod pairs;
 pub mod poses;

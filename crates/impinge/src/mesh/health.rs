@@ -67,7 +67,7 @@ impl Mesh {
             duplicate_faces: duplicate_faces(&faces),
             duplicate_vertices: points.iter().zip(0..).filter(|&(&point, vertex)| point != vertex).count(),
             unused_vertices: unused(self.faces(), points.len()),
-            components: topology.first_faces.len(),
+            components: topology.components.first_faces.len(),
             double_coordinates: match self.positions() {
                 Positions::F32(_) => 0,
                 Positions::F64(vertices) => {

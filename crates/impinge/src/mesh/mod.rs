@@ -3,6 +3,7 @@
 mod aging;
 mod bsp;
 mod build;
+mod cap;
 mod crossings;
 mod descent;
 mod distance;
@@ -31,6 +32,7 @@ mod rays;
 mod refit;
 mod relation;
 mod self_descent;
+mod sheets;
 mod solid_angle;
 mod stamp;
 mod stored_corners;
@@ -68,11 +70,13 @@ use crate::math::Pose;
 use crate::primitive::Vector;
 use crate::storage::Buffer;
 use build::built;
+use cap::Cap;
 use far_field::FarField;
 use frame::PackedFrame;
 use leaf::Leaf;
 use packet::Made;
 use stamp::Stamp;
+pub(crate) use topology::Components;
 use topology::Topology;
 
 /// A triangle mesh, judged and packed, with its hierarchy; cheap to clone, and never changing under a query.
@@ -113,6 +117,10 @@ struct Data {
     topology: OnceLock<Topology>,
     /// Made when a winding number first needs it.
     far_field: OnceLock<FarField>,
+    /// Made when a question first depends on how faces are connected along edges.
+    sheets: OnceLock<Components>,
+    /// Made when a question first asks where the mesh is far enough from its border.
+    cap: OnceLock<Cap>,
 }
 
 impl Mesh {
@@ -210,6 +218,7 @@ impl Data {
         leaves: Arc<Buffer<Leaf>>,
     ) -> Self {
         let (cost, costs_as_built, topology, far_field) = Default::default();
+        let (sheets, cap) = Default::default();
         let (stamp, made) = (Stamp::new(), Made::none(leaves.len()));
         let half_extents = world_box::half_extents(&tree, &frame);
         Self {
@@ -225,6 +234,8 @@ impl Data {
             costs_as_built,
             topology,
             far_field,
+            sheets,
+            cap,
         }
     }
 }

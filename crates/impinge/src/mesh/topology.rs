@@ -15,12 +15,19 @@ pub(crate) struct Topology {
     pub(crate) first_at: Vec<u32>,
     /// Edges that the faces run through more often one way than the other; none where the mesh is closed.
     pub(crate) border: Vec<BorderEdge>,
-    /// For each face the number of its component; components are numbered in the order of their first faces.
-    pub(crate) component_of: Vec<u32>,
-    /// The first face of each component.
-    pub(crate) first_faces: Vec<u32>,
+    /// The faces that are connected by shared vertices.
+    pub(crate) components: Components,
     /// Made when a question first goes from face to face.
     faces_at: OnceLock<FacesAt>,
+}
+
+/// A partition of faces; its parts are numbered in the order of their first faces.
+#[derive(Debug)]
+pub(crate) struct Components {
+    /// For each face the number of its part, or [`NONE`](Self::NONE) if it is in none.
+    pub(crate) of_face: Vec<u32>,
+    /// The first face of each part.
+    pub(crate) first_faces: Vec<u32>,
 }
 
 /// The faces at each vertex that is the first at its position.
@@ -52,26 +59,40 @@ impl Topology {
             sets.join(a, b);
             sets.join(a, c);
         }
-        let mut number_of = vec![u32::MAX; first_at.len()];
-        let mut first_faces = Vec::new();
-        let component_of = (0_u32..)
-            .zip(faces)
-            .map(|(face, corners)| {
-                let root = sets.root(first_at[corners[0] as usize]) as usize;
-                if number_of[root] == u32::MAX {
-                    number_of[root] = first_faces.len() as u32;
-                    first_faces.push(face);
-                }
-                number_of[root]
-            })
-            .collect();
-        Self { first_at, border, component_of, first_faces, faces_at: OnceLock::new() }
+        let roots = faces.iter().map(|corners| Some(sets.root(first_at[corners[0] as usize])));
+        let components = Components::numbered(first_at.len(), roots);
+        Self { first_at, border, components, faces_at: OnceLock::new() }
     }
 
     /// The border of some faces, named by the vertices of [`first_at`](Self::first_at).
     pub(crate) fn border_of(&self, faces: impl Iterator<Item = [u32; 3]>) -> Vec<BorderEdge> {
         let named: Vec<[u32; 3]> = faces.map(|face| face.map(|vertex| self.first_at[vertex as usize])).collect();
         border_of(named.into_par_iter())
+    }
+}
+
+impl Components {
+    /// The number of a face that is in no part.
+    pub(crate) const NONE: u32 = u32::MAX;
+
+    /// Returns the parts of faces that have equal roots, which are below `len`; a face without a
+    /// root is in no part.
+    pub(super) fn numbered(len: usize, roots: impl Iterator<Item = Option<u32>>) -> Self {
+        let mut number_of = vec![Self::NONE; len];
+        let mut first_faces = Vec::new();
+        let of_face = (0_u32..)
+            .zip(roots)
+            .map(|(face, root)| {
+                let Some(root) = root else { return Self::NONE };
+                let number = &mut number_of[root as usize];
+                if *number == Self::NONE {
+                    *number = first_faces.len() as u32;
+                    first_faces.push(face);
+                }
+                *number
+            })
+            .collect();
+        Self { of_face, first_faces }
     }
 }
 
@@ -150,14 +171,14 @@ fn first_equal<V: Sync, K: Ord + Copy + Send>(vertices: &[V], key: impl Fn(&V) -
 
 /// Union by index with path halving (Tarjan and van Leeuwen, *Worst-case Analysis of Set Union Algorithms*, JACM 31(2),
 /// 1984): the root of a set is its least member, so that the order of joining does not show.
-struct DisjointSets(Vec<u32>);
+pub(super) struct DisjointSets(Vec<u32>);
 
 impl DisjointSets {
-    fn new(len: usize) -> Self {
+    pub(super) fn new(len: usize) -> Self {
         Self((0..len as u32).collect())
     }
 
-    fn root(&mut self, mut member: u32) -> u32 {
+    pub(super) fn root(&mut self, mut member: u32) -> u32 {
         while self.0[member as usize] != member {
             let above = self.0[member as usize];
             self.0[member as usize] = self.0[above as usize];
@@ -166,7 +187,7 @@ impl DisjointSets {
         member
     }
 
-    fn join(&mut self, a: u32, b: u32) {
+    pub(super) fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));
         self.0[a.max(b) as usize] = a.min(b);
     }
@@ -193,7 +214,7 @@ mod tests {
         let soup: Vec<[u32; 3]> = (0..4).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
         let soup = topology(&vertices, &soup);
         assert!(soup.border.is_empty());
-        assert_eq!((soup.first_faces.len(), soup.first_at[3]), (1, 0));
+        assert_eq!((soup.components.first_faces.len(), soup.first_at[3]), (1, 0));
     }
 
     #[test]
@@ -213,7 +234,7 @@ mod tests {
         let faces: Vec<[u32; 3]> =
             FACES.iter().flat_map(|face| [face.map(|v| 2 * v + 1), face.map(|v| 2 * v)]).collect();
         let two = topology(&vertices, &faces);
-        assert_eq!(two.first_faces, [0, 1]);
-        assert_eq!(two.component_of, [0, 1, 0, 1, 0, 1, 0, 1]);
+        assert_eq!(two.components.first_faces, [0, 1]);
+        assert_eq!(two.components.of_face, [0, 1, 0, 1, 0, 1, 0, 1]);
     }
 }

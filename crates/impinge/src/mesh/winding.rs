@@ -186,8 +186,8 @@ const WIDE: f64 = 5e-6;
 
 /// Answers where points are to one mesh, with the working memory for it.
 pub(crate) struct Judge<'m> {
-    mesh: &'m Mesh,
-    stack: Vec<u32>,
+    pub(super) mesh: &'m Mesh,
+    pub(super) stack: Vec<u32>,
 }
 
 impl<'m> Judge<'m> {

@@ -1,31 +1,41 @@
-//! Whether the interiors of two solids meet, which touching is not.
+//! Whether the interiors of two solids intersect, which touching is not.
 //!
-//! Let U be the points off the surface that a mesh winds round more than half, its interior. Where the interiors of both
-//! meshes meet, one of these is so, as follows a generic point on the border of what they have in common:
-//! 1. a connected component of one surface, apart from the other but for single points, lies inside the other;
-//! 2. about a segment in which a face of one meets a face of the other at length, some direction across it is inside both:
-//!    where the faces cross off their edges, or in the fan of the faces that meet there, seen along the edge;
-//! 3. faces of both overlap in an area, and are inside both on one side of it.
+//! Let U be the points off the surface that a mesh winds round more than half, its interior. A face
+//! that does not count (`mesh/sheets.rs`) changes no winding number, so only faces that count are
+//! looked at. If the interiors of both meshes intersect, one of these holds, as follows from a
+//! generic point on the border of what they have in common:
+//! 1. A sheet of one surface, which the other surface touches in single points or not at all, lies
+//!    inside the other.
+//! 2. A face of one and a face of the other intersect in a segment, and some direction across the
+//!    segment is inside both:
+//!    where the faces cross off their edges, or in the fan of all faces that meet in an edge, seen along the edge.
+//! 3. Faces of both overlap in an area and are inside both on one side of it.
 //!
-//! And each of them is enough. Whether a face has its interior on a side is not told by its corners' order alone, as shells
-//! lie in shells and meshes are turned inside out, but by the winding numbers on both sides, which are integers for a closed
-//! mesh. A face that other faces of its own mesh go through has no such sides; what it meets is left undecided, unless
-//! something else is sure.
+//! Each of them is also enough. Every contact is judged by itself, from all faces of the mesh at
+//! its edge and from the winding numbers on both sides of each face. So the order of the faces
+//! changes no answer, and contacts may be judged until one proves an intersection. A face that
+//! other faces of its own mesh go through has no sides that are the same all over it; its contacts
+//! are undecided, unless something else proves an intersection.
+//!
+//! An open mesh is a closed one but near its border (`mesh/cap.rs`). The same holds for it away
+//! from there.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use rayon::prelude::*;
 
 use super::intersecting_pairs;
-use crate::exact::{Contact, EdgeLine, Fan, Placement, PosedPoint, Spot, contact};
-use crate::mesh::{Containment, Judge, Mesh, Placed, Wall, Walls};
+use crate::exact::{Contact, Corners, EdgeLine, Fan, Placement, PosedPoint, Spot, contact};
+use crate::mesh::{Components, Containment, Judge, Mesh, Placed, Wall, Walls};
 
 /// Whether the interiors of two solids meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Penetrates {
     /// They do not, though the solids may touch.
     No,
-    /// Not known: a mesh is open, or meets itself where it meets the other.
+    /// Not known: a mesh is open near the other one, or intersects itself where it intersects the
+    /// other.
     Undecided,
     /// They do.
     Yes,
@@ -34,12 +44,14 @@ pub enum Penetrates {
 /// Whether the interiors of two meshes, taken as solids, meet.
 ///
 /// # Accuracy
-/// `Yes` and `No` are exact. `Undecided` is possible only where a mesh is open, or where faces of one that meet the other
-/// also meet faces of their own mesh elsewhere than in common corners and edges.
+/// `Yes` and `No` are exact. `Undecided` is possible only if one mesh is open and its border is
+/// near the other mesh, or if faces that intersect the other mesh also intersect faces of their own
+/// mesh elsewhere than in common corners and edges. The answer does not depend on the order of the
+/// faces.
 ///
 /// # Complexity
-/// That of [`intersecting_pairs`], linear in the pairs, and for each face that is in one and each connected component
-/// that is in none that of [`Mesh::contains`] for one point.
+/// That of [`intersecting_pairs`], linear in the pairs, and that of [`Mesh::contains`] for one
+/// point of each face that is in a pair or beside one, and of each connected part that is in none.
 ///
 /// ```
 /// use impinge::query::{self, Penetrates};
@@ -70,7 +82,9 @@ pub fn penetrates_of_pairs<'a, 'b>(
     b: impl Into<Placed<'b>>,
     pairs: &[[u32; 2]],
 ) -> Penetrates {
-    /// Contacts looked at before all of them are: bodies deep in each other show it in any.
+    /// Number of contacts that are judged before all of them are. Bodies that are deep in each
+    /// other show it in any contact. More take longer if they show nothing, and fewer are more
+    /// often not enough.
     const FIRST_CONTACTS: usize = 64;
     let solids = Solids::new(a.into(), b.into());
     let contacts = solids.contacts(pairs);
@@ -78,18 +92,19 @@ pub fn penetrates_of_pairs<'a, 'b>(
     if first == Penetrates::Yes {
         return first;
     }
-    let apart = solids.judge_components(0, &contacts).max(solids.judge_components(1, &contacts));
+    let apart = [0, 1].map(|side| solids.judge_parts(side, pairs, &contacts));
+    let apart = apart[0].max(apart[1]);
     if apart == Penetrates::Yes {
         return apart;
     }
     let rest = if contacts.len() > FIRST_CONTACTS { solids.judge_contacts(&contacts) } else { first };
     match rest.max(apart) {
-        Penetrates::No if !solids.stay_within_reach() => Penetrates::Undecided,
+        Penetrates::No if !solids.have_clear_borders() => Penetrates::Undecided,
         answer => answer,
     }
 }
 
-/// A pair of faces that meets at length or in an area.
+/// A pair of faces, both of which count, that intersect in a segment or in an area.
 type Touching = ([u32; 2], Contact);
 
 /// Two placed meshes, A and B.
@@ -110,15 +125,16 @@ impl<'m> Solids<'m> {
     fn contacts(&self, pairs: &[[u32; 2]]) -> Vec<Touching> {
         let kind = |&pair: &[u32; 2]| {
             let [a, b] = [0, 1].map(|side| self.mesh(side).corners(pair[side]));
-            (pair, contact(&self.placement, &a, &b))
+            let contact = contact(&self.placement, &a, &b);
+            let counts = contact != Contact::Slight && (0..2).all(|side| self.mesh(side).counts(pair[side]));
+            counts.then_some((pair, contact))
         };
-        pairs.par_iter().map(kind).filter(|(_, contact)| *contact != Contact::Slight).collect()
+        pairs.par_iter().filter_map(kind).collect()
     }
 
-    /// What these contacts show.
+    /// Returns what these contacts prove.
     fn judge_contacts(&self, contacts: &[Touching]) -> Penetrates {
-        let sides =
-            [0, 1].map(|side| Side::new(self.mesh(side), contacts.iter().map(|(pair, _)| pair[side]).collect()));
+        let sides = [0, 1].map(|side| Side::of(self.mesh(side), side, contacts));
         // Stops at the first that is sure.
         let answers = contacts.par_iter().map(|(pair, contact)| match self.judge(&sides, *pair, *contact) {
             Penetrates::Yes => Err(()),
@@ -127,8 +143,9 @@ impl<'m> Solids<'m> {
         answers.try_reduce(|| Penetrates::No, |x, y| Ok(x.max(y))).unwrap_or(Penetrates::Yes)
     }
 
-    fn judge(&self, sides: &[Side<'_>; 2], [a, b]: [u32; 2], contact: Contact) -> Penetrates {
-        let faces = |side: usize, face: u32, edge: [usize; 2]| sides[side].about(face, edge);
+    fn judge(&self, sides: &[Side; 2], [a, b]: [u32; 2], contact: Contact) -> Penetrates {
+        let faces =
+            |side: usize, face: u32, edge: [usize; 2]| sides[side].at_edge(self.mesh(side).edge_name(face, edge));
         let line = |side: usize, face: u32, edge: [usize; 2]| {
             let corners = self.mesh(side).corners(face);
             EdgeLine { of_b: side == 1, ends: edge.map(|corner| corners[corner]) }
@@ -154,20 +171,24 @@ impl<'m> Solids<'m> {
                 }
                 _ => Penetrates::Undecided,
             },
-            Contact::EdgeOfA(edge) => self.judge_fan(sides, line(0, a, edge), [faces(0, a, edge), Some(vec![b])]),
-            Contact::EdgeOfB(edge) => self.judge_fan(sides, line(1, b, edge), [Some(vec![a]), faces(1, b, edge)]),
+            Contact::EdgeOfA(edge) => self.judge_fan(sides, line(0, a, edge), [faces(0, a, edge), &[b]]),
+            Contact::EdgeOfB(edge) => self.judge_fan(sides, line(1, b, edge), [&[a], faces(1, b, edge)]),
             Contact::Edges(edge_a, edge_b) => {
                 self.judge_fan(sides, line(0, a, edge_a), [faces(0, a, edge_a), faces(1, b, edge_b)])
             }
         }
     }
 
-    /// What the faces of both that meet in a line show; undecided where those of one are not known.
-    fn judge_fan(&self, sides: &[Side<'_>; 2], line: EdgeLine, faces: [Option<Vec<u32>>; 2]) -> Penetrates {
+    /// Returns what the faces of both prove that intersect in a line. These are all faces there
+    /// that count: any other face of the mesh would intersect one of them elsewhere than in common
+    /// corners and edges, which then has an unknown wall.
+    fn judge_fan(&self, sides: &[Side; 2], line: EdgeLine, faces: [&[u32]; 2]) -> Penetrates {
         let mut fan = Fan::about(&self.placement, line);
         for (side, faces) in faces.into_iter().enumerate() {
-            let Some(faces) = faces else { return Penetrates::Undecided };
-            for face in faces {
+            if faces.is_empty() {
+                return Penetrates::Undecided;
+            }
+            for &face in faces {
                 let Wall::Sides { front, back } = sides[side].walls.get(face) else { return Penetrates::Undecided };
                 fan.add(side == 1, &self.mesh(side).corners(face), front, back);
             }
@@ -175,124 +196,129 @@ impl<'m> Solids<'m> {
         Penetrates::surely(fan.interiors_meet())
     }
 
-    /// Whether a component of one mesh that the other meets in single points at most lies inside that.
-    fn judge_components(&self, inner: usize, contacts: &[Touching]) -> Penetrates {
+    /// Returns whether a connected part of one mesh that the other one touches in single points at
+    /// most lies inside that.
+    fn judge_parts(&self, inner: usize, pairs: &[[u32; 2]], contacts: &[Touching]) -> Penetrates {
         let (mesh, outer) = (self.mesh(inner), self.mesh(1 - inner));
+        // Built now, not by the threads that share the work.
         outer.topology();
-        let topology = mesh.topology();
-        let mut is_open_question = vec![true; topology.first_faces.len()];
+        // No touch in single points separates what is connected along edges.
+        let parts = if pairs.is_empty() { &mesh.topology().components } else { mesh.sheets() };
+        let mut is_free = vec![true; parts.first_faces.len()];
         for (pair, _) in contacts {
-            is_open_question[topology.component_of[pair[inner] as usize] as usize] = false;
+            // The parts are sheets, and both faces count.
+            is_free[parts.of_face[pair[inner] as usize] as usize] = false;
         }
-        let [of_outer, of_inner] = [1 - inner, inner].map(|side| self.placed[side].world_from_mesh);
-        let placement = Placement::new(&of_outer, &of_inner);
-        let at = |judge: &mut Judge<'_>, face: u32| {
-            let spot = Spot::Within(mesh.corners(face));
-            match judge.containment(&PosedPoint::new(&placement, spot)) {
-                Containment::Outside => Some(Penetrates::No),
-                Containment::Undecided => Some(Penetrates::Undecided),
-                Containment::Inside => mesh.is_solid_beside(face, &mut Vec::new()).then_some(Penetrates::Yes),
-                Containment::Surface => None,
-            }
-        };
-        let firsts = topology.first_faces.par_iter().zip(&is_open_question).filter(|&(_, open)| *open);
-        let mut answer = Penetrates::No;
-        let mut left = vec![false; topology.first_faces.len()];
-        let answers: Vec<(u32, Option<Penetrates>)> =
-            firsts.map_init(|| Judge::new(outer), |judge, (&face, _)| (face, at(judge, face))).collect();
-        for (face, of_component) in answers {
-            match of_component {
-                Some(of_component) => answer = answer.max(of_component),
-                None => left[topology.component_of[face as usize] as usize] = true,
-            }
-        }
-        // Its first face is touched there or has nothing inside beside it; a later one will tell, or none has an interior.
-        if left.contains(&true) {
+        let placement = Placement::new(&self.placed[1 - inner].world_from_mesh, &self.placed[inner].world_from_mesh);
+        let inside = |judge: &mut Judge<'_>, face: u32| is_inside(judge, mesh, &placement, face);
+        let asked = representatives(mesh, parts, outer.is_closed());
+        let mut answers: Vec<Option<Penetrates>> = is_free
+            .par_iter()
+            .zip(asked)
+            .map_init(
+                || Judge::new(outer),
+                |judge, (&is_free, face)| match face {
+                    Some(face) if is_free => inside(judge, face),
+                    // A contact decides, or no face counts.
+                    _ => Some(Penetrates::No),
+                },
+            )
+            .collect();
+        // Any point tells for all of a part if the outer mesh is closed. Those of an open one are
+        // asked at one face only, which is the same for any order of the faces.
+        if outer.is_closed() && answers.contains(&None) {
             let mut judge = Judge::new(outer);
             for face in 0..mesh.faces().len() as u32 {
-                let component = topology.component_of[face as usize] as usize;
-                if left[component]
-                    && let Some(of_component) = at(&mut judge, face)
-                {
-                    left[component] = false;
-                    answer = answer.max(of_component);
+                let part = parts.of_face[face as usize];
+                if part != Components::NONE && answers[part as usize].is_none() && mesh.counts(face) {
+                    answers[part as usize] = inside(&mut judge, face);
                 }
             }
         }
-        answer
+        // What no face tells about is touched in all points asked for, or overlaps itself there.
+        answers.into_iter().map(|answer| answer.unwrap_or(Penetrates::Undecided)).max().unwrap_or(Penetrates::No)
     }
 
-    /// Whether nothing can be inside both but what the surfaces tell of: closed meshes have their interior within their
-    /// surface. An open mesh of area S winds round a point at distance d by at most S / 4πd², so its interior is within
-    /// √(S / 2π) of its box; where both boxes, so enlarged, are apart, there is nothing.
-    fn stay_within_reach(&self) -> bool {
-        if self.placed.iter().all(|placed| placed.mesh.is_closed()) {
-            return true;
-        }
-        let [a, b] = self.placed.map(reach);
-        (0..3).any(|axis| a[axis][1] < b[axis][0] || b[axis][1] < a[axis][0])
+    /// Whether the surface of neither mesh comes near the border of the other one. Then all that is
+    /// near one loop of a border is on one side of the other surface. If that is inside, so are the
+    /// faces at the loop, and these or a contact of their sheet show it.
+    fn have_clear_borders(&self) -> bool {
+        let [a, b] = &self.placed;
+        a.has_border_clear_of(b) && b.has_border_clear_of(a)
     }
 }
 
-/// The box in the world, along each axis, that the interior of a placed mesh is in.
-fn reach(placed: Placed<'_>) -> [[f64; 2]; 3] {
-    let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
-    let mut extent = 0.0_f64;
-    let faces = || {
-        let corners = |face| placed.mesh.corners(face).map(|corner| placed.world_from_mesh.apply(corner));
-        (0..placed.mesh.faces().len() as u32).map(corners)
-    };
-    for corners in faces() {
-        for (axis, [low, high]) in bounds.iter_mut().enumerate() {
-            for corner in &corners {
-                (*low, *high) = (low.min(corner[axis]), high.max(corner[axis]));
-                extent = extent.max(corner[axis].abs());
+/// For each part a face that counts, if it has one: the first one, or, to ask an open mesh about,
+/// the one whose corners have the least coordinates.
+fn representatives(mesh: &Mesh, parts: &Components, outer_is_closed: bool) -> Vec<Option<u32>> {
+    let mut found: Vec<Option<u32>> = parts.first_faces.iter().map(|&face| mesh.counts(face).then_some(face)).collect();
+    if !outer_is_closed || found.contains(&None) {
+        for face in 0..mesh.faces().len() as u32 {
+            let part = parts.of_face[face as usize];
+            if part == Components::NONE || !mesh.counts(face) {
+                continue;
+            }
+            let found = &mut found[part as usize];
+            let precedes = |known: u32| !outer_is_closed && sorted_corners(mesh, face) < sorted_corners(mesh, known);
+            if found.is_none_or(precedes) {
+                *found = Some(face);
             }
         }
     }
-    // In units of the mesh's size, so that no square vanishes; a reciprocal of less is none.
-    let size = bounds.iter().fold(1e-300, |most: f64, [low, high]| most.max(high - low));
-    let mut area = 0.0;
-    for corners in faces() {
-        let edge = |to: usize| -> [f64; 3] { std::array::from_fn(|k| (corners[to][k] - corners[0][k]) / size) };
-        let (u, v) = (edge(1), edge(2));
-        let normal = |k: usize| u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
-        area += 0.5 * (normal(0).powi(2) + normal(1).powi(2) + normal(2).powi(2)).sqrt();
-    }
-    // Far more than all roundings, of the corners and of the area, may add up to.
-    let wound = if placed.mesh.is_closed() { 0.0 } else { (area / std::f64::consts::TAU).sqrt() * 1.01 * size };
-    let margin = wound + extent * 1e-6 + f64::MIN_POSITIVE;
-    bounds.map(|[low, high]| [low - margin, high + margin])
+    found
 }
 
-/// The faces of one mesh that are in contacts.
-struct Side<'m> {
-    mesh: &'m Mesh,
+fn sorted_corners(mesh: &Mesh, face: u32) -> Corners {
+    let mut corners = mesh.corners(face);
+    corners.sort_by(|x, y| x.partial_cmp(y).unwrap_or(std::cmp::Ordering::Equal));
+    corners
+}
+
+/// Whether a face of one mesh has its own solid beside it where it is inside the other mesh; `None`
+/// if the points that are asked about do not tell.
+fn is_inside(judge: &mut Judge<'_>, mesh: &Mesh, placement: &Placement, face: u32) -> Option<Penetrates> {
+    let [p, q, r] = sorted_corners(mesh, face);
+    [[p, q, r], [q, r, p], [r, p, q]].into_iter().find_map(|corners| {
+        match judge.containment(&PosedPoint::new(placement, Spot::Within(corners))) {
+            Containment::Outside => Some(Penetrates::No),
+            Containment::Undecided => Some(Penetrates::Undecided),
+            Containment::Inside => mesh.is_solid_beside(&corners, &mut Vec::new()).then_some(Penetrates::Yes),
+            Containment::Surface => None,
+        }
+    })
+}
+
+/// The faces of one mesh that some contacts depend on.
+struct Side {
     walls: Walls,
-    /// The faces at each edge, which are named by their positions.
+    /// All faces that count at each edge that a contact is in.
     at_edge: HashMap<[u32; 2], Vec<u32>>,
 }
 
-impl<'m> Side<'m> {
-    fn new(mesh: &'m Mesh, mut faces: Vec<u32>) -> Self {
-        faces.par_sort_unstable();
-        faces.dedup();
-        let walls = Walls::of(mesh, faces);
-        let mut at_edge: HashMap<[u32; 2], Vec<u32>> = HashMap::new();
-        for &face in walls.faces() {
-            for corner in 0..3 {
-                at_edge.entry(mesh.edge_name(face, [corner, (corner + 1) % 3])).or_default().push(face);
+impl Side {
+    fn of(mesh: &Mesh, side: usize, contacts: &[Touching]) -> Self {
+        let mut faces: Vec<u32> = contacts.iter().map(|(pair, _)| pair[side]).collect();
+        let mut at_edge = HashMap::new();
+        for (pair, contact) in contacts {
+            let edge = match (side, *contact) {
+                (0, Contact::EdgeOfA(edge) | Contact::Edges(edge, _)) => edge,
+                (1, Contact::EdgeOfB(edge) | Contact::Edges(_, edge)) => edge,
+                _ => continue,
+            };
+            let name = mesh.edge_name(pair[side], edge);
+            if let Entry::Vacant(entry) = at_edge.entry(name) {
+                let fan: Vec<u32> = mesh.faces_at_edge(name).collect();
+                faces.extend(&fan);
+                entry.insert(fan);
             }
         }
-        Self { mesh, walls, at_edge }
+        faces.par_sort_unstable();
+        faces.dedup();
+        Self { walls: Walls::of(mesh, faces), at_edge }
     }
 
-    /// The faces at an edge of one of them; none where some are missing: not all of them met the other mesh, so that
-    /// these do not hold together.
-    fn about(&self, face: u32, edge: [usize; 2]) -> Option<Vec<u32>> {
-        let name = self.mesh.edge_name(face, edge);
-        let faces = self.at_edge.get(&name)?;
-        self.mesh.is_balanced_at(name, faces).then(|| faces.clone())
+    fn at_edge(&self, edge: [u32; 2]) -> &[u32] {
+        self.at_edge.get(&edge).map_or(&[], Vec::as_slice)
     }
 }
 

@@ -11,7 +11,7 @@ use super::distance::{Distance, WitnessCache, distance_with, within_with};
 use super::shapes::Proximity;
 use super::{HitCache, intersecting_pairs, intersects_with};
 use crate::exact::{Placement, PosedPoint, Spot};
-use crate::mesh::{Containment, Judge, Mesh, Options, Placed};
+use crate::mesh::{Components, Containment, Judge, Mesh, Options, Placed};
 
 /// Which of two meshes are solid: not their surface alone, but all about which they wind more than half.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -156,12 +156,12 @@ pub fn solid_intersection_of_pairs<'a, 'b>(
         if !outer_is_solid[outer] {
             continue;
         }
-        let components = Components::of(placed[inner], placed[outer]);
+        let nesting = Nesting::of(placed[inner], placed[outer]);
         let touched: Vec<u32> = pairs.iter().map(|pair| pair[inner]).collect();
-        let found = components
+        let found = nesting
             .free(&touched)
             .into_par_iter()
-            .map(|face| components.containment(face))
+            .map(|corner| nesting.containment(corner))
             .fold(
                 || [false; 2],
                 |[surely, perhaps], at| [surely || at == Containment::Inside, perhaps || at == Containment::Undecided],
@@ -276,8 +276,8 @@ pub fn nested<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, solid:
     let [solid_a, solid_b] = solid.sides();
     let is_open = AtomicBool::new(false);
     let any = |inner: Placed<'_>, outer: Placed<'_>| {
-        let components = Components::of(inner, outer);
-        components.free(&[]).into_par_iter().any(|face| match components.containment(face) {
+        let nesting = Nesting::of(inner, outer);
+        nesting.free(&[]).into_par_iter().any(|corner| match nesting.containment(corner) {
             Containment::Inside | Containment::Surface => true,
             Containment::Outside => false,
             Containment::Undecided => {
@@ -297,34 +297,41 @@ pub fn nested<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, solid:
 }
 
 /// The components of one mesh beside another.
-struct Components<'m> {
+struct Nesting<'m> {
     inner: &'m Mesh,
     outer: &'m Mesh,
     placement: Placement,
 }
 
-impl<'m> Components<'m> {
+impl<'m> Nesting<'m> {
     fn of(inner: Placed<'m>, outer: Placed<'m>) -> Self {
         let placement = Placement::new(&outer.world_from_mesh, &inner.world_from_mesh);
         Self { inner: inner.mesh, outer: outer.mesh, placement }
     }
 
-    /// The first faces of those components that have none of these faces.
-    fn free(&self, touched: &[u32]) -> Vec<u32> {
-        // Now, and not first by the threads that are to share the work.
+    /// For each component that has none of these faces a corner of it: its first one, or, if the
+    /// outer mesh is open, the one with the least coordinates. A closed mesh has all of a component
+    /// on one side. An open one may not, and the order of the faces is not to decide.
+    fn free(&self, touched: &[u32]) -> Vec<[f64; 3]> {
+        // Built now, not by the threads that share the work.
         self.outer.topology();
-        let topology = self.inner.topology();
-        let mut is_free = vec![true; topology.first_faces.len()];
-        for &face in touched {
-            is_free[topology.component_of[face as usize] as usize] = false;
+        let Components { of_face, first_faces } = &self.inner.topology().components;
+        let mut corners: Vec<[f64; 3]> = first_faces.iter().map(|&face| self.inner.corners(face)[0]).collect();
+        if !self.outer.is_closed() {
+            for (face, &component) in (0..).zip(of_face) {
+                let least = &mut corners[component as usize];
+                *least = self.inner.corners(face).into_iter().fold(*least, |x, y| if y < x { y } else { x });
+            }
         }
-        let firsts = topology.first_faces.iter().zip(&is_free);
-        firsts.filter_map(|(&face, &is_free)| is_free.then_some(face)).collect()
+        let mut is_free = vec![true; corners.len()];
+        for &face in touched {
+            is_free[of_face[face as usize] as usize] = false;
+        }
+        corners.into_iter().zip(is_free).filter_map(|(corner, is_free)| is_free.then_some(corner)).collect()
     }
 
-    /// Where the first corner of a face is to the outer mesh.
-    fn containment(&self, face: u32) -> Containment {
-        let [corner, ..] = self.inner.corners(face);
+    /// Where a corner of the inner mesh is to the outer one.
+    fn containment(&self, corner: [f64; 3]) -> Containment {
         Judge::new(self.outer).containment(&PosedPoint::new(&self.placement, Spot::At(corner)))
     }
 }

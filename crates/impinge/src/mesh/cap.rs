@@ -1,0 +1,214 @@
+//! Where an open mesh is as good as a closed one: far enough from its border.
+//!
+//! Let a surface, the cap, have the border of the mesh turned round as its own. Both together are
+//! closed and wind round every point off them an integer number of times. The mesh alone winds
+//! round it that often less the solid angle of the cap over 4π. A cap of area S is seen from a
+//! point at distance d under a solid angle of at most S / d². So beyond the reach of the border, d
+//! = √(S / 2π), the two differ by less than 1/2: a point is in the solid of the mesh exactly if the
+//! integer is not zero. Beyond twice the reach they differ by less than 1/8.
+//!
+//! Any cap will do, and a small one proves more. Each loop of the border is closed by clipping the
+//! ear of least area again and again. A crack between faces whose edges do not quite fit has a cap
+//! of next to no area.
+
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
+
+use rayon::prelude::*;
+
+use super::topology::BorderEdge;
+use super::{Mesh, Placed};
+use crate::exact::Corners;
+use crate::math::Pose;
+
+/// A box of a frame: its least and greatest coordinate along each axis.
+type Bounds = [[f64; 2]; 3];
+
+/// The boxes about the loops of a border, and the distance from them beyond which the solid of the
+/// mesh is that of a closed mesh. There are no boxes if the mesh is closed.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Cap {
+    /// In the frame of the mesh.
+    boxes: Vec<Bounds>,
+    reach: f64,
+}
+
+/// Maximum number of loops that have a box of their own. Every face that is asked about is compared
+/// to each box, so more boxes cost time, and fewer prove less about a mesh with many small holes.
+const MAX_BOXES: usize = 256;
+
+/// Bound for the rounding error of one triangle's area, in units of the squared size of the border.
+/// The differences, the cross product and the root add up to less than 16 units of 2^-53, as no
+/// coordinate of a difference is above 1; this is four times as much.
+const AREA_ERROR: f64 = 1.0 / (1_u64 << 47) as f64;
+
+impl Mesh {
+    /// Returns the boxes about the cap of the border.
+    ///
+    /// # Complexity
+    /// O(n log n) in the edges of the border the first time, then constant.
+    pub(crate) fn cap(&self) -> &Cap {
+        self.topology();
+        self.0.cap.get_or_init(|| Cap::of(self))
+    }
+}
+
+impl Cap {
+    fn of(mesh: &Mesh) -> Self {
+        let positions = mesh.positions();
+        let at = |vertex: u32| positions.get(vertex as usize);
+        let loops = loops_of(&mesh.topology().border);
+        let mut boxes: Vec<Bounds> =
+            loops.iter().map(|path| bounds_of(path.iter().map(|&vertex| at(vertex)))).collect();
+        let Some(all) = boxes.iter().copied().reduce(united) else { return Self::default() };
+        if boxes.len() > MAX_BOXES {
+            boxes = vec![all];
+        }
+        // In units of the size of the border, so that no square vanishes or overflows.
+        let size = all.iter().fold(f64::MIN_POSITIVE, |most, [low, high]| most.max(high - low));
+        let area: f64 = loops.iter().map(|path| area_of_cap(path, |p, q| scaled_difference(at(p), at(q), size))).sum();
+        let reach = (area / std::f64::consts::TAU).sqrt() * size * (1.0 + 1e-9);
+        Self { boxes, reach }
+    }
+
+    /// Reports whether a triangle of the mesh is proved to be beyond twice the reach of the border.
+    pub(crate) fn is_far_from(&self, corners: &Corners) -> bool {
+        let bounds = bounds_of(corners.iter().copied());
+        self.boxes.iter().all(|near| are_apart(&grown(near, 2.0 * self.reach), &bounds))
+    }
+
+    /// Returns boxes in the world that hold all that is within reach of the border.
+    fn within_reach(&self, world_from_mesh: &Pose) -> Vec<Bounds> {
+        self.boxes.iter().map(|near| in_world(world_from_mesh, &grown(near, self.reach))).collect()
+    }
+}
+
+impl Placed<'_> {
+    /// Reports whether all that is within reach of this mesh's border is proved to be apart from
+    /// the faces of another mesh and from all that is within reach of that one's border.
+    ///
+    /// # Complexity
+    /// Linear in the faces of the other mesh, times the boxes about loops that are in its bounds.
+    pub(crate) fn has_border_clear_of(&self, other: &Self) -> bool {
+        let mut mine = self.mesh.cap().within_reach(&self.world_from_mesh);
+        if mine.is_empty() || other.mesh.faces().is_empty() {
+            return true;
+        }
+        let others = other.mesh.cap().within_reach(&other.world_from_mesh);
+        if mine.iter().any(|near| others.iter().any(|other| !are_apart(near, other))) {
+            return false;
+        }
+        let faces = 0..other.mesh.faces().len() as u32;
+        let in_world = |bounds: &Bounds| in_world(&other.world_from_mesh, bounds);
+        let whole = in_world(&bounds_of(faces.clone().flat_map(|face| other.mesh.corners(face))));
+        mine.retain(|near| !are_apart(near, &whole));
+        mine.is_empty()
+            || faces.into_par_iter().all(|face| {
+                let bounds = in_world(&bounds_of(other.mesh.corners(face).into_iter()));
+                mine.iter().all(|near| are_apart(near, &bounds))
+            })
+    }
+}
+
+/// Returns a box in the world that holds the image of a box.
+fn in_world(world_from_mesh: &Pose, bounds: &Bounds) -> Bounds {
+    let (linear, translation) = (world_from_mesh.linear(), world_from_mesh.translation());
+    std::array::from_fn(|i| {
+        let (mut low, mut high, mut magnitude) = (translation[i], translation[i], translation[i].abs());
+        for k in 0..3 {
+            let [p, q] = bounds[k].map(|x| linear[i][k] * x);
+            (low, high) = (low + p.min(q), high + p.max(q));
+            magnitude += p.abs().max(q.abs());
+        }
+        // Six roundings of at most this size.
+        let error = 8.0 * f64::EPSILON * magnitude + f64::MIN_POSITIVE;
+        [low - error, high + error]
+    })
+}
+
+/// Takes a border apart into loops, each a list of vertices.
+fn loops_of(border: &[BorderEdge]) -> Vec<Vec<u32>> {
+    let mut next: HashMap<u32, Vec<u32>> = HashMap::new();
+    let mut starts = Vec::new();
+    for edge in border {
+        let (from, to) = if edge.times > 0 { (edge.from, edge.to) } else { (edge.to, edge.from) };
+        for _ in 0..edge.times.unsigned_abs() {
+            next.entry(from).or_default().push(to);
+            starts.push(from);
+        }
+    }
+    // As many edges lead to a vertex as from it, so a walk ends nowhere but where it has been.
+    let mut loops = Vec::new();
+    for start in starts {
+        let mut path = vec![start];
+        let mut place = HashMap::from([(start, 0)]);
+        while let Some(to) = path.last().and_then(|from| next.get_mut(from)).and_then(Vec::pop) {
+            if let Some(&since) = place.get(&to) {
+                let closed: Vec<u32> = path.drain(since..).collect();
+                closed.iter().for_each(|vertex| {
+                    place.remove(vertex);
+                });
+                loops.push(closed);
+            }
+            place.insert(to, path.len());
+            path.push(to);
+        }
+    }
+    loops
+}
+
+/// Returns an upper bound for the area of a cap of a loop, by clipping the ear of least area again
+/// and again; `between` is the vector from one vertex to another.
+fn area_of_cap(path: &[u32], between: impl Fn(u32, u32) -> [f64; 3]) -> f64 {
+    let len = path.len();
+    let (mut before, mut after): (Vec<usize>, Vec<usize>) =
+        ((0..len).map(|i| (i + len - 1) % len).collect(), (0..len).map(|i| (i + 1) % len).collect());
+    let ear = |before: &[usize], after: &[usize], i: usize| {
+        let (u, v) = (between(path[i], path[before[i]]), between(path[i], path[after[i]]));
+        let normal: [f64; 3] =
+            std::array::from_fn(|k| u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]);
+        let area = 0.5 * normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+        // Numbers that are not negative are ordered as their bits are.
+        (Reverse(area.to_bits()), i)
+    };
+    let mut ears: BinaryHeap<(Reverse<u64>, usize)> = (0..len).map(|i| ear(&before, &after, i)).collect();
+    let mut is_clipped = vec![false; len];
+    let (mut area, mut left) = (0.0, len);
+    while left > 2
+        && let Some(least) = ears.pop()
+    {
+        let (Reverse(bits), i) = least;
+        if is_clipped[i] || ear(&before, &after, i) != least {
+            continue;
+        }
+        is_clipped[i] = true;
+        area += f64::from_bits(bits) + AREA_ERROR;
+        left -= 1;
+        let (p, q) = (before[i], after[i]);
+        (after[p], before[q]) = (q, p);
+        ears.extend([p, q].map(|end| ear(&before, &after, end)));
+    }
+    area
+}
+
+fn scaled_difference(from: [f64; 3], to: [f64; 3], size: f64) -> [f64; 3] {
+    std::array::from_fn(|k| (to[k] - from[k]) / size)
+}
+
+fn bounds_of(points: impl Iterator<Item = [f64; 3]>) -> Bounds {
+    let empty = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+    points
+        .fold(empty, |bounds, point| std::array::from_fn(|k| [bounds[k][0].min(point[k]), bounds[k][1].max(point[k])]))
+}
+
+fn united(a: Bounds, b: Bounds) -> Bounds {
+    std::array::from_fn(|k| [a[k][0].min(b[k][0]), a[k][1].max(b[k][1])])
+}
+
+fn grown(bounds: &Bounds, by: f64) -> Bounds {
+    bounds.map(|[low, high]| [(low - by).next_down(), (high + by).next_up()])
+}
+
+fn are_apart(a: &Bounds, b: &Bounds) -> bool {
+    (0..3).any(|k| a[k][1] < b[k][0] || b[k][1] < a[k][0])
+}

@@ -1,0 +1,134 @@
+//! The order of the faces, and which corner of a face comes first, change no answer of any verb
+//! about solids.
+
+use impinge::query::{self, Solid};
+use impinge::{Mesh, Pose};
+use impinge_testkit::generate::bricks::{self, Cut, Scene};
+use impinge_testkit::generate::solids::cuboid;
+use impinge_testkit::generate::{Rng, poses};
+use impinge_testkit::{Affine, Mesh as Plain, rounds};
+
+use crate::solids::shapes::{engine, moved, pose, sphere, without_faces};
+
+/// All that the verbs about two solids answer, but for where: witnesses and normals may be any of
+/// those that tie.
+#[derive(Debug, PartialEq)]
+struct Answers {
+    penetrates: query::Penetrates,
+    intersections: [query::SolidIntersection; 4],
+    /// Only for surfaces that are apart, as it is a question about these.
+    nested: Option<[query::shapes::Proximity; 4]>,
+    are_at_distance_zero: [bool; 4],
+    within: [bool; 8],
+}
+
+fn ask(a: &Mesh, b: &Mesh, place: Pose) -> Answers {
+    let b = b.at(place);
+    let solids = [Solid::Neither, Solid::A, Solid::B, Solid::Both];
+    let within =
+        [0, 1, 2, 3, 4, 5, 6, 7].map(|i| query::within_of_solids(a, b, if i < 4 { 0.0 } else { 0.75 }, solids[i % 4]));
+    let intersections = solids.map(|solid| query::solid_intersection(a, b, solid));
+    for (solid, found) in solids.into_iter().zip(&intersections) {
+        assert_eq!(query::intersects_solid(a, b, solid), found.intersects);
+    }
+    Answers {
+        penetrates: query::penetrates(a, b),
+        intersections,
+        nested: (!query::intersects(a, b)).then(|| solids.map(|solid| query::nested(a, b, solid))),
+        are_at_distance_zero: solids.map(|solid| query::distance_of_solids(a, b, solid).upper == 0.0),
+        within,
+    }
+}
+
+/// Proved intervals of one number overlap. Their ends may differ: roundings, and searches that
+/// begin at another of several nearest places, follow the order.
+fn assert_intervals_agree(ours: [&Mesh; 2], again: [&Mesh; 2], place: Pose) {
+    let overlap = |x: [f64; 2], y: [f64; 2]| assert!(x[0] <= y[1] && y[0] <= x[1], "{x:?} {y:?}");
+    let [x, y] = [ours, again].map(|[a, b]| query::distance_of_solids(a, b.at(place), Solid::Both));
+    overlap([x.lower, x.upper], [y.lower, y.upper]);
+    match [ours, again].map(|[a, b]| query::penetration(a, b.at(place))) {
+        [None, None] => {}
+        [Some(x), Some(y)] => {
+            overlap([x.lower, x.upper], [y.lower, y.upper]);
+            assert_eq!(x.upper == 0.0, y.upper == 0.0, "{x:?} {y:?}");
+        }
+        depths => panic!("{depths:?}"),
+    }
+}
+
+/// Two meshes and where the second is: bricks in line, spheres with holes, bricks askew.
+fn scene(rng: &mut Rng, case: usize) -> ([Plain; 2], Affine) {
+    let bricks = Scene::random(rng);
+    let cut = rng.choose(&[Cut::AsLattice, Cut::AsLattice, Cut::Whole]);
+    let [a, b] = [0, 1].map(|side| bricks::mesh(rng, &bricks.bricks[side], cut));
+    let translation = bricks.half_steps.map(|x| x as f64 / 2.0);
+    match case % 4 {
+        0 => {
+            let holes = |rng: &mut Rng| {
+                let first = rng.integer(0, 200) as usize;
+                without_faces(sphere(), &[first, first + rng.integer(1, 9) as usize])
+            };
+            ([holes(rng), holes(rng).scaled(0.5)], Affine { translation, ..poses::rotation(rng) })
+        }
+        1 => ([a, b], Affine { translation, ..poses::rotation(rng) }),
+        _ => ([a, moved(b, translation)], Affine::IDENTITY),
+    }
+}
+
+#[test]
+fn the_order_of_the_faces_changes_no_answer_about_solids() {
+    let mut rng = Rng::new(91);
+    let cases = rounds(300);
+    let (mut penetrating, mut apart, mut undecided, mut deep) = (0, 0, 0, 0);
+    for case in 0..cases {
+        let ([a, b], place) = scene(&mut rng, case);
+        let place = pose(&place);
+        let again = [&a, &b].map(|mesh| engine(&bricks::reordered(&mut rng, mesh.clone())));
+        let [a, b] = [&a, &b].map(engine);
+        let answers = ask(&a, &b, place);
+        assert_eq!(ask(&again[0], &again[1], place), answers, "case {case}");
+        if case.is_multiple_of(5) {
+            assert_intervals_agree([&a, &b], again.each_ref(), place);
+            deep += usize::from(answers.penetrates == query::Penetrates::Yes);
+        }
+        penetrating += usize::from(answers.penetrates == query::Penetrates::Yes);
+        undecided += usize::from(answers.penetrates == query::Penetrates::Undecided);
+        apart += usize::from(answers.penetrates == query::Penetrates::No);
+    }
+    assert!(10 * penetrating > 2 * cases && 10 * apart > 2 * cases, "{penetrating} {apart} of {cases}");
+    assert!(100 * undecided > cases && 100 * deep > 4 * cases, "{undecided} {deep} of {cases}");
+}
+
+#[test]
+fn the_order_of_the_faces_changes_nothing_about_points() {
+    let mut rng = Rng::new(92);
+    for case in 0..rounds(100) {
+        let ([a, _], _) = scene(&mut rng, case);
+        let (mesh, again) = (engine(&a), engine(&bricks::reordered(&mut rng, a)));
+        let coordinate =
+            |rng: &mut Rng| if rng.one_in(2) { rng.integer(-1, 7) as f64 / 2.0 } else { rng.uniform(-1.0, 4.0) };
+        let points: Vec<[f64; 3]> = (0..50).map(|_| std::array::from_fn(|_| coordinate(&mut rng))).collect();
+        assert_eq!(mesh.is_closed(), again.is_closed());
+        assert_eq!(mesh.contains(&points), again.contains(&points), "case {case}");
+        if mesh.is_closed() {
+            assert_eq!(mesh.winding_number(&points), again.winding_number(&points), "case {case}");
+        }
+    }
+}
+
+#[test]
+fn which_point_an_open_mesh_is_asked_about_does_not_follow_the_order() {
+    // A rod that stands in a box without its upper side, half of it outside, and touches nothing.
+    let open = engine(&without_faces(cuboid([0.0; 3], [1.0; 3]), &[2, 3]));
+    let rod = cuboid([0.375, 0.375, 0.25], [0.625, 0.625, 4.0]);
+    let mut rng = Rng::new(93);
+    let answers = |rod: Plain| {
+        let rod = engine(&rod);
+        assert!(!query::intersects(&open, &rod));
+        (query::penetrates(&open, &rod), query::solid_intersection(&open, &rod, Solid::Both))
+    };
+    let expected = answers(rod.clone());
+    for _ in 0..40 {
+        assert_eq!(answers(bricks::reordered(&mut rng, rod.clone())), expected);
+    }
+}
