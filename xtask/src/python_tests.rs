@@ -9,7 +9,6 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::slowest::Slowest;
-use crate::test_run::FEATURES;
 
 /// The environment, kept between runs.
 const ENVIRONMENT: &str = "target/python-tests";
@@ -124,8 +123,8 @@ impl Environment {
             "--force-reinstall",
             ".",
         ]);
-        // With this profile and these features Cargo has compiled the library already, for the tests of Rust.
-        pip(install.env("MATURIN_PEP517_ARGS", format!("--profile dev --features {FEATURES}")))
+        // The profile of the other tests, with overflow checks.
+        pip(install.env("MATURIN_PEP517_ARGS", "--profile dev"))
     }
 
     /// The interpreter, with the environment's own programs first on the path.

@@ -18,8 +18,8 @@ const SKIPPED: &str = "skipped: ";
 const PROGRAMS: [&str; 10] =
     ["--workspace", "--exclude", "impinge-python", "--lib", "--bin", "impinge", "--bin", "xtask", "--test", "*"];
 
-/// Features of `impinge` that only the tests use. The extension module is built with them too, so that the library is compiled once.
-pub(crate) const FEATURES: &str = "impinge/glam,impinge/nalgebra";
+/// Features of `impinge` that its tests ask. Each program is built with them, so that the library is compiled once.
+const FEATURES: &str = "impinge/glam,impinge/nalgebra";
 
 /// Runs all tests of Rust and of the Python package and prints their output, the slowest tests and the summed counts. Returns whether
 /// all passed.

@@ -52,7 +52,7 @@ fn every_kind_follows_brute_force_through_thousands_of_steps() {
         let mut changes = Changes::default();
         let (mut columns, mut swept) = (ColumnSweep::new(), Vec::new());
         let (mut began, mut ended, mut steps_with_pairs, mut found) = (0, 0, 0, 0);
-        let steps = rounds(300);
+        let steps = rounds(600);
         for step in 0..steps {
             let moves = moves(scene, &boxes, &mut rng, 1 + step % 12);
             apply(&mut boxes, &moves);

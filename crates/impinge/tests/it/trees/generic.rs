@@ -7,7 +7,6 @@ use impinge::{Pose, math::RelativeMap};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::poses::rotation;
 use impinge_testkit::generate::solids::{grid_soup, icosphere};
-use impinge_testkit::rounds;
 use impinge_testkit::{Affine, Mesh, oracle};
 
 /// Two small meshes and where the second stands in the frame of the first.
@@ -21,7 +20,7 @@ struct Scene {
 /// Integer corners, shared vertices, zero areas and duplicates, moved by integers or turned; most of them meet.
 fn scenes() -> Vec<Scene> {
     let mut rng = Rng::new(2026);
-    let mut scenes: Vec<Scene> = (0..rounds(3))
+    let mut scenes: Vec<Scene> = (0..6)
         .map(|i| {
             let (side, reach) = (rng.integer(3, 8), rng.integer(1, 3));
             let count = rng.integer(60, 150) as usize;
