@@ -71,13 +71,15 @@ def test_what_is_undecided_is_said():
     opened = impinge.Mesh(vertices, faces[:-2])
     assert (UNIT.is_closed, opened.is_closed) == (True, False)
     assert impinge.penetrates(opened, opened) is True
-    poses = impinge.pose([[0.25, 0, 0], [50, 0, 0], [0, 0, 0]])
-    poses[2, 0, 0] = np.nan
+    # Moved across to the hole, walls far from the hole touch each other, and they decide. Moved towards it, none does.
+    poses = impinge.pose([[0.25, 0, 0], [0, 0, 0.25], [50, 0, 0], [0, 0, 0]])
+    poses[3, 0, 0] = np.nan
     answer, status = impinge.penetrates(opened, UNIT, poses, on_error="status")
-    assert answer.tolist() == [True, False, True]
-    assert status.tolist() == [impinge.Status.UNDECIDED, impinge.Status.OK, impinge.Status.NON_FINITE]
-    closed, sure = impinge.penetrates(UNIT, UNIT, poses[:2], on_error="status")
-    assert (closed.tolist(), sure.tolist()) == ([True, False], [0, 0])
+    assert answer.tolist() == [True, True, False, True]
+    statuses = impinge.Status
+    assert status.tolist() == [statuses.OK, statuses.UNDECIDED, statuses.OK, statuses.NON_FINITE]
+    closed, sure = impinge.penetrates(UNIT, UNIT, poses[:3], on_error="status")
+    assert (closed.tolist(), sure.tolist()) == ([True, True, False], [0, 0, 0])
 
 
 def test_swapping_swaps_nothing_but_the_sides():
