@@ -62,7 +62,8 @@ fn main() -> Result<ExitCode> {
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Prints every import against the order of crates or modules and every `unsafe` outside its homes. Returns whether there are none.
+/// Prints each violation of the order of crates and modules, and each `unsafe` outside of its homes.
+/// Returns `true` if there is none to print.
 fn layers_hold(root: &Path) -> Result<bool> {
     let mut violations = layers::check(root)?;
     violations.extend(unsafe_code::check(root)?);

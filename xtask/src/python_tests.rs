@@ -49,8 +49,8 @@ pub(crate) fn run(root: &Path) -> Result<Outcome> {
 }
 
 impl Outcome {
-    /// Reads a line of pytest's report: a duration, `1.20s call     python/tests/test_a.py::test_b`, or the last line,
-    /// `1 failed, 334 passed, 2 skipped in 33.43s`. Ignores any other line.
+    /// Reads a line of pytest's report: a duration, `1.20s call     python/tests/test_a.py::test_b`,
+    /// or the last line, `1 failed, 334 passed, 2 skipped in 33.43s`. Ignores any other line.
     fn read(&mut self, line: &str) {
         if let Some((seconds, rest)) = line.trim_start().split_once("s call ") {
             if let Ok(seconds) = seconds.parse() {
@@ -62,7 +62,8 @@ impl Outcome {
     }
 }
 
-/// Returns the numbers of passed, failed and skipped tests in the last line of pytest's report, or `None` for any other line.
+/// Returns the numbers of passed, failed and skipped tests in the last line of pytest's report, or
+/// `None` for any other line.
 fn counts(line: &str) -> Option<[usize; 3]> {
     let (counts, seconds) = line.trim_matches(['=', ' ']).rsplit_once(" in ")?;
     seconds.split(['s', ' ']).next()?.parse::<f64>().ok()?;

@@ -1,20 +1,32 @@
-//! `cargo xtask quick [ROOM]`: what can be checked within a minute of an edit.
+//! `cargo xtask quick [ROOM]`: the checks that follow an edit of `impinge`.
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 
 use crate::layers_hold;
 use crate::test_run::{Tests, cargo, programs};
 
-/// Programs that a quick run builds: the unit tests of `impinge` and its integration tests, which contain the cases.
+/// Arguments of Cargo that select the unit tests of `impinge` and its integration tests, which
+/// contain the cases.
 const PROGRAMS: [&str; 5] = ["--package=impinge", "--lib", "--test", "it", "--quiet"];
 
-/// Formats the code, checks the layers, builds `impinge`, and runs the unit tests of a room and the cases. Returns whether all is well.
+/// Formats the code, checks the layers, builds `impinge`, and runs the unit tests of a room and the
+/// cases. Returns whether all is well.
 ///
-/// A room is a module by its path, `query` or `mesh/filter`. Without one the unit tests of all rooms run.
+/// A room is a module by its path, `query` or `mesh/filter`. Without one the unit tests of all rooms
+/// run.
+///
+/// # Errors
+/// There is no such room, the code cannot be parsed, or it does not compile.
 pub(crate) fn run(root: &Path, room: Option<&str>) -> Result<bool> {
-    cargo().args(["fmt", "--all"]).current_dir(root).status().context("starting cargo fmt")?;
+    if let Some(room) = room {
+        let module = root.join("crates/impinge/src").join(room);
+        let is_room = module.is_dir() || module.with_extension("rs").is_file();
+        ensure!(is_room, "{room}: not a module of impinge. Name one by its path, such as `query` or `mesh/filter`.");
+    }
+    let format = cargo().args(["fmt", "--all"]).current_dir(root).status().context("starting cargo fmt")?;
+    ensure!(format.success(), "cargo fmt cannot parse the code");
     let layers_hold = layers_hold(root)?;
     let mut tests = Tests::default();
     for program in programs(root, &PROGRAMS)? {

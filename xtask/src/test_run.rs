@@ -11,18 +11,17 @@ use cargo_metadata::Message;
 use crate::python_tests;
 use crate::slowest::Slowest;
 
-/// First words of a test's output if the data that the test needs is missing. The test harness itself counts such a test as passed.
+/// First words of a test's output if the data that the test needs is missing. The test harness
+/// itself counts such a test as passed.
 const SKIPPED: &str = "skipped: ";
 
-/// Arguments of Cargo that select every test program. The benchmark programs have no tests, and would take minutes to build.
+/// Arguments of Cargo that select every test program. The benchmark programs have no tests, and
+/// would take minutes to build.
 const PROGRAMS: [&str; 10] =
     ["--workspace", "--exclude", "impinge-python", "--lib", "--bin", "impinge", "--bin", "xtask", "--test", "*"];
 
-/// Features of `impinge` that its tests ask. Each program is built with them, so that the library is compiled once.
-const FEATURES: &str = "impinge/glam,impinge/nalgebra";
-
-/// Runs all tests of Rust and of the Python package and prints their output, the slowest tests and the summed counts. Returns whether
-/// all passed.
+/// Runs all tests of Rust and of the Python package. Prints their output, the slowest tests and the
+/// summed counts. Returns whether all passed.
 pub(crate) fn run(root: &Path) -> Result<bool> {
     let mut tests = Tests::default();
     for program in programs(root, &PROGRAMS)? {
@@ -30,7 +29,7 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
         tests.run(&mut program.command())?;
     }
     let mut examples = cargo();
-    examples.args(["test", "--workspace", "--doc", "--no-fail-fast", "--features", FEATURES]);
+    examples.args(["test", "--workspace", "--doc", "--no-fail-fast"]);
     tests.run_examples(examples.current_dir(root))?;
     let python = python_tests::run(root)?;
     tests.slowest.extend(python.slowest);
@@ -71,7 +70,7 @@ impl Program {
 /// Cargo cannot be started, or the build fails. Cargo has printed the reason.
 pub(crate) fn programs(root: &Path, selection: &[&str]) -> Result<Vec<Program>> {
     let mut build = cargo()
-        .args(["test", "--no-run", "--message-format", "json-render-diagnostics", "--features", FEATURES])
+        .args(["test", "--no-run", "--message-format", "json-render-diagnostics"])
         .args(selection)
         .current_dir(root)
         .stdout(Stdio::piped())
@@ -84,10 +83,10 @@ pub(crate) fn programs(root: &Path, selection: &[&str]) -> Result<Vec<Program>> 
             && artifact.profile.test
             && let Some(path) = artifact.executable
         {
-            let folder = artifact.manifest_path.parent().context("a manifest lies in a folder")?.into();
-            let package = artifact.manifest_path.parent().and_then(|folder| folder.file_name()).unwrap_or_default();
-            let name = format!("{package}: {}", artifact.target.name);
-            programs.push(Program { name, path: path.into(), folder, is_of_units: artifact.target.is_lib() });
+            let folder = artifact.manifest_path.parent().context("a manifest lies in a folder")?;
+            let name = format!("{}: {}", folder.file_name().unwrap_or_default(), artifact.target.name);
+            let is_of_units = artifact.target.is_lib();
+            programs.push(Program { name, path: path.into(), folder: folder.into(), is_of_units });
         }
     }
     ensure!(build.wait()?.success(), "the tests could not be built");
@@ -122,7 +121,8 @@ impl Tests {
 
     /// Runs a test program and reads what it prints.
     pub(crate) fn run(&mut self, program: &mut Command) -> Result<()> {
-        // Times of single tests are an unstable option of the harness, which this variable allows on a stable compiler.
+        // The time of each test is an unstable option of the harness. This variable allows it on a
+        // stable compiler.
         program.env("RUSTC_BOOTSTRAP", "1").args(["-Zunstable-options", "--report-time"]);
         self.read(program.args(["--show-output", "--color", "never"]))
     }

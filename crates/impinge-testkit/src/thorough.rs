@@ -3,9 +3,11 @@
 /// Name of the environment variable that multiplies the rounds of random tests.
 const THOROUGH: &str = "IMPINGE_THOROUGH";
 
-/// Returns the number of rounds of a random test: `base` times the environment variable `IMPINGE_THOROUGH`, or `base` if it is not set.
+/// Returns the number of rounds of a random test: `base` times the environment variable
+/// `IMPINGE_THOROUGH`, or `base` if it is not set.
 ///
-/// `base` is what runs for every change. It should take less than a second and still find the fault that the test was written for.
+/// `base` rounds run for every change. They should take a few seconds at most and still find the
+/// fault that the test was written for.
 ///
 /// # Panics
 /// The variable is not a positive integer.

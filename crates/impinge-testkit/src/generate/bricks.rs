@@ -45,23 +45,23 @@ pub struct Scene {
 }
 
 impl Brick {
-    /// The brick between two corners.
+    /// Returns the brick between two corners.
     pub fn new(low: [i64; 3], high: [i64; 3]) -> Self {
         Self { low, high, inside_out: false }
     }
 
-    /// The unit cube above a point of the lattice.
+    /// Returns the unit cube whose least corner is a point of the lattice.
     pub fn unit(low: [i64; 3]) -> Self {
         Self::new(low, low.map(|x| x + 1))
     }
 
-    /// This brick, turned inside out.
+    /// Returns this brick, turned inside out.
     pub fn turned(self) -> Self {
         Self { inside_out: !self.inside_out, ..self }
     }
 }
 
-/// The surfaces of all bricks as one mesh, each square with vertices of its own.
+/// Returns the surfaces of all bricks as one mesh. Each square has vertices of its own.
 pub fn mesh(rng: &mut Rng, bricks: &[Brick], cut: Cut) -> Mesh {
     let mut mesh = Mesh::default();
     for brick in bricks {
@@ -103,8 +103,8 @@ fn add_side(rng: &mut Rng, mesh: &mut Mesh, brick: &Brick, axis: usize, upper: b
     }
 }
 
-/// How often the bricks wind round each cell of the lattice, named by its least corner; other cells
-/// have zero.
+/// Returns how often the bricks wind round each cell of the lattice, named by its least corner. Cells
+/// that are left out have zero.
 pub fn windings(bricks: &[Brick]) -> BTreeMap<[i64; 3], i64> {
     let mut windings = BTreeMap::new();
     for brick in bricks {
@@ -121,24 +121,24 @@ pub fn windings(bricks: &[Brick]) -> BTreeMap<[i64; 3], i64> {
 }
 
 impl Scene {
-    /// Whether the interiors of the two sets intersect.
+    /// Reports whether the interiors of the two sets intersect.
     pub fn penetrates(&self) -> bool {
         self.cells_are_nearer_than(2)
     }
 
-    /// Whether a cell inside the first set has a point in common with one inside the second.
+    /// Reports whether a cell inside the first set has a point in common with one inside the second.
     pub fn touches(&self) -> bool {
         self.cells_are_nearer_than(3)
     }
 
-    /// Whether two cells are less than so many half units apart along every axis.
+    /// Reports whether a cell of either set is less than `half_units` from a cell of the other along every axis.
     fn cells_are_nearer_than(&self, half_units: i64) -> bool {
         let [a, b] = [0, 1].map(|side| windings(&self.bricks[side]));
         a.keys()
             .any(|p| b.keys().any(|q| (0..3).all(|k| (2 * p[k] - 2 * q[k] - self.half_steps[k]).abs() < half_units)))
     }
 
-    /// A scene of one of several kinds: floors of bricks, heaps of boxes and membranes, unit cubes
+    /// Returns a scene of one of several kinds: floors of bricks, heaps of boxes and membranes, unit cubes
     /// that share edges and corners, or hollow boxes. A few are large.
     pub fn random(rng: &mut Rng) -> Self {
         let large = rng.one_in(80);
@@ -153,7 +153,7 @@ impl Scene {
         Self { bricks, half_steps }
     }
 
-    /// Two floors of unit bricks, the second one at any place beside, upon or in the first.
+    /// Returns two floors of unit bricks, the second one at any place beside, upon or in the first.
     fn floors(rng: &mut Rng, large: bool) -> Self {
         let mut floor = || {
             let [length, width] = [0, 1].map(|_| if large { rng.integer(3, 4) } else { rng.integer(1, 2) });
@@ -165,7 +165,7 @@ impl Scene {
     }
 }
 
-/// Boxes at random places, which may overlap and be nested. Some are inside out, some are
+/// Returns boxes at random places, which may overlap and be nested. Some are inside out, some are
 /// membranes.
 fn heap(rng: &mut Rng) -> Vec<Brick> {
     (0..rng.integer(1, 3))
@@ -181,19 +181,19 @@ fn heap(rng: &mut Rng) -> Vec<Brick> {
         .collect()
 }
 
-/// The length of a brick along an axis. Most are short, so that many scenes take little time.
+/// Returns the length of a brick along an axis. Most are short, so that many scenes take little time.
 fn length(rng: &mut Rng) -> i64 {
     if rng.one_in(4) { 2 } else { 1 }
 }
 
-/// Unit cubes, of which no two are in one place.
+/// Returns unit cubes, of which no two are in one place.
 fn scattered(rng: &mut Rng, large: bool) -> Vec<Brick> {
     let sparse = if large { 2 } else { 9 };
     let cells = (0..27).map(|i| [i / 9, i / 3 % 3, i % 3]);
     cells.filter(|_| rng.one_in(sparse)).map(Brick::unit).collect()
 }
 
-/// A box with a hollow, in which something may stand.
+/// Returns a box with a hollow, in which something may stand.
 fn hollow(rng: &mut Rng) -> Vec<Brick> {
     let low: [i64; 3] = std::array::from_fn(|_| rng.integer(0, 1));
     let hole = Brick::new(low, low.map(|x| x + length(rng))).turned();
@@ -208,7 +208,7 @@ fn hollow(rng: &mut Rng) -> Vec<Brick> {
     bricks
 }
 
-/// The same surface with its faces in a random order, each beginning with a random corner.
+/// Returns the same surface with its faces in a random order, each beginning with a random corner.
 pub fn reordered(rng: &mut Rng, mut mesh: Mesh) -> Mesh {
     for last in (1..mesh.faces.len()).rev() {
         let other = rng.integer(0, last as i64) as usize;

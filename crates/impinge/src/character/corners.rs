@@ -1,10 +1,9 @@
 //! The corners of a hull by fours, for its support function.
 
-use crate::simd::dispatch;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x4};
 
-use crate::simd::{best_level, by_axis};
+use crate::simd::{best_level, by_axis, dispatch};
 
 use super::transform::Vector;
 

@@ -1,10 +1,9 @@
 //! Bones that hang on each other, and where a pose puts them.
 
-use crate::simd::dispatch;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x4};
 
-use crate::simd::{best_level, by_axis};
+use crate::simd::{best_level, by_axis, dispatch};
 
 use super::error::{RigError, RigErrorKind, RigPlace};
 use super::transform::{Transform, Vector, matrix, nearly_unit, product};

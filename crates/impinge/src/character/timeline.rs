@@ -1,10 +1,9 @@
 //! Keys of channels that share their times, and what four linear channels have between two keys, a channel in each lane.
 
-use crate::simd::dispatch;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x4};
 
-use crate::simd::{best_level, by_axis};
+use crate::simd::{best_level, by_axis, dispatch};
 
 use super::skeleton::BoneSet;
 use super::transform::{FACTORS, Transform};

@@ -1,12 +1,11 @@
 //! Boxes about convex sets in the world.
 
-use crate::simd::dispatch;
 use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
 
 use super::posed::{Core, Pair, Swept};
 use crate::math::relative::UNIT_ROUNDOFF;
-use crate::simd::{best_level, by_axis};
+use crate::simd::{best_level, by_axis, dispatch};
 
 /// Corners of which the images are taken all. Of a hull of 32 that takes a tenth of the time of climbing to the six that count, of
 /// one of 512 a third to two fifths.

@@ -10,14 +10,13 @@
 //! `Σ |direction| · reach` and terms in u², taken as 6 u, whether or not multiply and add are fused. [`UNDERFLOW`] holds what is
 //! too small for a float.
 
-use crate::simd::dispatch;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::cull::stored;
 use crate::exact::compare_along;
 use crate::math::Sign::{self, Negative, Positive};
-use crate::simd::{LANES, Level, best_level, by_axis};
+use crate::simd::{LANES, Level, best_level, by_axis, dispatch};
 
 /// Blocks of a group. Fewer make more groups to remember and more reductions, more make each second look longer.
 const GROUP: usize = 16;

@@ -35,8 +35,8 @@ fn built_from(moved: &Moved<'_>, stored: impl StoredCorners, builder: Builder) -
     }
 }
 
-/// Keeps nothing of the boxes of a group. As a function rather than a closure it gives all kinds of vertices one builder, which
-/// is compiled once.
+/// Keeps nothing of the boxes of a group. It is a function rather than a closure, so that all kinds
+/// of vertices share one builder, which is compiled once.
 fn no_bounds(_: &[u32]) {}
 
 /// The wide tree and its leaves, laid out as the binary tree says.

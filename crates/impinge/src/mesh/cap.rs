@@ -19,17 +19,17 @@ use rayon::prelude::*;
 use super::topology::BorderEdge;
 use super::{Mesh, Placed};
 use crate::exact::Corners;
+use crate::input::InputError;
 use crate::math::Pose;
-
-/// A box of a frame: its least and greatest coordinate along each axis.
-type Bounds = [[f64; 2]; 3];
+use crate::volume::{BoundingVolume, MinMax};
 
 /// The boxes about the loops of a border, and the distance from them beyond which the solid of the
 /// mesh is that of a closed mesh. There are no boxes if the mesh is closed.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cap {
     /// In the frame of the mesh.
-    boxes: Vec<Bounds>,
+    boxes: Vec<MinMax>,
+    /// Distance from the boxes, in the unit of that frame.
     reach: f64,
 }
 
@@ -58,14 +58,14 @@ impl Cap {
         let positions = mesh.positions();
         let at = |vertex: u32| positions.get(vertex as usize);
         let loops = loops_of(&mesh.topology().border);
-        let mut boxes: Vec<Bounds> =
-            loops.iter().map(|path| bounds_of(path.iter().map(|&vertex| at(vertex)))).collect();
-        let Some(all) = boxes.iter().copied().reduce(united) else { return Self::default() };
+        let mut boxes: Vec<MinMax> =
+            loops.iter().filter_map(|path| bounds_of(path.iter().map(|&vertex| at(vertex)))).collect();
+        let Some(all) = boxes.iter().copied().reduce(|a, b| a.merged(&b)) else { return Self::default() };
         if boxes.len() > MAX_BOXES {
             boxes = vec![all];
         }
         // In units of the size of the border, so that no square vanishes or overflows.
-        let size = all.iter().fold(f64::MIN_POSITIVE, |most, [low, high]| most.max(high - low));
+        let size = (0..3).fold(f64::MIN_POSITIVE, |most, k| most.max(all.max()[k] - all.min()[k]));
         let area: f64 = loops.iter().map(|path| area_of_cap(path, |p, q| scaled_difference(at(p), at(q), size))).sum();
         let reach = (area / std::f64::consts::TAU).sqrt() * size * (1.0 + 1e-9);
         Self { boxes, reach }
@@ -74,12 +74,15 @@ impl Cap {
     /// Reports whether a triangle of the mesh is proved to be beyond twice the reach of the border.
     pub(crate) fn is_far_from(&self, corners: &Corners) -> bool {
         let bounds = bounds_of(corners.iter().copied());
-        self.boxes.iter().all(|near| are_apart(&grown(near, 2.0 * self.reach), &bounds))
+        bounds.is_some_and(|bounds| self.boxes.iter().all(|near| !grown(near, 2.0 * self.reach).overlaps(&bounds)))
     }
 
     /// Returns boxes in the world that hold all that is within reach of the border.
-    fn within_reach(&self, world_from_mesh: &Pose) -> Vec<Bounds> {
-        self.boxes.iter().map(|near| in_world(world_from_mesh, &grown(near, self.reach))).collect()
+    ///
+    /// # Errors
+    /// A box is beyond the range of [`MinMax`].
+    fn within_reach(&self, world_from_mesh: &Pose) -> Result<Vec<MinMax>, InputError> {
+        self.boxes.iter().map(|near| grown(near, self.reach).moved(world_from_mesh)).collect()
     }
 }
 
@@ -90,40 +93,23 @@ impl Placed<'_> {
     /// # Complexity
     /// Linear in the faces of the other mesh, times the boxes about loops that are in its bounds.
     pub(crate) fn has_border_clear_of(&self, other: &Self) -> bool {
-        let mut mine = self.mesh.cap().within_reach(&self.world_from_mesh);
-        if mine.is_empty() || other.mesh.faces().is_empty() {
-            return true;
-        }
-        let others = other.mesh.cap().within_reach(&other.world_from_mesh);
-        if mine.iter().any(|near| others.iter().any(|other| !are_apart(near, other))) {
+        let [mine, others] = [self, other].map(|placed| placed.mesh.cap().within_reach(&placed.world_from_mesh));
+        // Boxes out of range prove nothing.
+        let (Ok(mut mine), Ok(others)) = (mine, others) else { return false };
+        if mine.iter().any(|near| others.iter().any(|other| near.overlaps(other))) {
             return false;
         }
         let faces = 0..other.mesh.faces().len() as u32;
-        let in_world = |bounds: &Bounds| in_world(&other.world_from_mesh, bounds);
-        let whole = in_world(&bounds_of(faces.clone().flat_map(|face| other.mesh.corners(face))));
-        mine.retain(|near| !are_apart(near, &whole));
+        let in_world = |bounds: Option<MinMax>| bounds.and_then(|bounds| bounds.moved(&other.world_from_mesh).ok());
+        let corners = |face: u32| other.mesh.corners(face).into_iter();
+        if let Some(whole) = in_world(bounds_of(faces.clone().flat_map(corners))) {
+            mine.retain(|near| near.overlaps(&whole));
+        }
         mine.is_empty()
             || faces.into_par_iter().all(|face| {
-                let bounds = in_world(&bounds_of(other.mesh.corners(face).into_iter()));
-                mine.iter().all(|near| are_apart(near, &bounds))
+                in_world(bounds_of(corners(face))).is_some_and(|bounds| mine.iter().all(|near| !near.overlaps(&bounds)))
             })
     }
-}
-
-/// Returns a box in the world that holds the image of a box.
-fn in_world(world_from_mesh: &Pose, bounds: &Bounds) -> Bounds {
-    let (linear, translation) = (world_from_mesh.linear(), world_from_mesh.translation());
-    std::array::from_fn(|i| {
-        let (mut low, mut high, mut magnitude) = (translation[i], translation[i], translation[i].abs());
-        for k in 0..3 {
-            let [p, q] = bounds[k].map(|x| linear[i][k] * x);
-            (low, high) = (low + p.min(q), high + p.max(q));
-            magnitude += p.abs().max(q.abs());
-        }
-        // Six roundings of at most this size.
-        let error = 8.0 * f64::EPSILON * magnitude + f64::MIN_POSITIVE;
-        [low - error, high + error]
-    })
 }
 
 /// Takes a border apart into loops, each a list of vertices.
@@ -195,20 +181,12 @@ fn scaled_difference(from: [f64; 3], to: [f64; 3], size: f64) -> [f64; 3] {
     std::array::from_fn(|k| (to[k] - from[k]) / size)
 }
 
-fn bounds_of(points: impl Iterator<Item = [f64; 3]>) -> Bounds {
-    let empty = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
-    points
-        .fold(empty, |bounds, point| std::array::from_fn(|k| [bounds[k][0].min(point[k]), bounds[k][1].max(point[k])]))
+/// Returns the least box of some points, or `None` if there are none.
+fn bounds_of(points: impl Iterator<Item = [f64; 3]>) -> Option<MinMax> {
+    points.map(|point| MinMax::from_ordered(point, point)).reduce(|all, point| all.merged(&point))
 }
 
-fn united(a: Bounds, b: Bounds) -> Bounds {
-    std::array::from_fn(|k| [a[k][0].min(b[k][0]), a[k][1].max(b[k][1])])
-}
-
-fn grown(bounds: &Bounds, by: f64) -> Bounds {
-    bounds.map(|[low, high]| [(low - by).next_down(), (high + by).next_up()])
-}
-
-fn are_apart(a: &Bounds, b: &Bounds) -> bool {
-    (0..3).any(|k| a[k][1] < b[k][0] || b[k][1] < a[k][0])
+/// Returns a box that holds all that is no farther than a distance from a box along each axis.
+fn grown(bounds: &MinMax, by: f64) -> MinMax {
+    MinMax::from_ordered(bounds.min().map(|x| (x - by).next_down()), bounds.max().map(|x| (x + by).next_up()))
 }

@@ -1,7 +1,6 @@
 //! The one descent of two meshes: from their roots to the triangles that meet, each pair filtered in bulk and, where
 //! the filter leaves it open, decided exactly.
 
-use crate::simd::dispatch;
 use rayon::prelude::*;
 
 use super::leaf_pairs::{Deciding, KEPT, LeafPairs, Question, Wanted, keep_least};
@@ -9,7 +8,7 @@ use super::relation::{HostChoice, Relations};
 use super::{Placed, world_box};
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{Descent, Order, QUEUE, Task};
-use crate::simd::{self, Level};
+use crate::simd::{self, Level, dispatch};
 
 /// How a query runs. Nothing here changes an answer: the fields are for measuring and for tests that say so.
 #[derive(Clone, Copy, Debug)]

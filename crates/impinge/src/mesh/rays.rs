@@ -8,7 +8,6 @@
 use std::cmp::Ordering;
 use std::ops::ControlFlow::{self, Break, Continue};
 
-use crate::simd::dispatch;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 use rayon::prelude::*;
@@ -20,7 +19,7 @@ use crate::hierarchy::{Child, HALF_ULP, Node};
 use crate::input::{InputError, InputErrorKind};
 use crate::math::relative::UNIT_ROUNDOFF;
 use crate::primitive::{RayCrossing, Vector, dot, ray_triangle, sub};
-use crate::simd::{self, LANES, Level, bits, by_axis, load, prefetch};
+use crate::simd::{self, LANES, Level, bits, by_axis, dispatch, load, prefetch};
 
 /// A ray: the points `origin + t direction` with `t` zero or more, in a mesh's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

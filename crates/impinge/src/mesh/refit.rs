@@ -6,7 +6,6 @@
 
 use std::sync::Arc;
 
-use crate::simd::dispatch;
 use rayon::prelude::*;
 
 use super::fit::{Fitting, NO_CORNERS};
@@ -19,7 +18,7 @@ use super::triangles::CornerLanes;
 use super::{Aging, Data, Mesh, judge, world_box};
 use crate::hierarchy::{Node, Patch, Patches, WideTree, Work};
 use crate::input::InputError;
-use crate::simd::{Level, best_level};
+use crate::simd::{Level, best_level, dispatch};
 
 impl Mesh {
     /// Moves the vertices, of which there are as many as before; faces keep their numbers. Whoever holds a clone keeps

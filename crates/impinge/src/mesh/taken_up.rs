@@ -86,14 +86,13 @@ impl Guests {
 mod tests {
     use std::collections::VecDeque;
 
-    use crate::simd::dispatch;
     use impinge_testkit::generate::Rng;
     use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
 
     use super::*;
     use crate::math::{Pose, RelativeMap};
     use crate::mesh::{Mesh, Positions};
-    use crate::simd::levels;
+    use crate::simd::{dispatch, levels};
 
     #[test]
     fn a_leaf_that_is_awaited_stays_what_it_is() {

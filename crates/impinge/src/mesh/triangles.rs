@@ -181,7 +181,6 @@ pub(super) fn store_corners<S: Simd>(corners: &[Lanes3<S>; 3], lanes: &mut Corne
 
 #[cfg(test)]
 pub(super) mod tests {
-    use crate::simd::dispatch;
     use impinge_testkit::generate::Rng;
 
     use super::*;
@@ -189,6 +188,7 @@ pub(super) mod tests {
     use crate::mesh::frame::{Extremes, PackedFrame};
     use crate::mesh::positions::VertexSlice;
     use crate::mesh::stored_corners::Corners;
+    use crate::simd::dispatch;
     use crate::simd::levels;
 
     /// Where positions are, in both precisions, and of a scale at which single precision is not enough.

@@ -239,7 +239,7 @@ impl<'m> Solids<'m> {
         answers.into_iter().map(|answer| answer.unwrap_or(Penetrates::Undecided)).max().unwrap_or(Penetrates::No)
     }
 
-    /// Whether the surface of neither mesh comes near the border of the other one. Then all that is
+    /// Reports whether the surface of neither mesh comes near the border of the other one. Then all that is
     /// near one loop of a border is on one side of the other surface. If that is inside, so are the
     /// faces at the loop, and these or a contact of their sheet show it.
     fn have_clear_borders(&self) -> bool {
@@ -248,8 +248,8 @@ impl<'m> Solids<'m> {
     }
 }
 
-/// For each part a face that counts, if it has one: the first one, or, to ask an open mesh about,
-/// the one whose corners have the least coordinates.
+/// Returns for each part a face that counts, if it has one: the first one, or, if the outer mesh is
+/// open, the one whose corners have the least coordinates.
 fn representatives(mesh: &Mesh, parts: &Components, outer_is_closed: bool) -> Vec<Option<u32>> {
     let mut found: Vec<Option<u32>> = parts.first_faces.iter().map(|&face| mesh.counts(face).then_some(face)).collect();
     if !outer_is_closed || found.contains(&None) {
@@ -274,8 +274,8 @@ fn sorted_corners(mesh: &Mesh, face: u32) -> Corners {
     corners
 }
 
-/// Whether a face of one mesh has its own solid beside it where it is inside the other mesh; `None`
-/// if the points that are asked about do not tell.
+/// Reports whether a face of one mesh has its own solid beside it where it is inside the other mesh.
+/// Returns `None` if the points that are asked about do not tell.
 fn is_inside(judge: &mut Judge<'_>, mesh: &Mesh, placement: &Placement, face: u32) -> Option<Penetrates> {
     let [p, q, r] = sorted_corners(mesh, face);
     [[p, q, r], [q, r, p], [r, p, q]].into_iter().find_map(|corners| {

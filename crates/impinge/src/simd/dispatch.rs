@@ -1,15 +1,16 @@
 //! Choosing the vector unit of a kernel at run time.
 //!
-//! A kernel is compiled once for each level that it can run at, and each copy costs build time. So kernels are compiled only for
-//! levels that queries choose:
+//! A kernel is compiled once for each level that it can run at, and each copy costs build time. So
+//! kernels are compiled only for levels that queries choose:
 //! - AVX-512 only for kernels that gain from it. [`best_level`](super::best_level) never returns it.
-//! - Scalar arithmetic only for processors without vectors, or if the feature `scalar` is on. It takes the compiler longer than all
-//!   other levels together. Tests of single kernels use [`fearless_simd::dispatch`], which has it always.
+//! - Scalar arithmetic only for processors without vectors, or if the feature `scalar` is on. It
+//!   takes the compiler longer than all other levels together. Tests of single kernels use
+//!   [`fearless_simd::dispatch`], which always compiles it.
 
 /// Runs a kernel with the vector unit of a level: `dispatch!(level, simd => kernel(simd, …))`.
 ///
-/// If the kernel is not compiled for the level, it runs with the next narrower unit that it is compiled for, or with the narrowest. The
-/// kernel must be `#[inline(always)]`.
+/// If the kernel is not compiled for the level, it runs with the next narrower unit that it is
+/// compiled for, or with the narrowest. The kernel must be `#[inline(always)]`.
 macro_rules! dispatch {
     ($level:expr, $simd:pat => $op:expr) => {{
         let level: $crate::simd::Level = $level;
@@ -31,7 +32,14 @@ macro_rules! dispatch {
                 };
                 break 'chosen $crate::simd::dispatch!(@run unit, $simd => $op);
             }
-            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+            #[cfg(target_arch = "aarch64")]
+            {
+                let Some(unit) = level.as_neon().or_else(|| $crate::simd::Level::baseline().as_neon()) else {
+                    unreachable!("without NEON the level is the scalar one")
+                };
+                break 'chosen $crate::simd::dispatch!(@run unit, $simd => $op);
+            }
+            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64")))]
             break 'chosen fearless_simd::dispatch!(level, $simd => $op);
         }
     }};

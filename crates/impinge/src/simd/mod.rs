@@ -77,8 +77,9 @@ pub(crate) fn widest_level() -> Level {
     Level::new()
 }
 
-/// Returns every level that this processor can run and that queries are compiled for, with its name, the narrowest first. Tests ask each
-/// of them the same questions. Scalar arithmetic is one of them if the feature `scalar` is on.
+/// Returns every level that this processor can run and that queries are compiled for, with its name,
+/// the narrowest first. Tests ask each of them the same questions. Scalar arithmetic is one of them
+/// if the feature `scalar` is on.
 #[must_use]
 pub fn levels() -> Vec<(&'static str, Level)> {
     let best = Level::new();
@@ -96,8 +97,8 @@ pub fn levels() -> Vec<(&'static str, Level)> {
     levels
 }
 
-/// Returns every level that this processor can run, the scalar one first and AVX-512 too: for tests that call a kernel by
-/// [`fearless_simd::dispatch`], which compiles it for all of them.
+/// Returns every level that this processor can run, the scalar one first and AVX-512 too. It is for
+/// tests that call a kernel by [`fearless_simd::dispatch`], which compiles it for all of them.
 #[cfg(test)]
 pub(crate) fn kernel_levels() -> Vec<(&'static str, Level)> {
     let mut all = levels();

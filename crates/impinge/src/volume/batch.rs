@@ -1,11 +1,10 @@
 //! One box against many, eight at a time (*Notes*, algorithm 2.1).
 
-use crate::simd::dispatch;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::Aabb;
-use crate::simd::{LANES, Level, best_level, by_axis};
+use crate::simd::{LANES, Level, best_level, by_axis, dispatch};
 
 /// Boxes laid side by side by axis, for the question which of them one box overlaps.
 ///

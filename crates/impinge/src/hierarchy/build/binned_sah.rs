@@ -4,7 +4,6 @@
 //! Source: Wald, *On fast construction of SAH-based bounding volume hierarchies*, RT 2007. Ours prices a side by the
 //! leaves that its boxes fill and not by the boxes, since the boxes of a leaf are met all at once: leaves come out full.
 
-use crate::simd::dispatch;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayon::prelude::*;
@@ -14,7 +13,7 @@ use super::bins::{Bins, Grid, Plane};
 use super::item::{Item, Reach, bounds, order, point, twice_centre_bounds};
 use super::median::halves;
 use super::top_down::{self, Choice, Range};
-use crate::simd::{best_level, outlined};
+use crate::simd::{best_level, dispatch, outlined};
 use crate::volume::Aabb;
 
 /// Ranges longer than this are dealt out by several threads.

@@ -1,10 +1,9 @@
 //! Boxes that a builder rearranges, each in one vector, and unions of them.
 
-use crate::simd::dispatch;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8, i32x4};
 
-use crate::simd::{LANES, best_level};
+use crate::simd::{LANES, best_level, dispatch};
 use crate::volume::Aabb;
 
 /// A box and its number, moved together, so that passes run over memory in order.

@@ -1,13 +1,11 @@
 //! Simultaneous descent of two generic trees, or of one with itself, counting what it does.
 
-use crate::simd::dispatch;
-
 use super::volume::NodeVolume;
 use super::{GenericNode, GenericTree};
 use crate::hierarchy::cost::Counters;
 use crate::hierarchy::wide::Child;
 use crate::math::Pose;
-use crate::simd::{best_level, bits};
+use crate::simd::{best_level, bits, dispatch};
 
 /// Two subtrees whose volumes overlap; that of the guest is carried into the host's frame. Without a bound it overlaps
 /// whatever it is asked about.

@@ -12,7 +12,6 @@
 //! Source: Ehmann, Lin, *Accurate and fast proximity queries between polyhedra using convex surface decomposition*, Eurographics
 //! 2001, for fronts of distance queries; ours keeps numbers in place of yes and no, so that a front outlasts motion.
 
-use crate::simd::dispatch;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
@@ -22,7 +21,7 @@ use crate::hierarchy::{HALF_ULP, Node, lanes_in_use};
 use crate::mesh::frame::REACH;
 use crate::mesh::stamp::Stamp;
 use crate::mesh::{HostChoice, Options};
-use crate::simd::{LANES, Lanes3, bits, by_axis, dot, load, load3};
+use crate::simd::{LANES, Lanes3, bits, by_axis, dispatch, dot, load, load3};
 
 /// Fronts with more than this many times the entries that they had at first are given up: what they passed by long ago is in
 /// the way.

@@ -238,7 +238,6 @@ impl<'m> Profiles<'m> {
 
 #[cfg(test)]
 mod tests {
-    use crate::simd::dispatch;
     use impinge_testkit::Affine;
     use impinge_testkit::generate::Rng;
     use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
@@ -248,7 +247,7 @@ mod tests {
     use crate::hierarchy::Child;
     use crate::math::Pose;
     use crate::mesh::positions::Positions;
-    use crate::simd::levels;
+    use crate::simd::{dispatch, levels};
 
     /// How far the faces below a child reach, by their metric corners.
     fn reach(mesh: &Mesh, metric: &Metric, side: usize, along: &Vector, level: f64, child: Child) -> f64 {

@@ -154,7 +154,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Runs [`advance`](Self::advance) with a vector unit. Both callers share the one copy that is compiled for each unit.
+    /// Runs [`advance`](Self::advance) with a vector unit. Both callers share the one copy that is
+    /// compiled for each unit.
     #[inline(never)]
     fn advance_on(&mut self, level: Level) -> ControlFlow<()> {
         dispatch!(level, simd => self.advance(simd))

@@ -73,10 +73,9 @@ fn longest_edge<S: Simd>([p, q, r]: &[Lanes3<S>; 3]) -> Lanes3<S> {
 
 #[cfg(test)]
 mod tests {
-    use crate::simd::dispatch;
 
     use super::*;
-    use crate::simd::{levels, load3};
+    use crate::simd::{dispatch, levels, load3};
 
     /// Eight slivers along x, and eight along y across all of them, one at each height: only those of one height meet.
     #[test]

@@ -3,7 +3,6 @@
 mod determinants;
 mod verdicts;
 
-use crate::simd::dispatch;
 use dashu_ratio::{RBig, Relaxed};
 use impinge_testkit::Affine;
 use impinge_testkit::generate::Rng;
@@ -12,7 +11,7 @@ use impinge_testkit::generate::poses::{large_integer_map, rotation};
 use super::*;
 use crate::math::{Pose, RelativeMap};
 use crate::mesh::{Mesh, Positions};
-use crate::simd::{best_level, levels};
+use crate::simd::{best_level, dispatch, levels};
 
 type Point = [f64; 3];
 

@@ -1,11 +1,10 @@
 //! What holds a triangle holds all of its points, and little else.
 
-use crate::simd::dispatch;
 use impinge_testkit::generate::Rng;
 
 use super::*;
 use crate::primitive::{self, Vector};
-use crate::simd::levels;
+use crate::simd::{dispatch, levels};
 
 /// Eight triangles about an anchor.
 struct Trial {

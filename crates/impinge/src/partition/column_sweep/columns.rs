@@ -1,12 +1,11 @@
 //! Columns in memory: each a chain of blocks, so that boxes find their places in one pass.
 
-use crate::simd::dispatch;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x16};
 
 use super::frame::{Frame, LARGEST, LEVELS, WIDTH, nearest};
 use super::record::{Record, from_next, interval};
-use crate::simd::{best_level, by_axis, prefetch};
+use crate::simd::{best_level, by_axis, dispatch, prefetch};
 use crate::volume::MinMax;
 
 /// Copies in a block: 1 KiB, so that what is left empty in the last block of a column is little, and few links are followed.

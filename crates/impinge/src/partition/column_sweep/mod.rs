@@ -17,11 +17,10 @@ mod slots;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::simd::dispatch;
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
-use crate::simd::best_level;
+use crate::simd::{best_level, dispatch};
 use crate::volume::{BoundingVolume, MinMax};
 use columns::Columns;
 use frame::{Frame, Image, LARGEST, LEVELS, nearest};

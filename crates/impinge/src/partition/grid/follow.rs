@@ -1,6 +1,5 @@
 //! What boxes that move look at in the cells of one level.
 
-use crate::simd::dispatch;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x4};
 
@@ -11,7 +10,7 @@ use super::level::Level;
 use super::lines::HELD;
 use super::together::{Movers, TOGETHER};
 use super::word::Seen;
-use crate::simd::{best_level, by_axis, prefetch};
+use crate::simd::{best_level, by_axis, dispatch, prefetch};
 use crate::volume::MinMax;
 
 /// Cells about a short way in all, and four along each axis: more are looked through more often than they are worth.
@@ -138,9 +137,11 @@ impl Looks {
         self.count = count;
     }
 
-    /// Moves the boxes of one level of cells and records which overlaps with other boxes of that level begin and end.
+    /// Moves the boxes of one level of cells and records which overlaps with other boxes of that
+    /// level begin and end.
     ///
-    /// This is the only function of the grids that is compiled for each vector unit. Both kinds of grid share it.
+    /// This is the only function of the grids that is compiled for each vector unit. Both kinds of
+    /// grid share it.
     pub(super) fn follow(&mut self, level: &mut Level, items: &Items, movers: &Movers, changes: &mut Changes) {
         dispatch!(best_level(), simd => self.follow_lanes(simd, level, items, movers, changes));
     }

@@ -2,12 +2,11 @@
 
 use std::ops::{Add, Sub};
 
-use crate::simd::dispatch;
 use fearless_simd::Simd;
 
 use super::super::MinMax;
 use crate::input::{InputError, InputErrorKind};
-use crate::simd::best_level;
+use crate::simd::{best_level, dispatch};
 
 mod sealed {
     pub trait Sealed {}

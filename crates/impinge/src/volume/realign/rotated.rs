@@ -1,13 +1,12 @@
 //! The box of the turned box, one at a time or many.
 
-use crate::simd::dispatch;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x4};
 
 use super::Realign;
 use crate::math::Pose;
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
-use crate::simd::{best_level, by_axis};
+use crate::simd::{best_level, by_axis, dispatch};
 use crate::volume::MinMax;
 
 /// Units of relative rounding that the half-extents are enlarged by: 6 are needed, see [`RotatedBox::new`].

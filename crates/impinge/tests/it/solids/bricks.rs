@@ -23,6 +23,16 @@ fn ask([a, b]: &[Mesh; 2]) -> Penetrates {
     query::penetrates(&engine(a), &engine(b))
 }
 
+/// Asserts the answer about a scene, also with the meshes swapped and their faces in several orders.
+fn assert_decided(rng: &mut Rng, scene: &Scene, expected: bool) {
+    assert_eq!(scene.penetrates(), expected);
+    let both = meshes(rng, scene, Cut::AsLattice);
+    assert_eq!(ask(&both), surely(expected), "{scene:?}");
+    for _ in 0..8 {
+        assert_eq!(ask_otherwise(rng, &both), surely(expected), "{scene:?}");
+    }
+}
+
 /// The same question with the faces in another order, and of the second mesh about the first.
 fn ask_otherwise(rng: &mut Rng, [a, b]: &[Mesh; 2]) -> Penetrates {
     let (a, b) = (bricks::reordered(rng, a.clone()), bricks::reordered(rng, b.clone()));
@@ -77,13 +87,7 @@ fn floors_upon_floors_do_not_penetrate() {
     for size in 1..=6 {
         let floor: Vec<Brick> = (0..size * size).map(|i| Brick::unit([i / size, i % size, 0])).collect();
         for (half_steps, expected) in [([0, 0, 2], false), ([1, 2, 2], false), ([0, 0, 1], true), ([0, 0, 0], true)] {
-            let scene = Scene { bricks: [floor.clone(), floor.clone()], half_steps };
-            assert_eq!(scene.penetrates(), expected);
-            let both = meshes(&mut rng, &scene, Cut::AsLattice);
-            assert_eq!(ask(&both), surely(expected), "{size} x {size} bricks, {half_steps:?}");
-            for _ in 0..4 {
-                assert_eq!(ask_otherwise(&mut rng, &both), surely(expected), "{size} x {size}, {half_steps:?}");
-            }
+            assert_decided(&mut rng, &Scene { bricks: [floor.clone(), floor.clone()], half_steps }, expected);
         }
     }
 }
@@ -104,13 +108,7 @@ fn checkerboards_share_edges_and_do_not_penetrate() {
         (1, [0, 0, 1], false),
         (0, [1, 0, 0], true),
     ] {
-        let scene = Scene { bricks: [board(0), board(white)], half_steps };
-        assert_eq!(scene.penetrates(), expected);
-        let both = meshes(&mut rng, &scene, Cut::AsLattice);
-        assert_eq!(ask(&both), surely(expected), "{white} {half_steps:?}");
-        for _ in 0..10 {
-            assert_eq!(ask_otherwise(&mut rng, &both), surely(expected), "{white} {half_steps:?}");
-        }
+        assert_decided(&mut rng, &Scene { bricks: [board(0), board(white)], half_steps }, expected);
     }
 }
 
@@ -121,10 +119,8 @@ fn bodies_that_share_a_corner_are_looked_at_one_by_one() {
     // it.
     let cubes = vec![Brick::unit([0; 3]), Brick::unit([-1; 3])];
     for cubes in [cubes.clone(), cubes.into_iter().rev().collect()] {
-        let scene = Scene { bricks: [cubes, vec![Brick::new([0; 3], [2; 3])]], half_steps: [0; 3] };
-        let both = meshes(&mut rng, &scene, Cut::AsLattice);
-        assert_eq!(ask(&both), Penetrates::Yes);
-        assert_eq!(ask_otherwise(&mut rng, &both), Penetrates::Yes);
+        let bricks = [cubes, vec![Brick::new([0; 3], [2; 3])]];
+        assert_decided(&mut rng, &Scene { bricks, half_steps: [0; 3] }, true);
     }
     // The same with tetrahedra about the large one, so that nothing touches but the corner.
     let tip = |along: f64| {

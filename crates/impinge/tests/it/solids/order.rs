@@ -1,6 +1,7 @@
 //! The order of the faces, and which corner of a face comes first, change no answer of any verb
 //! about solids.
 
+use impinge::mesh::Containment;
 use impinge::query::{self, Solid};
 use impinge::{Mesh, Pose};
 use impinge_testkit::generate::bricks::{self, Cut, Scene};
@@ -56,7 +57,7 @@ fn assert_intervals_agree(ours: [&Mesh; 2], again: [&Mesh; 2], place: Pose) {
     }
 }
 
-/// Two meshes and where the second is: bricks in line, spheres with holes, bricks askew.
+/// Two meshes and where the second is: bricks on one lattice, spheres with holes, rotated bricks.
 fn scene(rng: &mut Rng, case: usize) -> ([Plain; 2], Affine) {
     let bricks = Scene::random(rng);
     let cut = rng.choose(&[Cut::AsLattice, Cut::AsLattice, Cut::Whole]);
@@ -102,18 +103,25 @@ fn the_order_of_the_faces_changes_no_answer_about_solids() {
 #[test]
 fn the_order_of_the_faces_changes_nothing_about_points() {
     let mut rng = Rng::new(92);
-    for case in 0..rounds(100) {
+    let cases = rounds(100);
+    let (mut closed, mut inside) = (0, 0);
+    for case in 0..cases {
         let ([a, _], _) = scene(&mut rng, case);
         let (mesh, again) = (engine(&a), engine(&bricks::reordered(&mut rng, a)));
         let coordinate =
             |rng: &mut Rng| if rng.one_in(2) { rng.integer(-1, 7) as f64 / 2.0 } else { rng.uniform(-1.0, 4.0) };
         let points: Vec<[f64; 3]> = (0..50).map(|_| std::array::from_fn(|_| coordinate(&mut rng))).collect();
         assert_eq!(mesh.is_closed(), again.is_closed());
-        assert_eq!(mesh.contains(&points), again.contains(&points), "case {case}");
+        let contained = mesh.contains(&points);
+        assert_eq!(contained, again.contains(&points), "case {case}");
+        closed += usize::from(mesh.is_closed());
+        inside += contained.as_ref().expect("finite points").iter().filter(|at| **at == Containment::Inside).count();
         if mesh.is_closed() {
             assert_eq!(mesh.winding_number(&points), again.winding_number(&points), "case {case}");
         }
     }
+    assert!(2 * closed > cases && 10 * closed < 9 * cases, "{closed} of {cases} are closed");
+    assert!(2 * inside > cases, "{inside} points of {cases} scenes are inside");
 }
 
 #[test]

@@ -1,12 +1,11 @@
 //! How far determinants in single precision are off.
 
-use crate::simd::dispatch;
 use impinge_testkit::generate::Rng;
 
 use super::super::judge::{Triangle, bound};
 use super::super::*;
 use super::{Point, exact, power_of_two, unit_point};
-use crate::simd::{Level, cross, levels};
+use crate::simd::{Level, cross, dispatch, levels};
 
 /// Eight triangles in lanes, known exactly.
 type Lanes8 = [[[f32; 3]; 3]; LANES];

@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 
-use crate::simd::dispatch;
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::poses::{large_integer_map, rotation};
 use impinge_testkit::{Affine, oracle};
@@ -10,7 +9,7 @@ use impinge_testkit::{Affine, oracle};
 use super::super::*;
 use super::{Point, Side8, along, power_of_two, relate, unit_point};
 use crate::exact::{Placement, triangles_intersect};
-use crate::simd::{Level, levels};
+use crate::simd::{Level, dispatch, levels};
 
 /// A triangle made to meet or just miss `host`, by `gap`.
 fn close_to(rng: &mut Rng, host: &[Point; 3], gap: f64) -> [Point; 3] {

@@ -1,6 +1,5 @@
 //! The points that may be on the sphere: those beyond a distance that nearly all of them keep.
 
-use crate::simd::dispatch;
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
@@ -11,7 +10,7 @@ use super::super::points::{Coordinate, bounds, judge, widen};
 use super::exact::ExactBall;
 use super::{Frame, approximate};
 use crate::input::InputError;
-use crate::simd::best_level;
+use crate::simd::{best_level, dispatch};
 
 /// Points that are not nearer to a centre than a distance, which is in the scale of a frame.
 pub(super) struct Beyond {
