@@ -4,33 +4,50 @@ use std::path::Path;
 use std::process::{Command, ExitStatus};
 
 use anyhow::{Context, Result, ensure};
+use cargo_metadata::Artifact;
+
+use crate::build::programs;
 
 const HUMAN: &str = "data/human_makehuman_cc0.ply";
 const KNOT: &str = "target/demo/torus_knot.ply";
 const POSE: &str = "data/torus_knot_on_human.txt";
 const CURVES: &str = "target/demo/curves.obj";
 
-/// Generates the knot where it is not there yet, prints the command and runs it; whether it gave an answer.
+/// Arguments of Cargo that select the command and the generator of the knot.
+const PROGRAMS: [&str; 11] = [
+    "build",
+    "--release",
+    "--package",
+    "impinge-cli",
+    "--bin",
+    "impinge",
+    "--package",
+    "impinge-testkit",
+    "--no-default-features",
+    "--example",
+    "torus_knot",
+];
+
+/// Builds the command, generates the knot if it is not there yet, prints a command line and runs it.
+/// Returns whether it gave an answer.
 pub(crate) fn run(root: &Path) -> Result<bool> {
+    println!("building, which takes a few minutes the first time");
+    let programs = programs(root, &PROGRAMS)?;
     if !root.join(KNOT).exists() {
         println!("writing {KNOT}");
-        let written = cargo(
-            root,
-            &["--package", "impinge-testkit", "--no-default-features", "--example", "torus_knot", "--", KNOT],
-        )?;
+        let written = status(root, &programs, "torus_knot", &[KNOT])?;
         ensure!(written.success(), "{KNOT} could not be written");
     }
     let check = ["check", HUMAN, KNOT, "--pose-b", POSE, "--curves", CURVES];
     println!("$ impinge {}", check.join(" "));
-    let status = cargo(root, &[&["--package", "impinge-cli", "--bin", "impinge", "--"], &check[..]].concat())?;
-    // Clear or collision; Cargo's own failures have other codes.
-    Ok(matches!(status.code(), Some(0 | 1)))
+    // 0 is clear, 1 a collision. Other codes are failures.
+    Ok(matches!(status(root, &programs, "impinge", &check)?.code(), Some(0 | 1)))
 }
 
-/// Runs a program of the workspace. The chores do not link it, so that they are there before it is built.
-fn cargo(root: &Path, arguments: &[&str]) -> Result<ExitStatus> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let mut command = Command::new(cargo);
-    command.args(["run", "--release", "--quiet"]).args(arguments).current_dir(root);
-    command.status().context("starting cargo run")
+/// Runs one of the programs. The chores do not link them, so that the chores are there before them.
+fn status(root: &Path, programs: &[Artifact], name: &str, arguments: &[&str]) -> Result<ExitStatus> {
+    let program = programs.iter().find(|program| program.target.name == name);
+    let path =
+        program.and_then(|program| program.executable.as_ref()).with_context(|| format!("{name} was not built"))?;
+    Command::new(path).args(arguments).current_dir(root).status().with_context(|| format!("starting {name}"))
 }

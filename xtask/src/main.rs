@@ -2,6 +2,7 @@
 //! `cargo xtask demo`.
 #![allow(clippy::print_stdout, reason = "a chore reports to the terminal")]
 
+mod build;
 mod demo;
 mod file_length;
 mod layers;

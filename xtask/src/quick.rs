@@ -4,8 +4,9 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 
+use crate::build::cargo;
 use crate::layers_hold;
-use crate::test_run::{Tests, cargo, programs};
+use crate::test_run::{Tests, programs};
 
 /// Arguments of Cargo that select the unit tests of `impinge` and its integration tests, which
 /// contain the cases.

@@ -5,9 +5,9 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use anyhow::{Context, Result, ensure};
-use cargo_metadata::Message;
+use anyhow::{Context, Result};
 
+use crate::build::{self, cargo};
 use crate::python_tests;
 use crate::slowest::Slowest;
 
@@ -69,34 +69,17 @@ impl Program {
 /// # Errors
 /// Cargo cannot be started, or the build fails. Cargo has printed the reason.
 pub(crate) fn programs(root: &Path, selection: &[&str]) -> Result<Vec<Program>> {
-    let mut build = cargo()
-        .args(["test", "--no-run", "--message-format", "json-render-diagnostics"])
-        .args(selection)
-        .current_dir(root)
-        .stdout(Stdio::piped())
-        .spawn()
-        .context("starting cargo test")?;
-    let messages = BufReader::new(build.stdout.take().context("the messages of cargo are piped")?);
+    let built = build::programs(root, &[&["test", "--no-run"], selection].concat())?;
     let mut programs = Vec::new();
-    for message in Message::parse_stream(messages) {
-        if let Message::CompilerArtifact(artifact) = message?
-            && artifact.profile.test
-            && let Some(path) = artifact.executable
-        {
-            let folder = artifact.manifest_path.parent().context("a manifest lies in a folder")?;
-            let name = format!("{}: {}", folder.file_name().unwrap_or_default(), artifact.target.name);
-            let is_of_units = artifact.target.is_lib();
-            programs.push(Program { name, path: path.into(), folder: folder.into(), is_of_units });
-        }
+    for artifact in built.into_iter().filter(|artifact| artifact.profile.test) {
+        let folder = artifact.manifest_path.parent().context("a manifest lies in a folder")?;
+        let name = format!("{}: {}", folder.file_name().unwrap_or_default(), artifact.target.name);
+        let is_of_units = artifact.target.is_lib();
+        let path = artifact.executable.context("a program has a path")?.into();
+        programs.push(Program { name, path, folder: folder.into(), is_of_units });
     }
-    ensure!(build.wait()?.success(), "the tests could not be built");
     programs.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(programs)
-}
-
-/// Returns the command that runs the Cargo that runs this chore.
-pub(crate) fn cargo() -> Command {
-    Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
 }
 
 /// What the tests that have run so far came to.

@@ -1,0 +1,42 @@
+//! Building programs with Cargo, and where they are afterwards.
+
+use std::io::BufReader;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result, ensure};
+use cargo_metadata::{Artifact, Message};
+
+/// Returns the command that runs the Cargo that runs this chore.
+pub(crate) fn cargo() -> Command {
+    Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+}
+
+/// Runs a command of Cargo that builds, `build` or `test --no-run` with their arguments, and returns
+/// the artifacts that are programs.
+///
+/// One command builds what its programs have in common once. Two commands may not, because Cargo
+/// joins the features that all programs of a command want.
+///
+/// # Errors
+/// Cargo cannot be started, or the build fails. Cargo has printed the reason.
+pub(crate) fn programs(root: &Path, arguments: &[&str]) -> Result<Vec<Artifact>> {
+    let mut build = cargo()
+        .args(arguments)
+        .args(["--message-format", "json-render-diagnostics"])
+        .current_dir(root)
+        .stdout(Stdio::piped())
+        .spawn()
+        .context("starting cargo")?;
+    let messages = BufReader::new(build.stdout.take().context("the messages of cargo are piped")?);
+    let mut programs = Vec::new();
+    for message in Message::parse_stream(messages) {
+        if let Message::CompilerArtifact(artifact) = message?
+            && artifact.executable.is_some()
+        {
+            programs.push(artifact);
+        }
+    }
+    ensure!(build.wait()?.success(), "the build failed");
+    Ok(programs)
+}
