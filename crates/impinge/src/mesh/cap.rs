@@ -190,3 +190,26 @@ fn bounds_of(points: impl Iterator<Item = [f64; 3]>) -> Option<MinMax> {
 fn grown(bounds: &MinMax, by: f64) -> MinMax {
     MinMax::from_ordered(bounds.min().map(|x| (x - by).next_down()), bounds.max().map(|x| (x + by).next_up()))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::error::Error;
+
+    use super::*;
+    use crate::mesh::Positions;
+
+    /// The cap of the unit cube's open top is that square, of area 1. So the reach is √(1 / 2π).
+    #[test]
+    fn faces_are_far_from_a_hole_beyond_twice_its_reach() -> Result<(), Box<dyn Error>> {
+        let corners: Vec<[f64; 3]> = (0_u32..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+        let sides: [[u32; 4]; 5] = [[0, 2, 3, 1], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
+        let faces: Vec<[u32; 3]> = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let bin = Mesh::new(Positions::F64(corners), faces)?;
+        let twice_the_reach = 2.0 / std::f64::consts::TAU.sqrt();
+        let below =
+            |depth: f64| bin.cap().is_far_from(&[[0.0; 2], [1.0, 0.0], [0.0, 1.0]].map(|[x, y]| [x, y, 1.0 - depth]));
+        assert!(below(twice_the_reach + 1e-6));
+        assert!(!below(twice_the_reach - 1e-6));
+        Ok(())
+    }
+}
