@@ -9,8 +9,8 @@ use crate::layers_hold;
 use crate::test_run::{Tests, programs};
 
 /// Arguments of Cargo that select the unit tests of `impinge` and its integration tests, which
-/// contain the cases.
-const PROGRAMS: [&str; 5] = ["--package=impinge", "--lib", "--test", "it", "--quiet"];
+/// contain the cases. Kernels are compiled for two levels, which every processor has one of.
+const PROGRAMS: [&str; 6] = ["--package=impinge", "--no-default-features", "--lib", "--test", "it", "--quiet"];
 
 /// Formats the code, checks the layers, builds `impinge`, and runs the unit tests of a room and the
 /// cases. Returns whether all is well.

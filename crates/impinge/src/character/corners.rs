@@ -58,8 +58,8 @@ impl Corners {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::dispatch_every;
     use crate::simd::kernel_levels;
-    use fearless_simd::dispatch;
 
     #[test]
     fn no_corner_is_farther() {
@@ -72,7 +72,7 @@ mod tests {
                 let height = |p: &Vector| p[0] * direction[0] + p[1] * direction[1] + p[2] * direction[2];
                 let most = corners[..count].iter().map(height).fold(f64::NEG_INFINITY, f64::max);
                 for (name, level) in kernel_levels() {
-                    let found = dispatch!(level, simd => all.support_lanes(simd, direction));
+                    let found = dispatch_every!(level, simd => all.support_lanes(simd, direction));
                     assert!(
                         height(&found) == most && corners[..count].contains(&found),
                         "{name} {count} {direction:?}"

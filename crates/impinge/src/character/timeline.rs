@@ -213,8 +213,8 @@ fn slerp<S: Simd>(simd: S, from: &[f64], to: &[f64], t: f64) -> [[f64; LANES]; 4
 mod tests {
     use super::super::transform::normalised;
     use super::*;
+    use crate::simd::dispatch_every;
     use crate::simd::kernel_levels;
-    use fearless_simd::dispatch;
 
     /// Numbers from -1 to 1, with zeros, ones and repeated ones among them.
     fn some(count: usize) -> Vec<f64> {
@@ -243,7 +243,7 @@ mod tests {
             let coordinates = |end: usize| -> Vec<f64> { (0..4).flat_map(|k| ends.map(|pair| pair[end][k])).collect() };
             let t = [0.0, 1.0, 0.5, 0.125, 0.9][case % 5];
             for (name, level) in kernel_levels() {
-                let found = dispatch!(level, simd => slerp(simd, &coordinates(0), &coordinates(1), t));
+                let found = dispatch_every!(level, simd => slerp(simd, &coordinates(0), &coordinates(1), t));
                 for (lane, [a, b]) in ends.into_iter().enumerate() {
                     let expected = if t == 0.0 { a } else { super::super::transform::slerp(a, b, t) };
                     assert_eq!(

@@ -135,8 +135,8 @@ fn spread<S: Simd>(x: u32x8<S>) -> u32x8<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::dispatch_every;
     use crate::simd::kernel_levels;
-    use fearless_simd::dispatch;
     use impinge_testkit::generate::Rng;
 
     #[test]
@@ -153,7 +153,7 @@ mod tests {
                 for (name, level) in kernel_levels() {
                     for (first, place) in [(0, 0), (count / 2, LEADING)] {
                         let mut next = first;
-                        dispatch!(level, simd => curve.for_each_eight(
+                        dispatch_every!(level, simd => curve.for_each_eight(
                             simd,
                             place,
                             first..count,

@@ -225,7 +225,7 @@ fn first_leaf(nodes: &[Node], mut at: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
+    use crate::simd::dispatch_every;
     use impinge_testkit::generate::Rng;
 
     use super::*;
@@ -251,7 +251,7 @@ mod tests {
             expected.set_extent(&expected.bounds());
             for (name, level) in kernel_levels() {
                 let mut node = Node { count: count as u32, ..Node::EMPTY };
-                let (bounds, area) = dispatch!(level, simd => node.fit(simd, &boxes));
+                let (bounds, area) = dispatch_every!(level, simd => node.fit(simd, &boxes));
                 assert_eq!(bytemuck::bytes_of(&node), bytemuck::bytes_of(&expected), "{name}, {count} boxes");
                 assert_eq!((bounds, area.to_bits()), (expected.bounds(), expected.area_below().to_bits()), "{name}");
             }

@@ -233,6 +233,6 @@ mod tests {
                 }
             }
         }
-        assert!(close > 50_000, "{close}");
+        assert!(close > 15_000 * levels().len(), "{close}");
     }
 }

@@ -66,7 +66,7 @@ mod x86 {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
+    use crate::simd::dispatch_every;
     use impinge_testkit::generate::Rng;
 
     use super::*;
@@ -80,12 +80,12 @@ mod tests {
             let bytes: [u8; LANES] = std::array::from_fn(|_| rng.integer(0, 255) as u8);
             for (name, level) in kernel_levels() {
                 let chosen: [f32; LANES] =
-                    dispatch!(level, simd => Choice(u64::from_le_bytes(bytes)).of(simd, &lanes).into());
+                    dispatch_every!(level, simd => Choice(u64::from_le_bytes(bytes)).of(simd, &lanes).into());
                 assert_eq!(chosen, bytes.map(|byte| f32::from(byte % 8)), "{name}");
                 // As floats these are not numbers, and those that a processor may quieten.
                 let numbers = lanes.map(|lane: f32| 0x7f80_0001 + lane as u32);
                 let chosen: [u32; LANES] =
-                    dispatch!(level, simd => Choice(u64::from_le_bytes(bytes)).of_numbers(simd, &numbers).into());
+                    dispatch_every!(level, simd => Choice(u64::from_le_bytes(bytes)).of_numbers(simd, &numbers).into());
                 assert_eq!(chosen, bytes.map(|byte| 0x7f80_0001 + u32::from(byte % 8)), "{name}");
             }
         }

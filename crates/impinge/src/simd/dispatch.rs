@@ -2,10 +2,13 @@
 //!
 //! A kernel is compiled once for each level that it can run at, and each copy costs build time. So
 //! kernels are compiled only for levels that queries choose:
-//! - AVX-512 only for kernels that gain from it. [`best_level`](super::best_level) never returns it.
+//! - AVX2 and SSE2, or NEON, always.
+//! - SSE4.2 if the feature `all-levels` is on, as it is by default.
+//! - AVX-512 too, but only for kernels that gain from it. [`best_level`](super::best_level) never
+//!   returns it.
 //! - Scalar arithmetic only for processors without vectors, or if the feature `scalar` is on. It
 //!   takes the compiler longer than all other levels together. Tests of single kernels use
-//!   [`fearless_simd::dispatch`], which always compiles it.
+//!   `dispatch_every!`, which compiles it if `all-levels` is on.
 
 /// Runs a kernel with the vector unit of a level: `dispatch!(level, simd => kernel(simd, …))`.
 ///
@@ -24,6 +27,7 @@ macro_rules! dispatch {
                 if let Some(unit) = level.as_avx2() {
                     break 'chosen $crate::simd::dispatch!(@run unit, $simd => $op);
                 }
+                #[cfg(feature = "all-levels")]
                 if let Some(unit) = level.as_sse4_2() {
                     break 'chosen $crate::simd::dispatch!(@run unit, $simd => $op);
                 }
@@ -59,7 +63,7 @@ macro_rules! dispatch_widest {
     ($level:expr, $simd:pat => $op:expr) => {{
         let level: $crate::simd::Level = $level;
         'widest: {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            #[cfg(all(feature = "all-levels", any(target_arch = "x86", target_arch = "x86_64")))]
             if let Some(unit) = level.as_avx512() {
                 break 'widest $crate::simd::dispatch!(@run unit, $simd => $op);
             }
@@ -68,4 +72,18 @@ macro_rules! dispatch_widest {
     }};
 }
 
+/// Runs a kernel with the vector unit of a level that [`kernel_levels`](super::kernel_levels) returns.
+#[cfg(test)]
+macro_rules! dispatch_every {
+    ($level:expr, $simd:pat => $op:expr) => {{
+        #[cfg(feature = "all-levels")]
+        let result = fearless_simd::dispatch!($level, $simd => $op);
+        #[cfg(not(feature = "all-levels"))]
+        let result = $crate::simd::dispatch!($level, $simd => $op);
+        result
+    }};
+}
+
+#[cfg(test)]
+pub(crate) use dispatch_every;
 pub(crate) use {dispatch, dispatch_widest};

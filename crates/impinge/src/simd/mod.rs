@@ -36,6 +36,8 @@ pub(crate) use by_axis;
 
 pub(crate) use bits::{any_byte, bits, each_byte, extend_some, nonzero_bytes, spread_to_bytes, take_four};
 pub(crate) use choice::Choice;
+#[cfg(test)]
+pub(crate) use dispatch::dispatch_every;
 pub(crate) use dispatch::{dispatch, dispatch_widest};
 pub(crate) use prefetch::{CACHE_LINE, prefetch, prefetch_at};
 pub(crate) use rows::Rows;
@@ -79,7 +81,7 @@ pub(crate) fn widest_level() -> Level {
 
 /// Returns every level that this processor can run and that queries are compiled for, with its name,
 /// the narrowest first. Tests ask each of them the same questions. Scalar arithmetic is one of them
-/// if the feature `scalar` is on.
+/// if the feature `scalar` is on, and SSE4.2 if `all-levels` is.
 #[must_use]
 pub fn levels() -> Vec<(&'static str, Level)> {
     let best = Level::new();
@@ -89,6 +91,7 @@ pub fn levels() -> Vec<(&'static str, Level)> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     {
         levels.extend(best.as_sse2().map(|token| ("sse2", Level::Sse2(token))));
+        #[cfg(feature = "all-levels")]
         levels.extend(best.as_sse4_2().map(|token| ("sse4.2", Level::Sse4_2(token))));
         levels.extend(best.as_avx2().map(|token| ("avx2", Level::Avx2(token))));
     }
@@ -97,14 +100,17 @@ pub fn levels() -> Vec<(&'static str, Level)> {
     levels
 }
 
-/// Returns every level that this processor can run, the scalar one first and AVX-512 too. It is for
-/// tests that call a kernel by [`fearless_simd::dispatch`], which compiles it for all of them.
+/// Returns every level that this processor can run, for tests that call a kernel by
+/// `dispatch_every!`: the scalar one first and AVX-512 too if the feature `all-levels` is on.
 #[cfg(test)]
 pub(crate) fn kernel_levels() -> Vec<(&'static str, Level)> {
     let mut all = levels();
-    all.retain(|(name, _)| *name != "scalar");
-    all.insert(0, ("scalar", Level::fallback()));
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    all.extend(Level::new().as_avx512().map(|token| ("avx512", Level::Avx512(token))));
+    #[cfg(feature = "all-levels")]
+    {
+        all.retain(|(name, _)| *name != "scalar");
+        all.insert(0, ("scalar", Level::fallback()));
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        all.extend(Level::new().as_avx512().map(|token| ("avx512", Level::Avx512(token))));
+    }
     all
 }

@@ -71,8 +71,8 @@ impl<'a, T> Inside<'a, '_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::dispatch_every;
     use crate::simd::kernel_levels;
-    use fearless_simd::dispatch;
 
     #[test]
     fn rows_are_those_of_their_numbers() {
@@ -82,7 +82,7 @@ mod tests {
         assert!([9, u32::MAX].iter().all(|&row| rows.row(row)[..3] == table[8]));
         assert_eq!(none.row(0), &[0.0; 4]);
         for (name, level) in kernel_levels() {
-            dispatch!(level, simd => {
+            dispatch_every!(level, simd => {
                 // Among the whole vectors of numbers, and among those that are left.
                 for (count, place) in [(3, 2), (8, 7), (24, 0), (26, 25)] {
                     for row in (0..9).chain([9, u32::MAX]) {

@@ -1,7 +1,7 @@
 //! Segments that cross, which are the boxes that a direction across both has least room for, carried exactly.
 
+use crate::simd::dispatch_every;
 use dashu_ratio::Relaxed;
-use fearless_simd::dispatch;
 use impinge_testkit::generate::Rng;
 
 use super::super::lanes::BoxLanes;
@@ -55,7 +55,7 @@ impl Trial {
         // The translation may carry boxes out of reach of one.
         let askew = Askew::new(&self.linear, &self.translation, self.error, 8.0);
         let apart = |(_, level)| {
-            let near = dispatch!(level, simd => askew.near(simd, &self.host, &self.guest, u64::MAX));
+            let near = dispatch_every!(level, simd => askew.near(simd, &self.host, &self.guest, u64::MAX));
             (0..LANES).filter(|lane| near >> (LANES * lane + lane) & 1 == 0).count()
         };
         kernel_levels().into_iter().map(apart).sum()

@@ -111,8 +111,8 @@ mod tests {
 
     use super::super::bins::tests::some_boxes;
     use super::*;
+    use crate::simd::dispatch_every;
     use crate::simd::kernel_levels;
-    use fearless_simd::dispatch;
 
     /// What comes before the middle is below the plane, and all else above; nothing is lost; and the boxes are those of the centres.
     #[test]
@@ -125,7 +125,7 @@ mod tests {
             let grid = Grid::over(&twice_centre_bounds(&items));
             for (name, level) in kernel_levels() {
                 let mut items = items.clone();
-                let Some((plane, (middle, twice_centres))) = dispatch!(level, simd => {
+                let Some((plane, (middle, twice_centres))) = dispatch_every!(level, simd => {
                     let plane = Bins::of(simd, &items, &grid).cheapest(simd, 2);
                     plane.map(|plane| (plane, part_at(simd, &mut items, &grid, plane)))
                 }) else {
@@ -134,7 +134,7 @@ mod tests {
                 parted += 1;
                 let (below, above) = items.split_at(middle);
                 let is_above =
-                    |item: &Item| dispatch!(level, simd => grid.is_above(simd, item, plane).to_bitmask()) > 0;
+                    |item: &Item| dispatch_every!(level, simd => grid.is_above(simd, item, plane).to_bitmask()) > 0;
                 assert!(!below.is_empty() && !below.iter().any(is_above), "{name}: {plane:?}");
                 assert!(!above.is_empty() && above.iter().all(is_above), "{name}: {plane:?}");
                 assert_eq!(twice_centres, [below, above].map(twice_centre_bounds), "{name}: {plane:?}");
@@ -157,7 +157,7 @@ mod tests {
             .collect();
         let items = Item::all(&boxes);
         let grid = Grid::over(&twice_centre_bounds(&items));
-        let (together, alone) = dispatch!(best_level(), simd => {
+        let (together, alone) = dispatch_every!(best_level(), simd => {
             (deal(simd, &items, &grid).cheapest(simd, 8), Bins::of(simd, &items, &grid).cheapest(simd, 8))
         });
         assert!(together == alone && together.is_some(), "{together:?} and {alone:?}");

@@ -187,7 +187,7 @@ fn extents<S: Simd>(max: f32x8<S>, negated_min: f32x8<S>) -> [f64x4<S>; 2] {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use fearless_simd::dispatch;
+    use crate::simd::dispatch_every;
     use impinge_testkit::generate::Rng;
 
     use super::*;
@@ -254,7 +254,7 @@ pub(super) mod tests {
                 None => none += 1,
             }
             for (name, level) in kernel_levels() {
-                let cheapest = dispatch!(level, simd => {
+                let cheapest = dispatch_every!(level, simd => {
                     let (low, high) = items.split_at(items.len() / 3);
                     Bins::of(simd, low, &grid).merged(Bins::of(simd, high, &grid)).cheapest(simd, capacity)
                 });
@@ -277,11 +277,11 @@ pub(super) mod tests {
                 let expected = [0, 1, 2].map(|axis| plain_bin(bounds, &twice_centres, axis));
                 expected.iter().for_each(|&bin| seen[bin] += 1);
                 for (name, level) in kernel_levels() {
-                    let bins = dispatch!(level, simd => grid.bins(simd, item));
+                    let bins = dispatch_every!(level, simd => grid.bins(simd, item));
                     assert_eq!(bins, expected, "{name}: {bounds:?} of {twice_centres:?}");
                     for (axis, bin) in (0..3).flat_map(|axis| (1..BINS).map(move |bin| (axis, bin))) {
                         let plane = Plane { axis, bin };
-                        let lanes = dispatch!(level, simd => grid.is_above(simd, item, plane).to_bitmask());
+                        let lanes = dispatch_every!(level, simd => grid.is_above(simd, item, plane).to_bitmask());
                         let above = if bins[axis] >= bin { 0xff } else { 0 };
                         assert_eq!(lanes, above, "{name}: {bounds:?} at {plane:?} of {twice_centres:?}");
                     }

@@ -1,5 +1,5 @@
+use crate::simd::dispatch_every;
 use bytemuck::Zeroable;
-use fearless_simd::dispatch;
 use impinge_testkit::generate::Rng;
 
 use super::*;
@@ -22,7 +22,7 @@ impl Columns {
 
 /// The numbers of either part.
 fn parted(level: Level, columns: &mut Columns, run: Run, low: usize) -> [Vec<i16>; 2] {
-    let (low, high) = dispatch!(level, simd => columns.part(simd, run, low));
+    let (low, high) = dispatch_every!(level, simd => columns.part(simd, run, low));
     [columns.numbers(low), columns.numbers(high)]
 }
 
@@ -42,7 +42,7 @@ fn rows_are_parted_about_the_median_of_their_widest_axis() {
         let mut expected = None;
         for (name, level) in kernel_levels() {
             let mut columns = Columns::default();
-            dispatch!(level, simd => columns.set(simd, &centres(&places)));
+            dispatch_every!(level, simd => columns.set(simd, &centres(&places)));
             // Rows are side by side until they are parted, and have room for it.
             let along: Vec<[i16; 3]> = (0..len).map(|row| [0, 1, 2].map(|axis| columns.columns[axis][row])).collect();
             let extent = |axis: usize| {
@@ -68,7 +68,7 @@ fn rows_are_parted_about_the_median_of_their_widest_axis() {
             assert_eq!(expected.get_or_insert(parts.clone()), parts, "{name}, {len}");
         }
     }
-    assert!(tied > 300, "{tied}: hardly a median was in both parts");
+    assert!(tied > 60 * kernel_levels().len(), "{tied}: hardly a median was in both parts");
 }
 
 #[test]
@@ -79,23 +79,23 @@ fn runs_are_parted_down_to_sixteen_without_disturbing_each_other() {
         let mut expected = None;
         for (name, level) in kernel_levels() {
             let mut columns = Columns::default();
-            dispatch!(level, simd => columns.set(simd, &centres(&places)));
+            dispatch_every!(level, simd => columns.set(simd, &centres(&places)));
             let mut left = vec![Run::all(len)];
             while let Some(run) = left.pop() {
                 let mut before = columns.numbers(run);
                 if run.len <= SIXTEEN {
-                    dispatch!(level, simd => columns.finish(simd, run));
+                    dispatch_every!(level, simd => columns.finish(simd, run));
                     let mut finished = columns.finished()[run.start..][..run.len].to_vec();
                     assert!(finished.chunks(LANES).all(|part| part.is_sorted()), "{name}: {finished:?}");
                     finished.sort_unstable();
                     assert_eq!(finished, before, "{name}, {len}: {run:?}");
                     continue;
                 }
-                let by_plane = dispatch!(level, simd => columns.part_by_plane(simd, run));
+                let by_plane = dispatch_every!(level, simd => columns.part_by_plane(simd, run));
                 planes += usize::from(by_plane.is_some());
                 let (low, high) = by_plane.unwrap_or_else(|| {
                     let low = run.len.div_ceil(LANES).div_ceil(2) * LANES;
-                    dispatch!(level, simd => columns.part(simd, run, low))
+                    dispatch_every!(level, simd => columns.part(simd, run, low))
                 });
                 assert!(low.len > 0 && high.len > 0 && low.start == run.start && high.start == run.start + low.len);
                 let parts = [low, high].map(|run| columns.numbers(run));
@@ -124,7 +124,7 @@ fn what_reaches_too_far_or_coincides_stays_in_its_order() {
         for places in [all_at([1.0, 2.0, 3.0]), all_at([f32::INFINITY; 3]), all_at([0.0, f32::MAX, -0.0]), anywhere] {
             for (name, level) in kernel_levels() {
                 let mut columns = Columns::default();
-                dispatch!(level, simd => columns.set(simd, &centres(&places)));
+                dispatch_every!(level, simd => columns.set(simd, &centres(&places)));
                 assert!((0..3).all(|axis| columns.columns[axis][..len].iter().all(|&along| along == 0)), "{name}");
                 assert!(columns.numbers(Run::all(len)).into_iter().eq(0..len as i16), "{name}");
             }

@@ -1,8 +1,8 @@
 //! Carried boxes against exact rational images.
 
+use crate::simd::dispatch_every;
 use bytemuck::Zeroable;
 use dashu_ratio::Relaxed;
-use fearless_simd::dispatch;
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::poses::rotation;
 
@@ -27,7 +27,7 @@ impl Trial {
     fn taken(&self, level: Level) -> f64 {
         let map = BoxMap::new(&self.linear, &self.translation, &self.error, REACH);
         let node = &self.node;
-        let boxes = dispatch!(level, simd => map.apply(simd, node));
+        let boxes = dispatch_every!(level, simd => map.apply(simd, node));
         let mut most = 0.0_f64;
         for axis in 0..3 {
             let size = self.linear[axis].iter().map(|x| x.abs()).sum::<f64>() * REACH + self.translation[axis].abs();
@@ -193,7 +193,7 @@ fn pairs_overlap_where_each_against_all_does() {
         let rows = (0..rng.integer(0, 8)).fold(0, |rows, _| rows | 0xff << (8 * rng.integer(0, 7)));
         let pairs = rng.next_u64() & rows;
         for (name, level) in kernel_levels() {
-            let [each, some] = dispatch!(level, simd => {
+            let [each, some] = dispatch_every!(level, simd => {
                 let one = (&load3(simd, &one.min), &load3(simd, &one.max));
                 [overlapping_each(simd, one, &many), overlapping_pairs(simd, one, &many, pairs)]
             });

@@ -1,8 +1,8 @@
 //! Carried slabs against exact rational heights.
 
+use crate::simd::dispatch_every;
 use bytemuck::Zeroable;
 use dashu_ratio::Relaxed;
-use fearless_simd::dispatch;
 use impinge_testkit::generate::Rng;
 
 use super::super::tests::maps::{any_linear, coarse, exact};
@@ -70,7 +70,7 @@ impl Trial {
         let map = SlabMap::new(&self.linear, &self.translation, &self.error, 1.0);
         let mut missed = 0;
         for (name, level) in kernel_levels() {
-            let outside = dispatch!(level, simd => map.carry(simd, &self.slab).outside(simd, &self.node));
+            let outside = dispatch_every!(level, simd => map.carry(simd, &self.slab).outside(simd, &self.node));
             for lane in (0..LANES).filter(|&lane| outside >> lane & 1 == 1) {
                 let [low, high] = self.heights(lane);
                 let (min, max) = (exact(f64::from(self.slab.min)), exact(f64::from(self.slab.max)));
@@ -106,9 +106,9 @@ fn the_slack_is_small() {
     }
     let slab = Slab { normal: [0.0, 0.0, 1.0], min: 1e-3 + 1e-5, max: 1.0 };
     for (name, level) in kernel_levels() {
-        let outside = dispatch!(level, simd => map.carry(simd, &slab).outside(simd, &node));
+        let outside = dispatch_every!(level, simd => map.carry(simd, &slab).outside(simd, &node));
         assert_eq!(outside, 0xff, "{name}");
-        let all = dispatch!(level, simd => map.carry(simd, &Slab::ALL).outside(simd, &node));
+        let all = dispatch_every!(level, simd => map.carry(simd, &Slab::ALL).outside(simd, &node));
         assert_eq!(all, 0, "{name}: nothing is outside all of space");
     }
 }
@@ -118,7 +118,7 @@ fn what_overflows_proves_nothing() {
     let map = SlabMap::new(&[[1e30; 3]; 3], &[1e38; 3], &[f64::INFINITY; 3], 1.0);
     let slab = Slab { normal: [1.0; 3], min: -1.0, max: 1.0 };
     for (name, level) in kernel_levels() {
-        assert_eq!(dispatch!(level, simd => map.carry(simd, &slab).outside(simd, &Node::zeroed())), 0, "{name}");
+        assert_eq!(dispatch_every!(level, simd => map.carry(simd, &slab).outside(simd, &Node::zeroed())), 0, "{name}");
     }
 }
 
@@ -128,7 +128,7 @@ fn what_is_beyond_single_precision_is_not_taken_for_far_away() {
     let map = SlabMap::new(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], &[1e39, 0.0, 0.0], &[0.0; 3], 1.0);
     let slab = Slab { normal: [1e-38, 1.0, 0.0], min: 9.0, max: 11.0 };
     for (name, level) in kernel_levels() {
-        let outside = dispatch!(level, simd => map.carry(simd, &slab).outside(simd, &Node::zeroed()));
+        let outside = dispatch_every!(level, simd => map.carry(simd, &slab).outside(simd, &Node::zeroed()));
         assert_eq!(outside, 0, "{name}");
     }
 }
@@ -182,7 +182,7 @@ fn what_lies_in_two_slabs_is_not_said_to_lie_outside_of_both() {
         let Some(beside) = identity().beside(&carried, &own) else { continue };
         facing += 1;
         for (name, level) in kernel_levels() {
-            let outside = dispatch!(level, simd => beside.outside(simd, &node));
+            let outside = dispatch_every!(level, simd => beside.outside(simd, &node));
             assert_eq!(outside >> lane & 1, 0, "{name}: {point:?} in {carried:?} and {own:?}");
             missed += outside.count_ones();
         }
@@ -201,7 +201,7 @@ fn slabs_that_face_the_same_way_are_told_apart_where_boxes_lie_in_both() {
     let carried = Slab { normal: [0.6, 0.503, 0.599], min: 8.2e-3, max: 8.3e-3 };
     let beside = identity().beside(&carried, &own).expect("they face the same way");
     for (name, level) in kernel_levels() {
-        let outside = dispatch!(level, simd => [own, carried, beside].map(|slab| slab.outside(simd, &node)));
+        let outside = dispatch_every!(level, simd => [own, carried, beside].map(|slab| slab.outside(simd, &node)));
         assert_eq!(outside, [0, 0, 0xff], "{name}");
     }
     assert_eq!(identity().beside(&carried, &Slab::ALL), None);

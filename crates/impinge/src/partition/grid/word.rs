@@ -206,8 +206,8 @@ fn interleaved<S: Simd>(simd: S, kinds: &[[u16; TOGETHER]; KINDS]) -> [u16x16<S>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::dispatch_every;
     use fearless_simd::Level;
-    use fearless_simd::dispatch;
     use impinge_testkit::generate::Rng;
 
     type Ends = [[u8; 3]; 2];
@@ -262,7 +262,7 @@ mod tests {
                 low[axis][lane] = rng.integer(-20, 20);
             }
             let [seen, others_seen] = [Level::fallback(), crate::simd::best_level()].map(|level| {
-                dispatch!(level, simd => {
+                dispatch_every!(level, simd => {
                     let along = [0, 1, 2].map(|axis| Seen::along(simd, axis, &parts[axis], &low[axis], nth[axis]));
                     std::array::from_fn::<Seen, TOGETHER, _>(|lane| {
                         let [x, y, z] = along.each_ref().map(|seen| seen[lane].lanes(simd));
@@ -308,7 +308,7 @@ mod tests {
                 });
                 let expected = expected.fold(0, |bits, at| bits | 1 << at);
                 for level in [Level::fallback(), crate::simd::best_level()] {
-                    let open = dispatch!(level, simd => seen.compare(simd, &words));
+                    let open = dispatch_every!(level, simd => seen.compare(simd, &words));
                     assert_eq!(open, expected, "{level:?}: {seen:?}, {words:?}");
                 }
                 open += expected.count_ones();
