@@ -170,6 +170,7 @@ impl Pose {
     /// # Accuracy
     /// Each coordinate is within 4.1 units of 2^-53 of `Σ |linear_ij v_j| + |translation_i|`, underflow aside. The
     /// exact predicates do not use this.
+    #[inline]
     #[must_use]
     pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
         let [x, y, z] = point;

@@ -154,12 +154,14 @@ impl Mesh {
     }
 
     /// The positions, in the mesh's own frame.
+    #[inline]
     #[must_use]
     pub fn positions(&self) -> &Positions {
         self.0.vertices.positions()
     }
 
     /// The faces as given.
+    #[inline]
     #[must_use]
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.0.faces

@@ -62,13 +62,15 @@ macro_rules! dispatch {
 macro_rules! dispatch_widest {
     ($level:expr, $simd:pat => $op:expr) => {{
         let level: $crate::simd::Level = $level;
-        'widest: {
-            #[cfg(all(feature = "all-levels", any(target_arch = "x86", target_arch = "x86_64")))]
-            if let Some(unit) = level.as_avx512() {
-                break 'widest $crate::simd::dispatch!(@run unit, $simd => $op);
-            }
+        #[cfg(all(feature = "all-levels", any(target_arch = "x86", target_arch = "x86_64")))]
+        let result = if let Some(unit) = level.as_avx512() {
+            $crate::simd::dispatch!(@run unit, $simd => $op)
+        } else {
             $crate::simd::dispatch!(level, $simd => $op)
-        }
+        };
+        #[cfg(not(all(feature = "all-levels", any(target_arch = "x86", target_arch = "x86_64"))))]
+        let result = $crate::simd::dispatch!(level, $simd => $op);
+        result
     }};
 }
 
