@@ -147,7 +147,7 @@ impl StoredCorners for Singles<'_> {
 
     #[inline(always)]
     fn gather<S: Simd>(&self, simd: S, triangles: &VertexRows) -> [Lanes3<S>; 3] {
-        let vertices = triangles.as_flattened();
+        let vertices: &[u32; 4 * LANES] = bytemuck::cast_ref(triangles);
         if let Some(inside) = self.vertices.inside(simd, vertices) {
             corners_of(
                 #[inline(always)]
@@ -218,7 +218,7 @@ impl StoredCorners for Singles<'_> {
 
     #[inline(always)]
     fn twice_centres<S: Simd>(&self, simd: S, faces: &[[u32; 3]; LANES]) -> [[f32x4<S>; 4]; 2] {
-        let vertices = faces.as_flattened();
+        let vertices: &[u32; 3 * LANES] = bytemuck::cast_ref(faces);
         if let Some(inside) = self.vertices.inside(simd, vertices) {
             twice_centres_of(
                 #[inline(always)]
@@ -283,7 +283,7 @@ impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
 
     #[inline(always)]
     fn gather<S: Simd>(&self, simd: S, triangles: &VertexRows) -> [[f64x4<S>; LANES]; 3] {
-        let vertices = triangles.as_flattened();
+        let vertices: &[u32; 4 * LANES] = bytemuck::cast_ref(triangles);
         if let Some(inside) = self.vertices.inside(simd, vertices) {
             widened_rows(
                 simd,
@@ -361,7 +361,7 @@ impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
 
     #[inline(always)]
     fn twice_centres<S: Simd>(&self, simd: S, faces: &[[u32; 3]; LANES]) -> [[f32x4<S>; 4]; 2] {
-        let vertices = faces.as_flattened();
+        let vertices: &[u32; 3 * LANES] = bytemuck::cast_ref(faces);
         if let Some(inside) = self.vertices.inside(simd, vertices) {
             twice_packed_centres_of(
                 simd,

@@ -1,4 +1,7 @@
-//! Rows of a table by their numbers, of which one comparison settles that they are all there.
+//! Rows of a table by their numbers. One comparison proves that all of the numbers are in range.
+//!
+//! The numbers may lie in a memory map that another process writes to. So they are read once, into
+//! an array that nobody else can change, and compared and used there.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x8};
@@ -14,9 +17,9 @@ pub(crate) struct Rows<'a, T> {
 }
 
 /// Numbers of rows, all of them before the last one.
-pub(crate) struct Inside<'a, 'b, T> {
+pub(crate) struct Inside<'a, T, const N: usize> {
     rows: &'a [[T; 3]],
-    at: &'b [u32],
+    at: [u32; N],
 }
 
 impl<'a, T: Copy + Default> Rows<'a, T> {
@@ -31,7 +34,7 @@ impl<'a, T: Copy + Default> Rows<'a, T> {
         self.rows
     }
 
-    /// One row; the last where there is none of that number.
+    /// Returns one row, or the last if there is none of that number.
     #[inline(always)]
     pub(crate) fn row(&self, at: u32) -> &[T; 4] {
         let first = 3 * at as usize;
@@ -39,28 +42,34 @@ impl<'a, T: Copy + Default> Rows<'a, T> {
         row.unwrap_or(&self.last)
     }
 
-    /// Those of these numbers, where each is before the last row: nearly always, and read without a comparison each.
+    /// Returns the rows of these numbers, or `None` unless each number is before the last row. They
+    /// nearly always are, and then no row needs a comparison of its own. There must be a multiple of
+    /// eight numbers.
     #[inline(always)]
-    pub(crate) fn inside<'b, S: Simd>(&self, simd: S, at: &'b [u32]) -> Option<Inside<'a, 'b, T>> {
-        let (eights, rest) = at.as_chunks::<LANES>();
+    pub(crate) fn inside<S: Simd, const N: usize>(&self, simd: S, at: &[u32; N]) -> Option<Inside<'a, T, N>> {
+        const { assert!(N % LANES == 0) };
+        // SAFETY: a reference to plain numbers can be read. The read is volatile so that the compiler
+        // reads each number once, not again after the comparison.
+        #[allow(unsafe_code)]
+        let at = unsafe { std::ptr::read_volatile(at) };
         let mut greatest = u32x8::splat(simd, 0);
-        for eight in eights {
+        for eight in at.as_chunks::<LANES>().0 {
             greatest = greatest.max(u32x8::from_slice(simd, eight));
         }
-        let greatest = rest.iter().fold(greatest.reduce_max(), |greatest, &row| row.max(greatest));
         // A number and one may be more than an index can be.
-        let inside = (greatest as usize) < self.rows.len().saturating_sub(1);
+        let inside = (greatest.reduce_max() as usize) < self.rows.len().saturating_sub(1);
         inside.then_some(Inside { rows: self.rows, at })
     }
 }
 
-impl<'a, T> Inside<'a, '_, T> {
+impl<'a, T, const N: usize> Inside<'a, T, N> {
     /// The row of one of the numbers.
     #[inline(always)]
     pub(crate) fn row(&self, index: usize) -> &'a [T; 4] {
         let row = self.at[index] as usize;
-        // SAFETY: another row follows this one (`Rows::inside`, and what it compared is borrowed since), so that three numbers
-        // from its first on, and a fourth, are of the slice; an array is aligned as its elements are.
+        // SAFETY: another row follows this one (`Rows::inside`, and nobody else can change the
+        // numbers that it compared), so that three numbers from its first on, and a fourth, are of
+        // the slice; an array is aligned as its elements are.
         #[allow(unsafe_code)]
         unsafe {
             &*self.rows.as_ptr().add(row).cast::<[T; 4]>()
@@ -83,11 +92,10 @@ mod tests {
         assert_eq!(none.row(0), &[0.0; 4]);
         for (name, level) in kernel_levels() {
             dispatch_every!(level, simd => {
-                // Among the whole vectors of numbers, and among those that are left.
-                for (count, place) in [(3, 2), (8, 7), (24, 0), (26, 25)] {
+                for place in [0, 7, 8, 23] {
                     for row in (0..9).chain([9, u32::MAX]) {
-                        let mut at = vec![0; count];
-                        (at[place], at[count - 1 - place]) = (row, 5);
+                        let mut at = [0; 24];
+                        (at[place], at[23 - place]) = (row, 5);
                         let inside = rows.inside(simd, &at);
                         assert_eq!(inside.is_some(), row < 8, "{name}: the last row has no fourth number");
                         for (index, &row) in at.iter().enumerate().filter(|_| row < 9) {
@@ -96,7 +104,7 @@ mod tests {
                         }
                     }
                 }
-                assert!(none.inside(simd, &[0]).is_none());
+                assert!(none.inside(simd, &[0; 8]).is_none());
             });
         }
     }
