@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 from typing import TYPE_CHECKING, Any, Literal, Protocol, final, get_args
 
@@ -299,13 +298,7 @@ class Mesh(PointQueries):
         path = path_of(path, "path")
         if not path.lower().endswith(".impinge"):
             raise InputError(f"{path!r} does not end in .impinge", kind="option", what="path")
-        beside = f"{path}.{os.getpid()}.tmp"
-        try:
-            _impinge.bake(self, beside, self._about(), flag(proxies, "proxies"))
-            os.replace(beside, path)
-        finally:
-            with contextlib.suppress(FileNotFoundError):
-                os.remove(beside)
+        _impinge.bake(self, path, self._about(), flag(proxies, "proxies"))
 
     def to_baked(self, *, proxies: bool = False) -> bytes:
         """Return the bytes that `bake` would write, for `from_baked` or for memory that processes share.

@@ -84,7 +84,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     if Format::from_extension(&output::extension(path)) != Some(Format::Baked) {
         return Err(output::unknown_extension(path, ".impinge"));
     }
-    output::spare(path, &[&arguments.mesh])?;
+    output::judge(path, &[&arguments.mesh])?;
     let (loaded, load) = timed("loading", || Loaded::from_file(&arguments.mesh, None));
     let loaded = loaded?;
     for warning in &loaded.warnings {

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use crate::NO_ANSWER;
 use crate::failure::Failure;
+use crate::output;
 
 /// Whether the last word on standard output is being said: an interrupt from then on adds nothing to it.
 static CONCLUDED: AtomicBool = AtomicBool::new(false);
@@ -51,6 +52,7 @@ pub(crate) fn conclude_when_interrupted(json: bool) {
                 let _ = conclude(&to_line(&NoAnswer { error: &failure, complete: Some(false) }));
             }
         }
+        output::abandon();
         process::exit(i32::from(NO_ANSWER));
     });
 }

@@ -40,6 +40,7 @@ mod obj;
 mod off;
 mod ply;
 mod polygon;
+mod replace;
 mod stl;
 mod text;
 mod three_mf;
@@ -54,6 +55,7 @@ pub use error::{LoadError, LoadErrorKind, Place};
 pub use format::Format;
 pub use model::{Model, Warning, WarningKind};
 pub use ply::write_ply;
+pub use replace::replace_file;
 pub use unit::{Unit, UnknownUnit};
 
 use impinge::character::Rig;

@@ -1,13 +1,12 @@
 //! What a file holds, before a mesh is made of it; and meshes baked to files.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use impinge::storage::AlignedBytes;
 use impinge::{Mesh, Positions};
-use impinge_files::{Baked, Format, LoadError, Provenance, Unit, Warning, write_baked};
+use impinge_files::{Baked, Format, LoadError, Provenance, Unit, Warning, replace_file, write_baked};
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -148,7 +147,7 @@ type About = (Vec<u32>, Vec<u32>, Vec<String>, Option<String>);
 /// Writes a mesh with its hierarchy, where its faces come from, and its proxies where they are wanted, to a file.
 #[pyfunction]
 pub(crate) fn bake(mesh: &Bound<'_, PyAny>, path: PathBuf, about: About, with_proxies: bool) -> PyResult<()> {
-    write(mesh, about, with_proxies, move || Ok(BufWriter::new(File::create(path)?))).map(drop)
+    write(mesh, about, with_proxies, move |content| replace_file(path, content))
 }
 
 /// The bytes that [`bake`] writes.
@@ -158,26 +157,29 @@ pub(crate) fn to_baked<'py>(
     about: About,
     with_proxies: bool,
 ) -> PyResult<Bound<'py, PyBytes>> {
-    let written = write(mesh, about, with_proxies, || Ok(Vec::new()))?;
+    let written = write(mesh, about, with_proxies, |content| {
+        let mut bytes = Vec::new();
+        content(&mut bytes)?;
+        Ok(bytes)
+    })?;
     Ok(PyBytes::new(mesh.py(), &written))
 }
 
-fn write<W: Write + Send + 'static>(
+/// What writes the bytes of a baked file.
+type Writing = Box<dyn FnOnce(&mut dyn Write) -> io::Result<()>>;
+
+fn write<T: Send + 'static>(
     mesh: &Bound<'_, PyAny>,
     (sources, part_of, parts, unit): About,
     with_proxies: bool,
-    open: impl FnOnce() -> io::Result<W> + Send + 'static,
-) -> PyResult<W> {
+    to: impl FnOnce(Writing) -> io::Result<T> + Send + 'static,
+) -> PyResult<T> {
     let unit = unit.and_then(|unit| unit.parse().ok());
     let provenance = Provenance { sources, part_of, parts, unit };
     let py = mesh.py();
     let (mesh, proxies) = if with_proxies { proxies_of(mesh)? } else { (mesh_of(mesh, "mesh")?, None) };
-    let written: io::Result<W> = workers::run(py, move |_| {
-        let mut out = open()?;
-        write_baked(&mesh, &provenance, proxies.as_ref(), &mut out)?;
-        out.flush()?;
-        Ok(out)
-    })?;
+    let written: io::Result<T> =
+        workers::run(py, move |_| to(Box::new(move |out| write_baked(&mesh, &provenance, proxies.as_ref(), out))))?;
     Ok(written?)
 }
 

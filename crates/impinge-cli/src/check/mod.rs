@@ -143,7 +143,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         curves_file::judge(path)?;
     }
     for path in [arguments.pairs.as_deref(), curves_file].into_iter().flatten() {
-        output::spare(path, &[&arguments.a, &arguments.b])?;
+        output::judge(path, &[&arguments.a, &arguments.b])?;
     }
     let poses = arguments.poses()?;
     let outcome = match arguments.threads {

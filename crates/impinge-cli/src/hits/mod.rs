@@ -85,7 +85,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let path = &arguments.character;
     for written in arguments.picture.iter().chain(&arguments.save) {
         let inputs: Vec<_> = std::iter::once(path).chain(&arguments.plan).map(PathBuf::as_path).collect();
-        output::spare(written, &inputs)?;
+        output::judge(written, &inputs)?;
     }
     if let Some(picture) = arguments.picture.as_ref().filter(|picture| output::extension(picture) != "png") {
         return Err(output::unknown_extension(picture, ".png"));

@@ -93,7 +93,7 @@ struct Seconds {
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let picture = match &arguments.picture {
         Some(path) => {
-            output::spare(path, &[&arguments.mesh])?;
+            output::judge(path, &[&arguments.mesh])?;
             Some((path, PictureFormat::of(path)?))
         }
         None => None,

@@ -149,10 +149,11 @@ struct Outcome {
 /// # Errors
 /// Where there are no threads to be had, or a file cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
-    if let Some(path) = &arguments.plot
-        && output::extension(path) != "svg"
-    {
-        return Err(output::unknown_extension(path, ".svg"));
+    if let Some(path) = &arguments.plot {
+        if output::extension(path) != "svg" {
+            return Err(output::unknown_extension(path, ".svg"));
+        }
+        output::judge(path, &[])?;
     }
     let outcome = match arguments.threads {
         None => measure(arguments),

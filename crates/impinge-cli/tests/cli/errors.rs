@@ -1,5 +1,7 @@
 //! Questions without an answer: exit code 2, a message for a person and, where it was asked for, an object.
 
+use std::fs;
+
 use crate::Folder;
 
 /// Asks with and without `--json`; both must fail alike. Returns the object inside `error`, as text, and the message.
@@ -133,7 +135,22 @@ fn outputs_are_judged_before_any_work() {
     let before = folder.read("big.obj");
     let (object, _) = error(&folder, "check cube.obj big.obj --curves ./big.obj");
     assert!(object.contains("would overwrite an input"), "{object}");
+    fs::hard_link(folder.path("big.obj"), folder.path("also_big.obj")).unwrap();
+    let (object, _) = error(&folder, "check cube.obj big.obj --curves also_big.obj");
+    assert!(object.contains("would overwrite an input"), "{object}");
     assert_eq!(folder.read("big.obj"), before);
+    for command in [
+        "check missing.obj missing.obj --pairs out/p.csv",
+        "check missing.obj missing.obj --curves out/c.obj",
+        "bake missing.obj -o out/m.impinge",
+        "inspect missing.obj --picture out/m.png",
+        "hits missing.glb --picture out/m.png",
+        "world --plot out/w.svg",
+    ] {
+        let (object, message) = error(&folder, command);
+        assert!(object.contains("its folder does not exist"), "{command}: {object}");
+        assert!(message.contains("create the folder out first"), "{command}: {message}");
+    }
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Interrupted before there is an answer.
 #![cfg(unix)]
 
-use std::fs::File;
+use std::fmt::Write;
+use std::fs::{self, File};
 use std::process::{Command, Stdio};
 
 use crate::{Folder, Run};
@@ -33,4 +34,42 @@ fn an_interrupt_is_no_answer_and_says_so() {
     let object =
         r#"{"error":{"kind":"interrupted","message":"interrupted before the answer was known"},"complete":false}"#;
     assert_eq!(interrupted(&["--json"]), Run { code: 2, stdout: format!("{object}\n"), stderr });
+}
+
+/// Blades that all stand across each other: `along` the first axis or the second.
+fn blades(along: usize) -> String {
+    let mut text = String::new();
+    for i in 0..1_500 {
+        let at = f64::from(i) / 1_500.0;
+        let corner = |reach: f64, z: f64| if along == 0 { [reach, at, z] } else { [at, reach, z] };
+        for [x, y, z] in [corner(-1.0, 0.0), corner(3.0, 0.0), corner(0.0, 1.0)] {
+            writeln!(text, "v {x} {y} {z}").unwrap();
+        }
+        writeln!(text, "f -3 -2 -1").unwrap();
+    }
+    text
+}
+
+#[test]
+fn an_interrupt_while_a_file_is_written_leaves_the_old_one_and_nothing_else() {
+    let folder = Folder::new();
+    folder.write("a.obj", &blades(0));
+    folder.write("b.obj", &blades(1));
+    folder.write("pairs.csv", "the old file");
+    let names = || -> Vec<String> {
+        let entries = fs::read_dir(folder.path("")).unwrap();
+        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    };
+    let before = names();
+    let mut command = folder.command("check a.obj b.obj --pairs pairs.csv".split(' '));
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    while names() == before {
+        assert_eq!(child.try_wait().unwrap(), None, "it ended before a file was seen beside");
+    }
+    let kill = format!("kill -INT {}", child.id());
+    assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(2), "it was too late to interrupt it");
+    assert_eq!((names(), folder.read("pairs.csv").as_str()), (before, "the old file"));
 }

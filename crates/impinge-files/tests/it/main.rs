@@ -1,6 +1,7 @@
 //! The integration tests of the file formats. They are one program, because each program is compiled and linked on its own.
 
 mod baked;
+mod changing;
 mod characters;
 mod cloth;
 mod load;
