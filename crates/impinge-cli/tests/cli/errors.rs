@@ -156,7 +156,8 @@ fn outputs_are_judged_before_any_work() {
 #[test]
 fn an_output_that_cannot_be_written() {
     let folder = Folder::new();
-    for option in ["--pairs nowhere/out.csv", "--pairs nowhere/out.npy", "--curves nowhere/out.obj"] {
+    for option in ["--pairs out.csv", "--pairs out.npy", "--curves out.obj"] {
+        fs::create_dir(folder.path(option.split(' ').nth(1).unwrap())).unwrap();
         let (object, message) = error(&folder, &format!("check cube.obj cube.obj {option}"));
         let file = option.split(' ').nth(1).unwrap();
         let expected = format!(r#"{{"kind":"io","file":"{file}","message":"cannot be written: "#);

@@ -100,7 +100,7 @@ fn what_cannot_be_drawn_is_refused_before_any_work() {
         ("inspect missing.obj --picture out.gif", "its extension does not say what to write"),
         ("inspect cube.obj --picture ./cube.obj", "would overwrite an input"),
         ("inspect missing.obj", "missing.obj"),
-        ("inspect cube.obj --picture nowhere/out.png", "cannot be written"),
+        ("inspect missing.obj --picture nowhere/out.png", "its folder does not exist"),
         ("inspect cube.obj --level 2", "--picture"),
     ] {
         let run = folder.run(arguments);
