@@ -60,11 +60,8 @@ impl Mesh {
         let points = &topology.first_at;
         let faces: Vec<[u32; 3]> = self.faces().par_iter().map(|face| face.map(|v| points[v as usize])).collect();
         let mut health = Health {
-            degenerate_faces: (0..faces.len() as u32)
-                .into_par_iter()
-                .filter(|&face| is_degenerate(&self.corners(face)))
-                .count(),
-            duplicate_faces: duplicate_faces(&faces),
+            degenerate_faces: degenerate_faces(self).len(),
+            duplicate_faces: duplicate_faces(self).len(),
             duplicate_vertices: points.iter().zip(0..).filter(|&(&point, vertex)| point != vertex).count(),
             unused_vertices: unused(self.faces(), points.len()),
             components: topology.components.first_faces.len(),
@@ -79,6 +76,11 @@ impl Mesh {
         count_edges(&faces, &mut health);
         health
     }
+}
+
+/// Returns the faces without area.
+pub(super) fn degenerate_faces(mesh: &Mesh) -> Vec<u32> {
+    (0..mesh.faces().len() as u32).into_par_iter().filter(|&face| is_degenerate(&mesh.corners(face))).collect()
 }
 
 /// Whether the corners lie on one line, exactly.
@@ -100,16 +102,19 @@ fn is_degenerate([a, b, c]: &Corners) -> bool {
     dyadic::cross(&from_a(b), &from_a(c)).iter().all(|x| x.sign() == Sign::Zero)
 }
 
-fn duplicate_faces(faces: &[[u32; 3]]) -> usize {
-    let mut sorted: Vec<[u32; 3]> = faces
-        .par_iter()
-        .map(|&(mut face)| {
-            face.sort_unstable();
-            face
-        })
-        .collect();
+/// Returns the faces with the same three points as an earlier one, in any order.
+pub(super) fn duplicate_faces(mesh: &Mesh) -> Vec<u32> {
+    let points = &mesh.topology().first_at;
+    let named = mesh.faces().par_iter().zip(0_u32..mesh.faces().len() as u32).map(|(face, number)| {
+        let mut corners = face.map(|vertex| points[vertex as usize]);
+        corners.sort_unstable();
+        (corners, number)
+    });
+    let mut sorted: Vec<([u32; 3], u32)> = named.collect();
     sorted.par_sort_unstable();
-    sorted.windows(2).filter(|pair| pair[0] == pair[1]).count()
+    let mut later: Vec<u32> = sorted.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| pair[1].1).collect();
+    later.sort_unstable();
+    later
 }
 
 fn unused(faces: &[[u32; 3]], vertices: usize) -> usize {

@@ -104,13 +104,16 @@ pub fn levels() -> Vec<(&'static str, Level)> {
 /// `dispatch_every!`: the scalar one first and AVX-512 too if the feature `all-levels` is on.
 #[cfg(test)]
 pub(crate) fn kernel_levels() -> Vec<(&'static str, Level)> {
-    let mut all = levels();
+    #[cfg(not(feature = "all-levels"))]
+    let all = levels();
     #[cfg(feature = "all-levels")]
-    {
+    let all = {
+        let mut all = levels();
         all.retain(|(name, _)| *name != "scalar");
         all.insert(0, ("scalar", Level::fallback()));
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         all.extend(Level::new().as_avx512().map(|token| ("avx512", Level::Avx512(token))));
-    }
+        all
+    };
     all
 }
