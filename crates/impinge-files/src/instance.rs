@@ -44,6 +44,18 @@ impl Budget {
         Self(bytes.saturating_mul(4).clamp(1 << 24, u64::from(u32::MAX)))
     }
 
+    /// Returns the budget for the bytes of all names of parts: 2^24, or 32 per byte of the file if that is more. A name
+    /// has at most [`MAX_NAME`](crate::text::MAX_NAME) bytes, and a node that is used once takes at least 10.
+    pub(crate) fn for_names(bytes: u64) -> Self {
+        Self(bytes.saturating_mul(32).clamp(1 << 24, u64::from(u32::MAX)))
+    }
+
+    /// Returns the budget for nodes that are visited, once for each path that reaches them: 2^20, or one per byte of the
+    /// file if that is more. A node that is reached once takes more than one byte.
+    pub(crate) fn for_nodes(bytes: u64) -> Self {
+        Self(bytes.clamp(1 << 20, u64::from(u32::MAX)))
+    }
+
     pub(crate) fn check(self, what: &'static str, count: u64) -> Result<(), LoadError> {
         if count <= self.0 {
             return Ok(());
