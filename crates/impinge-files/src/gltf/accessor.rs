@@ -12,6 +12,8 @@ use super::{
 pub(super) struct Source<'a> {
     pub(super) document: &'a Document,
     pub(super) buffers: &'a Buffers<'a>,
+    /// Number of bytes of the document's text.
+    pub(super) json_len: u64,
 }
 
 /// Types of components by their OpenGL numbers.
@@ -21,6 +23,9 @@ pub(super) const I16: u32 = 5122;
 pub(super) const U16: u32 = 5123;
 const U32: u32 = 5125;
 pub(super) const F32: u32 = 5126;
+
+/// Number of elements without data that any file may have. They take some 100 KiB.
+const FEW_ZEROS: u64 = 2048;
 
 impl Source<'_> {
     /// How many elements an accessor has.
@@ -96,9 +101,12 @@ impl Source<'_> {
         Ok(elements)
     }
 
-    /// What sparse elements replace where there is no view. Real files have a fair share of data for them.
+    /// Returns the elements of an accessor without a view: zeros, of which sparse elements may replace some.
+    ///
+    /// Zeros take no room in the file, so that their number must be limited: to that of the bytes of the document and its
+    /// buffers, or [`FEW_ZEROS`].
     fn zeros<const N: usize>(&self, count: u64) -> Result<Vec<[f64; N]>, LoadError> {
-        let limit = self.buffers.total_len();
+        let limit = (self.json_len + self.buffers.total_len()).max(FEW_ZEROS);
         if count <= limit {
             return Ok(vec![[0.0; N]; count as usize]);
         }
@@ -184,7 +192,7 @@ impl Source<'_> {
         let view = self.document.buffer_views.get(index as usize).ok_or_else(|| missing("buffer view", index))?;
         let Some(bytes) = self.buffers.get(view.buffer) else {
             return Err(match view.extensions.meshopt {
-                Some(_) => super::lacking("EXT_meshopt_compression"),
+                Some(_) => super::extensions::lacking("EXT_meshopt_compression"),
                 None => LoadError::syntax(format!("data in buffer {}", view.buffer), b""),
             });
         };
