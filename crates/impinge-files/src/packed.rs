@@ -11,9 +11,9 @@ use crate::{
 
 /// Number of bytes that may still be unpacked.
 ///
-/// Deflate packs up to 1,000 to 1, while meshes pack at most some 30 to 1. A file may unpack to 64 MiB plus 64 times its
-/// size: a larger limit lets small hostile files take more memory, a smaller one refuses files that only repeat
-/// themselves.
+/// Deflate packs up to 1,000 to 1, while meshes pack at most some 30 to 1. A file may unpack to 64
+/// MiB plus 64 times its size: a larger limit lets small hostile files take more memory, a smaller
+/// one refuses files that only repeat themselves.
 pub(crate) struct Allowance(u64);
 
 impl Allowance {
@@ -22,7 +22,8 @@ impl Allowance {
         Self((64 << 20) + bytes.saturating_mul(64))
     }
 
-    /// Reads to the end and appends to `unpacked`. If the reader fails, the error expects `expected`.
+    /// Reads to the end and appends to `unpacked`. If the reader fails, the error expects
+    /// `expected`.
     pub(crate) fn read(
         &mut self,
         reader: impl Read,
@@ -42,7 +43,8 @@ impl Allowance {
     }
 }
 
-/// Reports whether the bytes begin as a gzip file: its signature, deflate as the method, and no reserved flag.
+/// Reports whether the bytes begin as a gzip file: its signature, deflate as the method, and no
+/// reserved flag.
 pub(crate) fn is_gzip(bytes: &[u8]) -> bool {
     matches!(bytes, [0x1F, 0x8B, 8, flags, ..] if flags & 0xE0 == 0)
 }

@@ -1,6 +1,7 @@
 //! XML as 3MF and COLLADA use it: text in any of their encodings, and attributes.
 //!
-//! Entities that a document defines are never expanded, so that a short file cannot stand for a long one.
+//! Entities that a document defines are never expanded, so that a short file cannot stand for a
+//! long one.
 
 use std::borrow::Cow;
 
@@ -20,7 +21,8 @@ pub(crate) enum Encoding {
     UnicodeOrLatin1,
 }
 
-/// Returns the text without its byte order mark. UTF-16 is recognized by its mark, or by a first `<` of two bytes.
+/// Returns the text without its byte order mark. UTF-16 is recognized by its mark, or by a first
+/// `<` of two bytes.
 pub(crate) fn decode(bytes: Vec<u8>, encoding: Encoding) -> Result<String, LoadError> {
     let word: Option<fn([u8; 2]) -> u16> = match bytes.as_slice() {
         [0xFF, 0xFE, ..] | [b'<', 0, ..] => Some(u16::from_le_bytes),
@@ -48,7 +50,8 @@ pub(crate) fn decode(bytes: Vec<u8>, encoding: Encoding) -> Result<String, LoadE
     }
 }
 
-/// Returns the attributes of an element with their values. A malformed attribute is left out, and then missed.
+/// Returns the attributes of an element with their values. A malformed attribute is left out, and
+/// then missed.
 pub(crate) fn attributes<'a>(element: &'a BytesStart<'_>) -> impl Iterator<Item = (&'a str, Cow<'a, str>)> {
     normalized(element.attributes())
 }

@@ -1,13 +1,15 @@
-//! A COLLADA geometry: its sources of positions and its primitives, triangulated once however often it is placed.
+//! A COLLADA geometry: its sources of positions and its primitives, triangulated once however often
+//! it is placed.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, rc::Rc};
 
 use crate::{
     error::{LoadError, LoadErrorKind},
+    instance::Budget,
     model::{Faces, WarningKind},
 };
 
-use super::tree::{FLOATS, INTEGERS, Id, Tree};
+use super::tree::{INTEGERS, Id, Tree};
 
 /// The vertices and triangles of a geometry as it is modelled. All triangles belong to part 0.
 #[derive(Default)]
@@ -16,6 +18,35 @@ pub(super) struct Geometry {
     pub(super) faces: Faces,
     /// The first position of each source.
     sources: HashMap<Id, Range>,
+}
+
+/// What geometries share: any of them may name any array of the document, again and again.
+pub(super) struct Arrays {
+    /// Every array that was read.
+    values: HashMap<Id, Rc<Vec<f64>>>,
+    /// Number of positions of all sources.
+    positions: u64,
+    budget: Budget,
+}
+
+impl Arrays {
+    pub(super) fn new(budget: Budget) -> Self {
+        Self { values: HashMap::new(), positions: 0, budget }
+    }
+
+    fn read(&mut self, tree: &Tree<'_>, array: Id) -> Result<Rc<Vec<f64>>, LoadError> {
+        if let Some(values) = self.values.get(&array) {
+            return Ok(Rc::clone(values));
+        }
+        let values = Rc::new(tree.floats(array)?);
+        self.values.insert(array, Rc::clone(&values));
+        Ok(values)
+    }
+
+    fn count(&mut self, positions: usize) -> Result<(), LoadError> {
+        self.positions += positions as u64;
+        self.budget.check("positions of sources", self.positions)
+    }
 }
 
 /// The positions of a source.
@@ -35,7 +66,7 @@ struct Corners {
 }
 
 impl Geometry {
-    pub(super) fn read(tree: &Tree<'_>, id: Id) -> Result<Self, LoadError> {
+    pub(super) fn read(tree: &Tree<'_>, id: Id, arrays: &mut Arrays) -> Result<Self, LoadError> {
         let mut geometry = Self::default();
         for child in tree.children(id) {
             match tree.name(child) {
@@ -43,7 +74,7 @@ impl Geometry {
                     return Err(LoadError::unsupported("convex_hull_of").at(tree.place(child)));
                 }
                 "mesh" | "convex_mesh" => {
-                    tree.children(child).try_for_each(|primitive| geometry.primitive(tree, primitive))?;
+                    tree.children(child).try_for_each(|primitive| geometry.primitive(tree, primitive, arrays))?;
                 }
                 "spline" | "brep" => geometry.skip(tree, child),
                 _ => {}
@@ -57,7 +88,7 @@ impl Geometry {
         self.faces.warnings.add(WarningKind::NotTriangles, 1, || Some(tree.place(id)));
     }
 
-    fn primitive(&mut self, tree: &Tree<'_>, id: Id) -> Result<(), LoadError> {
+    fn primitive(&mut self, tree: &Tree<'_>, id: Id, arrays: &mut Arrays) -> Result<(), LoadError> {
         let name = tree.name(id);
         let is_surface = matches!(name, "triangles" | "trifans" | "tristrips" | "polygons" | "polylist");
         let is_line = matches!(name, "lines" | "linestrips");
@@ -70,7 +101,7 @@ impl Geometry {
             self.skip(tree, id);
             return Ok(());
         }
-        let layout = self.layout(tree, id)?;
+        let layout = self.layout(tree, id, arrays)?;
         let mut corners = Vec::new();
         if name == "polylist" {
             for p in tree.children_named(id, "p") {
@@ -115,7 +146,8 @@ impl Geometry {
         Ok(())
     }
 
-    /// Every other triangle of a strip is turned. Those that repeat a corner join strips and have no surface.
+    /// Every other triangle of a strip is turned. Those that repeat a corner join strips and have
+    /// no surface.
     fn strip(&mut self, tree: &Tree<'_>, list: Id, corners: &[u32]) -> Result<(), LoadError> {
         let mut joints = 0;
         for (i, window) in corners.windows(3).enumerate() {
@@ -191,7 +223,7 @@ impl Geometry {
     }
 
     /// Reads the inputs of a primitive, and the positions that they name.
-    fn layout(&mut self, tree: &Tree<'_>, id: Id) -> Result<Corners, LoadError> {
+    fn layout(&mut self, tree: &Tree<'_>, id: Id, arrays: &mut Arrays) -> Result<Corners, LoadError> {
         let (mut stride, mut found) = (0, None);
         for input in tree.children_named(id, "input") {
             let offset = tree.count(input, "offset", 0)?;
@@ -214,7 +246,7 @@ impl Geometry {
             Some(&range) => range,
             None => {
                 let first = self.positions.len();
-                read_positions(tree, source, &mut self.positions)?;
+                read_positions(tree, source, arrays, &mut self.positions)?;
                 let range = Range { first, len: self.positions.len() - first };
                 self.sources.insert(source, range);
                 range
@@ -245,7 +277,12 @@ fn face_of(tree: &Tree<'_>, primitive: Id, corner: usize) -> u64 {
 }
 
 /// Appends the positions of a source, as its accessor picks them from an array.
-fn read_positions(tree: &Tree<'_>, source: Id, positions: &mut Vec<[f64; 3]>) -> Result<(), LoadError> {
+fn read_positions(
+    tree: &Tree<'_>,
+    source: Id,
+    arrays: &mut Arrays,
+    positions: &mut Vec<[f64; 3]>,
+) -> Result<(), LoadError> {
     let accessor = tree.child(source, "technique_common").and_then(|common| tree.child(common, "accessor"));
     let array = match accessor {
         Some(accessor) => tree.target(accessor, "source")?,
@@ -253,11 +290,7 @@ fn read_positions(tree: &Tree<'_>, source: Id, positions: &mut Vec<[f64; 3]>) ->
             LoadError::syntax("a source of positions", tree.name(source).as_bytes()).at(tree.place(source))
         })?,
     };
-    let mut values = Vec::new();
-    tree.each_number(array, FLOATS, |x| {
-        values.push(x);
-        Ok(())
-    })?;
+    let values = arrays.read(tree, array)?;
     let (axes, mut stride) = accessor.map_or(([0, 1, 2], 3), |accessor| axes(tree, accessor));
     let (mut offset, mut count) = (0, values.len() / stride);
     if let Some(accessor) = accessor {
@@ -278,6 +311,7 @@ fn read_positions(tree: &Tree<'_>, source: Id, positions: &mut Vec<[f64; 3]>) ->
         let error = LoadError::truncated("positions", count as u64, room as u64);
         return Err(error.at(tree.place(accessor.unwrap_or(source))));
     }
+    arrays.count(count).map_err(|e| e.at(tree.place(source)))?;
     positions.reserve(count);
     for vertex in 0..count {
         let position = axes.map(|axis| values[offset + vertex * stride + axis]);
@@ -289,7 +323,8 @@ fn read_positions(tree: &Tree<'_>, source: Id, positions: &mut Vec<[f64; 3]>) ->
     Ok(())
 }
 
-/// Returns which values of an element are x, y and z, and the number of values if the accessor does not state it.
+/// Returns which values of an element are x, y and z, and the number of values if the accessor does
+/// not state it.
 ///
 /// Parameters called X, Y and Z are these; otherwise the first three are.
 fn axes(tree: &Tree<'_>, accessor: Id) -> ([usize; 3], usize) {

@@ -1,11 +1,13 @@
 //! COLLADA (Khronos, *COLLADA Digital Asset Schema* 1.4.1 and 1.5.0), as robot descriptions use it.
 //!
-//! - What is loaded is the visual scene that `<scene>` names, or else the first one; without visual scenes all
-//!   geometries, with a warning. Each instance of a geometry is a part, named after the node or else the geometry.
+//! - What is loaded is the visual scene that `<scene>` names, or else the first one; without visual
+//!   scenes all geometries, with a warning. Each instance of a geometry is a part, named after the
+//!   node or else the geometry.
 //! - Node transforms are composed in f64 and applied in f64; then the rule for decimal text holds.
-//! - The axis that `<up_axis>` names, Y without one, is turned to Z. The unit is the one of `<unit>`; positions in a unit
-//!   that [`Unit`] lacks are scaled to metres.
-//! - A skinned or morphed mesh is taken as modelled, by its bind shape matrix. Lines and curves are skipped and counted.
+//! - The axis that `<up_axis>` names, Y without one, is turned to Z. The unit is the one of
+//!   `<unit>`; positions in a unit that [`Unit`] lacks are scaled to metres.
+//! - A skinned or morphed mesh is taken as modelled, by its bind shape matrix. Lines and curves are
+//!   skipped and counted.
 
 mod geometry;
 mod scene;
@@ -30,8 +32,8 @@ use tree::{Id, Tree};
 
 /// Reports whether the bytes begin as a COLLADA document, in UTF-8 or UTF-16.
 pub(crate) fn opens(bytes: &[u8]) -> bool {
-    /// Number of bytes in which the root element must begin: room for a comment before it. A longer comment hides the
-    /// format, so that the extension decides.
+    /// Number of bytes in which the root element must begin: room for a comment before it. A longer
+    /// comment hides the format, so that the extension decides.
     const HEAD: usize = 4096;
     let head = &bytes[..bytes.len().min(HEAD)];
     let start = head.strip_prefix(b"\xFF\xFE").or(head.strip_prefix(b"\xFE\xFF")).unwrap_or(without_bom(head));
@@ -64,7 +66,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
     faces.into_model(stored(positions), parts, Some(unit), Format::Collada)
 }
 
-/// Returns the unit of the model, and the map from the document's frame to the model's: Z up, in that unit.
+/// Returns the unit of the model, and the map from the document's frame to the model's: Z up, in
+/// that unit.
 fn frame(tree: &Tree<'_>, root: Id) -> Result<(Unit, Affine), LoadError> {
     let asset = tree.child(root, "asset");
     let of_asset = |name: &str| asset.and_then(|asset| tree.child(asset, name));
@@ -90,7 +93,8 @@ fn frame(tree: &Tree<'_>, root: Id) -> Result<(Unit, Affine), LoadError> {
 
 /// Returns the unit of an element `unit`, and the factor to it.
 fn unit(tree: &Tree<'_>, element: Id) -> Result<(Unit, f64), LoadError> {
-    /// Maximum relative difference between a stated length and that of a unit: lengths are written from 32-bit floats.
+    /// Maximum relative difference between a stated length and that of a unit: lengths are written
+    /// from 32-bit floats.
     const TOLERANCE: f64 = 1e-6;
     let Some(text) = tree.attribute(element, "meter") else { return Ok((Unit::Metre, 1.0)) };
     // Some exporters write the decimal comma of their user's language.

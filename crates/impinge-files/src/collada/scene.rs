@@ -9,18 +9,19 @@ use crate::{
 };
 
 use super::{
-    geometry::Geometry,
+    geometry::{Arrays, Geometry},
     transform,
     tree::{Id, Tree},
 };
 
-/// Maximum depth of nodes within nodes, and of controllers within controllers. It bounds the stack and ends cycles.
-/// Exporters nest some ten nodes; skeletons nest up to a hundred joints.
+/// Maximum depth of nodes within nodes, and of controllers within controllers. It bounds the stack
+/// and ends cycles. Exporters nest some ten nodes; skeletons nest up to a hundred joints.
 const MAX_DEPTH: u32 = 256;
 
 pub(super) struct Scene<'t, 'a> {
     tree: &'t Tree<'a>,
     geometries: HashMap<Id, Rc<Geometry>>,
+    arrays: Arrays,
     nodes: HashMap<Id, Rc<Node>>,
     limits: Limits,
     visited: u64,
@@ -66,6 +67,7 @@ impl<'t, 'a> Scene<'t, 'a> {
         Self {
             tree,
             geometries: HashMap::new(),
+            arrays: Arrays::new(limits.elements),
             nodes: HashMap::new(),
             limits,
             visited: 0,
@@ -76,8 +78,8 @@ impl<'t, 'a> Scene<'t, 'a> {
         }
     }
 
-    /// Adds all nodes of the scene that the document names, or else of the first one. A document without scenes gives
-    /// all geometries.
+    /// Adds all nodes of the scene that the document names, or else of the first one. A document
+    /// without scenes gives all geometries.
     pub(super) fn add_all(&mut self, root: Id, world: &Affine) -> Result<(), LoadError> {
         let tree = self.tree;
         let named = tree.child(root, "scene").and_then(|scene| tree.child(scene, "instance_visual_scene"));
@@ -86,7 +88,7 @@ impl<'t, 'a> Scene<'t, 'a> {
             libraries.find_map(|library| tree.child(library, "visual_scene"))
         };
         let scene = match named {
-            Some(instance) => Some(tree.target(instance, "url")?),
+            Some(instance) => Some(self.target(instance, "url", "visual_scene")?),
             None => library(),
         };
         if let Some(scene) = scene {
@@ -155,7 +157,8 @@ impl<'t, 'a> Scene<'t, 'a> {
         Ok(Node { map: transform::of_node(tree, id)?, title: tree.title(id), content })
     }
 
-    /// Returns the geometry of a controller, and its bind shape matrix. A skin may deform a morphed geometry.
+    /// Returns the geometry of a controller, and its bind shape matrix. A skin may deform a morphed
+    /// geometry.
     fn controlled(&self, controller: Id) -> Result<(Id, Affine), LoadError> {
         let tree = self.tree;
         let (mut id, mut map) = (controller, Affine::IDENTITY);
@@ -196,7 +199,7 @@ impl<'t, 'a> Scene<'t, 'a> {
         let geometry = match self.geometries.get(&id) {
             Some(geometry) => Rc::clone(geometry),
             None => {
-                let mut geometry = Geometry::read(self.tree, id)?;
+                let mut geometry = Geometry::read(self.tree, id, &mut self.arrays)?;
                 self.faces.warnings.extend(std::mem::take(&mut geometry.faces.warnings).into_vec());
                 let geometry = Rc::new(geometry);
                 self.geometries.insert(id, Rc::clone(&geometry));

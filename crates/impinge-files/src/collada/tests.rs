@@ -246,6 +246,7 @@ fn errors_name_the_line() {
     assert!(bad("stride=\"3\"", "stride=\"0\"").contains("expected a stride of 3 or more"));
     assert!(bad("url=\"#g\"", "url=\"#h\"").contains("expected an element with the id \"h\""));
     assert!(bad("url=\"#g\"", "url=\"#v\"").contains("expected the id of a geometry, found \"the element vertices\""));
+    assert!(bad("url=\"#s\"", "url=\"#g\"").contains("expected the id of a visual_scene"));
     assert!(bad("url=\"#g\"", "url=\"x.dae#g\"").contains("needs the file \"x.dae#g\" beside it"));
     assert!(bad("1.4.1", "1.3.0").contains("needs COLLADA version \"1.3.0\""));
     assert!(bad("<mesh>", "<convex_mesh convex_hull_of=\"#g\"/><mesh>").contains("needs convex_hull_of"));
@@ -274,6 +275,16 @@ fn bombs_do_not_go_off() {
         error(&with_nodes("", &format!("{doubling}{end}")))
             .contains("nodes are more than the 1048576 that are allowed")
     );
+    // Many sources that name one long array.
+    let source = |i: usize| {
+        let accessor = "<technique_common><accessor source=\"#long\" count=\"10000\" stride=\"3\"/></technique_common>";
+        format!(
+            "<source id=\"s{i}\">{accessor}</source><triangles><input semantic=\"VERTEX\" source=\"#s{i}\"/><p>0 1 2</p></triangles>"
+        )
+    };
+    let long = format!("<source><float_array id=\"long\">{}</float_array></source>", "0 ".repeat(30_000));
+    let text = with_primitives(&(long + &(0..2000).map(source).collect::<String>()));
+    assert!(error(&text).contains("positions of sources are more than the 16777216 that are allowed"));
     // Hundreds of thousands of elements inside of each other need no stack.
     let text = document(&("<extra>".repeat(300_000) + &"</extra>".repeat(300_000)));
     assert!(parse(&text).faces.is_empty());

@@ -1,4 +1,5 @@
-//! The transforms of a COLLADA node (COLLADA 1.4.1 specification, chapter 5, "node"), composed in f64.
+//! The transforms of a COLLADA node (COLLADA 1.4.1 specification, chapter 5, "node"), composed in
+//! f64.
 
 use crate::{error::LoadError, instance::Affine};
 
@@ -57,8 +58,8 @@ fn translation([x, y, z]: Vector) -> Affine {
     Affine { rows: [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]] }
 }
 
-/// Returns the rotation about an axis, which need not have length 1. Quarter turns about a coordinate axis are exact. An
-/// axis of length zero turns nothing.
+/// Returns the rotation about an axis, which need not have length 1. Quarter turns about a
+/// coordinate axis are exact. An axis of length zero turns nothing.
 fn rotation(axis: Vector, degrees: f64) -> Affine {
     let Some([x, y, z]) = normalized(axis) else { return Affine::IDENTITY };
     let (sin, cos) = sin_cos(degrees);
@@ -91,7 +92,8 @@ fn look_at(eye: Vector, interest: Vector, up: Vector) -> Option<Affine> {
     Some(Affine { rows: [0, 1, 2].map(|k| [right[k], up[k], back[k], eye[k]]) })
 }
 
-/// Returns the shear along `along` that turns the direction `turned` by an angle towards it (RenderMan's `Skew`).
+/// Returns the shear along `along` that turns the direction `turned` by an angle towards it
+/// (RenderMan's `Skew`).
 fn skew(degrees: f64, turned: Vector, along: Vector) -> Option<Affine> {
     let along = normalized(along)?;
     let (sin, cos) = sin_cos(degrees);

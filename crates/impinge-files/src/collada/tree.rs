@@ -1,4 +1,5 @@
-//! The elements of a COLLADA document: a flat list of where each stands in the text, in the order of the text.
+//! The elements of a COLLADA document: a flat list of where each stands in the text, in the order
+//! of the text.
 
 use std::{borrow::Cow, collections::HashMap, fmt::Display};
 
@@ -185,7 +186,8 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// Returns the whole number that an attribute holds, or `default` if there is no such attribute.
+    /// Returns the whole number that an attribute holds, or `default` if there is no such
+    /// attribute.
     pub(super) fn count(&self, id: Id, attribute: &str, default: usize) -> Result<usize, LoadError> {
         let Some(value) = self.attribute(id, attribute) else { return Ok(default) };
         integer(value.trim().as_bytes()).and_then(|n| usize::try_from(n).ok()).ok_or_else(|| {
@@ -236,7 +238,7 @@ pub(super) struct Numbers<T> {
 }
 
 /// Decimal numbers.
-pub(super) const FLOATS: Numbers<f64> = Numbers { parse: number, expected: "a number" };
+const FLOATS: Numbers<f64> = Numbers { parse: number, expected: "a number" };
 
 /// Whole numbers.
 pub(super) const INTEGERS: Numbers<i64> = Numbers { parse: integer, expected: "a whole number" };

@@ -1,4 +1,5 @@
-//! Reads accessors: typed views of bytes, strided, normalised, sparse (glTF 2.0 specification, §3.6.2 and §5.1).
+//! Reads accessors: typed views of bytes, strided, normalised, sparse (glTF 2.0 specification,
+//! §3.6.2 and §5.1).
 
 use crate::error::{LoadError, LoadErrorKind, Place};
 
@@ -62,7 +63,8 @@ impl Source<'_> {
         checked.collect()
     }
 
-    /// The elements of an accessor that is to have this shape and one of these types, in f64; they may be NaN.
+    /// The elements of an accessor that is to have this shape and one of these types, in f64; they
+    /// may be NaN.
     pub(super) fn numbers<const N: usize>(
         &self,
         accessor: u32,
@@ -101,10 +103,11 @@ impl Source<'_> {
         Ok(elements)
     }
 
-    /// Returns the elements of an accessor without a view: zeros, of which sparse elements may replace some.
+    /// Returns the elements of an accessor without a view: zeros, of which sparse elements may
+    /// replace some.
     ///
-    /// Zeros take no room in the file, so that their number must be limited: to that of the bytes of the document and its
-    /// buffers, or [`FEW_ZEROS`].
+    /// Zeros take no room in the file, so that their number must be limited: to that of the bytes
+    /// of the document and its buffers, or [`FEW_ZEROS`].
     fn zeros<const N: usize>(&self, count: u64) -> Result<Vec<[f64; N]>, LoadError> {
         let limit = (self.json_len + self.buffers.total_len()).max(FEW_ZEROS);
         if count <= limit {
@@ -179,7 +182,8 @@ impl Source<'_> {
         if count > room {
             return Err(LoadError::truncated("elements", count, room));
         }
-        // As many strides as are there whole, and the last element, after which its stride may be cut off.
+        // As many strides as are there whole, and the last element, after which its stride may be
+        // cut off.
         let element = |at: usize| {
             let chunks = bytes[at..at + N * B].as_chunks::<B>().0;
             std::array::from_fn(|k| value(chunks[k]))

@@ -2,8 +2,9 @@
 
 use crate::error::LoadError;
 
-/// Extensions that are supported, or without which the triangles are still right: materials, lights, metadata,
-/// visibility, sounds, physics, and rules that move nodes only while a program runs.
+/// Extensions that are supported, or without which the triangles are still right: materials,
+/// lights, metadata, visibility, sounds, physics, and rules that move nodes only while a program
+/// runs.
 const NAMES: [&str; 37] = [
     "AGI_articulations",
     "AGI_stk_metadata",
@@ -48,7 +49,8 @@ const NAMES: [&str; 37] = [
 const FAMILIES: [&str; 7] =
     ["ADOBE_materials_", "EXT_lights_", "EXT_materials_", "EXT_texture_", "KHR_materials_", "KHR_texture_", "VRMC_"];
 
-/// Reports whether the triangles are right without an extension, or with it because it is supported.
+/// Reports whether the triangles are right without an extension, or with it because it is
+/// supported.
 pub(super) fn leaves_positions_alone(extension: &str) -> bool {
     NAMES.contains(&extension) || FAMILIES.iter().any(|family| extension.starts_with(family))
 }

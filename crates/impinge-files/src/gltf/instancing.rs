@@ -1,4 +1,5 @@
-//! Many instances of a node's mesh (`EXT_mesh_gpu_instancing`): accessors hold a translation, a rotation and a scale each.
+//! Many instances of a node's mesh (`EXT_mesh_gpu_instancing`): accessors hold a translation, a
+//! rotation and a scale each.
 
 use crate::{
     error::{LoadError, Place},

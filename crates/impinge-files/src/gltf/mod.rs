@@ -1,13 +1,15 @@
 //! glTF 2.0 (Khronos, ISO/IEC 12113), as JSON and in its binary container GLB.
 //!
-//! - What is loaded is the default scene, or else the first; without scenes all root nodes; without nodes all meshes.
-//!   Each node with a mesh is a part, named after the node or else the mesh.
-//! - Node transforms are composed in f64 and applied to the positions in f64; the result is rounded to f32 once.
-//!   A quaternion is taken as the rotation that it is nearest to, its length aside.
-//! - Points and lines are skipped and counted. A skinned mesh is taken as modelled, morph targets are not applied.
+//! - What is loaded is the default scene, or else the first; without scenes all root nodes; without
+//!   nodes all meshes. Each node with a mesh is a part, named after the node or else the mesh.
+//! - Node transforms are composed in f64 and applied to the positions in f64; the result is rounded
+//!   to f32 once. A quaternion is taken as the rotation that it is nearest to, its length aside.
+//! - Points and lines are skipped and counted. A skinned mesh is taken as modelled, morph targets
+//!   are not applied.
 //! - A node that several paths reach is taken once for each path, with a warning.
-//! - `KHR_mesh_quantization` and `EXT_mesh_gpu_instancing` are supported, and extensions that leave positions alone are
-//!   ignored. Any other extension that a file requires is an error that names it.
+//! - `KHR_mesh_quantization` and `EXT_mesh_gpu_instancing` are supported, and extensions that leave
+//!   positions alone are ignored. Any other extension that a file requires is an error that names
+//!   it.
 //! - Buffers are the GLB chunk, base64 text, or files in the folder of the document or below.
 
 mod accessor;
@@ -99,7 +101,8 @@ fn check_version(asset: &Asset) -> Result<(), LoadError> {
 /// How to make a file of glTF 1.0 one of glTF 2.0.
 const CONVERT_VERSION_1: &str = "convert it to glTF 2.0, for example with `npx gltf-pipeline -i in.gltf -o out.gltf`";
 
-/// Counts what the instances add up to before anything is stored; the file and its buffers have `len` bytes.
+/// Counts what the instances add up to before anything is stored; the file and its buffers have
+/// `len` bytes.
 fn check_budget(source: &Source<'_>, instances: &[Instance], len: u64) -> Result<(), LoadError> {
     let (budget, names) = (Budget::for_bytes(len), Budget::for_names(len));
     let mut of_mesh = vec![None; source.document.meshes.len()];

@@ -20,8 +20,8 @@ pub(super) struct Instance {
     pub(super) world: Affine,
 }
 
-/// Returns all instances, parents before children, in the order of the file. A node that several paths reach is taken
-/// once for each of them, within the budget.
+/// Returns all instances, parents before children, in the order of the file. A node that several
+/// paths reach is taken once for each of them, within the budget.
 ///
 /// The walks keep their own stacks, so that the depth of the nodes does not matter.
 pub(super) fn instances(
@@ -59,7 +59,8 @@ pub(super) fn instances(
     Ok(instances)
 }
 
-/// Checks that the nodes exist and form no cycle, and that all paths to them stay within the budget.
+/// Checks that the nodes exist and form no cycle, and that all paths to them stay within the
+/// budget.
 fn count_paths(document: &Document, roots: &[u32], warnings: &mut Warnings, budget: Budget) -> Result<(), LoadError> {
     /// How far the search has come with a node.
     #[derive(Clone, Copy, PartialEq)]
@@ -156,14 +157,17 @@ fn local(node: &Node) -> Result<Affine, LoadError> {
     placement(t, node.rotation.as_deref().copied().unwrap_or([0.0, 0.0, 0.0, 1.0]), s)
 }
 
-/// Returns the map that scales by `s`, rotates by a quaternion of any length, and translates by `t`.
+/// Returns the map that scales by `s`, rotates by a quaternion of any length, and translates by
+/// `t`.
 pub(super) fn placement(t: [f64; 3], [x, y, z, w]: [f64; 4], s: [f64; 3]) -> Result<Affine, LoadError> {
     let square = x * x + y * y + z * z + w * w;
-    // Also the shortest that 32-bit floats can hold is far from this: such a quaternion names no direction.
+    // Also the shortest that 32-bit floats can hold is far from this: such a quaternion names no
+    // direction.
     if !(square.is_finite() && square > f64::MIN_POSITIVE) {
         return Err(LoadError::syntax("a quaternion of length 1", format!("{:?}", [x, y, z, w]).as_bytes()));
     }
-    // Divided by its square, a quaternion of any length gives a rotation, and those of quarter turns give it exactly.
+    // Divided by its square, a quaternion of any length gives a rotation, and those of quarter
+    // turns give it exactly.
     let k = 2.0 / square;
     let rotation = [
         [1.0 - k * (y * y + z * z), k * (x * y - z * w), k * (x * z + y * w)],

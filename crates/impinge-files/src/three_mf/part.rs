@@ -17,7 +17,8 @@ use crate::{
 
 use super::in_part;
 
-/// Extensions that leave the triangles as they are, or are supported. Beams and balls of lattices are counted.
+/// Extensions that leave the triangles as they are, or are supported. Beams and balls of lattices
+/// are counted.
 const KNOWN_EXTENSIONS: [&str; 7] = [
     "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02",
     "http://schemas.microsoft.com/3dmanufacturing/beamlattice/balls/2020/07",
@@ -75,8 +76,8 @@ enum Tag {
 }
 
 impl Tag {
-    /// Returns the tag of an element by its name without the prefix of the core specification. `local` is the name
-    /// without any prefix, for elements of extensions.
+    /// Returns the tag of an element by its name without the prefix of the core specification.
+    /// `local` is the name without any prefix, for elements of extensions.
     fn of(parent: Option<Self>, name: &str, local: &str) -> Self {
         match (parent, local) {
             (Some(Self::Mesh), "beamlattice") => return Self::BeamLattice,
