@@ -50,6 +50,13 @@ pub(crate) fn decode(bytes: Vec<u8>, encoding: Encoding) -> Result<String, LoadE
     }
 }
 
+/// Returns the error that a text is not XML.
+pub(crate) fn ill_formed(error: &quick_xml::Error) -> LoadError {
+    let text = error.to_string();
+    let start = ["ill-formed document: ", "syntax error: "].into_iter().find_map(|start| text.strip_prefix(start));
+    LoadError::syntax("well-formed XML", start.unwrap_or(&text).as_bytes())
+}
+
 /// Returns the attributes of an element with their values. A malformed attribute is left out, and
 /// then missed.
 pub(crate) fn attributes<'a>(element: &'a BytesStart<'_>) -> impl Iterator<Item = (&'a str, Cow<'a, str>)> {

@@ -8,7 +8,7 @@ use quick_xml::{Reader, events::Event};
 use crate::{
     error::{LoadError, Place},
     text::{integer, line_at, number},
-    xml::attributes_of_tag,
+    xml::{attributes_of_tag, ill_formed},
 };
 
 /// The index of an element.
@@ -42,7 +42,7 @@ impl<'a> Tree<'a> {
             let start = reader.buffer_position() as usize;
             let event = reader.read_event().map_err(|e| {
                 let place = tree.line(reader.error_position() as usize);
-                LoadError::syntax("well-formed XML", e.to_string().as_bytes()).at(place)
+                ill_formed(&e).at(place)
             })?;
             let tag_end = reader.buffer_position() as usize;
             match event {

@@ -12,7 +12,7 @@ use crate::{
     instance::Affine,
     text::{name, number},
     unit::Unit,
-    xml::{attributes, refuse_repeated_attributes},
+    xml::{attributes, ill_formed, refuse_repeated_attributes},
 };
 
 use super::in_part;
@@ -110,10 +110,7 @@ impl Part {
         let mut open = Vec::new();
         loop {
             let at = reader.buffer_position();
-            let event = reader.read_event().map_err(|e| {
-                LoadError::syntax("well-formed XML", e.to_string().as_bytes())
-                    .at(in_part(path, reader.error_position()))
-            })?;
+            let event = reader.read_event().map_err(|e| ill_formed(&e).at(in_part(path, reader.error_position())))?;
             match event {
                 Event::Start(element) => {
                     let tag = part.enter(&element, open.last().copied()).map_err(|e| e.at(in_part(path, at)))?;
