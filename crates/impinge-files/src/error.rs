@@ -228,7 +228,7 @@ impl fmt::Display for LoadErrorKind {
                 for (i, format) in Format::ALL.iter().enumerate() {
                     write!(f, "{} .{}", if i == 0 { "" } else { "," }, format.extension())?;
                 }
-                Ok(())
+                write!(f, ", and each of them as .gz")
             }
             Self::UnsupportedFeature { name } => write!(f, "needs {name}, which is not supported"),
             Self::Empty => write!(f, "the file is empty"),

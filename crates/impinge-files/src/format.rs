@@ -21,14 +21,16 @@ pub enum Format {
     Glb,
     /// 3MF, the 3D manufacturing format.
     ThreeMf,
+    /// COLLADA 1.4 or 1.5.
+    Collada,
     /// A mesh that was baked with its hierarchy ([`Baked`](crate::Baked)).
     Baked,
 }
 
 impl Format {
     /// Every format.
-    pub const ALL: [Self; 8] =
-        [Self::Obj, Self::Stl, Self::Ply, Self::Off, Self::Gltf, Self::Glb, Self::ThreeMf, Self::Baked];
+    pub const ALL: [Self; 9] =
+        [Self::Obj, Self::Stl, Self::Ply, Self::Off, Self::Gltf, Self::Glb, Self::ThreeMf, Self::Collada, Self::Baked];
 
     /// The extension of its files, in lower case and without the dot.
     #[must_use]
@@ -41,6 +43,7 @@ impl Format {
             Self::Gltf => "gltf",
             Self::Glb => "glb",
             Self::ThreeMf => "3mf",
+            Self::Collada => "dae",
             Self::Baked => "impinge",
         }
     }
@@ -52,7 +55,8 @@ impl Format {
     }
 
     /// The format that the bytes prove, if they prove one: a signature, or the length law of binary STL.
-    /// OBJ has neither, and text STL only where `solid` is followed by a facet or its end.
+    /// OBJ has neither, and text STL only where `solid` is followed by a facet or its end. A gzip file proves nothing:
+    /// its content does, once it is unpacked.
     #[must_use]
     pub fn of_content(bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(&crate::baked::MAGIC) {
@@ -69,6 +73,9 @@ impl Format {
         }
         if crate::stl::has_binary_length(bytes) || crate::stl::opens_as_text(bytes) {
             return Some(Self::Stl);
+        }
+        if crate::collada::opens(bytes) {
+            return Some(Self::Collada);
         }
         let text = trim_start(without_bom(bytes));
         if crate::off::opens(text) {
@@ -88,6 +95,7 @@ impl fmt::Display for Format {
             Self::Gltf => "glTF",
             Self::Glb => "GLB",
             Self::ThreeMf => "3MF",
+            Self::Collada => "COLLADA",
             Self::Baked => "baked",
         })
     }

@@ -1,4 +1,5 @@
-//! Affine maps in f64, and how many triangles a file may make of its own by naming a mesh again and again.
+//! Affine maps in f64, and how many triangles a file may make of its own by naming a mesh again and
+//! again.
 
 use crate::error::{LoadError, LoadErrorKind};
 
@@ -34,14 +35,29 @@ impl Affine {
     }
 }
 
-/// How many vertices and triangles the instances of a file may add up to: 2^24, or four per byte of the file if that is
-/// more. Files of a few hundred bytes can otherwise ask for any amount of memory; real assemblies stay far below.
+/// How many vertices and triangles the instances of a file may add up to: 2^24, or four per byte of
+/// the file if that is more. Files of a few hundred bytes can otherwise ask for any amount of
+/// memory; real assemblies stay far below.
 #[derive(Clone, Copy)]
 pub(crate) struct Budget(u64);
 
 impl Budget {
     pub(crate) fn for_bytes(bytes: u64) -> Self {
         Self(bytes.saturating_mul(4).clamp(1 << 24, u64::from(u32::MAX)))
+    }
+
+    /// Returns the budget for the bytes of all names of parts: 2^24, or 32 per byte of the file if
+    /// that is more. A name has at most [`MAX_NAME`](crate::text::MAX_NAME) bytes, and a node that
+    /// is used once takes at least 10.
+    pub(crate) fn for_names(bytes: u64) -> Self {
+        Self(bytes.saturating_mul(32).clamp(1 << 24, u64::from(u32::MAX)))
+    }
+
+    /// Returns the budget for nodes that are visited, once for each path that reaches them: 2^20,
+    /// or one per byte of the file if that is more. A node that is reached once takes more than one
+    /// byte.
+    pub(crate) fn for_nodes(bytes: u64) -> Self {
+        Self(bytes.clamp(1 << 20, u64::from(u32::MAX)))
     }
 
     pub(crate) fn check(self, what: &'static str, count: u64) -> Result<(), LoadError> {

@@ -1,5 +1,5 @@
-//! Triangle meshes from files, for [`impinge`]: OBJ, STL, PLY, OFF, glTF and 3MF; and [baked](Baked) meshes, which
-//! bring their hierarchy.
+//! Triangle meshes from files, for [`impinge`]: OBJ, STL, PLY, OFF, glTF, 3MF and COLLADA, packed by gzip or not; and
+//! [baked](Baked) meshes, which bring their hierarchy.
 //!
 //! ```no_run
 //! let model = impinge_files::load("bunny.obj")?;
@@ -8,9 +8,9 @@
 //! ```
 //!
 //! # What is read, and how
-//! - **Precision.** f32 stays f32 and f64 stays f64. Decimal text of no stated type (OBJ, OFF, ASCII STL, 3MF) is read as
-//!   the nearest f64 to each number, and stored as f32 only where that changes not one of them. ASCII PLY states types.
-//! - **Transforms** of glTF and 3MF are composed in f64 and rounded once, to the precision in which the file's vertices
+//! - **Precision.** f32 stays f32 and f64 stays f64. Decimal text of no stated type (OBJ, OFF, ASCII STL, 3MF, COLLADA) is
+//!   read as the nearest f64 to each number, and stored as f32 only where that changes not one of them. ASCII PLY states types.
+//! - **Transforms** of glTF, 3MF and COLLADA are composed in f64 and rounded once, to the precision in which the file's vertices
 //!   are stored. Where a transform mirrors, the triangles' winding is turned, so that outside stays outside.
 //! - **Polygons** become triangles by ear clipping, concave ones too; a convex one is the fan about its first corner.
 //!   A polygon that crosses itself, has no area or is huge becomes a fan as well, and is counted in a warning. A face of
@@ -19,17 +19,21 @@
 //!   the joints of triangle strips, which are not part of the surface.
 //! - **Vertices** keep the order of the file, used or not. STL has corners only: bitwise equal ones (and 0.0 and -0.0)
 //!   become one vertex. No other format is welded.
-//! - **Units.** glTF is in metres, 3MF states its unit, the others state none.
+//! - **Units.** glTF is in metres, 3MF and COLLADA state their unit, the others state none.
+//! - **Axes** are those of the file. Only COLLADA states which axis points up: its meshes are turned so that Z does.
 //! - **Content before extension.** The extension, in any case, must be a known one. Where the bytes prove another format,
 //!   they are read as what they are, with a warning.
+//! - **Gzip.** A name may end in `.gz` after the extension, as in `part.stl.gz`, or in `.gz` alone if the content proves
+//!   its format.
 //!
 //! # Files are not trusted
 //! A broken file is a [`LoadError`] that names the place, never a panic. Memory and time stay within a multiple of the
-//! file's size, even where its counts lie. Instances of glTF and 3MF, and what is packed in a 3MF, may be larger than the
-//! file, but not without limit. A file without triangles is a valid, empty one, unless it has no bytes at all.
+//! file's size, even where its counts lie. Instances of glTF, 3MF and COLLADA, and what is packed in a 3MF or by gzip, may be
+//! larger than the file, but not without limit. A file without triangles is a valid, empty one, unless it has no bytes at all.
 
 mod baked;
 mod character_file;
+mod collada;
 mod error;
 mod format;
 mod gltf;
@@ -38,6 +42,7 @@ mod memory_map;
 mod model;
 mod obj;
 mod off;
+mod packed;
 mod ply;
 mod polygon;
 mod replace;
@@ -46,6 +51,7 @@ mod text;
 mod three_mf;
 mod unit;
 mod weld;
+mod xml;
 
 use std::{fs::File, io::Read, path::Path};
 
@@ -73,13 +79,33 @@ pub fn load(path: impl AsRef<Path>) -> Result<Model, LoadError> {
 
 fn load_file(path: &Path) -> Result<Model, LoadError> {
     let mut file = File::open(path).map_err(|e| LoadError::io(&e))?;
-    let extension = path.extension().unwrap_or_default().to_string_lossy();
-    let Some(format) = Format::from_extension(&extension) else {
-        return Err(LoadError::new(LoadErrorKind::UnsupportedFormat { extension: extension.into_owned() }));
-    };
+    let named = Named::of(path)?;
     let mut bytes = Vec::new();
     file.read_to_end(&mut bytes).map_err(|e| LoadError::io(&e))?;
-    read(&bytes, format, path.parent())
+    read(&bytes, &named, path.parent())
+}
+
+/// What a file's name says of its content.
+struct Named {
+    /// The format, if the name has its extension. Otherwise `extension` ends in `gz`.
+    format: Option<Format>,
+    packed: bool,
+    extension: String,
+}
+
+impl Named {
+    fn of(path: &Path) -> Result<Self, LoadError> {
+        let extension = |path: &Path| path.extension().unwrap_or_default().to_string_lossy().into_owned();
+        let last = extension(path);
+        let packed = last.eq_ignore_ascii_case("gz");
+        let inner = if packed { extension(Path::new(path.file_stem().unwrap_or_default())) } else { last.clone() };
+        let format = Format::from_extension(&inner);
+        if format.is_none() && !packed {
+            return Err(LoadError::new(LoadErrorKind::UnsupportedFormat { extension: last }));
+        }
+        let extension = if packed && !inner.is_empty() { format!("{inner}.{last}") } else { last };
+        Ok(Self { format, packed, extension })
+    }
 }
 
 /// Loads the rigged character of a glTF or GLB file: its skeleton, its skin with morph targets, and its animations.
@@ -111,9 +137,8 @@ pub fn parse_rig(bytes: &[u8]) -> Result<Rig, LoadError> {
 }
 
 fn read_rig(bytes: &[u8], folder: Option<&Path>) -> Result<Rig, LoadError> {
-    if bytes.is_empty() {
-        return Err(LoadError::new(LoadErrorKind::Empty));
-    }
+    let unpacked = unpack(bytes, &mut Warnings::default())?;
+    let bytes = unpacked.as_deref().unwrap_or(bytes);
     match Format::of_content(bytes).unwrap_or(Format::Gltf) {
         format @ (Format::Gltf | Format::Glb) => gltf::rig::read(bytes, format, folder),
         other => Err(LoadError::unsupported(format!("a rig in a file of format {other}"))),
@@ -125,15 +150,18 @@ fn read_rig(bytes: &[u8], folder: Option<&Path>) -> Result<Rig, LoadError> {
 /// # Errors
 /// As [`load`]; the error's path is empty.
 pub fn parse(bytes: &[u8], format: Format) -> Result<Model, LoadError> {
-    read(bytes, format, None)
+    read(bytes, &Named { format: Some(format), packed: false, extension: String::new() }, None)
 }
 
 /// Other files that the content names lie in `folder`.
-fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Model, LoadError> {
-    if bytes.is_empty() {
-        return Err(LoadError::new(LoadErrorKind::Empty));
-    }
-    let actual = Format::of_content(bytes).unwrap_or(format);
+fn read(bytes: &[u8], named: &Named, folder: Option<&Path>) -> Result<Model, LoadError> {
+    let mut warnings = Warnings::default();
+    let unpacked = unpack(bytes, &mut warnings)?;
+    let bytes = unpacked.as_deref().unwrap_or(bytes);
+    let Some(actual) = Format::of_content(bytes).or(named.format) else {
+        let extension = named.extension.clone();
+        return Err(LoadError::new(LoadErrorKind::UnsupportedFormat { extension }));
+    };
     let mut model = match actual {
         Format::Obj => obj::read(bytes),
         Format::Stl => stl::read(bytes),
@@ -141,12 +169,25 @@ fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Model, Lo
         Format::Off => off::read(bytes),
         Format::Gltf | Format::Glb => gltf::read(bytes, actual, folder),
         Format::ThreeMf => three_mf::read(bytes),
+        Format::Collada => collada::read(bytes),
         Format::Baked => baked::read(bytes),
     }?;
-    if actual != format {
-        let mut warnings = Warnings::default();
-        warnings.add(WarningKind::OtherExtension, 1, || None);
-        model.warnings.splice(0..0, warnings.into_vec());
-    }
+    let is_other = named.format.is_some_and(|format| format != actual) || named.packed != unpacked.is_some();
+    let mut all = Warnings::default();
+    all.add(WarningKind::OtherExtension, is_other.into(), || None);
+    all.extend(warnings.into_vec());
+    all.extend(model.warnings);
+    model.warnings = all.into_vec();
     Ok(model)
+}
+
+/// Returns the content of a gzip file, and nothing for another file. Fails if there are no bytes.
+fn unpack(bytes: &[u8], warnings: &mut Warnings) -> Result<Option<Vec<u8>>, LoadError> {
+    // The header of a binary STL may begin in any way.
+    let packed = packed::is_gzip(bytes) && Format::of_content(bytes).is_none();
+    let unpacked = if packed { Some(packed::gunzip(bytes, warnings)?) } else { None };
+    if unpacked.as_deref().unwrap_or(bytes).is_empty() {
+        return Err(LoadError::new(LoadErrorKind::Empty));
+    }
+    Ok(unpacked)
 }

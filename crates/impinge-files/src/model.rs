@@ -70,8 +70,16 @@ pub enum WarningKind {
     StripJoints,
     /// Skinned meshes, taken as modelled, without their skeleton's pose.
     Unposed,
-    /// Nodes whose instancing extension is not supported: only one instance was taken.
+    /// Nodes whose instancing extension places no instances: the mesh was taken once.
     SingleInstances,
+    /// Nodes that several paths from the root reach: one instance was taken for each path.
+    SharedNodes,
+    /// Beams and balls of lattices, left out.
+    Beams,
+    /// Holes in polygons, which were filled.
+    FilledHoles,
+    /// Geometries of a file without a scene, taken as they are modelled.
+    NoScene,
 }
 
 impl fmt::Display for WarningKind {
@@ -87,7 +95,11 @@ impl fmt::Display for WarningKind {
             Self::LeftoverCorners => "corners after the last whole triangle, ignored",
             Self::StripJoints => "triangles of strips that repeat a corner, left out",
             Self::Unposed => "skinned meshes, taken as modelled without the pose of their skeleton",
-            Self::SingleInstances => "nodes with instancing that is not supported, taken once",
+            Self::SingleInstances => "nodes with instancing that places nothing, taken once",
+            Self::SharedNodes => "nodes that several paths reach, taken once for each path",
+            Self::Beams => "beams and balls of lattices, left out",
+            Self::FilledHoles => "holes in polygons, filled",
+            Self::NoScene => "geometries of a file without a scene, taken as they are modelled",
         })
     }
 }
@@ -119,6 +131,13 @@ impl Warnings {
         match self.0.iter_mut().find(|w| w.kind == kind) {
             Some(warning) => warning.count += count,
             None => self.0.push(Warning { kind, count, first: first() }),
+        }
+    }
+
+    /// Adds all of these warnings, each to the one of its kind.
+    pub(crate) fn extend(&mut self, warnings: Vec<Warning>) {
+        for Warning { kind, count, first } in warnings {
+            self.add(kind, count, || first);
         }
     }
 
@@ -192,6 +211,21 @@ impl Faces {
         if outcome == Outcome::Fanned {
             self.warnings.add(WarningKind::FannedPolygons, 1, || Some(place()));
         }
+        Ok(())
+    }
+
+    /// Adds the triangles of another list to a part. Its vertices become those from `first` on. If `mirrored` is true, the
+    /// triangles are turned over.
+    pub(crate) fn append(&mut self, other: &Self, first: u32, part: u32, mirrored: bool) -> Result<(), LoadError> {
+        let before = self.polygons;
+        let after = u64::from(before) + u64::from(other.polygons);
+        self.polygons = u32::try_from(after).map_err(|_| too_many("faces", after))?;
+        self.faces.extend(other.faces.iter().map(|face| {
+            let [a, b, c] = face.map(|i| first + i);
+            if mirrored { [a, c, b] } else { [a, b, c] }
+        }));
+        self.sources.extend(other.sources.iter().map(|source| before + source));
+        self.part_of.extend(std::iter::repeat_n(part, other.faces.len()));
         Ok(())
     }
 

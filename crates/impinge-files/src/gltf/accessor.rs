@@ -1,4 +1,5 @@
-//! Reads accessors: typed views of bytes, strided, normalised, sparse (glTF 2.0 specification, §3.6.2 and §5.1).
+//! Reads accessors: typed views of bytes, strided, normalised, sparse (glTF 2.0 specification,
+//! §3.6.2 and §5.1).
 
 use crate::error::{LoadError, LoadErrorKind, Place};
 
@@ -12,6 +13,8 @@ use super::{
 pub(super) struct Source<'a> {
     pub(super) document: &'a Document,
     pub(super) buffers: &'a Buffers<'a>,
+    /// Number of bytes of the document's text.
+    pub(super) json_len: u64,
 }
 
 /// Types of components by their OpenGL numbers.
@@ -21,6 +24,9 @@ pub(super) const I16: u32 = 5122;
 pub(super) const U16: u32 = 5123;
 const U32: u32 = 5125;
 pub(super) const F32: u32 = 5126;
+
+/// Number of elements without data that any file may have. They take some 100 KiB.
+const FEW_ZEROS: u64 = 2048;
 
 impl Source<'_> {
     /// How many elements an accessor has.
@@ -57,7 +63,8 @@ impl Source<'_> {
         checked.collect()
     }
 
-    /// The elements of an accessor that is to have this shape and one of these types, in f64; they may be NaN.
+    /// The elements of an accessor that is to have this shape and one of these types, in f64; they
+    /// may be NaN.
     pub(super) fn numbers<const N: usize>(
         &self,
         accessor: u32,
@@ -96,9 +103,13 @@ impl Source<'_> {
         Ok(elements)
     }
 
-    /// What sparse elements replace where there is no view. Real files have a fair share of data for them.
+    /// Returns the elements of an accessor without a view: zeros, of which sparse elements may
+    /// replace some.
+    ///
+    /// Zeros take no room in the file, so that their number must be limited: to that of the bytes
+    /// of the document and its buffers, or [`FEW_ZEROS`].
     fn zeros<const N: usize>(&self, count: u64) -> Result<Vec<[f64; N]>, LoadError> {
-        let limit = self.buffers.total_len();
+        let limit = (self.json_len + self.buffers.total_len()).max(FEW_ZEROS);
         if count <= limit {
             return Ok(vec![[0.0; N]; count as usize]);
         }
@@ -171,7 +182,8 @@ impl Source<'_> {
         if count > room {
             return Err(LoadError::truncated("elements", count, room));
         }
-        // As many strides as are there whole, and the last element, after which its stride may be cut off.
+        // As many strides as are there whole, and the last element, after which its stride may be
+        // cut off.
         let element = |at: usize| {
             let chunks = bytes[at..at + N * B].as_chunks::<B>().0;
             std::array::from_fn(|k| value(chunks[k]))
@@ -184,7 +196,7 @@ impl Source<'_> {
         let view = self.document.buffer_views.get(index as usize).ok_or_else(|| missing("buffer view", index))?;
         let Some(bytes) = self.buffers.get(view.buffer) else {
             return Err(match view.extensions.meshopt {
-                Some(_) => super::lacking("EXT_meshopt_compression"),
+                Some(_) => super::extensions::lacking("EXT_meshopt_compression"),
                 None => LoadError::syntax(format!("data in buffer {}", view.buffer), b""),
             });
         };

@@ -15,7 +15,8 @@ pub(super) fn split<'a>(bytes: &'a [u8], warnings: &mut Warnings) -> Result<(&'a
         return Err(LoadError::syntax("glTF", magic).at(Place::Byte(0)));
     }
     if version != 2 {
-        return Err(LoadError::unsupported(format!("GLB version {version}")).at(Place::Byte(4)));
+        let error = LoadError::unsupported(format!("GLB version {version}")).at(Place::Byte(4));
+        return Err(if version == 1 { error.with_hint(super::CONVERT_VERSION_1) } else { error });
     }
     let len = bytes.len() as u64;
     if u64::from(total) > len {

@@ -1,5 +1,7 @@
 //! The part of a glTF document that matters for triangles (glTF 2.0 specification, §5). Unknown fields are skipped.
 
+use std::collections::HashMap;
+
 use serde::{Deserialize, de::IgnoredAny};
 
 #[derive(Deserialize)]
@@ -21,6 +23,12 @@ pub(super) struct Document {
     pub(super) buffer_views: Vec<View>,
     #[serde(default)]
     pub(super) buffers: Vec<Buffer>,
+}
+
+/// The part of a document that every version has.
+#[derive(Deserialize)]
+pub(super) struct Versioned {
+    pub(super) asset: Asset,
 }
 
 #[derive(Deserialize)]
@@ -54,7 +62,14 @@ pub(super) struct Node {
 #[derive(Deserialize, Default)]
 pub(super) struct NodeExtensions {
     #[serde(rename = "EXT_mesh_gpu_instancing")]
-    pub(super) instancing: Option<IgnoredAny>,
+    pub(super) instancing: Option<Box<Instancing>>,
+}
+
+/// Accessors with one element for each instance of the node's mesh: `TRANSLATION`, `ROTATION`, `SCALE` and others.
+#[derive(Deserialize)]
+pub(super) struct Instancing {
+    #[serde(default)]
+    pub(super) attributes: HashMap<Box<str>, u32>,
 }
 
 #[derive(Deserialize)]

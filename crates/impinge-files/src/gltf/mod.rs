@@ -1,18 +1,23 @@
 //! glTF 2.0 (Khronos, ISO/IEC 12113), as JSON and in its binary container GLB.
 //!
-//! - What is loaded is the default scene, or else the first; without scenes all root nodes; without nodes all meshes.
-//!   Each node with a mesh is a part, named after the node or else the mesh.
-//! - Node transforms are composed in f64 and applied to the positions in f64; the result is rounded to f32 once.
-//!   A quaternion is taken as the rotation that it is nearest to, its length aside.
-//! - Points and lines are skipped and counted. A skinned mesh is taken as modelled, morph targets are not applied.
-//! - `KHR_mesh_quantization` is supported, and extensions that leave positions alone are ignored. Any other extension
-//!   that a file requires is an error that names it.
+//! - What is loaded is the default scene, or else the first; without scenes all root nodes; without
+//!   nodes all meshes. Each node with a mesh is a part, named after the node or else the mesh.
+//! - Node transforms are composed in f64 and applied to the positions in f64; the result is rounded
+//!   to f32 once. A quaternion is taken as the rotation that it is nearest to, its length aside.
+//! - Points and lines are skipped and counted. A skinned mesh is taken as modelled, morph targets
+//!   are not applied.
+//! - A node that several paths reach is taken once for each path, with a warning.
+//! - `KHR_mesh_quantization` and `EXT_mesh_gpu_instancing` are supported, and extensions that leave
+//!   positions alone are ignored. Any other extension that a file requires is an error that names
+//!   it.
 //! - Buffers are the GLB chunk, base64 text, or files in the folder of the document or below.
 
 mod accessor;
 mod buffer;
 mod container;
 mod document;
+mod extensions;
+mod instancing;
 pub(crate) mod rig;
 mod scene;
 #[cfg(test)]
@@ -30,12 +35,12 @@ use crate::{
     format::Format,
     instance::{Affine, Budget},
     model::{Faces, Model, WarningKind},
-    text::name,
+    text::{MAX_NAME, name},
     unit::Unit,
 };
 use accessor::Source;
 use buffer::Buffers;
-use document::{Document, Mesh, Primitive};
+use document::{Asset, Document, Mesh, Primitive, Versioned};
 use scene::Instance;
 
 /// Reads a document whose external buffers lie in `folder`.
@@ -47,10 +52,10 @@ pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Resul
     };
     let document = read_document(json, format)?;
     let buffers = Buffers::load(&document.buffers, chunk, folder)?;
-    let source = Source { document: &document, buffers: &buffers };
-    let instances = scene::instances(&document)?;
-    let budget = Budget::for_bytes(bytes.len() as u64 + buffers.total_len());
-    check_budget(&source, &instances, budget)?;
+    let source = Source { document: &document, buffers: &buffers, json_len: json.len() as u64 };
+    let len = bytes.len() as u64 + buffers.total_len();
+    let instances = scene::instances(&document, &mut faces.warnings, Budget::for_nodes(len))?;
+    check_budget(&source, &instances, len)?;
 
     let mut reader = Reader { source, positions: Vec::new(), parts: Vec::new(), faces };
     for instance in &instances {
@@ -61,57 +66,72 @@ pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Resul
 }
 
 fn read_document(json: &[u8], format: Format) -> Result<Document, LoadError> {
-    let document: Document = serde_json::from_slice(crate::text::without_bom(json)).map_err(|e| {
-        let place = match format {
-            Format::Glb => Place::Entry(format!("JSON chunk, line {} column {}", e.line(), e.column())),
-            _ => Place::Line(e.line() as u64),
-        };
-        LoadError::new(LoadErrorKind::Syntax { expected: "a glTF document".into(), found: e.to_string() }).at(place)
-    })?;
-    let version = document.asset.min_version.as_ref().unwrap_or(&document.asset.version);
-    if version != "2.0" && !(document.asset.min_version.is_none() && version.starts_with("2.")) {
-        return Err(LoadError::unsupported(format!("glTF version {version:?}")));
-    }
-    match document.extensions_required.iter().find(|e| !leaves_positions_alone(e)) {
-        Some(extension) => Err(lacking(extension)),
+    let json = crate::text::without_bom(json);
+    let document: Document = match serde_json::from_slice(json) {
+        Ok(document) => document,
+        Err(e) => {
+            // Documents of other versions differ in structure.
+            if let Ok(Versioned { asset }) = serde_json::from_slice(json) {
+                check_version(&asset)?;
+            }
+            let place = match format {
+                Format::Glb => Place::Entry(format!("JSON chunk, line {} column {}", e.line(), e.column())),
+                _ => Place::Line(e.line() as u64),
+            };
+            let kind = LoadErrorKind::Syntax { expected: "a glTF document".into(), found: e.to_string() };
+            return Err(LoadError::new(kind).at(place));
+        }
+    };
+    check_version(&document.asset)?;
+    match document.extensions_required.iter().find(|e| !extensions::leaves_positions_alone(e)) {
+        Some(extension) => Err(extensions::lacking(extension)),
         None => Ok(document),
     }
 }
 
-/// Extensions without which the triangles are still right.
-fn leaves_positions_alone(extension: &str) -> bool {
-    const NAMES: [&str; 5] = [
-        "KHR_mesh_quantization",
-        "KHR_lights_punctual",
-        "KHR_animation_pointer",
-        "KHR_xmp_json_ld",
-        "MSFT_texture_dds",
-    ];
-    const FAMILIES: [&str; 4] = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "EXT_lights_"];
-    NAMES.contains(&extension) || FAMILIES.iter().any(|family| extension.starts_with(family))
+fn check_version(asset: &Asset) -> Result<(), LoadError> {
+    let version = asset.min_version.as_ref().unwrap_or(&asset.version);
+    if version == "2.0" || (asset.min_version.is_none() && version.starts_with("2.")) {
+        return Ok(());
+    }
+    let error = LoadError::unsupported(format!("glTF version {version:?}"));
+    Err(if version.starts_with("1.") { error.with_hint(CONVERT_VERSION_1) } else { error })
 }
 
-/// The error that an extension is needed.
-fn lacking(extension: &str) -> LoadError {
-    let error = LoadError::unsupported(format!("glTF extension {extension}"));
-    if extension.contains("compression") { error.with_hint("export it without compression") } else { error }
-}
+/// How to make a file of glTF 1.0 one of glTF 2.0.
+const CONVERT_VERSION_1: &str = "convert it to glTF 2.0, for example with `npx gltf-pipeline -i in.gltf -o out.gltf`";
 
-/// Counts what the instances add up to before anything is stored.
-fn check_budget(source: &Source<'_>, instances: &[Instance], budget: Budget) -> Result<(), LoadError> {
+/// Counts what the instances add up to before anything is stored; the file and its buffers have
+/// `len` bytes.
+fn check_budget(source: &Source<'_>, instances: &[Instance], len: u64) -> Result<(), LoadError> {
+    let (budget, names) = (Budget::for_bytes(len), Budget::for_names(len));
     let mut of_mesh = vec![None; source.document.meshes.len()];
     let mut total = [0_u64; 3];
+    let mut name_bytes = 0_u64;
     for instance in instances {
         let counts = match of_mesh[instance.mesh] {
             Some(counts) => counts,
             None => *of_mesh[instance.mesh].insert(mesh_counts(source, &source.document.meshes[instance.mesh])?),
         };
+        let copies = instancing::copies(source, instance)?;
         for (k, what) in ["vertices", "corners of triangles", "primitives"].into_iter().enumerate() {
-            total[k] = total[k].saturating_add(counts[k]);
+            total[k] = total[k].saturating_add(counts[k].saturating_mul(copies));
             budget.check(what, total[k])?;
+        }
+        if counts[2] > 0 {
+            let name = part_name(source.document, instance).len().min(MAX_NAME);
+            let bytes = (size_of::<String>() + name) as u64;
+            name_bytes = name_bytes.saturating_add(bytes.saturating_mul(copies));
+            names.check("bytes of names", name_bytes)?;
         }
     }
     Ok(())
+}
+
+/// Returns the name of an instance's parts: that of the node, or else of the mesh.
+fn part_name<'a>(document: &'a Document, instance: &Instance) -> &'a str {
+    let own = instance.node.and_then(|i| document.nodes[i].name.as_deref());
+    own.or(document.meshes[instance.mesh].name.as_deref()).unwrap_or_default()
 }
 
 /// The vertices, corners and primitives of a mesh; primitives that share vertices count them once.
@@ -138,15 +158,26 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn instance(&mut self, instance: &Instance) -> Result<(), LoadError> {
-        let world = &instance.world;
-        let mesh = &self.source.document.meshes[instance.mesh];
-        let node = instance.node.map(|i| &self.source.document.nodes[i]);
-        let place = || instance.node.map(|i| Place::Entry(format!("node {i}")));
-        if let Some(node) = node {
+        let source = self.source;
+        let mesh = &source.document.meshes[instance.mesh];
+        if let Some(index) = instance.node {
+            let node = &source.document.nodes[index];
+            let place = || Some(Place::Entry(format!("node {index}")));
             let warnings = &mut self.faces.warnings;
             warnings.add(WarningKind::Unposed, node.skin.is_some().into(), place);
-            warnings.add(WarningKind::SingleInstances, node.extensions.instancing.is_some().into(), place);
+            warnings.add(WarningKind::SingleInstances, instancing::places_nothing(node).into(), place);
         }
+        if mesh.primitives.is_empty() {
+            return Ok(());
+        }
+        let name = name(part_name(source.document, instance).as_bytes());
+        let worlds = instancing::worlds(&source, instance)?;
+        worlds.iter().try_for_each(|world| self.mesh(mesh, instance, world, &name))
+    }
+
+    /// Adds a mesh as one part, if it has triangles.
+    fn mesh(&mut self, mesh: &Mesh, instance: &Instance, world: &Affine, name: &str) -> Result<(), LoadError> {
+        let place = || instance.node.map(|i| Place::Entry(format!("node {i}")));
         let before = self.faces.faces.len();
         // Primitives of a mesh often share their vertices.
         let mut shared = HashMap::new();
@@ -157,9 +188,10 @@ impl Reader<'_> {
                 continue;
             }
             let Some(accessor) = primitive.attributes.position else { continue };
+            self.check_fallback(primitive, accessor)?;
             let (first, len) = match shared.get(&accessor) {
                 Some(&known) => known,
-                None => *shared.entry(accessor).insert_entry(self.vertices(primitive, accessor, world)?).get(),
+                None => *shared.entry(accessor).insert_entry(self.vertices(accessor, world)?).get(),
             };
             let corners = match primitive.indices {
                 Some(indices) => self.source.indices(indices, len)?,
@@ -168,19 +200,25 @@ impl Reader<'_> {
             self.triangles(mode, &corners, first, world.mirrors())?;
         }
         if self.faces.faces.len() > before {
-            let own = node.and_then(|n| n.name.as_deref());
-            self.parts.push(name(own.or(mesh.name.as_deref()).unwrap_or_default().as_bytes()));
+            self.parts.push(name.to_owned());
+        }
+        Ok(())
+    }
+
+    /// Returns an error if a compressed primitive lacks uncompressed data to fall back to.
+    fn check_fallback(&self, primitive: &Primitive, positions: u32) -> Result<(), LoadError> {
+        let accessors = &self.source.document.accessors;
+        let lacks_data = |i: u32| accessors.get(i as usize).is_some_and(|a| a.buffer_view.is_none());
+        if primitive.extensions.draco.is_some()
+            && [Some(positions), primitive.indices].into_iter().flatten().any(lacks_data)
+        {
+            return Err(extensions::lacking("KHR_draco_mesh_compression"));
         }
         Ok(())
     }
 
     /// Adds the vertices of an accessor; returns the first and their number.
-    fn vertices(&mut self, primitive: &Primitive, accessor: u32, world: &Affine) -> Result<(u32, usize), LoadError> {
-        let compressed = primitive.extensions.draco.is_some();
-        let no_data = |a: &document::Accessor| a.buffer_view.is_none();
-        if compressed && self.source.document.accessors.get(accessor as usize).is_some_and(no_data) {
-            return Err(lacking("KHR_draco_mesh_compression"));
-        }
+    fn vertices(&mut self, accessor: u32, world: &Affine) -> Result<(u32, usize), LoadError> {
         let local = self.source.positions(accessor)?;
         let first = self.positions.len() as u32;
         for (vertex, &p) in local.iter().enumerate() {

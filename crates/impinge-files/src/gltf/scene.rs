@@ -2,7 +2,8 @@
 
 use crate::{
     error::{LoadError, Place},
-    instance::Affine,
+    instance::{Affine, Budget},
+    model::{WarningKind, Warnings},
 };
 
 use super::{
@@ -19,25 +20,30 @@ pub(super) struct Instance {
     pub(super) world: Affine,
 }
 
-/// All instances, parents before children, in the order of the file.
+/// Returns all instances, parents before children, in the order of the file. A node that several
+/// paths reach is taken once for each of them, within the budget.
 ///
-/// The walk keeps its own stack and enters no node twice, so that neither depth nor cycles matter.
-pub(super) fn instances(document: &Document) -> Result<Vec<Instance>, LoadError> {
+/// The walks keep their own stacks, so that the depth of the nodes does not matter.
+pub(super) fn instances(
+    document: &Document,
+    warnings: &mut Warnings,
+    budget: Budget,
+) -> Result<Vec<Instance>, LoadError> {
     if document.nodes.is_empty() {
         let instance = |mesh| Instance { node: None, mesh, world: Affine::IDENTITY };
         return Ok((0..document.meshes.len()).map(instance).collect());
     }
+    let roots = roots(document)?;
+    count_paths(document, &roots, warnings, budget)?;
     let mut instances = Vec::new();
-    let mut entered = vec![false; document.nodes.len()];
     // The maps of nodes that have children; the stack names nodes and the maps of their parents.
     let mut worlds = vec![Affine::IDENTITY];
-    let mut stack: Vec<(u32, usize)> = roots(document)?.into_iter().rev().map(|root| (root, 0)).collect();
+    let mut stack: Vec<(u32, usize)> = roots.into_iter().rev().map(|root| (root, 0)).collect();
     while let Some((index, parent)) = stack.pop() {
-        let node = document.nodes.get(index as usize).ok_or_else(|| missing("node", index))?;
+        // Maps after that of the parent belong to nodes that are done.
+        worlds.truncate(parent + 1);
+        let node = &document.nodes[index as usize];
         let place = || Place::Entry(format!("node {index}"));
-        if std::mem::replace(&mut entered[index as usize], true) {
-            return Err(LoadError::syntax("nodes with one parent each", b"one that is reached twice").at(place()));
-        }
         let world = worlds[parent].after(&local(node).map_err(|e| e.at(place()))?);
         if let Some(mesh) = node.mesh {
             if mesh as usize >= document.meshes.len() {
@@ -51,6 +57,68 @@ pub(super) fn instances(document: &Document) -> Result<Vec<Instance>, LoadError>
         }
     }
     Ok(instances)
+}
+
+/// Checks that the nodes exist and form no cycle, and that all paths to them stay within the
+/// budget.
+fn count_paths(document: &Document, roots: &[u32], warnings: &mut Warnings, budget: Budget) -> Result<(), LoadError> {
+    /// How far the search has come with a node.
+    #[derive(Clone, Copy, PartialEq)]
+    enum State {
+        New,
+        Open,
+        /// With the number of nodes on all paths from here on.
+        Done(u64),
+    }
+    let mut states = vec![State::New; document.nodes.len()];
+    let mut shared = vec![false; document.nodes.len()];
+    let mut total = 0_u64;
+    // Each open node with the number of its children that are done, and the sum of these.
+    let mut stack: Vec<(u32, usize, u64)> = Vec::new();
+    for &root in roots {
+        let mut next = Some(root);
+        loop {
+            if let Some(index) = next.take() {
+                match states.get(index as usize).copied() {
+                    None => return Err(missing("node", index)),
+                    Some(State::New) => {
+                        states[index as usize] = State::Open;
+                        stack.push((index, 0, 1));
+                    }
+                    Some(State::Open) => {
+                        let error = LoadError::syntax("nodes that form no cycle", b"one that is inside of itself");
+                        return Err(error.at(Place::Entry(format!("node {index}"))));
+                    }
+                    Some(State::Done(sum)) => {
+                        let place = || Some(Place::Entry(format!("node {index}")));
+                        let known = std::mem::replace(&mut shared[index as usize], true);
+                        warnings.add(WarningKind::SharedNodes, (!known).into(), place);
+                        match stack.last_mut() {
+                            Some(parent) => parent.2 = parent.2.saturating_add(sum),
+                            None => total = total.saturating_add(sum),
+                        }
+                    }
+                }
+            }
+            let Some((index, done, sum)) = stack.last_mut() else { break };
+            match document.nodes[*index as usize].children.get(*done) {
+                Some(&child) => {
+                    *done += 1;
+                    next = Some(child);
+                }
+                None => {
+                    let (index, sum) = (*index as usize, *sum);
+                    states[index] = State::Done(sum);
+                    stack.pop();
+                    match stack.last_mut() {
+                        Some(parent) => parent.2 = parent.2.saturating_add(sum),
+                        None => total = total.saturating_add(sum),
+                    }
+                }
+            }
+        }
+    }
+    budget.check("nodes", total)
 }
 
 fn roots(document: &Document) -> Result<Vec<u32>, LoadError> {
@@ -86,13 +154,20 @@ fn local(node: &Node) -> Result<Affine, LoadError> {
     }
     let t = node.translation.as_deref().copied().unwrap_or([0.0; 3]);
     let s = node.scale.as_deref().copied().unwrap_or([1.0; 3]);
-    let [x, y, z, w] = node.rotation.as_deref().copied().unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    placement(t, node.rotation.as_deref().copied().unwrap_or([0.0, 0.0, 0.0, 1.0]), s)
+}
+
+/// Returns the map that scales by `s`, rotates by a quaternion of any length, and translates by
+/// `t`.
+pub(super) fn placement(t: [f64; 3], [x, y, z, w]: [f64; 4], s: [f64; 3]) -> Result<Affine, LoadError> {
     let square = x * x + y * y + z * z + w * w;
-    // Also the shortest that 32-bit floats can hold is far from this: such a quaternion names no direction.
+    // Also the shortest that 32-bit floats can hold is far from this: such a quaternion names no
+    // direction.
     if !(square.is_finite() && square > f64::MIN_POSITIVE) {
         return Err(LoadError::syntax("a quaternion of length 1", format!("{:?}", [x, y, z, w]).as_bytes()));
     }
-    // Divided by its square, a quaternion of any length gives a rotation, and those of quarter turns give it exactly.
+    // Divided by its square, a quaternion of any length gives a rotation, and those of quarter
+    // turns give it exactly.
     let k = 2.0 / square;
     let rotation = [
         [1.0 - k * (y * y + z * z), k * (x * y - z * w), k * (x * z + y * w)],

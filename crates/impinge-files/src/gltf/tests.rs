@@ -182,7 +182,11 @@ fn binary_container() {
     assert_eq!(error(&glb(&json, &strip()[..65])), text);
     let mut old = bytes.clone();
     old[4] = 1;
-    assert_eq!(error(&old), "byte 4: needs GLB version 1, which is not supported");
+    assert_eq!(
+        error(&old),
+        "byte 4: needs GLB version 1, which is not supported (convert it to glTF 2.0, for example with \
+        `npx gltf-pipeline -i in.gltf -o out.gltf`)"
+    );
     assert!(error(&glb("{", &[])).starts_with("JSON chunk, line 1 column 1: expected a glTF document"));
 }
 
@@ -191,15 +195,11 @@ fn what_is_lacking_is_named() {
     let required = |e: &str| error(&document(&[], &format!(r#""extensionsRequired": ["{e}"]"#)));
     assert_eq!(
         required("KHR_draco_mesh_compression"),
-        "needs glTF extension KHR_draco_mesh_compression, which is not supported (export it without compression)"
+        "needs glTF extension KHR_draco_mesh_compression, which is not supported \
+        (decompress it, for example with `npx @gltf-transform/cli copy in.glb out.glb`)"
     );
     assert!(required("EXT_meshopt_compression").contains("EXT_meshopt_compression"));
     assert_eq!(required("EXT_new"), "needs glTF extension EXT_new, which is not supported");
-    // Zeros are a basis for sparse elements, not a way to ask for memory.
-    let zeros = r#""accessors": [{"componentType": 5126, "count": 3000, "type": "VEC3"}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}]"#;
-    let text = "accessor 0: 3000 elements without data are more than the 4 that are allowed";
-    assert_eq!(error(&document(&[0; 4], zeros)), text);
     // Used and not required, but without anything to fall back to.
     let text = document(
         &[],
@@ -207,7 +207,16 @@ fn what_is_lacking_is_named() {
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "extensions": {"KHR_draco_mesh_compression": {}}}]}]"#,
     );
     assert!(error(&text).contains("KHR_draco_mesh_compression"));
-    assert!(error(r#"{"asset": {"version": "1.0"}}"#).contains("needs glTF version \"1.0\""));
+    let compressed =
+        r#"{"attributes": {"POSITION": 0}, "indices": 1, "extensions": {"KHR_draco_mesh_compression": {}}}"#;
+    assert_eq!(parse(&with_primitives(compressed, "")).unwrap().faces.len(), 2);
+    let text = with_primitives(compressed, "").replace(r#"{"bufferView": 1,"#, "{");
+    assert!(error(&text).contains("KHR_draco_mesh_compression"));
+    // In version 1, lists are objects.
+    for lists in ["", r#", "buffers": {}, "meshes": {}, "nodes": {}, "scenes": {}"#] {
+        let text = error(&format!(r#"{{"asset": {{"version": "1.0"}} {lists}}}"#));
+        assert!(text.starts_with("needs glTF version \"1.0\"") && text.contains("npx gltf-pipeline"), "{text}");
+    }
     assert!(error(r#"{"asset": {"version": "2.1", "minVersion": "2.1"}}"#).contains("\"2.1\""));
     assert!(parse(r#"{"asset": {"version": "2.1"}}"#).unwrap().faces.is_empty());
     let beside = r#"{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 1, "uri": "a.bin"}]}"#;
@@ -222,9 +231,9 @@ fn cycles_and_deep_trees() {
         error(&with_primitives(r#"{"attributes": {"POSITION": 0}}"#, &format!(r#", "nodes": [{nodes}]"#)))
     };
     assert_eq!(cycle(r#"{"children": [0]}"#), "expected a node without parent, found \"a cycle of nodes\"");
-    let twice = "expected nodes with one parent each, found \"one that is reached twice\"";
-    assert_eq!(cycle(r#"{"children": [1]}, {"children": [2]}, {"children": [1]}"#), format!("node 1: {twice}"));
-    assert_eq!(cycle(r#"{"children": [1, 1]}, {}"#), format!("node 1: {twice}"));
+    let inside = "expected nodes that form no cycle, found \"one that is inside of itself\"";
+    assert_eq!(cycle(r#"{"children": [1]}, {"children": [2]}, {"children": [1]}"#), format!("node 1: {inside}"));
+    assert_eq!(cycle(r#"{"children": [1]}, {"children": [2, 2]}, {"children": [1]}"#), format!("node 1: {inside}"));
     assert_eq!(cycle(r#"{"children": [9]}"#), "expected node 9, found nothing");
     assert_eq!(cycle(r#"{"mesh": 9}"#), "node 0: expected mesh 9, found nothing");
     // A chain of 100,000 nodes is no more than a chain.
@@ -235,6 +244,81 @@ fn cycles_and_deep_trees() {
     let deep =
         format!(r#"{{"asset": {{"version": "2.0"}}, "extras": {}{}}}"#, "[".repeat(100_000), "]".repeat(100_000));
     assert!(parse(&deep).is_ok());
+}
+
+#[test]
+fn nodes_are_taken_on_every_path() {
+    let nodes = r#", "scene": 0, "scenes": [{"nodes": [0, 3, 3]}], "nodes": [
+        {"children": [1, 2]}, {"children": [3], "translation": [10, 0, 0]}, {"children": [3], "scale": [-1, 1, 1]},
+        {"mesh": 0, "name": "shared"}]"#;
+    let model = parse(&with_primitives(r#"{"attributes": {"POSITION": 0}}"#, nodes)).unwrap();
+    assert_eq!(model.faces, [[0, 1, 2], [5, 7, 6], [10, 11, 12], [15, 16, 17]]);
+    assert_eq!(model.parts, ["shared"; 4]);
+    assert_eq!([0, 1, 6].map(|i| model.positions.get(i)[0]), [10.0, 11.0, -1.0]);
+    let shared = model.warnings.iter().find(|w| w.kind == WarningKind::SharedNodes).unwrap();
+    assert_eq!((shared.count, &shared.first), (1, &Some(Place::Entry("node 3".into()))));
+    // Every node doubles the paths to the next.
+    let doubling: String = (1..64).map(|i| format!(r#"{{"children": [{i}, {i}]}},"#)).collect();
+    let text = with_primitives(r#"{"attributes": {"POSITION": 0}}"#, &format!(r#", "nodes": [{doubling} {{}}]"#));
+    assert!(error(&text).contains("nodes are more than the 1048576 that are allowed"));
+}
+
+#[test]
+fn accessors_without_data_are_zeros() {
+    let zeros = |count: u64| {
+        let rest = format!(
+            r#""accessors": [{{"componentType": 5126, "count": {count}, "type": "VEC3"}}],
+            "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}]"#
+        );
+        parse(&document(&[0; 4], &rest))
+    };
+    let model = zeros(6).unwrap();
+    assert_eq!((model.positions, model.faces.len()), (Positions::F32(vec![[0.0; 3]; 6]), 2));
+    // They are no way to ask for memory.
+    let text = "accessor 0: 3000 elements without data are more than the 2048 that are allowed";
+    assert_eq!(zeros(3000).unwrap_err().to_string(), text);
+}
+
+#[test]
+fn gpu_instances_are_placed() {
+    // Translations, then rotations of which the second is a half turn about Z, then scales of which the last mirrors.
+    let mut bytes = strip();
+    bytes.extend([0, 0]);
+    bytes.extend(floats(&[0., 0., 1., 0., 0., 2., 0., 0., 3.]));
+    bytes.extend(floats(&[0., 0., 0., 1., 0., 0., 1., 0., 0., 0., 0., 1.]));
+    bytes.extend(floats(&[1., 1., 1., 2., 2., 2., -1., 1., 1.]));
+    let load = |attributes: &str, count: u32| {
+        parse(&document(
+            &bytes,
+            &format!(
+                r#""extensionsRequired": ["EXT_mesh_gpu_instancing"],
+                "bufferViews": [{{"buffer": 0, "byteLength": 60}}, {{"buffer": 0, "byteOffset": 68, "byteLength": 36}},
+                {{"buffer": 0, "byteOffset": 104, "byteLength": 48}}, {{"buffer": 0, "byteOffset": 152, "byteLength": 36}}],
+                "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}},
+                {{"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3"}},
+                {{"bufferView": 2, "componentType": 5126, "count": {count}, "type": "VEC4"}},
+                {{"bufferView": 3, "componentType": 5126, "count": 3, "type": "VEC3"}}],
+                "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}], "nodes": [{{"mesh": 0, "name": "tree",
+                "translation": [10, 0, 0], "extensions": {{"EXT_mesh_gpu_instancing": {{"attributes": {attributes}}}}}}}]"#
+            ),
+        ))
+    };
+    let model = load(r#"{"TRANSLATION": 1, "ROTATION": 2, "SCALE": 3, "_ID": 77}"#, 3).unwrap();
+    assert_eq!(model.faces, [[0, 1, 2], [3, 4, 5], [6, 8, 7]]);
+    assert_eq!(model.parts, ["tree"; 3]);
+    assert_eq!(model.part_of, [0, 1, 2]);
+    assert_eq!([1, 4, 7].map(|i| model.positions.get(i)), [[11., 0., 1.], [8., 0., 2.], [9., 0., 3.]]);
+    assert!(model.warnings.is_empty());
+    assert_eq!(load(r#"{"TRANSLATION": 1}"#, 3).unwrap().faces.len(), 3);
+    let single = load(r#"{"_ID": 1}"#, 3).unwrap();
+    assert_eq!((single.faces.len(), single.warnings[0].kind), (1, WarningKind::SingleInstances));
+    let text = load(r#"{"TRANSLATION": 1, "ROTATION": 2}"#, 2).unwrap_err().to_string();
+    let place = "node 0, EXT_mesh_gpu_instancing: ";
+    assert_eq!(text, format!("{place}expected instance attributes of one length, found \"different lengths\""));
+    assert_eq!(
+        load(r#"{"TRANSLATION": 9}"#, 3).unwrap_err().to_string(),
+        format!("{place}expected accessor 9, found nothing")
+    );
 }
 
 #[test]

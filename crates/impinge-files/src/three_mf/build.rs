@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::{
     error::{LoadError, LoadErrorKind, Place},
     instance::{Affine, Budget},
-    model::Faces,
+    model::{Faces, WarningKind},
     unit::Unit,
 };
 
@@ -99,6 +99,7 @@ impl<'a> Build<'a> {
         let (key, object) = self.models.resolve(part, reference)?;
         let world = world.after(&reference.map);
         let name = if object.name.is_empty() { around } else { &object.name };
+        self.faces.warnings.add(WarningKind::Beams, object.beams, || Some(self.models.place(key)));
         if !object.faces.is_empty() {
             self.add_faces(object, &world)?;
             self.parts.push(name.to_owned());

@@ -3,7 +3,9 @@
 //! - What is loaded is the build: every item, its components within components, each with its transform. Transforms are
 //!   composed in f64 and applied in f64; then the rule for decimal text holds.
 //! - Each instance of an object with triangles is a part, named after the object or else the one around it.
-//! - Materials, triangle sets and slices are not looked at. A file that requires any other extension is an error.
+//! - Materials, triangle sets and slices are not looked at. Beams of lattices are left out, with a warning. A file that
+//!   requires any other extension is an error.
+//! - Parts are UTF-8 or UTF-16. Bytes in errors are counted in the text as UTF-8.
 
 mod build;
 mod package;

@@ -1,11 +1,15 @@
 //! The package around a 3MF model (Open Packaging Conventions): a ZIP archive with relationships.
 
-use std::io::{Cursor, Read};
+use std::io::Cursor;
 
 use quick_xml::{Reader, XmlVersion, events::Event};
 use zip::{ZipArchive, result::ZipError};
 
-use crate::error::{LoadError, LoadErrorKind, Place};
+use crate::{
+    error::{LoadError, Place},
+    packed::Allowance,
+    xml::{self, Encoding},
+};
 
 use super::no_model;
 
@@ -16,15 +20,14 @@ const USUAL_MODEL: &str = "3D/3dmodel.model";
 
 pub(super) struct Package<'a> {
     archive: ZipArchive<Cursor<&'a [u8]>>,
-    /// How many bytes may still be unpacked. Deflate packs a thousand to one, and entries may overlap; the XML of real
-    /// models packs at most some thirty to one.
-    allowance: u64,
+    /// Shared by all entries, which may overlap.
+    allowance: Allowance,
 }
 
 impl<'a> Package<'a> {
     pub(super) fn open(bytes: &'a [u8]) -> Result<Self, LoadError> {
         let archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| corrupt(&e))?;
-        Ok(Self { archive, allowance: (64 << 20) + 64 * bytes.len() as u64 })
+        Ok(Self { archive, allowance: Allowance::for_packed(bytes.len() as u64) })
     }
 
     /// The path of the part in which the build is.
@@ -43,18 +46,9 @@ impl<'a> Package<'a> {
         let place = || Place::Entry(path.to_owned());
         let index = self.find(path).ok_or_else(|| LoadError::syntax("this part of the package", b"").at(place()))?;
         let file = self.archive.by_index(index).map_err(|e| corrupt(&e).at(place()))?;
-        let mut text = String::new();
-        file.take(self.allowance + 1)
-            .read_to_string(&mut text)
-            .map_err(|e| LoadError::syntax("packed UTF-8 text", e.to_string().as_bytes()).at(place()))?;
-        let len = text.len() as u64;
-        if len > self.allowance {
-            let (count, limit) = (len, self.allowance);
-            let error = LoadError::new(LoadErrorKind::TooMany { what: "unpacked bytes", count, limit });
-            return Err(error.at(place()).with_hint("no real model packs so well"));
-        }
-        self.allowance -= len;
-        Ok(text)
+        let mut bytes = Vec::new();
+        self.allowance.read(file, &mut bytes, "a packed part that is whole").map_err(|e| e.at(place()))?;
+        xml::decode(bytes, Encoding::Unicode).map_err(|e| e.at(place()))
     }
 
     /// The entry of a part; names of parts are equal in any case.

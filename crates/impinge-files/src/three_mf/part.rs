@@ -1,9 +1,9 @@
 //! A model part of a 3MF package: objects with a mesh or components, and the items of the build.
 
-use std::{borrow::Cow, collections::HashMap};
+use std::collections::HashMap;
 
 use quick_xml::{
-    Reader, XmlVersion,
+    Reader,
     events::{BytesStart, Event},
 };
 
@@ -12,12 +12,16 @@ use crate::{
     instance::Affine,
     text::{name, number},
     unit::Unit,
+    xml::{attributes, ill_formed, refuse_repeated_attributes},
 };
 
 use super::in_part;
 
-/// Extensions that leave the triangles as they are, or are supported.
-const KNOWN_EXTENSIONS: [&str; 5] = [
+/// Extensions that leave the triangles as they are, or are supported. Beams and balls of lattices
+/// are counted.
+const KNOWN_EXTENSIONS: [&str; 7] = [
+    "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02",
+    "http://schemas.microsoft.com/3dmanufacturing/beamlattice/balls/2020/07",
     "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
     "http://schemas.microsoft.com/3dmanufacturing/production/2015/06",
     "http://schemas.microsoft.com/3dmanufacturing/production/alternatives/2021/04",
@@ -38,6 +42,8 @@ pub(super) struct Object {
     /// Triangles, whose corners exist.
     pub(super) faces: Vec<[u32; 3]>,
     pub(super) components: Vec<Reference>,
+    /// Number of beams and balls of its lattice, which are not read.
+    pub(super) beams: u64,
 }
 
 /// A component or an item: an object, and the map that places it.
@@ -61,13 +67,24 @@ enum Tag {
     Triangle,
     Components,
     Component,
+    BeamLattice,
+    Beams,
+    Beam,
     Build,
     Item,
     Other,
 }
 
 impl Tag {
-    fn of(parent: Option<Self>, name: &str) -> Self {
+    /// Returns the tag of an element by its name without the prefix of the core specification.
+    /// `local` is the name without any prefix, for elements of extensions.
+    fn of(parent: Option<Self>, name: &str, local: &str) -> Self {
+        match (parent, local) {
+            (Some(Self::Mesh), "beamlattice") => return Self::BeamLattice,
+            (Some(Self::BeamLattice), "beams" | "balls") => return Self::Beams,
+            (Some(Self::Beams), "beam" | "ball") => return Self::Beam,
+            _ => {}
+        }
         match (parent, name) {
             (None, "model") => Self::Model,
             (Some(Self::Model), "resources") => Self::Resources,
@@ -88,15 +105,12 @@ impl Tag {
 
 impl Part {
     pub(super) fn read(text: &str, path: &str) -> Result<Self, LoadError> {
-        let mut reader = Reader::from_str(text.strip_prefix('\u{FEFF}').unwrap_or(text));
+        let mut reader = Reader::from_str(text);
         let mut part = PartReader::default();
         let mut open = Vec::new();
         loop {
             let at = reader.buffer_position();
-            let event = reader.read_event().map_err(|e| {
-                LoadError::syntax("well-formed XML", e.to_string().as_bytes())
-                    .at(in_part(path, reader.error_position()))
-            })?;
+            let event = reader.read_event().map_err(|e| ill_formed(&e).at(in_part(path, reader.error_position())))?;
             match event {
                 Event::Start(element) => {
                     let tag = part.enter(&element, open.last().copied()).map_err(|e| e.at(in_part(path, at)))?;
@@ -142,11 +156,15 @@ struct PartReader {
 impl PartReader {
     fn enter(&mut self, element: &BytesStart<'_>, parent: Option<Tag>) -> Result<Tag, LoadError> {
         let full = element.name().into_inner();
+        let local = element.local_name().into_inner();
         let name = match parent {
-            None => element.local_name().into_inner(),
+            None => local,
             Some(_) => full.strip_prefix(self.prefix.as_str()).unwrap_or_default(),
         };
-        let tag = Tag::of(parent, name);
+        let tag = Tag::of(parent, name, local);
+        if tag != Tag::Other {
+            refuse_repeated_attributes(element)?;
+        }
         match tag {
             Tag::Model => {
                 self.prefix = full.strip_suffix(name).unwrap_or_default().to_owned();
@@ -161,6 +179,7 @@ impl PartReader {
             }
             Tag::Component => self.object.components.push(read_reference(element)?),
             Tag::Item => self.items.push(read_reference(element)?),
+            Tag::Beam => self.object.beams += 1,
             _ => {}
         }
         Ok(tag)
@@ -187,13 +206,6 @@ impl PartReader {
         }
         Ok(())
     }
-}
-
-/// The attributes by their names as they stand. What is malformed is left out, and then missed.
-fn attributes<'a>(element: &'a BytesStart<'_>) -> impl Iterator<Item = (&'a str, Cow<'a, str>)> {
-    let mut attributes = element.attributes();
-    attributes.with_checks(false);
-    attributes.flatten().map(|a| (a.key.into_inner(), a.normalized_value(XmlVersion::Implicit1_0).unwrap_or(a.value)))
 }
 
 fn read_unit(model: &BytesStart<'_>) -> Result<Unit, LoadError> {

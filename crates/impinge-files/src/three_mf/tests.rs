@@ -14,10 +14,15 @@ const RELATIONSHIPS: &str = r#"<?xml version="1.0"?><Relationships xmlns="http:/
     <Relationship Target="/3D/Model.model" Id="b" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
 
 fn package(entries: &[(&str, &str)]) -> Vec<u8> {
+    let entries: Vec<_> = entries.iter().map(|(name, text)| (*name, text.as_bytes())).collect();
+    package_of_bytes(&entries)
+}
+
+fn package_of_bytes(entries: &[(&str, &[u8])]) -> Vec<u8> {
     let mut zip = ZipWriter::new(std::io::Cursor::new(Vec::new()));
     for (name, text) in entries {
         zip.start_file(*name, SimpleFileOptions::default()).unwrap();
-        zip.write_all(text.as_bytes()).unwrap();
+        zip.write_all(text).unwrap();
     }
     zip.finish().unwrap().into_inner()
 }
@@ -118,10 +123,43 @@ fn errors_name_part_and_byte() {
     assert!(cut.contains("(the file is cut off)"), "{cut}");
     let unit = read(&with_model("<model unit=\"furlong\"/>")).unwrap_err().to_string();
     assert!(unit.contains("expected a unit of 3MF, found \"furlong\""));
-    let beams = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02";
-    let text = format!("<model xmlns:b=\"{beams}\" requiredextensions=\"b\"/>");
+    let volumes = "http://schemas.3mf.io/3dmanufacturing/volumetric/2022/01";
+    let text = format!("<model xmlns:v=\"{volumes}\" requiredextensions=\"v\"/>");
     let text = read(&with_model(&text)).unwrap_err().to_string();
-    assert!(text.contains(&format!("needs 3MF extension {beams}")));
+    assert!(text.contains(&format!("needs 3MF extension {volumes}")));
+    let twice = error("<object id=\"1\"/>", "<item objectid=\"1\" objectid=\"1\"/>");
+    assert!(twice.ends_with("expected attributes of different names, found \"objectid twice\""), "{twice}");
+}
+
+#[test]
+fn beams_are_left_out_with_a_warning() {
+    let lattice = r#"<b:beamlattice radius="1"><b:beams><b:beam v1="0" v2="1"/><b:beam v1="1" v2="2"/></b:beams>
+        <b2:balls><b2:ball vindex="0"/></b2:balls></b:beamlattice></mesh>"#;
+    let text = model(
+        &format!("<object id=\"1\">{}</object><object id=\"2\">{MESH}</object>", MESH.replace("</mesh>", lattice)),
+        "<item objectid=\"2\"/><item objectid=\"1\"/>",
+    );
+    let namespaces = r#"<model xmlns:b="http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02"
+        xmlns:b2="http://schemas.microsoft.com/3dmanufacturing/beamlattice/balls/2020/07" requiredextensions="b b2""#;
+    let model = read(&with_model(&text.replace("<model", namespaces))).unwrap();
+    assert_eq!(model.faces.len(), 2);
+    let warnings: Vec<_> = model.warnings.iter().map(ToString::to_string).collect();
+    assert_eq!(warnings, ["beams and balls of lattices, left out: 3, the first at /3D/Model.model, object 1"]);
+}
+
+#[test]
+fn parts_may_be_utf_16() {
+    let text = model(&format!("<object id=\"1\" name=\"caf\u{E9}\">{MESH}</object>"), "<item objectid=\"1\"/>");
+    let wide = |text: &str, bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
+        format!("\u{FEFF}{text}").encode_utf16().flat_map(bytes).collect()
+    };
+    for bytes in [u16::to_le_bytes, u16::to_be_bytes] {
+        let (relationships, part) = (wide(RELATIONSHIPS, bytes), wide(&text, bytes));
+        let package = package_of_bytes(&[("_rels/.rels", &relationships), ("3D/Model.model", &part)]);
+        assert_eq!(read(&package).unwrap().parts, ["caf\u{E9}"]);
+        let cut = package_of_bytes(&[("3D/3dmodel.model", &part[1..])]);
+        assert!(read(&cut).unwrap_err().to_string().starts_with("3D/3dmodel.model: expected "));
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Files on disk: extensions, content that contradicts them, other files beside them, and what cannot be read.
 
-use std::fs;
+use std::{fs, io::Write};
 
 use impinge::Positions;
 use impinge_files::{Format, LoadErrorKind, Place, WarningKind, load};
@@ -24,7 +24,7 @@ fn extensions_in_any_case_and_content_first() {
 #[test]
 fn content_proves_its_format() {
     let stl = [vec![b'v'; 80], vec![0; 4]].concat();
-    let rows: [(&[u8], Option<Format>); 14] = [
+    let rows: [(&[u8], Option<Format>); 17] = [
         (b"ply\nformat", Some(Format::Ply)),
         (b"ply\r\nformat", Some(Format::Ply)),
         (b"plywood", None),
@@ -34,6 +34,9 @@ fn content_proves_its_format() {
         (b" {\"asset\": 1}", Some(Format::Gltf)),
         (b"{\"other\": 1}", None),
         (b"PK\x03\x04", Some(Format::ThreeMf)),
+        (b"<?xml version=\"1.0\"?>\n<COLLADA version=\"1.4.1\">", Some(Format::Collada)),
+        (b"<?xml version=\"1.0\"?>\n<model>", None),
+        (b"\x1F\x8B\x08\0", None),
         (b"Solid name\r\n  Facet normal", Some(Format::Stl)),
         (b"solid name\nendsolid", Some(Format::Stl)),
         (b"solid state", None),
@@ -46,6 +49,58 @@ fn content_proves_its_format() {
     for format in Format::ALL {
         assert_eq!(Format::from_extension(&format.extension().to_uppercase()), Some(format));
     }
+}
+
+fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+#[test]
+fn gzip_files_are_read_as_what_they_hold() {
+    let folder = tempdir().unwrap();
+    let load_as = |name: &str, content: &[u8]| {
+        let path = folder.path().join(name);
+        fs::write(&path, content).unwrap();
+        load(path)
+    };
+    let packed = gzip(OFF.as_bytes());
+    let other = vec![WarningKind::OtherExtension];
+    for (name, content, warnings) in [
+        ("a.off.gz", &packed[..], vec![]),
+        ("a.OFF.GZ", &packed, vec![]),
+        ("a.gz", &packed, vec![]),
+        ("a.scan.gz", &packed, vec![]),
+        ("a.off", &packed, other.clone()),
+        ("a.obj.gz", &packed, other.clone()),
+        ("a.off.gz", OFF.as_bytes(), other),
+    ] {
+        let model = load_as(name, content).unwrap();
+        assert_eq!((model.faces.len(), model.format), (1, Format::Off), "{name}");
+        assert_eq!(model.warnings.iter().map(|w| w.kind).collect::<Vec<_>>(), warnings, "{name}");
+    }
+    // OBJ proves nothing, so that its extension is needed.
+    let obj = gzip(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    assert_eq!(load_as("a.obj.gz", &obj).unwrap().faces.len(), 1);
+    let error = load_as("a.tar.gz", &obj).unwrap_err();
+    assert_eq!(error.kind(), &LoadErrorKind::UnsupportedFormat { extension: "tar.gz".into() });
+    assert_eq!(load_as("a.gz", &obj).unwrap_err().kind().name(), "unsupported-format");
+    let error = load_as("a.off.gz", &packed[..packed.len() - 4]).unwrap_err().to_string();
+    assert!(error.contains("a.off.gz, byte 0: expected a gzip file that is whole"), "{error}");
+    let error = load_as("a.obj.gz", &gzip(b"v 0 0 0\nf 1 2 3\n")).unwrap_err().to_string();
+    assert!(error.contains("a.obj.gz, line 2: face 0 names vertex 2"), "{error}");
+    assert_eq!(load_as("a.obj.gz", &gzip(b"")).unwrap_err().kind(), &LoadErrorKind::Empty);
+    // A binary STL may begin as it likes.
+    let stl = [&packed[..4], &[0; 80]].concat();
+    assert_eq!(load_as("a.stl", &stl).unwrap().format, Format::Stl);
+}
+
+#[test]
+fn a_rig_may_be_packed() {
+    let bytes = fs::read(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/robot.glb")).unwrap();
+    let rig = impinge_files::parse_rig(&gzip(&bytes)).unwrap();
+    assert_eq!(rig.skeleton().bones().len(), impinge_files::parse_rig(&bytes).unwrap().skeleton().bones().len());
 }
 
 #[test]
@@ -64,11 +119,13 @@ fn errors_name_the_file() {
     let text = format!("{}, line 2: face 0 names vertex 900, but there are 1 vertices", path.display());
     assert_eq!(error.to_string(), text);
 
-    for name in ["a.dae", "a.ZIP", "a", "obj"] {
+    for name in ["a.fbx", "a.ZIP", "a", "obj"] {
         let error = load(file(name, OFF.as_bytes())).unwrap_err();
         assert_eq!(error.kind().name(), "unsupported-format");
         assert!(
-            error.to_string().ends_with("supported are .obj, .stl, .ply, .off, .gltf, .glb, .3mf, .impinge"),
+            error.to_string().ends_with(
+                "supported are .obj, .stl, .ply, .off, .gltf, .glb, .3mf, .dae, .impinge, and each of them as .gz"
+            ),
             "{error}"
         );
     }

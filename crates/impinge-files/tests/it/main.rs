@@ -4,6 +4,7 @@ mod baked;
 mod changing;
 mod characters;
 mod cloth;
+mod dialects;
 mod load;
 mod real_files;
 mod rigs;

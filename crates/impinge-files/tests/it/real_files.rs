@@ -2,7 +2,7 @@
 //!
 //! Triangles, vertices, area and signed volume were computed with trimesh 4 and NumPy; where trimesh fails, fans a
 //! concave polygon or splits vertices (the empty files, `negative_indices.obj`, `igea.ply`, `wallhole.obj`,
-//! `fuze_ascii.ply`) by hand or from the definition.
+//! `fuze_ascii.ply`, `duck.dae`) by hand or from the definition.
 
 use std::{
     collections::BTreeSet,
@@ -128,10 +128,14 @@ fn files_below(folder: &Path, found: &mut Vec<PathBuf>) {
 const WARNINGS: &[(&str, WarningKind, u64)] = &[
     ("characters/greenman.glb", WarningKind::Unposed, 1),
     ("characters/robot.glb", WarningKind::Unposed, 14),
+    ("formats/duck.dae", WarningKind::FannedPolygons, 2),
     ("formats/fuze_ascii.ply", WarningKind::SurplusValues, 1000),
     ("nasty/fcl_resources/env.obj", WarningKind::UnknownLines, 1),
+    ("nasty/fcl_resources/illformated_mesh.dae", WarningKind::NotTriangles, 1),
     ("nasty/fcl_resources/rob.obj", WarningKind::UnknownLines, 1),
     ("nasty/notenoughindices.obj", WarningKind::ShortFaces, 1),
+    ("robots/panda_description/meshes/visual/link5.dae", WarningKind::NotTriangles, 1),
+    ("robots/panda_description/meshes/visual/link6.dae", WarningKind::NotTriangles, 1),
 ];
 
 #[test]
@@ -160,7 +164,7 @@ const ROWS: &[Row] = &[
     loads("formats/cube.OBJ", 12, 8, 6.0, 1.0),
     loads("formats/cube.glb", 12, 8, 23.999997854234785, 7.9999999205274825),
     loads("formats/cycloidal.ply", 43368, 21384, 48.8417247325804, 1.865640753050717),
-    fails("formats/duck.dae", "unsupported-format"),
+    loads("formats/duck.dae", 4212, 2108, 70254.6966394772, 1195525.2988221569),
     loads("formats/featuretype.STL", 3476, 2010, 53.82738611818216, 11.62773343119675),
     loads("formats/fuze_ascii.ply", 1000, 502, 0.04472226022256357, 0.000606688762429184),
     loads("formats/groups.obj", 2308, 1156, 144.5301516593949, 118.50400960369679),
@@ -180,9 +184,9 @@ const ROWS: &[Row] = &[
     fails("nasty/fcl_resources/config.h.in", "unsupported-format"),
     loads("nasty/fcl_resources/env.obj", 2180, 6540, 201427833.60226873, 1058313625.3633488),
     fails("nasty/fcl_resources/env.octree", "unsupported-format"),
-    fails("nasty/fcl_resources/illformated_mesh.dae", "unsupported-format"),
+    loads("nasty/fcl_resources/illformated_mesh.dae", 14746, 8722, 0.18191643874691626, 0.0030792037584937144),
     loads("nasty/fcl_resources/rob.obj", 216, 648, 5926624.495955137, 250507549.46799996),
-    fails("nasty/fcl_resources/staircases_koroibot_hr.dae", "unsupported-format"),
+    loads("nasty/fcl_resources/staircases_koroibot_hr.dae", 1276, 776, 18.816750998283126, 0.5325403333391154),
     loads("nasty/manifold_models/Cray_left.obj", 576, 292, 15702614741.512037, 1956864649950.9792),
     loads("nasty/manifold_models/Cray_right.obj", 12, 8, 1.8526732108772546e+78, 1.576079971053345e+116),
     loads("nasty/manifold_models/Generic_Twin_7081.1.t0_left.obj", 19704, 9874, 176607.5426720626, 101590.87756643444),
@@ -209,5 +213,8 @@ const ROWS: &[Row] = &[
     loads("assemblies/ifc_mini_project.glb", 241016, 123994, 6055.567920616277, 337.9988203542277),
     loads("assemblies/kitchen_174parts.glb", 247265, 208353, 40718.550577434915, 20458.216353675914),
     loads("characters/greenman.glb", 356, 196, 11.983497129800714, 3.0954307582122778),
+    loads("robots/panda_description/meshes/visual/finger.dae", 624, 318, 0.006791968782635402, 1.1220988342519838e-5),
+    loads("robots/panda_description/meshes/visual/link5.dae", 18327, 9501, 0.1321894600983275, 0.0025279917520282798),
+    loads("robots/panda_description/meshes/visual/link6.dae", 21620, 11818, 0.09984964854985731, 0.0015150264348845136),
     loads("characters/robot.glb", 3238, 7218, 48.932949821544824, 9.046583788232141),
 ];

@@ -28,7 +28,7 @@ use crate::{
     error::{LoadError, LoadErrorKind, Place},
     format::Format,
     instance::Budget,
-    model::Faces,
+    model::{Faces, WarningKind},
     text::name,
 };
 use document::{RigDocument, RigMesh, RigPrimitive};
@@ -41,14 +41,26 @@ pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Resul
         _ => (bytes, None),
     };
     let document = read_document(json, format)?;
+    if document.extensions_required.iter().any(|e| e == "EXT_mesh_gpu_instancing") {
+        return Err(super::extensions::lacking("EXT_mesh_gpu_instancing in a rig"));
+    }
     let extra: RigDocument = serde_json::from_slice(crate::text::without_bom(json)).map_err(|e| {
         let error = LoadErrorKind::Syntax { expected: "a rigged glTF document".into(), found: e.to_string() };
         LoadError::new(error).at(Place::Entry(format!("line {} column {}", e.line(), e.column())))
     })?;
     let buffers = Buffers::load(&document.buffers, chunk, folder)?;
-    let source = Source { document: &document, buffers: &buffers };
-    let instances = scene::instances(&document)?;
-    let budget = Budget::for_bytes(bytes.len() as u64 + buffers.total_len());
+    let source = Source { document: &document, buffers: &buffers, json_len: json.len() as u64 };
+    let len = bytes.len() as u64 + buffers.total_len();
+    let instances = scene::instances(&document, &mut warnings, Budget::for_nodes(len))?;
+    // A bone has one place.
+    if let Some(shared) = warnings.into_vec().into_iter().find(|w| w.kind == WarningKind::SharedNodes) {
+        let error = LoadError::syntax("nodes with one parent each", b"one that is reached twice");
+        return Err(match shared.first {
+            Some(place) => error.at(place),
+            None => error,
+        });
+    }
+    let budget = Budget::for_bytes(len);
     let mut reader = RigReader::new(source, &extra, budget);
     for instance in &instances {
         reader.instance(instance)?;
@@ -140,7 +152,7 @@ impl<'a> RigReader<'a> {
             self.count("vertices", self.reader.source.count(accessor)?)?;
             // Draco leaves accessors without data, which would all be at the origin.
             if primitive.extensions.draco.is_some() {
-                return Err(super::lacking("KHR_draco_mesh_compression"));
+                return Err(super::extensions::lacking("KHR_draco_mesh_compression"));
             }
             let first = self.positions.len();
             let positions = self.reader.source.positions(accessor)?;
