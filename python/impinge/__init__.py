@@ -16,7 +16,7 @@ from impinge._contacts import ContactRows, Contacts
 from impinge._distances import Distance, distance, within
 from impinge._errors import InputError, LoadWarning, Status
 from impinge._impinge import __version__
-from impinge._inspection import Health, TreeStatistics
+from impinge._inspection import Health, Repair, TreeStatistics
 from impinge._intersections import (
     intersecting_pairs,
     intersection_curves,
@@ -73,6 +73,7 @@ __all__ = [
     "Penetration",
     "RayHit",
     "RayHits",
+    "Repair",
     "Scene",
     "SceneReport",
     "Shape",

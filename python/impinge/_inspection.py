@@ -1,8 +1,11 @@
-"""What a mesh may suffer from, and how good its hierarchy is."""
+"""What a mesh may suffer from, its repair, and how good its hierarchy is."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,42 @@ class Health:
     misoriented_edges: int
     components: int
     double_coordinates: int
+
+
+@dataclass(frozen=True, eq=False)
+class Repair:
+    """What `Mesh.repaired` changed, and what it found and left. All arrays are ascending.
+
+    Attributes
+    ----------
+    welded_vertices : (k,) uint32 array
+        Vertices that were moved to the position of an earlier one.
+    greatest_move : float
+        The greatest distance by which a vertex was moved.
+    turned_faces : (k,) uint32 array
+        Faces whose second and third corner were swapped.
+    one_sided_faces : (k,) uint32 array
+        Faces of sheets that have only one side, as a Möbius strip has. They are left as they were.
+    degenerate_faces : (k,) uint32 array
+        Faces without area after the repair. They are left.
+    duplicate_faces : (k,) uint32 array
+        Faces with the same three points as an earlier one after the repair. They are left.
+    """
+
+    welded_vertices: NDArray[np.uint32]
+    greatest_move: float
+    turned_faces: NDArray[np.uint32]
+    one_sided_faces: NDArray[np.uint32]
+    degenerate_faces: NDArray[np.uint32]
+    duplicate_faces: NDArray[np.uint32]
+
+    def __repr__(self) -> str:
+        """Return how many there are of each."""
+        return (
+            f"Repair({len(self.welded_vertices)} vertices welded by at most {self.greatest_move:.3g}, "
+            f"{len(self.turned_faces)} faces turned, {len(self.one_sided_faces)} one-sided, "
+            f"{len(self.degenerate_faces)} without area, {len(self.duplicate_faces)} duplicates)"
+        )
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from impinge import _arrays, _impinge
 from impinge._errors import InputError
-from impinge._inspection import Health, TreeStatistics
+from impinge._inspection import Health, Repair, TreeStatistics
 from impinge._mesh_points import PointQueries
 from impinge._origin import Origin, origin_of
-from impinge._scalars import chosen, flag, path_of
+from impinge._scalars import chosen, flag, path_of, real
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -171,6 +171,66 @@ class Mesh(PointQueries):
         (3, False)
         """
         return Health(**_impinge.health(self))
+
+    def repaired(self, *, weld: float = 0.0, orient: bool = False) -> tuple[Mesh, Repair]:
+        """Return this mesh, repaired, and what was changed. Vertices and faces keep their numbers.
+
+        Parameters
+        ----------
+        weld : float, default 0.0
+            How far a vertex may be moved to meet an earlier one, in the unit of the mesh. Each vertex is moved to the
+            nearest of the vertices before it that have stayed. `closing_tolerance` names a tolerance that closes the
+            mesh.
+        orient : bool, default False
+            Whether faces are turned so that neighbors agree on a side. Faces are linked across each edge that exactly
+            two of them have. Linked faces form a sheet and get one side: the side that at least three quarters of its
+            area have already; or else, if the sheet is closed, the side with which it encloses a positive volume; or
+            else the side that most of its area has. If all closed sheets together then enclose a negative volume, all
+            of them are turned.
+
+        Returns
+        -------
+        mesh : Mesh
+            A new mesh with the same origin.
+        repair : Repair
+            What was changed, and what was found and left.
+
+        Raises
+        ------
+        InputError
+            If the tolerance is negative, NaN or infinite.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        >>> mesh = impinge.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 2, 3], [1, 2, 3]])  # the third is turned
+        >>> repaired, repair = mesh.repaired(orient=True)
+        >>> repair
+        Repair(0 vertices welded by at most 0, 1 faces turned, 0 one-sided, 0 without area, 0 duplicates)
+        >>> mesh.is_closed, repaired.is_closed
+        (False, True)
+        """
+        made, report = _impinge.repaired(self, real(weld, "weld", least=0.0), flag(orient, "orient"))
+        return Mesh._of(made, self._origin), Repair(**report)
+
+    def closing_tolerance(self) -> float | None:
+        """Return a tolerance at which welding closes every open edge, in O(n log n).
+
+        It is the least of 10^-16, 10^-15, up to 10^-2 of the size of the mesh, rounded up to a power of ten; or None if
+        no edge is open, or if none of these closes all of them.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 1e-7, 1]]
+        >>> cracked = impinge.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 4]])
+        >>> cracked.closing_tolerance()
+        1e-06
+        >>> cracked.repaired(weld=1e-6)[0].is_closed
+        True
+        """
+        return _impinge.closing_tolerance(self)
 
     def tree_statistics(self) -> TreeStatistics:
         """Return what can be read off the hierarchy."""

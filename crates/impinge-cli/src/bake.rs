@@ -10,7 +10,7 @@ use crate::body::{Body, Loaded};
 use crate::check::timed;
 use crate::failure::Failure;
 use crate::numerals::{count, counted};
-use crate::{Verdict, console, output};
+use crate::{Verdict, console, output, repair};
 
 /// Save a mesh with its hierarchy, to be opened without parsing and without building
 ///
@@ -36,6 +36,8 @@ pub(crate) struct Arguments {
     /// make the file take longer to open: they are proved when they are asked for. `inspect` tells their sizes.
     #[arg(long)]
     proxies: bool,
+    #[command(flatten)]
+    repairs: repair::Arguments,
     /// Print one JSON object in place of the report
     #[arg(long)]
     json: bool,
@@ -62,6 +64,10 @@ struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     hull_vertices: Option<usize>,
     bytes: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    repair: Option<repair::Summary>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    warnings: Vec<String>,
     seconds: Seconds,
 }
 
@@ -87,16 +93,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     output::judge(path, &[&arguments.mesh])?;
     let (loaded, load) = timed("loading", || Loaded::from_file(&arguments.mesh, None));
     let loaded = loaded?;
-    for warning in &loaded.warnings {
-        console::warn(&format!("{}: {warning}", arguments.mesh.display()));
-    }
+    loaded.warn();
     let builder = match arguments.hierarchy {
         Hierarchy::Auto => Builder::Auto,
         Hierarchy::Fast => Builder::Morton,
         Hierarchy::Tight => Builder::BinnedSah,
     };
-    let (body, build) = timed("building the hierarchy", || loaded.build(builder));
-    let Body { mesh, about } = body?;
+    let (body, build) = timed("building the hierarchy", || loaded.build(builder, &arguments.repairs));
+    let Body { mesh, about, warnings, repair } = body?;
     let timed_proxies = arguments.proxies.then(|| timed("fitting the hull and the volumes", || mesh.proxies()));
     let (proxies, proxy_seconds) = timed_proxies.map_or((None, None), |(proxies, seconds)| (proxies, Some(seconds)));
     let provenance =
@@ -113,6 +117,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         triangles: mesh.faces().len(),
         hull_vertices: proxies.as_ref().map(|proxies| proxies.hull().vertices().len()),
         bytes,
+        repair,
+        warnings,
         seconds: Seconds { load, build, proxies: proxy_seconds, write },
     };
     console::conclude(&if arguments.json {

@@ -7,13 +7,13 @@ use impinge::{Mesh, Positions};
 use impinge_files::{Baked, Format, Model, Provenance, Unit, Warning};
 
 use crate::failure::Failure;
+use crate::{console, repair};
 
 /// A file as loaded, its mesh not yet built.
 pub(crate) struct Loaded {
     content: Content,
     about: About,
-    /// What was left out of the file or is odd in it.
-    pub(crate) warnings: Vec<Warning>,
+    warnings: Vec<Warning>,
 }
 
 /// What a file holds.
@@ -30,6 +30,10 @@ enum Content {
 pub(crate) struct Body {
     pub(crate) mesh: Mesh,
     pub(crate) about: About,
+    /// What was left out of the file or is odd in it.
+    pub(crate) warnings: Vec<String>,
+    /// What was repaired, if that was asked for.
+    pub(crate) repair: Option<repair::Summary>,
 }
 
 /// Where a mesh comes from.
@@ -75,13 +79,20 @@ impl Loaded {
         }
     }
 
-    /// Builds the hierarchy in this way, or proves the one that the file brings.
+    /// Says on standard error what was left out of the file or is odd in it.
+    pub(crate) fn warn(&self) {
+        for warning in &self.warnings {
+            console::warn(&format!("{}: {warning}", self.about.path.display()));
+        }
+    }
+
+    /// Builds the hierarchy in this way, or proves the one that the file brings. Then repairs the mesh if that was asked
+    /// for.
     ///
     /// # Errors
-    /// Where a vertex is out of the range of the proofs, or there are too many faces; where a baked file is not what was
-    /// baked.
-    pub(crate) fn build(self, builder: Builder) -> Result<Body, Failure> {
-        let Self { content, about, .. } = self;
+    /// A vertex is out of the range of the proofs, there are too many faces, or a baked file is not what was baked.
+    pub(crate) fn build(self, builder: Builder, repairs: &repair::Arguments) -> Result<Body, Failure> {
+        let Self { content, about, warnings } = self;
         let mesh = match content {
             Content::Triangles { positions, faces } => {
                 let mesh = Mesh::with_builder(positions, faces, builder);
@@ -89,7 +100,17 @@ impl Loaded {
             }
             Content::Baked(baked) => baked.mesh()?,
         };
-        Ok(Body { mesh, about })
+        let (mesh, repair) = repairs.apply(mesh, builder)?;
+        if let Some(repair) = &repair {
+            console::note(&format!("{}: {}", about.path.display(), repair.sentence()));
+        }
+        let mut warnings: Vec<String> = warnings.iter().map(Warning::to_string).collect();
+        if mesh.faces().is_empty() {
+            let empty = "the mesh has no faces, so it meets nothing";
+            console::warn(&format!("{}: {empty}", about.path.display()));
+            warnings.push(empty.to_owned());
+        }
+        Ok(Body { mesh, about, warnings, repair })
     }
 }
 

@@ -18,6 +18,7 @@ mod numerals;
 mod output;
 mod pose;
 mod progress;
+mod repair;
 mod units;
 mod world;
 

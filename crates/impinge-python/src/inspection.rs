@@ -1,11 +1,13 @@
-//! What a mesh may suffer from, and how good its hierarchy is.
+//! What a mesh may suffer from, its repair, and how good its hierarchy is.
 
 use impinge::hierarchy::TreeStatistics;
-use impinge::mesh::Health;
+use impinge::mesh::{Health, Repair, RepairOptions};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::mesh::mesh_of;
+use crate::arrays::array;
+use crate::errors::{Fault, kind_and_place, message};
+use crate::mesh::{MeshBase, mesh_of};
 use crate::workers;
 
 /// The fields of `impinge.Health`.
@@ -37,6 +39,43 @@ pub(crate) fn health<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDic
     let named = PyDict::new(py);
     counts.iter().try_for_each(|(name, count)| named.set_item(name, count))?;
     Ok(named)
+}
+
+/// A tolerance at which welding closes the mesh, if there is one.
+#[pyfunction]
+pub(crate) fn closing_tolerance(mesh: &Bound<'_, PyAny>) -> PyResult<Option<f64>> {
+    let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
+    workers::run(py, move |_| mesh.closing_tolerance())
+}
+
+/// The repaired mesh, and the fields of `impinge.Repair`.
+#[pyfunction]
+pub(crate) fn repaired<'py>(
+    mesh: &Bound<'py, PyAny>,
+    weld: f64,
+    orient: bool,
+) -> PyResult<(MeshBase, Bound<'py, PyDict>)> {
+    let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
+    let (mesh, repair) =
+        workers::run(py, move |_| mesh.repaired(RepairOptions { weld, orient }))?.map_err(|error| {
+            let (kind, _) = kind_and_place(&error);
+            Fault::new(kind, "weld", message(&error)).raised(py)
+        })?;
+    let Repair { welded_vertices, greatest_move, turned_faces, one_sided_faces, degenerate_faces, duplicate_faces } =
+        repair;
+    let named = PyDict::new(py);
+    named.set_item("greatest_move", greatest_move)?;
+    for (name, numbers) in [
+        ("welded_vertices", welded_vertices),
+        ("turned_faces", turned_faces),
+        ("one_sided_faces", one_sided_faces),
+        ("degenerate_faces", degenerate_faces),
+        ("duplicate_faces", duplicate_faces),
+    ] {
+        let len = numbers.len();
+        named.set_item(name, array(py, numbers, &[len])?)?;
+    }
+    Ok((MeshBase::of(&mesh), named))
 }
 
 /// The fields of `impinge.TreeStatistics`.

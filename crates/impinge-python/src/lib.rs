@@ -45,7 +45,7 @@ mod _impinge {
     #[pymodule_export]
     use super::distances::{distance, penetration, within};
     #[pymodule_export]
-    use super::inspection::{health, tree_statistics};
+    use super::inspection::{closing_tolerance, health, repaired, tree_statistics};
     #[pymodule_export]
     use super::mesh::MeshBase;
     #[pymodule_export]

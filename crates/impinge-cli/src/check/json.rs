@@ -4,8 +4,8 @@ use impinge::query::{Contained, Curves, Distance, Penetrates, Witness};
 use serde::Serialize;
 
 use super::{Outcome, Seconds};
-use crate::console;
 use crate::pose::rows;
+use crate::{console, repair};
 
 #[derive(Serialize)]
 struct Object {
@@ -45,6 +45,10 @@ struct Side {
     unit: Option<&'static str>,
     /// From the file's own numbers to the common frame, in the finer of the two units.
     pose: [[f64; 4]; 4],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    repair: Option<repair::Summary>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    warnings: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -88,6 +92,8 @@ pub(super) fn object(outcome: &Outcome) -> String {
             triangles: body.mesh.faces().len(),
             unit: body.about.unit.map(|unit| unit.symbol()),
             pose: rows(&outcome.poses[side]),
+            repair: body.repair.clone(),
+            warnings: body.warnings.clone(),
         }
     };
     let undecided = named(

@@ -20,7 +20,7 @@ use crate::body::{Body, Loaded};
 use crate::bounds::Bounds;
 use crate::failure::Failure;
 use crate::progress::Phase;
-use crate::{Verdict, console, numerals, output, pose, units};
+use crate::{Verdict, console, numerals, output, pose, repair, units};
 use pairs_file::PairsFormat;
 
 /// More threads than any machine has processors for; an answer does not depend on them.
@@ -79,6 +79,11 @@ pub(crate) struct Arguments {
     /// In the finer unit of A and B. Where they do, the exit code is 1.
     #[arg(long, value_name = "D", value_parser = parse_clearance, allow_hyphen_values = true)]
     clearance: Option<f64>,
+    #[command(flatten)]
+    repairs: repair::Arguments,
+    /// Take a mesh without faces, such as a point cloud, for one that meets nothing
+    #[arg(long)]
+    allow_empty: bool,
     /// Print one JSON object in place of the report
     #[arg(long)]
     json: bool,
@@ -197,20 +202,21 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
         )
     });
     let loaded = [a?, b?];
-    for body in &loaded {
-        for warning in &body.warnings {
-            console::warn(&format!("{}: {warning}", body.about().path.display()));
-        }
-    }
+    loaded.iter().for_each(Loaded::warn);
     let stated = [loaded[0].about().unit, loaded[1].about().unit];
     units::explain(stated);
     let poses = scaled(poses, units::scales(stated))?;
 
     let [a, b] = loaded;
     // Whoever asks once waits longer for a better hierarchy than for the answer.
-    let ((a, b), build) =
-        timed("building hierarchies", || rayon::join(|| a.build(Builder::Morton), || b.build(Builder::Morton)));
+    let built = |loaded: Loaded| loaded.build(Builder::Morton, &arguments.repairs);
+    let ((a, b), build) = timed("building hierarchies", || rayon::join(|| built(a), || built(b)));
     let bodies = [a?, b?];
+    if let Some(empty) = bodies.iter().find(|body| body.mesh.faces().is_empty() && !arguments.allow_empty) {
+        let failure = Failure::new("empty", "the mesh has no faces, so there is nothing to check");
+        let hint = "--allow-empty takes it for a mesh that meets nothing";
+        return Err(failure.in_file(&empty.about.path).hint(hint));
+    }
     let bounds = [0, 1].map(|side| Bounds::of(&bodies[side].mesh, &Pose::IDENTITY));
     if let [Some(a), Some(b)] = &bounds {
         units::doubt(stated, [a.diagonal(), b.diagonal()], [&poses[0], &poses[1]]);
@@ -324,9 +330,12 @@ impl Outcome {
     fn warn_of_open_solids(&self) {
         for (side, open) in self.open().into_iter().enumerate() {
             if open {
+                let Body { mesh, about, .. } = &self.bodies[side];
+                let diagnosis = repair::diagnosis(mesh).map_or(String::new(), |diagnosis| format!(" ({diagnosis})"));
                 console::warn(&format!(
-                    "{}: the mesh is open, so its inside is where its generalised winding number is beyond one half",
-                    self.bodies[side].about.path.display()
+                    "{}: the mesh is not closed, so its inside is where its generalised winding number is beyond one \
+                     half{diagnosis}",
+                    about.path.display()
                 ));
             }
         }

@@ -14,7 +14,7 @@ use impinge::hierarchy::Builder;
 use crate::body::{Body, Loaded};
 use crate::failure::Failure;
 use crate::progress::Phase;
-use crate::{Verdict, console};
+use crate::{Verdict, console, repair};
 use measure::{HullRow, Row};
 
 /// Which bounding volume suits a mesh?
@@ -57,10 +57,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let start = Instant::now();
     let phase = Phase::begin("loading");
     let loaded = Loaded::from_file(&arguments.mesh, None)?;
-    for warning in &loaded.warnings {
-        console::warn(&format!("{}: {warning}", loaded.about().path.display()));
-    }
-    let body = loaded.build(Builder::default())?;
+    loaded.warn();
+    let body = loaded.build(Builder::default(), &repair::Arguments::default())?;
     drop(phase);
     let load = start.elapsed().as_secs_f64();
     let points = corners(&body);

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::proxies::Summary;
 use super::{Drawn, Inspection, Seconds};
-use crate::console;
+use crate::{console, repair};
 
 #[derive(Serialize)]
 struct Object<'a> {
@@ -22,6 +22,10 @@ struct Object<'a> {
     proxies: Option<&'a Summary>,
     #[serde(skip_serializing_if = "Option::is_none")]
     picture: Option<&'a Drawn>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    repair: Option<&'a repair::Summary>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    warnings: &'a [String],
     seconds: Seconds,
 }
 
@@ -50,6 +54,9 @@ struct Health {
     open_edges: usize,
     non_manifold_edges: usize,
     misoriented_edges: usize,
+    /// Absent if welding closes nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    closing_tolerance: Option<f64>,
     double_coordinates: usize,
 }
 
@@ -85,10 +92,13 @@ pub(super) fn object(inspection: &Inspection) -> String {
             open_edges: health.open_edges,
             non_manifold_edges: health.non_manifold_edges,
             misoriented_edges: health.misoriented_edges,
+            closing_tolerance: body.mesh.closing_tolerance(),
             double_coordinates: health.double_coordinates,
         },
         proxies: proxies.as_ref(),
         picture: drawn.as_ref(),
+        repair: body.repair.as_ref(),
+        warnings: &body.warnings,
         seconds: *seconds,
     })
 }

@@ -16,7 +16,7 @@ use crate::body::{Body, Loaded};
 use crate::bounds::Bounds;
 use crate::check::timed;
 use crate::failure::Failure;
-use crate::{Verdict, console, output};
+use crate::{Verdict, console, output, repair};
 use picture::{Picture, PictureFormat};
 use proxies::Summary;
 
@@ -44,6 +44,8 @@ pub(crate) struct Arguments {
     /// Which axis points up in the picture
     #[arg(long, value_name = "AXIS", default_value = "y", requires = "picture")]
     up: Axis,
+    #[command(flatten)]
+    repairs: repair::Arguments,
     /// Print one JSON object in place of the report
     #[arg(long)]
     json: bool,
@@ -100,13 +102,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     };
     let (loaded, load) = timed("loading", || Loaded::from_file(&arguments.mesh, None));
     let loaded = loaded?;
-    for warning in &loaded.warnings {
-        console::warn(&format!("{}: {warning}", arguments.mesh.display()));
-    }
+    loaded.warn();
     let baked = loaded.baked().cloned();
-    let (body, build) = timed("building the hierarchy", || loaded.build(Builder::default()));
+    let (body, build) = timed("building the hierarchy", || loaded.build(Builder::default(), &arguments.repairs));
     let body = body?;
-    let proxies = match baked {
+    // Those of a baked mesh are not those of its repair.
+    let proxies = match baked.filter(|_| body.repair.is_none()) {
         Some(baked) => timed("proving the proxies", || baked.proxies(&body.mesh)).0?,
         None => None,
     };

@@ -6,6 +6,7 @@ use anstyle::{AnsiColor, Style};
 
 use super::Inspection;
 use crate::numerals::{count, counted, length, time};
+use crate::repair;
 
 const STRONG: Style = Style::new().bold();
 const FAINT: Style = Style::new().dimmed();
@@ -93,8 +94,11 @@ fn health(inspection: &Inspection) -> Vec<(&'static str, String)> {
         0 => "single holds every coordinate exactly".to_owned(),
         n => format!("double is needed, for {}", counted(n, "coordinate")),
     };
-    vec![
-        ("surface", closed),
+    let mut rows = vec![("surface", closed)];
+    if let Some(diagnosis) = repair::diagnosis(&inspection.body.mesh) {
+        rows.push(("to mend", diagnosis));
+    }
+    rows.extend([
         ("pieces", count(health.components)),
         ("open edges", odd(health.open_edges)),
         ("non-manifold edges", odd(health.non_manifold_edges)),
@@ -104,5 +108,6 @@ fn health(inspection: &Inspection) -> Vec<(&'static str, String)> {
         ("duplicate vertices", odd(health.duplicate_vertices)),
         ("unused vertices", odd(health.unused_vertices)),
         ("precision", precision),
-    ]
+    ]);
+    rows
 }

@@ -101,19 +101,16 @@ pub fn levels() -> Vec<(&'static str, Level)> {
 }
 
 /// Returns every level that this processor can run, for tests that call a kernel by
-/// `dispatch_every!`: the scalar one first and AVX-512 too if the feature `all-levels` is on.
-#[cfg(test)]
+/// `dispatch_every!`: the scalar one first and AVX-512 too.
+#[cfg(all(test, feature = "all-levels"))]
 pub(crate) fn kernel_levels() -> Vec<(&'static str, Level)> {
-    #[cfg(not(feature = "all-levels"))]
-    let all = levels();
-    #[cfg(feature = "all-levels")]
-    let all = {
-        let mut all = levels();
-        all.retain(|(name, _)| *name != "scalar");
-        all.insert(0, ("scalar", Level::fallback()));
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        all.extend(Level::new().as_avx512().map(|token| ("avx512", Level::Avx512(token))));
-        all
-    };
+    let mut all = levels();
+    all.retain(|(name, _)| *name != "scalar");
+    all.insert(0, ("scalar", Level::fallback()));
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    all.extend(Level::new().as_avx512().map(|token| ("avx512", Level::Avx512(token))));
     all
 }
+
+#[cfg(all(test, not(feature = "all-levels")))]
+pub(crate) use levels as kernel_levels;
