@@ -256,9 +256,10 @@ def intersection_curves(
     Returns
     -------
     list of (n, 3) float64 arrays
-        Polylines in the world frame and unit; closed where the first row equals the last. Which pieces there are and
-        how they link up is exact, and each coordinate is the true one, rounded. Pairs of faces that meet within one
-        plane have no curve of their own. Where the poses have leading axes, lists of such lists, one level for each.
+        Polylines in the world frame and unit, closed if the first row equals the last. After them comes an array of
+        one row for each point in which the surfaces touch without a curve. Which pieces there are and how they link up
+        is exact, and each coordinate is the true one, rounded. Pairs of faces that meet within one plane have no curve
+        of their own. If the poses have leading axes, these are lists of such lists, one level for each axis.
 
     Raises
     ------

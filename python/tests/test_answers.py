@@ -139,6 +139,14 @@ def test_the_oracle_knows_touching_from_missing():
         assert (len(oracle_pairs(here, here, pose_b=pose)) > 0) == meets
 
 
+def test_points_in_which_surfaces_only_touch_are_rows_of_their_own():
+    corner = [0.0146, 0.175, 0]
+    a = impinge.Mesh([[8.0606e-03, 0.175, 8.0606e-03], corner, [0.0154, 0.175, 0.0154]], [[0, 1, 2]])
+    b = impinge.Mesh([corner, [0.024625, 0.16399, 0], [0.0099918, 0.16476, 0]], [[0, 1, 2]])
+    [point] = impinge.intersection_curves(a, b)
+    assert point.tolist() == [corner]
+
+
 def test_curves_are_closed_and_lie_on_both_surfaces():
     a, b = impinge.Mesh(*torus()), impinge.Mesh(*torus(44, 18))
     pose = impinge.pose([0.4, 0.05, 0.03], rpy=[1.5, 0.1, 0.2])

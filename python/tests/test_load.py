@@ -4,6 +4,7 @@ import mmap
 import pickle
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.shared_memory import SharedMemory
 from pathlib import Path
 
@@ -96,6 +97,33 @@ def test_baked_meshes_answer_the_same(tmp_path):
     opened.refit(human.vertices * 2)
     assert opened.vertices.max() == 2 * human.vertices.max()
     assert [path.name for path in tmp_path.iterdir()] == ["human.impinge"]
+
+
+def test_a_mesh_is_baked_onto_the_file_that_it_is_mapped_from(tmp_path):
+    path = tmp_path / "human.impinge"
+    human = impinge.load(HUMAN)
+    human.bake(path)
+    opened = impinge.load(path)
+    opened.bake(path)
+    assert np.array_equal(impinge.load(path).faces, human.faces)
+    assert impinge.intersects(opened, human)
+    with pytest.raises(FileNotFoundError, match="missing"):
+        human.bake(tmp_path / "missing" / "human.impinge")
+
+
+def test_threads_that_bake_to_one_path_leave_the_file_of_one_of_them(tmp_path):
+    path = tmp_path / "mesh.impinge"
+    corners = np.random.default_rng(3).random((300, 3))
+    meshes = [impinge.Mesh(corners, np.arange(300 + 3 * i).reshape(-1, 3) % 300) for i in range(8)]
+
+    def work(mesh):
+        for _ in range(20):
+            mesh.bake(path)
+            assert 100 <= len(impinge.load(path).faces) < 108
+
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(work, meshes))
+    assert [entry.name for entry in tmp_path.iterdir()] == ["mesh.impinge"]
 
 
 def test_workers_share_a_baked_mesh(tmp_path):

@@ -145,6 +145,10 @@ def test_rays():
     assert np.array_equal(exact.face, other.face)
     assert np.allclose(exact.t, other.t)
     assert Shape.sphere(1).ray_cast([-3, 0, 0], [1, 0, 0]).face == -1
+    stretched = Shape.compound([(Shape.sphere(1), np.diag([2.0, 1, 1, 1]))])
+    with pytest.raises(impinge.InputError, match="rigid") as caught:
+        stretched.ray_cast([0, 0, 5], [0, 0, -1])
+    assert (caught.value.kind, caught.value.what) == ("not-rigid", "shape")
 
 
 def test_statuses():

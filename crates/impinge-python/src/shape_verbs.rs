@@ -5,7 +5,6 @@ use impinge::shape::PlacedShape;
 use impinge::sweep::{Impact, time_of_impact_of_shapes};
 use impinge::world::{Body, World};
 use impinge::{InputError, partition};
-use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 use crate::arrays::{array, row_array};
@@ -20,6 +19,7 @@ use crate::rays::Rays;
 use crate::shapes::{Weighed, weighed};
 use crate::verbs::yes_or_no;
 use crate::workers::{self, Rows};
+use crate::world_bodies::refused;
 
 /// The most pairs of pieces, over all rows, for which a call may keep to the caller's thread.
 const MOST_BRIEF_PAIRS: u128 = 1 << 10;
@@ -260,7 +260,7 @@ pub(crate) fn shape_ray_cast<'py>(
     let (py, rays) = (shape.py(), Rays::read(origins, directions)?);
     let Weighed { shape, weight } = weighed(shape, "shape")?;
     let mut world = World::new();
-    world.insert(Body::new(shape)).map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    world.insert(Body::new(shape)).map_err(|error| refused(&error, "shape", 0).at(Vec::new()).raised(py))?;
     let (lead, brief) = (rays.lead().to_vec(), weight.saturating_mul(rays.len() as u64) <= MOST_BRIEF_RAYS);
     let found = rays.ask_each(py, brief, None, move |origin, direction| {
         Ok(world.ray_cast(&partition::Ray::new(origin, direction, f64::INFINITY)?, |_| true))

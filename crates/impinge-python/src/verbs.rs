@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use impinge::exact::{Crossing, Placement, crossing};
 use impinge::mesh::{Options, Placed};
 use impinge::query::shapes::Proximity;
-use impinge::query::{self, ContactPatch, HitCache, Penetrates};
+use impinge::query::{self, ContactPatch, Curves, HitCache, Penetrates};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyList};
@@ -67,10 +67,14 @@ pub(crate) fn intersecting_pairs<'py>(
     })
 }
 
-/// A list of (n, 3) arrays, in as many lists as there are leading axes.
+/// A list of (n, 3) arrays, of one row for points that surfaces touch in; in as many lists as there are leading axes.
 #[pyfunction]
 pub(crate) fn intersection_curves<'py>(py: Python<'py>, question: Question) -> PyResult<Bound<'py, PyAny>> {
-    let answers = question.answer(py, Vec::new(), |a, b| query::intersection_curves(a, b).polylines)?;
+    let answers = question.answer(py, Vec::new(), |a, b| {
+        let Curves { mut polylines, points, .. } = query::intersection_curves(a, b);
+        polylines.extend(points.into_iter().map(|point| vec![point]));
+        polylines
+    })?;
     let lines = |lines: Vec<Vec<[f64; 3]>>| -> PyResult<Bound<'py, PyAny>> {
         let lines = lines.into_iter().map(|line| {
             let count = line.len();

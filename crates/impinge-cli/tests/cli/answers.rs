@@ -162,8 +162,17 @@ fn a_mesh_inside_another_earns_one_line() {
 fn an_empty_mesh_meets_nothing() {
     let folder = Folder::new();
     folder.write("empty.obj", "v 0 0 0\n");
-    let run = folder.run("check empty.obj cube.obj");
-    assert_eq!((run.code, run.stderr.as_str()), (0, ""));
+    let refused = folder.run("check empty.obj cube.obj");
+    assert_eq!((refused.code, refused.stdout.as_str()), (2, ""));
+    assert!(refused.stderr.contains("error: empty.obj: the mesh has no faces"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("--allow-empty"), "{}", refused.stderr);
+    let run = folder.run("check empty.obj cube.obj --allow-empty");
+    assert_eq!(run.code, 0);
+    assert_eq!(run.stderr, "warning: empty.obj: the mesh has no faces, so it meets nothing\n");
+    let object = folder.run("check cube.obj empty.obj --allow-empty --json");
+    let found: serde_json::Value = serde_json::from_str(&object.stdout).unwrap();
+    assert_eq!(found["b"]["warnings"], serde_json::json!(["the mesh has no faces, so it meets nothing"]));
+    assert!(found["a"].get("warnings").is_none());
     assert!(run.stdout.contains("   OBJ   0 triangles    1 vertex  0 parts  empty (no unit)\n"), "{}", run.stdout);
 }
 

@@ -1,6 +1,6 @@
 //! `--solid`, `--penetrates`, and the line about what lies inside.
 
-use crate::{Folder, without_seconds};
+use crate::{Folder, cuboid, without_seconds};
 
 /// `open.obj`: `big.obj` without its last side.
 fn with_an_open_box(folder: &Folder) {
@@ -119,8 +119,8 @@ fn n14_touching_is_not_penetrating() {
 fn n18_open_meshes_are_told_of() {
     let folder = Folder::new();
     with_an_open_box(&folder);
-    let warning = "warning: open.obj: the mesh is open, so its inside is where its generalised winding number is beyond \
-                   one half\n";
+    let warning = "warning: open.obj: the mesh is not closed, so its inside is where its generalised winding number is \
+                   beyond one half (4 edges open)\n";
     let run = folder.run("check cube.obj open.obj --solid --json");
     assert_eq!((run.code, run.stderr.as_str()), (1, warning));
     let found: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
@@ -129,4 +129,41 @@ fn n18_open_meshes_are_told_of() {
     assert_eq!((undecided.code, undecided.stderr.as_str()), (1, warning));
     let found: serde_json::Value = serde_json::from_str(&undecided.stdout).unwrap();
     assert_eq!((found["penetrates"].as_bool(), found["undecided"][0].as_str()), (Some(true), Some("penetrates")));
+}
+
+/// A cube, three of whose sides are turned, and one whose corners are off by a little in one face.
+fn with_broken_cubes(folder: &Folder) {
+    let cube = folder.read("cube.obj");
+    let turned = cube.replace("f 1 3 4 2", "f 2 4 3 1").replace("f 1 2 6 5", "f 5 6 2 1");
+    folder.write("turned.obj", &turned.replace("f 2 4 8 6", "f 6 8 4 2"));
+    folder.write("cracked.obj", &(cube.replace("f 2 4 8 6", "f 2 4 9 6") + "v 1 1 1.0000000001\n"));
+    folder.write("inner.obj", &cuboid("inner", [0.25; 3], 0.5));
+}
+
+#[test]
+fn n18_broken_meshes_are_repaired_on_request_and_never_silently() {
+    let folder = Folder::new();
+    with_broken_cubes(&folder);
+    for (file, option, said, done) in [
+        ("turned.obj", "--orient", "--orient turns faces that do not agree", "turned.obj: repaired: 6 faces turned"),
+        ("cracked.obj", "--weld 1e-9", "--weld 1e-9 closes what is open", "cracked.obj: repaired: 1 vertex welded"),
+    ] {
+        let told = folder.run(&format!("check {file} inner.obj --solid"));
+        assert!(told.stderr.contains(said), "{}", told.stderr);
+        assert!(folder.run(&format!("inspect {file}")).stdout.contains(said));
+        let mended = folder.run(&format!("check {file} inner.obj --solid {option}"));
+        assert_eq!(mended.code, 1);
+        assert!(mended.stderr.contains(done) && !mended.stderr.contains("warning"), "{}", mended.stderr);
+        let object = folder.run(&format!("check {file} inner.obj --solid --json {option}"));
+        let found: serde_json::Value = serde_json::from_str(&object.stdout).unwrap();
+        assert_eq!(found["contained"].as_str(), Some("b"));
+        let repair = &found["a"]["repair"];
+        let changed = [&repair["turned_faces"], &repair["welded_vertices"]].map(|count| count.as_u64().unwrap());
+        assert_eq!(changed, if file == "turned.obj" { [6, 0] } else { [0, 1] });
+        assert_eq!(folder.run(&format!("bake {file} -o baked.impinge {option}")).code, 0);
+        assert!(folder.run("inspect baked.impinge").stdout.contains("closed: each edge has two faces"));
+    }
+    assert_eq!(folder.run("check turned.obj inner.obj --weld -1").code, 2);
+    let sound = folder.run("check cube.obj inner.obj --orient");
+    assert!(sound.stderr.contains("note: cube.obj: nothing to repair"), "{}", sound.stderr);
 }
