@@ -144,3 +144,16 @@ fn distances_of_solids_are_zero_inside() {
         assert!(!query::within_of_solids(&large, &small, -0.5, solid));
     }
 }
+
+/// Cubes that hardly overlap: the upper end is no farther above the depth than rounding explains.
+#[test]
+fn shallow_depths_are_told_tightly() {
+    let mesh = engine(&cuboid([-0.5; 3], [0.5; 3]));
+    for exponent in [-20, -30, -40, -45] {
+        let deep = 2.0_f64.powi(exponent);
+        for place in [[1.0 - deep, 0.0, 0.0], [0.25, 1.0 - deep, -0.125], [0.0, 0.5, deep - 1.0]] {
+            let found = query::penetration(&mesh, mesh.at(at(place))).expect("they meet");
+            assert!(found.upper >= deep && found.upper <= deep + 1e-14, "2^{exponent}: {found:?}");
+        }
+    }
+}
