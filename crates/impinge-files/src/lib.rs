@@ -30,12 +30,14 @@
 
 mod baked;
 mod character_file;
+mod encoding;
 mod error;
 mod format;
 mod gltf;
 mod instance;
 mod memory_map;
 mod model;
+mod non_finite;
 mod obj;
 mod off;
 mod ply;
