@@ -52,18 +52,15 @@ impl<'a> PlainText<'a> {
     }
 }
 
-/// Reports whether the bytes begin with a byte order mark of UTF-16.
-pub(crate) fn has_utf16_mark(bytes: &[u8]) -> bool {
-    bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF])
-}
-
 /// Returns the text of a UTF-16 file, or `None` if the file has no byte order mark of UTF-16.
-fn utf16(bytes: &[u8]) -> Option<String> {
-    if !has_utf16_mark(bytes) {
-        return None;
-    }
-    let (pairs, _) = bytes[2..].as_chunks();
-    let unit = if bytes[0] == 0xFF { u16::from_le_bytes } else { u16::from_be_bytes };
+pub(crate) fn utf16(bytes: &[u8]) -> Option<String> {
+    let (mark, units) = bytes.split_first_chunk()?;
+    let unit = match mark {
+        [0xFF, 0xFE] => u16::from_le_bytes,
+        [0xFE, 0xFF] => u16::from_be_bytes,
+        _ => return None,
+    };
+    let (pairs, _) = units.as_chunks();
     let mut text = String::with_capacity(pairs.len());
     let chars = char::decode_utf16(pairs.iter().map(|&pair| unit(pair)));
     text.extend(chars.map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)));
