@@ -18,7 +18,8 @@
 //! - **Triangles** keep the order of the file; each remembers its polygon and its part. Degenerate ones are kept, except
 //!   the joints of triangle strips, which are not part of the surface.
 //! - **Vertices** keep the order of the file, used or not. STL has corners only: bitwise equal ones (and 0.0 and -0.0)
-//!   become one vertex. No other format is welded.
+//!   become one vertex. No other format is welded. In OBJ, PLY and OFF a vertex that no face uses may be NaN or infinite:
+//!   it is stored at the position of the first finite vertex, and counted in a warning.
 //! - **Units.** glTF is in metres, 3MF states its unit, the others state none.
 //! - **Content before extension.** The extension, in any case, must be a known one. Where the bytes prove another format,
 //!   they are read as what they are, with a warning.

@@ -305,6 +305,8 @@ mod tests {
         let text = format!("solid a\n{FACET}endsolid\n");
         let wide: Vec<u8> = "\u{FEFF}".encode_utf16().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
         assert_eq!(read(&wide).unwrap().faces, [[0, 1, 2]]);
+        let commented = text.replace("facet normal", "# c\n\n#d\nfacet normal") + "\0";
+        assert_eq!(read(commented.as_bytes()).unwrap().faces, [[0, 1, 2]]);
         let padded = read(format!("{text}\0\0").as_bytes()).unwrap();
         assert_eq!(warnings(&padded), [(WarningKind::PaddingNuls, 2, Some(Place::Line(9)))]);
     }

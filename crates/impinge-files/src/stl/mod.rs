@@ -22,14 +22,18 @@ use crate::{
 
 pub(crate) use binary::has_binary_length;
 
-/// Whether an ASCII file opens like this: `solid`, a name, then a facet or the end.
+/// Whether an ASCII file opens like this: `solid`, a name, then a facet or the end, comments aside.
 pub(crate) fn opens_as_text(bytes: &[u8]) -> bool {
+    let line_end = |text: &[u8]| memchr::memchr2(b'\n', b'\r', text).unwrap_or(text.len());
     let text = trim_start(without_bom(bytes));
     if !text.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) {
         return false;
     }
-    let name_end = memchr::memchr2(b'\n', b'\r', text).unwrap_or(text.len());
-    let (word, _) = split_token(&text[name_end..]);
+    let mut text = trim_start(&text[line_end(text)..]);
+    while text.starts_with(b"#") {
+        text = trim_start(&text[line_end(text)..]);
+    }
+    let (word, _) = split_token(text);
     [&b"facet"[..], b"endsolid"].iter().any(|w| word.eq_ignore_ascii_case(w))
 }
 

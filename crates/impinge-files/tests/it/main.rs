@@ -3,6 +3,7 @@
 mod baked;
 mod characters;
 mod cloth;
+mod dialects;
 mod load;
 mod real_files;
 mod rigs;
