@@ -1,5 +1,7 @@
 //! Lines, tokens and numbers of text formats, as bytes: names and comments need not be UTF-8.
 
+use std::str::FromStr;
+
 use memchr::memchr;
 
 use crate::{
@@ -58,27 +60,29 @@ pub(crate) fn number(token: &[u8]) -> Option<f64> {
 /// Returns the f32 nearest to a decimal number that is the whole token, in the notations of [`number`].
 ///
 /// By way of f64 the number would be rounded twice.
+#[inline]
 pub(crate) fn single_number(token: &[u8]) -> Option<f32> {
     fast_float2::parse(token).ok().or_else(|| foreign_number(token))
 }
 
 /// Parses a number with the exponent letter of Fortran (`1.0D+01`), or a NaN or infinity as C writes it on Windows
 /// (`-nan(ind)`, `1.#QNAN`), which becomes a NaN.
+///
+/// This parses with the standard library, so that the compiler can inline the faster parser, which has one caller then.
 #[cold]
-fn foreign_number<T: fast_float2::FastFloat>(token: &[u8]) -> Option<T> {
+#[inline(never)]
+fn foreign_number<T: FromStr>(token: &[u8]) -> Option<T> {
     let unsigned = token.strip_prefix(b"-").or_else(|| token.strip_prefix(b"+")).unwrap_or(token);
-    if unsigned
-        .get(..4)
-        .is_some_and(|start| start.eq_ignore_ascii_case(b"nan(") || start == b"1.#I" || start == b"1.#Q")
-    {
-        return fast_float2::parse(b"nan").ok();
+    let is_nan = |start: &[u8]| start.eq_ignore_ascii_case(b"nan(") || start == b"1.#I" || start == b"1.#Q";
+    if unsigned.get(..4).is_some_and(is_nan) {
+        return "nan".parse().ok();
     }
     let letter = token.iter().position(|b| matches!(b, b'd' | b'D'))?;
     let mut copy = [0; MAX_FOREIGN];
     let copy = copy.get_mut(..token.len())?;
     copy.copy_from_slice(token);
     copy[letter] = b'e';
-    fast_float2::parse(&*copy).ok()
+    str::from_utf8(copy).ok()?.parse().ok()
 }
 
 /// Longest number with a Fortran exponent in bytes. Fortran writes at most 25 characters for a double.

@@ -69,6 +69,7 @@ fn read_vertices(text: &[u8]) -> Result<(Vec<[f64; 3]>, NonFinite), LoadError> {
 }
 
 /// Parses the three numbers of a vertex.
+#[inline]
 fn vertex(rest: &[u8]) -> Result<[f64; 3], LoadError> {
     let mut numbers = tokens(rest);
     let mut position = [0.0; 3];
@@ -152,17 +153,27 @@ impl FaceReader<'_> {
 
     fn face(&mut self, rest: &[u8], place: &Place) -> Result<(), LoadError> {
         self.corners.clear();
-        for token in tokens(without_comment(rest)) {
-            let corner = self.corner(token)?;
-            self.corners.push(corner);
+        for token in tokens(rest) {
+            let (vertex, attributes) = token.split_at(token.iter().position(|&b| b == b'/').unwrap_or(token.len()));
+            let Some(index) = integer(vertex) else {
+                let before = without_comment(token);
+                if !before.is_empty() {
+                    let expected = "a face corner such as 1, 1/2 or 1/2/3";
+                    let index = corner_index(before).ok_or_else(|| LoadError::syntax(expected, token))?;
+                    self.corners.push(self.corner(index)?);
+                }
+                break;
+            };
+            self.corners.push(self.corner(index)?);
+            if attributes.contains(&b'#') {
+                break;
+            }
         }
         let part = if self.corners.len() < 3 { 0 } else { self.part() };
         self.faces.polygon(&self.corners, |i| self.positions[i as usize], part, || place.clone())
     }
 
-    fn corner(&self, token: &[u8]) -> Result<u32, LoadError> {
-        let index =
-            corner_index(token).ok_or_else(|| LoadError::syntax("a face corner such as 1, 1/2 or 1/2/3", token))?;
+    fn corner(&self, index: i64) -> Result<u32, LoadError> {
         let vertex = match index {
             0 => None,
             1.. => Some(index.unsigned_abs() - 1),
@@ -304,6 +315,7 @@ mod tests {
         let huge = face("f 1 2 99999999999999999999");
         assert_eq!(huge, "line 6: face 0 names vertex 9223372036854775807, but there are 4 vertices");
         assert_eq!(face("f 1 2 x"), "line 6: expected a face corner such as 1, 1/2 or 1/2/3, found \"x\"");
+        assert_eq!(face("f 1 2 x#y"), "line 6: expected a face corner such as 1, 1/2 or 1/2/3, found \"x#y\"");
         assert_eq!(face("v 1 2"), "line 6: expected a coordinate, found nothing");
         assert_eq!(face("v 1 2 1,5"), "line 6: expected a coordinate, found \"1,5\"");
         let not_finite = "line 6: vertex 4 has a coordinate that is NaN, infinite or too large";
@@ -320,9 +332,10 @@ mod tests {
 
     #[test]
     fn comments_may_follow_numbers() {
-        let model =
-            parse("v 0 0 0# a\nv 1 0 0 #b\nv 1 1 0 # c\nf 1 2 3 # 1\nf 1//1 2//2 3//3# 1\nf 1 2 3#\nf #1 2 3\n");
-        assert_eq!(model.faces, [[0, 1, 2]; 3]);
+        let model = parse(
+            "v 0 0 0# a\nv 1 0 0 #b\nv 1 1 0 # c\nf 1 2 3 # 1\nf 1//1 2//2 3//3# 1\nf 1 2 3#\nf 1 2 3/1#1 x\nf #1 2 3\n",
+        );
+        assert_eq!(model.faces, [[0, 1, 2]; 4]);
         assert_eq!(kinds(&model), [(WarningKind::ShortFaces, 1)]);
         let split = parse("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 \\\nf 3 2 1 \\ \n# end\n");
         assert_eq!(split.faces, [[0, 1, 2], [2, 1, 0]]);

@@ -20,18 +20,26 @@ impl<'a> Statements<'a> {
     }
 
     /// Returns the next statement and the number of its first line.
+    #[inline]
     pub(super) fn next(&mut self) -> Option<(u64, Cow<'a, [u8]>)> {
         let line = self.lines.next()?;
         let number = self.lines.number();
-        match continued(line) {
-            Some(start) if !is_comment_open(line) => Some((number, Cow::Owned(self.join(start)))),
-            _ => Some((number, Cow::Borrowed(line))),
-        }
+        let statement = match continued(line) {
+            None => Cow::Borrowed(line),
+            Some(start) => self.join_open(line, start),
+        };
+        Some((number, statement))
     }
 
     /// Returns the number of faces so far with a `\` at their end although no corner follows, and the line of the first.
     pub(super) fn stray_backslashes(&self) -> (u64, u64) {
         (self.stray, self.first_stray)
+    }
+
+    /// Returns the statement that begins with this line, which is `start` and a `\`.
+    #[cold]
+    fn join_open(&mut self, line: &'a [u8], start: &[u8]) -> Cow<'a, [u8]> {
+        if is_comment_open(line) { Cow::Borrowed(line) } else { Cow::Owned(self.join(start)) }
     }
 
     fn join(&mut self, start: &[u8]) -> Vec<u8> {
@@ -67,6 +75,7 @@ impl<'a> Statements<'a> {
 }
 
 /// Returns the line without its `\` if it ends in one. White space may follow the `\` of a face.
+#[inline]
 fn continued(line: &[u8]) -> Option<&[u8]> {
     let line = line.strip_suffix(b"\r").unwrap_or(line);
     match line.last()? {

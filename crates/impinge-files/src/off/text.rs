@@ -154,6 +154,7 @@ impl<'a> Body<'a> {
     }
 
     /// Returns the next token; empty at the end of the file, or of the line if the file is read by lines.
+    #[inline]
     fn token(&mut self) -> &'a [u8] {
         let (mut token, mut rest) = split_token(self.line);
         if token.is_empty() && self.by_tokens {

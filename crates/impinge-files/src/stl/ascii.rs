@@ -166,6 +166,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The next token that is no comment; empty at the end of the file.
+    #[inline]
     fn token(&mut self) -> &'a [u8] {
         loop {
             let (token, rest) = split_token(&self.text[self.at..]);
@@ -192,6 +193,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Adds a warning about the last token.
+    #[cold]
     fn warn(&mut self, kind: WarningKind) {
         let (text, at) = (self.text, self.token_at);
         self.faces.warnings.add(kind, 1, || Some(Place::Line(line_at(text, at))));
