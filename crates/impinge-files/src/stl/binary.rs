@@ -32,11 +32,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
     let room = (bytes.len() - HEADER) / FACET;
     match count {
         // A program that did not know the number beforehand, and did not set it at the end, leaves one of these.
-        0 | u32::MAX if room > 0 && room < u32::MAX as usize => match read_facets(bytes, room, true) {
-            // A file without triangles may have anything after its count.
-            Err(error) if count == 0 && matches!(error.kind(), LoadErrorKind::NonFinite { .. }) => {
-                read_facets(bytes, 0, false)
-            }
+        u32::MAX if room > 0 => read_facets(bytes, room, true),
+        // A file without triangles may have anything after its count. Text has no NULs; facets have some in practice.
+        0 if room > 0 && memchr::memchr(0, &bytes[HEADER..]).is_some() => match read_facets(bytes, room, true) {
+            Err(error) if matches!(error.kind(), LoadErrorKind::NonFinite { .. }) => read_facets(bytes, 0, false),
             result => result,
         },
         _ if count as u64 > room as u64 => {
@@ -142,8 +141,8 @@ mod tests {
     #[test]
     fn triangles_after_an_unset_count_are_read() {
         for count in [0, u32::MAX] {
-            // Without a single NUL: only the count tells that the file is binary.
-            let mut bytes = binary(&[b' '; 80], &[[[1.1; 3], [1.2; 3], [-1.3; 3]]; 2]);
+            let mut bytes = binary(b"", &[[[1.1; 3], [1.2; 3], [-1.3; 3]]; 2]);
+            bytes[182..184].fill(0);
             bytes[80..84].copy_from_slice(&count.to_le_bytes());
             let model = read(&bytes).unwrap();
             assert_eq!(model.faces, [[0, 1, 2]; 2]);
@@ -153,6 +152,17 @@ mod tests {
             assert_eq!(model.faces.len(), 1);
             assert_eq!(kinds(&model), [(WarningKind::UnsetCount, 1), (WarningKind::TrailingBytes, 49)]);
         }
+    }
+
+    #[test]
+    fn files_without_nuls() {
+        let mut bytes = binary(&[b' '; 80], &[[[1.1; 3], [1.2; 3], [-1.3; 3]]; 2]);
+        // Only the count tells that the file is binary.
+        bytes[80..84].fill(0xFF);
+        assert_eq!(read(&bytes).unwrap().faces.len(), 2);
+        let text = [&binary(b"", &[])[..], &b"text after the end".repeat(10)].concat();
+        let model = read(&text).unwrap();
+        assert_eq!((model.faces.len(), kinds(&model)), (0, vec![(WarningKind::TrailingBytes, 180)]));
     }
 
     #[test]
