@@ -70,7 +70,7 @@ pub enum LoadErrorKind {
         /// What stands here.
         found: String,
     },
-    /// A vertex has a coordinate that is NaN, infinite or too large for its type.
+    /// A vertex that a face uses has a coordinate that is NaN, infinite or too large for its type.
     NonFinite {
         /// The vertex, counted from zero in the file, or in the entry that the place names; in STL the corner.
         vertex: u64,

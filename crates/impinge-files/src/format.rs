@@ -13,7 +13,7 @@ pub enum Format {
     Stl,
     /// The Stanford polygon format, ASCII or binary.
     Ply,
-    /// The object file format of Geomview, ASCII.
+    /// The object file format of Geomview, ASCII or binary.
     Off,
     /// glTF 2.0 as JSON.
     Gltf,

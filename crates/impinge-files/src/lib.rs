@@ -18,7 +18,8 @@
 //! - **Triangles** keep the order of the file; each remembers its polygon and its part. Degenerate ones are kept, except
 //!   the joints of triangle strips, which are not part of the surface.
 //! - **Vertices** keep the order of the file, used or not. STL has corners only: bitwise equal ones (and 0.0 and -0.0)
-//!   become one vertex. No other format is welded.
+//!   become one vertex. No other format is welded. In OBJ, PLY and OFF a vertex that no face uses may be NaN or infinite:
+//!   it is stored at the position of the first finite vertex, and counted in a warning.
 //! - **Units.** glTF is in metres, 3MF and COLLADA state their unit, the others state none.
 //! - **Axes** are those of the file. Only COLLADA states which axis points up: its meshes are turned so that Z does.
 //! - **Content before extension.** The extension, in any case, must be a known one. Where the bytes prove another format,
@@ -34,12 +35,14 @@
 mod baked;
 mod character_file;
 mod collada;
+mod encoding;
 mod error;
 mod format;
 mod gltf;
 mod instance;
 mod memory_map;
 mod model;
+mod non_finite;
 mod obj;
 mod off;
 mod packed;

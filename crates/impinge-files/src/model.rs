@@ -80,6 +80,19 @@ pub enum WarningKind {
     FilledHoles,
     /// Geometries of a file without a scene, taken as they are modelled.
     NoScene,
+    /// NUL bytes between the lines of a text or at its end, ignored.
+    PaddingNuls,
+    /// Vertices with a NaN or infinite coordinate that no face uses. They are stored at the position of the first vertex
+    /// that is finite, so that the bounds do not change, or at the origin if no vertex is finite.
+    UnusedNonFinite,
+    /// Text in a statement where the format allows none, skipped.
+    StrayText,
+    /// Keywords of ASCII STL that are missing: `normal` or `endsolid`. No triangle depends on them.
+    MissingKeywords,
+    /// Facets of ASCII STL with more than three corners, triangulated.
+    PolygonFacets,
+    /// A binary STL states 0 or 4294967295 triangles, but triangles follow: all of them were read.
+    UnsetCount,
 }
 
 impl fmt::Display for WarningKind {
@@ -100,6 +113,14 @@ impl fmt::Display for WarningKind {
             Self::Beams => "beams and balls of lattices, left out",
             Self::FilledHoles => "holes in polygons, filled",
             Self::NoScene => "geometries of a file without a scene, taken as they are modelled",
+            Self::PaddingNuls => "NUL bytes between lines or at the end of the text, ignored",
+            Self::UnusedNonFinite => {
+                "vertices with a NaN or infinite coordinate that no face uses, stored at the position of another vertex"
+            }
+            Self::StrayText => "text in places where the format allows none, skipped",
+            Self::MissingKeywords => "missing keywords (normal or endsolid) on which no triangle depends",
+            Self::PolygonFacets => "facets with more than three corners, triangulated",
+            Self::UnsetCount => "triangle counts of 0 or 4294967295 with triangles after them, which were all read",
         })
     }
 }

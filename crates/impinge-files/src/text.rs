@@ -1,5 +1,7 @@
 //! Lines, tokens and numbers of text formats, as bytes: names and comments need not be UTF-8.
 
+use std::str::FromStr;
+
 use memchr::memchr;
 
 use crate::{
@@ -9,9 +11,12 @@ use crate::{
 
 /// The error that these bytes are no text, if they hold a NUL.
 pub(crate) fn binary_data(bytes: &[u8], expected: Format) -> Option<LoadError> {
-    let at = memchr(0, bytes)?;
-    let kind = LoadErrorKind::WrongContent { expected, found: "binary data or UTF-16" };
-    Some(LoadError::new(kind).at(Place::Byte(at as u64)))
+    memchr(0, bytes).map(|at| not_text(expected).at(Place::Byte(at as u64)))
+}
+
+/// The error that a file is no text.
+pub(crate) fn not_text(expected: Format) -> LoadError {
+    LoadError::new(LoadErrorKind::WrongContent { expected, found: "binary data or UTF-16" })
 }
 
 /// The bytes after a UTF-8 byte order mark, if there is one.
@@ -47,10 +52,41 @@ pub(crate) fn tokens(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     text.split(|&b| is_space(b)).filter(|token| !token.is_empty())
 }
 
-/// The f64 nearest to a decimal number that is the whole token.
+/// Returns the f64 nearest to a decimal number that is the whole token, also if Fortran or C on Windows wrote it.
 pub(crate) fn number(token: &[u8]) -> Option<f64> {
-    fast_float2::parse(token).ok()
+    fast_float2::parse(token).ok().or_else(|| foreign_number(token))
 }
+
+/// Returns the f32 nearest to a decimal number that is the whole token, in the notations of [`number`].
+///
+/// By way of f64 the number would be rounded twice.
+#[inline]
+pub(crate) fn single_number(token: &[u8]) -> Option<f32> {
+    fast_float2::parse(token).ok().or_else(|| foreign_number(token))
+}
+
+/// Parses a number with the exponent letter of Fortran (`1.0D+01`), or a NaN or infinity as C writes it on Windows
+/// (`-nan(ind)`, `1.#QNAN`), which becomes a NaN.
+///
+/// This parses with the standard library, so that the compiler can inline the faster parser, which has one caller then.
+#[cold]
+#[inline(never)]
+fn foreign_number<T: FromStr>(token: &[u8]) -> Option<T> {
+    let unsigned = token.strip_prefix(b"-").or_else(|| token.strip_prefix(b"+")).unwrap_or(token);
+    let is_nan = |start: &[u8]| start.eq_ignore_ascii_case(b"nan(") || start == b"1.#I" || start == b"1.#Q";
+    if unsigned.get(..4).is_some_and(is_nan) {
+        return "nan".parse().ok();
+    }
+    let letter = token.iter().position(|b| matches!(b, b'd' | b'D'))?;
+    let mut copy = [0; MAX_FOREIGN];
+    let copy = copy.get_mut(..token.len())?;
+    copy.copy_from_slice(token);
+    copy[letter] = b'e';
+    str::from_utf8(copy).ok()?.parse().ok()
+}
+
+/// Longest number with a Fortran exponent in bytes. Fortran writes at most 25 characters for a double.
+const MAX_FOREIGN: usize = 64;
 
 /// A decimal integer that is the whole token; beyond the range of i64 the nearest end of it.
 pub(crate) fn integer(token: &[u8]) -> Option<i64> {
@@ -93,6 +129,7 @@ fn line_end(bytes: &[u8]) -> u8 {
 }
 
 /// The lines of a text with their numbers, counted from one.
+#[derive(Clone)]
 pub(crate) struct Lines<'a> {
     rest: &'a [u8],
     end: u8,
@@ -144,6 +181,21 @@ mod tests {
             assert_eq!(lines, [&b"a"[..], b"b", b"", b"c"]);
             let at = text.iter().position(|&b| b == b'c').unwrap();
             assert_eq!(line_at(text, at), 4);
+        }
+    }
+
+    #[test]
+    fn numbers_of_fortran_and_of_c_on_windows() {
+        for (text, value) in [("1.0D+01", 10.0), ("-0.1d-1", -0.01), ("5D0", 5.0), ("1e3", 1000.0)] {
+            assert_eq!(number(text.as_bytes()), Some(value), "{text}");
+            assert_eq!(single_number(text.as_bytes()), Some(value as f32), "{text}");
+        }
+        for nan in ["nan", "-nan(ind)", "1.#QNAN", "-1.#IND00", "+1.#INF"] {
+            assert!(number(nan.as_bytes()).unwrap().is_nan(), "{nan}");
+        }
+        let long = format!("1{}D0", "0".repeat(MAX_FOREIGN));
+        for bad in ["", "D", "1D", "1D+", "1DD1", "0x1D", "1.0#c", "1,5", &long] {
+            assert_eq!(number(bad.as_bytes()), None, "{bad}");
         }
     }
 

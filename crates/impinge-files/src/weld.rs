@@ -55,6 +55,11 @@ impl<T: Coordinate> Weld<T> {
         Some(vertex)
     }
 
+    /// Returns the position of a vertex.
+    pub(crate) fn position(&self, vertex: u32) -> [T; 3] {
+        self.positions[vertex as usize]
+    }
+
     pub(crate) fn into_positions(self) -> Vec<[T; 3]> {
         self.positions
     }

@@ -69,6 +69,25 @@ fn big_endian_ply() -> Vec<u8> {
     bytes
 }
 
+fn binary_off() -> Vec<u8> {
+    let mut bytes = b"COFF BINARY\n".to_vec();
+    bytes.extend([2_u32, 2, 0].iter().flat_map(|i| i.to_be_bytes()));
+    bytes.extend([0_f32, 1., 2., 1., 1., 1., 1., 3., 4., 5., 1., 1., 1., 1.].iter().flat_map(|x| x.to_be_bytes()));
+    bytes.extend([4_u32, 0, 1, 1, 0, 3, 0, 0, 0, 3, 1, 1, 0, 0].iter().flat_map(|i| i.to_be_bytes()));
+    bytes
+}
+
+/// An STL file that breaks most rules of the format.
+const LAX_STL: &str = "solid a\n# c\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1D0 0\nendloop\n\
+    endfacet blah\nsolid b\nfacet normal 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop endfacet\n\0\0";
+/// A PLY file with unused vertices that are not finite, and types of 64 bits.
+const SCAN_PLY: &str = "ply\nformat ascii 1\nscanned by hand\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n\
+    element face 2\nproperty list float int64 vertex_indices\nend_header\nnan nan nan\n0 0 0\n1 0 0\ninf 0 0\n0 1 0\n3 1 2 4\n3 4 2 1\n";
+
+fn utf16_obj() -> Vec<u8> {
+    "\u{FEFF}".encode_utf16().chain(OBJ.encode_utf16()).flat_map(u16::to_le_bytes).collect()
+}
+
 fn glb() -> Vec<u8> {
     let json = GLTF.replace(r#","uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAEC""#, "");
     let mut binary = [0_f32, 0., 0., 1., 0., 0., 0., 1., 0.].iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<_>>();
@@ -159,6 +178,10 @@ fn broken_files_are_errors_and_take_little_memory() {
         ("binary PLY", Format::Ply, binary_ply()),
         ("big-endian PLY", Format::Ply, big_endian_ply()),
         ("glTF", Format::Gltf, GLTF.into()),
+        ("UTF-16 OBJ", Format::Obj, utf16_obj()),
+        ("binary OFF", Format::Off, binary_off()),
+        ("lax STL", Format::Stl, LAX_STL.into()),
+        ("scanned PLY", Format::Ply, SCAN_PLY.into()),
         ("GLB", Format::Glb, glb()),
         ("3MF", Format::ThreeMf, package(MODEL.as_bytes())),
         ("COLLADA", Format::Collada, COLLADA.into()),
@@ -220,6 +243,12 @@ fn dense_files() {
     let groups: String = (0..n).map(|i| format!("g {i}\nf 1 2 3\n")).collect();
     check(format!("{square}o {}\n{groups}", "x".repeat(300)).as_bytes(), Format::Obj);
     check("v 0 0 0\n".repeat(n).as_bytes(), Format::Obj);
+    check("V nan 0 0\n".repeat(n).as_bytes(), Format::Obj);
+    check(format!("{square}{}", "f 1 2 3\\\n".repeat(n)).as_bytes(), Format::Obj);
+    check(format!("{square}{}", "\\\n".repeat(n)).as_bytes(), Format::Obj);
+    check(format!("{square}f 1 2 3{}", "\0\n".repeat(n)).as_bytes(), Format::Obj);
+    check(format!("OFF {n} 0\n{}", "nan 0 0 ".repeat(n)).as_bytes(), Format::Off);
+    check(format!("solid\nfacet outer loop {}endloop endfacet", "vertex 0 0 0 ".repeat(n)).as_bytes(), Format::Stl);
     check(format!("OFF 1 {n}\n0 0 0\n{}", "3 0 0 0\n".repeat(n)).as_bytes(), Format::Off);
     let head = "ply\nformat ascii 1.0\nelement vertex 1\nproperty char x\nproperty char y\nproperty char z\n";
     let faces = format!("element face {n}\nproperty list uchar uchar vertex_indices\nend_header\n0 0 0\n");

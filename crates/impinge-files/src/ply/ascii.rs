@@ -3,7 +3,7 @@
 use crate::{
     error::{LoadError, Place},
     format::Format,
-    text::{binary_data, line_at, number, split_token, trim_start},
+    text::{binary_data, line_at, number, single_number, split_token, trim_start},
 };
 
 use super::{Values, header::Scalar};
@@ -41,8 +41,7 @@ impl Values for Ascii<'_> {
         let at = self.at;
         let token = self.token()?;
         let value = match scalar {
-            // Straight to the nearest f32: by way of f64 it would be rounded twice.
-            Scalar::Float => fast_float2::parse::<f32, _>(token).ok().map(f64::from),
+            Scalar::Float => single_number(token).map(f64::from),
             _ => number(token),
         };
         value.ok_or_else(|| LoadError::syntax("a number", token).at(self.place(at)))

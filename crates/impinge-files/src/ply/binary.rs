@@ -63,6 +63,8 @@ impl<const BIG_ENDIAN: bool> Values for Binary<'_, BIG_ENDIAN> {
             Scalar::UShort => f64::from(u16::from_le_bytes([b0, b1])),
             Scalar::Int => f64::from(i32::from_le_bytes([b0, b1, b2, b3])),
             Scalar::UInt => f64::from(u32::from_le_bytes([b0, b1, b2, b3])),
+            Scalar::Long => i64::from_le_bytes(le) as f64,
+            Scalar::ULong => u64::from_le_bytes(le) as f64,
             Scalar::Float => f64::from(f32::from_le_bytes([b0, b1, b2, b3])),
             Scalar::Double => f64::from_le_bytes(le),
         })

@@ -21,6 +21,8 @@ pub(super) enum Scalar {
     UShort,
     Int,
     UInt,
+    Long,
+    ULong,
     Float,
     Double,
 }
@@ -34,6 +36,8 @@ impl Scalar {
             b"ushort" | b"uint16" => Self::UShort,
             b"int" | b"int32" => Self::Int,
             b"uint" | b"uint32" => Self::UInt,
+            b"long" | b"int64" => Self::Long,
+            b"ulong" | b"uint64" => Self::ULong,
             b"float" | b"float32" => Self::Float,
             b"double" | b"float64" => Self::Double,
             _ => return None,
@@ -46,13 +50,13 @@ impl Scalar {
             Self::Char | Self::UChar => 1,
             Self::Short | Self::UShort => 2,
             Self::Int | Self::UInt | Self::Float => 4,
-            Self::Double => 8,
+            Self::Long | Self::ULong | Self::Double => 8,
         }
     }
 
     /// Whether every value is an f32.
     pub(super) fn fits_f32(self) -> bool {
-        !matches!(self, Self::Int | Self::UInt | Self::Double)
+        matches!(self, Self::Char | Self::UChar | Self::Short | Self::UShort | Self::Float)
     }
 }
 
@@ -76,6 +80,9 @@ pub(super) struct Header {
     pub(super) elements: Vec<Element>,
     /// How many bytes the header takes.
     pub(super) len: usize,
+    /// Number of lines that are no statement of a header, and the first of them.
+    pub(super) unknown_lines: u64,
+    pub(super) first_unknown: u64,
 }
 
 impl Header {
@@ -87,6 +94,7 @@ impl Header {
         }
         let mut encoding = None;
         let mut elements: Vec<Element> = Vec::new();
+        let (mut unknown_lines, mut first_unknown) = (0, 0);
         loop {
             let Some(line) = lines.next() else {
                 return Err(LoadError::syntax("end_header", b"").at(lines.place()).with_hint("the file is cut off"));
@@ -101,15 +109,35 @@ impl Header {
                     Some(element) => read_property(words).map(|p| element.properties.push(p)),
                 },
                 b"end_header" => break,
-                _ => Err(LoadError::syntax("format, element, property, comment or end_header", line)),
+                _ if is_like_declaration(line) => {
+                    Err(LoadError::syntax("format, element, property, comment or end_header", line))
+                }
+                // A comment without its keyword.
+                _ => {
+                    if unknown_lines == 0 {
+                        first_unknown = lines.number;
+                    }
+                    unknown_lines += 1;
+                    Ok(())
+                }
             };
             result.map_err(|e| e.at(lines.place()))?;
         }
         match encoding {
-            Some(encoding) => Ok(Self { encoding, elements, len: lines.at }),
+            Some(encoding) => Ok(Self { encoding, elements, len: lines.at, unknown_lines, first_unknown }),
             None => Err(LoadError::syntax("a line with the format", b"").at(lines.place())),
         }
     }
+}
+
+/// Reports whether a line may be a property or an element whose keyword is misspelled. Without it, the values after the
+/// header would be read as something else.
+fn is_like_declaration(line: &[u8]) -> bool {
+    let mut words = tokens(line).skip(1);
+    let (second, third, fourth) = (words.next().unwrap_or_default(), words.next(), words.next());
+    let is_property = second == b"list" || Scalar::from_name(second).is_some();
+    let is_element = fourth.is_none() && third.is_some_and(|word| integer(word).is_some());
+    is_property || is_element
 }
 
 /// The header's lines, trimmed, ended as its first line is: the body may begin with any byte.
@@ -149,7 +177,7 @@ fn read_encoding<'a>(mut words: impl Iterator<Item = &'a [u8]>) -> Result<Encodi
         _ => return Err(LoadError::syntax("ascii, binary_little_endian or binary_big_endian", word)),
     };
     match words.next().unwrap_or_default() {
-        b"1.0" => Ok(encoding),
+        b"1.0" | b"1" => Ok(encoding),
         version => Err(LoadError::syntax("version 1.0", version)),
     }
 }
@@ -174,8 +202,5 @@ fn read_property<'a>(mut words: impl Iterator<Item = &'a [u8]>) -> Result<Proper
     let first = word();
     let (list, scalar) =
         if first == b"list" { (Some(scalar(word())?), scalar(word())?) } else { (None, scalar(first)?) };
-    if matches!(list, Some(Scalar::Float | Scalar::Double)) {
-        return Err(LoadError::syntax("an integer type for the length of a list", b"a floating-point type"));
-    }
     Ok(Property { name: name(word()), scalar, list })
 }

@@ -24,7 +24,7 @@ fn extensions_in_any_case_and_content_first() {
 #[test]
 fn content_proves_its_format() {
     let stl = [vec![b'v'; 80], vec![0; 4]].concat();
-    let rows: [(&[u8], Option<Format>); 17] = [
+    let rows: [(&[u8], Option<Format>); 19] = [
         (b"ply\nformat", Some(Format::Ply)),
         (b"ply\r\nformat", Some(Format::Ply)),
         (b"plywood", None),
@@ -39,6 +39,8 @@ fn content_proves_its_format() {
         (b"\x1F\x8B\x08\0", None),
         (b"Solid name\r\n  Facet normal", Some(Format::Stl)),
         (b"solid name\nendsolid", Some(Format::Stl)),
+        (b"solid name\n# c\n\n#facet\nfacet", Some(Format::Stl)),
+        (b"solid name\n# facet\n", None),
         (b"solid state", None),
         (&stl, Some(Format::Stl)),
         (b"v 0 0 0\n", None),

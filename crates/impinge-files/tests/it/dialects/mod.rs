@@ -1,80 +1,90 @@
-//! The dialects of every format: what a file may contain, and what becomes of it. `docs/files.md`
-//! has the same tables.
+//! The tables of `docs/files.md`, which say what a file may contain and what becomes of it. Every row has samples.
 
-mod scenes;
-
-use std::{collections::BTreeMap, fs, path::Path};
+use std::{collections::HashSet, fs};
 
 use impinge_files::{Format, WarningKind, load};
 use tempfile::tempdir;
 
-/// A row of a table.
+mod scenes;
+mod text;
+
+/// A row of a table, with the samples that show that it is true.
 pub(crate) struct Dialect {
-    /// Which table.
+    /// The format, which names the table.
     pub(crate) format: Format,
-    /// First column: what a file contains.
+    /// The first column: what the file contains.
     pub(crate) what: &'static str,
-    /// Second column: what becomes of it.
+    /// The second column: what becomes of it.
     pub(crate) answer: &'static str,
-    /// Samples: a name with its extension, and the content.
+    /// The samples, each as the name and the content of a file.
     pub(crate) files: Vec<(&'static str, Vec<u8>)>,
-    /// What loading must give for each sample.
+    /// The result of loading any of the samples.
     pub(crate) expect: Expect,
 }
 
+/// What loading a file must give.
 pub(crate) enum Expect {
-    Triangles {
-        count: usize,
-        warnings: &'static [WarningKind],
-    },
-    /// The name of the error's kind.
+    /// A model with this number of triangles and these warnings.
+    Triangles { count: usize, warnings: &'static [WarningKind] },
+    /// An error of this kind, by its name.
     Refused(&'static str),
 }
 
 fn rows() -> Vec<Dialect> {
-    scenes::rows()
+    text::rows().into_iter().chain(scenes::rows()).collect()
 }
 
 #[test]
 fn every_sample_gives_what_its_row_says() {
     let folder = tempdir().unwrap();
     let mut wrong = Vec::new();
-    for Dialect { what, files, expect, .. } in rows() {
-        assert!(!files.is_empty(), "{what}: no sample");
-        for (name, content) in files {
+    for row in rows() {
+        assert!(!row.files.is_empty(), "{} without samples", row.what);
+        for (name, content) in &row.files {
             let path = folder.path().join(name);
             fs::write(&path, content).unwrap();
-            match (load(&path), &expect) {
-                (Ok(model), Expect::Triangles { count, warnings }) => {
-                    let found: Vec<_> = model.warnings.iter().map(|w| w.kind).collect();
-                    if (model.faces.len(), &found[..]) != (*count, warnings) {
-                        wrong.push(format!("{what} ({name}): {} triangles, {found:?}", model.faces.len()));
-                    }
-                }
-                (Err(e), Expect::Refused(kind)) if e.kind().name() == *kind => {}
-                (Err(e), _) => wrong.push(format!("{what} ({name}): {e}")),
-                (Ok(_), Expect::Refused(_)) => wrong.push(format!("{what} ({name}): loads")),
+            let found = load(&path).map(|model| {
+                let warnings: Vec<_> = model.warnings.iter().map(|w| w.kind).collect();
+                (model.faces.len(), warnings)
+            });
+            let is_right = match (&found, &row.expect) {
+                (Ok((found, kinds)), &Expect::Triangles { count, warnings }) => *found == count && kinds == warnings,
+                (Err(error), &Expect::Refused(kind)) => error.kind().name() == kind,
+                _ => false,
+            };
+            if !is_right {
+                wrong.push(format!("{}, {}, {name}: {found:?}", row.format, row.what));
             }
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// The first line of every table.
+const HEADER: &str = "| The file has | Result |";
+
 #[test]
-fn the_tables_in_the_documentation_are_the_rows() {
-    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/files.md")).unwrap();
-    let mut documented: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    let mut format = String::new();
-    for line in text.lines() {
-        if let Some(heading) = line.strip_prefix("## ") {
-            format = heading.to_owned();
-        } else if line.starts_with("| ") && !line.starts_with("| A file contains") {
-            documented.entry(format.clone()).or_default().push(line.to_owned());
-        }
+fn the_tables_are_the_rows() {
+    let docs = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/files.md")).unwrap();
+    let rows = rows();
+    for format in Format::ALL {
+        let lines =
+            rows.iter().filter(|row| row.format == format).map(|row| format!("| {} | {} |\n", row.what, row.answer));
+        let table: String = lines.collect();
+        let Some(section) = docs.split("\n## ").find_map(|section| section.strip_prefix(&format!("{format}\n"))) else {
+            assert!(table.is_empty(), "docs/files.md lacks the section {format} with the rows\n{table}");
+            continue;
+        };
+        let is_row = |line: &&str| line.starts_with("| ") && *line != HEADER;
+        let found: String = section.lines().filter(is_row).map(|line| format!("{line}\n")).collect();
+        assert!(found == table, "the table of {format} in docs/files.md must be\n{HEADER}\n|---|---|\n{table}");
     }
-    let mut expected: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for Dialect { format, what, answer, .. } in rows() {
-        expected.entry(format.to_string()).or_default().push(format!("| {what} | {answer} |"));
+}
+
+#[test]
+fn no_row_is_there_twice() {
+    let mut seen = HashSet::new();
+    for row in rows() {
+        assert!(seen.insert((row.format, row.what)), "{}: {}", row.format, row.what);
     }
-    assert_eq!(documented, expected);
 }

@@ -1,29 +1,35 @@
 //! Wavefront OBJ (*Advanced Visualizer* manual, appendix B1): `v`, `f`, `o` and `g`.
 //!
-//! - A vertex is the first three numbers of `v`; a weight or colours after them are not looked at.
+//! - A vertex is the first three numbers of `v`; a weight or colours after them are not looked at. A vertex that no face
+//!   uses may be [NaN or infinite](crate::non_finite).
 //! - A face corner is the first number of `a/b/c`. It counts from 1, or from the last vertex so far backwards where it is
 //!   negative, and may name a vertex that comes later. Faces are triangulated as [`polygon`](crate::polygon) says.
 //! - A part is an object (`o`) and group (`g`) in which faces stand, named `object/group`; a new object ends the group.
-//! - A `\` at the end of a line, save in a comment, joins it to the next.
+//! - A `\` at the end of a line, save in a comment, joins it to the next. `#` opens a comment, also after the numbers of
+//!   a vertex or a face.
+//! - Keywords may be in upper case.
 //! - `p`, `l`, curves and surfaces are skipped and counted; so is any line that is no OBJ statement.
 
-use std::{borrow::Cow, collections::HashMap};
+mod statements;
+
+use std::collections::HashMap;
 
 use foldhash::fast::RandomState;
 
 use crate::{
+    encoding::PlainText,
     error::{LoadError, LoadErrorKind, Place},
     format::Format,
     model::{Faces, Model, WarningKind, stored},
-    text::{Lines, binary_data, integer, name, number, split_token, tokens, trim_start, without_bom},
+    non_finite::NonFinite,
+    text::{integer, name, number, split_token, tokens},
 };
+use statements::Statements;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
-    if let Some(error) = binary_data(bytes, Format::Obj) {
-        return Err(error);
-    }
-    let text = without_bom(bytes);
-    let positions = read_vertices(text)?;
+    let plain = PlainText::new(bytes, Format::Obj)?;
+    let text = &*plain.text;
+    let (positions, non_finite) = read_vertices(text)?;
     let mut faces = FaceReader { positions: &positions, ..FaceReader::default() };
     let mut statements = Statements::new(text);
     while let Some((line, statement)) = statements.next() {
@@ -31,68 +37,58 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
         let place = Place::Line(line);
         faces.statement(keyword, rest, &place).map_err(|e| e.at(place))?;
     }
-    let FaceReader { faces, parts, .. } = faces;
+    let FaceReader { mut faces, parts, .. } = faces;
+    non_finite.check_unused(&mut faces, Place::Line)?;
+    let (stray, first) = statements.stray_backslashes();
+    faces.warnings.add(WarningKind::StrayText, stray, || Some(Place::Line(first)));
+    plain.warn(&mut faces.warnings);
     faces.into_model(stored(positions), parts, None, Format::Obj)
 }
 
 /// All vertices, in a pass of their own: a face may name one that comes later.
-fn read_vertices(text: &[u8]) -> Result<Vec<[f64; 3]>, LoadError> {
+fn read_vertices(text: &[u8]) -> Result<(Vec<[f64; 3]>, NonFinite), LoadError> {
     let mut positions = Vec::new();
+    let mut non_finite = NonFinite::default();
     let mut statements = Statements::new(text);
     while let Some((line, statement)) = statements.next() {
-        let (b"v", rest) = split_token(&statement) else { continue };
-        let mut numbers = tokens(rest);
-        let mut position = [0.0; 3];
-        for x in &mut position {
-            let token = numbers.next().unwrap_or_default();
-            *x = number(token).ok_or_else(|| LoadError::syntax("a coordinate", token).at(Place::Line(line)))?;
-        }
+        let position = match split_token(&statement) {
+            (b"v", rest) => vertex(rest).map_err(|e| e.at(Place::Line(line)))?,
+            (b"V", rest) => match vertex(rest) {
+                Ok(position) => position,
+                Err(_) => continue,
+            },
+            _ => continue,
+        };
         if !position.iter().all(|x| x.is_finite()) {
-            let vertex = positions.len() as u64;
-            return Err(LoadError::new(LoadErrorKind::NonFinite { vertex }).at(Place::Line(line)));
+            non_finite.add(positions.len(), line);
         }
         positions.push(position);
     }
-    Ok(positions)
+    non_finite.replace(&mut positions);
+    Ok((positions, non_finite))
 }
 
-/// The lines of a file with continuations joined.
-struct Statements<'a> {
-    lines: Lines<'a>,
-}
-
-impl<'a> Statements<'a> {
-    fn new(text: &'a [u8]) -> Self {
-        Self { lines: Lines::new(text) }
+/// Parses the three numbers of a vertex.
+#[inline]
+fn vertex(rest: &[u8]) -> Result<[f64; 3], LoadError> {
+    let mut numbers = tokens(rest);
+    let mut position = [0.0; 3];
+    for x in &mut position {
+        let token = numbers.next().unwrap_or_default();
+        let parsed = number(token).or_else(|| number(without_comment(token)));
+        *x = parsed.ok_or_else(|| LoadError::syntax("a coordinate", token))?;
     }
-
-    /// The next statement and the number of its first line.
-    fn next(&mut self) -> Option<(u64, Cow<'a, [u8]>)> {
-        let line = self.lines.next()?;
-        let number = self.lines.number();
-        let Some(mut start) = continued(line) else { return Some((number, Cow::Borrowed(line))) };
-        if trim_start(line).starts_with(b"#") {
-            return Some((number, Cow::Borrowed(line)));
-        }
-        let mut joined = Vec::new();
-        loop {
-            joined.extend_from_slice(start);
-            joined.push(b' ');
-            let line = self.lines.next().unwrap_or_default();
-            match continued(line) {
-                Some(more) => start = more,
-                None => {
-                    joined.extend_from_slice(line);
-                    return Some((number, Cow::Owned(joined)));
-                }
-            }
-        }
-    }
+    Ok(position)
 }
 
-/// What stands before a `\` that ends the line.
-fn continued(line: &[u8]) -> Option<&[u8]> {
-    line.strip_suffix(b"\r").unwrap_or(line).strip_suffix(b"\\")
+/// Returns the text before the first `#`.
+fn without_comment(text: &[u8]) -> &[u8] {
+    memchr::memchr(b'#', text).map_or(text, |at| &text[..at])
+}
+
+/// Parses the vertex of a face corner.
+fn corner_index(token: &[u8]) -> Option<i64> {
+    integer(token.split(|&b| b == b'/').next().unwrap_or_default())
 }
 
 #[derive(Default)]
@@ -132,25 +128,52 @@ impl FaceReader<'_> {
             }
             b"p" | b"l" | b"curv" | b"curv2" | b"surf" => WarningKind::NotTriangles,
             _ if keyword.starts_with(b"#") || SILENT.contains(&keyword) => return Ok(()),
+            _ if keyword.iter().any(u8::is_ascii_uppercase) => return self.upper_case(keyword, rest, place),
             _ => WarningKind::UnknownLines,
         };
         self.faces.warnings.add(unread, 1, || Some(place.clone()));
         Ok(())
     }
 
+    /// Processes a line whose keyword has upper-case letters. It is a vertex or a face only if its numbers are valid;
+    /// else it is a line of prose.
+    fn upper_case(&mut self, keyword: &[u8], rest: &[u8], place: &Place) -> Result<(), LoadError> {
+        let keyword = keyword.to_ascii_lowercase();
+        let is_statement = match &*keyword {
+            b"v" => vertex(rest).is_ok(),
+            b"f" | b"fo" => tokens(without_comment(rest)).all(|token| corner_index(token).is_some()),
+            _ => true,
+        };
+        if is_statement {
+            return self.statement(&keyword, rest, place);
+        }
+        self.faces.warnings.add(WarningKind::UnknownLines, 1, || Some(place.clone()));
+        Ok(())
+    }
+
     fn face(&mut self, rest: &[u8], place: &Place) -> Result<(), LoadError> {
         self.corners.clear();
         for token in tokens(rest) {
-            let corner = self.corner(token)?;
-            self.corners.push(corner);
+            let (vertex, attributes) = token.split_at(token.iter().position(|&b| b == b'/').unwrap_or(token.len()));
+            let Some(index) = integer(vertex) else {
+                let before = without_comment(token);
+                if !before.is_empty() {
+                    let expected = "a face corner such as 1, 1/2 or 1/2/3";
+                    let index = corner_index(before).ok_or_else(|| LoadError::syntax(expected, token))?;
+                    self.corners.push(self.corner(index)?);
+                }
+                break;
+            };
+            self.corners.push(self.corner(index)?);
+            if attributes.contains(&b'#') {
+                break;
+            }
         }
         let part = if self.corners.len() < 3 { 0 } else { self.part() };
         self.faces.polygon(&self.corners, |i| self.positions[i as usize], part, || place.clone())
     }
 
-    fn corner(&self, token: &[u8]) -> Result<u32, LoadError> {
-        let index = integer(token.split(|&b| b == b'/').next().unwrap_or_default())
-            .ok_or_else(|| LoadError::syntax("a face corner such as 1, 1/2 or 1/2/3", token))?;
+    fn corner(&self, index: i64) -> Result<u32, LoadError> {
         let vertex = match index {
             0 => None,
             1.. => Some(index.unsigned_abs() - 1),
@@ -292,12 +315,65 @@ mod tests {
         let huge = face("f 1 2 99999999999999999999");
         assert_eq!(huge, "line 6: face 0 names vertex 9223372036854775807, but there are 4 vertices");
         assert_eq!(face("f 1 2 x"), "line 6: expected a face corner such as 1, 1/2 or 1/2/3, found \"x\"");
+        assert_eq!(face("f 1 2 x#y"), "line 6: expected a face corner such as 1, 1/2 or 1/2/3, found \"x#y\"");
         assert_eq!(face("v 1 2"), "line 6: expected a coordinate, found nothing");
         assert_eq!(face("v 1 2 1,5"), "line 6: expected a coordinate, found \"1,5\"");
         let not_finite = "line 6: vertex 4 has a coordinate that is NaN, infinite or too large";
-        for number in ["nan", "-inf", "1e999"] {
-            assert_eq!(face(&format!("v 1 2 {number}")), not_finite);
+        for number in ["nan", "-inf", "1e999", "-nan(ind)"] {
+            assert_eq!(face(&format!("v 1 2 {number}\nf 1 2 5")), not_finite);
         }
-        assert_eq!(error(b"v 0 0 0\n\0"), "byte 8: not OBJ, but binary data or UTF-16");
+        assert_eq!(error(b"v 0 0 0\n1\x002"), "byte 9: not OBJ, but binary data or UTF-16");
+        assert_eq!(face("F 1 2 9"), "line 6: face 0 names vertex 9, but there are 4 vertices");
+    }
+
+    fn kinds(model: &Model) -> Vec<(WarningKind, u64)> {
+        model.warnings.iter().map(|w| (w.kind, w.count)).collect()
+    }
+
+    #[test]
+    fn comments_may_follow_numbers() {
+        let model = parse(
+            "v 0 0 0# a\nv 1 0 0 #b\nv 1 1 0 # c\nf 1 2 3 # 1\nf 1//1 2//2 3//3# 1\nf 1 2 3#\nf 1 2 3/1#1 x\nf #1 2 3\n",
+        );
+        assert_eq!(model.faces, [[0, 1, 2]; 4]);
+        assert_eq!(kinds(&model), [(WarningKind::ShortFaces, 1)]);
+        let split = parse("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 \\\nf 3 2 1 \\ \n# end\n");
+        assert_eq!(split.faces, [[0, 1, 2], [2, 1, 0]]);
+        assert_eq!(kinds(&split), [(WarningKind::StrayText, 1)]);
+    }
+
+    #[test]
+    fn keywords_in_upper_case() {
+        let model = parse("O a\nV 0 0 0\nv 1 0 0\nV 0 1 0\nG b\nF 1 2 3\nF -1 -2 -3\nL 1 2\nVN 0 0 1\nUSEMTL x\n");
+        assert_eq!(model.faces, [[0, 1, 2], [2, 1, 0]]);
+        assert_eq!(model.positions, Positions::F32(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]));
+        assert_eq!(model.parts, ["a/b"]);
+        assert_eq!(kinds(&model), [(WarningKind::NotTriangles, 1)]);
+        // Lines of prose, which are no vertices and so have no number.
+        let prose = parse("V is a letter\nV 1 2\nF is one too\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n");
+        assert_eq!(prose.faces, [[0, 1, 2]]);
+        assert_eq!(kinds(&prose), [(WarningKind::UnknownLines, 3)]);
+    }
+
+    #[test]
+    fn unused_vertices_need_not_be_finite() {
+        let model = parse("v nan nan nan\nv 5 6 7\nv 1 0 -inf\nv 8 8 8\nv 9 9 8\nv 1.#QNAN 0 0\nf 2 4 5\nf 1 2\n");
+        let [a, b, c] = [[5.0, 6.0, 7.0], [8.0; 3], [9.0, 9.0, 8.0]];
+        assert_eq!(model.positions, Positions::F32(vec![a, a, a, b, c, a]));
+        assert_eq!(model.faces, [[1, 3, 4]]);
+        assert_eq!(kinds(&model), [(WarningKind::ShortFaces, 1), (WarningKind::UnusedNonFinite, 3)]);
+        assert_eq!(model.warnings[1].first, Some(Place::Line(1)));
+    }
+
+    #[test]
+    fn fortran_utf16_and_padding() {
+        let text = "v 0.1D+01 0 0\nv 2d0 0 0\nv 0 1 0\nf 1 2 3\n";
+        let model = parse(text);
+        assert_eq!(model.positions, Positions::F32(vec![[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]]));
+        let units = "\u{FEFF}".encode_utf16().chain(text.encode_utf16());
+        let wide = parse(units.flat_map(u16::to_be_bytes).collect::<Vec<_>>());
+        assert_eq!((wide.positions, wide.faces), (model.positions, model.faces));
+        let padded = parse(format!("{SQUARE}\0\nf 1 2 3\0\n\0\0"));
+        assert_eq!((padded.faces.len(), kinds(&padded)), (1, vec![(WarningKind::PaddingNuls, 4)]));
     }
 }
