@@ -10,6 +10,7 @@ use crate::failure::Failure;
 use crate::numerals::counted;
 
 #[derive(Args, Clone, Copy, Debug, Default)]
+#[group(id = "repair")]
 pub(crate) struct Arguments {
     /// Weld vertices that are at most this far apart, in the unit of the file
     ///

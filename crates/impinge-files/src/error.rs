@@ -7,7 +7,7 @@ use std::{
 
 use impinge::character::RigErrorKind;
 
-use crate::format::Format;
+use crate::{format::Format, plain::Plain};
 
 /// A file that could not be loaded: which file, where in it, what is wrong and what to do.
 ///
@@ -217,6 +217,7 @@ impl LoadErrorKind {
 /// What is wrong, without file, place and advice.
 impl fmt::Display for LoadErrorKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let f = &mut Plain(f);
         match self {
             Self::Io { message, .. } => f.write_str(message),
             Self::UnsupportedFormat { extension } => {
@@ -255,6 +256,7 @@ impl fmt::Display for LoadErrorKind {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let f = &mut Plain(f);
         match self {
             Self::Byte(at) => write!(f, "byte {at}"),
             Self::Line(line) => write!(f, "line {line}"),
@@ -265,6 +267,7 @@ impl fmt::Display for Place {
 
 impl fmt::Display for LoadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let f = &mut Plain(f);
         let Inner { path, kind, place, hint } = &*self.0;
         match (path.as_os_str().is_empty(), place) {
             (true, None) => {}

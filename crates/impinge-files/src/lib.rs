@@ -46,6 +46,7 @@ mod non_finite;
 mod obj;
 mod off;
 mod packed;
+mod plain;
 mod ply;
 mod polygon;
 mod replace;

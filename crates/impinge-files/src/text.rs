@@ -7,6 +7,7 @@ use memchr::memchr;
 use crate::{
     error::{LoadError, LoadErrorKind, Place},
     format::Format,
+    plain::commands,
 };
 
 /// The error that these bytes are no text, if they hold a NUL.
@@ -105,10 +106,14 @@ pub(crate) fn integer(token: &[u8]) -> Option<i64> {
     (!digits.is_empty()).then_some(if negative { -value } else { value })
 }
 
-/// A name for a part: trimmed, as UTF-8 with replacement characters, and cut at [`MAX_NAME`] bytes.
+/// A name for a part: trimmed, as UTF-8, and cut at [`MAX_NAME`] bytes. What is no UTF-8 becomes a
+/// replacement character, and so does what commands a terminal.
 pub(crate) fn name(text: &[u8]) -> String {
     let text = trim(text);
     let mut name = String::from_utf8_lossy(&text[..text.len().min(MAX_NAME)]).into_owned();
+    if name.contains(commands) {
+        name = name.replace(commands, "\u{FFFD}");
+    }
     name.truncate(name.floor_char_boundary(MAX_NAME));
     name
 }

@@ -101,6 +101,6 @@ fn what_cannot_be_fitted_has_no_answer() {
     assert_eq!(run.code, 2);
     let error: Value = serde_json::from_str(&run.stdout).unwrap();
     assert_eq!((&error["error"]["kind"], &error["error"]["file"]), (&"empty".into(), &"empty.obj".into()));
-    assert!(run.stderr.starts_with("error: empty.obj: "), "{}", run.stderr);
+    assert!(run.stderr.contains("error: empty.obj: "), "{}", run.stderr);
     assert_eq!(folder.run("fit missing.obj").code, 2);
 }

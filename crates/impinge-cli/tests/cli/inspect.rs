@@ -62,7 +62,13 @@ fn a_mesh_with_faults() {
 fn a_mesh_of_nothing() {
     let folder = Folder::new();
     folder.write("empty.obj", "v 0 0 0\n");
-    let object = object(&folder, "empty.obj --picture empty.png");
+    let run = folder.run("inspect empty.obj --picture empty.png --json");
+    assert_eq!(
+        (run.code, run.stderr.as_str()),
+        (0, "warning: empty.obj: the mesh has no faces, so it meets nothing\n")
+    );
+    let object: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(object["warnings"][0], "the mesh has no faces, so it meets nothing");
     assert_eq!((&object["triangles"], &object["hierarchy"]["depth"]), (&0.into(), &0.into()));
     assert_eq!(object["picture"]["boxes"], 0);
     assert!(folder.run("inspect empty.obj").stdout.contains("empty"));

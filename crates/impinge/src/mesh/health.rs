@@ -41,6 +41,11 @@ impl Health {
 }
 
 impl Mesh {
+    /// Reports whether a face has no area, exactly.
+    pub(crate) fn is_degenerate(&self, face: u32) -> bool {
+        is_degenerate(&self.corners(face))
+    }
+
     /// Looks for everything in [`Health`].
     ///
     /// ```

@@ -78,8 +78,8 @@ use frame::PackedFrame;
 use leaf::Leaf;
 use packet::Made;
 use stamp::Stamp;
-pub(crate) use topology::Components;
 use topology::Topology;
+pub(crate) use topology::{Components, DisjointSets};
 
 /// A triangle mesh, judged and packed, with its hierarchy; cheap to clone, and never changing under a query.
 ///

@@ -171,14 +171,14 @@ fn first_equal<V: Sync, K: Ord + Copy + Send>(vertices: &[V], key: impl Fn(&V) -
 
 /// Union by index with path halving (Tarjan and van Leeuwen, *Worst-case Analysis of Set Union Algorithms*, JACM 31(2),
 /// 1984): the root of a set is its least member, so that the order of joining does not show.
-pub(super) struct DisjointSets(Vec<u32>);
+pub(crate) struct DisjointSets(Vec<u32>);
 
 impl DisjointSets {
-    pub(super) fn new(len: usize) -> Self {
+    pub(crate) fn new(len: usize) -> Self {
         Self((0..len as u32).collect())
     }
 
-    pub(super) fn root(&mut self, mut member: u32) -> u32 {
+    pub(crate) fn root(&mut self, mut member: u32) -> u32 {
         while self.0[member as usize] != member {
             let above = self.0[member as usize];
             self.0[member as usize] = self.0[above as usize];
@@ -187,7 +187,7 @@ impl DisjointSets {
         member
     }
 
-    pub(super) fn join(&mut self, a: u32, b: u32) {
+    pub(crate) fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));
         self.0[a.max(b) as usize] = a.min(b);
     }

@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use crate::exact::{Corners, Crossing, Feature, Joint, Placement, joints};
-use crate::mesh::{Mesh, Placed};
+use crate::mesh::{DisjointSets, Mesh, Placed};
 use crate::query::intersecting_pairs;
 
 /// Where two surfaces meet.
@@ -116,16 +116,48 @@ impl Linked {
         let mut names = placed.map(|placed| Names::new(placed.mesh));
         let mut numbers = HashMap::new();
         let mut ends = Vec::new();
-        let mut number = |pair: [u32; 2], joint: Joint| {
-            let [on_a, on_b] = &mut names;
-            let name = (on_a.name(pair[0], joint.on_a), on_b.name(pair[1], joint.on_b));
+        let mut number = |name: [Name; 2], pair: [u32; 2], joint: Joint| {
             *numbers.entry(name).or_insert_with(|| {
                 ends.push((pair, joint));
                 ends.len() - 1
             })
         };
-        let pieces = met.iter().map(|met| met.crossing.map(|joint| number(met.pair, joint))).collect();
+        let mut pieces: Vec<Crossing<usize>> = met
+            .iter()
+            .map(|met| {
+                met.crossing.map(|joint| {
+                    let on = [joint.on_a, joint.on_b];
+                    let name = [0, 1].map(|side| names[side].name(met.pair[side], &ALL_CORNERS, on[side]));
+                    number(name, met.pair, joint)
+                })
+            })
+            .collect();
         let placement = Placement::new(&placed[0].world_from_mesh, &placed[1].world_from_mesh);
+        // A face without area is as long as its longest edge, which another edge or two lie along. So the point where
+        // another face crosses it has several names.
+        let mut same = Vec::new();
+        for (met, piece) in met.iter().zip(&pieces) {
+            let &Crossing::Point(end) = piece else { continue };
+            let flat = [0, 1].map(|side| placed[side].mesh.is_degenerate(met.pair[side]));
+            if flat == [false; 2] {
+                continue;
+            }
+            let whole = corners(placed, met.pair);
+            for at_a in edges_of(flat[0]) {
+                for at_b in edges_of(flat[1]) {
+                    let at = [at_a, at_b];
+                    let [a, b] = [0, 1].map(|side| at[side].map(|corner| whole[side][usize::from(corner)]));
+                    if let Crossing::Point(joint) = joints(&placement, &a, &b) {
+                        let on = [joint.on_a, joint.on_b];
+                        let name = [0, 1].map(|side| names[side].name(met.pair[side], &at[side], on[side]));
+                        same.push([end, number(name, met.pair, joint)]);
+                    }
+                }
+            }
+        }
+        let mut sets = DisjointSets::new(ends.len());
+        same.iter().for_each(|&[one, other]| sets.join(one as u32, other as u32));
+        pieces.iter_mut().for_each(|piece| *piece = piece.map(|end| sets.root(end as u32) as usize));
         let point = |&(pair, joint): &([u32; 2], Joint)| {
             let [a, b] = corners(placed, pair);
             joint.point(&placement, &a, &b)
@@ -152,6 +184,16 @@ impl Linked {
     }
 }
 
+/// All corners of a face.
+const ALL_CORNERS: [u8; 3] = [0, 1, 2];
+
+/// The corners of each edge of a face without area, as a triangle that is a segment; or all corners
+/// of another face.
+fn edges_of(is_flat: bool) -> impl Iterator<Item = [u8; 3]> + Clone {
+    let edges = (0..3).map(|corner| [corner, (corner + 1) % 3, (corner + 1) % 3]);
+    edges.take(if is_flat { 3 } else { 0 }).chain((!is_flat).then_some(ALL_CORNERS))
+}
+
 /// A corner, edge or face of a mesh, whichever faces share it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Name {
@@ -172,12 +214,13 @@ impl<'a> Names<'a> {
         Self { mesh, vertices: HashMap::new() }
     }
 
-    fn name(&mut self, face: u32, feature: Feature) -> Name {
+    /// The name of a feature of a triangle whose corners are these ones of a face.
+    fn name(&mut self, face: u32, corners: &[u8; 3], feature: Feature) -> Name {
         match feature {
-            Feature::Vertex(corner) => Name::Vertex(self.vertex(face, corner)),
+            Feature::Vertex(corner) => Name::Vertex(self.vertex(face, corners[usize::from(corner)])),
             Feature::Edge(corner) => {
-                let (from, to) = (self.vertex(face, corner), self.vertex(face, (corner + 1) % 3));
-                Name::Edge(from.min(to), from.max(to))
+                let [from, to] = [corner, (corner + 1) % 3].map(|end| self.vertex(face, corners[usize::from(end)]));
+                if from == to { Name::Vertex(from) } else { Name::Edge(from.min(to), from.max(to)) }
             }
             Feature::Face => Name::Face(face),
         }

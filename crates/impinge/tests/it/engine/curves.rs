@@ -65,3 +65,66 @@ fn a_corner_on_a_face_is_a_point_and_no_curve() {
     assert_eq!(curves.points, [[1.0, 1.0, 0.0]]);
     assert!(curves.polylines.is_empty());
 }
+
+/// Cuts one face of many edges in two, and closes the gap beside the other face by a face without
+/// area. The vertices have to be on a grid, so that the middle of each edge is exact.
+fn with_flat_faces(mesh: &Plain) -> Plain {
+    let Plain { mut vertices, mut faces } = mesh.clone();
+    let mut is_used = vec![false; faces.len()];
+    for face in 0..mesh.faces.len() {
+        let [p, r, x] = mesh.faces[face];
+        // The face on the other side of the edge from p to r.
+        let has_edge = |other: &[u32; 3]| (0..3).any(|k| (other[k], other[(k + 1) % 3]) == (r, p));
+        let Some(other) = mesh.faces.iter().position(has_edge) else { continue };
+        if is_used[face] || is_used[other] {
+            continue;
+        }
+        (is_used[face], is_used[other]) = (true, true);
+        let middle = vertices.len() as u32;
+        vertices.push([0, 1, 2].map(|k| (vertices[p as usize][k] + vertices[r as usize][k]) / 2.0));
+        faces[face] = [p, middle, x];
+        faces.push([middle, r, x]);
+        faces.push([p, r, middle]);
+    }
+    Plain { vertices, faces }
+}
+
+#[test]
+fn curves_pass_faces_without_area() {
+    let mut sphere = icosphere(3);
+    sphere.vertices.iter_mut().flatten().for_each(|x| *x = (*x * 1024.0).round() / 1024.0);
+    let cut = with_flat_faces(&sphere);
+    let (sphere, cut) = (engine_mesh(&sphere, Precision::F64), engine_mesh(&cut, Precision::F64));
+    let health = cut.health();
+    assert!(cut.is_closed() && health.degenerate_faces > 300, "{health:?}");
+    let mut rng = impinge_testkit::generate::Rng::new(4706);
+    for round in 0..40 {
+        let offset = [0; 3].map(|_| rng.uniform(-0.6, 0.6));
+        let mut pose = engine_pose(&Affine::translation(offset));
+        if round % 2 == 0 {
+            // Middles and corners of edges lie on faces and on each other.
+            pose = engine_pose(&Affine::translation(offset.map(|x| (x * 8.0).round() / 8.0 + 1.0 / 2048.0)));
+        }
+        let expected = query::intersection_curves(&sphere, sphere.at(pose));
+        for (a, b) in [(&cut, &sphere), (&sphere, &cut), (&cut, &cut)] {
+            let curves = query::intersection_curves(a, b.at(pose));
+            assert_eq!(curves.polylines.len(), expected.polylines.len(), "{offset:?}");
+            assert_eq!(curves.closed(), expected.closed(), "{offset:?}");
+            assert_eq!(curves.points.len(), expected.points.len(), "{offset:?}");
+            assert!((curves.length() - expected.length()).abs() <= 1e-12 * expected.length().max(1.0), "{offset:?}");
+        }
+    }
+}
+
+#[test]
+fn a_curve_passes_the_middle_of_a_sheet_with_a_flat_face() {
+    let mesh =
+        |vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>| Mesh::new(Positions::F64(vertices), faces).expect("legal");
+    let wall = mesh(vec![[-99.0, 5.0, -99.0], [99.0, 5.0, -99.0], [0.0, 5.0, 99.0]], vec![[0, 1, 2]]);
+    let corners = vec![[0.0, 2.0, -9.0], [0.0, 4.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 0.0], [0.0, 9.0, 9.0]];
+    let sheet = mesh(corners, vec![[0, 1, 2], [1, 3, 2], [4, 2, 3]]);
+    for curves in [query::intersection_curves(&sheet, &wall), query::intersection_curves(&wall, &sheet)] {
+        assert_eq!(curves.polylines.iter().map(Vec::len).collect::<Vec<_>>(), [3]);
+        assert!(curves.points.is_empty());
+    }
+}

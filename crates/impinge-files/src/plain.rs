@@ -1,0 +1,53 @@
+//! Text of a file, made safe to print: a terminal obeys control characters.
+
+use std::fmt::{self, Write};
+
+/// Passes text on with control characters as escapes, such as `\u{1b}`. So are the characters that
+/// change the direction of text, which can make a message read as another one.
+pub(crate) struct Plain<'a, 'b>(pub(crate) &'a mut fmt::Formatter<'b>);
+
+impl Write for Plain<'_, '_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for part in text.split_inclusive(commands) {
+            match part.chars().next_back().filter(|&last| commands(last)) {
+                Some(last) => {
+                    self.0.write_str(&part[..part.len() - last.len_utf8()])?;
+                    write!(self.0, "{}", last.escape_unicode())?;
+                }
+                None => self.0.write_str(part)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a character commands a terminal rather than being shown by it.
+pub(crate) fn commands(character: char) -> bool {
+    character.is_control() || matches!(character, '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}')
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt;
+
+    use super::*;
+
+    struct Shown(&'static str);
+
+    impl fmt::Display for Shown {
+        fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            write!(Plain(f), "<{}>", self.0)
+        }
+    }
+
+    #[test]
+    fn control_characters_are_escaped_and_nothing_else() {
+        for (text, expected) in [
+            ("plain, caf\u{e9} \u{1F600} {}\\", "<plain, caf\u{e9} \u{1F600} {}\\>"),
+            ("\u{1b}]0;title\u{7}", "<\\u{1b}]0;title\\u{7}>"),
+            ("a\nb\u{9b}31m\u{202e}", "<a\\u{a}b\\u{9b}31m\\u{202e}>"),
+        ] {
+            assert_eq!(Shown(text).to_string(), expected);
+        }
+    }
+}
