@@ -16,7 +16,7 @@ from impinge._scene import Scene
 
 
 def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
-    r"""Load all triangles of an OBJ, STL, PLY, OFF, glTF, GLB, 3MF or baked file as one mesh.
+    r"""Load all triangles of an OBJ, STL, PLY, OFF, glTF, GLB, 3MF, COLLADA or baked file as one mesh.
 
     Numbers keep the precision of the file: f32 stays float32, text is read as the nearest float64. Polygons become
     triangles; `Mesh.origin` says which face is of which polygon and part. A file that `Mesh.bake` or ``impinge bake``

@@ -22,7 +22,7 @@ use crate::{Verdict, console, output, repair};
 /// Exit code: 0, or 2 where the mesh cannot be read or the file cannot be written.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF or baked
+    /// The mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF, COLLADA or baked, also as .gz
     mesh: PathBuf,
     /// The file to write, whose name ends in .impinge
     #[arg(short, long, value_name = "OUT")]

@@ -38,7 +38,7 @@ const MOST_PAIRS: usize = 1 << 27;
 /// answer. With `--penetrates` meeting means that the interiors of both meet, so that parts that touch are clear.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The first mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF or baked
+    /// The first mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF, COLLADA or baked, also as .gz
     a: PathBuf,
     /// The second mesh
     b: PathBuf,

@@ -25,7 +25,7 @@ use measure::{HullRow, Row};
 /// Exit code: 0 where there is an answer, 2 where there is none.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The mesh: OBJ, STL, PLY, OFF, glTF, GLB or 3MF
+    /// The mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF or COLLADA, also as .gz
     mesh: PathBuf,
     /// Print one JSON object in place of the report
     #[arg(long)]

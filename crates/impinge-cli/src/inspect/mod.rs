@@ -33,7 +33,7 @@ const MOST_BOXES: usize = 160;
 /// Exit code: 0, or 2 where the mesh cannot be read.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF or baked
+    /// The mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF, COLLADA or baked, also as .gz
     mesh: PathBuf,
     /// Draw the boxes of one level over the mesh, to a .png or .svg file
     #[arg(long, value_name = "OUT")]
