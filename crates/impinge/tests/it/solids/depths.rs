@@ -153,7 +153,7 @@ fn shallow_depths_are_told_tightly() {
         let deep = 2.0_f64.powi(exponent);
         for place in [[1.0 - deep, 0.0, 0.0], [0.25, 1.0 - deep, -0.125], [0.0, 0.5, deep - 1.0]] {
             let found = query::penetration(&mesh, mesh.at(at(place))).expect("they meet");
-            assert!(found.upper >= deep && found.upper <= deep + 1e-14, "2^{exponent}: {found:?}");
+            assert!(found.upper >= deep && found.upper <= deep + 1e-13, "2^{exponent}: {found:?}");
         }
     }
 }
