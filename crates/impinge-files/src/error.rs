@@ -1,7 +1,7 @@
 //! What went wrong with a file, and where in it.
 
 use std::{
-    fmt,
+    fmt::{self, Write},
     path::{Path, PathBuf},
 };
 
