@@ -48,7 +48,7 @@ def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
     Warns
     -----
     LoadWarning
-        If something in the file was left out.
+        If something in the file was left out, or it has no faces.
 
     Examples
     --------
@@ -92,7 +92,7 @@ def load_scene(path: str | os.PathLike[str], unit: str | None = None) -> Scene:
     Warns
     -----
     LoadWarning
-        If something in the file was left out.
+        If something in the file was left out, or it has no faces.
 
     Examples
     --------
@@ -135,4 +135,6 @@ def _model(path: str, unit: str | None) -> _impinge.Model:
     model = _impinge.Model(path, unit)
     for warning in model.warnings:
         warnings.warn(f"{path}: {warning}", LoadWarning, stacklevel=3)
+    if len(model.part_of) == 0:
+        warnings.warn(f"{path}: the mesh has no faces, so it meets nothing", LoadWarning, stacklevel=3)
     return model

@@ -178,22 +178,11 @@ class Mesh(PointQueries):
         Parameters
         ----------
         weld : float, default 0.0
-            How far a vertex may be moved to meet an earlier one, in the unit of the mesh. Each vertex is moved to the
-            nearest of the vertices before it that have stayed. `closing_tolerance` names a tolerance that closes the
-            mesh.
+            How far a vertex may be moved to meet the nearest earlier one that has stayed, in the unit of the mesh.
         orient : bool, default False
-            Whether faces are turned so that neighbors agree on a side. Faces are linked across each edge that exactly
-            two of them have. Linked faces form a sheet and get one side: the side that at least three quarters of its
-            area have already; or else, if the sheet is closed, the side with which it encloses a positive volume; or
-            else the side that most of its area has. If all closed sheets together then enclose a negative volume, all
-            of them are turned.
-
-        Returns
-        -------
-        mesh : Mesh
-            A new mesh with the same origin.
-        repair : Repair
-            What was changed, and what was found and left.
+            Whether faces are turned so that neighbors agree on a side. Linked faces get the side that at least three
+            quarters of their area have, or else the side with which they enclose a positive volume, or else the side
+            that most of their area has. If all of them then enclose a negative volume, all are turned.
 
         Raises
         ------
@@ -217,8 +206,7 @@ class Mesh(PointQueries):
     def closing_tolerance(self) -> float | None:
         """Return a tolerance at which welding closes every open edge, in O(n log n).
 
-        It is the least of 10^-16, 10^-15, up to 10^-2 of the size of the mesh, rounded up to a power of ten; or None if
-        no edge is open, or if none of these closes all of them.
+        It is the least that does of 10^-16 to 10^-2 of the size of the mesh, rounded up to a power of ten, or None.
 
         Examples
         --------

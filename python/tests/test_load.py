@@ -71,7 +71,10 @@ def test_a_scene_has_the_parts_of_a_file(tmp_path):
     assert scene.check(stop="all").names() == [("nut", "part 2")]
     empty = tmp_path / "empty.off"
     empty.write_text("OFF\n0 0 0\n")
-    assert impinge.load_scene(empty).parts == {}
+    with pytest.warns(impinge.LoadWarning, match="no faces"):
+        assert impinge.load_scene(empty).parts == {}
+    with pytest.warns(impinge.LoadWarning, match="no faces"):
+        assert len(impinge.load(empty).faces) == 0
 
 
 def test_baked_meshes_answer_the_same(tmp_path):

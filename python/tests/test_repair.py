@@ -2,10 +2,9 @@
 
 import itertools
 
+import impinge
 import numpy as np
 import pytest
-
-import impinge
 
 CORNERS = np.array(list(itertools.product((0.0, 10.0), repeat=3)))
 FACES = np.array(

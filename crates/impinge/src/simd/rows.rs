@@ -47,7 +47,7 @@ impl<'a, T: Copy + Default> Rows<'a, T> {
     /// eight numbers.
     #[inline(always)]
     pub(crate) fn inside<S: Simd, const N: usize>(&self, simd: S, at: &[u32; N]) -> Option<Inside<'a, T, N>> {
-        const { assert!(N % LANES == 0) };
+        const { assert!(N.is_multiple_of(LANES)) };
         // SAFETY: a reference to plain numbers can be read. The read is volatile so that the compiler
         // reads each number once, not again after the comparison.
         #[allow(unsafe_code)]
