@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use impinge::hierarchy::Builder;
 use impinge_files::{Format, Provenance};
 
-use crate::body::{Body, Loaded};
+use crate::body::{Body, Loaded, Reading};
 use crate::check::timed;
 use crate::failure::Failure;
 use crate::numerals::{count, counted};
@@ -36,6 +36,8 @@ pub(crate) struct Arguments {
     /// make the file take longer to open: they are proved when they are asked for. `inspect` tells their sizes.
     #[arg(long)]
     proxies: bool,
+    #[command(flatten)]
+    reading: Reading,
     #[command(flatten)]
     repairs: repair::Arguments,
     /// Print one JSON object in place of the report
@@ -91,7 +93,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         return Err(output::unknown_extension(path, ".impinge"));
     }
     output::judge(path, &[&arguments.mesh])?;
-    let (loaded, load) = timed("loading", || Loaded::from_file(&arguments.mesh, None));
+    let (loaded, load) = timed("loading", || Loaded::from_file(&arguments.mesh, None, arguments.reading));
     let loaded = loaded?;
     loaded.warn();
     let builder = match arguments.hierarchy {

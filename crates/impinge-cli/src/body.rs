@@ -1,13 +1,56 @@
 //! A mesh from a file, and what is known of it beside its triangles.
 
+use std::fs;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use impinge::hierarchy::Builder;
 use impinge::{Mesh, Positions};
 use impinge_files::{Baked, Format, Model, Provenance, Unit, Warning};
 
 use crate::failure::Failure;
 use crate::{console, repair};
+
+/// How files are read.
+#[derive(Args, Clone, Copy, Debug, Default)]
+#[group(id = "reading")]
+pub(crate) struct Reading {
+    /// The format of inputs, whatever their names say: obj, stl, ply, off, gltf, glb, 3mf or dae
+    ///
+    /// An input named - is standard input. Without this option its format must be clear from its content, as that of OBJ
+    /// is not. Other files that an input names are then not read.
+    #[arg(long, value_name = "FORMAT", value_parser = parse_format)]
+    format: Option<Format>,
+}
+
+fn parse_format(name: &str) -> Result<Format, String> {
+    Format::from_extension(name).filter(|&format| format != Format::Baked).ok_or_else(|| {
+        let known = Format::ALL.into_iter().filter(|&format| format != Format::Baked).map(Format::extension);
+        format!("none of {}", known.collect::<Vec<_>>().join(", "))
+    })
+}
+
+impl Reading {
+    fn model(&self, path: &Path) -> Result<Model, Failure> {
+        let is_standard_input = path == Path::new("-");
+        if !is_standard_input && self.format.is_none() {
+            return Ok(impinge_files::load(path)?);
+        }
+        let mut bytes = Vec::new();
+        let read = if is_standard_input {
+            io::stdin().read_to_end(&mut bytes).map(drop)
+        } else {
+            fs::read(path).map(|content| bytes = content)
+        };
+        read.map_err(|error| Failure::from_io(&error, "cannot be read").in_file(path))?;
+        let format = self.format.or_else(|| Format::of_content(&bytes)).ok_or_else(|| {
+            let failure = Failure::new("unsupported-format", "its content does not say what format it has");
+            failure.in_file(path).hint("name the format by --format")
+        })?;
+        impinge_files::parse(&bytes, format).map_err(|error| Failure::from(error).in_file(path))
+    }
+}
 
 /// A file as loaded, its mesh not yet built.
 pub(crate) struct Loaded {
@@ -50,11 +93,11 @@ pub(crate) struct About {
 }
 
 impl Loaded {
-    /// Reads a file; `unit` overrides what it states.
+    /// Reads a file, or standard input if the path is `-`; `unit` overrides what it states.
     ///
     /// # Errors
-    /// Where the file cannot be read or is broken.
-    pub(crate) fn from_file(path: &Path, unit: Option<Unit>) -> Result<Self, Failure> {
+    /// The file cannot be read, or is broken.
+    pub(crate) fn from_file(path: &Path, unit: Option<Unit>, reading: Reading) -> Result<Self, Failure> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         if Format::from_extension(&extension) == Some(Format::Baked) {
             let baked = Baked::open(path)?;
@@ -62,7 +105,7 @@ impl Loaded {
             return Ok(Self { content: Content::Baked(Box::new(baked)), about, warnings: Vec::new() });
         }
         let Model { positions, faces, sources, part_of, parts, unit: stated, warnings, format } =
-            impinge_files::load(path)?;
+            reading.model(path)?;
         let about = About::new(path, format, Provenance { sources, part_of, parts, unit: stated }, unit);
         Ok(Self { content: Content::Triangles { positions, faces }, about, warnings })
     }

@@ -23,7 +23,8 @@
 //! - **Units.** glTF is in metres, 3MF and COLLADA state their unit, the others state none.
 //! - **Axes** are those of the file. Only COLLADA states which axis points up: its meshes are turned so that Z does.
 //! - **Content before extension.** The extension, in any case, must be a known one. Where the bytes prove another format,
-//!   they are read as what they are, with a warning.
+//!   they are read as what they are, with a warning. A name without an extension, such as that of a pipe, will do if the
+//!   bytes prove their format.
 //! - **Gzip.** A name may end in `.gz` after the extension, as in `part.stl.gz`, or in `.gz` alone if the content proves
 //!   its format.
 //!
@@ -91,7 +92,7 @@ fn load_file(path: &Path) -> Result<Model, LoadError> {
 
 /// What a file's name says of its content.
 struct Named {
-    /// The format, if the name has its extension. Otherwise `extension` ends in `gz`.
+    /// The format, if the name has its extension. Otherwise `extension` is empty or ends in `gz`.
     format: Option<Format>,
     packed: bool,
     extension: String,
@@ -104,7 +105,7 @@ impl Named {
         let packed = last.eq_ignore_ascii_case("gz");
         let inner = if packed { extension(Path::new(path.file_stem().unwrap_or_default())) } else { last.clone() };
         let format = Format::from_extension(&inner);
-        if format.is_none() && !packed {
+        if format.is_none() && !packed && !last.is_empty() {
             return Err(LoadError::new(LoadErrorKind::UnsupportedFormat { extension: last }));
         }
         let extension = if packed && !inner.is_empty() { format!("{inner}.{last}") } else { last };

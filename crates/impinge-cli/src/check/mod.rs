@@ -6,7 +6,7 @@ mod pairs_file;
 mod report;
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
@@ -16,7 +16,7 @@ use impinge::query::{self, Curves, Distance, Penetrates, Solid, SolidIntersectio
 use impinge::{InputError, Pose};
 use impinge_files::Unit;
 
-use crate::body::{Body, Loaded};
+use crate::body::{Body, Loaded, Reading};
 use crate::bounds::Bounds;
 use crate::failure::Failure;
 use crate::progress::Phase;
@@ -79,6 +79,8 @@ pub(crate) struct Arguments {
     /// In the finer unit of A and B. Where they do, the exit code is 1.
     #[arg(long, value_name = "D", value_parser = parse_clearance, allow_hyphen_values = true)]
     clearance: Option<f64>,
+    #[command(flatten)]
+    reading: Reading,
     #[command(flatten)]
     repairs: repair::Arguments,
     /// Take a mesh without faces, such as a point cloud, for one that meets nothing
@@ -150,6 +152,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     for path in [arguments.pairs.as_deref(), curves_file].into_iter().flatten() {
         output::judge(path, &[&arguments.a, &arguments.b])?;
     }
+    if [&arguments.a, &arguments.b].into_iter().all(|path| path == Path::new("-")) {
+        return Err(Failure::new("usage", "standard input holds one mesh, not two").at("-"));
+    }
     let poses = arguments.poses()?;
     let outcome = match arguments.threads {
         None => answer(arguments, poses)?,
@@ -197,8 +202,8 @@ impl Arguments {
 fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
     let ((a, b), load) = timed("loading", || {
         rayon::join(
-            || Loaded::from_file(&arguments.a, arguments.unit_a),
-            || Loaded::from_file(&arguments.b, arguments.unit_b),
+            || Loaded::from_file(&arguments.a, arguments.unit_a, arguments.reading),
+            || Loaded::from_file(&arguments.b, arguments.unit_b, arguments.reading),
         )
     });
     let loaded = [a?, b?];

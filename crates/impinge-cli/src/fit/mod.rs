@@ -11,7 +11,7 @@ use std::time::Instant;
 use clap::Args;
 use impinge::hierarchy::Builder;
 
-use crate::body::{Body, Loaded};
+use crate::body::{Body, Loaded, Reading};
 use crate::failure::Failure;
 use crate::progress::Phase;
 use crate::{Verdict, console, repair};
@@ -27,6 +27,8 @@ use measure::{HullRow, Row};
 pub(crate) struct Arguments {
     /// The mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF or COLLADA, also as .gz
     mesh: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
     /// Print one JSON object in place of the report
     #[arg(long)]
     json: bool,
@@ -56,7 +58,7 @@ struct Seconds {
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let start = Instant::now();
     let phase = Phase::begin("loading");
-    let loaded = Loaded::from_file(&arguments.mesh, None)?;
+    let loaded = Loaded::from_file(&arguments.mesh, None, arguments.reading)?;
     loaded.warn();
     let body = loaded.build(Builder::default(), &repair::Arguments::default())?;
     drop(phase);

@@ -12,7 +12,7 @@ use impinge::Pose;
 use impinge::hierarchy::{Builder, MAX_DEPTH, TreeStatistics};
 use impinge::mesh::Health;
 
-use crate::body::{Body, Loaded};
+use crate::body::{Body, Loaded, Reading};
 use crate::bounds::Bounds;
 use crate::check::timed;
 use crate::failure::Failure;
@@ -44,6 +44,8 @@ pub(crate) struct Arguments {
     /// Which axis points up in the picture
     #[arg(long, value_name = "AXIS", default_value = "y", requires = "picture")]
     up: Axis,
+    #[command(flatten)]
+    reading: Reading,
     #[command(flatten)]
     repairs: repair::Arguments,
     /// Print one JSON object in place of the report
@@ -100,7 +102,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         }
         None => None,
     };
-    let (loaded, load) = timed("loading", || Loaded::from_file(&arguments.mesh, None));
+    let (loaded, load) = timed("loading", || Loaded::from_file(&arguments.mesh, None, arguments.reading));
     let loaded = loaded?;
     loaded.warn();
     let baked = loaded.baked().cloned();

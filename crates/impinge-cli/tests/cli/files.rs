@@ -1,6 +1,8 @@
 //! The files that are written.
 
 use std::fs;
+use std::io::Write;
+use std::process::Stdio;
 
 use crate::Folder;
 
@@ -70,4 +72,39 @@ fn curves_are_polylines_that_close() {
     };
     assert_eq!(indices.windows(2).map(step).sum::<f64>(), 3.0);
     assert!(points.iter().flatten().all(|x| (0.5..=1.0).contains(x)));
+}
+
+/// Runs the command with this text on standard input.
+fn run_with_input(folder: &Folder, arguments: &str, input: &str) -> (i32, String, String) {
+    let mut command = folder.command(arguments.split(' '));
+    let streams = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = streams.spawn().unwrap();
+    // A command that refuses its arguments does not read.
+    let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
+    let output = child.wait_with_output().unwrap();
+    let [stdout, stderr] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    (output.status.code().unwrap(), stdout, stderr)
+}
+
+#[test]
+fn standard_input_is_a_mesh_too() {
+    let folder = Folder::new();
+    let cube = folder.read("cube.obj");
+    let (code, stdout, stderr) = run_with_input(&folder, "check - cube.obj --format obj --json", &cube);
+    assert_eq!((code, stderr.as_str()), (1, ""));
+    assert!(stdout.contains(r#""a":{"path":"-","triangles":12"#), "{stdout}");
+    let off = "OFF\n3 1 0\n0.5 0.5 -1\n0.5 0.5 2\n0.6 0.5 2\n3 0 1 2\n";
+    assert_eq!(run_with_input(&folder, "check cube.obj - --json", off).0, 1, "OFF is told by its content");
+    for (arguments, input, message) in [
+        ("check - cube.obj", cube.as_str(), "--format"),
+        ("check - cube.obj --format doc", "", "none of obj, stl"),
+        ("check - - --format obj", "", "standard input holds one mesh"),
+        ("inspect - --format off", "OFF 1 0 0\n0 0 x\n", "-, line 2: expected a coordinate"),
+    ] {
+        let (code, _, stderr) = run_with_input(&folder, arguments, input);
+        assert!(code == 2 && stderr.contains(message), "{arguments}: {stderr}");
+    }
+    folder.write("no_extension", off);
+    assert_eq!(folder.run("check no_extension cube.obj").code, 1);
+    assert_eq!(folder.run("check cube.obj no_extension --format obj").code, 2);
 }
