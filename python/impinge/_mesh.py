@@ -206,12 +206,12 @@ class Mesh(PointQueries):
     def closing_tolerance(self) -> float | None:
         """Return a tolerance at which welding closes every open edge, in O(n log n).
 
-        It is the least that does of 10^-16 to 10^-2 of the size of the mesh, rounded up to a power of ten, or None.
+        It is the least that does of 10^-16 to 10^-4 of the size of the mesh, rounded up to a power of ten, or None.
 
         Examples
         --------
         >>> import impinge
-        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 1e-7, 1]]
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 2e-7, 1]]
         >>> cracked = impinge.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 4]])
         >>> cracked.closing_tolerance()
         1e-06

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use impinge::hierarchy::Builder;
 use impinge::{Mesh, Positions};
-use impinge_files::{Baked, Format, Model, Provenance, Unit, Warning};
+use impinge_files::{Baked, Format, LoadErrorKind, Model, Provenance, Unit, Warning};
 
 use crate::failure::Failure;
 use crate::{console, repair};
@@ -44,11 +44,17 @@ impl Reading {
             fs::read(path).map(|content| bytes = content)
         };
         read.map_err(|error| Failure::from_io(&error, "cannot be read").in_file(path))?;
-        let format = self.format.or_else(|| Format::of_content(&bytes)).ok_or_else(|| {
-            let failure = Failure::new("unsupported-format", "its content does not say what format it has");
-            failure.in_file(path).hint("name the format by --format")
-        })?;
-        impinge_files::parse(&bytes, format).map_err(|error| Failure::from(error).in_file(path))
+        let parsed = match self.format {
+            Some(format) => impinge_files::parse(&bytes, format),
+            None => impinge_files::parse_by_content(&bytes),
+        };
+        parsed.map_err(|error| match error.kind() {
+            LoadErrorKind::UnsupportedFormat { .. } => {
+                let failure = Failure::new("unsupported-format", "its content does not say what format it has");
+                failure.in_file(path).hint("name the format by --format")
+            }
+            _ => Failure::from(error).in_file(path),
+        })
     }
 }
 

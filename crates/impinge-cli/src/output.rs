@@ -56,10 +56,11 @@ pub(crate) fn write(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Res
     written.map_err(|error| Failure::from_io(&error, "cannot be written").in_file(path))
 }
 
-/// Ends the write that is under way, if there is one, and waits until nothing is left of it.
+/// Ends the write that is under way, if there is one, and waits until nothing is left of it. No file is written after
+/// this: the process is about to end.
 pub(crate) fn abandon() {
     ABANDONED.store(true, Ordering::SeqCst);
-    drop(WRITING.lock());
+    std::mem::forget(WRITING.lock());
 }
 
 /// Refuses bytes once they are wanted no more.

@@ -94,7 +94,8 @@ fn load_file(path: &Path) -> Result<Model, LoadError> {
 struct Named {
     /// The format, if the name has its extension. Otherwise `extension` is empty or ends in `gz`.
     format: Option<Format>,
-    packed: bool,
+    /// Whether the name says that the content is packed, if there is a name.
+    packed: Option<bool>,
     extension: String,
 }
 
@@ -109,7 +110,7 @@ impl Named {
             return Err(LoadError::new(LoadErrorKind::UnsupportedFormat { extension: last }));
         }
         let extension = if packed && !inner.is_empty() { format!("{inner}.{last}") } else { last };
-        Ok(Self { format, packed, extension })
+        Ok(Self { format, packed: Some(packed), extension })
     }
 }
 
@@ -155,12 +156,22 @@ fn read_rig(bytes: &[u8], folder: Option<&Path>) -> Result<Rig, LoadError> {
 /// # Errors
 /// As [`load`]; the error's path is empty.
 pub fn parse(bytes: &[u8], format: Format) -> Result<Model, LoadError> {
-    read(bytes, &Named { format: Some(format), packed: false, extension: String::new() }, None)
+    read(bytes, &Named { format: Some(format), packed: None, extension: String::new() }, None)
+}
+
+/// Reads the triangles of a file's bytes, which must prove what format they have. Other files that they name are not
+/// read.
+///
+/// # Errors
+/// As [`load`]; the error's path is empty.
+pub fn parse_by_content(bytes: &[u8]) -> Result<Model, LoadError> {
+    read(bytes, &Named { format: None, packed: None, extension: String::new() }, None)
 }
 
 /// Other files that the content names lie in `folder`.
 fn read(bytes: &[u8], named: &Named, folder: Option<&Path>) -> Result<Model, LoadError> {
     let mut warnings = Warnings::default();
+    let file_size = bytes.len() as u64;
     let unpacked = unpack(bytes, &mut warnings)?;
     let bytes = unpacked.as_deref().unwrap_or(bytes);
     let Some(actual) = Format::of_content(bytes).or(named.format) else {
@@ -173,11 +184,12 @@ fn read(bytes: &[u8], named: &Named, folder: Option<&Path>) -> Result<Model, Loa
         Format::Ply => ply::read(bytes),
         Format::Off => off::read(bytes),
         Format::Gltf | Format::Glb => gltf::read(bytes, actual, folder),
-        Format::ThreeMf => three_mf::read(bytes),
+        Format::ThreeMf => three_mf::read(bytes, file_size),
         Format::Collada => collada::read(bytes),
         Format::Baked => baked::read(bytes),
     }?;
-    let is_other = named.format.is_some_and(|format| format != actual) || named.packed != unpacked.is_some();
+    let is_other = named.format.is_some_and(|format| format != actual)
+        || named.packed.is_some_and(|packed| packed != unpacked.is_some());
     let mut all = Warnings::default();
     all.add(WarningKind::OtherExtension, is_other.into(), || None);
     all.extend(warnings.into_vec());

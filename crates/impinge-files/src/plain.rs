@@ -23,7 +23,8 @@ impl Write for Plain<'_, '_> {
 
 /// Whether a character commands a terminal rather than being shown by it.
 pub(crate) fn commands(character: char) -> bool {
-    character.is_control() || matches!(character, '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}')
+    character.is_control()
+        || matches!(character, '\u{061C}' | '\u{200E}' | '\u{200F}' | '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}')
 }
 
 #[cfg(test)]

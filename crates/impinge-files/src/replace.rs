@@ -2,7 +2,7 @@
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use tempfile::Builder;
 
@@ -16,7 +16,8 @@ const BUFFER: usize = 1 << 16;
 /// it, and two threads that write to one path leave the file of one of them. A new file has the
 /// permissions of the old one. If the path is a symbolic link, the file that it leads to is replaced.
 ///
-/// What is not a regular file, such as a pipe or `/dev/stdout`, is written in place.
+/// What is not a regular file, such as a pipe, is written in place. So is `/dev/stdout`, to which the
+/// content is appended.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;
@@ -36,11 +37,17 @@ const BUFFER: usize = 1 << 16;
 /// created beside it.
 pub fn replace_file(path: impl AsRef<Path>, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let path = path.as_ref();
-    // A path that leads nowhere is that of a new file.
-    let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    if is_stream(path) {
+        return fill(OpenOptions::new().append(true).open(path)?, content);
+    }
+    let real = behind_links(path);
     let old = fs::metadata(&real).ok();
-    if old.as_ref().is_some_and(|old| !old.is_file()) {
-        return fill(OpenOptions::new().write(true).open(&real)?, content);
+    if old.is_some() {
+        // Renaming asks the folder alone, so the file itself is asked whether it may be written.
+        let file = OpenOptions::new().write(true).open(&real)?;
+        if !file.metadata()?.is_file() {
+            return fill(file, content);
+        }
     }
     let folder = real.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = Builder::new();
@@ -58,6 +65,20 @@ pub fn replace_file(path: impl AsRef<Path>, content: impl FnOnce(&mut dyn Write)
     fill(beside.as_file(), content)?;
     beside.persist(&real).map_err(|error| error.error)?;
     Ok(())
+}
+
+/// Reports whether a path names a stream that this process has open already. It may lead to a file,
+/// of which other parts are being written.
+fn is_stream(path: &Path) -> bool {
+    cfg!(unix) && (["/dev/stdout", "/dev/stderr"].map(Path::new).contains(&path) || path.starts_with("/dev/fd"))
+}
+
+/// Returns the path behind symbolic links, also if there is no file yet.
+fn behind_links(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        fs::read_link(path).map_or_else(|_| path.to_owned(), |target| folder.join(target))
+    })
 }
 
 /// Writes the content through a buffer.
@@ -131,6 +152,11 @@ mod tests {
         assert_eq!(fs::read_to_string(&path).unwrap(), "new");
         assert_eq!(path.metadata().unwrap().permissions().mode() & 0o777, 0o640);
         write(Path::new("/dev/null"), "what is no file is written in place").unwrap();
+        let [dangling, target] = ["dangling", "target"].map(|name| folder.path().join(name));
+        symlink("target", &dangling).unwrap();
+        write(&dangling, "a new file").unwrap();
+        assert!(dangling.symlink_metadata().unwrap().is_symlink());
+        assert_eq!(fs::read_to_string(&target).unwrap(), "a new file");
     }
 
     #[test]

@@ -24,6 +24,10 @@ pub(super) struct Geometry {
 pub(super) struct Arrays {
     /// Every array that was read.
     values: HashMap<Id, Rc<Vec<f64>>>,
+    /// The positions of every source that was read.
+    sources: HashMap<Id, Rc<Vec<[f64; 3]>>>,
+    /// The source of positions of every `<vertices>` that was read.
+    vertices: HashMap<Id, Id>,
     /// Number of positions of all sources.
     positions: u64,
     budget: Budget,
@@ -31,7 +35,7 @@ pub(super) struct Arrays {
 
 impl Arrays {
     pub(super) fn new(budget: Budget) -> Self {
-        Self { values: HashMap::new(), positions: 0, budget }
+        Self { values: HashMap::new(), sources: HashMap::new(), vertices: HashMap::new(), positions: 0, budget }
     }
 
     fn read(&mut self, tree: &Tree<'_>, array: Id) -> Result<Rc<Vec<f64>>, LoadError> {
@@ -41,6 +45,30 @@ impl Arrays {
         let values = Rc::new(tree.floats(array)?);
         self.values.insert(array, Rc::clone(&values));
         Ok(values)
+    }
+
+    /// The positions of a source.
+    fn positions(&mut self, tree: &Tree<'_>, source: Id) -> Result<Rc<Vec<[f64; 3]>>, LoadError> {
+        if let Some(positions) = self.sources.get(&source) {
+            return Ok(Rc::clone(positions));
+        }
+        let positions = Rc::new(read_positions(tree, source, self)?);
+        self.sources.insert(source, Rc::clone(&positions));
+        Ok(positions)
+    }
+
+    /// The source of positions that a `<vertices>` names.
+    fn source_of(&mut self, tree: &Tree<'_>, vertices: Id) -> Result<Id, LoadError> {
+        if let Some(&source) = self.vertices.get(&vertices) {
+            return Ok(source);
+        }
+        let position = tree
+            .children_named(vertices, "input")
+            .find(|&input| tree.attribute(input, "semantic").as_deref() == Some("POSITION"))
+            .ok_or_else(|| LoadError::syntax("an input of semantic POSITION", b"").at(tree.place(vertices)))?;
+        let source = tree.target(position, "source")?;
+        self.vertices.insert(vertices, source);
+        Ok(source)
     }
 
     fn count(&mut self, positions: usize) -> Result<(), LoadError> {
@@ -233,21 +261,19 @@ impl Geometry {
                 found = Some((tree.target(input, "source")?, offset));
             }
         }
-        let missing = |expected: &str, id| LoadError::syntax(expected, b"").at(tree.place(id));
-        let Some((mut source, offset)) = found else { return Err(missing("an input of semantic VERTEX", id)) };
+        let Some((mut source, offset)) = found else {
+            return Err(LoadError::syntax("an input of semantic VERTEX", b"").at(tree.place(id)));
+        };
         if tree.name(source) == "vertices" {
-            let position = tree
-                .children_named(source, "input")
-                .find(|&input| tree.attribute(input, "semantic").as_deref() == Some("POSITION"))
-                .ok_or_else(|| missing("an input of semantic POSITION", source))?;
-            source = tree.target(position, "source")?;
+            source = arrays.source_of(tree, source)?;
         }
         let positions = match self.sources.get(&source) {
             Some(&range) => range,
             None => {
-                let first = self.positions.len();
-                read_positions(tree, source, arrays, &mut self.positions)?;
-                let range = Range { first, len: self.positions.len() - first };
+                let read = arrays.positions(tree, source)?;
+                arrays.count(read.len()).map_err(|e| e.at(tree.place(source)))?;
+                let range = Range { first: self.positions.len(), len: read.len() };
+                self.positions.extend_from_slice(&read);
                 self.sources.insert(source, range);
                 range
             }
@@ -276,13 +302,8 @@ fn face_of(tree: &Tree<'_>, primitive: Id, corner: usize) -> u64 {
     }
 }
 
-/// Appends the positions of a source, as its accessor picks them from an array.
-fn read_positions(
-    tree: &Tree<'_>,
-    source: Id,
-    arrays: &mut Arrays,
-    positions: &mut Vec<[f64; 3]>,
-) -> Result<(), LoadError> {
+/// Returns the positions of a source, as its accessor picks them from an array.
+fn read_positions(tree: &Tree<'_>, source: Id, arrays: &mut Arrays) -> Result<Vec<[f64; 3]>, LoadError> {
     let accessor = tree.child(source, "technique_common").and_then(|common| tree.child(common, "accessor"));
     let array = match accessor {
         Some(accessor) => tree.target(accessor, "source")?,
@@ -312,7 +333,7 @@ fn read_positions(
         return Err(error.at(tree.place(accessor.unwrap_or(source))));
     }
     arrays.count(count).map_err(|e| e.at(tree.place(source)))?;
-    positions.reserve(count);
+    let mut positions = Vec::with_capacity(count);
     for vertex in 0..count {
         let position = axes.map(|axis| values[offset + vertex * stride + axis]);
         if !position.iter().all(|x| x.is_finite()) {
@@ -320,7 +341,7 @@ fn read_positions(
         }
         positions.push(position);
     }
-    Ok(())
+    Ok(positions)
 }
 
 /// Returns which values of an element are x, y and z, and the number of values if the accessor does

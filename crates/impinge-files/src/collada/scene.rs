@@ -23,6 +23,8 @@ pub(super) struct Scene<'t, 'a> {
     geometries: HashMap<Id, Rc<Geometry>>,
     arrays: Arrays,
     nodes: HashMap<Id, Rc<Node>>,
+    /// The geometry and the bind shape matrix of every controller that was read.
+    controlled: HashMap<Id, (Id, Affine)>,
     limits: Limits,
     visited: u64,
     name_bytes: u64,
@@ -69,6 +71,7 @@ impl<'t, 'a> Scene<'t, 'a> {
             geometries: HashMap::new(),
             arrays: Arrays::new(limits.elements),
             nodes: HashMap::new(),
+            controlled: HashMap::new(),
             limits,
             visited: 0,
             name_bytes: 0,
@@ -135,7 +138,7 @@ impl<'t, 'a> Scene<'t, 'a> {
         Ok(())
     }
 
-    fn read_node(&self, id: Id) -> Result<Node, LoadError> {
+    fn read_node(&mut self, id: Id) -> Result<Node, LoadError> {
         let tree = self.tree;
         let mut content = Vec::new();
         for child in tree.children(id) {
@@ -148,7 +151,11 @@ impl<'t, 'a> Scene<'t, 'a> {
                 }
                 "instance_controller" => {
                     let controller = self.target(child, "url", "controller")?;
-                    let (geometry, map) = self.controlled(controller)?;
+                    let (geometry, map) = match self.controlled.get(&controller) {
+                        Some(&known) => known,
+                        None => self.controlled(controller)?,
+                    };
+                    self.controlled.insert(controller, (geometry, map));
                     Content::Geometry { geometry, map, deformed: true, instance: child }
                 }
                 _ => continue,

@@ -22,11 +22,12 @@ use crate::{
 use build::{Build, Models};
 use package::Package;
 
-pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
-    let mut package = Package::open(bytes)?;
+/// Reads a package; what it may unpack to is limited by the size of the file that it came in.
+pub(crate) fn read(bytes: &[u8], file_size: u64) -> Result<Model, LoadError> {
+    let mut package = Package::open(bytes, file_size)?;
     let start = package.start_part()?;
     let models = Models::load(&mut package, start)?;
-    let budget = Budget::for_bytes(bytes.len() as u64);
+    let budget = Budget::for_bytes(file_size);
     let Build { positions, parts, faces, .. } = Build::run(&models, budget)?;
     faces.into_model(stored(positions), parts, Some(models.unit()), Format::ThreeMf)
 }

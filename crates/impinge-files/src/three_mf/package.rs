@@ -25,9 +25,10 @@ pub(super) struct Package<'a> {
 }
 
 impl<'a> Package<'a> {
-    pub(super) fn open(bytes: &'a [u8]) -> Result<Self, LoadError> {
+    /// `file_size` is the size of the file in bytes, which may hold the package packed once more.
+    pub(super) fn open(bytes: &'a [u8], file_size: u64) -> Result<Self, LoadError> {
         let archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| corrupt(&e))?;
-        Ok(Self { archive, allowance: Allowance::for_packed(bytes.len() as u64) })
+        Ok(Self { archive, allowance: Allowance::for_packed(file_size) })
     }
 
     /// The path of the part in which the build is.

@@ -36,6 +36,7 @@ pub use crossing::{Crossing, Endpoint, Feature, crossing};
 pub(crate) use fan::{EdgeLine, Fan};
 pub(crate) use joint::Joint;
 pub use nearness::triangles_within;
+pub(crate) use nearness::{NearParts, parts_within};
 pub use placement::Placement;
 pub(crate) use placement::world_point;
 pub(crate) use point::{AxisRay, PosedPoint, Spot};

@@ -18,6 +18,20 @@ use crate::math::dyadic::{self, Dyadic};
 /// 33 comparisons of integers of some 20 words, 700 at the very worst.
 #[must_use]
 pub fn triangles_within(placement: &Placement, a: &Corners, b: &Corners, clearance: f64) -> bool {
+    parts_within(placement, a, b, clearance, &NearParts { edges: [[true; 3]; 3], feet: [[true; 3]; 2] })
+}
+
+/// Which parts of two triangles may be within a distance of each other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NearParts {
+    /// Each edge of the first, from its corner of that number, with each of the second.
+    pub(crate) edges: [[bool; 3]; 3],
+    /// Each corner of the first with the face of the second, and of the second with that of the first.
+    pub(crate) feet: [[bool; 3]; 2],
+}
+
+/// Returns what [`triangles_within`] does, if the other parts are known to be farther apart.
+pub(crate) fn parts_within(placement: &Placement, a: &Corners, b: &Corners, clearance: f64, parts: &NearParts) -> bool {
     if clearance.is_nan() || clearance < 0.0 {
         return false;
     }
@@ -29,7 +43,7 @@ pub fn triangles_within(placement: &Placement, a: &Corners, b: &Corners, clearan
     let limit = Dyadic::product(clearance, clearance);
     let edge = |i: usize| [i, (i + 1) % 3];
     for i in 0..3 {
-        for j in 0..3 {
+        for j in (0..3).filter(|&j| parts.edges[i][j]) {
             let ([a0, a1], [b0, b1]) = (edge(i), edge(j));
             let near = point_near_segment(&a[i], &b[b0], &b[b1], &limit)
                 || point_near_segment(&b[j], &a[a0], &a[a1], &limit)
@@ -39,7 +53,9 @@ pub fn triangles_within(placement: &Placement, a: &Corners, b: &Corners, clearan
             }
         }
     }
-    (0..3).any(|i| foot_near(&a[i], &b, &limit) || foot_near(&b[i], &a, &limit))
+    (0..3).any(|i| {
+        (parts.feet[0][i] && foot_near(&a[i], &b, &limit)) || (parts.feet[1][i] && foot_near(&b[i], &a, &limit))
+    })
 }
 
 type Point = [Dyadic; 3];

@@ -133,8 +133,8 @@ impl Linked {
             })
             .collect();
         let placement = Placement::new(&placed[0].world_from_mesh, &placed[1].world_from_mesh);
-        // A face without area is as long as its longest edge, which another edge or two lie along. So the point where
-        // another face crosses it has several names.
+        // The edges of a face without area overlap. A point on it lies on two or three of them, and each gives it
+        // another name.
         let mut same = Vec::new();
         for (met, piece) in met.iter().zip(&pieces) {
             let &Crossing::Point(end) = piece else { continue };

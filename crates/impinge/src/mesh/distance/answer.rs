@@ -4,10 +4,13 @@ use std::ops::ControlFlow::{self, Break, Continue};
 
 use super::Nearest;
 use super::bounds::Bounds;
-use crate::exact::{Placement, triangles_within};
+use crate::exact::{NearParts, Placement, parts_within};
 use crate::mesh::metric::Metric;
 use crate::mesh::{Mesh, Placed};
-use crate::primitive::{Vector, Witness, common_point, separation, triangle_triangle};
+use crate::primitive::{
+    ClosestPoints, Vector, Witness, closest_on_segments, closest_on_triangle, common_point, separation,
+    triangle_triangle,
+};
 
 /// How many pairs of faces get a value at most, before only such are looked for as are nearer by more than what values may
 /// be off by. Only meshes of which millions of pairs are equally near reach it, such as flat ones far apart; the
@@ -157,9 +160,18 @@ impl Scene<'_> {
         [0, 1].map(|m| self.meshes[m].corners(faces[m]).map(|corner| self.metric.maps[m].apply(corner)))
     }
 
+    /// Reports whether two faces are within the clearance, exactly. Only parts of them whose computed
+    /// distance does not settle it are compared exactly.
     pub(super) fn within(&self, faces: [u32; 2]) -> bool {
+        let metric = self.corners(faces);
+        let may_be_near = |found: ClosestPoints| self.lower(found.distance) <= self.clearance;
+        let edge = |m: usize, i: usize| [metric[m][i], metric[m][(i + 1) % 3]];
+        let parts = NearParts {
+            edges: [0, 1, 2].map(|i| [0, 1, 2].map(|j| may_be_near(closest_on_segments(&edge(0, i), &edge(1, j))))),
+            feet: [0, 1].map(|m| metric[m].map(|corner| may_be_near(closest_on_triangle(&corner, &metric[1 - m])))),
+        };
         let [a, b] = [0, 1].map(|m| self.meshes[m].corners(faces[m]));
-        triangles_within(&self.placement, &a, &b, self.clearance)
+        parts_within(&self.placement, &a, &b, self.clearance, &parts)
     }
 
     /// No less than the distance of triangles of this value, in world units.

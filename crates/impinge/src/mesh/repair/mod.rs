@@ -73,7 +73,7 @@ impl Mesh {
     /// The tolerance is negative, NaN or infinite.
     ///
     /// # Complexity
-    /// O(n log n), and a build.
+    /// O(n log n), and a build for each of the two that changes something.
     pub fn repaired(&self, options: RepairOptions) -> Result<(Self, Repair), InputError> {
         let RepairOptions { weld, orient } = options;
         if !weld.is_finite() {
@@ -105,18 +105,18 @@ impl Mesh {
         Ok((mesh, repair))
     }
 
-    /// Returns a tolerance at which [welding](Self::repaired) closes every open edge: the least of
-    /// 10^-16, 10^-15, up to 10^-2 of the size of the mesh, rounded up to a power of ten. Returns
-    /// `None` if no edge is open, or if none of these closes all of them.
+    /// Returns a tolerance at which [welding](Self::repaired) closes every open edge: the least that
+    /// does of 10^-16, 10^-15, up to 10^-4 of the size of the mesh, rounded up to a power of ten.
+    /// Returns `None` if none of these does, if no edge is open, or if there are more than 131,072
+    /// open edges.
     ///
-    /// An edge is open if an odd number of faces have it. Only vertices of open edges are welded
-    /// here. Welding all of them may do more.
+    /// An edge is open if an odd number of faces have it.
     ///
     /// ```
     /// use impinge::{Mesh, Positions};
     ///
     /// // A tetrahedron, one corner of which is not quite the same point in all of its faces.
-    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1e-7, 1.0]];
+    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 2e-7, 1.0]];
     /// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 4]];
     /// let mesh = Mesh::new(Positions::F64(corners), faces)?;
     /// assert_eq!(mesh.closing_tolerance(), Some(1e-6));

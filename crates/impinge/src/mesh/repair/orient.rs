@@ -22,7 +22,7 @@ struct Share {
     is_forward: bool,
 }
 
-/// The side of an edge or a face: what as given is one, turned is the other.
+/// Returns 1 if true, else -1: the sign with which a face or an edge counts.
 fn sign(is_positive: bool) -> i64 {
     if is_positive { 1 } else { -1 }
 }
@@ -45,16 +45,22 @@ pub(super) fn orientation(mesh: &Mesh) -> Orientation {
     let names = &mesh.topology().first_at;
     let mut links = Links::new(faces.len());
     let left = links.join_pairs(shares(faces, |vertex| vertex));
-    // What has two corners at one position runs through an edge and back, and links nothing.
-    let has_three_corners = |share: &Share| {
-        let [a, b, c] = faces[share.face as usize].map(|vertex| names[vertex as usize]);
-        a != b && b != c && c != a
-    };
-    let renamed = left.into_iter().filter(has_three_corners).map(|share| {
+    let renamed = left.into_iter().map(|share| {
         let [p, q] = share.edge.map(|vertex| names[vertex as usize]);
         Share { edge: [p.min(q), p.max(q)], is_forward: share.is_forward == (p < q), ..share }
     });
-    let left = links.join_pairs(renamed.collect());
+    let mut renamed: Vec<Share> = renamed.filter(|share| share.edge[0] != share.edge[1]).collect();
+    // A face with two corners at one position runs through an edge and back. If both are left, they link nothing.
+    // If one is left, the other is linked to a neighbor already.
+    let has_three_corners = |face: u32| {
+        let [a, b, c] = faces[face as usize].map(|vertex| names[vertex as usize]);
+        a != b && b != c && c != a
+    };
+    renamed.sort_unstable_by_key(|share| share.face);
+    let kept = renamed
+        .chunk_by(|a, b| a.face == b.face)
+        .filter(|of_face| of_face.len() == 1 || has_three_corners(of_face[0].face));
+    let left = links.join_pairs(kept.flatten().copied().collect());
 
     let mut sheets = vec![Sheet::default(); faces.len()];
     for face in std::mem::take(&mut links.twisted) {

@@ -135,7 +135,7 @@ fn cracks_are_welded_and_nothing_moves_too_far() {
     for _ in 0..200 {
         let cube = solids::cuboid([0.0; 3], [1.0; 3]);
         // Each face with corners of its own, which are off by less than half a tolerance.
-        let tolerance = 10.0_f64.powi(rng.integer(-12, -3) as i32);
+        let tolerance = 10.0_f64.powi(rng.integer(-12, -5) as i32);
         let off = |rng: &mut Rng, x: f64| x + tolerance * rng.uniform(-0.25, 0.25);
         let vertices: Vec<[f64; 3]> =
             cube.faces.iter().flatten().map(|&v| cube.vertices[v as usize].map(|x| off(&mut rng, x))).collect();
@@ -205,4 +205,40 @@ fn what_is_left_is_reported() {
     let (_, repair) = welded(&mesh(vertices, vec![[0, 1, 2], [2, 0, 3], [0, 1, 3]]), 1e-6);
     assert_eq!((repair.welded_vertices, repair.greatest_move), (vec![3], 1e-9));
     assert_eq!((repair.duplicate_faces, repair.degenerate_faces), (vec![1], vec![2]));
+}
+
+#[test]
+fn a_needle_in_a_closed_sheet_does_not_open_it() {
+    // Three vertices at one position, and a face between two of them. Seen by numbers only one of its sides has a neighbor.
+    let [o, x, y, z] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let outward = [[0, 5, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3], [2, 1, 4]];
+    let inside_out = outward.map(|[a, b, c]| [a, c, b]);
+    let bad = mesh(vec![o, x, y, z, y, y], inside_out.to_vec());
+    assert!(bad.is_closed());
+    let (repaired, repair) = oriented(&bad);
+    assert_eq!(repair.turned_faces, [0, 1, 2, 3, 4]);
+    assert_eq!(repaired.faces(), outward);
+}
+
+#[test]
+fn a_tolerance_that_closes_no_crack_is_not_named() {
+    let near = |x: f64| [x * 1e-6, 0.0, 0.0];
+    // A tetrahedron with a crack of 0.9e-6 at one corner, and a vertex of another one that draws one side away.
+    let vertices = vec![
+        near(1.4),
+        [5.0, 5.0, 5.0],
+        [5.0, 6.0, 5.0],
+        [6.0, 5.0, 5.0],
+        near(0.0),
+        near(0.9),
+        [0.0, 1.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0],
+    ];
+    let closed = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let cracked = [[4, 7, 6], [5, 6, 8], [4, 8, 7], [6, 7, 8]];
+    let both = mesh(vertices, closed.into_iter().chain(cracked).collect());
+    let closing = both.closing_tolerance().expect("a larger one closes it");
+    assert!(closing > 1.5e-6, "{closing}");
+    assert!(welded(&both, closing).0.health().open_edges == 0);
 }

@@ -5,7 +5,12 @@
 
 use std::collections::{BTreeSet, HashMap};
 
+use super::super::topology::Topology;
 use super::super::{Mesh, Positions};
+
+/// Maximum number of open edges for which a tolerance is searched. A mesh with more of them is no
+/// cracked solid, and each step of the search takes some microseconds an edge.
+const MOST_OPEN_EDGES: usize = 1 << 17;
 
 /// Positions after welding.
 pub(super) struct Welded {
@@ -42,34 +47,43 @@ pub(super) fn closing_tolerance(mesh: &Mesh) -> Option<f64> {
     let mut vertices: Vec<u32> = open.iter().flatten().copied().collect();
     vertices.sort_unstable();
     vertices.dedup();
-    let [least, greatest] = [f64::min, f64::max].map(|pick: fn(f64, f64) -> f64| {
-        let coordinate = |axis: usize| vertices.iter().map(move |&v| mesh.positions().get(v as usize)[axis]);
-        [0, 1, 2].map(|axis| coordinate(axis).reduce(pick).unwrap_or_default())
-    });
+    if open.is_empty() || open.len() > MOST_OPEN_EDGES {
+        return None;
+    }
+    let [least, greatest] = mesh.local_bounds()?;
     let size = (0..3).fold(0.0_f64, |size, axis| size.max(greatest[axis] - least[axis]));
     if size == 0.0 {
         return None;
     }
     let exponent = size.log10().ceil() as i32;
-    (exponent - 16..=exponent - 2).map(|power| 10.0_f64.powi(power)).filter(|&tolerance| tolerance > 0.0).find(
-        |&tolerance| {
-            let mut stayed = Stayed::new(tolerance);
-            let target = |&vertex: &u32| {
-                let found = stayed.nearest_or_insert(vertex, mesh.positions().get(vertex as usize));
-                (vertex, found.unwrap_or(vertex))
-            };
-            let targets: HashMap<u32, u32> = vertices.iter().map(target).collect();
-            let mut left = BTreeSet::new();
-            for edge in &open {
-                let [p, q] = edge.map(|vertex| targets[&vertex]);
-                // Twice the same edge closes it.
-                if p != q && !left.insert([p.min(q), p.max(q)]) {
-                    left.remove(&[p.min(q), p.max(q)]);
-                }
+    (exponent - 16..=exponent - 4).map(power_of_ten).filter(|&tolerance| tolerance > 0.0).find(|&tolerance| {
+        let mut stayed = Stayed::new(tolerance);
+        let target = |&vertex: &u32| {
+            let found = stayed.nearest_or_insert(vertex, mesh.positions().get(vertex as usize));
+            (vertex, found.unwrap_or(vertex))
+        };
+        let targets: HashMap<u32, u32> = vertices.iter().map(target).collect();
+        let mut left = BTreeSet::new();
+        for edge in &open {
+            let [p, q] = edge.map(|vertex| targets[&vertex]);
+            // Twice the same edge closes it.
+            if p != q && !left.insert([p.min(q), p.max(q)]) {
+                left.remove(&[p.min(q), p.max(q)]);
             }
-            left.is_empty()
-        },
-    )
+        }
+        // Vertices of no open edge may draw others away from their counterparts.
+        left.is_empty() && {
+            let positions = welded(mesh.positions(), tolerance).positions;
+            let names = Topology::of(&positions, mesh.faces()).first_at;
+            open_edges(mesh.faces(), |vertex| names[vertex as usize]).is_empty()
+        }
+    })
+}
+
+/// Returns the floating-point number nearest to a power of ten. `powi` may round otherwise, and
+/// differently on other machines.
+fn power_of_ten(power: i32) -> f64 {
+    format!("1e{power}").parse().unwrap_or(0.0)
 }
 
 /// Returns the edges that an odd number of faces have, between the names of their vertices.

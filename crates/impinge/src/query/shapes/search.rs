@@ -36,7 +36,7 @@ const REGIONS: usize = 3;
 /// Vertices of a mesh whose hull takes less time than a few distances.
 const SMALL: usize = 1024;
 
-/// How often the shortest translation is tried to be made shorter. Each time takes two distances.
+/// Maximum number of attempts to shorten the translation. Each takes three distances.
 const TIGHTENINGS: usize = 6;
 
 /// What a way that goes on is to gain, next to its length, to be worth more steps: 2^-14.
@@ -107,8 +107,8 @@ fn is_parted_by(a: &PlacedShape, b: &PlacedShape, translation: &Vector) -> bool 
     moved(b, translation).is_some_and(|b| separation(a, &b).proximity == Proximity::Apart)
 }
 
-/// Shortens a translation until the shapes nearly touch. Each step is hardly shorter than the proved
-/// distance, so that what is left shrinks by a thousand where the shapes come together head on.
+/// Shortens a translation until the shapes nearly touch. Each step moves by the proved distance less
+/// 1/1024 of it. If the shapes approach head on, the gap becomes 1,024 times smaller.
 fn tightened(a: &PlacedShape, b: &PlacedShape, way: Parted) -> Parted {
     /// The part of the distance that is left: more than rounding takes.
     const LEFT: f64 = 1.0 / (1 << 10) as f64;

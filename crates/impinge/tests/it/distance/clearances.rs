@@ -90,3 +90,39 @@ fn clearances_that_are_none_are_kept_by_nothing() {
     }
     assert!(query::within(&cube, &cube, f64::INFINITY));
 }
+
+/// Two plates of a grid whose faces are all equally far apart, but for the last bits.
+#[test]
+fn plates_of_many_ties_are_what_all_pairs_say() {
+    let n = 5;
+    let vertices: Vec<[f64; 3]> = (0..n * n).map(|i| [f64::from(i % n), f64::from(i / n), 0.0]).collect();
+    let corners = (0..n * n).filter(|i| i % n < n - 1 && i / n < n - 1).map(|i| i as u32);
+    let n = n as u32;
+    let faces = corners.flat_map(|i| [[i, i + 1, i + n + 1], [i, i + n + 1, i + n]]).collect();
+    let plate = impinge_testkit::Mesh { vertices, faces };
+    let mesh = engine_mesh(&plate);
+    let mut rng = Rng::new(4710);
+    let mut within = 0;
+    for round in 0..24 {
+        let turn = if round % 2 == 0 { Affine::IDENTITY } else { rotation(&mut rng) };
+        let gap: f64 = [0.1 + 0.2, 0.25, 1.0 / 3.0][round % 3];
+        let shift = [[0.25, 0.25, gap], [0.0, 0.0, gap], [0.5, 0.0, gap]][round / 3 % 3];
+        let moved = [0, 1, 2].map(|i| (0..3).map(|k| turn.linear[i][k] * shift[k]).sum::<f64>());
+        let upper = Affine { linear: turn.linear, translation: moved };
+        let placement = Placement::new(&engine_pose(&turn), &engine_pose(&upper));
+        for clearance in [gap.next_down(), gap, gap.next_up(), 0.5 * gap, gap + 1e-15] {
+            let corners = |face: u32| mesh.corners(face);
+            let numbers = 0..mesh.faces().len() as u32;
+            let expected = numbers
+                .clone()
+                .any(|a| numbers.clone().any(|b| triangles_within(&placement, &corners(a), &corners(b), clearance)));
+            assert_eq!(
+                within_in_every_way((&mesh, &turn), (&mesh, &upper), clearance),
+                expected,
+                "{round} {clearance}"
+            );
+            within += usize::from(expected);
+        }
+    }
+    assert!((20..100).contains(&within), "{within} of 120");
+}
