@@ -13,6 +13,11 @@ const RELATIONSHIPS: &str = r#"<?xml version="1.0"?><Relationships xmlns="http:/
     <Relationship Target="/thumb.png" Id="a" Type="thumbnail"/>
     <Relationship Target="/3D/Model.model" Id="b" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
 
+/// Reads a package that is a file of its own.
+fn read(bytes: &[u8]) -> Result<Model, LoadError> {
+    super::read(bytes, bytes.len() as u64)
+}
+
 fn package(entries: &[(&str, &str)]) -> Vec<u8> {
     let entries: Vec<_> = entries.iter().map(|(name, text)| (*name, text.as_bytes())).collect();
     package_of_bytes(&entries)

@@ -121,8 +121,9 @@ fn errors_name_the_file() {
     let text = format!("{}, line 2: face 0 names vertex 900, but there are 1 vertices", path.display());
     assert_eq!(error.to_string(), text);
 
-    for name in ["a.fbx", "a.ZIP", "a", "obj"] {
-        let error = load(file(name, OFF.as_bytes())).unwrap_err();
+    assert_eq!(load(file("no_extension", OFF.as_bytes())).unwrap().format, Format::Off, "as its content proves");
+    for (name, content) in [("a.fbx", OFF), ("a.ZIP", OFF), ("a", "v 0 0 0\n"), ("obj", "v 0 0 0\n")] {
+        let error = load(file(name, content.as_bytes())).unwrap_err();
         assert_eq!(error.kind().name(), "unsupported-format");
         assert!(
             error.to_string().ends_with(
