@@ -25,9 +25,10 @@ pub(crate) struct Reading {
 }
 
 fn parse_format(name: &str) -> Result<Format, String> {
-    Format::from_extension(name).filter(|&format| format != Format::Baked).ok_or_else(|| {
-        let known = Format::ALL.into_iter().filter(|&format| format != Format::Baked).map(Format::extension);
-        format!("none of {}", known.collect::<Vec<_>>().join(", "))
+    let known = Format::ALL.into_iter().filter(|&format| format != Format::Baked);
+    known.clone().find(|format| format.extension().eq_ignore_ascii_case(name)).ok_or_else(|| {
+        let names: Vec<_> = known.map(Format::extension).collect();
+        format!("none of {}", names.join(", "))
     })
 }
 

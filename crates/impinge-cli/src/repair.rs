@@ -1,9 +1,9 @@
-//! `--weld` and `--orient`: a mesh is repaired before it is asked about, and what was changed is told.
+//! `--weld` and `--orient` repair a mesh before the question, and say what they changed.
 
 use clap::Args;
 use impinge::Mesh;
 use impinge::hierarchy::Builder;
-use impinge::mesh::RepairOptions;
+use impinge::mesh::{Health, RepairOptions};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -51,7 +51,9 @@ impl Arguments {
         }
         let options = RepairOptions { weld: self.weld.unwrap_or(0.0), orient: self.orient };
         let (mut mesh, repair) = mesh.repaired(options).map_err(|error| Failure::from_input(&error).at("--weld"))?;
-        mesh.rebuild(builder);
+        if repair.welded_vertices.len() + repair.turned_faces.len() > 0 {
+            mesh.rebuild(builder);
+        }
         let summary = Summary {
             welded_vertices: repair.welded_vertices.len(),
             greatest_move: repair.greatest_move,
@@ -80,12 +82,11 @@ impl Summary {
     }
 }
 
-/// Returns what keeps a mesh from being closed, and which options mend it; none if it is closed.
-pub(crate) fn diagnosis(mesh: &Mesh) -> Option<String> {
+/// Returns what keeps a mesh of this health from being closed, and which options repair it; `None` if it is closed.
+pub(crate) fn diagnosis(mesh: &Mesh, health: &Health) -> Option<String> {
     if mesh.is_closed() || mesh.faces().is_empty() {
         return None;
     }
-    let health = mesh.health();
     let mut odd = Vec::new();
     for (number, what) in [
         (health.open_edges, "open"),

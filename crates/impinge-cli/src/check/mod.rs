@@ -336,7 +336,8 @@ impl Outcome {
         for (side, open) in self.open().into_iter().enumerate() {
             if open {
                 let Body { mesh, about, .. } = &self.bodies[side];
-                let diagnosis = repair::diagnosis(mesh).map_or(String::new(), |diagnosis| format!(" ({diagnosis})"));
+                let diagnosis = repair::diagnosis(mesh, &mesh.health());
+                let diagnosis = diagnosis.map_or(String::new(), |diagnosis| format!(" ({diagnosis})"));
                 console::warn(&format!(
                     "{}: the mesh is not closed, so its inside is where its generalised winding number is beyond one \
                      half{diagnosis}",

@@ -95,7 +95,7 @@ fn health(inspection: &Inspection) -> Vec<(&'static str, String)> {
         n => format!("double is needed, for {}", counted(n, "coordinate")),
     };
     let mut rows = vec![("surface", closed)];
-    if let Some(diagnosis) = repair::diagnosis(&inspection.body.mesh) {
+    if let Some(diagnosis) = repair::diagnosis(&inspection.body.mesh, health) {
         rows.push(("to mend", diagnosis));
     }
     rows.extend([

@@ -94,7 +94,7 @@ fn standard_input_is_a_mesh_too() {
     assert_eq!((code, stderr.as_str()), (1, ""));
     assert!(stdout.contains(r#""a":{"path":"-","triangles":12"#), "{stdout}");
     let off = "OFF\n3 1 0\n0.5 0.5 -1\n0.5 0.5 2\n0.6 0.5 2\n3 0 1 2\n";
-    assert_eq!(run_with_input(&folder, "check cube.obj - --json", off).0, 1, "OFF is told by its content");
+    assert_eq!(run_with_input(&folder, "check cube.obj - --json", off).0, 1, "the content says that it is OFF");
     for (arguments, input, message) in [
         ("check - cube.obj", cube.as_str(), "--format"),
         ("check - cube.obj --format doc", "", "none of obj, stl"),

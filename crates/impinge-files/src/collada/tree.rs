@@ -26,7 +26,7 @@ struct Element {
     name_end: usize,
     /// End of the start tag.
     tag_end: usize,
-    /// Start of the end tag; `tag_end` if there is none.
+    /// Start of the end tag, or `tag_end` if the element has no end tag.
     content_end: usize,
     /// The first element that is not inside of this one.
     next: Id,

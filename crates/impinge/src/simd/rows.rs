@@ -34,7 +34,7 @@ impl<'a, T: Copy + Default> Rows<'a, T> {
         self.rows
     }
 
-    /// Returns one row, or the last if there is none of that number.
+    /// Returns the row of a number, or the last row if the number is too large.
     #[inline(always)]
     pub(crate) fn row(&self, at: u32) -> &[T; 4] {
         let first = 3 * at as usize;

@@ -3,13 +3,15 @@
 //! Nothing is removed and nothing is renumbered, so answers about the repaired mesh name the faces
 //! and vertices that were given.
 
+mod closing;
 mod orient;
 mod weld;
 
 use super::Mesh;
 use super::health::{degenerate_faces, duplicate_faces};
+use super::topology::Topology;
 use crate::input::{InputError, InputErrorKind};
-use orient::Orientation;
+use orient::{Orientation, orientation};
 
 /// What [`Mesh::repaired`] changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -73,7 +75,7 @@ impl Mesh {
     /// The tolerance is negative, NaN or infinite.
     ///
     /// # Complexity
-    /// O(n log n), and a build for each of the two that changes something.
+    /// O(n log n), and a build if something was changed.
     pub fn repaired(&self, options: RepairOptions) -> Result<(Self, Repair), InputError> {
         let RepairOptions { weld, orient } = options;
         if !weld.is_finite() {
@@ -83,23 +85,29 @@ impl Mesh {
             return Err(InputError::new(InputErrorKind::Negative { what: "tolerance", index: 0 }));
         }
         let mut repair = Repair::default();
-        let mut mesh = self.clone();
+        let (mut positions, mut faces) = (None, None);
         if weld > 0.0 {
             let welded = weld::welded(self.positions(), weld);
-            if !welded.moved.is_empty() {
-                mesh = Self::new(welded.positions, self.faces().to_vec())?;
-            }
+            positions = (!welded.moved.is_empty()).then_some(welded.positions);
             (repair.welded_vertices, repair.greatest_move) = (welded.moved, welded.greatest_move);
         }
         if orient {
-            let Orientation { turned, one_sided } = orient::orientation(&mesh);
+            let Orientation { turned, one_sided } = match &positions {
+                Some(welded) => orientation(welded, self.faces(), &Topology::of(welded, self.faces()).first_at),
+                None => orientation(self.positions(), self.faces(), &self.topology().first_at),
+            };
             if !turned.is_empty() {
-                let mut faces = mesh.faces().to_vec();
+                let faces = faces.insert(self.faces().to_vec());
                 turned.iter().for_each(|&face| faces[face as usize].swap(1, 2));
-                mesh = Self::new(mesh.positions().clone(), faces)?;
             }
             (repair.turned_faces, repair.one_sided_faces) = (turned, one_sided);
         }
+        let mesh = if positions.is_none() && faces.is_none() {
+            self.clone()
+        } else {
+            let positions = positions.unwrap_or_else(|| self.positions().clone());
+            Self::new(positions, faces.unwrap_or_else(|| self.faces().to_vec()))?
+        };
         repair.degenerate_faces = degenerate_faces(&mesh);
         repair.duplicate_faces = duplicate_faces(&mesh);
         Ok((mesh, repair))
@@ -127,7 +135,7 @@ impl Mesh {
     /// O(n log n).
     #[must_use]
     pub fn closing_tolerance(&self) -> Option<f64> {
-        weld::closing_tolerance(self)
+        closing::closing_tolerance(self)
     }
 }
 

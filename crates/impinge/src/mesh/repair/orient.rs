@@ -1,7 +1,7 @@
-//! Which faces have to be turned so that neighbors agree on a side. [`Mesh::repaired`] says how the
+//! Which faces have to be turned so that neighbors agree on a side. `Mesh::repaired` says how the
 //! side is chosen.
 
-use super::super::Mesh;
+use super::super::Positions;
 use crate::primitive::{cross, dot, sub};
 
 /// What orienting a mesh comes to. Both lists are ascending.
@@ -40,11 +40,10 @@ struct Sheet {
     is_turned: bool,
 }
 
-pub(super) fn orientation(mesh: &Mesh) -> Orientation {
-    let faces = mesh.faces();
-    let names = &mesh.topology().first_at;
+/// Chooses the side of each face. `names` holds for each vertex the first one at its position.
+pub(super) fn orientation(positions: &Positions, faces: &[[u32; 3]], names: &[u32]) -> Orientation {
     let mut links = Links::new(faces.len());
-    let left = links.join_pairs(shares(faces, |vertex| vertex));
+    let left = links.join_pairs(shares(faces));
     let renamed = left.into_iter().map(|share| {
         let [p, q] = share.edge.map(|vertex| names[vertex as usize]);
         Share { edge: [p.min(q), p.max(q)], is_forward: share.is_forward == (p < q), ..share }
@@ -68,10 +67,10 @@ pub(super) fn orientation(mesh: &Mesh) -> Orientation {
         sheets[root as usize].is_one_sided = true;
     }
     // Where its volume is measured from matters little, and less the nearer it is.
-    let origin = faces.first().map_or([0.0; 3], |face| mesh.positions().get(face[0] as usize));
-    for face in 0..faces.len() as u32 {
+    let origin = faces.first().map_or([0.0; 3], |face| positions.get(face[0] as usize));
+    for (face, corners) in (0..).zip(faces) {
         let (root, agrees) = links.root(face);
-        let [p, q, r] = mesh.corners(face).map(|corner| sub(&corner, &origin));
+        let [p, q, r] = corners.map(|vertex| sub(&positions.get(vertex as usize), &origin));
         let normal = cross(&sub(&q, &p), &sub(&r, &p));
         let sheet = &mut sheets[root as usize];
         sheet.areas[usize::from(!agrees)] += dot(&normal, &normal).sqrt();
@@ -123,11 +122,10 @@ fn choose_sides(sheets: &mut [Sheet]) {
     }
 }
 
-/// The edges of all faces that have three corners by these names.
-fn shares(faces: &[[u32; 3]], name: impl Fn(u32) -> u32) -> Vec<Share> {
+/// Returns the edges of all faces that have three different vertices.
+fn shares(faces: &[[u32; 3]]) -> Vec<Share> {
     let mut shares = Vec::with_capacity(3 * faces.len());
-    for (face, corners) in (0..).zip(faces) {
-        let [a, b, c] = corners.map(&name);
+    for (face, &[a, b, c]) in (0..).zip(faces) {
         if a != b && b != c && c != a {
             shares.extend([[a, b], [b, c], [c, a]].map(|[from, to]| Share {
                 edge: [from.min(to), from.max(to)],

@@ -98,6 +98,7 @@ fn curves_pass_faces_without_area() {
     let health = cut.health();
     assert!(cut.is_closed() && health.degenerate_faces > 300, "{health:?}");
     let mut rng = impinge_testkit::generate::Rng::new(4706);
+    let mut met = 0;
     for round in 0..40 {
         let offset = [0; 3].map(|_| rng.uniform(-0.6, 0.6));
         let mut pose = engine_pose(&Affine::translation(offset));
@@ -106,6 +107,7 @@ fn curves_pass_faces_without_area() {
             pose = engine_pose(&Affine::translation(offset.map(|x| (x * 8.0).round() / 8.0 + 1.0 / 2048.0)));
         }
         let expected = query::intersection_curves(&sphere, sphere.at(pose));
+        met += expected.closed();
         for (a, b) in [(&cut, &sphere), (&sphere, &cut), (&cut, &cut)] {
             let curves = query::intersection_curves(a, b.at(pose));
             assert_eq!(curves.polylines.len(), expected.polylines.len(), "{offset:?}");
@@ -114,6 +116,7 @@ fn curves_pass_faces_without_area() {
             assert!((curves.length() - expected.length()).abs() <= 1e-12 * expected.length().max(1.0), "{offset:?}");
         }
     }
+    assert!(met >= 40, "{met} closed curves");
 }
 
 #[test]
