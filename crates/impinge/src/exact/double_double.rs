@@ -62,7 +62,27 @@ impl DoubleDouble {
 
     #[inline]
     pub(super) fn minus(&self, other: &Self) -> Self {
-        self.plus(&Self { high: -other.high, low: -other.low, error: other.error })
+        self.plus(&other.negated())
+    }
+
+    #[inline]
+    pub(super) fn negated(&self) -> Self {
+        Self { high: -self.high, low: -self.low, error: self.error }
+    }
+
+    /// Whether the number is proved to be above zero.
+    #[inline]
+    pub(super) fn is_positive(&self) -> bool {
+        self.high + (self.low - self.error).next_down() > 0.0
+    }
+
+    /// The greater of two numbers, where neither may be above the result and its error. An error that says nothing stays.
+    #[inline]
+    pub(super) fn greater(&self, other: &Self) -> Self {
+        let is_less = self.high < other.high || (self.high == other.high && self.low < other.low);
+        let Self { high, low, .. } = if is_less { *other } else { *self };
+        let error = if self.error >= other.error || self.error.is_nan() { self.error } else { other.error };
+        Self { high, low, error }
     }
 
     #[inline]

@@ -4,11 +4,11 @@ use std::ops::ControlFlow::{self, Break, Continue};
 
 use super::Nearest;
 use super::bounds::Bounds;
-use crate::exact::{NearParts, Placement, parts_within};
+use crate::exact::{NearParts, Placement, Supports, parts_within};
 use crate::mesh::metric::Metric;
 use crate::mesh::{Mesh, Placed};
 use crate::primitive::{
-    ClosestPoints, Vector, Witness, closest_on_segments, closest_on_triangle, common_point, separation,
+    ClosestPoints, Vector, Witness, closest_on_segments, closest_on_triangle, common_point, separation, sub,
     triangle_triangle,
 };
 
@@ -19,6 +19,10 @@ pub(super) const MOST_VALUES: usize = 1 << 24;
 
 /// How many pairs of faces are put off at most; beyond that they get their values at once.
 const MOST_PUT_OFF: usize = 1 << 12;
+
+/// After this many pairs of faces that bounds could not tell from the clearance, planes are tried on the whole meshes. That
+/// reads every face once, and takes about as long as so many pairs of two meshes of a thousand faces.
+const TIES: usize = 64;
 
 /// A pair of faces with its value, in metric units.
 #[derive(Clone, Copy, Debug)]
@@ -56,6 +60,8 @@ pub(super) struct Answer {
     pub(super) limit: f32,
     pub(super) node_limit: f32,
     pub(super) values_left: usize,
+    /// Pairs of faces that were found to be farther apart than the clearance.
+    met: usize,
     /// Pairs that tie with the best at most, and a lower bound of each: neighbours share the edge or corner that is nearest,
     /// and of those that were the best for a while nobody has to know which was the first.
     put_off: Vec<([u32; 2], f32)>,
@@ -72,6 +78,7 @@ impl Answer {
             limit: f32::INFINITY,
             node_limit: f32::INFINITY,
             values_left: MOST_VALUES,
+            met: 0,
             put_off: Vec::new(),
         };
         answer.cut(scene, farthest);
@@ -131,11 +138,15 @@ impl Answer {
             self.best = Some(self.best.filter(|best| best.precedes(&valued)).unwrap_or(valued));
             // What the value leaves open is decided exactly, and so is everything about triangles that may cross.
             let is_open = !(are_separated() && scene.lower(value) > scene.clearance);
-            if is_open && (scene.upper(value) <= scene.clearance || scene.within(faces)) {
+            if is_open && (scene.upper(value) <= scene.clearance || scene.within(faces, &witness)) {
                 self.kept = Some(faces);
                 return Break(());
             }
-            return Continue(());
+            self.met += 1;
+            // Where many faces are hardly farther apart than the clearance, the meshes may face each other with flat sides.
+            let proves_all = self.met == TIES
+                && self.best.is_some_and(|best| scene.are_farther_by_planes(best.faces, &best.witness));
+            return if proves_all { Break(()) } else { Continue(()) };
         }
         let valued = Valued { value, faces, witness };
         self.values_left = self.values_left.saturating_sub(1);
@@ -162,7 +173,15 @@ impl Scene<'_> {
 
     /// Reports whether two faces are within the clearance, exactly. Only parts of them whose computed
     /// distance does not settle it are compared exactly.
-    pub(super) fn within(&self, faces: [u32; 2]) -> bool {
+    fn within(&self, faces: [u32; 2], witness: &Witness) -> bool {
+        if self.supports(faces, witness).are_farther_than(
+            &self.placement,
+            self.meshes[0].corners(faces[0]).into_iter(),
+            self.meshes[1].corners(faces[1]).into_iter(),
+            self.clearance,
+        ) {
+            return false;
+        }
         let metric = self.corners(faces);
         let may_be_near = |found: ClosestPoints| self.lower(found.distance) <= self.clearance;
         let edge = |m: usize, i: usize| [metric[m][i], metric[m][(i + 1) % 3]];
@@ -172,6 +191,21 @@ impl Scene<'_> {
         };
         let [a, b] = [0, 1].map(|m| self.meshes[m].corners(faces[m]));
         parts_within(&self.placement, &a, &b, self.clearance, &parts)
+    }
+
+    /// Whether planes that two faces rest on, across the line between their nearest points, prove that the whole meshes are
+    /// farther apart than the clearance.
+    fn are_farther_by_planes(&self, faces: [u32; 2], witness: &Witness) -> bool {
+        let corners = |m: usize| {
+            let mesh = self.meshes[m];
+            (0..mesh.faces().len() as u32).flat_map(move |face| mesh.corners(face))
+        };
+        self.supports(faces, witness).are_farther_than(&self.placement, corners(0), corners(1), self.clearance)
+    }
+
+    fn supports(&self, [a, b]: [u32; 2], witness: &Witness) -> Supports {
+        let corners = [self.meshes[0].corners(a), self.meshes[1].corners(b)];
+        Supports::of_triangles(&self.placement, &corners[0], &corners[1], sub(&witness.on_b, &witness.on_a))
     }
 
     /// No less than the distance of triangles of this value, in world units.
