@@ -129,6 +129,8 @@ fn meshes(along: u32, repeats: usize) -> Result<()> {
     let human = Mesh::new(human.positions, human.faces)?;
     let pairs = query::self_intersecting_pairs(&human).len().to_string();
     ask("human with itself", &|| Ok(query::self_intersecting_pairs(&human).len().to_string()), &pairs)?;
+    let fan = build(solids::fan(32_000))?;
+    ask("fan with itself", &|| Ok(query::self_intersecting_pairs(&fan).len().to_string()), "0")?;
     ask("knot with itself", &|| Ok(query::self_intersecting_pairs(&knot).len().to_string()), "0")?;
     println!("{table}");
     Ok(())

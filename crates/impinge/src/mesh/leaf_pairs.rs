@@ -13,7 +13,7 @@ use super::relation::Relation;
 use super::taken_up::Guests;
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{APPROACHED, Large, LeafVisitor, Node, overlapping};
-use crate::simd::{ALL_LANES, LANES, extend_some, load3, outlined, take_four};
+use crate::simd::{ALL_LANES, LANES, bits, extend_some, load3, outlined, take_four};
 
 /// So many pairs of leaves wait for the host leaf's memory, at least: fewer hide less of its latency.
 const WAITING: usize = 4;
@@ -97,6 +97,7 @@ impl Question<'_> {
             candidates: Candidates::NONE,
             open: Vec::new(),
             found: Vec::new(),
+            last_face: u32::MAX,
         }
     }
 }
@@ -121,6 +122,8 @@ pub(super) struct LeafPairs<'a> {
     /// Pairs that the filter left open, where they are decided last; few more than [`MOST_OPEN`].
     open: Vec<[u32; 2]>,
     pub(super) found: Vec<[u32; 2]>,
+    /// The pairs to keep are found already, but for pairs of faces of the first mesh up to this number.
+    last_face: u32,
 }
 
 impl LeafPairs<'_> {
@@ -169,6 +172,18 @@ impl LeafPairs<'_> {
         self.count -= count;
         self.asked_for -= count;
         left
+    }
+
+    /// The host leaves among these whose pairs with a guest leaf may be kept.
+    #[cold]
+    fn to_be_kept(&self, guest_leaf: u32, host: &Node, lanes: u32) -> u32 {
+        let may_be_kept =
+            |packets: &Packets<'_>, leaf: u32| packets.leaf(leaf).faces.iter().any(|&face| face <= self.last_face);
+        if self.question.swapped {
+            return if may_be_kept(&self.guest_packets, guest_leaf) { lanes } else { 0 };
+        }
+        let kept = bits(lanes).filter(|&lane| may_be_kept(&self.host_packets, host.index(lane)));
+        kept.fold(0, |kept, lane| kept | 1 << lane)
     }
 
     /// Judges candidates where no pair waits for another, or where there is little room.
@@ -228,6 +243,9 @@ impl LeafPairs<'_> {
         let kept = self.question.wanted.kept;
         if self.found.len() / 2 > kept.max(LEAST_ROOM) {
             keep_least(&mut self.found, kept);
+            if self.found.len() == kept {
+                self.last_face = self.found.iter().map(|pair| pair[0]).max().unwrap_or(u32::MAX);
+            }
         }
         self.go_on(MOST_OPEN)
     }
@@ -279,7 +297,10 @@ impl LeafVisitor for LeafPairs<'_> {
     fn approach<S: Simd>(&mut self, simd: S, guest_leaf: u32, host: &Node, lanes: u32) {
         let Question { relation, back, .. } = self.question;
         let bounds = self.guests.take_up(simd, guest_leaf, &self.guest_packets, relation, back);
-        let near = lanes & overlapping(simd, (&load3(simd, &host.min), &load3(simd, &host.max)), &bounds);
+        let mut near = lanes & overlapping(simd, (&load3(simd, &host.min), &load3(simd, &host.max)), &bounds);
+        if self.last_face < u32::MAX {
+            near = self.to_be_kept(guest_leaf, host, near);
+        }
         let guest = self.guests.await_last(near.count_ones());
         let mut end = self.next + self.count;
         self.count += near.count_ones() as usize;

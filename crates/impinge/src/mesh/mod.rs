@@ -16,6 +16,7 @@ mod filter;
 mod fit;
 mod frame;
 mod health;
+mod hubs;
 mod inspection;
 mod judge;
 mod large_leaf;

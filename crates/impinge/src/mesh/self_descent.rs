@@ -4,9 +4,12 @@
 //! node meets itself, its children in pairs, and so every unordered pair of leaves is met at most once. Both are in one
 //! frame, so no box is carried and none grows.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 
 use super::Mesh;
+use super::hubs::Hubs;
 use crate::exact::{Corners, Placement, meet_beyond_shared};
 use crate::hierarchy::{Child, Node};
 use crate::math::Pose;
@@ -30,6 +33,9 @@ struct Lane {
 /// Tasks for each thread that the upper levels are opened into before threads share them out.
 const TASKS_PER_THREAD: usize = 64;
 
+/// Pairs of faces that are tried, for each face, before hubs are looked for. Real meshes take 10 to 40.
+const PATIENCE: usize = 256;
+
 /// Of which faces the pairs are wanted.
 #[derive(Clone, Copy)]
 pub(crate) enum WantedFaces<'w> {
@@ -42,14 +48,34 @@ pub(crate) enum WantedFaces<'w> {
 /// The pairs of faces, the lesser first, that meet in more than the hull of the positions that they share; in no
 /// particular order.
 pub(crate) fn collect_self_intersecting(mesh: &Mesh, wanted: WantedFaces<'_>) -> Vec<[u32; 2]> {
+    if let Some(found) = descend(mesh, wanted, None) {
+        return found;
+    }
+    let hubs = Hubs::of(mesh);
+    let mut found = descend(mesh, wanted, Some(&hubs)).unwrap_or_default();
+    let one_place = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
+    found.extend(hubs.collect(mesh, |[one, other]| {
+        let is_wanted = wanted.includes(one) || wanted.includes(other);
+        is_wanted && meet_beyond_shared(&one_place, &mesh.corners(one), &mesh.corners(other))
+    }));
+    found
+}
+
+/// The pairs, but those of faces that share a hub. Where hubs are not known yet it gives up, and returns nothing, after many
+/// more pairs than meshes without hubs take.
+fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>) -> Option<Vec<[u32; 2]>> {
     let holds = wanted.nodes_with(mesh);
+    let tried = AtomicUsize::new(0);
+    let most_tried = if hubs.is_some() { usize::MAX } else { PATIENCE * mesh.faces().len() };
     let worker = || Worker {
         mesh,
         nodes: mesh.0.tree.nodes(),
         wanted,
         holds: &holds,
+        hubs,
         one_place: Placement::new(&Pose::IDENTITY, &Pose::IDENTITY),
         found: Vec::new(),
+        tried: 0,
     };
     let mut first = worker();
     let mut tasks: Vec<Task> = (!first.nodes.is_empty()).then_some(Task::Within(Child::Inner(0))).into_iter().collect();
@@ -59,19 +85,23 @@ pub(crate) fn collect_self_intersecting(mesh: &Mesh, wanted: WantedFaces<'_>) ->
             first.open(task, &mut tasks);
         }
     }
-    let shared: Vec<Vec<[u32; 2]>> = tasks
+    let shared: Option<Vec<Vec<[u32; 2]>>> = tasks
         .par_iter()
         .map(|&task| {
             let mut worker = worker();
             let mut stack = vec![task];
             while let Some(task) = stack.pop() {
                 worker.open(task, &mut stack);
+                let more = std::mem::take(&mut worker.tried);
+                if tried.fetch_add(more, Ordering::Relaxed) > most_tried {
+                    return None;
+                }
             }
-            worker.found
+            Some(worker.found)
         })
         .collect();
-    first.found.extend(shared.iter().flatten());
-    first.found
+    first.found.extend(shared?.iter().flatten());
+    Some(first.found)
 }
 
 impl WantedFaces<'_> {
@@ -106,8 +136,12 @@ struct Worker<'m> {
     wanted: WantedFaces<'m>,
     /// For each node whether a wanted face is below; empty where all are.
     holds: &'m [bool],
+    /// Pairs of faces that share one are left out.
+    hubs: Option<&'m Hubs>,
     one_place: Placement,
     found: Vec<[u32; 2]>,
+    /// Pairs of faces that were tried.
+    tried: usize,
 }
 
 /// A face with its corners and their least and greatest coordinates.
@@ -133,7 +167,11 @@ impl Worker<'_> {
             }
             Task::Within(Child::Inner(node)) => {
                 for lane in lanes(&self.nodes[node as usize], node) {
-                    if self.holds_wanted(self.child(lane)) {
+                    let is_of_one_hub = self.hubs.is_some_and(|hubs| {
+                        let common = hubs.of_child(lane.node, lane.lane);
+                        common.first_common(common).is_some()
+                    });
+                    if !is_of_one_hub && self.holds_wanted(self.child(lane)) {
                         below.push(Task::Within(self.child(lane)));
                     }
                     for other in lanes(&self.nodes[node as usize], node).skip(usize::from(lane.lane) + 1) {
@@ -173,7 +211,14 @@ impl Worker<'_> {
     }
 
     fn push_between(&self, one: Lane, other: Lane, below: &mut Vec<Task>) {
-        if self.overlap(one, other) && (self.holds_wanted(self.child(one)) || self.holds_wanted(self.child(other))) {
+        let share_a_hub = self.hubs.is_some_and(|hubs| {
+            let [one, other] = [one, other].map(|Lane { node, lane }| hubs.of_child(node, lane));
+            one.first_common(other).is_some()
+        });
+        if !share_a_hub
+            && self.overlap(one, other)
+            && (self.holds_wanted(self.child(one)) || self.holds_wanted(self.child(other)))
+        {
             below.push(Task::Between(one, other));
         }
     }
@@ -207,7 +252,11 @@ impl Worker<'_> {
     }
 
     fn meet(&mut self, one: &Face, other: &Face) {
+        self.tried += 1;
         let near = (0..3).all(|axis| one.min[axis] <= other.max[axis] && other.min[axis] <= one.max[axis]);
+        if self.hubs.is_some_and(|hubs| hubs.of_face(one.number).first_common(hubs.of_face(other.number)).is_some()) {
+            return;
+        }
         let wanted = self.wanted.includes(one.number) || self.wanted.includes(other.number);
         if near && wanted && meet_beyond_shared(&self.one_place, &one.corners, &other.corners) {
             self.found.push([one.number.min(other.number), one.number.max(other.number)]);

@@ -40,6 +40,13 @@ impl Aabb {
         bounds
     }
 
+    /// Whether the boxes have a point in common.
+    #[inline]
+    #[must_use]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        (0..3).all(|axis| self.min[axis] <= other.max[axis] && other.min[axis] <= self.max[axis])
+    }
+
     /// The box with every bound moved outward to the next float, which makes up for coordinates rounded to nearest.
     #[inline]
     #[must_use]

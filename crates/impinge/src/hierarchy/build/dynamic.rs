@@ -157,8 +157,7 @@ impl DynamicTree {
         let mut pending: Vec<u32> = self.root.into_iter().collect();
         while let Some(at) = pending.pop() {
             let node = &self.nodes[at as usize];
-            let overlaps = (0..3)
-                .all(|axis| node.bounds.min[axis] <= region.max[axis] && region.min[axis] <= node.bounds.max[axis]);
+            let overlaps = node.bounds.overlaps(region);
             match node.children {
                 Some(children) if overlaps => pending.extend(children),
                 None if overlaps => visit(node.held),
