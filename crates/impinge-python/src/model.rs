@@ -147,11 +147,10 @@ impl Model {
         Ok(Self { content: Content::Triangles(positions, faces), about, format, warnings })
     }
 
-    /// The first vertex that a face uses and a mesh cannot have.
-    fn first_out_of_range(&self) -> Option<u32> {
-        let Content::Triangles(Positions::F64(rows), faces) = &self.content else { return None };
-        let is_out = |vertex: &u32| rows[*vertex as usize].iter().any(|x| x.abs() >= LIMIT);
-        faces.iter().flatten().copied().filter(is_out).min()
+    /// The first vertex that a mesh cannot have.
+    fn first_out_of_range(&self) -> Option<usize> {
+        let Content::Triangles(Positions::F64(rows), _) = &self.content else { return None };
+        rows.iter().position(|row| row.iter().any(|x| x.abs() >= LIMIT))
     }
 
     pub(crate) fn content(&self) -> &Content {
