@@ -1,6 +1,6 @@
 //! Meshes all of whose faces intersect each other: a limit keeps memory small and reports that it was reached.
 
-use impinge::mesh::Options;
+use impinge::mesh::{HostChoice, Options};
 use impinge::{Mesh, Pose, Positions, query};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::solids::grid_soup;
@@ -49,17 +49,18 @@ fn a_limit_bounds_memory() {
     const LIMIT: usize = 10_000;
     let (below, above) = (pile(FACES), pile(FACES));
     let pose = Pose::from_translation([0.25, 0.0, 0.0]).expect("a pose");
-    for threads in [1, 2] {
+    for (threads, host) in [(1, HostChoice::First), (1, HostChoice::Second), (2, HostChoice::First)] {
+        let options = Options { host, ..Options::default() };
         let some = on_threads(threads, || {
             COUNTED.reset_peak_usage();
             let before = COUNTED.current_usage();
-            let some = query::intersecting_pairs_up_to(&below, above.at(pose), LIMIT, &Options::default());
+            let some = query::intersecting_pairs_up_to(&below, above.at(pose), LIMIT, &options);
             let most = COUNTED.peak_usage().saturating_sub(before);
             assert!(most < 4 << 20, "{most} bytes for {LIMIT} pairs on {threads} threads");
             some
         });
         let first: Vec<[u32; 2]> = (0..LIMIT).map(|i| [i / FACES, i % FACES].map(|face| face as u32)).collect();
-        assert!(some.truncated && some.pairs == first, "{threads} threads");
+        assert!(some.truncated && some.pairs == first, "{threads} threads, {host:?}");
     }
 }
 
