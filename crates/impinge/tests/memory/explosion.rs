@@ -64,9 +64,32 @@ fn a_limit_bounds_memory() {
     }
 }
 
+/// Piles side by side, with the numbers of their faces mixed: the first pairs are found late, in any pile.
+fn first_of_mixed_piles_are_first_of_all() {
+    const PILES: u32 = 64;
+    const FACES: u32 = 3_200;
+    let place = |pile: u32| 2.0 * f64::from(pile);
+    let vertices =
+        (0..PILES).flat_map(|pile| [[place(pile), 0.0, 0.0], [place(pile) + 1.0, 0.0, 0.0], [place(pile), 1.0, 0.0]]);
+    // 37 is prime to the number of faces.
+    let pile_of = |face: u32| face * 37 % FACES % PILES;
+    let faces = (0..FACES).map(|face| [0, 1, 2].map(|corner| 3 * pile_of(face) + corner));
+    let mesh = Mesh::new(Positions::F64(vertices.collect()), faces.rev().collect()).expect("a mesh");
+    let all = query::intersecting_pairs(&mesh, &mesh);
+    assert_eq!(all.len() as u32, FACES * FACES / PILES);
+    for (threads, host) in [(1, HostChoice::First), (1, HostChoice::Second), (2, HostChoice::First)] {
+        for limit in [10, 1_000, 20_000] {
+            let options = Options { host, ..Options::default() };
+            let some = on_threads(threads, || query::intersecting_pairs_up_to(&mesh, &mesh, limit, &options));
+            assert!(some.truncated && some.pairs == all[..limit], "{limit} on {threads} threads, {host:?}");
+        }
+    }
+}
+
 #[test]
 fn a_limit_gives_the_first_pairs_and_bounds_memory() {
     let _alone = alone();
     first_of_soups_are_first_of_all();
+    first_of_mixed_piles_are_first_of_all();
     a_limit_bounds_memory();
 }
