@@ -5,7 +5,7 @@ use std::ops::ControlFlow::{self, Break, Continue};
 use super::Nearest;
 use super::bounds::Bounds;
 use crate::exact::{NearParts, Placement, Supports, parts_within};
-use crate::mesh::metric::Metric;
+use crate::mesh::distance::metric::Metric;
 use crate::mesh::{Mesh, Placed};
 use crate::primitive::{
     ClosestPoints, Vector, Witness, closest_on_segments, closest_on_triangle, common_point, separation, sub,

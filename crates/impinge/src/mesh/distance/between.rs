@@ -7,8 +7,8 @@
 //! (Ericson, 4.4.1), for the reach of a turned box along an axis; ours asks one axis, and how far they are apart on it.
 
 use crate::mesh::Mesh;
-use crate::mesh::metric::{Metric, MetricMap};
-use crate::mesh::packet::Packet;
+use crate::mesh::distance::metric::{Metric, MetricMap};
+use crate::mesh::storage::packet::Packet;
 use crate::primitive::{Vector, dot, sub};
 use crate::simd::by_axis;
 use crate::volume::Aabb;

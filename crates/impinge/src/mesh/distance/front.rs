@@ -18,8 +18,8 @@ use fearless_simd::{Simd, f32x8};
 use super::answer::Scene;
 use super::task::Slot;
 use crate::hierarchy::{HALF_ULP, Node, lanes_in_use};
-use crate::mesh::frame::REACH;
-use crate::mesh::stamp::Stamp;
+use crate::mesh::storage::frame::REACH;
+use crate::mesh::storage::stamp::Stamp;
 use crate::mesh::{HostChoice, Options};
 use crate::simd::{LANES, Lanes3, bits, by_axis, dispatch, dot, load, load3};
 

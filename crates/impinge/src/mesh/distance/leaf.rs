@@ -7,8 +7,8 @@ use fearless_simd::{Simd, f32x8, mask32x8};
 use super::bounds::{by_centres, squared_gaps};
 use crate::hierarchy::HALF_ULP;
 use crate::mesh::Mesh;
-use crate::mesh::metric::MetricMap;
-use crate::mesh::packet::Packet;
+use crate::mesh::distance::metric::MetricMap;
+use crate::mesh::storage::packet::Packet;
 use crate::simd::{ALL_LANES, Choice, LANES, Lanes3, bits, by_axis, cross, dot, load3, sub};
 use crate::volume::Aabb;
 

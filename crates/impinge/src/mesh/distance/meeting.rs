@@ -10,7 +10,7 @@ use super::leaf::{Facing, Leaf};
 use super::profile::Reached;
 use super::search::Search;
 use super::together::Together;
-use crate::mesh::packet::Packet;
+use crate::mesh::storage::packet::Packet;
 use crate::simd::{LANES, bits};
 
 impl Search<'_> {

@@ -15,6 +15,7 @@ mod bounds;
 mod front;
 mod leaf;
 mod meeting;
+mod metric;
 mod profile;
 mod remote;
 mod search;
@@ -22,7 +23,7 @@ mod task;
 mod together;
 mod towards;
 
-use super::{HostChoice, Options, Placed, first_hit};
+use crate::mesh::{HostChoice, Options, Placed, first_hit};
 use crate::primitive::Vector;
 use front::{Front, Standing};
 use search::Search;

@@ -16,8 +16,8 @@ use super::at_hand::AtHand;
 use super::task::Slot;
 use super::towards::Towards;
 use crate::mesh::Mesh;
-use crate::mesh::metric::Metric;
-use crate::mesh::packet::Packet;
+use crate::mesh::distance::metric::Metric;
+use crate::mesh::storage::packet::Packet;
 use crate::primitive::{Vector, dot, length, sub};
 use crate::simd::{ALL_LANES, LANES, load, outlined};
 
@@ -246,7 +246,7 @@ mod tests {
     use super::*;
     use crate::hierarchy::Child;
     use crate::math::Pose;
-    use crate::mesh::positions::Positions;
+    use crate::mesh::storage::positions::Positions;
     use crate::simd::{dispatch, levels};
 
     /// How far the faces below a child reach, by their metric corners.

@@ -6,7 +6,7 @@
 
 use super::answer::{Scene, Valued};
 use crate::mesh::Mesh;
-use crate::mesh::metric::MetricMap;
+use crate::mesh::distance::metric::MetricMap;
 use crate::primitive::{Vector, dot, length, sub, triangle_triangle};
 
 /// The gap, in extents of both meshes together, from which on this is the answer.

@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f32x8, f64x4};
 
 use crate::hierarchy::{HALF_ULP, Node};
 use crate::mesh::Mesh;
-use crate::mesh::packet::Packet;
+use crate::mesh::storage::packet::Packet;
 use crate::primitive::{Vector, dot};
 use crate::simd::{LANES, by_axis, load, load3};
 
