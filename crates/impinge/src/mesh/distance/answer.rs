@@ -164,7 +164,7 @@ impl Scene<'_> {
     /// Which mesh is the host, and which the guest.
     #[inline(always)]
     pub(super) fn sides(&self) -> [usize; 2] {
-        if self.bounds.swapped { [1, 0] } else { [0, 1] }
+        self.bounds.sides.host_guest([0, 1])
     }
 
     pub(super) fn corners(&self, faces: [u32; 2]) -> [[Vector; 3]; 2] {

@@ -18,6 +18,7 @@ use fearless_simd::{Simd, f32x8};
 use super::answer::Scene;
 use super::task::Slot;
 use crate::hierarchy::{HALF_ULP, Node, lanes_in_use};
+use crate::mesh::pairs::sides::Sides;
 use crate::mesh::storage::frame::REACH;
 use crate::mesh::storage::stamp::Stamp;
 use crate::mesh::{HostChoice, Options};
@@ -53,7 +54,7 @@ pub(super) struct Standing {
 pub(super) struct Front {
     /// Of the first mesh and of the second.
     stamps: [Stamp; 2],
-    swapped: bool,
+    sides: Sides,
     standing: Standing,
     /// How many times as far as what matters pairs of triangles are looked at, so that bounds outlast some motion.
     beyond: f32,
@@ -95,9 +96,9 @@ impl Front {
         let standing = scene.bounds.standing?;
         let motion = Motion::new(since, &standing);
         let stamps = scene.meshes.map(|mesh| mesh.0.stamp);
-        let swapped = scene.bounds.swapped;
+        let sides = scene.bounds.sides;
         let roots = Entry::of_roots(nodes.map(|nodes| nodes[0].count()));
-        let mut front = Self { stamps, swapped, standing, beyond: 1.0, entries: vec![roots], met: 0, made: 0 };
+        let mut front = Self { stamps, sides, standing, beyond: 1.0, entries: vec![roots], met: 0, made: 0 };
         front.beyond = front.outlasting(&motion, nodes[1], options, cut)?;
         Some(front)
     }
@@ -131,7 +132,8 @@ impl Front {
 
     /// These options with the host whose front this is.
     pub(super) fn options(&self, options: &Options) -> Options {
-        Options { host: if self.swapped { HostChoice::Second } else { HostChoice::First }, ..*options }
+        let [host, _] = self.sides.host_guest([HostChoice::First, HostChoice::Second]);
+        Options { host, ..*options }
     }
 
     /// An entry for two nodes, of which nothing is kept yet; none where there are too many.
@@ -212,7 +214,7 @@ impl Front {
     /// what matters.
     pub(super) fn moved(mut self, scene: &Scene<'_>, nodes: &[Node], options: &Options, cut: f64) -> Option<Self> {
         let standing = scene.bounds.standing?;
-        let same = self.stamps == scene.meshes.map(|mesh| mesh.0.stamp) && self.swapped == scene.bounds.swapped;
+        let same = self.stamps == scene.meshes.map(|mesh| mesh.0.stamp) && self.sides == scene.bounds.sides;
         if !same || self.entries.len() > OVERGROWN * self.made {
             return None;
         }

@@ -71,7 +71,7 @@ impl<'a> Search<'a> {
         }
         let metric = Metric::new(a, b);
         let bounds = Bounds::new(a, b, &metric, options.host);
-        let (host, guest) = if bounds.swapped { (b.mesh, a.mesh) } else { (a.mesh, b.mesh) };
+        let [host, guest] = bounds.sides.host_guest([a.mesh, b.mesh]);
         let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
         let scene = Scene { meshes: [a.mesh, b.mesh], metric, placement, bounds, clearance };
         let metric = &scene.metric;

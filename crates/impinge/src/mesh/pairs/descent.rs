@@ -68,9 +68,9 @@ fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options) -> Vec
         return Vec::new();
     }
     let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
-    let Relations { relation, back, swapped } = &Relations::new(a, b, placement.relative(), options.host);
-    let swapped = *swapped;
-    let (host, guest) = if swapped { (b.mesh, a.mesh) } else { (a.mesh, b.mesh) };
+    let Relations { relation, back, sides } = &Relations::new(a, b, placement.relative(), options.host);
+    let sides = *sides;
+    let [host, guest] = sides.host_guest([a.mesh, b.mesh]);
     let descent = Descent {
         host: host.0.tree.nodes(),
         guest: guest.0.tree.nodes(),
@@ -82,7 +82,7 @@ fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options) -> Vec
     };
     let (Some(root), true) = (descent.root(), wanted.kept > 0) else { return Vec::new() };
 
-    let question = Question { host, guest, relation, back, placement: &placement, swapped, wanted };
+    let question = Question { host, guest, relation, back, placement: &placement, sides, wanted };
     if wanted.limit < usize::MAX {
         // Whoever wants the first pairs only wants them before others are looked at: no pair waits for another.
         let mut pairs = question.pairs(1);

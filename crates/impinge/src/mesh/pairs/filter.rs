@@ -188,7 +188,7 @@ impl Guest {
             });
             near &= near_across(&host_corners, &guest_corners, error);
         }
-        let sides = candidates::Sides {
+        let leaves = candidates::LeafTriangles {
             host: (&host.corners, &host_width),
             guest: (&self.corners, &self.width),
             offset,
@@ -196,7 +196,7 @@ impl Guest {
             faces,
         };
         while near != 0 {
-            candidates.push(simd, &mut near, &sides);
+            candidates.push(simd, &mut near, &leaves);
         }
     }
 }

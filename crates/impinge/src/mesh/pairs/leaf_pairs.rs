@@ -8,6 +8,7 @@ use fearless_simd::Simd;
 use super::filter::{Candidates, Facing, LeafFaces, Verdicts};
 use super::large_leaf::LargeLeaf;
 use super::relation::Relation;
+use super::sides::Sides;
 use super::taken_up::Guests;
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{APPROACHED, Large, LeafVisitor, Node, overlapping};
@@ -75,8 +76,8 @@ pub(super) struct Question<'a> {
     pub(in crate::mesh) relation: &'a Relation,
     pub(in crate::mesh) back: &'a Relation,
     pub(in crate::mesh) placement: &'a Placement,
-    /// Whether the host is the second mesh.
-    pub(in crate::mesh) swapped: bool,
+    /// Which mesh is the host.
+    pub(in crate::mesh) sides: Sides,
     pub(in crate::mesh) wanted: Wanted,
 }
 
@@ -143,12 +144,11 @@ impl LeafPairs<'_> {
         }
         // What the pairs before these came to was written a while ago, and is at hand.
         self.judge(simd, LANES)?;
-        let swapped = self.question.swapped;
+        let sides = self.question.sides;
         for (Meeting { guest, host_leaf }, facing) in &facing[..left] {
             let (guest_leaf, guest) = self.guests.at(*guest as usize);
             let host = self.host_packets.get(simd, *host_leaf);
-            let faces =
-                LeafFaces { host: &host.leaf.faces, guest: &self.guest_packets.leaf(guest_leaf).faces, swapped };
+            let faces = LeafFaces { host: &host.leaf.faces, guest: &self.guest_packets.leaf(guest_leaf).faces, sides };
             guest.meet(simd, &host, facing, &faces, &mut self.candidates);
             self.judge_in_time(simd)?;
         }
@@ -179,7 +179,7 @@ impl LeafPairs<'_> {
     fn to_be_kept(&self, guest_leaf: u32, host: &Node, lanes: u32) -> u32 {
         let may_be_kept =
             |packets: &Packets<'_>, leaf: u32| packets.leaf(leaf).faces.iter().any(|&face| face <= self.last_face);
-        if self.question.swapped {
+        if self.question.sides == Sides::SECOND_HOSTS {
             return if may_be_kept(&self.guest_packets, guest_leaf) { lanes } else { 0 };
         }
         let kept = bits(lanes).filter(|&lane| may_be_kept(&self.host_packets, host.index(lane)));
@@ -279,15 +279,14 @@ impl LeafPairs<'_> {
     /// The packets of the first mesh and of the second.
     #[inline(always)]
     fn packets(&self) -> [Packets<'_>; 2] {
-        let (host, guest) = (self.host_packets, self.guest_packets);
-        if self.question.swapped { [guest, host] } else { [host, guest] }
+        self.question.sides.first_second([self.host_packets, self.guest_packets])
     }
 
     /// Whether two faces, of the first mesh and of the second, meet.
     #[cold]
     fn decide(&self, [face_a, face_b]: [u32; 2]) -> bool {
-        let Question { host, guest, placement, swapped, .. } = self.question;
-        let (a, b) = if swapped { (guest, host) } else { (host, guest) };
+        let Question { host, guest, placement, sides, .. } = self.question;
+        let [a, b] = sides.first_second([host, guest]);
         triangles_intersect(placement, &a.corners(face_a), &b.corners(face_b))
     }
 }
@@ -326,16 +325,16 @@ impl LeafVisitor for LeafPairs<'_> {
     }
 
     fn meet_below<S: Simd>(&mut self, simd: S, large: Large, node: u32) -> ControlFlow<()> {
-        let Question { relation, back, host, guest, swapped, .. } = self.question;
+        let Question { relation, back, host, guest, sides, .. } = self.question;
         let host = (host.0.tree.nodes(), self.host_packets);
         let guest = (guest.0.tree.nodes(), self.guest_packets);
         outlined(
             simd,
             #[inline(always)]
             || {
-                let (other, own, [onto, from], swapped) = match large {
-                    Large::Guest(leaf) => (host, guest.1.get(simd, leaf), [relation, back], swapped),
-                    Large::Host(leaf) => (guest, host.1.get(simd, leaf), [back, relation], !swapped),
+                let (other, own, [onto, from], sides) = match large {
+                    Large::Guest(leaf) => (host, guest.1.get(simd, leaf), [relation, back], sides),
+                    Large::Host(leaf) => (guest, host.1.get(simd, leaf), [back, relation], sides.exchanged()),
                 };
                 let large = LargeLeaf::new(simd, &own, onto, from);
                 large.descend(
@@ -344,7 +343,7 @@ impl LeafVisitor for LeafPairs<'_> {
                     node,
                     #[inline(always)]
                     |guest, host, facing| {
-                        let faces = LeafFaces { host: &host.leaf.faces, guest: &own.leaf.faces, swapped };
+                        let faces = LeafFaces { host: &host.leaf.faces, guest: &own.leaf.faces, sides };
                         guest.meet(simd, host, facing, &faces, &mut self.candidates);
                         self.judge_in_time(simd)
                     },

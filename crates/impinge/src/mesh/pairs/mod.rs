@@ -1,7 +1,8 @@
 //! Pairs of faces that intersect: of two meshes by the one descent, and of a mesh and itself.
 //!
-//! `world_box` proves meshes apart by their boxes in the world. `relation` bounds the map between
-//! the packed frames of two meshes. `filter` decides most pairs of packed triangles. `large_leaf`
+//! `world_box` proves meshes apart by their boxes in the world. `sides` maps host
+//! and guest to the first and the second mesh, and `relation` bounds the map between their packed
+//! frames. `filter` decides most pairs of packed triangles. `large_leaf`
 //! compares a large leaf with nodes, and `taken_up` caches guest leaves in the host's frame.
 //! `leaf_pairs` queues pairs of leaves and sends undecided pairs of faces to the exact decision.
 //! `descent` ties these together. `hubs` finds vertices with many faces, and `self_descent` finds
@@ -14,5 +15,6 @@ pub(super) mod large_leaf;
 pub(super) mod leaf_pairs;
 pub(super) mod relation;
 pub(super) mod self_descent;
+pub(super) mod sides;
 pub(super) mod taken_up;
 pub(super) mod world_box;

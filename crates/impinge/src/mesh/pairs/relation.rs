@@ -1,5 +1,6 @@
 //! How one mesh's packed frame lies in the other's: the map that the descent and the filter carry boxes and corners by.
 
+use super::sides::Sides;
 use crate::hierarchy::{Askew, BoxMap, HALF_ULP, SlabMap};
 use crate::math::RelativeMap;
 use crate::mesh::Placed;
@@ -34,8 +35,8 @@ pub(crate) struct Relations {
     pub(crate) relation: Relation,
     /// Of the host to the guest.
     pub(crate) back: Relation,
-    /// Whether the host is the second mesh.
-    pub(crate) swapped: bool,
+    /// Which mesh is the host.
+    pub(crate) sides: Sides,
 }
 
 impl Relations {
@@ -44,17 +45,18 @@ impl Relations {
         let (frame_a, frame_b) = (&a.mesh.0.frame, &b.mesh.0.frame);
         let by_a = Relation::new(a_from_b, frame_a, frame_b);
         let by_b = Relation::new(&RelativeMap::a_from_b(&b.world_from_mesh, &a.world_from_mesh), frame_b, frame_a);
-        let swapped = match choice {
-            HostChoice::First => false,
-            HostChoice::Second => true,
+        let sides = match choice {
+            HostChoice::First => Sides::FIRST_HOSTS,
+            HostChoice::Second => Sides::SECOND_HOSTS,
             HostChoice::SmallerError => {
                 // The error in units of the guest, whose boxes it blurs: a stretch of one unit of the guest is one unit.
                 let blur = |relation: &Relation| f64::from(relation.boxes.slack()) / relation.stretch;
-                blur(&by_b) / frame_a.scale < blur(&by_a) / frame_b.scale
+                let is_b_better = blur(&by_b) / frame_a.scale < blur(&by_a) / frame_b.scale;
+                if is_b_better { Sides::SECOND_HOSTS } else { Sides::FIRST_HOSTS }
             }
         };
-        let (relation, back) = if swapped { (by_b, by_a) } else { (by_a, by_b) };
-        Self { relation, back, swapped }
+        let [relation, back] = sides.host_guest([by_a, by_b]);
+        Self { relation, back, sides }
     }
 }
 

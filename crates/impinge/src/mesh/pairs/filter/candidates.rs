@@ -8,6 +8,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, u32x8};
 
 use super::judge::{Triangle, judge};
+use crate::mesh::pairs::sides::Sides;
 use crate::mesh::storage::triangles::CornerLanes;
 use crate::simd::{ALL_LANES, Choice, LANES, Lanes3, by_axis, outlined};
 
@@ -71,12 +72,12 @@ impl Verdicts {
 pub(crate) struct LeafFaces<'a> {
     pub(crate) host: &'a [u32; LANES],
     pub(crate) guest: &'a [u32; LANES],
-    /// Whether the host is of the second mesh.
-    pub(crate) swapped: bool,
+    /// Which mesh is the host.
+    pub(crate) sides: Sides,
 }
 
 /// The triangles of two leaves, corners and widths, and what moves the guest's to the host's anchor.
-pub(super) struct Sides<'a, S: Simd> {
+pub(super) struct LeafTriangles<'a, S: Simd> {
     pub(super) host: (&'a CornerLanes, &'a [f32; LANES]),
     pub(super) guest: (&'a CornerLanes, &'a [f32; LANES]),
     pub(super) offset: Lanes3<S>,
@@ -102,7 +103,7 @@ impl Candidates {
     /// Takes the lowest bits away, eight where there are so many, and takes these pairs on. There must be [room](Self::has_room) for
     /// all of two leaves.
     #[inline(always)]
-    pub(super) fn push<S: Simd>(&mut self, simd: S, pairs: &mut u64, sides: &Sides<'_, S>) {
+    pub(super) fn push<S: Simd>(&mut self, simd: S, pairs: &mut u64, leaves: &LeafTriangles<'_, S>) {
         let all = *pairs;
         let mut places = 0;
         for place in 0..LANES {
@@ -113,20 +114,19 @@ impl Candidates {
         let at = self.count;
         let rows = self.rows.get_or_insert_with(bytemuck::zeroed_box);
         let (of_host, of_guest) = (Choice(places), Choice(places >> LANES.trailing_zeros()));
-        let ((host, host_width), (guest, guest_width)) = (sides.host, sides.guest);
+        let ((host, host_width), (guest, guest_width)) = (leaves.host, leaves.guest);
         for corner in 0..3 {
             for axis in 0..3 {
                 put(of_host.of(simd, &host[corner][axis]), &mut rows.host.corners[corner][axis], at);
-                let moved = of_guest.of(simd, &guest[corner][axis]) + sides.offset[axis];
+                let moved = of_guest.of(simd, &guest[corner][axis]) + leaves.offset[axis];
                 put(moved, &mut rows.guest.corners[corner][axis], at);
             }
         }
         put(of_host.of(simd, host_width), &mut rows.host.width, at);
         put(of_guest.of(simd, guest_width), &mut rows.guest.width, at);
-        put(sides.error, &mut rows.error, at);
-        let LeafFaces { host, guest, swapped } = sides.faces;
-        let [of_first, of_second] = &mut rows.faces;
-        let (hosts, guests) = if *swapped { (of_second, of_first) } else { (of_first, of_second) };
+        put(leaves.error, &mut rows.error, at);
+        let LeafFaces { host, guest, sides } = leaves.faces;
+        let [hosts, guests] = sides.host_guest(rows.faces.each_mut());
         of_host.of_numbers(simd, host).store_slice(&mut hosts[at..at + LANES]);
         of_guest.of_numbers(simd, guest).store_slice(&mut guests[at..at + LANES]);
         self.count = at + (all ^ *pairs).count_ones() as usize;

@@ -9,6 +9,7 @@ use impinge_testkit::{Affine, oracle};
 use super::super::*;
 use super::{Point, Side8, along, power_of_two, relate, unit_point};
 use crate::exact::{Placement, triangles_intersect};
+use crate::mesh::pairs::sides::Sides;
 use crate::simd::{Level, dispatch, levels};
 
 /// A triangle made to meet or just miss `host`, by `gap`.
@@ -74,14 +75,14 @@ enum Verdict {
 }
 
 /// Takes on what is near of two packets.
-fn take_on(level: Level, host: &Side8, guest: &Side8, swapped: bool, candidates: &mut Candidates) {
+fn take_on(level: Level, host: &Side8, guest: &Side8, sides: Sides, candidates: &mut Candidates) {
     let (relation, back) = (relate(host, guest), relate(guest, host));
     dispatch!(level, simd => {
         let mut taken = Guest::EMPTY;
         taken.take_up(simd, &guest.packet(), &relation, &back);
         let packet = host.mesh.packets().get(simd, 0);
         let facing = taken.face(simd, &packet, 0xff);
-        let faces = LeafFaces { host: &packet.leaf.faces, guest: &guest.packet().leaf.faces, swapped };
+        let faces = LeafFaces { host: &packet.leaf.faces, guest: &guest.packet().leaf.faces, sides };
         taken.meet(simd, &packet, &facing, &faces, candidates);
     });
 }
@@ -199,7 +200,7 @@ fn judge_packets(kind: Kind, seed: u64, count: usize) -> Outcomes {
             .collect();
         for (name, level) in levels() {
             let mut candidates = Candidates::NONE;
-            take_on(level, &host, &guest, false, &mut candidates);
+            take_on(level, &host, &guest, Sides::FIRST_HOSTS, &mut candidates);
             let count = candidates.count();
             let judged: HashMap<[usize; 2], Verdict> = judge_all(level, &mut candidates, 1).into_iter().collect();
             assert_eq!((judged.len(), candidates.count()), (count, 0), "{name}: a pair came twice");
@@ -261,13 +262,12 @@ fn candidates_are_judged_beside_any_others_as_they_are_alone() {
             let (mut alone, mut together, mut candidates) = (Vec::new(), Vec::new(), Candidates::NONE);
             for (at, (host, guest)) in sides.iter().enumerate() {
                 let mut own = Candidates::NONE;
-                take_on(level, host, guest, false, &mut own);
+                take_on(level, host, guest, Sides::FIRST_HOSTS, &mut own);
                 beside += usize::from(!own.count().is_multiple_of(LANES));
-                let swapped = at % 2 == 1;
-                let in_turn =
-                    |([h, g], verdict): ([usize; 2], Verdict)| (if swapped { [g, h] } else { [h, g] }, verdict);
+                let turned = if at % 2 == 1 { Sides::SECOND_HOSTS } else { Sides::FIRST_HOSTS };
+                let in_turn = |([h, g], verdict): ([usize; 2], Verdict)| (turned.first_second([h, g]), verdict);
                 alone.extend(judge_all(level, &mut own, 1).into_iter().map(in_turn));
-                take_on(level, host, guest, swapped, &mut candidates);
+                take_on(level, host, guest, turned, &mut candidates);
                 if !candidates.has_room() {
                     together.extend(judge_all(level, &mut candidates, LANES));
                     assert!(candidates.count() < LANES && candidates.has_room());
