@@ -26,7 +26,7 @@ mod storage;
 mod triangle_mesh;
 
 pub(crate) use derived::topology::{Components, DisjointSets};
-pub(crate) use distance::{Trail, nearest, within};
+pub(crate) use distance::{WarmStart, nearest, within};
 pub use lifecycle::aging::Aging;
 pub use lifecycle::parts::{Flaw, Parts};
 pub use lifecycle::repair::{Repair, RepairOptions};

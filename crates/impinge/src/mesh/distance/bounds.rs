@@ -12,10 +12,10 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::front::Standing;
+use super::metric::Metric;
+use super::relative_frame::RelativeFrame;
 use crate::hierarchy::{BoxLanes, BoxMap, HALF_ULP, Node};
 use crate::math::RelativeMap;
-use crate::mesh::distance::metric::Metric;
 use crate::mesh::pairs::relation::Relation;
 use crate::mesh::pairs::sides::Sides;
 use crate::mesh::storage::frame::REACH;
@@ -59,7 +59,7 @@ pub(super) struct Bounds {
     per_unit: f64,
     far: Option<Far>,
     /// How the guest lies in the host's packed frame, where boxes are compared there.
-    pub(super) standing: Option<Standing>,
+    pub(super) relative: Option<RelativeFrame>,
 }
 
 /// The gap between the centres, as a direction of about unit length, and how much of it there is along it.
@@ -104,15 +104,15 @@ impl Bounds {
                 let per_unit = |stretch: f64| stretch / host_frame.scale * metric.scale;
                 let stretch = [per_unit(least) * (1.0 - 1e-12), per_unit(most) * (1.0 + 1e-12)];
                 let Relation { linear, translation, error, boxes, .. } = Relation::new(&local, host_frame, guest_frame);
-                let standing = Some(Standing { linear, translation, error, stretch });
-                Self { sides, maps: [None, Some(boxes)], per_unit: stretch[0], far: None, standing }
+                let relative = Some(RelativeFrame { linear, translation, error, stretch });
+                Self { sides, maps: [None, Some(boxes)], per_unit: stretch[0], far: None, relative }
             }
             None => Self {
                 sides,
                 maps: [Some(carried(host, host_side)), Some(carried(guest, guest_side))],
                 per_unit: 1.0,
                 far: is_far.then(|| Far::new(&gap, metric)),
-                standing: None,
+                relative: None,
             },
         };
         let slack: f64 = bounds.maps.iter().flatten().map(|map| f64::from(map.slack())).sum();

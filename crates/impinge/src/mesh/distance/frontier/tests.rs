@@ -12,7 +12,7 @@ use crate::hierarchy::Child;
 use crate::math::Pose;
 use crate::mesh::distance::bounds::Bounds;
 use crate::mesh::distance::metric::Metric;
-use crate::mesh::distance::{Trail, nearest, within};
+use crate::mesh::distance::{WarmStart, nearest, within};
 use crate::mesh::{Mesh, Placed, Positions};
 use crate::primitive::triangle_triangle;
 use crate::simd::levels;
@@ -21,14 +21,14 @@ fn mesh(plain: &Plain) -> Mesh {
     Mesh::new(Positions::F64(plain.vertices.clone()), plain.faces.clone()).expect("a legal mesh")
 }
 
-fn standing(a: Placed<'_>, b: Placed<'_>, options: &Options) -> Option<Standing> {
-    Bounds::new(a, b, &Metric::new(a, b), options.host).standing
+fn relative(a: Placed<'_>, b: Placed<'_>, options: &Options) -> Option<RelativeFrame> {
+    Bounds::new(a, b, &Metric::new(a, b), options.host).relative
 }
 
-/// Lets the next search keep a front, however cheap this one was.
-fn keep_front(trail: &mut Trail, a: Placed<'_>, b: Placed<'_>, options: &Options) {
-    if trail.front.is_none() {
-        trail.dear = standing(a, b, options);
+/// Lets the next search keep a frontier, however cheap this one was.
+fn keep_front(warm_start: &mut WarmStart, a: Placed<'_>, b: Placed<'_>, options: &Options) {
+    if warm_start.frontier.is_none() {
+        warm_start.costly = relative(a, b, options);
     }
 }
 
@@ -76,7 +76,7 @@ fn where_a_search_ended_changes_no_answer() {
             let mut rng = Rng::new(scene as u64 + 40);
             let (mut mesh_a, mesh_b) = (mesh(&a), mesh(&b));
             let mut pose = Affine::translation(at);
-            let mut trail = Trail::default();
+            let mut warm_start = WarmStart::default();
             for step in 0..150 {
                 if rng.one_in(24) {
                     // A mesh that moved by itself.
@@ -94,20 +94,21 @@ fn where_a_search_ended_changes_no_answer() {
                     Pose::IDENTITY
                 };
                 let (place_a, place_b) = (mesh_a.at(both), mesh_b.at(both.compose(&pose).expect("a pose")));
-                keep_front(&mut trail, place_a, place_b, &options);
-                let had_front = trail.front.is_some();
-                let alone = nearest(place_a, place_b, &mut Trail::default(), &options).expect("faces");
+                keep_front(&mut warm_start, place_a, place_b, &options);
+                let had_front = warm_start.frontier.is_some();
+                let alone = nearest(place_a, place_b, &mut WarmStart::default(), &options).expect("faces");
                 if rng.one_in(3) {
                     for clearance in [alone.lower.next_down(), alone.lower, alone.upper, alone.upper * 1.01] {
-                        let expected = within(place_a, place_b, clearance, &mut Trail::default(), &options).is_some();
-                        let found = within(place_a, place_b, clearance, &mut trail, &options).is_some();
+                        let expected =
+                            within(place_a, place_b, clearance, &mut WarmStart::default(), &options).is_some();
+                        let found = within(place_a, place_b, clearance, &mut warm_start, &options).is_some();
                         assert_eq!(found, expected, "scene {scene}, {name}, step {step}, {clearance}");
                     }
-                    keep_front(&mut trail, place_a, place_b, &options);
+                    keep_front(&mut warm_start, place_a, place_b, &options);
                 }
-                let found = nearest(place_a, place_b, &mut trail, &options).expect("faces");
+                let found = nearest(place_a, place_b, &mut warm_start, &options).expect("faces");
                 assert_eq!(found, alone, "scene {scene}, {name}, step {step}");
-                followed += usize::from(had_front && trail.front.is_some());
+                followed += usize::from(had_front && warm_start.frontier.is_some());
                 *(if found.upper > 0.0 { &mut apart } else { &mut met }) += 1;
             }
         }
@@ -119,20 +120,20 @@ fn where_a_search_ended_changes_no_answer() {
 fn what_has_come_to_cross_meets() {
     // The tip of a spike goes through a plate far from the plate's edges: neither's edges are near the other's.
     let plate: [[f64; 3]; 3] = [[-8.0, -8.0, 0.0], [8.0, -8.0, 0.0], [0.0, 9.0, 0.0]];
-    let remote = plate.map(|[x, y, z]| [x, y, z + 100.0]);
-    let corners = [plate, remote].concat();
+    let far_apart = plate.map(|[x, y, z]| [x, y, z + 100.0]);
+    let corners = [plate, far_apart].concat();
     let plates = Mesh::new(Positions::F64(corners), vec![[0, 1, 2], [3, 4, 5]]).expect("a mesh");
     let tip = vec![[0.0, 0.0, 0.0], [-0.1, 0.0, 4.0], [0.1, 0.0, 4.0]];
     let spike = Mesh::new(Positions::F64(tip), vec![[0, 1, 2]]).expect("a mesh");
-    let (options, mut trail) = (Options::default(), Trail::default());
+    let (options, mut warm_start) = (Options::default(), WarmStart::default());
     let above = spike.at(Pose::from_translation([0.0, 0.0, 0.25]).expect("a pose"));
-    keep_front(&mut trail, (&plates).into(), above, &options);
-    assert_eq!(nearest((&plates).into(), above, &mut trail, &options).expect("faces").faces, [0, 0]);
-    assert!(trail.front.is_some());
-    // With the remote plate for the nearest the step is a small one.
-    trail.faces = Some([1, 0]);
+    keep_front(&mut warm_start, (&plates).into(), above, &options);
+    assert_eq!(nearest((&plates).into(), above, &mut warm_start, &options).expect("faces").faces, [0, 0]);
+    assert!(warm_start.frontier.is_some());
+    // With the far_apart plate for the nearest the step is a small one.
+    warm_start.faces = Some([1, 0]);
     let through = spike.at(Pose::from_translation([0.0, 0.0, -0.5]).expect("a pose"));
-    let found = nearest((&plates).into(), through, &mut trail, &options).expect("faces");
+    let found = nearest((&plates).into(), through, &mut warm_start, &options).expect("faces");
     assert_eq!((found.upper, found.faces), (0.0, [0, 0]));
 }
 
@@ -152,15 +153,15 @@ fn n20_boxes_too_far_for_squares_are_not_forgotten() {
     let faces = [near.faces, far.faces.iter().map(|face| face.map(|v| v + count)).collect()].concat();
     let plates = Mesh::new(Positions::F64([near.vertices, far.vertices].concat()), faces).expect("a mesh");
     let options = Options { host: HostChoice::First, ..Options::default() };
-    let (mut trail, mut kept) = (Trail::default(), 0);
+    let (mut warm_start, mut kept) = (WarmStart::default(), 0);
     for shift in [0.0, 0.0, 0.00001, 0.002] {
         let there = plates.at(Pose::from_translation([shift, 0.0, 0.0]).expect("a pose"));
-        keep_front(&mut trail, speck.at(small), there, &options);
-        let alone = nearest(speck.at(small), there, &mut Trail::default(), &options);
-        assert_eq!(nearest(speck.at(small), there, &mut trail, &options), alone, "{shift}");
-        kept += usize::from(trail.front.is_some());
+        keep_front(&mut warm_start, speck.at(small), there, &options);
+        let alone = nearest(speck.at(small), there, &mut WarmStart::default(), &options);
+        assert_eq!(nearest(speck.at(small), there, &mut warm_start, &options), alone, "{shift}");
+        kept += usize::from(warm_start.frontier.is_some());
     }
-    assert!(kept > 1, "{kept} of 4 kept a front");
+    assert!(kept > 1, "{kept} of 4 kept a frontier");
 }
 
 /// The faces below a child.
@@ -181,19 +182,19 @@ fn every_pair_of_faces_is_below_one_bound_and_no_nearer() {
     let (mut tightest, mut bounds) = (f64::INFINITY, 0);
     for (scene, (a, b, at)) in scenes().into_iter().enumerate() {
         let (mesh_a, mesh_b) = (mesh(&a), mesh(&b));
-        let mut trail = Trail::default();
+        let mut warm_start = WarmStart::default();
         let mut rng = Rng::new(scene as u64);
         let mut pose = Affine::translation(at);
         for step in 0..6 {
             pose.translation = pose.translation.map(|x| x + rng.uniform(-0.002, 0.002));
             let (place_a, place_b) =
                 (mesh_a.at(Pose::IDENTITY), mesh_b.at(Pose::from_translation(pose.translation).expect("a pose")));
-            keep_front(&mut trail, place_a, place_b, &options);
-            let found = nearest(place_a, place_b, &mut trail, &options).expect("faces");
-            let Some(front) = &trail.front else { continue };
+            keep_front(&mut warm_start, place_a, place_b, &options);
+            let found = nearest(place_a, place_b, &mut warm_start, &options).expect("faces");
+            let Some(frontier) = &warm_start.frontier else { continue };
             let metric = Metric::new(place_a, place_b);
             let mut covered = vec![0_u8; mesh_a.faces().len() * mesh_b.faces().len()];
-            for Entry { nodes: [host, guest], bounds: rows } in &front.entries {
+            for Entry { nodes: [host, guest], bounds: rows } in &frontier.entries {
                 let (host, guest) = (&mesh_a.0.tree.nodes()[*host as usize], &mesh_b.0.tree.nodes()[*guest as usize]);
                 for (guest_lane, row) in rows.iter().enumerate() {
                     for (host_lane, &bound) in row.iter().enumerate().filter(|(_, bound)| **bound < f32::INFINITY) {
@@ -201,7 +202,7 @@ fn every_pair_of_faces_is_below_one_bound_and_no_nearer() {
                         let (mut on_a, mut on_b) = (Vec::new(), Vec::new());
                         faces(&mesh_a, host.child(host_lane), &mut on_a);
                         faces(&mesh_b, guest.child(guest_lane), &mut on_b);
-                        let bound = f64::from(bound) * front.standing.stretch[0];
+                        let bound = f64::from(bound) * frontier.relative.stretch[0];
                         for &of_a in &on_a {
                             for &of_b in &on_b {
                                 covered[of_a as usize * mesh_b.faces().len() + of_b as usize] += 1;
@@ -230,11 +231,11 @@ fn every_pair_of_faces_is_below_one_bound_and_no_nearer() {
 fn a_front_has_an_end_and_the_answers_go_on() {
     let thick = mesh(&torus_knot(560, 140, TREFOIL));
     let thin = mesh(&torus_knot(560, 140, Knot { radius: 0.2, ..TREFOIL }));
-    let (options, mut trail) = (Options::default(), Trail::default());
+    let (options, mut warm_start) = (Options::default(), WarmStart::default());
     for step in 0..4 {
         let pose = Pose::from_translation([0.001 * f64::from(step), 0.0, 0.0]).expect("a pose");
-        let alone = nearest(thick.at(Pose::IDENTITY), thin.at(pose), &mut Trail::default(), &options);
-        assert_eq!(nearest(thick.at(Pose::IDENTITY), thin.at(pose), &mut trail, &options), alone, "step {step}");
-        assert_eq!(trail.front.as_ref().map(Front::len), (step > 0).then_some(MOST_ENTRIES), "step {step}");
+        let alone = nearest(thick.at(Pose::IDENTITY), thin.at(pose), &mut WarmStart::default(), &options);
+        assert_eq!(nearest(thick.at(Pose::IDENTITY), thin.at(pose), &mut warm_start, &options), alone, "step {step}");
+        assert_eq!(warm_start.frontier.as_ref().map(Frontier::len), (step > 0).then_some(MAX_ENTRIES), "step {step}");
     }
 }

@@ -1,15 +1,15 @@
 //! What was made last and may be wanted again.
 
-/// The last few of many things that are dear to make, by number: at most `MOST`, a power of two.
-pub(super) struct AtHand<T, const MOST: usize> {
+/// The last few of many things that are costly to make, by number: at most `SLOTS`, a power of two.
+pub(super) struct Cache<T, const SLOTS: usize> {
     /// One more than the place of the thing whose number ends in this index.
-    places: [u16; MOST],
+    places: [u16; SLOTS],
     kept: Vec<T>,
 }
 
-impl<T, const MOST: usize> AtHand<T, MOST> {
+impl<T, const SLOTS: usize> Cache<T, SLOTS> {
     pub(super) fn new() -> Self {
-        Self { places: [0; MOST], kept: Vec::new() }
+        Self { places: [0; SLOTS], kept: Vec::new() }
     }
 
     /// The thing of this number, made where it is not at hand.
@@ -26,7 +26,7 @@ impl<T, const MOST: usize> AtHand<T, MOST> {
         is_current: impl Fn(&T) -> bool,
         make: impl FnOnce(u32) -> T,
     ) -> &T {
-        let index = number as usize % MOST;
+        let index = number as usize % SLOTS;
         let place = match self.places[index] {
             0 => {
                 self.kept.push(make(number));

@@ -6,8 +6,8 @@
 //! Source: Gottschalk, Lin, Manocha, *OBBTree: a hierarchical structure for rapid interference detection*, SIGGRAPH 1996
 //! (Ericson, 4.4.1), for the reach of a turned box along an axis; ours asks one axis, and how far they are apart on it.
 
+use super::metric::{Metric, MetricMap};
 use crate::mesh::Mesh;
-use crate::mesh::distance::metric::{Metric, MetricMap};
 use crate::mesh::storage::packet::Packet;
 use crate::primitive::{Vector, dot, sub};
 use crate::simd::by_axis;
@@ -15,7 +15,7 @@ use crate::volume::Aabb;
 
 /// The maps from two packed frames into the metric frame, the host's first.
 #[derive(Clone, Copy)]
-pub(super) struct Between {
+pub(super) struct LineBound {
     frames: [Frame; 2],
     /// More than what heights of corners may be off by.
     slack: f64,
@@ -28,7 +28,7 @@ struct Frame {
     offset: Vector,
 }
 
-impl Between {
+impl LineBound {
     pub(super) fn new(meshes: [&Mesh; 2], metric: &Metric, sides: [usize; 2]) -> Self {
         let frame = |mesh: &Mesh, map: &MetricMap| Frame {
             columns: by_axis!(j => by_axis!(k => map.linear[k][j] / mesh.0.frame.scale)),

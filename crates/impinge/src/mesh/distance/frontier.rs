@@ -1,6 +1,6 @@
 //! Where a search ended, for the next one to begin there.
 //!
-//! A *front* has an entry for every two nodes whose children were compared, and in it a lower bound for each two children: of the
+//! A *frontier* has an entry for every two nodes whose children were compared, and in it a lower bound for each two children: of the
 //! distance of all that is below them, at the time, from the best of the tests that they were put to. A bound is infinite where an
 //! entry of its own goes on about the two. So each two triangles are below a pair of children with a bound that holds for them.
 //! When the meshes have moved, bounds lose what any point of the two has moved, and only where one is no longer above what
@@ -10,13 +10,14 @@
 //! Bounds are in units of the host's packed frame, in which the host does not move at all.
 //!
 //! Source: Ehmann, Lin, *Accurate and fast proximity queries between polyhedra using convex surface decomposition*, Eurographics
-//! 2001, for fronts of distance queries; ours keeps numbers in place of yes and no, so that a front outlasts motion.
+//! 2001, for frontiers of distance queries; ours keeps numbers in place of yes and no, so that a frontier outlasts motion.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::answer::Scene;
-use super::task::Slot;
+use super::relative_frame::RelativeFrame;
+use super::scene::Scene;
+use super::slot::Slot;
 use crate::hierarchy::{HALF_ULP, Node, lanes_in_use};
 use crate::mesh::pairs::sides::Sides;
 use crate::mesh::storage::frame::REACH;
@@ -24,44 +25,33 @@ use crate::mesh::storage::stamp::Stamp;
 use crate::mesh::{HostChoice, Options};
 use crate::simd::{LANES, Lanes3, bits, by_axis, dispatch, dot, load, load3};
 
-/// Fronts with more than this many times the entries that they had at first are given up: what they passed by long ago is in
+/// Frontiers with more than this many times the entries that they had at first are given up: what they passed by long ago is in
 /// the way.
-const OVERGROWN: usize = 2;
+const MAX_GROWTH: usize = 2;
 
 /// Entries at most, of a fourth of a kilobyte each: what would have more stays a pair of children that is opened each time.
-const MOST_ENTRIES: usize = 1 << 16;
+const MAX_ENTRIES: usize = 1 << 16;
 
 /// How many more motions like the last one bounds shall outlast. More cost more than they save: pairs of triangles are then put to
-/// dear tests that are no nearer than this.
+/// costly tests that are no nearer than this.
 const OUTLASTED: f32 = 2.0;
 
 /// How far beyond what matters pairs of triangles are looked at, as a share of that: at least, so that bounds are above it where
 /// nothing moves, and at most.
 const BEYOND: [f32; 2] = [1.0 / 1024.0, 1.0 / 8.0];
 
-/// How the guest's packed frame lies in the host's.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Standing {
-    pub(super) linear: [[f64; 3]; 3],
-    pub(super) translation: [f64; 3],
-    /// How far the image of a packed point may be off on an axis.
-    pub(super) error: f64,
-    /// Metric units for one of the host's packed frame, at least and at most.
-    pub(super) stretch: [f64; 2],
-}
-
 #[derive(Clone, Debug)]
-pub(super) struct Front {
+pub(super) struct Frontier {
     /// Of the first mesh and of the second.
     stamps: [Stamp; 2],
     sides: Sides,
-    standing: Standing,
+    relative: RelativeFrame,
     /// How many times as far as what matters pairs of triangles are looked at, so that bounds outlast some motion.
     beyond: f32,
     entries: Vec<Entry>,
     /// How many pairs of leaves were met when it was made, and how many entries it had then.
-    met: usize,
-    made: usize,
+    leaf_pairs: usize,
+    initial_entries: usize,
 }
 
 /// Two nodes, the host's and the guest's, and bounds by the guest's lanes and the host's.
@@ -83,24 +73,25 @@ impl Entry {
 /// The number of no entry.
 pub(super) const NO_ENTRY: u32 = u32::MAX;
 
-impl Front {
-    /// A front at the roots, where the meshes stood little else at the last search, `cut` being what matters; none also where
+impl Frontier {
+    /// A frontier at the roots, where the meshes stood little else at the last search, `cut` being what matters; none also where
     /// distances in the host's frame do not tell those in the world.
     pub(super) fn new(
         scene: &Scene<'_>,
-        since: &Standing,
+        since: &RelativeFrame,
         nodes: [&[Node]; 2],
         options: &Options,
         cut: f64,
     ) -> Option<Self> {
-        let standing = scene.bounds.standing?;
-        let motion = Motion::new(since, &standing);
+        let relative = scene.bounds.relative?;
+        let motion = Motion::new(since, &relative);
         let stamps = scene.meshes.map(|mesh| mesh.0.stamp);
         let sides = scene.bounds.sides;
         let roots = Entry::of_roots(nodes.map(|nodes| nodes[0].count()));
-        let mut front = Self { stamps, sides, standing, beyond: 1.0, entries: vec![roots], met: 0, made: 0 };
-        front.beyond = front.outlasting(&motion, nodes[1], options, cut)?;
-        Some(front)
+        let mut frontier =
+            Self { stamps, sides, relative, beyond: 1.0, entries: vec![roots], leaf_pairs: 0, initial_entries: 0 };
+        frontier.beyond = frontier.outlasting(&motion, nodes[1], options, cut)?;
+        Some(frontier)
     }
 
     /// How far beyond what matters bounds outlast some more such motion; none where it is too large for that to pay.
@@ -124,13 +115,13 @@ impl Front {
     }
 
     /// Where it is complete: so many pairs of leaves were met for it.
-    pub(super) fn complete(&mut self, met: usize) {
-        if self.made == 0 {
-            (self.met, self.made) = (met, self.entries.len());
+    pub(super) fn complete(&mut self, leaf_pairs: usize) {
+        if self.initial_entries == 0 {
+            (self.leaf_pairs, self.initial_entries) = (leaf_pairs, self.entries.len());
         }
     }
 
-    /// These options with the host whose front this is.
+    /// These options with the host whose frontier this is.
     pub(super) fn options(&self, options: &Options) -> Options {
         let [host, _] = self.sides.host_guest([HostChoice::First, HostChoice::Second]);
         Options { host, ..*options }
@@ -140,7 +131,7 @@ impl Front {
     #[inline(always)]
     pub(super) fn open(&mut self, nodes: [u32; 2]) -> Option<u32> {
         let entry = self.entries.len();
-        (entry < MOST_ENTRIES).then(|| {
+        (entry < MAX_ENTRIES).then(|| {
             self.entries.push(Entry { nodes, bounds: [[f32::INFINITY; LANES]; LANES] });
             entry as u32
         })
@@ -176,12 +167,12 @@ impl Front {
     /// A lower bound in metric units, `error` aside, as one in the host's packed frame.
     #[inline(always)]
     fn packed(&self, metric: f64, error: f64) -> f32 {
-        finite(((metric - 2.0 * error) / self.standing.stretch[1] * (1.0 - 16.0 * HALF_ULP)) as f32)
+        finite(((metric - 2.0 * error) / self.relative.stretch[1] * (1.0 - 16.0 * HALF_ULP)) as f32)
     }
 
     /// The two children have an entry of their own.
     #[inline(always)]
-    pub(super) fn pass_on(&mut self, entry: u32, [host, guest]: [Slot; 2]) {
+    pub(super) fn mark_opened(&mut self, entry: u32, [host, guest]: [Slot; 2]) {
         if let Some(entry) = self.entries.get_mut(entry as usize) {
             entry.bounds[usize::from(guest.lane)][usize::from(host.lane)] = f32::INFINITY;
         }
@@ -195,7 +186,7 @@ impl Front {
     #[inline(always)]
     pub(super) fn limit(&self, cut: f64) -> f32 {
         // Infinite bounds are above it in any case.
-        (cut / self.standing.stretch[0] * (1.0 + 16.0 * HALF_ULP)).min(f64::from(f32::MAX)) as f32
+        (cut / self.relative.stretch[0] * (1.0 + 16.0 * HALF_ULP)).min(f64::from(f32::MAX)) as f32
     }
 
     /// The nodes of an entry, and for each lane of the guest's the host's lanes whose bound is not above `limit`.
@@ -210,26 +201,26 @@ impl Front {
         (*nodes, near)
     }
 
-    /// The front where the meshes are now; none where they are not the same, or it is not worth to go on from it, `cut` being
+    /// The frontier where the meshes are now; none where they are not the same, or it is not worth to go on from it, `cut` being
     /// what matters.
     pub(super) fn moved(mut self, scene: &Scene<'_>, nodes: &[Node], options: &Options, cut: f64) -> Option<Self> {
-        let standing = scene.bounds.standing?;
+        let relative = scene.bounds.relative?;
         let same = self.stamps == scene.meshes.map(|mesh| mesh.0.stamp) && self.sides == scene.bounds.sides;
-        if !same || self.entries.len() > OVERGROWN * self.made {
+        if !same || self.entries.len() > MAX_GROWTH * self.initial_entries {
             return None;
         }
-        let motion = Motion::new(&self.standing, &standing);
-        self.standing = standing;
+        let motion = Motion::new(&self.relative, &relative);
+        self.relative = relative;
         self.beyond = self.outlasting(&motion, nodes, options, cut)?;
         let limit = self.limit(cut);
         let level = options.level;
-        let open = dispatch!(level, simd => self.take_off(simd, &motion, nodes, limit));
-        (open <= self.met).then_some(self)
+        let open = dispatch!(level, simd => self.subtract_motion(simd, &motion, nodes, limit));
+        (open <= self.leaf_pairs).then_some(self)
     }
 
     /// Takes off what the guest's parts have moved; returns for how many pairs of children something is to be found out.
     #[inline(always)]
-    fn take_off<S: Simd>(&mut self, simd: S, motion: &Motion, nodes: &[Node], limit: f32) -> usize {
+    fn subtract_motion<S: Simd>(&mut self, simd: S, motion: &Motion, nodes: &[Node], limit: f32) -> usize {
         let limit = f32x8::splat(simd, limit);
         let less = f32x8::splat(simd, 1.0 - 2.0 * HALF_ULP as f32);
         let mut open = 0;
@@ -247,13 +238,13 @@ impl Front {
 }
 
 /// No finite bound is larger. Squares of less do not overflow.
-const MOST: f32 = 1e19;
+const MAX_BOUND: f32 = 1e19;
 
 /// A bound that does not say of the children that they have an entry.
 #[inline(always)]
 fn finite(bound: f32) -> f32 {
     // Not by `f32::min`, to which what is not a number is nothing.
-    if bound > MOST { MOST } else { bound }
+    if bound > MAX_BOUND { MAX_BOUND } else { bound }
 }
 
 /// Makes up for the rounding of the distance of boxes, seven operations and a root: 1 - 2^-20.
@@ -268,7 +259,7 @@ struct Motion {
 }
 
 impl Motion {
-    fn new(from: &Standing, to: &Standing) -> Self {
+    fn new(from: &RelativeFrame, to: &RelativeFrame) -> Self {
         let linear = by_axis!(i => by_axis!(j => (to.linear[i][j] - from.linear[i][j]) as f32));
         let translation = by_axis!(i => (to.translation[i] - from.translation[i]) as f32);
         let largest = (0..3).fold(0.0, |most: f64, i| {

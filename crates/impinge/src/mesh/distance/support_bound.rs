@@ -12,14 +12,14 @@ use crate::simd::{LANES, by_axis, load, load3};
 /// How far a point of a packed frame reaches, in metric units, beyond its mesh's witness and towards the other mesh:
 /// `gradient · point + base`.
 #[derive(Clone, Copy)]
-pub(super) struct Towards {
+pub(super) struct SupportBound {
     pub(super) gradient: Vector,
     pub(super) base: f64,
     /// The sum of the gradient's magnitudes.
     pub(super) size: f64,
 }
 
-impl Towards {
+impl SupportBound {
     /// How far the children of a node reach.
     #[inline(always)]
     pub(super) fn of_children<S: Simd>(&self, simd: S, mesh: &Mesh, node: u32) -> [f32; LANES] {

@@ -6,13 +6,13 @@ use super::leaf::Facing;
 use crate::simd::{Choice, LANES, outlined};
 
 /// Up to eight pairs of triangles, by their lanes in the host's leaf and in the guest's, and lower bounds of their distances.
-pub(super) struct Together {
+pub(super) struct PairBatch {
     lanes: [[usize; 2]; LANES],
     lower: [f32; LANES],
     count: usize,
 }
 
-impl Together {
+impl PairBatch {
     pub(super) const NONE: Self = Self { lanes: [[0; 2]; LANES], lower: [0.0; LANES], count: 0 };
 
     /// Only where there is room.

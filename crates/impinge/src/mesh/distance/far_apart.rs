@@ -1,16 +1,16 @@
 //! Meshes so far apart that rounding would make most pairs of faces equally near.
 //!
 //! With a gap g between meshes of extent e, along a direction n, the nearest points are those that reach farthest along n, up
-//! to e² / 2g: what a point to the side of them adds. Beyond [`REMOTE`] that is below 2^-48 g, less than values are off by in
+//! to e² / 2g: what a point to the side of them adds. Beyond [`FAR_APART`] that is below 2^-48 g, less than values are off by in
 //! any case. So the faces that reach farthest are taken, the first among equals, after one pass over each mesh.
 
-use super::answer::{Scene, Valued};
+use super::metric::MetricMap;
+use super::scene::{Scene, Valued};
 use crate::mesh::Mesh;
-use crate::mesh::distance::metric::MetricMap;
 use crate::primitive::{Vector, dot, length, sub, triangle_triangle};
 
 /// The gap, in extents of both meshes together, from which on this is the answer.
-const REMOTE: f64 = (1_u64 << 24) as f64;
+const FAR_APART: f64 = (1_u64 << 24) as f64;
 
 /// The faces that reach farthest, with their value and what it may be off by beyond the error of values; none for meshes
 /// that are nearer to each other.
@@ -18,7 +18,7 @@ pub(super) fn nearest(scene: &Scene<'_>) -> Option<(Valued, f64)> {
     let metric = &scene.metric;
     let gap = sub(&metric.maps[1].offset, &metric.maps[0].offset);
     let size = length(&gap);
-    if size <= REMOTE * metric.extent {
+    if size <= FAR_APART * metric.extent {
         return None;
     }
     let direction = gap.map(|x| x / size);

@@ -12,17 +12,18 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::at_hand::AtHand;
-use super::task::Slot;
-use super::towards::Towards;
+use super::cache::Cache;
+use super::metric::Metric;
+use super::scene::{Scene, Valued};
+use super::slot::Slot;
+use super::support_bound::SupportBound;
 use crate::mesh::Mesh;
-use crate::mesh::distance::metric::Metric;
 use crate::mesh::storage::packet::Packet;
 use crate::primitive::{Vector, dot, length, sub};
 use crate::simd::{ALL_LANES, LANES, load, outlined};
 
 /// Nodes whose children's reaches are kept, of either mesh; a power of two.
-const KEPT: usize = 256;
+const CACHED_NODES: usize = 256;
 
 /// Nodes are looked at along a new direction where the distance has shrunk by more than this since the last: 2^-10. More
 /// often would reach for all of them anew for little; a direction that is off by an angle φ loosens bounds by about φ²/2,
@@ -33,22 +34,22 @@ const STALE: f64 = 1.0 / 1024.0;
 const SUM_ROUNDING: f64 = 1.0 / (1_u64 << 21) as f64;
 
 /// A direction in the metric frame and what is known along it.
-pub(super) struct Profiles<'m> {
+pub(super) struct DirectionBounds<'m> {
     /// The host and the guest.
     meshes: [&'m Mesh; 2],
-    /// Between the best witnesses.
+    /// LineBound the best witnesses.
     newest: Option<Direction>,
     /// The one along which nodes are looked at, which is not always the newest, and its number.
     of_nodes: Option<Direction>,
     version: u32,
-    nodes: [AtHand<Reaches, KEPT>; 2],
+    nodes: [Cache<Reaches, CACHED_NODES>; 2],
 }
 
 /// A direction from the host's witness to the guest's.
 #[derive(Clone, Copy)]
 struct Direction {
-    towards: [Towards; 2],
-    enough: Enough,
+    supports: [SupportBound; 2],
+    threshold: Threshold,
     /// The distance at which it was taken.
     value: f64,
 }
@@ -65,7 +66,7 @@ struct Reaches {
 pub(super) struct Reached {
     host: [f32; LANES],
     guest: [f32; LANES],
-    enough: Enough,
+    threshold: Threshold,
 }
 
 /// How far two children reach towards each other, both together, and the number of the direction along which they do.
@@ -77,14 +78,14 @@ pub(super) struct Reach {
 
 /// How far parts have to reach towards each other to matter.
 #[derive(Clone, Copy)]
-pub(super) struct Enough {
+pub(super) struct Threshold {
     /// How far the witnesses are apart along the direction.
     gap: f64,
     /// What metric coordinates and sums of their products are off by.
     error: f64,
 }
 
-impl Enough {
+impl Threshold {
     /// Two parts that reach less far than this, both together, are farther apart than `cut`: they are apart by the gap
     /// between the witnesses, less both reaches, over the length of the direction, which is one within rounding.
     #[inline(always)]
@@ -99,11 +100,11 @@ impl Reached {
     #[inline(always)]
     pub(super) fn near<S: Simd>(reached: &Option<Self>, simd: S, cut: f64) -> [u32; LANES] {
         let Some(reached) = reached else { return [ALL_LANES; LANES] };
-        let (host, enough) = (load(simd, &reached.host), f32x8::splat(simd, reached.enough.at(cut)));
+        let (host, threshold) = (load(simd, &reached.host), f32x8::splat(simd, reached.threshold.at(cut)));
         let mut near = [0; LANES];
         for lane in 0..LANES {
             let sum = host + f32x8::splat(simd, reached.guest[lane]);
-            near[lane] = !(sum.simd_lt(enough).to_bitmask() as u32);
+            near[lane] = !(sum.simd_lt(threshold).to_bitmask() as u32);
         }
         near
     }
@@ -112,7 +113,7 @@ impl Reached {
     #[inline(always)]
     pub(super) fn are_apart(reached: &Option<Self>, [host_lane, guest_lane]: [usize; 2], cut: f64) -> bool {
         let Some(reached) = reached else { return false };
-        reached.host[host_lane] + reached.guest[guest_lane] < reached.enough.at(cut)
+        reached.host[host_lane] + reached.guest[guest_lane] < reached.threshold.at(cut)
     }
 
     /// How far two parts reach, both together; without bound where nothing is known.
@@ -126,14 +127,23 @@ impl Reached {
     }
 }
 
-impl<'m> Profiles<'m> {
+impl<'m> DirectionBounds<'m> {
     pub(super) fn new(meshes: [&'m Mesh; 2]) -> Self {
-        Self { meshes, newest: None, of_nodes: None, version: 0, nodes: [AtHand::new(), AtHand::new()] }
+        Self { meshes, newest: None, of_nodes: None, version: 0, nodes: [Cache::new(), Cache::new()] }
     }
 
-    /// Takes the direction between two witnesses, of the host and of the guest, where they are nearer than the last; `sides`
-    /// are theirs in the metric.
-    pub(super) fn take(&mut self, [on_host, on_guest]: [&Vector; 2], value: f64, metric: &Metric, sides: [usize; 2]) {
+    /// Takes the direction between the witnesses of the best pair so far.
+    #[inline(always)]
+    pub(super) fn update(&mut self, scene: &Scene<'_>, best: Option<&Valued>) {
+        if let Some(best) = best {
+            let (sides, on) = (scene.sides(), [&best.witness.on_a, &best.witness.on_b]);
+            self.turn_to(sides.map(|side| on[side]), best.value, &scene.metric, sides);
+        }
+    }
+
+    /// Takes the direction between two witnesses, of the host and of the guest, if they are nearer than the last ones. `sides` are
+    /// the places of host and guest in the metric.
+    fn turn_to(&mut self, [on_host, on_guest]: [&Vector; 2], value: f64, metric: &Metric, sides: [usize; 2]) {
         if self.newest.is_some_and(|newest| value >= newest.value) {
             return;
         }
@@ -143,16 +153,16 @@ impl<'m> Profiles<'m> {
         if size > f64::MIN_POSITIVE {
             let along = between.map(|x| x / size);
             let [level_host, level_guest] = [dot(&along, on_host), dot(&along, on_guest)];
-            let towards = |side: usize, along: Vector, level: f64| {
+            let support = |side: usize, along: Vector, level: f64| {
                 let map = &metric.maps[sides[side]];
                 let column = |j: usize| [map.linear[0][j], map.linear[1][j], map.linear[2][j]];
                 let gradient = [0, 1, 2].map(|j| dot(&along, &column(j)) / self.meshes[side].0.frame.scale);
                 let size = gradient.iter().map(|x| x.abs()).sum();
-                Towards { gradient, base: dot(&along, &map.offset) - level, size }
+                SupportBound { gradient, base: dot(&along, &map.offset) - level, size }
             };
-            let towards = [towards(0, along, level_host), towards(1, along.map(|x| -x), -level_guest)];
-            let enough = Enough { gap: level_guest - level_host, error: metric.error };
-            let newest = Direction { towards, enough, value };
+            let supports = [support(0, along, level_host), support(1, along.map(|x| -x), -level_guest)];
+            let threshold = Threshold { gap: level_guest - level_host, error: metric.error };
+            let newest = Direction { supports, threshold, value };
             self.newest = Some(newest);
             if self.of_nodes.is_none_or(|old| value < old.value * (1.0 - STALE)) {
                 self.of_nodes = Some(newest);
@@ -167,7 +177,7 @@ impl<'m> Profiles<'m> {
         let direction = self.of_nodes?;
         let host = self.reaches(simd, 0, nodes[0], &direction).lanes;
         let guest = self.reaches(simd, 1, nodes[1], &direction).lanes;
-        Some(Reached { host, guest, enough: direction.enough })
+        Some(Reached { host, guest, threshold: direction.threshold })
     }
 
     /// Whether two children are proved to be farther apart than `cut`; `reach` is what was known of them.
@@ -182,7 +192,7 @@ impl<'m> Profiles<'m> {
             let guest = self.reaches(simd, 1, guest_slot.node, &direction).lanes[usize::from(guest_slot.lane)];
             host + guest
         };
-        both < direction.enough.at(cut)
+        both < direction.threshold.at(cut)
     }
 
     /// The number of the direction along which nodes reach; zero while there is none.
@@ -200,25 +210,25 @@ impl<'m> Profiles<'m> {
         side: usize,
         node: u32,
         other: Slot,
-    ) -> Option<(f32x8<S>, Enough)> {
+    ) -> Option<(f32x8<S>, Threshold)> {
         let direction = self.of_nodes?;
         let one = self.reaches(simd, 1 - side, other.node, &direction).lanes[usize::from(other.lane)];
         let many = load(simd, &self.reaches(simd, side, node, &direction).lanes);
-        Some((many + f32x8::splat(simd, one), direction.enough))
+        Some((many + f32x8::splat(simd, one), direction.threshold))
     }
 
     /// How the triangles of two leaves reach towards each other.
     #[inline(always)]
     pub(super) fn of_leaves<S: Simd>(&self, simd: S, leaves: [&Packet<'_>; 2]) -> Option<Reached> {
         let direction = self.newest?;
-        let host = direction.towards[0].of_triangles(simd, leaves[0]);
-        let guest = direction.towards[1].of_triangles(simd, leaves[1]);
-        Some(Reached { host, guest, enough: direction.enough })
+        let host = direction.supports[0].of_triangles(simd, leaves[0]);
+        let guest = direction.supports[1].of_triangles(simd, leaves[1]);
+        Some(Reached { host, guest, threshold: direction.threshold })
     }
 
     #[inline(always)]
     fn reaches<S: Simd>(&mut self, simd: S, side: usize, node: u32, direction: &Direction) -> &Reaches {
-        let (mesh, version, towards) = (self.meshes[side], self.version, &direction.towards[side]);
+        let (mesh, version, support) = (self.meshes[side], self.version, &direction.supports[side]);
         let is_current = |kept: &Reaches| kept.node == node && kept.version == version;
         self.nodes[side].get_current(
             node,
@@ -228,7 +238,7 @@ impl<'m> Profiles<'m> {
                 let lanes = outlined(
                     simd,
                     #[inline(always)]
-                    || towards.of_children(simd, mesh, node),
+                    || support.of_children(simd, mesh, node),
                 );
                 Reaches { node, version, lanes }
             },
@@ -278,15 +288,16 @@ mod tests {
                 pose(if round % 3 == 0 { large_integer_map(&mut rng) } else { rotation(&mut rng) }),
             ];
             let metric = Metric::new(mesh.at(poses[0]), mesh.at(poses[1]));
-            let mut profiles = Profiles::new([&mesh, &mesh]);
+            let mut direction_bounds = DirectionBounds::new([&mesh, &mesh]);
             let on = [0, 1].map(|side| metric.maps[side].apply(mesh.corners(rng.integer(0, 4000) as u32)[0]));
             let between = sub(&on[1], &on[0]);
             let along = between.map(|x| x / length(&between));
-            profiles.take([&on[0], &on[1]], length(&between), &metric, [0, 1]);
+            direction_bounds.turn_to([&on[0], &on[1]], length(&between), &metric, [0, 1]);
             for node in 0..mesh.0.tree.nodes().len() as u32 {
                 let mut found = Vec::new();
                 for (_, level) in levels() {
-                    let reached = dispatch!(level, simd => profiles.of_nodes(simd, [node, node])).expect("a direction");
+                    let reached =
+                        dispatch!(level, simd => direction_bounds.of_nodes(simd, [node, node])).expect("a direction");
                     found.push([reached.host, reached.guest]);
                 }
                 assert!(found.iter().all(|reaches| *reaches == found[0]), "another bound at another level");
