@@ -11,8 +11,8 @@
 //!
 //! Guarded by the tests `supports_*` below and `plates_*` in `tests/it/distance/clearances.rs`.
 
-use super::corners::Corners;
 use super::double_double::{DoubleDouble, cross, difference, dot};
+use super::exact_points::Corners;
 use super::placement::Placement;
 use crate::math::Pose;
 use crate::primitive::{self, Vector};

@@ -4,8 +4,8 @@
 //! found (see the head of `primitive`), and in that edges are always tried.
 
 use super::Vector;
+use super::closest::{ClosestPoints, Scaled};
 use super::products::{accurate_cross, cross, dot, sub};
-use super::triangles::{ClosestPoints, Scaled};
 
 /// The point of the segment from `segment[0]` to `segment[1]` that is nearest to `point`; either end may be both.
 ///

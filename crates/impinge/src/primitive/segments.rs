@@ -8,9 +8,9 @@
 //! noise; the ends, which are tried in any case, are then within `|u| sin θ` of the nearest points.
 
 use super::Vector;
+use super::closest::{ClosestPoints, Scaled};
 use super::points::{along, point_segment};
 use super::products::{accurate_cross, cross, dot, sub};
-use super::triangles::{ClosestPoints, Scaled};
 
 /// The points of two segments that are nearest to each other; either may be a point.
 ///
