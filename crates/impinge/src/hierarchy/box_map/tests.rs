@@ -8,7 +8,8 @@ use impinge_testkit::generate::poses::rotation;
 
 use super::super::tests::maps::exact;
 use super::*;
-use crate::simd::{Level, kernel_levels, load3};
+use crate::hierarchy::lanes::{overlapping_each, overlapping_pairs};
+use crate::simd::{LANES, Level, kernel_levels, load3};
 
 const REACH: f64 = 1.0;
 
