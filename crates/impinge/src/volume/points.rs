@@ -4,7 +4,7 @@ use std::ops::{Add, Sub};
 
 use fearless_simd::Simd;
 
-use super::super::MinMax;
+use super::MinMax;
 use crate::input::{InputError, InputErrorKind};
 use crate::simd::{best_level, dispatch};
 
@@ -49,9 +49,22 @@ impl Coordinate for f64 {
     }
 }
 
+impl MinMax {
+    /// The least box of these points, exactly.
+    ///
+    /// # Errors
+    /// As [`BoundingVolume::of_points`](super::BoundingVolume::of_points).
+    ///
+    /// # Complexity
+    /// One pass over memory.
+    pub fn of<T: Coordinate>(points: &[[T; 3]]) -> Result<Self, InputError> {
+        judge(points)
+    }
+}
+
 /// The point in double precision, which holds either kind without rounding.
 #[inline(always)]
-pub(in super::super) fn widen<T: Coordinate>(point: [T; 3]) -> [f64; 3] {
+pub(super) fn widen<T: Coordinate>(point: [T; 3]) -> [f64; 3] {
     point.map(Into::into)
 }
 
@@ -66,7 +79,7 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 ///
 /// # Errors
 /// Without points, or where one is not finite or not below 2^128.
-pub(in super::super) fn judge<T: Coordinate>(points: &[[T; 3]]) -> Result<MinMax, InputError> {
+pub(super) fn judge<T: Coordinate>(points: &[[T; 3]]) -> Result<MinMax, InputError> {
     bounds(points).ok_or_else(|| first_bad(points))
 }
 
