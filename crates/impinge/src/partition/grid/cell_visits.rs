@@ -1,80 +1,85 @@
-//! What boxes that move look at in the cells of one level.
+//! The cells of one level that a batch of moving boxes visits.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x4};
 
 use super::super::{Changes, Items};
-use super::frame::{Block, Frame, PARTS};
+use super::frame::{Block, Frame};
 use super::layout::Along;
 use super::level::Level;
-use super::lines::HELD;
-use super::together::{Movers, TOGETHER};
-use super::word::Seen;
+use super::lines::LINE_CAPACITY;
+use super::move_batch::{BATCH, MoveBatch};
+use super::quantization::PARTS;
+use super::quantized_move::QuantizedMove;
 use crate::simd::{best_level, by_axis, dispatch, prefetch};
 use crate::volume::MinMax;
 
-/// Cells about a short way in all, and four along each axis: more are looked through more often than they are worth.
+/// Maximum number of cells about a short path. A path about more cells is looked through more often than batching is worth.
 pub(super) const SHORT: usize = 27;
 
-/// Cells along each axis that a short way is seen from at most.
+/// Maximum number of cells about a short path along each axis.
 const WIDEST: usize = 4;
 
-/// What boxes that move together look at in a level: cells, in the order in which they move. Kept, as it is written anew for each
-/// few moves.
+/// The cells of a level that the boxes of a batch visit, in the order of the moves. Its memory is used again for each batch.
 #[derive(Clone, Debug)]
-pub(super) struct Looks {
+pub(super) struct CellVisits {
     /// As many as `count`, and others that mean nothing.
-    looks: Vec<Look>,
+    visits: Vec<CellVisit>,
     count: usize,
-    ways: Ways,
-    open: Vec<Open>,
+    paths: Paths,
+    candidates: Vec<Undecided>,
 }
 
-/// A cell that a box looks at as it moves.
+/// A cell that a box visits as it moves.
 #[derive(Clone, Copy, Debug, Default)]
-struct Look {
-    seen: Seen,
+struct CellVisit {
+    seen: QuantizedMove,
     place: u32,
     mover: u8,
-    /// Which of the cells about the way it is: along each axis how far from the first, in two bits.
+    /// Which of the cells about the path it is: along each axis how far from the first, in two bits.
     number: u8,
 }
 
 /// How boxes move among the cells, side by side.
 #[derive(Clone, Debug, Default)]
-struct Ways {
-    /// Along each axis the first cell about a way.
-    low: [[i64; TOGETHER]; 3],
+struct Paths {
+    /// Along each axis the first cell about a path.
+    low: [[i64; BATCH]; 3],
     /// Where the box begins and ends before and after, in parts of a cell behind the beginning of the first.
-    parts: [[[i16; TOGETHER]; 4]; 3],
+    parts: [[[i16; BATCH]; 4]; 3],
     /// Which cells there are about it, a bit for each by its number, and whether they are more than two along an axis.
-    cells: [u64; TOGETHER],
-    is_wide: [bool; TOGETHER],
+    cells: [u64; BATCH],
+    is_wide: [bool; BATCH],
     /// Whether the box has copies in this level, and whether these are in other cells afterwards.
-    is_here: [bool; TOGETHER],
-    stays: [bool; TOGETHER],
+    is_here: [bool; BATCH],
+    stays: [bool; BATCH],
 }
 
 /// A box that steps do not tell from one that begins or ceases to meet what moved.
 #[derive(Clone, Copy, Debug)]
-struct Open {
+struct Undecided {
     key: u32,
     mover: u8,
     number: u8,
 }
 
-impl Default for Looks {
+impl Default for CellVisits {
     fn default() -> Self {
         // One more than there may be, as the next is written before it is known whether it is kept.
-        Self { looks: vec![Look::default(); TOGETHER * SHORT + 1], count: 0, ways: Ways::default(), open: Vec::new() }
+        Self {
+            visits: vec![CellVisit::default(); BATCH * SHORT + 1],
+            count: 0,
+            paths: Paths::default(),
+            candidates: Vec::new(),
+        }
     }
 }
 
-impl Looks {
-    /// Notes a way among the cells of a level, unless the cells about it are too many. Copies of the box are in this level, or it
-    /// only looks here.
+impl CellVisits {
+    /// Notes a path among the cells of a level, unless the cells about it are too many. `is_here` says whether the box has copies
+    /// in this level. If not, the box only looks for others here.
     #[inline(always)]
-    pub(super) fn trace(&mut self, level: &Level, mover: usize, [from, to]: &[MinMax; 2], is_here: bool) -> bool {
+    pub(super) fn note_path(&mut self, level: &Level, mover: usize, [from, to]: &[MinMax; 2], is_here: bool) -> bool {
         let [before, after] = [level.frame.reach(from), level.frame.reach(to)];
         let low = by_axis!(axis => before.low[axis].min(after.low[axis]).cell());
         let counts = by_axis!(axis => before.high[axis].max(after.high[axis]).cell() - low[axis] + 1);
@@ -82,41 +87,41 @@ impl Looks {
         if most > WIDEST as i64 || counts[0] * counts[1] * counts[2] > SHORT as i64 {
             return false;
         }
-        let ways = &mut self.ways;
+        let paths = &mut self.paths;
         let mut changed = 0;
         for axis in 0..3 {
             let ends = [before.low[axis], before.high[axis], after.low[axis], after.high[axis]];
-            ways.low[axis][mover] = low[axis];
+            paths.low[axis][mover] = low[axis];
             let mut parts = [0; 4];
             for end in 0..4 {
                 parts[end] = ends[end].parts_from(low[axis]) as i16;
-                ways.parts[axis][end][mover] = parts[end];
+                paths.parts[axis][end][mover] = parts[end];
             }
             changed |= (parts[0] ^ parts[2]) | (parts[1] ^ parts[3]);
         }
-        ways.cells[mover] = cells_of(counts);
-        ways.is_wide[mover] = most > 2;
-        (ways.is_here[mover], ways.stays[mover]) = (is_here, changed >> PARTS == 0);
+        paths.cells[mover] = cells_of(counts);
+        paths.is_wide[mover] = most > 2;
+        (paths.is_here[mover], paths.stays[mover]) = (is_here, changed >> PARTS == 0);
         true
     }
 
-    /// Finds the cells about the ways.
+    /// Finds the cells about the paths.
     #[inline(always)]
     fn spread<const WIDE: usize, S: Simd>(&mut self, simd: S, level: &Level, movers: usize) {
-        let ways = &self.ways;
-        let mut slices = [[[Seen::default(); TOGETHER]; WIDE]; 3];
+        let paths = &self.paths;
+        let mut slices = [[[QuantizedMove::default(); BATCH]; WIDE]; 3];
         for axis in 0..3 {
             for nth in 0..WIDE {
-                slices[axis][nth] = Seen::along(simd, axis, &ways.parts[axis], &ways.low[axis], nth);
+                slices[axis][nth] = QuantizedMove::along(simd, axis, &paths.parts[axis], &paths.low[axis], nth);
             }
         }
         let mut count = 0;
-        let looks = &mut self.looks[..];
+        let visits = &mut self.visits[..];
         for mover in 0..movers {
             let mut along = [[Along::default(); WIDE]; 3];
             for axis in 0..3 {
                 for nth in 0..WIDE {
-                    along[axis][nth] = level.layout.along(axis, ways.low[axis][mover] + nth as i64);
+                    along[axis][nth] = level.layout.along(axis, paths.low[axis][mover] + nth as i64);
                 }
             }
             // Written in any case and kept where there is such a cell: how many there are is hard to foresee.
@@ -126,10 +131,10 @@ impl Looks {
                     for x in 0..WIDE {
                         let place = level.layout.place([along[0][x], along[1][y], along[2][z]]) as u32;
                         let number = x | y << 2 | z << 4;
-                        let look = &mut looks[count];
-                        look.seen = Seen::all(simd, slices[0][x][mover].lanes(simd) | row);
-                        (look.place, look.mover, look.number) = (place, mover as u8, number as u8);
-                        count += (ways.cells[mover] >> number & 1) as usize;
+                        let visit = &mut visits[count];
+                        visit.seen = QuantizedMove::all(simd, slices[0][x][mover].lanes(simd) | row);
+                        (visit.place, visit.mover, visit.number) = (place, mover as u8, number as u8);
+                        count += (paths.cells[mover] >> number & 1) as usize;
                     }
                 }
             }
@@ -142,56 +147,56 @@ impl Looks {
     ///
     /// This is the only function of the grids that is compiled for each vector unit. Both kinds of
     /// grid share it.
-    pub(super) fn follow(&mut self, level: &mut Level, items: &Items, movers: &Movers, changes: &mut Changes) {
-        dispatch!(best_level(), simd => self.follow_lanes(simd, level, items, movers, changes));
+    pub(super) fn apply(&mut self, level: &mut Level, items: &Items, batch: &MoveBatch, changes: &mut Changes) {
+        dispatch!(best_level(), simd => self.apply_lanes(simd, level, items, batch, changes));
     }
 
     #[inline(always)]
-    fn follow_lanes<S: Simd>(
+    fn apply_lanes<S: Simd>(
         &mut self,
         simd: S,
         level: &mut Level,
         items: &Items,
-        movers: &Movers,
+        batch: &MoveBatch,
         changes: &mut Changes,
     ) {
-        let number = movers.iter().len();
-        if self.ways.is_wide[..number].contains(&true) {
+        let number = batch.iter().len();
+        if self.paths.is_wide[..number].contains(&true) {
             self.spread::<WIDEST, S>(simd, level, number);
         } else {
             self.spread::<2, S>(simd, level, number);
         }
-        let looks = &self.looks[..self.count];
-        // Close together, so that a processor looks for many pages at once.
+        let visits = &self.visits[..self.count];
+        // Close together, so that a processor looks up many pages at once.
         let first = level.lines.first();
-        for look in looks {
-            prefetch(&first[look.place as usize]);
+        for visit in visits {
+            prefetch(&first[visit.place as usize]);
         }
-        for look in looks {
-            if let Some(more) = level.lines.after(&first[look.place as usize]) {
+        for visit in visits {
+            if let Some(more) = level.lines.after(&first[visit.place as usize]) {
                 prefetch(more);
             }
         }
-        self.open.clear();
+        self.candidates.clear();
         let mut lines = level.lines.open();
-        for look in looks {
-            let mover = usize::from(look.mover);
-            let (stays, key) = (self.ways.stays[mover], movers.of(mover).0);
-            let mut line = lines.first(look.place as usize);
+        for visit in visits {
+            let mover = usize::from(visit.mover);
+            let (stays, key) = (self.paths.stays[mover], batch.of(mover).0);
+            let mut line = lines.first(visit.place as usize);
             loop {
                 let mut own = places_of(simd, key, &line.keys);
-                let mut undecided = look.seen.compare(simd, &line.words) & !own;
+                let mut undecided = visit.seen.compare(simd, &line.boxes) & !own;
                 while stays && own != 0 {
-                    let word = &mut line.words[own.trailing_zeros() as usize];
+                    let quantized = &mut line.boxes[own.trailing_zeros() as usize];
                     own &= own - 1;
-                    if word.is_marked_as(look.seen.after()) {
-                        *word = look.seen.after();
+                    if quantized.has_cell_key_of(visit.seen.after()) {
+                        *quantized = visit.seen.after();
                     }
                 }
                 while undecided != 0 {
                     let key = line.keys[undecided.trailing_zeros() as usize];
                     undecided &= undecided - 1;
-                    self.open.push(Open { key, mover: look.mover, number: look.number });
+                    self.candidates.push(Undecided { key, mover: visit.mover, number: visit.number });
                 }
                 let next = line.next;
                 match lines.more(next) {
@@ -199,9 +204,9 @@ impl Looks {
                     None => break,
                 }
             }
-            if self.ways.is_here[mover] && !stays {
-                let (place, after) = (look.place as usize, look.seen.after());
-                match self.ways.holds(mover, look.number) {
+            if self.paths.is_here[mover] && !stays {
+                let (place, after) = (visit.place as usize, visit.seen.after());
+                match self.paths.holds(mover, visit.number) {
                     [true, true] => lines.write(place, key, after),
                     [true, false] => lines.take(place, key, after),
                     [false, true] => lines.put(place, key, after),
@@ -209,16 +214,16 @@ impl Looks {
                 }
             }
         }
-        for open in &self.open {
-            items.prefetch(open.key);
+        for candidate in &self.candidates {
+            items.prefetch(candidate.key);
         }
-        for open in &self.open {
-            let mover = usize::from(open.mover);
-            let (key, [from, to]) = movers.of(mover);
-            let Some(bounds) = movers.at_turn(items, mover, open.key) else { continue };
+        for candidate in &self.candidates {
+            let mover = usize::from(candidate.mover);
+            let (key, [from, to]) = batch.of(mover);
+            let Some(bounds) = batch.at_turn(items, mover, candidate.key) else { continue };
             let (met, meets) = (overlap(from, bounds), overlap(to, bounds));
-            if met != meets && self.ways.is_first(mover, open.number, &level.frame, bounds) {
-                changes.note(key, open.key, meets);
+            if met != meets && self.paths.is_first(mover, candidate.number, &level.frame, bounds) {
+                changes.note(key, candidate.key, meets);
             }
         }
     }
@@ -226,13 +231,13 @@ impl Looks {
 
 /// The places of copies of a key in a line, bits; there may be some where copies were.
 #[inline(always)]
-fn places_of<S: Simd>(simd: S, key: u32, keys: &[u32; HELD]) -> u32 {
+fn places_of<S: Simd>(simd: S, key: u32, keys: &[u32; LINE_CAPACITY]) -> u32 {
     let [first @ .., last] = keys;
     let are_first = u32x4::from_slice(simd, first).simd_eq(u32x4::splat(simd, key)).to_bitmask() as u32;
-    are_first | u32::from(*last == key) << (HELD - 1)
+    are_first | u32::from(*last == key) << (LINE_CAPACITY - 1)
 }
 
-impl Ways {
+impl Paths {
     /// Whether a box has a copy in a cell before and after.
     #[inline(always)]
     fn holds(&self, mover: usize, number: u8) -> [bool; 2] {
@@ -248,7 +253,7 @@ impl Ways {
         holds
     }
 
-    /// Whether a cell is the one of the least corner of what a box shares with the cells about a way.
+    /// Whether a cell is the one of the least corner of what a box shares with the cells about a path.
     fn is_first(&self, mover: usize, number: u8, frame: &Frame, bounds: &MinMax) -> bool {
         let (low, cell) = ([0, 1, 2].map(|axis| self.low[axis][mover]), from_first(number));
         frame.is_first([0, 1, 2].map(|axis| low[axis] + i64::from(cell[axis])), &Block { low, high: low }, bounds)
@@ -263,7 +268,7 @@ fn cells_of(counts: [i64; 3]) -> u64 {
     (x * 0x1111_1111_1111_1111) & (y * 0x0001_0001_0001_0001) & z
 }
 
-/// A cell about a way by its number, counted along each axis from the first.
+/// A cell about a path by its number, counted along each axis from the first.
 fn from_first(number: u8) -> [u8; 3] {
     [number & 3, number >> 2 & 3, number >> 4]
 }
