@@ -41,11 +41,7 @@ pub(super) fn read(source: &Path) -> Result<(Vec<SourceFile>, Vec<LostFile>)> {
         for child in &imports.children {
             match find_source(&path, &module, &child.module) {
                 Some(found) if !child.moved => pending.push((found, child.module.clone())),
-                _ => lost.push(LostFile {
-                    declared_in: path.clone(),
-                    line: child.line,
-                    module: child.module.clone(),
-                }),
+                _ => lost.push(LostFile { declared_in: path.clone(), line: child.line, module: child.module.clone() }),
             }
         }
         files.push(SourceFile { path, module, syntax, imports });

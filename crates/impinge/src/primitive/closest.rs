@@ -1,7 +1,7 @@
 //! The nearest points of two sets, and the scale at which closed forms find them.
 
 use super::Vector;
-use super::products::length;
+use crate::math::vector::length;
 
 /// The nearest points of two sets A and B, in the frame and unit of the arguments.
 ///

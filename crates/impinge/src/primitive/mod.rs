@@ -24,10 +24,8 @@ pub use ray::{RayCrossing, ray_triangle};
 pub use segments::closest_on_segments;
 pub use triangles::closest_on_triangles;
 
+pub(crate) use crate::math::vector::{Vector, cross, dot, length, scaled_length, sub};
 pub(crate) use closest::CLOSED_FORM_ERROR;
 pub(crate) use points::point_triangle;
-pub(crate) use products::{accurate_sum_of_products, cross, dot, length, scaled_length, sub};
+pub(crate) use products::accurate_sum_of_products;
 pub(crate) use triangles::{Witness, common_point, separation, triangle_triangle};
-
-/// Three coordinates.
-pub(crate) type Vector = [f64; 3];

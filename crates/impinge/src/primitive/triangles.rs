@@ -4,13 +4,12 @@
 //! in a corner and a face. Whether they have a common point is decided exactly, by `exact`, and only where the
 //! witnesses' direction does not prove that they have none.
 
-use super::Vector;
 use super::closest::{ClosestPoints, Scaled};
 use super::points::{Face, along, point_segment};
-use super::products::{dot, length, sub};
 use super::segments::inner_points;
 use crate::exact::{Crossing, Placement, crossing, triangles_intersect};
 use crate::math::Pose;
+use crate::math::vector::{Vector, dot, length, sub};
 
 /// The points of two triangles that are nearest to each other; either may be a segment or a point.
 ///
