@@ -35,7 +35,7 @@ enum Chore {
     FileLength,
     /// After an edit: format, check the layers, build, and run the unit tests of a room and the cases.
     Quick {
-        /// A module of `impinge` by its path, such as `query` or `mesh/filter`; without it all unit tests run.
+        /// A module of `impinge` by its path, such as `query` or `mesh/pairs/filter`; without it all unit tests run.
         room: Option<String>,
     },
     /// Run every test, those of the Python package too, and print their counts last.

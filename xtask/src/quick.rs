@@ -15,7 +15,7 @@ const PROGRAMS: [&str; 6] = ["--package=impinge", "--no-default-features", "--li
 /// Formats the code, checks the layers, builds `impinge`, and runs the unit tests of a room and the
 /// cases. Returns whether all is well.
 ///
-/// A room is a module by its path, `query` or `mesh/filter`. Without one the unit tests of all rooms
+/// A room is a module by its path, `query` or `mesh/pairs/filter`. Without one the unit tests of all rooms
 /// run.
 ///
 /// # Errors
@@ -24,7 +24,10 @@ pub(crate) fn run(root: &Path, room: Option<&str>) -> Result<bool> {
     if let Some(room) = room {
         let module = root.join("crates/impinge/src").join(room);
         let is_room = module.is_dir() || module.with_extension("rs").is_file();
-        ensure!(is_room, "{room}: not a module of impinge. Name one by its path, such as `query` or `mesh/filter`.");
+        ensure!(
+            is_room,
+            "{room}: not a module of impinge. Name one by its path, such as `query` or `mesh/pairs/filter`."
+        );
     }
     let format = cargo().args(["fmt", "--all"]).current_dir(root).status().context("starting cargo fmt")?;
     ensure!(format.success(), "cargo fmt cannot parse the code");

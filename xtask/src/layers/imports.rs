@@ -18,6 +18,8 @@ pub(super) struct Import {
     pub(super) written: String,
     /// The line, counted from one.
     pub(super) line: usize,
+    /// Whether the path is only re-exported there.
+    pub(super) reexported: bool,
 }
 
 /// A `mod name;`, whose source is another file.
@@ -42,6 +44,9 @@ pub(super) struct Imports {
     pub(super) children: Vec<Child>,
     /// The modules whose source is in this file, with their lines.
     pub(super) inline: Vec<Child>,
+    /// The paths that start with another name than `crate`, `self` or `super`, counted from the root as if that name were in the
+    /// module that writes it.
+    pub(super) relative: Vec<Import>,
 }
 
 impl Imports {
@@ -55,8 +60,17 @@ impl Imports {
     }
 
     fn record(&mut self, segments: &[String], line: usize) {
-        if let Some(path) = from_root(&self.module, segments) {
-            self.found.push(Import { module: self.module.clone(), path, written: segments.join("::"), line });
+        self.record_import(segments, line, false);
+    }
+
+    fn record_import(&mut self, segments: &[String], line: usize, reexported: bool) {
+        let import = |path| {
+            let (module, written) = (self.module.clone(), segments.join("::"));
+            Import { module, path, written, line, reexported }
+        };
+        match from_root(&self.module, segments) {
+            Some(path) => self.found.push(import(path)),
+            None => self.relative.push(import([&self.module[..], segments].concat())),
         }
     }
 
@@ -72,12 +86,9 @@ impl Imports {
         }
     }
 
-    /// Records the path that starts at the first of `tokens`, if one does; how many tokens it takes.
+    /// Records the path that starts at the first of `tokens`, if one does. Returns the number of its tokens.
     fn scan_path(&mut self, tokens: &[TokenTree]) -> usize {
         let Some(TokenTree::Ident(first)) = tokens.first() else { return 0 };
-        if !["crate", "self", "super"].iter().any(|root| first == root) {
-            return 0;
-        }
         let mut segments = vec![first.to_string()];
         let mut taken = 1;
         while let [TokenTree::Punct(a), TokenTree::Punct(b), next, ..] = &tokens[taken..] {
@@ -102,7 +113,7 @@ impl Imports {
             }
             taken += 3;
         }
-        if taken > 1 {
+        if taken > 1 || is_type(&segments[0]) {
             self.record(&segments, first.span().start().line);
         }
         taken
@@ -158,7 +169,10 @@ impl<'ast> Visit<'ast> for Imports {
 
     fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
         if item.leading_colon.is_none() {
-            leaves(&item.tree, &mut Vec::new(), &mut |path, _, span| self.record(path, span.start().line));
+            let reexported = !matches!(item.vis, syn::Visibility::Inherited);
+            leaves(&item.tree, &mut Vec::new(), &mut |path, _, span| {
+                self.record_import(path, span.start().line, reexported);
+            });
         }
     }
 
@@ -169,11 +183,21 @@ impl<'ast> Visit<'ast> for Imports {
     }
 
     fn visit_path(&mut self, path: &'ast syn::Path) {
-        if path.leading_colon.is_none() && path.segments.len() > 1 {
+        let one_type = path.segments.len() == 1 && path.segments.iter().all(|s| is_type(&s.ident.to_string()));
+        if path.leading_colon.is_none() && (path.segments.len() > 1 || one_type) {
             let segments: Vec<String> = path.segments.iter().map(|s| s.ident.to_string()).collect();
             self.record(&segments, path.span().start().line);
         }
         visit::visit_path(self, path);
+    }
+
+    fn visit_expr_call(&mut self, call: &'ast syn::ExprCall) {
+        if let syn::Expr::Path(function) = &*call.func
+            && let Some(name) = function.path.get_ident()
+        {
+            self.record(&[name.to_string()], name.span().start().line);
+        }
+        visit::visit_expr_call(self, call);
     }
 
     fn visit_macro(&mut self, call: &'ast syn::Macro) {
@@ -217,8 +241,13 @@ pub(super) fn leaves(
     prefix.truncate(depth);
 }
 
+/// Whether a name is written as those of types are.
+fn is_type(name: &str) -> bool {
+    name.starts_with(char::is_uppercase)
+}
+
 /// The path from the root that `segments` name when written in `module`; none where they start in another crate or scope.
-fn from_root(module: &[String], segments: &[String]) -> Option<Vec<String>> {
+pub(super) fn from_root(module: &[String], segments: &[String]) -> Option<Vec<String>> {
     let mut path = match segments.first()?.as_str() {
         "crate" => Vec::new(),
         "self" => module.to_vec(),

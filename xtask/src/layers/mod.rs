@@ -1,8 +1,12 @@
-//! The layers: a crate depends only on crates before it, a module of `impinge` imports only modules before it.
+//! The layers: a crate depends only on crates before it, a module of `impinge` imports only modules before it, and inside a
+//! module no two files need each other.
 
+mod circles;
 mod crates;
+mod files;
 mod imports;
 mod modules;
+mod paths;
 
 use std::path::Path;
 
@@ -36,9 +40,12 @@ const MODULES: [&str; 18] = [
     "interop",
 ];
 
-/// Every dependency and every import of the workspace at `root` that goes against the order.
+/// Every dependency and every import of the workspace at `root` that goes against the order, and every circle of files.
 pub(crate) fn check(root: &Path) -> Result<Vec<Violation>> {
     let mut violations = crates::check(root, &CRATES)?;
-    violations.extend(modules::check(&root.join("crates/impinge/src"), root, &MODULES)?);
+    let source = root.join("crates/impinge/src");
+    let (files, lost) = files::read(&source)?;
+    violations.extend(modules::check(&source, root, (&files, &lost), &MODULES)?);
+    violations.extend(circles::check(&files, root));
     Ok(violations)
 }

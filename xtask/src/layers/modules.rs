@@ -1,17 +1,24 @@
-//! The order of the modules of one crate, read from its source: the tree of files is followed from `lib.rs`, and each
-//! path that starts in the crate is led to the top module that it names.
+//! The order of the modules of one crate, read from its source: each path that starts in the crate is led to the
+//! top module that it names.
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, Result};
 
+use super::files::{LostFile, SourceFile};
 use super::imports::{Child, Import, Imports, leaves};
 use crate::sources::Violation;
 
-/// What breaks `order` in the crate whose `lib.rs` lies in `source`; files are shown relative to `root`.
-pub(super) fn check(source: &Path, root: &Path, order: &[&str]) -> Result<Vec<Violation>> {
+/// What breaks `order` in the crate whose `lib.rs` lies in `source`, of which `files` and `lost` are read; files are shown
+/// relative to `root`.
+pub(super) fn check(
+    source: &Path,
+    root: &Path,
+    (files, lost): (&[SourceFile], &[LostFile]),
+    order: &[&str],
+) -> Result<Vec<Violation>> {
     let mut violations = Vec::new();
     let shown = |file: &Path| file.strip_prefix(root).unwrap_or(file).to_path_buf();
     for entry in fs::read_dir(source).with_context(|| format!("reading {}", source.display()))? {
@@ -22,39 +29,18 @@ pub(super) fn check(source: &Path, root: &Path, order: &[&str]) -> Result<Vec<Vi
         }
     }
 
-    let mut exported = BTreeMap::new();
-    let mut pending = vec![(source.join("lib.rs"), Vec::new())];
-    while let Some((file, module)) = pending.pop() {
-        let text = fs::read_to_string(&file).with_context(|| format!("reading {}", file.display()))?;
-        let parsed = syn::parse_file(&text).with_context(|| format!("parsing {}", file.display()))?;
-        if module.is_empty() {
-            exported = exports(&parsed);
-        }
-        let imports = Imports::of(&parsed, &module);
-        let mut report = |line, what| violations.push(Violation { file: shown(&file), line, what });
-        judge(&imports, &exported, order, &mut report);
-        for child in imports.children {
-            match (child.moved, find_source(&file, &module, &child.module)) {
-                (false, Some(found)) => pending.push((found, child.module)),
-                _ => report(
-                    child.line,
-                    format!("the file of module `{}` is not where its name says", child.module.join("::")),
-                ),
-            }
-        }
+    let exported = files.first().map(|lib| exports(&lib.syntax)).unwrap_or_default();
+    for file in files {
+        let mut report = |line, what| violations.push(Violation { file: shown(&file.path), line, what });
+        judge(&file.imports, &exported, order, &mut report);
+    }
+    for LostFile { declared_in, line, module } in lost {
+        let what = format!("the file of module `{}` is not where its name says", module.join("::"));
+        violations.push(Violation { file: shown(declared_in), line: *line, what });
     }
     violations.sort_by(|x, y| (&x.file, x.line, &x.what).cmp(&(&y.file, y.line, &y.what)));
     violations.dedup_by(|x, y| (&x.file, x.line, &x.what) == (&y.file, y.line, &y.what));
     Ok(violations)
-}
-
-/// The file of module `child`, declared in `file`, the source of `module`.
-fn find_source(file: &Path, module: &[String], child: &[String]) -> Option<PathBuf> {
-    let stem = file.file_stem()?;
-    let owns_folder = stem == "lib" || stem == "mod";
-    let mut base = if owns_folder { file.parent()?.to_path_buf() } else { file.with_extension("") };
-    base.extend(&child[module.len()..]);
-    [base.with_extension("rs"), base.join("mod.rs")].into_iter().find(|f| f.is_file())
 }
 
 /// The names that the root of the crate re-exports, each with the path that it stands for.
@@ -118,6 +104,7 @@ fn no_place(module: &str, order: &[&str]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layers::files;
 
     const ORDER: [&str; 3] = ["low", "mid", "high"];
 
@@ -217,7 +204,9 @@ mod tests {
         write("mid/part.rs", "pub use crate::low::A;");
         write("mid/tests.rs", "use crate::high::B;");
         let shown = || -> Vec<String> {
-            check(root.path(), root.path(), &ORDER).unwrap().iter().map(ToString::to_string).collect()
+            let (files, lost) = files::read(root.path()).unwrap();
+            let found = check(root.path(), root.path(), (&files, &lost), &ORDER).unwrap();
+            found.iter().map(ToString::to_string).collect()
         };
         let upward =
             "low/nested/deep/deeper.rs:3: `crate::mid::part::A` reaches up from `low` to `mid`; `low` may use none";

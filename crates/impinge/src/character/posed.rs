@@ -11,7 +11,7 @@ use super::crossing::Crossing;
 use super::fit::HitPart;
 use super::frame::Frame;
 use super::meeting::{Stood, core, meet};
-use super::rig::RigPose;
+use super::rig_pose::RigPose;
 use super::transform::{Vector, apply, apply_transposed};
 use super::vector::{add, dot, length, scale, sub, unit};
 use super::volume::HitVolume;

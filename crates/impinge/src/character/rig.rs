@@ -1,11 +1,11 @@
-//! A skeleton, the skin over it and the ways in which it moves; and one pose of it.
+//! A skeleton, the skin over it and the ways in which it moves.
 
 use super::animation::{Animation, Target};
 use super::error::{RigError, RigErrorKind, RigPlace};
-use super::skeleton::{BoneSet, PlacedBone, Skeleton};
+use super::rig_pose::RigPose;
+use super::skeleton::{BoneSet, Skeleton};
 use super::skin::Skin;
 use super::timeline::Side;
-use super::transform::Transform;
 
 /// A character as it was modelled and animated: what hit volumes are fitted to.
 ///
@@ -39,14 +39,6 @@ pub struct Rig {
     skeleton: Skeleton,
     skin: Skin,
     animations: Vec<Animation>,
-}
-
-/// Where the bones of a rig are, and how its morph targets are weighed.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct RigPose {
-    locals: Vec<Transform>,
-    morph_weights: Vec<f64>,
-    bones: Vec<PlacedBone>,
 }
 
 impl Rig {
@@ -171,19 +163,5 @@ impl Rig {
         pose.locals.extend(self.skeleton.bones().iter().map(|bone| bone.rest));
         pose.morph_weights.clear();
         pose.morph_weights.extend(self.skin.morphs().iter().map(|morph| morph.weight));
-    }
-}
-
-impl RigPose {
-    /// The bones in the world.
-    #[must_use]
-    pub fn bones(&self) -> &[PlacedBone] {
-        &self.bones
-    }
-
-    /// The weights of the morph targets.
-    #[must_use]
-    pub fn morph_weights(&self) -> &[f64] {
-        &self.morph_weights
     }
 }

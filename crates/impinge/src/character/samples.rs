@@ -3,7 +3,8 @@
 
 use super::error::{RigError, RigErrorKind, RigPlace};
 use super::motion_bound::{IntervalMotion, Jet, mapped};
-use super::rig::{Rig, RigPose};
+use super::rig::Rig;
+use super::rig_pose::RigPose;
 use super::timeline::Side;
 use super::transform::Vector;
 use super::vector::length;

@@ -1,7 +1,7 @@
 //! Vertices that follow joints by weights: linear blend skinning, in double precision.
 
 use super::error::{RigError, RigErrorKind, RigPlace, judge};
-use super::rig::RigPose;
+use super::rig_pose::RigPose;
 use super::skeleton::PlacedBone;
 use super::transform::{Matrix, Vector, apply, times};
 

@@ -15,7 +15,8 @@
 use std::collections::BTreeMap;
 
 use super::plan::bones_of_faces;
-use super::rig::{Rig, RigPose};
+use super::rig::Rig;
+use super::rig_pose::RigPose;
 use super::skin::{Skin, blended};
 use super::transform::{Matrix, Vector, apply, times};
 use super::vector::{add, length, scale, sub};

@@ -5,7 +5,8 @@ use crate::mesh::{Mesh, Positions, Ray};
 
 use super::body::Character;
 use super::plan::bones_of_faces;
-use super::rig::{Rig, RigPose};
+use super::rig::Rig;
+use super::rig_pose::RigPose;
 
 /// The surface of a character in one pose, as an exact mesh that is refitted to the next.
 #[derive(Clone, Debug)]

@@ -6,7 +6,8 @@ use crate::mesh::Ray;
 use crate::primitive::{RayCrossing, ray_triangle};
 
 use super::body::Character;
-use super::rig::{Rig, RigPose};
+use super::rig::Rig;
+use super::rig_pose::RigPose;
 use super::skin_tree::{Below, LEAF_VERTICES, SkinPose};
 use super::surface::SurfaceHit;
 use super::transform::Vector;

@@ -9,7 +9,7 @@
 //! Gottschalk, Lin, Manocha, *OBBTree*, SIGGRAPH 1996, for the fifteen axes; McMullen, *On zonotopes*, Transactions of the AMS 159,
 //! 1971, for why they are enough. Ours departs in affine maps, in an error for each direction (docs/proof.md, L33), and in points.
 
-use super::depth::CoreDepth;
+use super::core_depth::CoreDepth;
 use super::gjk::SLACK;
 use super::posed::{Core, Pair, Posed, to_unit_length};
 use crate::math::relative::UNIT_ROUNDOFF;

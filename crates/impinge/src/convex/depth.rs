@@ -14,6 +14,7 @@
 
 use super::around::about_origin;
 use super::boxes::Boxes;
+use super::core_depth::CoreDepth;
 use super::distance::{above, below, world_bounds};
 use super::expand::Polytope;
 use super::facet::Facet;
@@ -111,14 +112,6 @@ pub(super) fn by_iteration(pair: &Pair<'_>, effort: Effort) -> (CoreDepth, f64) 
     let [_, apart] = world_bounds(&gap, pair);
     let core = if gap.lower > 0.5 * gap.upper { of_apart(pair, &gap) } else { expand(pair, &gap, effort) };
     (core, apart)
-}
-
-/// What is proved of the cores, in the common unit; negative where they are apart.
-pub(super) struct CoreDepth {
-    pub(super) lower: f64,
-    pub(super) upper: f64,
-    pub(super) direction: [f64; 3],
-    pub(super) points: [[f64; 3]; 2],
 }
 
 /// Cores that are apart: the deepest points of the shapes are around the nearest of the cores.

@@ -16,6 +16,7 @@
 mod around;
 mod bounds;
 mod boxes;
+mod core_depth;
 mod depth;
 mod distance;
 mod expand;

@@ -1,7 +1,8 @@
 //! Of what kind the contact of two faces is, as far as it matters to the solids behind them: only where they meet at
 //! length or in an area can interiors meet there and nowhere near.
 
-use super::corners::{Corners, PairCorners};
+use super::corners::PairCorners;
+use super::exact_points::Corners;
 use super::placement::Placement;
 use super::triangles::Position;
 use crate::math::Sign::{self, Zero};

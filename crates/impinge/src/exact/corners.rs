@@ -1,14 +1,12 @@
 //! The six corners of a pair of triangles, and the signs of their determinants by the cheapest tier that is certain.
 
+use super::exact_points::{Corners, ExactPoints};
 use super::filter::{self, Errors};
 use super::fixed::FixedPoints;
 use super::placement::Placement;
 use super::unbounded::UnboundedPoints;
 use super::wide::WidePoints;
 use crate::math::Sign;
-
-/// The corners of a triangle in the frame of its mesh; single precision is widened, which loses nothing.
-pub type Corners = [[f64; 3]; 3];
 
 /// The dearest arithmetic that a decision took.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -21,18 +19,6 @@ pub enum Tier {
     Wide,
     /// Integers of any size.
     Unbounded,
-}
-
-/// Six corners with exact coordinates in some frame.
-pub(super) trait ExactPoints {
-    /// The sign of `det(q - p, r - p, s - p)` of corners `[p, q, r, s]`.
-    fn orient3d(&self, corners: [usize; 4]) -> Sign;
-
-    /// The sign of `det(q - p, r - p)` of corners `[p, q, r]`, projected along an axis.
-    fn orient2d(&self, axis: usize, corners: [usize; 3]) -> Sign;
-
-    /// How corner `p` compares to `q` along an axis, of `[p, q]`.
-    fn compare(&self, axis: usize, corners: [usize; 2]) -> Sign;
 }
 
 /// Corners by number, those of A being 0, 1, 2 and those of B 3, 4, 5, with whatever is known of their coordinates.

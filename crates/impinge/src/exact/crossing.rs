@@ -4,7 +4,9 @@
 //! two. Where the piece ends is said combinatorially, by the corner, edge or face of each triangle that it ends on, so
 //! the pieces of neighbouring pairs link up without comparing coordinates, in touching and degenerate positions too.
 
-use super::corners::{Corners, PairCorners};
+use super::corners::PairCorners;
+use super::exact_points::Corners;
+use super::feature::Feature;
 use super::joint::{Joint, Side};
 use super::placement::Placement;
 use super::triangles::{CommonLine, Position, Transversal, flat_meet, on_one_side};
@@ -35,18 +37,6 @@ pub struct Endpoint {
     /// The point in the world frame, each coordinate rounded to the nearest float. It has the same bits for every pair
     /// of triangles that meets there.
     pub point: [f64; 3],
-}
-
-/// A part of a triangle. Where a triangle has no area, the names of its parts are not unique: a point that is on two
-/// overlapping edges is said to be on one of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Feature {
-    /// The corner of this number.
-    Vertex(u8),
-    /// The edge from the corner of this number to the next, without its ends.
-    Edge(u8),
-    /// The triangle without its edges.
-    Face,
 }
 
 /// In what triangle `a` of mesh A and triangle `b` of mesh B meet; `Apart` exactly where

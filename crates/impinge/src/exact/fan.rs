@@ -1,6 +1,7 @@
 //! The faces of both meshes that meet in a line, seen along it, and whether some direction across it is inside both solids.
 
-use super::corners::{Corners, PairCorners};
+use super::corners::PairCorners;
+use super::exact_points::Corners;
 use super::placement::Placement;
 use crate::math::Pose;
 use crate::math::Sign::{self, Negative, Positive, Zero};

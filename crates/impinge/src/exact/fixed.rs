@@ -4,7 +4,7 @@
 //! precision between 1e-4 and 1e6 do) to be integers below 2^60, and a determinant below 2^187 is exact in a handful of
 //! multiplications.
 
-use super::corners::{Corners, ExactPoints};
+use super::exact_points::{Corners, ExactPoints};
 use super::placement::Frame;
 use crate::math::Sign;
 use crate::math::dyadic::decompose;

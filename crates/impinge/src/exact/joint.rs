@@ -1,8 +1,8 @@
 //! Where two triangles begin or cease to meet: a point by its name, and its coordinates where these are wanted.
 
-use super::corners::Corners;
-use super::crossing::Feature;
 use super::double_double::{self, DoubleDouble};
+use super::exact_points::Corners;
+use super::feature::Feature;
 use super::placement::{Placement, world_point};
 use crate::math::Pose;
 use crate::math::dyadic::{self, Dyadic};

@@ -5,7 +5,7 @@
 //! in two edges or in a corner and a face, and for each of these the side on which a foot lies and the comparison are
 //! signs of polynomials in the corners. All parts are tried, so it does not matter which is nearest.
 
-use super::corners::Corners;
+use super::exact_points::Corners;
 use super::placement::{Placement, world_point};
 use super::triangles::triangles_intersect;
 use crate::math::Sign::{Negative, Positive, Zero};

@@ -7,7 +7,8 @@
 //!   the same end;
 //! - with three, never.
 
-use super::corners::{Corners, PairCorners};
+use super::corners::PairCorners;
+use super::exact_points::Corners;
 use super::filter::{self, Errors};
 use super::placement::Placement;
 use super::triangles::{Position, triangles_intersect};

@@ -11,11 +11,11 @@
 //!
 //! Guarded by the tests `supports_*` below and `plates_*` in `tests/it/distance/clearances.rs`.
 
-use super::corners::Corners;
 use super::double_double::{DoubleDouble, cross, difference, dot};
+use super::exact_points::Corners;
 use super::placement::Placement;
 use crate::math::Pose;
-use crate::primitive::{self, Vector};
+use crate::math::vector::{self, Vector};
 
 /// Corners this near to a plane rest on it, relative to the size of the triangles: about 2^-30. More than the rounding of a
 /// direction, and less than what tells corners apart. It decides what is proved, not whether it is true.
@@ -35,12 +35,12 @@ impl Supports {
         let edges_of = |pose: &Pose, corners: &Corners, towards: Vector| {
             let world = corners.map(|corner| DoubleDouble::world_point(pose, &corner));
             let edges = [[0, 1], [1, 2], [2, 0]].map(|[from, to]| difference(&world[to], &world[from]));
-            let size = edges.iter().map(|edge| primitive::length(&rounded(edge))).fold(0.0, f64::max);
+            let size = edges.iter().map(|edge| vector::length(&rounded(edge))).fold(0.0, f64::max);
             // How far each corner is from the plane, by the heights of the edges that lead to it.
-            let [to_1, to_2, _] = edges.each_ref().map(|edge| primitive::dot(&towards, &rounded(edge)));
+            let [to_1, to_2, _] = edges.each_ref().map(|edge| vector::dot(&towards, &rounded(edge)));
             let heights = [0.0, to_1, to_1 + to_2];
             let highest = heights.into_iter().fold(f64::NEG_INFINITY, f64::max);
-            let rests = heights.map(|height| highest - height <= RESTING * size * primitive::length(&towards));
+            let rests = heights.map(|height| highest - height <= RESTING * size * vector::length(&towards));
             let resting = [[0, 1], [1, 2], [2, 0]].map(|[from, to]| rests[from] && rests[to]);
             edges.into_iter().zip(resting).filter_map(|(edge, rests)| rests.then_some(edge))
         };
@@ -82,11 +82,11 @@ fn reach(
     let rough_gradient = rounded(&gradient);
     let (mut farthest, mut size) = (f64::NEG_INFINITY, 0.0_f64);
     for point in points.clone() {
-        farthest = farthest.max(primitive::dot(&rough_gradient, &point));
+        farthest = farthest.max(vector::dot(&rough_gradient, &point));
         size = size.max(rough_gradient.iter().zip(&point).map(|(g, x)| (g * x).abs()).sum());
     }
     let surely_less = farthest - 16.0 * f64::EPSILON * size;
-    let candidates = points.filter(|point| !(primitive::dot(&rough_gradient, point) < surely_less));
+    let candidates = points.filter(|point| !(vector::dot(&rough_gradient, point) < surely_less));
     candidates
         .fold(DoubleDouble::of(f64::NEG_INFINITY), |most, point| {
             most.greater(&dot(&gradient, &point.map(DoubleDouble::of)))
@@ -101,12 +101,12 @@ fn perpendicular(direction: Vector, mut edges: impl Iterator<Item = [DoubleDoubl
     let Some(first) = edges.find(is_edge) else { return exact };
     let is_across = |second: &[DoubleDouble; 3]| {
         let (u, v) = (rounded(&first), rounded(second));
-        let normal = primitive::cross(&u, &v);
-        primitive::dot(&normal, &normal) > PARALLEL * primitive::dot(&u, &u) * primitive::dot(&v, &v)
+        let normal = vector::cross(&u, &v);
+        vector::dot(&normal, &normal) > PARALLEL * vector::dot(&u, &u) * vector::dot(&v, &v)
     };
     if let Some(second) = edges.find(is_across) {
         let normal = cross(&first, &second);
-        let faces_away = primitive::dot(&rounded(&normal), &direction) < 0.0;
+        let faces_away = vector::dot(&rounded(&normal), &direction) < 0.0;
         return if faces_away { normal.each_ref().map(DoubleDouble::negated) } else { normal };
     }
     let along = dot(&exact, &first).over(&dot(&first, &first));

@@ -15,7 +15,8 @@
 //!    Otherwise both are segments or points: skew, or in one plane, where some projection shows whether they are apart,
 //!    or in one line, where the intervals along the axes do.
 
-use super::corners::{Corners, PairCorners, Tier};
+use super::corners::{PairCorners, Tier};
+use super::exact_points::Corners;
 use super::placement::Placement;
 use crate::math::Sign::{self, Negative, Positive, Zero};
 

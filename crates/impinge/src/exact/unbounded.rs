@@ -1,6 +1,6 @@
 //! Signs of determinants of posed coordinates, whatever their size.
 
-use super::corners::{Corners, ExactPoints};
+use super::exact_points::{Corners, ExactPoints};
 use super::placement::{Placement, world_point};
 use crate::math::Sign;
 use crate::math::dyadic::{self, Dyadic};

@@ -4,7 +4,7 @@
 //! differ wildly it spans 100 to 180 bits, so along each axis the corners of a pair are integers of 192 bits on a grid
 //! of their own, and a determinant has 576. Everything is of fixed size and on the stack.
 
-use super::corners::{Corners, ExactPoints};
+use super::exact_points::{Corners, ExactPoints};
 use super::placement::Placement;
 use crate::math::dyadic::decompose;
 use crate::math::{Pose, Sign};

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::area::half_area;
+use super::area::{cost, half_area};
 use super::refit::{Patch, Patches};
 use super::wide::{Child, Node, WideTree};
 use crate::simd::LANES;
@@ -207,9 +207,4 @@ fn sum_below(node: &Node, inner: impl Fn(u32) -> f64) -> f64 {
             Child::Leaf(_) => half_area(&node.lane_bounds(lane)),
         })
         .sum()
-}
-
-/// Of areas below a node, and its own, over its own.
-pub(super) fn cost(below: f64, area: f64) -> f64 {
-    if area > 0.0 { below / area } else { 1.0 }
 }

@@ -26,3 +26,8 @@ pub(super) fn half_area_in_common(a: &Aabb, b: &Aabb) -> f64 {
     };
     if (0..3).all(|axis| common.min[axis] <= common.max[axis]) { half_area(&common) } else { 0.0 }
 }
+
+/// Of areas below a node, and its own, over its own.
+pub(super) fn cost(below: f64, area: f64) -> f64 {
+    if area > 0.0 { below / area } else { 1.0 }
+}

@@ -7,7 +7,8 @@
 
 use fearless_simd::Simd;
 
-use super::lanes::{BoxMap, overlapping_each};
+use super::box_map::BoxMap;
+use super::lanes::overlapping_each;
 use super::wide::Node;
 use crate::simd::{by_axis, load3};
 

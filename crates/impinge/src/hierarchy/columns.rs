@@ -2,6 +2,7 @@
 //!
 //! Each run of rows has room for two, in which it is parted (see [`parting`]).
 
+mod layout;
 mod parting;
 
 use fearless_simd::prelude::*;
@@ -9,21 +10,9 @@ use fearless_simd::{Simd, f32x4, f32x8, i16x8, i16x16, i32x8};
 
 use super::boxes::{Centre, lanes_of_eight};
 use crate::simd::{LANES, by_axis, transposed};
-use parting::{Cut, MOST_TOGETHER, Parting};
-
-/// The most rows: a cluster's boxes.
-pub(super) const MOST: usize = 1 << 13;
-
-/// So many planes part a run one below the other, at most: medians part what is left.
-pub(super) const PLANES: u32 = 7;
-
-/// Room for all, and for whole vectors behind them. Columns are not a multiple of 4 KiB apart, as a processor takes addresses that are
-/// for one and the same at first.
-const ROOM: usize = 2 * MOST + (MOST_TOGETHER << PLANES) + 560;
-
-/// Three coordinates and the number of a box in its cluster.
-const WIDTH: usize = 4;
-const NUMBER: usize = 3;
+pub(super) use layout::{MOST, PLANES, Run};
+use layout::{MOST_TOGETHER, NUMBER, ROOM, SIXTEEN, WIDTH};
+use parting::{Cut, Parting};
 
 /// A coordinate beyond all others, where there is no row.
 const BEYOND: i16 = i16::MAX;
@@ -31,46 +20,13 @@ const BEYOND: i16 = i16::MAX;
 /// The greatest coordinate.
 const LAST: f32 = (BEYOND - 1) as f32;
 
-/// How many coordinates fill a vector.
-const SIXTEEN: usize = 16;
-
 /// So many rows are put in order by comparing each with each.
 const FEW: usize = 64;
-
-/// Rows that follow each other.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Run {
-    /// How many rows come before it.
-    pub(super) start: usize,
-    pub(super) len: usize,
-    /// Where it lies. There is room for twice as many rows, and for a vector more for each part that planes can make of it.
-    at: usize,
-    /// So many planes may part it.
-    planes: u32,
-}
 
 /// The rows of one cluster after another.
 pub(super) struct Columns {
     columns: Box<[[i16; ROOM]; WIDTH]>,
     finished: Box<[i16; MOST + 2 * SIXTEEN]>,
-}
-
-impl Run {
-    /// All of so many rows.
-    pub(super) fn all(len: usize) -> Self {
-        Self { start: 0, len, at: 0, planes: PLANES }
-    }
-
-    /// The first so many, a multiple of eight, or all; and the others.
-    pub(super) fn split(self, low: usize) -> (Self, Self) {
-        let low = low.min(self.len);
-        (Self { len: low, planes: 0, ..self }, self.high(low, self.at + 2 * low, 0))
-    }
-
-    /// What is left of it.
-    fn high(self, low: usize, at: usize, planes: u32) -> Self {
-        Self { start: self.start + low, len: self.len - low, at, planes }
-    }
 }
 
 impl Default for Columns {

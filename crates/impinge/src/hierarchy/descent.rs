@@ -9,9 +9,11 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
 use super::askew::Askew;
-use super::lanes::{BoxLanes, BoxMap, overlapping, overlapping_each};
+use super::box_map::BoxMap;
+use super::lanes::{BoxLanes, overlapping, overlapping_each};
 use super::queue::{QUEUE, Queue};
-use super::slab::{Slab, SlabMap};
+use super::slab::Slab;
+use super::slab_map::SlabMap;
 use super::wide::{Child, Node};
 use crate::simd::{
     ALL_LANES, LANES, Lanes3, any_byte, bits, by_axis, each_byte, extend_some, load3, nonzero_bytes, outlined,

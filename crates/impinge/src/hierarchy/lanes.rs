@@ -1,83 +1,13 @@
-//! Boxes eight at a time: carried from one frame into another without ever shrinking, and tested against each other.
-//!
-//! Source: Arvo, *Transforming axis-aligned bounding boxes*, Graphics Gems 1990 (the centre and half-extents form,
-//! Ericson 4.2.6), in single precision with the rounding error carried as a bound.
+//! Boxes eight at a time, tested against each other.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 
-use super::wide::Node;
-use crate::simd::{LANES, by_axis, load, nonzero_bytes, take_four};
+use crate::simd::{LANES, by_axis, nonzero_bytes, take_four};
 use crate::volume::Aabb;
 
 /// Half a unit in the last place of single precision: the relative error of one rounding.
 pub(crate) const HALF_ULP: f64 = 1.0 / (1_u32 << 24) as f64;
-
-/// An affine map for boxes, from the guest's frame into the host's.
-#[derive(Clone, Debug)]
-pub(crate) struct BoxMap {
-    linear: [[f32; 3]; 3],
-    magnitude: [[f32; 3]; 3],
-    translation: [f32; 3],
-    slack: [f32; 3],
-}
-
-impl BoxMap {
-    /// The map `linear · x + translation`, known up to `error` on each axis, for boxes whose coordinates are at most
-    /// `reach` in magnitude.
-    ///
-    /// # Accuracy
-    /// With u = 2^-24 and S = Σ|linear|·reach + |translation| on an axis, rounding contributes at most: 3 u S for the
-    /// rounded matrix, translation and centre; 4 u S for the products and sums that make the new centre; 7 u S for the
-    /// half-extents likewise; 2 u S for the last difference and sum, and these sums
-    /// 5 u of the error itself. The slack is 20 u S and (1 + 8 u) times the error, which covers its own evaluation and,
-    /// by `UNDERFLOW`, products too small for a float. This is lemma L2 of docs/proof.md with one bound for all boxes.
-    pub(crate) fn new(linear: &[[f64; 3]; 3], translation: &[f64; 3], error: &[f64; 3], reach: f64) -> Self {
-        const UNDERFLOW: f64 = 1.0 / (1_u128 << 120) as f64;
-        let slack = std::array::from_fn(|axis| {
-            let size = linear[axis].iter().map(|x| x.abs()).sum::<f64>() * reach + translation[axis].abs();
-            ((20.0 * HALF_ULP * size + (1.0 + 8.0 * HALF_ULP) * error[axis] + UNDERFLOW) as f32).next_up()
-        });
-        let linear = linear.map(|row| row.map(|x| x as f32));
-        Self {
-            linear,
-            magnitude: linear.map(|row| row.map(f32::abs)),
-            translation: translation.map(|x| x as f32),
-            slack,
-        }
-    }
-
-    /// The greatest slack of the three axes, in the host's unit: what rounding may cost this frame.
-    pub(crate) fn slack(&self) -> f32 {
-        self.slack.iter().copied().fold(0.0, f32::max)
-    }
-
-    /// Boxes in the host's frame that hold the images of the node's boxes. Lanes that the node does not use hold
-    /// nothing that may be relied on.
-    #[inline(always)]
-    pub(crate) fn apply<S: Simd>(&self, simd: S, node: &Node) -> BoxLanes {
-        let half = f32x8::splat(simd, 0.5);
-        let mut centre = [half; 3];
-        let mut extent = [half; 3];
-        for axis in 0..3 {
-            let (min, max) = (load(simd, &node.min[axis]), load(simd, &node.max[axis]));
-            centre[axis] = (min + max) * half;
-            extent[axis] = (max - min) * half;
-        }
-        let mut lanes = BoxLanes::default();
-        for axis in 0..3 {
-            let mut c = f32x8::splat(simd, self.translation[axis]);
-            let mut e = f32x8::splat(simd, self.slack[axis]);
-            for from in 0..3 {
-                c = f32x8::splat(simd, self.linear[axis][from]).mul_add(centre[from], c);
-                e = f32x8::splat(simd, self.magnitude[axis][from]).mul_add(extent[from], e);
-            }
-            (c - e).store_slice(&mut lanes.min[axis]);
-            (c + e).store_slice(&mut lanes.max[axis]);
-        }
-        lanes
-    }
-}
 
 /// Eight boxes by axis.
 #[derive(Clone, Debug, Default)]
@@ -149,6 +79,3 @@ fn apart<S: Simd>(simd: S, boxes: (&[f32x8<S>; 3], &[f32x8<S>; 3]), one: &Aabb) 
     });
     (apart[0] | apart[1] | apart[2]).to_bitmask() as u32
 }
-
-#[cfg(test)]
-mod tests;

@@ -9,8 +9,7 @@ use std::ops::Range;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, f64x4};
 
-use super::aging::cost;
-use super::area::half_area;
+use super::area::{cost, half_area};
 use super::lanes::BoxLanes;
 use super::slab::Slab;
 use super::wide::{Node, PATCH, WideTree};

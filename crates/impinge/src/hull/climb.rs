@@ -11,13 +11,38 @@
 
 use std::collections::HashSet;
 
-use super::Hull;
+use super::{Hull, usable};
 use crate::exact::compare_along;
 use crate::math::Sign::{Positive, Zero};
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
 
 /// As many vertices take no longer to look at than a scan takes to begin.
 const FEW: usize = 128;
+
+impl Hull {
+    /// As [`support`](Self::support), found by climbing from a vertex that is hoped to be near: the same answer from any.
+    ///
+    /// ```
+    /// # use impinge::hull::Hull;
+    /// let cube: Vec<[f32; 3]> = (0..8_u8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f32::from)).collect();
+    /// let hull = Hull::new(&cube)?;
+    /// // All of the upper side is as far; vertex 4 is the least of it.
+    /// assert_eq!(hull.support_from([0.0, 0.0, 1.0], 7), 4);
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    ///
+    /// # Panics
+    /// Where there is no vertex `start`.
+    ///
+    /// # Complexity
+    /// As many steps as vertices lie between the start and the farthest, each looking at all neighbours of one. Once as many
+    /// vertices were looked at as there are, or a hundred, [`support`](Self::support) takes over. Ties are walked through on top.
+    #[must_use]
+    pub fn support_from(&self, direction: [f64; 3], start: u32) -> u32 {
+        let direction = usable(direction);
+        climb_to_least(self, &direction, start)
+    }
+}
 
 /// A vertex that is farthest along a direction.
 ///
@@ -31,7 +56,7 @@ pub(crate) fn climb(hull: &Hull, direction: &[f64; 3], start: u32) -> u32 {
 ///
 /// # Panics
 /// Where there is no vertex `start`.
-pub(super) fn climb_to_least(hull: &Hull, direction: &[f64; 3], start: u32) -> u32 {
+fn climb_to_least(hull: &Hull, direction: &[f64; 3], start: u32) -> u32 {
     let (farthest, is_alone) = summit(hull, direction, start);
     if is_alone { farthest } else { least_of_ties(hull, direction, farthest) }
 }

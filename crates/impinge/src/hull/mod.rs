@@ -207,29 +207,6 @@ impl Hull {
         self.extremes.along(&self.positions, &usable(direction))
     }
 
-    /// As [`support`](Self::support), found by climbing from a vertex that is hoped to be near: the same answer from any.
-    ///
-    /// ```
-    /// # use impinge::hull::Hull;
-    /// let cube: Vec<[f32; 3]> = (0..8_u8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f32::from)).collect();
-    /// let hull = Hull::new(&cube)?;
-    /// // All of the upper side is as far; vertex 4 is the least of it.
-    /// assert_eq!(hull.support_from([0.0, 0.0, 1.0], 7), 4);
-    /// # Ok::<(), impinge::InputError>(())
-    /// ```
-    ///
-    /// # Panics
-    /// Where there is no vertex `start`.
-    ///
-    /// # Complexity
-    /// As many steps as vertices lie between the start and the farthest, each looking at all neighbours of one. Once as many
-    /// vertices were looked at as there are, or a hundred, [`support`](Self::support) takes over. Ties are walked through on top.
-    #[must_use]
-    pub fn support_from(&self, direction: [f64; 3], start: u32) -> u32 {
-        let direction = usable(direction);
-        climb::climb_to_least(self, &direction, start)
-    }
-
     /// Bytes that the hull holds.
     #[must_use]
     pub fn memory(&self) -> usize {

@@ -6,7 +6,7 @@
 
 use std::ops::ControlFlow;
 
-use super::march::{Best, distance_squared, in_range};
+use super::best::{Best, distance_squared, in_range};
 use super::{Cells, Holds, Items, Neighbour, Partition, Visitor, Work};
 use crate::volume::{BoundingVolume, MinMax};
 

@@ -11,20 +11,21 @@
 //! - Where the parameters fall outside, a part of the boundary is nearer than the error, and parts of the boundary are
 //!   always tried. So no parameter is ever clamped to where it does not belong.
 
+mod closest;
 mod points;
 mod products;
 mod ray;
 mod segments;
 mod triangles;
 
+pub use closest::ClosestPoints;
 pub use points::{closest_on_segment, closest_on_triangle};
 pub use ray::{RayCrossing, ray_triangle};
 pub use segments::closest_on_segments;
-pub use triangles::{ClosestPoints, closest_on_triangles};
+pub use triangles::closest_on_triangles;
 
+pub(crate) use crate::math::vector::{Vector, cross, dot, length, scaled_length, sub};
+pub(crate) use closest::CLOSED_FORM_ERROR;
 pub(crate) use points::point_triangle;
-pub(crate) use products::{accurate_sum_of_products, cross, dot, length, scaled_length, sub};
-pub(crate) use triangles::{CLOSED_FORM_ERROR, Witness, common_point, separation, triangle_triangle};
-
-/// Three coordinates.
-pub(crate) type Vector = [f64; 3];
+pub(crate) use products::accurate_sum_of_products;
+pub(crate) use triangles::{Witness, common_point, separation, triangle_triangle};

@@ -3,9 +3,9 @@
 //! Source: Ericson, *Real-Time Collision Detection*, 5.1.2 and 5.1.5; ours departs in how the foot within a face is
 //! found (see the head of `primitive`), and in that edges are always tried.
 
-use super::Vector;
-use super::products::{accurate_cross, cross, dot, sub};
-use super::triangles::{ClosestPoints, Scaled};
+use super::closest::{ClosestPoints, Scaled};
+use super::products::accurate_cross;
+use crate::math::vector::{Vector, cross, dot, sub};
 
 /// The point of the segment from `segment[0]` to `segment[1]` that is nearest to `point`; either end may be both.
 ///

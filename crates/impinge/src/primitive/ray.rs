@@ -10,10 +10,9 @@
 //! of the three and `N = (b - a) × (c - a) · (a - o)`. Where all three are zero, the line and the triangle are in one
 //! plane, or the triangle has no area; what they have in common is then spanned by what the edges have.
 
-use super::Vector;
-use super::products::{cross, dot, sub};
 use crate::math::Sign::{self, Negative, Positive, Zero};
 use crate::math::dyadic::{self, Dyadic};
+use crate::math::vector::{Vector, cross, dot, sub};
 
 /// Where a ray meets a triangle first: at `origin + t direction`.
 #[derive(Clone, Copy, Debug, PartialEq)]

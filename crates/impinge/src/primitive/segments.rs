@@ -7,10 +7,10 @@
 //! is its part across `v`, which is `sin θ` of it: 8 units of `|w|` and `|u|`, whatever θ is. Below 2^-50 the normal is
 //! noise; the ends, which are tried in any case, are then within `|u| sin θ` of the nearest points.
 
-use super::Vector;
+use super::closest::{ClosestPoints, Scaled};
 use super::points::{along, point_segment};
-use super::products::{accurate_cross, cross, dot, sub};
-use super::triangles::{ClosestPoints, Scaled};
+use super::products::accurate_cross;
+use crate::math::vector::{Vector, cross, dot, sub};
 
 /// The points of two segments that are nearest to each other; either may be a point.
 ///

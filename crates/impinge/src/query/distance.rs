@@ -1,6 +1,6 @@
 //! How far apart two meshes are, and whether they keep a clearance.
 
-use crate::mesh::{Options, Placed, Trail, nearest, within as near_faces};
+use crate::mesh::{Options, Placed, WarmStart, nearest, within as near_faces};
 
 /// How far apart two surfaces are, with what was proved about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,7 @@ impl Distance {
 /// move by less than a sixteenth of their distance from one question to the next, it is also where the search ended (some
 /// megabytes, 17 at most), and what follows takes a thirtieth of the time. Other meshes, or one that was refitted, are no harm.
 #[derive(Clone, Debug, Default)]
-pub struct WitnessCache(Trail);
+pub struct WitnessCache(WarmStart);
 
 /// The distance of the surfaces of two meshes.
 ///

@@ -1,7 +1,7 @@
 //! Whether the interiors of two solids intersect, which touching is not.
 //!
 //! Let U be the points off the surface that a mesh winds round more than half, its interior. A face
-//! that does not count (`mesh/sheets.rs`) changes no winding number, so only faces that count are
+//! that does not count (`mesh/solid/sheets.rs`) changes no winding number, so only faces that count are
 //! looked at. If the interiors of both meshes intersect, one of these holds, as follows from a
 //! generic point on the border of what they have in common:
 //! 1. A sheet of one surface, which the other surface touches in single points or not at all, lies
@@ -17,7 +17,7 @@
 //! other faces of its own mesh go through has no sides that are the same all over it; its contacts
 //! are undecided, unless something else proves an intersection.
 //!
-//! An open mesh is a closed one but near its border (`mesh/cap.rs`). The same holds for it away
+//! An open mesh is a closed one but near its border (`mesh/derived/cap.rs`). The same holds for it away
 //! from there.
 
 use std::collections::HashMap;

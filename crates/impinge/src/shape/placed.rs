@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use super::parts::Parts;
-use super::{Form, Kind, RoundCore, Shape};
+use super::form::Form;
+use super::kind::{Kind, RoundCore, Shape};
+use super::part_tree::PartTree;
 use crate::convex::{Core, Faceted, HalfSpace, Surface, Swept};
 use crate::input::InputError;
 use crate::math::Pose;
@@ -21,6 +22,20 @@ pub struct PlacedShape {
     pub(super) stand: Stand,
     /// Of a compound.
     pub(super) parts: Option<Arc<Parts>>,
+}
+
+/// The parts of a placed compound, which are no compounds.
+#[derive(Clone, Debug)]
+pub(super) struct Parts {
+    pub(super) all: Vec<PlacedShape>,
+    tree: Option<PartTree>,
+}
+
+impl Parts {
+    pub(super) fn new(all: Vec<PlacedShape>) -> Self {
+        let tree = PartTree::of(all.iter().map(PlacedShape::bounds));
+        Self { all, tree }
+    }
 }
 
 /// Where a shape stands, and what comes of it; the parts of a compound have places of their own.
@@ -46,6 +61,32 @@ impl Stand {
     /// As [`PlacedShape::bounds`].
     pub(crate) fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         self.bounds
+    }
+}
+
+impl Shape {
+    /// This shape in the world.
+    ///
+    /// # Errors
+    /// [`NotRigid`](InputErrorKind::NotRigid) where a pose is more than 1e-4 from a rigid motion, for spheres, capsules,
+    /// cylinders, cones, ellipsoids and custom sets. All others are at home under any affine map. For a compound, where its pose
+    /// cannot be composed with a part's.
+    pub fn at(&self, world_from_local: Pose) -> Result<PlacedShape, InputError> {
+        let parts = match &self.0 {
+            Kind::Compound(shapes) => {
+                let place = |(shape, compound_from_part): &(Self, Pose)| {
+                    shape.at(world_from_local.compose(compound_from_part)?)
+                };
+                Some(Arc::new(Parts::new(shapes.iter().map(place).collect::<Result<_, _>>()?)))
+            }
+            _ => None,
+        };
+        let mut placed = PlacedShape { kind: self.0.clone(), stand: Stand::at(world_from_local), parts };
+        match placed.stand_at(&world_from_local)? {
+            Some(stand) => placed.follow(stand),
+            None => placed.stand.bounds = placed.world_bounds(),
+        }
+        Ok(placed)
     }
 }
 
@@ -163,7 +204,22 @@ impl PlacedShape {
         Faceted { swept, facets }
     }
 
-    pub(super) fn world_bounds(&self) -> Option<[[f64; 3]; 2]> {
+    /// The numbers of the parts that may be within a distance of a box, ascending; all of them for what has no box.
+    pub(crate) fn parts_near(&self, bounds: Option<[[f64; 3]; 2]>, reach: f64) -> Vec<u32> {
+        let near = self.part_tree().and_then(|tree| tree.near(bounds, reach));
+        near.unwrap_or_else(|| (0..self.parts().len() as u32).collect())
+    }
+
+    /// A part whose box is as near to a point as any, where there is a tree to tell.
+    pub(crate) fn part_nearest(&self, point: [f64; 3]) -> Option<u32> {
+        self.part_tree()?.nearest(point)
+    }
+
+    fn part_tree(&self) -> Option<&PartTree> {
+        self.parts.as_deref()?.tree.as_ref()
+    }
+
+    fn world_bounds(&self) -> Option<[[f64; 3]; 2]> {
         let mut all: Option<[[f64; 3]; 2]> = None;
         for part in self.parts() {
             let [min, max] = match part.form() {

@@ -2,8 +2,8 @@
 
 use super::floats::Judgement;
 use super::impact::Impact;
-use super::linear::{MEETS_LEVEL, Span};
 use super::polynomials::{Polynomials, Split};
+use super::span::{MEETS_LEVEL, Span};
 use crate::math::Sign::{self, Negative, Positive, Zero};
 use crate::math::dyadic::Dyadic;
 

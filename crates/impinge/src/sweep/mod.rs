@@ -10,6 +10,7 @@ mod polynomials;
 mod rigid;
 mod shapes;
 mod solids;
+mod span;
 
 pub use deforming::{Deforming, Features, SweptContact};
 pub use impact::Impact;

@@ -3,7 +3,7 @@
 
 use super::BoundingVolume;
 use super::core::{add, cross, dot, scale, subtract};
-use super::fit::points::{Coordinate, judge, widen};
+use super::points::{Coordinate, judge, widen};
 use super::rounding::{LIMIT, add_down, add_up, mul_up};
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;

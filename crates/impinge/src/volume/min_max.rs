@@ -1,6 +1,5 @@
 //! The axis-aligned box by its least and greatest corner, in double precision (*Notes*, 2.1, listing 2.1).
 
-use super::fit::points::{Coordinate, judge};
 use super::rounding::{LIMIT, add_down, add_up, f32_down, f32_up, mul_down, mul_up};
 use super::{Aabb, BoundingVolume};
 use crate::input::{InputError, InputErrorKind};
@@ -43,17 +42,6 @@ impl MinMax {
             Some(index) => Err(InputError::new(InputErrorKind::Negative { what: "box extent", index })),
             None => Ok(Self { min, max }),
         }
-    }
-
-    /// The least box of these points, exactly.
-    ///
-    /// # Errors
-    /// As [`BoundingVolume::of_points`].
-    ///
-    /// # Complexity
-    /// One pass over memory.
-    pub fn of<T: Coordinate>(points: &[[T; 3]]) -> Result<Self, InputError> {
-        judge(points)
     }
 
     /// This box of a tree, exactly; none where it is empty or not finite.

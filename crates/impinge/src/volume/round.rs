@@ -7,7 +7,6 @@
 
 use super::core::{Core, closest_points, dot, subtract};
 use super::rounding::{HALF_ULP, add_down, add_up, distance_up, div_down, length_up};
-use super::{BoundingSphere, Capsule, Lozenge};
 
 /// How far two sets are apart: a proved interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +28,8 @@ pub enum Proximity {
     Undecided,
 }
 
-mod sealed {
-    use super::{BoundingSphere, Capsule, Core, Lozenge};
+pub(super) mod sealed {
+    use super::Core;
 
     /// A core and a radius.
     #[allow(unreachable_pub, private_interfaces, reason = "sealed: its members are for this module alone")]
@@ -38,42 +37,10 @@ mod sealed {
         fn core(&self) -> Core;
         fn reach(&self) -> f64;
     }
-
-    #[allow(private_interfaces, reason = "as above")]
-    impl Swept for BoundingSphere {
-        fn core(&self) -> Core {
-            Core::point(self.centre())
-        }
-
-        fn reach(&self) -> f64 {
-            self.radius()
-        }
-    }
-
-    #[allow(private_interfaces, reason = "as above")]
-    impl Swept for Capsule {
-        fn core(&self) -> Core {
-            Capsule::core(self)
-        }
-
-        fn reach(&self) -> f64 {
-            self.radius()
-        }
-    }
-
-    #[allow(private_interfaces, reason = "as above")]
-    impl Swept for Lozenge {
-        fn core(&self) -> Core {
-            Lozenge::core(self)
-        }
-
-        fn reach(&self) -> f64 {
-            self.radius()
-        }
-    }
 }
 
-/// A volume that is a core swept by a sphere: [`BoundingSphere`], [`Capsule`] or [`Lozenge`].
+/// A volume that is a core swept by a sphere: [`BoundingSphere`](super::BoundingSphere), [`Capsule`](super::Capsule) or
+/// [`Lozenge`](super::Lozenge).
 ///
 /// ```
 /// use impinge::volume::{BoundingSphere, Capsule, Proximity, Round};
@@ -115,10 +82,6 @@ pub trait Round: sealed::Swept + Sized {
         self.proximity(other) != Proximity::Apart
     }
 }
-
-impl Round for BoundingSphere {}
-impl Round for Capsule {}
-impl Round for Lozenge {}
 
 /// Bounds on the distance of two cores.
 fn core_distance(a: &Core, b: &Core) -> (f64, f64) {

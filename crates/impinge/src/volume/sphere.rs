@@ -1,13 +1,12 @@
 //! The bounding sphere (*Notes*, 2.3; Ericson 4.3).
 
-use super::BoundingVolume;
-use super::fit;
+use super::core::Core;
 use super::min_max::{in_range, lengths_in_range};
-use super::rigid::{image, stretch};
-use super::rounding::{add_up, distance_up, mul_up};
+use super::round::Round;
+use super::round::sealed::Swept;
 use crate::input::InputError;
+use crate::math::Sign;
 use crate::math::dyadic::Dyadic;
-use crate::math::{Pose, Sign};
 
 /// The closed ball about `centre`; a radius of zero is a point.
 ///
@@ -20,8 +19,8 @@ use crate::math::{Pose, Sign};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundingSphere {
-    centre: [f64; 3],
-    radius: f64,
+    pub(super) centre: [f64; 3],
+    pub(super) radius: f64,
 }
 
 const _: () = assert!(size_of::<BoundingSphere>() == 32);
@@ -63,62 +62,9 @@ impl BoundingSphere {
     }
 }
 
-impl BoundingVolume for BoundingSphere {
-    /// The minimal sphere.
-    fn of_points(points: &[[f64; 3]]) -> Result<Self, InputError> {
-        fit::minimal_sphere(points).map(|fitted| fitted.sphere)
-    }
-
-    /// Exact. Algorithm 2.3 of the *Notes* compares with the difference of the radii; the sum is right.
-    #[inline]
-    fn overlaps(&self, other: &Self) -> bool {
-        distance_against(self.centre, other.centre, self.radius, other.radius) != Sign::Positive
-    }
-
-    /// Exact, for a point within the range of 2^320.
-    fn contains(&self, point: [f64; 3]) -> bool {
-        distance_against(self.centre, point, self.radius, 0.0) != Sign::Positive
-    }
-
-    /// The least sphere that holds both, up to rounding: one of them, or the one with both far poles.
-    fn merged(&self, other: &Self) -> Self {
-        if self.encloses(other) {
-            return *self;
-        }
-        if other.encloses(self) {
-            return *other;
-        }
-        // In one order, so that swapping the two changes no bit.
-        let (a, b) =
-            if (self.centre, self.radius) <= (other.centre, other.radius) { (self, other) } else { (other, self) };
-        let between: [f64; 3] = std::array::from_fn(|axis| b.centre[axis] - a.centre[axis]);
-        let distance = distance_up(a.centre, b.centre);
-        let share = (0.5 * (distance + b.radius - a.radius) / distance).clamp(0.0, 1.0);
-        let centre: [f64; 3] = std::array::from_fn(|axis| a.centre[axis] + share * between[axis]);
-        let reach = |part: &Self| add_up(distance_up(centre, part.centre), part.radius);
-        Self { centre, radius: reach(a).max(reach(b)) }
-    }
-
-    /// A rigid motion within 1e-4; the radius grows by what the pose may stretch it and by the rounding of the centre, and
-    /// by nothing where both are exact.
-    fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
-        let stretch = stretch(world_from_local)?;
-        let (centre, off) = image(world_from_local, self.centre);
-        Self::new(centre, add_up(mul_up(self.radius, stretch), off))
-    }
-
-    fn volume(&self) -> f64 {
-        4.0 / 3.0 * std::f64::consts::PI * self.radius * self.radius * self.radius
-    }
-
-    fn surface_area(&self) -> f64 {
-        4.0 * std::f64::consts::PI * self.radius * self.radius
-    }
-}
-
 /// How the distance of two points compares to `r + s`, which is not negative: exactly.
 #[inline]
-fn distance_against(p: [f64; 3], q: [f64; 3], r: f64, s: f64) -> Sign {
+pub(super) fn distance_against(p: [f64; 3], q: [f64; 3], r: f64, s: f64) -> Sign {
     /// Squares below this, 2^-900, may have lost bits to underflow.
     const TINY: f64 = f64::from_bits((1023 - 900) << 52);
     let [x, y, z]: [f64; 3] = std::array::from_fn(|axis| q[axis] - p[axis]);
@@ -137,3 +83,16 @@ fn distance_against(p: [f64; 3], q: [f64; 3], r: f64, s: f64) -> Sign {
     let squares = [0, 1, 2].map(|axis| square(&difference(axis)));
     (&(&(&squares[0] + &squares[1]) + &squares[2]) - &square(&sum)).sign()
 }
+
+#[allow(private_interfaces, reason = "its members are for this module alone")]
+impl Swept for BoundingSphere {
+    fn core(&self) -> Core {
+        Core::point(self.centre)
+    }
+
+    fn reach(&self) -> f64 {
+        self.radius
+    }
+}
+
+impl Round for BoundingSphere {}

@@ -1,6 +1,17 @@
 //! Which bodies changed since the last step, and how.
 
-use super::Change;
+/// How a body changed since the last step; the greater holds the lesser.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Change {
+    /// It did not.
+    No,
+    /// A step moved it.
+    Moved,
+    /// Its pose or its shape, by something else than a step; or it moved and no box bounds it.
+    Place,
+    /// Whom it meets.
+    Traits,
+}
 
 /// How the body in each place changed. Apart from the bodies, as a step asks it of every pair.
 #[derive(Clone, Debug, Default)]

@@ -1,8 +1,6 @@
 //! What a step reports: pairs that began and ended, and those that there are.
 
-use super::State;
 use super::body::BodyId;
-use super::pairs::Entry;
 use crate::query::shapes::{Manifold, Proximity};
 
 /// Two bodies: the first has the lesser tag or, where tags are equal, the lesser handle.
@@ -59,18 +57,4 @@ pub struct Work {
 pub(super) fn sorted(mut pairs: Vec<Pair<'_>>) -> Vec<Pair<'_>> {
     pairs.sort_unstable_by_key(|pair| pair.key);
     pairs
-}
-
-impl State {
-    /// The name of a pair of places.
-    pub(super) fn key(&self, [a, b]: [u32; 2]) -> Option<PairKey> {
-        let ((a, resident_a), (b, resident_b)) = (self.residents.at(a)?, self.residents.at(b)?);
-        Some(PairKey { tag_a: resident_a.traits.tag, tag_b: resident_b.traits.tag, a, b })
-    }
-
-    /// A pair, where it meets.
-    pub(super) fn pair<'w>(&self, entry: &'w Entry) -> Option<Pair<'w>> {
-        let meeting = entry.meeting.as_ref()?;
-        Some(Pair { key: self.key(entry.bodies)?, proximity: meeting.proximity, manifolds: &meeting.manifolds })
-    }
 }

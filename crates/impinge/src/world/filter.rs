@@ -3,7 +3,6 @@
 use std::fmt;
 
 use super::body::{BodyId, Kind, Traits};
-use super::{Resident, World};
 
 /// The user's say about pairs: asked inside the broad phase, for pairs whose boxes overlap and that kinds, layers and owners
 /// admit.
@@ -35,13 +34,5 @@ impl Traits {
         (self.kind == Kind::Moving || other.kind == Kind::Moving)
             && self.layers.admit(other.layers)
             && (self.owner.is_none() || self.owner != other.owner)
-    }
-}
-
-impl World {
-    /// Whether two different bodies, given in the order of reports, may meet.
-    pub(super) fn admits(&self, a: (BodyId, &Resident), b: (BodyId, &Resident)) -> bool {
-        a.1.traits.admit(&b.1.traits)
-            && self.filter.as_ref().is_none_or(|filter| filter.admits((a.0, &a.1.traits), (b.0, &b.1.traits)))
     }
 }

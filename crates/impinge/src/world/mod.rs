@@ -36,6 +36,7 @@ mod step;
 
 pub use body::{Body, BodyId, Kind, Layers, Traits};
 pub use broad::BroadPhase;
+pub use changed::Change;
 pub use error::WorldError;
 pub use events::{Events, Pair, PairKey, Work};
 pub use filter::PairFilter;
@@ -53,12 +54,11 @@ use crate::math::Pose;
 use crate::mesh::{Aging, Positions};
 use crate::shape::Shape;
 use broad::Broad;
-use changed::Changed;
 use events::sorted;
 use outline::{Bounds, Extremes, Outline};
-use pairs::{Link, Pairs};
+use pairs::Link;
 use placed::Placed;
-use slots::Slots;
+use state::{Resident, State};
 
 /// How a world works.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -103,44 +103,6 @@ pub struct World {
 pub struct Snapshot(State);
 
 type Filter = Arc<dyn PairFilter>;
-
-#[derive(Clone, Debug, Default)]
-struct State {
-    residents: Slots<Resident>,
-    /// Where the body in each place may be, by place: apart from the bodies, as a step asks it of every pair.
-    bounds: Vec<Bounds>,
-    /// Bodies that no box bounds.
-    unbounded: Vec<u32>,
-    broad: Broad,
-    pairs: Pairs,
-    /// Since the last step.
-    changed: Changed,
-    /// Pairs that ended as a body was removed, for the next report.
-    departed: Vec<PairKey>,
-    events: Events,
-}
-
-/// A body in the world.
-#[derive(Clone, Debug)]
-struct Resident {
-    placed: Placed,
-    outline: Arc<Outline>,
-    extremes: Extremes,
-    traits: Traits,
-}
-
-/// How a body changed since the last step; the greater holds the lesser.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Change {
-    /// It did not.
-    No,
-    /// A step moved it.
-    Moved,
-    /// Its pose or its shape, by something else than a step; or it moved and no box bounds it.
-    Place,
-    /// Whom it meets.
-    Traits,
-}
 
 impl World {
     /// An empty world: every choice left to it, contacts found.
@@ -376,6 +338,12 @@ impl World {
         self.state.residents.get(body).ok_or(WorldError::Stale { body })
     }
 
+    /// Whether two different bodies, given in the order of reports, may meet.
+    fn admits(&self, a: (BodyId, &Resident), b: (BodyId, &Resident)) -> bool {
+        a.1.traits.admit(&b.1.traits)
+            && self.filter.as_ref().is_none_or(|filter| filter.admits((a.0, &a.1.traits), (b.0, &b.1.traits)))
+    }
+
     fn resident_mut(&mut self, body: BodyId) -> Result<&mut Resident, WorldError> {
         self.state.residents.get_mut(body).ok_or(WorldError::Stale { body })
     }
@@ -383,15 +351,4 @@ impl World {
 
 fn refused(body: BodyId, error: InputError) -> WorldError {
     WorldError::Input { body: Some(body), error }
-}
-
-impl Resident {
-    fn into_body(self) -> Body {
-        Body {
-            shape: self.placed.shape().clone(),
-            outline: self.outline,
-            world_from_body: *self.placed.world_from_body(),
-            traits: self.traits,
-        }
-    }
 }

@@ -2,9 +2,40 @@
 
 use std::sync::Arc;
 
-use super::outline::{Bounds, Outline};
+use super::body::{Body, BodyId, Traits};
+use super::broad::Broad;
+use super::changed::{Change, Changed};
+use super::events::{Events, Pair, PairKey};
+use super::outline::{Bounds, Extremes, Outline};
+use super::pairs::{Entry, Pairs};
 use super::placed::Placed;
-use super::{BodyId, Change, State};
+use super::slots::Slots;
+
+/// The part of a world that steps change.
+#[derive(Clone, Debug, Default)]
+pub(super) struct State {
+    pub(super) residents: Slots<Resident>,
+    /// Where the body in each place may be, by place: apart from the bodies, as a step asks it of every pair.
+    pub(super) bounds: Vec<Bounds>,
+    /// Bodies that no box bounds.
+    pub(super) unbounded: Vec<u32>,
+    pub(super) broad: Broad,
+    pub(super) pairs: Pairs,
+    /// Since the last step.
+    pub(super) changed: Changed,
+    /// Pairs that ended as a body was removed, for the next report.
+    pub(super) departed: Vec<PairKey>,
+    pub(super) events: Events,
+}
+
+/// A body in the world.
+#[derive(Clone, Debug)]
+pub(super) struct Resident {
+    pub(super) placed: Placed,
+    pub(super) outline: Arc<Outline>,
+    pub(super) extremes: Extremes,
+    pub(super) traits: Traits,
+}
 
 impl State {
     /// Puts something else in the place of a body.
@@ -63,5 +94,28 @@ impl State {
             self.departed.push(key);
         }
         true
+    }
+
+    /// The name of a pair of places.
+    pub(super) fn key(&self, [a, b]: [u32; 2]) -> Option<PairKey> {
+        let ((a, resident_a), (b, resident_b)) = (self.residents.at(a)?, self.residents.at(b)?);
+        Some(PairKey { tag_a: resident_a.traits.tag, tag_b: resident_b.traits.tag, a, b })
+    }
+
+    /// A pair, where it meets.
+    pub(super) fn pair<'w>(&self, entry: &'w Entry) -> Option<Pair<'w>> {
+        let meeting = entry.meeting.as_ref()?;
+        Some(Pair { key: self.key(entry.bodies)?, proximity: meeting.proximity, manifolds: &meeting.manifolds })
+    }
+}
+
+impl Resident {
+    pub(super) fn into_body(self) -> Body {
+        Body {
+            shape: self.placed.shape().clone(),
+            outline: self.outline,
+            world_from_body: *self.placed.world_from_body(),
+            traits: self.traits,
+        }
     }
 }

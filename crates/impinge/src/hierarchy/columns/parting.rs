@@ -7,10 +7,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, i16x8, i16x32};
 
-use super::{ROOM, Run, SIXTEEN, WIDTH};
-
-/// So many rows are taken together, at most.
-pub(super) const MOST_TOGETHER: usize = 32;
+use super::layout::{ROOM, Run, SIXTEEN, WIDTH};
 
 /// Where the next rows are, and where those of either part go, which is never before they were read.
 pub(super) struct Parting {
@@ -35,7 +32,7 @@ impl Parting {
     }
 
     /// Puts all rows up to `end`, as many together as one instruction or shuffle brings together: what comes after them, up to
-    /// [`MOST_TOGETHER`], is beyond the interval, and either part has room for as many more.
+    /// [`MOST_TOGETHER`](super::layout::MOST_TOGETHER), is beyond the interval, and either part has room for as many more.
     #[inline(always)]
     pub(super) fn put_all<S: Simd>(self, simd: S, columns: &mut [[i16; ROOM]; WIDTH], end: usize, cut: Cut) {
         // Only 512 bits have the instruction, elsewhere bytes of 128 bits are shuffled.

@@ -12,12 +12,13 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::front::Standing;
+use super::metric::Metric;
+use super::relative_frame::RelativeFrame;
 use crate::hierarchy::{BoxLanes, BoxMap, HALF_ULP, Node};
 use crate::math::RelativeMap;
-use crate::mesh::frame::REACH;
-use crate::mesh::metric::Metric;
-use crate::mesh::relation::Relation;
+use crate::mesh::pairs::relation::Relation;
+use crate::mesh::pairs::sides::Sides;
+use crate::mesh::storage::frame::REACH;
 use crate::mesh::{HostChoice, Placed};
 use crate::primitive::{Vector, dot, length, sub};
 use crate::simd::{LANES, Lanes3, by_axis, dot as dot3, load3, outlined};
@@ -50,15 +51,15 @@ const CENTRES: f32 = 1.0 / 16.0;
 /// How nodes of the two trees are compared.
 #[derive(Clone, Debug)]
 pub(super) struct Bounds {
-    /// Whether the second mesh is the host.
-    pub(super) swapped: bool,
+    /// Which mesh is the host.
+    pub(super) sides: Sides,
     /// What carries boxes of the host and of the guest there; none for a host's that are used as they are.
     maps: [Option<BoxMap>; 2],
     /// Metric units, at least, for one unit of the frame of the boxes.
     per_unit: f64,
     far: Option<Far>,
     /// How the guest lies in the host's packed frame, where boxes are compared there.
-    pub(super) standing: Option<Standing>,
+    pub(super) relative: Option<RelativeFrame>,
 }
 
 /// The gap between the centres, as a direction of about unit length, and how much of it there is along it.
@@ -74,19 +75,19 @@ struct Far {
 impl Bounds {
     pub(super) fn new(a: Placed<'_>, b: Placed<'_>, metric: &Metric, choice: HostChoice) -> Self {
         match choice {
-            HostChoice::First => Self::hosted(a, b, metric, false).0,
-            HostChoice::Second => Self::hosted(b, a, metric, true).0,
+            HostChoice::First => Self::hosted(a, b, metric, Sides::FIRST_HOSTS).0,
+            HostChoice::Second => Self::hosted(b, a, metric, Sides::SECOND_HOSTS).0,
             HostChoice::SmallerError => {
-                let (by_a, blur_a) = Self::hosted(a, b, metric, false);
-                let (by_b, blur_b) = Self::hosted(b, a, metric, true);
+                let (by_a, blur_a) = Self::hosted(a, b, metric, Sides::FIRST_HOSTS);
+                let (by_b, blur_b) = Self::hosted(b, a, metric, Sides::SECOND_HOSTS);
                 if blur_b < blur_a { by_b } else { by_a }
             }
         }
     }
 
     /// The bounds with this host, and how much of the metric frame rounding blurs.
-    fn hosted(host: Placed<'_>, guest: Placed<'_>, metric: &Metric, swapped: bool) -> (Self, f64) {
-        let (host_side, guest_side) = (usize::from(swapped), usize::from(!swapped));
+    fn hosted(host: Placed<'_>, guest: Placed<'_>, metric: &Metric, sides: Sides) -> (Self, f64) {
+        let [host_side, guest_side] = sides.host_guest([0, 1]);
         let gap = sub(&metric.maps[guest_side].offset, &metric.maps[host_side].offset);
         let is_far = length(&gap) > FAR * metric.extent;
         let carried = |placed: Placed<'_>, side: usize| {
@@ -103,15 +104,15 @@ impl Bounds {
                 let per_unit = |stretch: f64| stretch / host_frame.scale * metric.scale;
                 let stretch = [per_unit(least) * (1.0 - 1e-12), per_unit(most) * (1.0 + 1e-12)];
                 let Relation { linear, translation, error, boxes, .. } = Relation::new(&local, host_frame, guest_frame);
-                let standing = Some(Standing { linear, translation, error, stretch });
-                Self { swapped, maps: [None, Some(boxes)], per_unit: stretch[0], far: None, standing }
+                let relative = Some(RelativeFrame { linear, translation, error, stretch });
+                Self { sides, maps: [None, Some(boxes)], per_unit: stretch[0], far: None, relative }
             }
             None => Self {
-                swapped,
+                sides,
                 maps: [Some(carried(host, host_side)), Some(carried(guest, guest_side))],
                 per_unit: 1.0,
                 far: is_far.then(|| Far::new(&gap, metric)),
-                standing: None,
+                relative: None,
             },
         };
         let slack: f64 = bounds.maps.iter().flatten().map(|map| f64::from(map.slack())).sum();

@@ -5,10 +5,10 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 
 use super::bounds::{by_centres, squared_gaps};
+use super::metric::MetricMap;
 use crate::hierarchy::HALF_ULP;
 use crate::mesh::Mesh;
-use crate::mesh::metric::MetricMap;
-use crate::mesh::packet::Packet;
+use crate::mesh::storage::packet::Packet;
 use crate::simd::{ALL_LANES, Choice, LANES, Lanes3, bits, by_axis, cross, dot, load3, sub};
 use crate::volume::Aabb;
 
@@ -104,10 +104,10 @@ impl<'l, S: Simd> Facing<'l, S> {
         let [p, q, r]: Lanes3<S> = by_axis!(corner => dot(&direction, &load3(simd, &self.guest.about[corner])));
         let mut guest = [0.0; LANES];
         p.min(q).min(r).store_slice(&mut guest);
-        let enough = (limit + self.slack) * squared.sqrt() - squared;
+        let threshold = (limit + self.slack) * squared.sqrt() - squared;
         let mut near = [0; LANES];
         for lane in 0..LANES {
-            let far = (f32x8::splat(simd, guest[lane]) - host).simd_gt(f32x8::splat(simd, enough));
+            let far = (f32x8::splat(simd, guest[lane]) - host).simd_gt(f32x8::splat(simd, threshold));
             near[lane] = !(far.to_bitmask() as u32);
         }
         near

@@ -5,35 +5,35 @@ use std::ops::ControlFlow::{self, Continue};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::answer::{Answer, Scene};
-use super::at_hand::AtHand;
-use super::between::Between;
+use super::answer::Answer;
 use super::bounds::Bounds;
-use super::front::{Front, NO_ENTRY, Standing};
-use super::leaf::Leaf;
-use super::profile::{Profiles, Reach, Reached};
-use super::task::{Slot, Sorted, Task};
-use super::{Nearest, Trail};
+use super::cache::Cache;
+use super::direction_bounds::{DirectionBounds, Reach, Reached};
+use super::frontier::{Frontier, NO_ENTRY};
+use super::leaf_pair::{LeafCaches, Progress, process_leaves};
+use super::line_bound::LineBound;
+use super::metric::Metric;
+use super::relative_frame::RelativeFrame;
+use super::scene::{Nearest, Scene};
+use super::slot::Slot;
+use super::task::{Sorted, Task};
+use super::warm_start::WarmStart;
 use crate::exact::Placement;
 use crate::hierarchy::{BoxLanes, Child, Node, lanes_in_use};
-use crate::mesh::metric::Metric;
-use crate::mesh::packet::Packets;
+use crate::mesh::storage::packet::{Packet, Packets};
 use crate::mesh::{Options, Placed};
 use crate::simd::{LANES, Level, bits, by_axis, dispatch, outlined};
 use crate::volume::Aabb;
 
-/// A search that meets more pairs of leaves than this, and takes some milliseconds, is dear: where its like follow, a front pays.
-const DEAR: usize = 1 << 13;
+/// A search that meets more pairs of leaves than this, and takes some milliseconds, is costly: where its like follow, a frontier pays.
+const COSTLY: usize = 1 << 13;
 
 /// Children whose boxes differ in size by more than this are not opened together: the larger one alone comes nearer to
 /// the other's size.
 const OPENED_TOGETHER: f32 = 4.0;
 
-/// Leaves of either mesh that are kept at hand; a power of two. They fill half of a second cache.
-const LEAVES_AT_HAND: usize = 128;
-
 /// Nodes of either mesh whose boxes are kept carried over; a power of two.
-const CARRIED_AT_HAND: usize = 32;
+const CACHED_BOXES: usize = 32;
 
 /// The two sides of a search, by their places.
 const HOST: usize = 0;
@@ -47,14 +47,14 @@ pub(super) struct Search<'a> {
     packets: [Packets<'a>; 2],
     tasks: Vec<Task>,
     found: Sorted,
-    pub(super) leaves: [AtHand<Leaf, LEAVES_AT_HAND>; 2],
-    carried: [AtHand<Carried, CARRIED_AT_HAND>; 2],
-    pub(super) profiles: Profiles<'a>,
-    between: Between,
+    leaves: LeafCaches,
+    carried: [Cache<Carried, CACHED_BOXES>; 2],
+    direction_bounds: DirectionBounds<'a>,
+    line_bound: LineBound,
     /// Where the search ends, if that is kept.
-    pub(super) front: Option<Front>,
+    frontier: Option<Frontier>,
     /// Pairs of leaves that were met.
-    met: usize,
+    leaf_pairs: usize,
 }
 
 #[derive(Clone, Debug)]
@@ -71,13 +71,13 @@ impl<'a> Search<'a> {
         }
         let metric = Metric::new(a, b);
         let bounds = Bounds::new(a, b, &metric, options.host);
-        let (host, guest) = if bounds.swapped { (b.mesh, a.mesh) } else { (a.mesh, b.mesh) };
+        let [host, guest] = bounds.sides.host_guest([a.mesh, b.mesh]);
         let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
         let scene = Scene { meshes: [a.mesh, b.mesh], metric, placement, bounds, clearance };
         let metric = &scene.metric;
         let farthest = if clearance == f64::INFINITY { metric.diagonal } else { clearance * metric.scale };
         let answer = Answer::new(&scene, farthest + 2.0 * metric.error);
-        let between = Between::new([host, guest], metric, scene.sides());
+        let line_bound = LineBound::new([host, guest], metric, scene.sides());
         Some(Self {
             scene,
             answer,
@@ -85,73 +85,66 @@ impl<'a> Search<'a> {
             packets: [host.packets(), guest.packets()],
             tasks: Vec::new(),
             found: Sorted::new(),
-            leaves: [AtHand::new(), AtHand::new()],
-            carried: [AtHand::new(), AtHand::new()],
-            profiles: Profiles::new([host, guest]),
-            between,
-            front: None,
-            met: 0,
+            leaves: [Cache::new(), Cache::new()],
+            carried: [Cache::new(), Cache::new()],
+            direction_bounds: DirectionBounds::new([host, guest]),
+            line_bound,
+            frontier: None,
+            leaf_pairs: 0,
         })
     }
 
     /// Meets these faces, if there are such, before all others.
-    pub(super) fn try_first(&mut self, faces: Option<[u32; 2]>) -> ControlFlow<()> {
+    pub(super) fn try_faces(&mut self, faces: Option<[u32; 2]>) -> ControlFlow<()> {
         let scene = &self.scene;
         let exists = |faces: &[u32; 2]| [0, 1].iter().all(|&m| (faces[m] as usize) < scene.meshes[m].faces().len());
         if let Some(faces) = faces.filter(exists) {
-            self.answer.meet(scene, faces)?;
-            self.take_direction();
+            self.answer.process(scene, faces)?;
+            self.direction_bounds.update(scene, self.answer.best.as_ref());
         }
         Continue(())
     }
 
     /// Looks at everything, from the roots. Keeps where it ends if `since` says that the meshes stood little else when the last
-    /// search was dear.
-    pub(super) fn run(&mut self, options: &Options, since: Option<&Standing>) {
-        self.front = since.and_then(|since| Front::new(&self.scene, since, self.nodes, options, self.answer.cut));
-        let found = if self.front.is_some() {
+    /// search was costly.
+    pub(super) fn run(&mut self, options: &Options, since: Option<&RelativeFrame>) {
+        self.frontier = since.and_then(|since| Frontier::new(&self.scene, since, self.nodes, options, self.answer.cut));
+        let found = if self.frontier.is_some() {
             self.advance_on(options.level)
         } else {
             dispatch!(options.level, simd => self.descend(simd))
         };
         if found.is_continue() {
-            let _ = self.answer.meet_put_off(&self.scene);
+            let _ = self.answer.process_deferred(&self.scene);
         }
-        if let Some(front) = &mut self.front {
-            front.complete(self.met);
+        if let Some(frontier) = &mut self.frontier {
+            frontier.complete(self.leaf_pairs);
         }
     }
 
-    /// Looks at what the front leaves open; false where it is of no use any more, and then nothing was looked at.
-    pub(super) fn go_on(&mut self, front: Front, options: &Options) -> bool {
-        let Some(front) = front.moved(&self.scene, self.nodes[GUEST], options, self.answer.cut) else { return false };
-        self.front = Some(front);
+    /// Looks at what the frontier leaves open; false where it is of no use any more, and then nothing was looked at.
+    pub(super) fn resume(&mut self, frontier: Frontier, options: &Options) -> bool {
+        let Some(frontier) = frontier.moved(&self.scene, self.nodes[GUEST], options, self.answer.cut) else {
+            return false;
+        };
+        self.frontier = Some(frontier);
         if self.advance_on(options.level).is_continue() {
-            let _ = self.answer.meet_put_off(&self.scene);
+            let _ = self.answer.process_deferred(&self.scene);
         }
         true
     }
 
     /// What it leaves for the next search.
-    pub(super) fn leave(self, faces: Option<[u32; 2]>) -> Trail {
-        let dear = if self.met > DEAR || self.front.is_some() { self.scene.bounds.standing } else { None };
-        Trail { faces, front: self.front, dear }
+    pub(super) fn into_warm_start(self, faces: Option<[u32; 2]>) -> WarmStart {
+        let costly =
+            if self.leaf_pairs > COSTLY || self.frontier.is_some() { self.scene.bounds.relative } else { None };
+        WarmStart { faces, frontier: self.frontier, costly }
     }
 
     /// The nearest points that were found.
     pub(super) fn nearest(&self) -> Option<Nearest> {
         let doubt = if self.answer.values_left == 0 { 6.0 * self.scene.metric.error } else { 0.0 };
         self.answer.best.map(|best| self.scene.finish(&best, doubt))
-    }
-
-    /// Bounds what is left along the direction between the best witnesses.
-    #[inline(always)]
-    pub(super) fn take_direction(&mut self) {
-        let Self { scene, answer, profiles, .. } = self;
-        if let Some(best) = &answer.best {
-            let (sides, on) = (scene.sides(), [&best.witness.on_a, &best.witness.on_b]);
-            profiles.take(sides.map(|side| on[side]), best.value, &scene.metric, sides);
-        }
     }
 
     /// Runs [`advance`](Self::advance) with a vector unit. Both callers share the one copy that is
@@ -164,17 +157,17 @@ impl<'a> Search<'a> {
     #[inline(always)]
     fn descend<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
         self.open_both::<S, false>(simd, 0, 0);
-        self.work_off::<S, false>(simd)
+        self.process_tasks::<S, false>(simd)
     }
 
-    /// Goes on at each pair of children of the front that is not proved to be far.
+    /// Goes on at each pair of children of the frontier that is not proved to be far.
     #[inline(always)]
     fn advance<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
         for entry in 0..self.entries() as u32 {
-            let Some(front) = &self.front else { break };
-            let ([host, guest], near) = front.near(simd, entry, front.limit(self.answer.cut));
+            let Some(frontier) = &self.frontier else { break };
+            let ([host, guest], near) = frontier.near(simd, entry, frontier.limit(self.answer.cut));
             // Along the direction between the witnesses nothing is known of them.
-            let reach = Reach { both: f32::INFINITY, along: self.profiles.along() };
+            let reach = Reach { both: f32::INFINITY, along: self.direction_bounds.along() };
             for (guest_lane, near) in near.into_iter().enumerate() {
                 for host_lane in bits(near) {
                     let host = Slot { node: host, lane: host_lane as u8 };
@@ -182,20 +175,20 @@ impl<'a> Search<'a> {
                     self.tasks.push(Task { bound: f32::NEG_INFINITY, reach, slots: [host, guest], entry });
                 }
             }
-            self.work_off::<S, true>(simd)?;
+            self.process_tasks::<S, true>(simd)?;
         }
         Continue(())
     }
 
     /// Finds out about the children that are tasks.
     #[inline(always)]
-    fn work_off<S: Simd, const KEEPS: bool>(&mut self, simd: S) -> ControlFlow<()> {
+    fn process_tasks<S: Simd, const KEEPS: bool>(&mut self, simd: S) -> ControlFlow<()> {
         while let Some(task) = self.tasks.pop() {
             if task.bound > self.answer.node_limit {
                 continue;
             }
             let cut = self.answer.cut;
-            if self.profiles.are_apart(simd, task.reach, task.slots, cut) {
+            if self.direction_bounds.are_apart(simd, task.reach, task.slots, cut) {
                 self.raise::<KEEPS>(&task, cut);
                 continue;
             }
@@ -204,7 +197,7 @@ impl<'a> Search<'a> {
                 (&self.nodes[HOST][host.node as usize], &self.nodes[GUEST][guest.node as usize]);
             let (host_lane, guest_lane) = (usize::from(host.lane), usize::from(guest.lane));
             let (host_box, guest_box) = (host_node.lane_bounds(host_lane), guest_node.lane_bounds(guest_lane));
-            let line = self.between.line(&host_box, &guest_box);
+            let line = self.line_bound.line(&host_box, &guest_box);
             let left = line.left();
             if left.is_longer(cut) {
                 self.raise::<KEEPS>(&task, left.length());
@@ -219,8 +212,8 @@ impl<'a> Search<'a> {
                     if left.is_longer(cut) {
                         self.raise::<KEEPS>(&task, left.length());
                     } else {
-                        let least = self.meet_leaves::<S, KEEPS>(simd, [host, guest], &packets)?;
-                        self.met += 1;
+                        let least = self.process_leaves::<S, KEEPS>(simd, [host, guest], &packets)?;
+                        self.leaf_pairs += 1;
                         self.raise::<KEEPS>(&task, f64::from(least));
                     }
                     continue;
@@ -246,32 +239,47 @@ impl<'a> Search<'a> {
             // What has no entry, as there are too many, stays with its bound and is opened again.
             if KEEPS
                 && self.entries() > entries
-                && let Some(front) = &mut self.front
+                && let Some(frontier) = &mut self.frontier
             {
-                front.pass_on(task.entry, task.slots);
+                frontier.mark_opened(task.entry, task.slots);
             }
         }
         Continue(())
     }
 
+    /// Compares the triangles of two leaves. Returns a lower bound of the distances of their pairs, in metric units.
+    #[inline(always)]
+    fn process_leaves<S: Simd, const KEEPS: bool>(
+        &mut self,
+        simd: S,
+        leaves: [u32; 2],
+        packets: &[Packet<'_>; 2],
+    ) -> ControlFlow<(), f32> {
+        // Bounds that a frontier keeps are sought beyond what matters.
+        let beyond = if KEEPS { self.frontier.as_ref().map_or(1.0, Frontier::beyond) } else { 1.0 };
+        let Self { scene, answer, leaves: cached, direction_bounds, .. } = self;
+        let progress = Progress { answer, leaves: cached, direction_bounds, beyond };
+        process_leaves::<S, KEEPS>(simd, scene, leaves, packets, progress)
+    }
+
     #[inline(always)]
     fn entries(&self) -> usize {
-        self.front.as_ref().map_or(0, Front::len)
+        self.frontier.as_ref().map_or(0, Frontier::len)
     }
 
     /// What is below the children of a task is no nearer than this, in metric units.
     #[inline(always)]
     fn raise<const KEEPS: bool>(&mut self, task: &Task, lower: f64) {
-        if KEEPS && let Some(front) = &mut self.front {
-            front.raise(task.entry, task.slots, lower, self.scene.metric.error);
+        if KEEPS && let Some(frontier) = &mut self.frontier {
+            frontier.raise(task.entry, task.slots, lower, self.scene.metric.error);
         }
     }
 
-    /// The entry of two nodes in the front, if there is one, with what their boxes say.
+    /// The entry of two nodes in the frontier, if there is one, with what their boxes say.
     #[inline(always)]
     fn entry_of_both<S: Simd, const KEEPS: bool>(&mut self, simd: S, host: u32, guest: u32) -> u32 {
-        let Self { scene, answer, nodes, carried: [carried_host, carried_guest], front, .. } = self;
-        let Some(front) = front.as_mut().filter(|_| KEEPS) else { return NO_ENTRY };
+        let Self { scene, answer, nodes, carried: [carried_host, carried_guest], frontier, .. } = self;
+        let Some(frontier) = frontier.as_mut().filter(|_| KEEPS) else { return NO_ENTRY };
         outlined(
             simd,
             #[inline(always)]
@@ -279,11 +287,11 @@ impl<'a> Search<'a> {
                 let (host_node, guest_node) = (&nodes[HOST][host as usize], &nodes[GUEST][guest as usize]);
                 let host_boxes = carried_boxes(carried_host, host, || scene.bounds.carry(simd, HOST, host_node));
                 let guest_boxes = carried_boxes(carried_guest, guest, || scene.bounds.carry(simd, GUEST, guest_node));
-                let Some(entry) = front.open([host, guest]) else { return NO_ENTRY };
+                let Some(entry) = frontier.open([host, guest]) else { return NO_ENTRY };
                 for guest_lane in 0..guest_node.count() {
                     let guest_box = guest_boxes.lane(guest_lane);
                     let bounds = scene.bounds.of(simd, host_boxes, &guest_box, false, answer.node_limit).bounds;
-                    front.keep_row(simd, entry, guest_lane, lanes_in_use(host_node), &bounds);
+                    frontier.keep_row(simd, entry, guest_lane, lanes_in_use(host_node), &bounds);
                 }
                 entry
             },
@@ -297,8 +305,8 @@ impl<'a> Search<'a> {
             return NO_ENTRY;
         }
         let one = self.box_of(simd, 1 - side, other);
-        let Self { scene, answer, nodes, carried, front, .. } = self;
-        let Some(front) = front else { return NO_ENTRY };
+        let Self { scene, answer, nodes, carried, frontier, .. } = self;
+        let Some(frontier) = frontier else { return NO_ENTRY };
         let opened = &nodes[side][node as usize];
         outlined(
             simd,
@@ -308,9 +316,9 @@ impl<'a> Search<'a> {
                 let bounds = scene.bounds.of(simd, many, &one, side == GUEST, answer.node_limit).bounds;
                 let pair = |opened: Slot| if side == HOST { [opened, other] } else { [other, opened] };
                 let nodes = pair(Slot { node, lane: 0 }).map(|slot| slot.node);
-                let Some(entry) = front.open(nodes) else { return NO_ENTRY };
+                let Some(entry) = frontier.open(nodes) else { return NO_ENTRY };
                 for lane in 0..opened.count() {
-                    front.keep(entry, pair(Slot { node, lane: lane as u8 }), bounds[lane]);
+                    frontier.keep(entry, pair(Slot { node, lane: lane as u8 }), bounds[lane]);
                 }
                 entry
             },
@@ -320,9 +328,11 @@ impl<'a> Search<'a> {
     #[inline(always)]
     fn open_both<S: Simd, const KEEPS: bool>(&mut self, simd: S, host: u32, guest: u32) {
         let entry = self.entry_of_both::<S, KEEPS>(simd, host, guest);
-        let Self { scene, answer, tasks, found, nodes, carried: [carried_host, carried_guest], profiles, .. } = self;
+        let Self {
+            scene, answer, tasks, found, nodes, carried: [carried_host, carried_guest], direction_bounds, ..
+        } = self;
         let (host_node, guest_node) = (&nodes[HOST][host as usize], &nodes[GUEST][guest as usize]);
-        let reached = profiles.of_nodes(simd, [host, guest]);
+        let reached = direction_bounds.of_nodes(simd, [host, guest]);
         let near = Reached::near(&reached, simd, answer.cut);
         let host_boxes = carried_boxes(carried_host, host, || scene.bounds.carry(simd, HOST, host_node));
         let guest_boxes = carried_boxes(carried_guest, guest, || scene.bounds.carry(simd, GUEST, guest_node));
@@ -338,7 +348,7 @@ impl<'a> Search<'a> {
                 found.add(&bounds, host_lane, reach, [host_lane, guest_lane]);
             }
         }
-        found.push(tasks, (profiles.along(), entry), |[host_lane, guest_lane]| {
+        found.push(tasks, (direction_bounds.along(), entry), |[host_lane, guest_lane]| {
             [Slot { node: host, lane: host_lane }, Slot { node: guest, lane: guest_lane }]
         });
     }
@@ -348,12 +358,12 @@ impl<'a> Search<'a> {
     fn open_one<S: Simd, const KEEPS: bool>(&mut self, simd: S, side: usize, node: u32, other: Slot) {
         let one = self.box_of(simd, 1 - side, other);
         let entry = self.entry_of_one::<S, KEEPS>(simd, side, node, other);
-        let Self { scene, answer, tasks, found, nodes, carried, profiles, .. } = self;
+        let Self { scene, answer, tasks, found, nodes, carried, direction_bounds, .. } = self;
         let opened = &nodes[side][node as usize];
         let mut reaches = [f32::INFINITY; LANES];
         let mut near = lanes_in_use(opened);
-        if let Some((both, enough)) = profiles.of_one(simd, side, node, other) {
-            near &= !(both.simd_lt(f32x8::splat(simd, enough.at(answer.cut))).to_bitmask() as u32);
+        if let Some((both, threshold)) = direction_bounds.of_one(simd, side, node, other) {
+            near &= !(both.simd_lt(f32x8::splat(simd, threshold.at(answer.cut))).to_bitmask() as u32);
             both.store_slice(&mut reaches);
         }
         if near == 0 {
@@ -364,7 +374,7 @@ impl<'a> Search<'a> {
         for lane in bits(bounds.near & near) {
             found.add(&bounds, lane, reaches[lane], if side == HOST { [lane, 0] } else { [0, lane] });
         }
-        found.push(tasks, (profiles.along(), entry), |lanes| {
+        found.push(tasks, (direction_bounds.along(), entry), |lanes| {
             let opened = Slot { node, lane: lanes[side] };
             if side == HOST { [opened, other] } else { [other, opened] }
         });
@@ -388,10 +398,6 @@ fn size(bounds: &Aabb) -> f32 {
 }
 
 #[inline(always)]
-fn carried_boxes(
-    at_hand: &mut AtHand<Carried, CARRIED_AT_HAND>,
-    node: u32,
-    carry: impl FnOnce() -> BoxLanes,
-) -> &BoxLanes {
-    &at_hand.get(node, |kept| kept.node, |node| Carried { node, boxes: carry() }).boxes
+fn carried_boxes(cache: &mut Cache<Carried, CACHED_BOXES>, node: u32, carry: impl FnOnce() -> BoxLanes) -> &BoxLanes {
+    &cache.get(node, |kept| kept.node, |node| Carried { node, boxes: carry() }).boxes
 }

@@ -1,15 +1,9 @@
 //! What is left of a search: pairs of children, the nearest to be taken next.
 
 use super::bounds::LaneBounds;
-use super::profile::Reach;
+use super::direction_bounds::Reach;
+use super::slot::Slot;
 use crate::simd::LANES;
-
-/// A child of a node.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Slot {
-    pub(super) node: u32,
-    pub(super) lane: u8,
-}
 
 /// Two children whose triangles are still to be compared, and a bound of their distance.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +12,7 @@ pub(super) struct Task {
     pub(super) reach: Reach,
     /// Of the host and of the guest.
     pub(super) slots: [Slot; 2],
-    /// Where a front keeps what is found out about them.
+    /// Where a frontier keeps what is found out about them.
     pub(super) entry: u32,
 }
 
@@ -48,7 +42,7 @@ impl Sorted {
     }
 
     /// Moves what was added to the tasks, the nearest last; `along` is the number of the direction along which they reach, `entry` what the
-    /// front has of them.
+    /// frontier has of them.
     #[inline(always)]
     pub(super) fn push(
         &mut self,

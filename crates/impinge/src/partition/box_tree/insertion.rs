@@ -1,8 +1,7 @@
 //! How boxes come, move and go: the search for the place where the tree grows least, and rotations on the way up.
 
-use std::cmp::Ordering;
-
 use super::super::{Dynamic, Partition};
+use super::candidate::Candidate;
 use super::{BoxTree, DEEPEST, MinMax, NONE, Node};
 use crate::volume::BoundingVolume;
 
@@ -12,35 +11,6 @@ const MOST_VISITED: usize = 96;
 /// How much larger than needed, in margins, a leaf may be and stay: fewer would put back those that slow down, more keep
 /// the fat of boxes that shrank.
 const MOST_MARGINS: f64 = 4.0;
-
-/// A node beside or below which a box may go. The boxes above it grow by `grown` then: the least is looked at first, and of
-/// several the deepest, which is nearest to a leaf.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Candidate {
-    grown: f64,
-    depth: u16,
-    node: u32,
-}
-
-impl Ord for Candidate {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.grown.total_cmp(&self.grown).then(self.depth.cmp(&other.depth)).then(other.node.cmp(&self.node))
-    }
-}
-
-impl PartialOrd for Candidate {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Candidate {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Candidate {}
 
 impl Dynamic for BoxTree {
     fn insert(&mut self, key: u32, bounds: MinMax) -> Option<MinMax> {

@@ -6,6 +6,7 @@
 //! than [`DEEPEST`], so that no sequence of moves makes it a list, and in that a search visits a bounded number of nodes.
 
 mod build;
+mod candidate;
 mod insertion;
 mod pairs;
 mod queries;
@@ -54,7 +55,7 @@ pub struct BoxTree {
     items: Items,
     margin: f64,
     /// What a search for a place has still to look at; empty between searches.
-    candidates: std::collections::BinaryHeap<insertion::Candidate>,
+    candidates: std::collections::BinaryHeap<candidate::Candidate>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +89,7 @@ impl BoxTree {
     /// is none, and one beyond 2^320 is that.
     #[must_use]
     pub fn with_margin(margin: f64) -> Self {
-        Self { margin: margin.clamp(0.0, super::march::LIMIT), ..Self::default() }
+        Self { margin: margin.clamp(0.0, super::best::LIMIT), ..Self::default() }
     }
 
     /// Steps from the root to the deepest leaf, at most 48; zero for fewer than two boxes.

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::super::march::{Best, distance_squared, in_range};
+use super::super::best::{Best, distance_squared, in_range};
 use super::super::{Cells, Holds, Items, Neighbour, Partition, Ray, RayVisit, Visitor, Work};
 use super::{BoxTree, DEEPEST, MinMax, Node};
 use crate::volume::BoundingVolume;

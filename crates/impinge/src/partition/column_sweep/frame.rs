@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::super::march::LIMIT;
+use super::super::best::LIMIT;
 use super::record::{LAST, Record, as_second, interval};
 use crate::simd::by_axis;
 use crate::volume::MinMax;

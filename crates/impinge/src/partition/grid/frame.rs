@@ -2,15 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use super::word::{MARKED_APART, Word};
+use super::quantization::{DISTINCT_KEYS, PARTS, quantized_step};
+use super::quantized_box::QuantizedBox;
 use crate::simd::by_axis;
 use crate::volume::MinMax;
 
 /// Cells are counted to here from the origin, and farther ones are the last.
 const FARTHEST: f64 = (1_u64 << 40) as f64;
-
-/// Parts of the edge of a cell, as a power of two.
-pub(super) const PARTS: u32 = 8;
 
 /// A sum with it ends in the whole number that is nearest to the other part, which has to be below 2^51.
 const WHOLE: f64 = (3_u64 << 51) as f64;
@@ -95,14 +93,6 @@ fn scale(cell: f64) -> f64 {
     (f64::from(1 << PARTS) / cell).min(f64::MAX)
 }
 
-/// The step of a place so many parts behind the beginning of a cell as it is seen from the `nth` that follows.
-#[inline(always)]
-pub(super) fn seen_step(parts: i16, nth: usize) -> i16 {
-    let part = (parts - ((nth as i16) << PARTS)).clamp(-1, 1 << PARTS);
-    // Of 256 parts 254 steps are made, which are in order as these are.
-    1 + part - ((part + 127) >> 7)
-}
-
 impl Place {
     #[inline]
     pub(super) fn cell(self) -> i64 {
@@ -117,9 +107,9 @@ impl Place {
 
     /// The step as it is seen from a cell: 0 for what is before it, 255 for what is behind it, and 1 to 254 between.
     #[inline]
-    fn seen_from(self, cell: i64) -> u8 {
+    fn quantized(self, cell: i64) -> u8 {
         let parts = self.parts_from(cell).clamp(-1, 1 << PARTS);
-        seen_step(parts as i16, 0) as u8
+        quantized_step(parts as i16, 0) as u8
     }
 }
 
@@ -133,13 +123,13 @@ impl Reach {
     /// The box along an axis as it is seen from a cell.
     #[inline]
     pub(super) fn along(&self, axis: usize, cell: i64) -> [u8; 2] {
-        [self.low[axis].seen_from(cell), self.high[axis].seen_from(cell)]
+        [self.low[axis].quantized(cell), self.high[axis].quantized(cell)]
     }
 
     /// The box as it is seen from a cell.
     #[inline]
-    pub(super) fn seen_from(&self, cell: Cell) -> Word {
-        let along = |axis| Word::along(axis, self.along(axis, cell[axis]), cell[axis]);
+    pub(super) fn quantized(&self, cell: Cell) -> QuantizedBox {
+        let along = |axis| QuantizedBox::along(axis, self.along(axis, cell[axis]), cell[axis]);
         along(0).with(along(1)).with(along(2))
     }
 }
@@ -152,7 +142,7 @@ impl Block {
 
     /// Whether there are at most so many cells, of which no two look alike.
     pub(super) fn is_small(&self, most: f64) -> bool {
-        self.count() <= most && (0..3).all(|axis| self.high[axis] - self.low[axis] < MARKED_APART)
+        self.count() <= most && (0..3).all(|axis| self.high[axis] - self.low[axis] < DISTINCT_KEYS)
     }
 
     #[inline]

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use super::super::{Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visitor, Work};
-use super::follow::Looks;
+use super::batched_step::{self, BatchedMoves};
+use super::cell_visits::CellVisits;
 use super::level::Level;
+use super::move_batch::MoveBatch;
 use super::single::judge_cell;
-use super::together::{self, Follows, Movers};
 use crate::input::InputError;
 use crate::volume::MinMax;
 
@@ -142,35 +143,35 @@ impl Dynamic for HierarchicalGrid {
     }
 
     fn step(&mut self, moves: &[Move], changes: &mut Changes) {
-        together::step(self, moves, changes);
+        batched_step::step(self, moves, changes);
     }
 }
 
-impl Follows for HierarchicalGrid {
+impl BatchedMoves for HierarchicalGrid {
     fn levels(&self) -> usize {
         self.levels.len()
     }
 
     #[inline(always)]
-    fn trace(&self, mover: usize, way: &[MinMax; 2], looks: &mut [Looks]) -> bool {
-        let [from, to] = [self.level_of(&way[0]), self.level_of(&way[1])];
+    fn note_path(&self, mover: usize, path: &[MinMax; 2], visits: &mut [CellVisits]) -> bool {
+        let [from, to] = [self.level_of(&path[0]), self.level_of(&path[1])];
         if from != to {
             return false;
         }
-        for ((&number, level), looks) in self.levels.iter().zip(looks) {
-            if !looks.trace(level, mover, way, number == from) {
+        for ((&number, level), visits) in self.levels.iter().zip(visits) {
+            if !visits.note_path(level, mover, path, number == from) {
                 return false;
             }
         }
         true
     }
 
-    fn follow(&mut self, movers: &Movers, looks: &mut [Looks], changes: &mut Changes) {
+    fn apply_batch(&mut self, batch: &MoveBatch, visits: &mut [CellVisits], changes: &mut Changes) {
         let Self { levels, items, .. } = self;
-        for (level, looks) in levels.values_mut().zip(looks) {
-            looks.follow(level, items, movers, changes);
+        for (level, visits) in levels.values_mut().zip(visits) {
+            visits.apply(level, items, batch, changes);
         }
-        for (key, [_, to]) in movers.iter() {
+        for (key, [_, to]) in batch.iter() {
             items.replace(key, *to);
         }
         levels.values_mut().for_each(|level| level.resize(items));

@@ -6,7 +6,7 @@ use super::super::{Items, Visitor, Work};
 use super::frame::Frame;
 use super::layout::{FEWEST, Layout};
 use super::lines::Lines;
-use super::word::Word;
+use super::quantized_box::QuantizedBox;
 use crate::volume::{BoundingVolume, MinMax};
 
 /// Lines for each copy that they hold at least, where cells are hashed, and at most.
@@ -15,8 +15,8 @@ const ROOM: [f64; 2] = [0.3, 2.4];
 /// Equal cells, each with a copy of each box that reaches into it.
 ///
 /// A copy says where its box begins and ends in steps as seen from its cell, and boxes themselves are looked at where steps
-/// decide nothing. Cells that share a place in memory have marks, and one box has no two copies of one mark, so that the
-/// copy of another cell with the same mark is one of a box that is not in this cell.
+/// decide nothing. Cells that share a place in memory are told apart by their keys, and one box has no two copies of one cell key. So a
+/// copy of another cell with the same key is a copy of a box that is not in this cell.
 #[derive(Clone, Debug)]
 pub(super) struct Level {
     pub(super) frame: Frame,
@@ -57,7 +57,7 @@ impl Level {
         let reach = self.frame.reach(bounds);
         let mut lines = self.lines.open();
         let _ = reach.block().each(|cell| {
-            lines.put(self.layout.of(cell), key, reach.seen_from(cell));
+            lines.put(self.layout.of(cell), key, reach.quantized(cell));
             ControlFlow::Continue(())
         });
     }
@@ -71,7 +71,7 @@ impl Level {
         let reach = self.frame.reach(bounds);
         let mut lines = self.lines.open();
         let _ = reach.block().each(|cell| {
-            lines.take(self.layout.of(cell), key, reach.seen_from(cell));
+            lines.take(self.layout.of(cell), key, reach.quantized(cell));
             ControlFlow::Continue(())
         });
     }
@@ -91,7 +91,7 @@ impl Level {
         }
         let mut lines = self.lines.open();
         let _ = after.block().each(|cell| {
-            lines.write(self.layout.of(cell), key, after.seen_from(cell));
+            lines.write(self.layout.of(cell), key, after.quantized(cell));
             ControlFlow::Continue(())
         });
     }
@@ -122,8 +122,8 @@ impl Level {
     fn each_once(&self, visit: &mut impl FnMut(u32) -> ControlFlow<()>) -> ControlFlow<()> {
         for place in 0..self.lines.len() {
             for line in self.lines.of(place) {
-                for (&word, &key) in line.words.iter().zip(&line.keys) {
-                    if !word.is_none() && !(0..3).any(|axis| word.begins_before(axis)) {
+                for (&quantized, &key) in line.boxes.iter().zip(&line.keys) {
+                    if !quantized.is_none() && !(0..3).any(|axis| quantized.begins_before(axis)) {
                         visit(key)?;
                     }
                 }
@@ -152,14 +152,14 @@ impl Level {
         }
         block.each(|cell| {
             work.nodes += 1;
-            let like = reach.seen_from(cell);
+            let like = reach.quantized(cell);
             let probe = like.probe();
             for line in self.lines.of(self.layout.of(cell)) {
-                for (&word, &key) in line.words.iter().zip(&line.keys) {
-                    work.boxes += u64::from(!word.is_none());
-                    if word.is_marked_as(like)
-                        && probe.may_meet(word)
-                        && (0..3).all(|axis| cell[axis] == block.low[axis] || !word.begins_before(axis))
+                for (&quantized, &key) in line.boxes.iter().zip(&line.keys) {
+                    work.boxes += u64::from(!quantized.is_none());
+                    if quantized.has_cell_key_of(like)
+                        && probe.may_meet(quantized)
+                        && (0..3).all(|axis| cell[axis] == block.low[axis] || !quantized.begins_before(axis))
                         && let Some(other) = meets(key)
                         && self.frame.is_first(cell, &block, other)
                     {
@@ -173,26 +173,26 @@ impl Level {
 
     /// Calls for each two boxes here that meet, once, in the cell of the least corner of what they share.
     pub(super) fn pairs(&self, items: &Items, mut meet: impl FnMut(u32, u32)) {
-        let mut here: Vec<(u32, Word)> = Vec::new();
+        let mut here: Vec<(u32, QuantizedBox)> = Vec::new();
         for place in 0..self.lines.len() {
             here.clear();
-            here.extend(self.lines.of(place).flat_map(|line| line.keys.into_iter().zip(line.words)));
-            here.retain(|(_, word)| !word.is_none());
-            for (at, &(key, word)) in here.iter().enumerate() {
-                let probe = word.probe();
+            here.extend(self.lines.of(place).flat_map(|line| line.keys.into_iter().zip(line.boxes)));
+            here.retain(|(_, quantized)| !quantized.is_none());
+            for (at, &(key, quantized)) in here.iter().enumerate() {
+                let probe = quantized.probe();
                 for &(other, like) in &here[at + 1..] {
                     // One of them begins in the cell along each axis.
-                    if like.is_marked_as(word)
+                    if like.has_cell_key_of(quantized)
                         && probe.may_meet(like)
-                        && !(0..3).any(|axis| word.begins_before(axis) && like.begins_before(axis))
+                        && !(0..3).any(|axis| quantized.begins_before(axis) && like.begins_before(axis))
                         && key != other
                         && let (Some(one), Some(two)) = (items.get(key), items.get(other))
                         && one.overlaps(two)
                     {
                         let (min, others) = (one.min(), two.min());
                         let cell = [0, 1, 2].map(|axis| self.frame.cell_along(min[axis].max(others[axis]), axis));
-                        let [one, two] = [one, two].map(|bounds| self.frame.reach(bounds).seen_from(cell));
-                        if self.layout.of(cell) == place && one == word && two == like {
+                        let [one, two] = [one, two].map(|bounds| self.frame.reach(bounds).quantized(cell));
+                        if self.layout.of(cell) == place && one == quantized && two == like {
                             meet(key, other);
                         }
                     }

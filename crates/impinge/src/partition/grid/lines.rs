@@ -2,11 +2,11 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::word::Word;
+use super::quantized_box::QuantizedBox;
 use crate::storage::{Buffer, Pages};
 
 /// Copies in a line, so that it has 64 bytes.
-pub(super) const HELD: usize = 5;
+pub(super) const LINE_CAPACITY: usize = 5;
 
 /// Where no line follows, as in memory that is all zeros.
 const LAST: u32 = 0;
@@ -16,15 +16,15 @@ const LAST: u32 = 0;
 #[repr(C, align(64))]
 pub(super) struct Line {
     /// Those that are there come first, in the first line of a cell; the lines that follow are full.
-    pub(super) words: [Word; HELD],
-    pub(super) keys: [u32; HELD],
+    pub(super) boxes: [QuantizedBox; LINE_CAPACITY],
+    pub(super) keys: [u32; LINE_CAPACITY],
     /// The next line of the same cell, among those that are shared, counted from one.
     pub(super) next: u32,
 }
 
 const _: () = assert!(size_of::<Line>() == 64);
 
-const EMPTY: Line = Line { words: [Word::NONE; HELD], keys: [0; HELD], next: LAST };
+const EMPTY: Line = Line { boxes: [QuantizedBox::NONE; LINE_CAPACITY], keys: [0; LINE_CAPACITY], next: LAST };
 
 /// A line for each of a number of cells, and more where one does not do.
 #[derive(Debug)]
@@ -47,12 +47,12 @@ pub(super) struct Opened<'a> {
 
 impl Line {
     fn held(&self) -> usize {
-        self.words.iter().position(|word| word.is_none()).unwrap_or(HELD)
+        self.boxes.iter().position(|quantized| quantized.is_none()).unwrap_or(LINE_CAPACITY)
     }
 
-    /// The place of a copy, by its key and the mark of its cell.
-    fn find(&self, key: u32, like: Word) -> Option<usize> {
-        (0..HELD).find(|&at| self.keys[at] == key && self.words[at].is_marked_as(like))
+    /// Returns the place of a copy, by the key of its box and the key of its cell.
+    fn find(&self, key: u32, like: QuantizedBox) -> Option<usize> {
+        (0..LINE_CAPACITY).find(|&at| self.keys[at] == key && self.boxes[at].has_cell_key_of(like))
     }
 }
 
@@ -110,36 +110,36 @@ impl Opened<'_> {
         self.more.get_mut(shared(next))
     }
 
-    /// Adds a copy. The mark of its word is not among those of the copies of this key here.
-    pub(super) fn put(&mut self, at: usize, key: u32, word: Word) {
+    /// Adds a copy. No copy of this box here has the same cell key.
+    pub(super) fn put(&mut self, at: usize, key: u32, quantized: QuantizedBox) {
         *self.copies += 1;
         let mut held = self.first[at].held();
-        if held == HELD {
+        if held == LINE_CAPACITY {
             // The full line makes room and follows.
             let next = self.lend(self.first[at]);
             self.first[at] = Line { next, ..EMPTY };
             held = 0;
         }
         let line = &mut self.first[at];
-        line.words[held] = word;
+        line.boxes[held] = quantized;
         line.keys[held] = key;
     }
 
-    /// Takes the copy with this key and the mark of this word away.
-    pub(super) fn take(&mut self, at: usize, key: u32, like: Word) {
+    /// Removes the copy of a box with the cell key of `like`.
+    pub(super) fn take(&mut self, at: usize, key: u32, like: QuantizedBox) {
         let Some((line, place)) = self.find(at, key, like) else { return };
         // The last of the first line fills the gap.
         let first = &mut self.first[at];
         let last = first.held() - 1;
-        let (last_word, last_key) = (first.words[last], first.keys[last]);
-        first.words[last] = Word::NONE;
+        let (last_word, last_key) = (first.boxes[last], first.keys[last]);
+        first.boxes[last] = QuantizedBox::NONE;
         let next = first.next;
         match line {
             None if place == last => {}
-            None => (first.words[place], first.keys[place]) = (last_word, last_key),
+            None => (first.boxes[place], first.keys[place]) = (last_word, last_key),
             Some(line) => {
                 let line = &mut self.more[line];
-                (line.words[place], line.keys[place]) = (last_word, last_key);
+                (line.boxes[place], line.keys[place]) = (last_word, last_key);
             }
         }
         if last == 0 && next != LAST {
@@ -151,17 +151,17 @@ impl Opened<'_> {
         *self.copies -= 1;
     }
 
-    /// Writes a copy anew, that with the same key and mark.
-    pub(super) fn write(&mut self, at: usize, key: u32, word: Word) {
-        match self.find(at, key, word) {
-            Some((None, place)) => self.first[at].words[place] = word,
-            Some((Some(line), place)) => self.more[line].words[place] = word,
+    /// Overwrites the copy of a box with the same cell key.
+    pub(super) fn write(&mut self, at: usize, key: u32, quantized: QuantizedBox) {
+        match self.find(at, key, quantized) {
+            Some((None, place)) => self.first[at].boxes[place] = quantized,
+            Some((Some(line), place)) => self.more[line].boxes[place] = quantized,
             None => {}
         }
     }
 
     /// The line of a copy among those that are shared, none for the first, and its place there.
-    fn find(&self, at: usize, key: u32, like: Word) -> Option<(Option<usize>, usize)> {
+    fn find(&self, at: usize, key: u32, like: QuantizedBox) -> Option<(Option<usize>, usize)> {
         let mut line = &self.first[at];
         let mut number = None;
         loop {
@@ -218,7 +218,7 @@ mod tests {
             // Filled and emptied in turns.
             let fills = round / 3000 % 2 == 0;
             let (at, key, cell) = (rng.integer(0, 2) as usize, rng.integer(0, 20) as u32, rng.integer(0, 3));
-            let now = word(cell, rng.integer(1, 99) as u8);
+            let now = quantized(cell, rng.integer(1, 99) as u8);
             match expected.get_mut(&(at, key, cell)) {
                 Some(before) if fills => {
                     lines.open().write(at, key, now);
@@ -243,13 +243,13 @@ mod tests {
             }
             let mut in_use = 0;
             for at in 0..3 {
-                let copies = lines.of(at).flat_map(|line| (0..line.held()).map(|k| (line.keys[k], line.words[k])));
+                let copies = lines.of(at).flat_map(|line| (0..line.held()).map(|k| (line.keys[k], line.boxes[k])));
                 let mut copies: Vec<_> = copies.collect();
-                copies.sort_by_key(|(key, seen)| (*key, (0..4).find(|&cell| seen.is_marked_as(word(cell, 1)))));
+                copies.sort_by_key(|(key, seen)| (*key, (0..4).find(|&cell| seen.has_cell_key_of(quantized(cell, 1)))));
                 let wanted = expected.iter().filter(|((place, ..), _)| *place == at);
-                assert_eq!(copies, wanted.map(|((_, key, _), word)| (*key, *word)).collect::<Vec<_>>());
+                assert_eq!(copies, wanted.map(|((_, key, _), quantized)| (*key, *quantized)).collect::<Vec<_>>());
                 let count = lines.of(at).count();
-                assert_eq!(count, copies.len().div_ceil(HELD).max(1));
+                assert_eq!(count, copies.len().div_ceil(LINE_CAPACITY).max(1));
                 in_use += count - 1;
             }
             let free = std::iter::successors(lines.more.get(shared(lines.free)), |line| lines.after(line)).count();
@@ -258,7 +258,7 @@ mod tests {
         assert!(lines.more.len() > 10);
     }
 
-    fn word(cell: i64, step: u8) -> Word {
-        Word::along(0, [step, 200], cell)
+    fn quantized(cell: i64, step: u8) -> QuantizedBox {
+        QuantizedBox::along(0, [step, 200], cell)
     }
 }

@@ -3,9 +3,10 @@
 use std::ops::ControlFlow;
 
 use super::super::{BoxTree, Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visitor, Work};
-use super::follow::{Looks, SHORT};
+use super::batched_step::{self, BatchedMoves};
+use super::cell_visits::{CellVisits, SHORT};
 use super::level::Level;
-use super::together::{self, Follows, Movers};
+use super::move_batch::MoveBatch;
 use crate::input::{InputError, InputErrorKind};
 use crate::volume::{BoundingVolume, MinMax};
 
@@ -13,7 +14,7 @@ use crate::volume::{BoundingVolume, MinMax};
 /// tree beside the cells, so that no box touches cells without bound.
 const MOST_CELLS: f64 = 27.0;
 
-/// A short way is all in cells.
+/// A short path is all in cells.
 const _: () = assert!(SHORT as f64 <= MOST_CELLS);
 
 /// Cells of a uniform grid at most: a GiB of them, where they are full.
@@ -122,7 +123,7 @@ impl Single {
         !self.level.takes(bounds, MOST_CELLS)
     }
 
-    /// Notes which pairs with large boxes a way changes.
+    /// Notes which pairs with large boxes a path changes.
     fn follow_among_large(&self, key: u32, [from, to]: &[MinMax; 2], changes: &mut Changes) {
         let _ = self.large.overlapping(&from.merged(to), &mut |other| {
             if let Some(bounds) = self.items.get(other) {
@@ -200,29 +201,29 @@ impl Dynamic for Single {
     }
 
     fn step(&mut self, moves: &[Move], changes: &mut Changes) {
-        together::step(self, moves, changes);
+        batched_step::step(self, moves, changes);
     }
 }
 
-impl Follows for Single {
+impl BatchedMoves for Single {
     fn levels(&self) -> usize {
         1
     }
 
     #[inline(always)]
-    fn trace(&self, mover: usize, way: &[MinMax; 2], looks: &mut [Looks]) -> bool {
-        looks[0].trace(&self.level, mover, way, true)
+    fn note_path(&self, mover: usize, path: &[MinMax; 2], visits: &mut [CellVisits]) -> bool {
+        visits[0].note_path(&self.level, mover, path, true)
     }
 
-    fn follow(&mut self, movers: &Movers, looks: &mut [Looks], changes: &mut Changes) {
+    fn apply_batch(&mut self, batch: &MoveBatch, visits: &mut [CellVisits], changes: &mut Changes) {
         let Self { level, large, items } = self;
-        looks[0].follow(level, items, movers, changes);
-        for (key, [_, to]) in movers.iter() {
+        visits[0].apply(level, items, batch, changes);
+        for (key, [_, to]) in batch.iter() {
             items.replace(key, *to);
         }
         level.resize(items);
         if !large.is_empty() {
-            movers.iter().for_each(|(key, way)| self.follow_among_large(key, way, changes));
+            batch.iter().for_each(|(key, path)| self.follow_among_large(key, path, changes));
         }
     }
 }

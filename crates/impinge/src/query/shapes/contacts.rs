@@ -1,11 +1,12 @@
 //! Where two shapes touch or overlap, as a solver of contacts wants it.
 
+use super::Proximity;
 use super::search::depth_by_search;
-use super::table::{self, placed};
+use super::table::{nearness_of_parts, pairs_near, placed};
 pub use crate::convex::Feature;
-use crate::convex::{Contact, Contacts, Depth, Surface, to_unit_length as unit};
+use crate::convex::{self, Contact, Contacts, Depth, Surface, to_unit_length as unit};
 use crate::query::{self, contacts_of_patches};
-use crate::shape::PlacedShape;
+use crate::shape::{Form, PlacedShape};
 
 /// The contacts of two shapes, or of a part of each, that have one normal.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,22 +101,65 @@ pub fn contacts(a: &PlacedShape, b: &PlacedShape) -> Vec<Manifold> {
 #[must_use]
 pub fn contacts_with(a: &PlacedShape, b: &PlacedShape, options: &ContactOptions) -> Vec<Manifold> {
     let margin = options.margin.max(0.0);
-    let found = table::contacts(a, b, margin).into_iter().map(|(parts, mut contacts)| {
+    let found = contacts_within(a, b, margin).into_iter().map(|(parts, mut contacts)| {
         contacts.keep(options.most_points);
         manifold(parts, &contacts)
     });
     found.collect()
 }
 
+/// The contacts of two shapes within a margin, with the parts that they are of.
+fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<([u32; 2], Contacts)> {
+    let mut found = Vec::new();
+    for numbers in pairs_near(a, b, margin) {
+        let (part_a, part_b) = (&a.parts()[numbers[0] as usize], &b.parts()[numbers[1] as usize]);
+        if nearness_of_parts(part_a, part_b, margin) != Proximity::Apart {
+            let of_parts = contacts_of_parts(part_a, part_b, margin);
+            found.extend(of_parts.into_iter().map(|contacts| (numbers, contacts)));
+        }
+    }
+    found
+}
+
+fn contacts_of_parts(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<Contacts> {
+    match (a.form(), b.form()) {
+        (Form::Convex(swept_a), Form::Convex(swept_b)) => {
+            vec![convex::contacts(&a.faceted(swept_a), &b.faceted(swept_b), margin)]
+        }
+        (Form::HalfSpace(plane), Form::Convex(swept)) => vec![plane.contacts(&b.faceted(swept), margin)],
+        (Form::Convex(swept), Form::HalfSpace(plane)) => vec![plane.contacts(&a.faceted(swept), margin).swapped()],
+        (Form::HalfSpace(a), Form::HalfSpace(b)) => vec![a.contact_of_half_spaces(&b)],
+        (Form::Surface(surface), Form::Convex(swept)) => {
+            let found = surface.contacts(&b.faceted(swept), margin);
+            if found.is_empty() { of_contained(a, b) } else { found }
+        }
+        (Form::Convex(swept), Form::Surface(surface)) => {
+            let found = surface.contacts(&a.faceted(swept), margin);
+            if found.is_empty() {
+                return of_contained(a, b);
+            }
+            found.into_iter().map(Contacts::swapped).collect()
+        }
+        (Form::HalfSpace(plane), Form::Surface(surface)) => surface.contacts_with_half_space(&plane, margin),
+        (Form::Surface(surface), Form::HalfSpace(plane)) => {
+            surface.contacts_with_half_space(&plane, margin).into_iter().map(Contacts::swapped).collect()
+        }
+        (Form::Surface(surface_a), Form::Surface(surface_b)) => {
+            let found = of_surfaces(&surface_a, &surface_b, margin);
+            if found.is_empty() { of_contained(a, b) } else { found }
+        }
+    }
+}
+
 /// The one contact of shapes of which one is in the other without touching its surface: the deepest points of the depth.
-pub(super) fn of_contained(a: &PlacedShape, b: &PlacedShape) -> Vec<Contacts> {
+fn of_contained(a: &PlacedShape, b: &PlacedShape) -> Vec<Contacts> {
     let Depth { lower, upper, normal, points } = depth_by_search(a, b);
     let features = [Feature::Face(0); 2];
     vec![Contacts { normal, contacts: vec![Contact { points, lower, upper, features }] }]
 }
 
 /// The contacts of two meshes: those of the regions in which their surfaces meet, or where they are nearest.
-pub(super) fn of_surfaces(a: &Surface<'_>, b: &Surface<'_>, margin: f64) -> Vec<Contacts> {
+fn of_surfaces(a: &Surface<'_>, b: &Surface<'_>, margin: f64) -> Vec<Contacts> {
     let (a, b) = (placed(a), placed(b));
     let found = contacts_of_patches(a, b);
     if !found.is_empty() {

@@ -4,7 +4,7 @@
 //! of many parts a tree finds those that are not.
 
 use super::Proximity;
-use crate::convex::{self, Contacts, Depth, Separation, Surface};
+use crate::convex::{self, Depth, Separation, Surface};
 use crate::query::{self, Solid};
 use crate::shape::{Form, PlacedShape};
 
@@ -25,7 +25,7 @@ pub(super) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Prox
     answer
 }
 
-fn nearness_of_parts(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proximity {
+pub(super) fn nearness_of_parts(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proximity {
     match (a.form(), b.form()) {
         (Form::Convex(a), Form::Convex(b)) => convex::nearness(&a, &b, clearance),
         (Form::HalfSpace(plane), Form::Convex(shape)) | (Form::Convex(shape), Form::HalfSpace(plane)) => {
@@ -121,51 +121,8 @@ pub(super) fn depth(a: &PlacedShape, b: &PlacedShape) -> Option<Depth> {
     }
 }
 
-/// The contacts of two shapes within a margin, with the parts that they are of.
-pub(super) fn contacts(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<([u32; 2], Contacts)> {
-    let mut found = Vec::new();
-    for numbers in pairs_near(a, b, margin) {
-        let (part_a, part_b) = (&a.parts()[numbers[0] as usize], &b.parts()[numbers[1] as usize]);
-        if nearness_of_parts(part_a, part_b, margin) != Proximity::Apart {
-            let of_parts = contacts_of_parts(part_a, part_b, margin);
-            found.extend(of_parts.into_iter().map(|contacts| (numbers, contacts)));
-        }
-    }
-    found
-}
-
-fn contacts_of_parts(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<Contacts> {
-    match (a.form(), b.form()) {
-        (Form::Convex(swept_a), Form::Convex(swept_b)) => {
-            vec![convex::contacts(&a.faceted(swept_a), &b.faceted(swept_b), margin)]
-        }
-        (Form::HalfSpace(plane), Form::Convex(swept)) => vec![plane.contacts(&b.faceted(swept), margin)],
-        (Form::Convex(swept), Form::HalfSpace(plane)) => vec![plane.contacts(&a.faceted(swept), margin).swapped()],
-        (Form::HalfSpace(a), Form::HalfSpace(b)) => vec![a.contact_of_half_spaces(&b)],
-        (Form::Surface(surface), Form::Convex(swept)) => {
-            let found = surface.contacts(&b.faceted(swept), margin);
-            if found.is_empty() { super::contacts::of_contained(a, b) } else { found }
-        }
-        (Form::Convex(swept), Form::Surface(surface)) => {
-            let found = surface.contacts(&a.faceted(swept), margin);
-            if found.is_empty() {
-                return super::contacts::of_contained(a, b);
-            }
-            found.into_iter().map(Contacts::swapped).collect()
-        }
-        (Form::HalfSpace(plane), Form::Surface(surface)) => surface.contacts_with_half_space(&plane, margin),
-        (Form::Surface(surface), Form::HalfSpace(plane)) => {
-            surface.contacts_with_half_space(&plane, margin).into_iter().map(Contacts::swapped).collect()
-        }
-        (Form::Surface(surface_a), Form::Surface(surface_b)) => {
-            let found = super::contacts::of_surfaces(&surface_a, &surface_b, margin);
-            if found.is_empty() { super::contacts::of_contained(a, b) } else { found }
-        }
-    }
-}
-
 /// The pairs of parts whose boxes are within a distance of each other, sorted.
-fn pairs_near(a: &PlacedShape, b: &PlacedShape, reach: f64) -> Vec<[u32; 2]> {
+pub(super) fn pairs_near(a: &PlacedShape, b: &PlacedShape, reach: f64) -> Vec<[u32; 2]> {
     // The tree of the one that has more parts is asked for those of the other.
     let is_turned = a.parts().len() > b.parts().len();
     let (few, many) = if is_turned { (b, a) } else { (a, b) };

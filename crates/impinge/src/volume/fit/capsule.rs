@@ -5,8 +5,8 @@ use super::super::{BoundingVolume, Capsule, round};
 use super::enclosing::{scaled_offset, unit_scale};
 use super::minimal::circle;
 use super::moments::principal_axes;
-use super::points::{Coordinate, judge, widen};
 use crate::input::InputError;
+use crate::volume::points::{Coordinate, judge, widen};
 
 /// The smallest capsule of those about the three principal axes: for each the least radius, that of the minimal circle of
 /// the points seen along the axis, and the shortest segment for it.

@@ -3,9 +3,9 @@
 
 use super::super::rounding::{HALF_ULP, two_product, two_sum};
 use super::super::{BoundingSphere, MinMax};
-use super::points::{Coordinate, widen};
 use crate::math::Sign;
 use crate::math::dyadic::Dyadic;
+use crate::volume::points::{Coordinate, widen};
 
 /// The power of two by which the greatest extent of a box becomes at least 1 and less than 2, and 1 for a point.
 ///

@@ -4,8 +4,8 @@ use super::super::core::{Core, add, dot, scale};
 use super::super::{BoundingVolume, Lozenge, round};
 use super::enclosing::{scaled_offset, unit_scale};
 use super::moments::principal_axes;
-use super::points::{Coordinate, judge, widen};
 use crate::input::InputError;
+use crate::volume::points::{Coordinate, judge, widen};
 
 /// The smallest lozenge of those whose thickness is along a principal axis.
 ///

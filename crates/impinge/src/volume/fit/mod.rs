@@ -10,12 +10,11 @@ mod lozenge;
 mod minimal;
 mod moments;
 mod obb;
-pub(super) mod points;
 mod spheres;
 
+pub use super::points::Coordinate;
 pub use capsule::capsule;
 pub use lozenge::lozenge;
 pub use minimal::minimal_sphere;
 pub use obb::{FittedObb, obb, principal_obb};
-pub use points::Coordinate;
 pub use spheres::{FittedSphere, box_sphere, mean_sphere, principal_sphere, refined_sphere, ritter_sphere};

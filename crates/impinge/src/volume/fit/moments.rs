@@ -7,7 +7,7 @@
 
 use super::super::obb::orthonormal;
 use super::enclosing::scaled_offset;
-use super::points::{Coordinate, widen};
+use crate::volume::points::{Coordinate, widen};
 
 /// The mean of the points, rounded: offsets from `origin` are summed, in the scale in which they are about one.
 pub(super) fn mean<T: Coordinate>(points: &[[T; 3]], origin: [f64; 3], scale: f64) -> [f64; 3] {

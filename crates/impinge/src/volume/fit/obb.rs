@@ -6,8 +6,8 @@ use super::super::rounding::HALF_ULP;
 use super::super::{BoundingVolume, Kdop26, Obb};
 use super::enclosing::{scaled_offset, unit_scale};
 use super::moments::principal_axes;
-use super::points::{Coordinate, judge, widen};
 use crate::input::InputError;
+use crate::volume::points::{Coordinate, judge, widen};
 
 /// An oriented box that holds the points, and how small one could be at best.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,8 +7,8 @@ use super::super::rounding::{HALF_ULP, add_down};
 use super::super::{BoundingSphere, MinMax};
 use super::enclosing::{about, scaled_offset, squared, unit_scale};
 use super::moments;
-use super::points::{Coordinate, judge, widen};
 use crate::input::InputError;
+use crate::volume::points::{Coordinate, judge, widen};
 
 /// A sphere that holds the points, and how small one could be at best.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,8 +1,10 @@
 //! No structure: every box is looked at. What the other kinds are measured against, and the quickest for a few bodies.
 
-use super::NONE;
 use crate::partition::Ray;
 use crate::volume::{BoundingVolume, MinMax};
+
+/// No place.
+const NONE: u32 = u32::MAX;
 
 /// Boxes side by side.
 #[derive(Clone, Debug, Default)]

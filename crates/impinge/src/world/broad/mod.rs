@@ -28,9 +28,6 @@ const SHARE_FOR_COLUMNS: f64 = 0.04;
 /// How much the last step counts in what share moves: a burst of one step changes nothing, one of two may.
 const LAST_STEP: f64 = 0.03;
 
-/// No place.
-const NONE: u32 = u32::MAX;
-
 /// How pairs of boxes are found. No answer depends on it; `docs/worlds.md` says which is at home where.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BroadPhase {

@@ -6,11 +6,12 @@ use rayon::prelude::*;
 use super::super::super::rounding::{add_up, length_up};
 use super::super::super::{BoundingVolume, MinMax};
 use super::super::enclosing::{SQUARE_ERROR, scaled_offset};
-use super::super::points::{Coordinate, bounds, judge, widen};
+use super::approximate;
 use super::exact::ExactBall;
-use super::{Frame, approximate};
+use super::frame::Frame;
 use crate::input::InputError;
 use crate::simd::{best_level, dispatch};
+use crate::volume::points::{Coordinate, bounds, judge, widen};
 
 /// Points that are not nearer to a centre than a distance, which is in the scale of a frame.
 pub(super) struct Beyond {

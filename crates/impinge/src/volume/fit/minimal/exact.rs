@@ -7,7 +7,7 @@
 
 use super::super::super::rounding::{two_product, two_sum};
 use super::super::enclosing::{SQUARE_ERROR, scaled_offset, squared};
-use super::Frame;
+use super::frame::Frame;
 use crate::math::Sign;
 use crate::math::dyadic::{Dyadic, cross, dot};
 

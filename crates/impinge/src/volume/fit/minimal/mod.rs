@@ -19,21 +19,16 @@
 mod approximate;
 mod beyond;
 mod exact;
+mod frame;
 
-use super::super::{BoundingSphere, MinMax};
-use super::enclosing::{about, scaled_offset, squared, unit_scale};
-use super::points::{Coordinate, widen};
+use super::super::BoundingSphere;
+use super::enclosing::{about, scaled_offset, squared};
 use super::spheres::FittedSphere;
 use crate::input::InputError;
+use crate::volume::points::{Coordinate, widen};
 use beyond::{Beyond, first_look};
 use exact::ExactBall;
-
-/// Where points are about one large: about an origin, in a scale that is a power of two.
-#[derive(Clone, Copy)]
-struct Frame {
-    origin: [f64; 3],
-    scale: f64,
-}
+use frame::Frame;
 
 /// The smallest sphere that holds the points.
 ///
@@ -99,21 +94,4 @@ fn sphere_of(points: &[[f64; 3]], frame: Frame) -> ExactBall {
     let local: Vec<[f64; 3]> = points.iter().map(|&point| frame.local(point)).collect();
     let support: Vec<[f64; 3]> = approximate::minimal(&local).support.iter().map(|&i| points[i]).collect();
     exact::minimal(points, &support, frame)
-}
-
-impl Frame {
-    fn of(bounds: &MinMax) -> Self {
-        let (min, max) = (bounds.min(), bounds.max());
-        Self { origin: std::array::from_fn(|axis| 0.5 * min[axis] + 0.5 * max[axis]), scale: unit_scale(bounds) }
-    }
-
-    #[inline(always)]
-    fn local(&self, point: [f64; 3]) -> [f64; 3] {
-        scaled_offset(point, self.origin, self.scale)
-    }
-
-    #[inline(always)]
-    fn squared_distance(&self, p: [f64; 3], q: [f64; 3]) -> f64 {
-        squared(scaled_offset(p, q, self.scale))
-    }
 }

@@ -1,0 +1,156 @@
+//! Where an open mesh is as good as a closed one: far enough from its border.
+//!
+//! Let a surface, the cap, have the border of the mesh turned round as its own. Both together are
+//! closed and wind round every point off them an integer number of times. The mesh alone winds
+//! round it that often less the solid angle of the cap over 4π. A cap of area S is seen from a
+//! point at distance d under a solid angle of at most S / d². So beyond the reach of the border, d
+//! = √(S / 2π), the two differ by less than 1/2: a point is in the solid of the mesh exactly if the
+//! integer is not zero. Beyond twice the reach they differ by less than 1/8.
+//!
+//! Any cap will do, and a small one proves more. Each loop of the border is closed by clipping the
+//! ear of least area again and again. A crack between faces whose edges do not quite fit has a cap
+//! of next to no area.
+
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
+
+use super::topology::BorderEdge;
+use crate::exact::Corners;
+use crate::input::InputError;
+use crate::math::Pose;
+use crate::mesh::storage::positions::Positions;
+use crate::volume::{BoundingVolume, MinMax};
+
+/// The boxes about the loops of a border, and the distance from them beyond which the solid of the
+/// mesh is that of a closed mesh. There are no boxes if the mesh is closed.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Cap {
+    /// In the frame of the mesh.
+    boxes: Vec<MinMax>,
+    /// Distance from the boxes, in the unit of that frame.
+    reach: f64,
+}
+
+/// Maximum number of loops that have a box of their own. Every face that is asked about is compared
+/// to each box, so more boxes cost time, and fewer prove less about a mesh with many small holes.
+const MAX_BOXES: usize = 256;
+
+/// Bound for the rounding error of one triangle's area, in units of the squared size of the border.
+/// The differences, the cross product and the root add up to less than 16 units of 2^-53, as no
+/// coordinate of a difference is above 1; this is four times as much.
+const AREA_ERROR: f64 = 1.0 / (1_u64 << 47) as f64;
+
+impl Cap {
+    /// The boxes about the cap of a border between vertices at these positions.
+    ///
+    /// # Complexity
+    /// O(n log n) in the edges of the border.
+    pub(in crate::mesh) fn of(positions: &Positions, border: &[BorderEdge]) -> Self {
+        let at = |vertex: u32| positions.get(vertex as usize);
+        let loops = loops_of(border);
+        let mut boxes: Vec<MinMax> =
+            loops.iter().filter_map(|path| bounds_of(path.iter().map(|&vertex| at(vertex)))).collect();
+        let Some(all) = boxes.iter().copied().reduce(|a, b| a.merged(&b)) else { return Self::default() };
+        if boxes.len() > MAX_BOXES {
+            boxes = vec![all];
+        }
+        // In units of the size of the border, so that no square vanishes or overflows.
+        let size = (0..3).fold(f64::MIN_POSITIVE, |most, k| most.max(all.max()[k] - all.min()[k]));
+        let area: f64 = loops.iter().map(|path| area_of_cap(path, |p, q| scaled_difference(at(p), at(q), size))).sum();
+        let reach = (area / std::f64::consts::TAU).sqrt() * size * (1.0 + 1e-9);
+        Self { boxes, reach }
+    }
+
+    /// Reports whether a triangle of the mesh is proved to be beyond twice the reach of the border.
+    pub(crate) fn is_far_from(&self, corners: &Corners) -> bool {
+        let bounds = bounds_of(corners.iter().copied());
+        bounds.is_some_and(|bounds| self.boxes.iter().all(|near| !grown(near, 2.0 * self.reach).overlaps(&bounds)))
+    }
+
+    /// Returns boxes in the world that hold all that is within reach of the border.
+    ///
+    /// # Errors
+    /// A box is beyond the range of [`MinMax`].
+    pub(in crate::mesh) fn within_reach(&self, world_from_mesh: &Pose) -> Result<Vec<MinMax>, InputError> {
+        self.boxes.iter().map(|near| grown(near, self.reach).moved(world_from_mesh)).collect()
+    }
+}
+
+/// Takes a border apart into loops, each a list of vertices.
+fn loops_of(border: &[BorderEdge]) -> Vec<Vec<u32>> {
+    let mut next: HashMap<u32, Vec<u32>> = HashMap::new();
+    let mut starts = Vec::new();
+    for edge in border {
+        let (from, to) = if edge.times > 0 { (edge.from, edge.to) } else { (edge.to, edge.from) };
+        for _ in 0..edge.times.unsigned_abs() {
+            next.entry(from).or_default().push(to);
+            starts.push(from);
+        }
+    }
+    // As many edges lead to a vertex as from it, so a walk ends nowhere but where it has been.
+    let mut loops = Vec::new();
+    for start in starts {
+        let mut path = vec![start];
+        let mut place = HashMap::from([(start, 0)]);
+        while let Some(to) = path.last().and_then(|from| next.get_mut(from)).and_then(Vec::pop) {
+            if let Some(&since) = place.get(&to) {
+                let closed: Vec<u32> = path.drain(since..).collect();
+                closed.iter().for_each(|vertex| {
+                    place.remove(vertex);
+                });
+                loops.push(closed);
+            }
+            place.insert(to, path.len());
+            path.push(to);
+        }
+    }
+    loops
+}
+
+/// Returns an upper bound for the area of a cap of a loop, by clipping the ear of least area again
+/// and again; `between` is the vector from one vertex to another.
+fn area_of_cap(path: &[u32], between: impl Fn(u32, u32) -> [f64; 3]) -> f64 {
+    let len = path.len();
+    let (mut before, mut after): (Vec<usize>, Vec<usize>) =
+        ((0..len).map(|i| (i + len - 1) % len).collect(), (0..len).map(|i| (i + 1) % len).collect());
+    let ear = |before: &[usize], after: &[usize], i: usize| {
+        let (u, v) = (between(path[i], path[before[i]]), between(path[i], path[after[i]]));
+        let normal: [f64; 3] =
+            std::array::from_fn(|k| u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]);
+        let area = 0.5 * normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+        // Numbers that are not negative are ordered as their bits are.
+        (Reverse(area.to_bits()), i)
+    };
+    let mut ears: BinaryHeap<(Reverse<u64>, usize)> = (0..len).map(|i| ear(&before, &after, i)).collect();
+    let mut is_clipped = vec![false; len];
+    let (mut area, mut left) = (0.0, len);
+    while left > 2
+        && let Some(least) = ears.pop()
+    {
+        let (Reverse(bits), i) = least;
+        if is_clipped[i] || ear(&before, &after, i) != least {
+            continue;
+        }
+        is_clipped[i] = true;
+        area += f64::from_bits(bits) + AREA_ERROR;
+        left -= 1;
+        let (p, q) = (before[i], after[i]);
+        (after[p], before[q]) = (q, p);
+        ears.extend([p, q].map(|end| ear(&before, &after, end)));
+    }
+    area
+}
+
+fn scaled_difference(from: [f64; 3], to: [f64; 3], size: f64) -> [f64; 3] {
+    std::array::from_fn(|k| (to[k] - from[k]) / size)
+}
+
+/// Returns the least box of some points, or `None` if there are none.
+pub(in crate::mesh) fn bounds_of(points: impl Iterator<Item = [f64; 3]>) -> Option<MinMax> {
+    points.map(|point| MinMax::from_ordered(point, point)).reduce(|all, point| all.merged(&point))
+}
+
+/// Returns a box that holds all that is no farther than a distance from a box along each axis.
+fn grown(bounds: &MinMax, by: f64) -> MinMax {
+    MinMax::from_ordered(bounds.min().map(|x| (x - by).next_down()), bounds.max().map(|x| (x + by).next_up()))
+}

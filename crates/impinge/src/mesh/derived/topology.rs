@@ -1,0 +1,237 @@
+//! What hangs together: vertices at one position, the border of a mesh, and its connected components. Positions decide
+//! and not indices, as many formats repeat a vertex for each of its faces.
+
+use std::sync::OnceLock;
+
+use rayon::prelude::*;
+
+use crate::mesh::storage::positions::Positions;
+
+/// How the faces of a mesh hang together.
+#[derive(Debug)]
+pub(crate) struct Topology {
+    /// For each vertex the first one at its position.
+    pub(crate) first_at: Vec<u32>,
+    /// Edges that the faces run through more often one way than the other; none where the mesh is closed.
+    pub(crate) border: Vec<BorderEdge>,
+    /// The faces that are connected by shared vertices.
+    pub(crate) components: Components,
+    /// Made when a question first goes from face to face.
+    faces_at: OnceLock<FacesAt>,
+}
+
+/// A partition of faces; its parts are numbered in the order of their first faces.
+#[derive(Debug)]
+pub(crate) struct Components {
+    /// For each face the number of its part, or [`NONE`](Self::NONE) if it is in none.
+    pub(crate) of_face: Vec<u32>,
+    /// The first face of each part.
+    pub(crate) first_faces: Vec<u32>,
+}
+
+/// The faces at each vertex that is the first at its position.
+#[derive(Debug)]
+struct FacesAt {
+    /// Where the faces of each vertex end in the list; they start where those of the vertex before end.
+    ends: Vec<usize>,
+    faces: Vec<u32>,
+}
+
+/// An edge between two vertices, each the first at its position, and how often faces run from the first to the second
+/// more than back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct BorderEdge {
+    pub(crate) from: u32,
+    pub(crate) to: u32,
+    pub(crate) times: i32,
+}
+
+impl Topology {
+    /// # Complexity
+    /// O(n log n), by sorting.
+    pub(crate) fn of(positions: &Positions, faces: &[[u32; 3]]) -> Self {
+        let first_at = first_at_position(positions);
+        let border = border_of(faces.par_iter().map(|face| face.map(|vertex| first_at[vertex as usize])));
+        let mut sets = DisjointSets::new(first_at.len());
+        for face in faces {
+            let [a, b, c] = face.map(|vertex| first_at[vertex as usize]);
+            sets.join(a, b);
+            sets.join(a, c);
+        }
+        let roots = faces.iter().map(|corners| Some(sets.root(first_at[corners[0] as usize])));
+        let components = Components::numbered(first_at.len(), roots);
+        Self { first_at, border, components, faces_at: OnceLock::new() }
+    }
+
+    /// The faces at a vertex, which is the first at its position, ascending; one that has it twice comes twice. `faces` are those
+    /// that this is of.
+    ///
+    /// # Complexity
+    /// O(n) the first time, then constant.
+    pub(in crate::mesh) fn faces_at(&self, faces: &[[u32; 3]], vertex: u32) -> &[u32] {
+        let FacesAt { ends, faces } = self.faces_at.get_or_init(|| FacesAt::of(&self.first_at, faces));
+        let start = if vertex == 0 { 0 } else { ends[vertex as usize - 1] };
+        &faces[start..ends[vertex as usize]]
+    }
+
+    /// The border of some faces, named by the vertices of [`first_at`](Self::first_at).
+    pub(crate) fn border_of(&self, faces: impl Iterator<Item = [u32; 3]>) -> Vec<BorderEdge> {
+        let named: Vec<[u32; 3]> = faces.map(|face| face.map(|vertex| self.first_at[vertex as usize])).collect();
+        border_of(named.into_par_iter())
+    }
+}
+
+impl Components {
+    /// The number of a face that is in no part.
+    pub(crate) const NONE: u32 = u32::MAX;
+
+    /// Returns the parts of faces that have equal roots, which are below `len`; a face without a
+    /// root is in no part.
+    pub(in crate::mesh) fn numbered(len: usize, roots: impl Iterator<Item = Option<u32>>) -> Self {
+        let mut number_of = vec![Self::NONE; len];
+        let mut first_faces = Vec::new();
+        let of_face = (0_u32..)
+            .zip(roots)
+            .map(|(face, root)| {
+                let Some(root) = root else { return Self::NONE };
+                let number = &mut number_of[root as usize];
+                if *number == Self::NONE {
+                    *number = first_faces.len() as u32;
+                    first_faces.push(face);
+                }
+                *number
+            })
+            .collect();
+        Self { of_face, first_faces }
+    }
+}
+
+impl FacesAt {
+    fn of(first_at: &[u32], faces: &[[u32; 3]]) -> Self {
+        let corners = || faces.iter().map(|face| face.map(|vertex| first_at[vertex as usize] as usize));
+        let mut ends = vec![0_usize; first_at.len()];
+        corners().flatten().for_each(|vertex| ends[vertex] += 1);
+        // Where each list starts; filling it moves that to where it ends.
+        let mut start = 0;
+        for end in &mut ends {
+            (start, *end) = (start + *end, start);
+        }
+        let mut listed = vec![0; 3 * faces.len()];
+        for (face, corners) in (0..).zip(corners()) {
+            for vertex in corners {
+                listed[ends[vertex]] = face;
+                ends[vertex] += 1;
+            }
+        }
+        Self { ends, faces: listed }
+    }
+}
+
+/// The boundary of a chain of faces, edge by edge.
+fn border_of(faces: impl ParallelIterator<Item = [u32; 3]>) -> Vec<BorderEdge> {
+    // Both ends in one number, the smaller first, and which way the face runs in another.
+    let mut edges: Vec<(u64, bool)> = faces
+        .flat_map_iter(|[a, b, c]| [[a, b], [b, c], [c, a]])
+        .filter(|[from, to]| from != to)
+        .map(|[from, to]| (u64::from(from.min(to)) << 32 | u64::from(from.max(to)), from < to))
+        .collect();
+    edges.par_sort_unstable();
+    let net = |run: &[(u64, bool)]| {
+        let times: i32 = run.iter().map(|&(_, forward)| if forward { 1 } else { -1 }).sum();
+        let (low, high) = ((run[0].0 >> 32) as u32, run[0].0 as u32);
+        (times != 0).then_some(BorderEdge { from: low, to: high, times })
+    };
+    edges.chunk_by(|x, y| x.0 == y.0).filter_map(net).collect()
+}
+
+/// For each vertex the first one whose coordinates are equal, zeros of either sign being so.
+fn first_at_position(positions: &Positions) -> Vec<u32> {
+    match positions {
+        // Adding zero turns the negative zero into the positive one.
+        Positions::F32(vertices) => first_equal(vertices, |v| v.map(|x| (x + 0.0).to_bits())),
+        Positions::F64(vertices) => first_equal(vertices, |v| v.map(|x| (x + 0.0).to_bits())),
+    }
+}
+
+fn first_equal<V: Sync, K: Ord + Copy + Send>(vertices: &[V], key: impl Fn(&V) -> K + Sync + Send) -> Vec<u32> {
+    let mut sorted: Vec<(K, u32)> =
+        vertices.par_iter().enumerate().map(|(number, vertex)| (key(vertex), number as u32)).collect();
+    sorted.par_sort_unstable();
+    let mut first = vec![0; vertices.len()];
+    for run in sorted.chunk_by(|x, y| x.0 == y.0) {
+        for &(_, vertex) in run {
+            first[vertex as usize] = run[0].1;
+        }
+    }
+    first
+}
+
+/// Union by index with path halving (Tarjan and van Leeuwen, *Worst-case Analysis of Set Union Algorithms*, JACM 31(2),
+/// 1984): the root of a set is its least member, so that the order of joining does not show.
+pub(crate) struct DisjointSets(Vec<u32>);
+
+impl DisjointSets {
+    pub(crate) fn new(len: usize) -> Self {
+        Self((0..len as u32).collect())
+    }
+
+    pub(crate) fn root(&mut self, mut member: u32) -> u32 {
+        while self.0[member as usize] != member {
+            let above = self.0[member as usize];
+            self.0[member as usize] = self.0[above as usize];
+            member = above;
+        }
+        member
+    }
+
+    pub(crate) fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn topology(vertices: &[[f32; 3]], faces: &[[u32; 3]]) -> Topology {
+        Topology::of(&Positions::F32(vertices.to_vec()), faces)
+    }
+
+    const CORNERS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    const FACES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+
+    #[test]
+    fn a_soup_is_closed_where_its_positions_are() {
+        let welded = topology(&CORNERS, &FACES);
+        assert!(welded.border.is_empty());
+        // Each face with vertices of its own, one of them with a negative zero.
+        let mut vertices: Vec<[f32; 3]> = FACES.iter().flatten().map(|&vertex| CORNERS[vertex as usize]).collect();
+        vertices[0][1] = -0.0;
+        let soup: Vec<[u32; 3]> = (0..4).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+        let soup = topology(&vertices, &soup);
+        assert!(soup.border.is_empty());
+        assert_eq!((soup.components.first_faces.len(), soup.first_at[3]), (1, 0));
+    }
+
+    #[test]
+    fn the_border_counts_faces_with_their_direction() {
+        let open = topology(&CORNERS, &FACES[..3]);
+        let edge = |from, to, times| BorderEdge { from, to, times };
+        assert_eq!(open.border, [edge(1, 2, -1), edge(1, 3, 1), edge(2, 3, -1)]);
+        let twice = topology(&CORNERS, &[FACES[0], FACES[0]]);
+        assert_eq!(twice.border, [edge(0, 1, -2), edge(0, 2, 2), edge(1, 2, -2)]);
+        let both_ways = topology(&CORNERS, &[[0, 1, 2], [0, 2, 1], [3, 3, 1]]);
+        assert_eq!(both_ways.border, []);
+    }
+
+    #[test]
+    fn components_are_numbered_by_their_first_faces() {
+        let vertices: Vec<[f32; 3]> = CORNERS.iter().flat_map(|&[x, y, z]| [[x, y, z], [x + 5.0, y, z]]).collect();
+        let faces: Vec<[u32; 3]> =
+            FACES.iter().flat_map(|face| [face.map(|v| 2 * v + 1), face.map(|v| 2 * v)]).collect();
+        let two = topology(&vertices, &faces);
+        assert_eq!(two.components.first_faces, [0, 1]);
+        assert_eq!(two.components.of_face, [0, 1, 0, 1, 0, 1, 0, 1]);
+    }
+}

@@ -1,0 +1,291 @@
+//! Where a search ended, for the next one to begin there.
+//!
+//! A *frontier* has an entry for every two nodes whose children were compared, and in it a lower bound for each two children: of the
+//! distance of all that is below them, at the time, from the best of the tests that they were put to. A bound is infinite where an
+//! entry of its own goes on about the two. So each two triangles are below a pair of children with a bound that holds for them.
+//! When the meshes have moved, bounds lose what any point of the two has moved, and only where one is no longer above what
+//! matters there is something to find out. What is found out raises bounds or adds entries. Nothing is ever left out otherwise,
+//! which is the whole proof (docs/proof.md, L14a).
+//!
+//! Bounds are in units of the host's packed frame, in which the host does not move at all.
+//!
+//! Source: Ehmann, Lin, *Accurate and fast proximity queries between polyhedra using convex surface decomposition*, Eurographics
+//! 2001, for frontiers of distance queries; ours keeps numbers in place of yes and no, so that a frontier outlasts motion.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+
+use super::relative_frame::RelativeFrame;
+use super::scene::Scene;
+use super::slot::Slot;
+use crate::hierarchy::{HALF_ULP, Node, lanes_in_use};
+use crate::mesh::pairs::sides::Sides;
+use crate::mesh::storage::frame::REACH;
+use crate::mesh::storage::stamp::Stamp;
+use crate::mesh::{HostChoice, Options};
+use crate::simd::{LANES, Lanes3, bits, by_axis, dispatch, dot, load, load3};
+
+/// Frontiers with more than this many times the entries that they had at first are given up: what they passed by long ago is in
+/// the way.
+const MAX_GROWTH: usize = 2;
+
+/// Entries at most, of a fourth of a kilobyte each: what would have more stays a pair of children that is opened each time.
+const MAX_ENTRIES: usize = 1 << 16;
+
+/// How many more motions like the last one bounds shall outlast. More cost more than they save: pairs of triangles are then put to
+/// costly tests that are no nearer than this.
+const OUTLASTED: f32 = 2.0;
+
+/// How far beyond what matters pairs of triangles are looked at, as a share of that: at least, so that bounds are above it where
+/// nothing moves, and at most.
+const BEYOND: [f32; 2] = [1.0 / 1024.0, 1.0 / 8.0];
+
+#[derive(Clone, Debug)]
+pub(super) struct Frontier {
+    /// Of the first mesh and of the second.
+    stamps: [Stamp; 2],
+    sides: Sides,
+    relative: RelativeFrame,
+    /// How many times as far as what matters pairs of triangles are looked at, so that bounds outlast some motion.
+    beyond: f32,
+    entries: Vec<Entry>,
+    /// How many pairs of leaves were met when it was made, and how many entries it had then.
+    leaf_pairs: usize,
+    initial_entries: usize,
+}
+
+/// Two nodes, the host's and the guest's, and bounds by the guest's lanes and the host's.
+#[derive(Clone, Debug)]
+struct Entry {
+    nodes: [u32; 2],
+    bounds: [[f32; LANES]; LANES],
+}
+
+impl Entry {
+    /// The roots, of whose children, as many of the host's and of the guest's, nothing is known.
+    fn of_roots([host, guest]: [usize; 2]) -> Self {
+        let mut bounds = [[f32::INFINITY; LANES]; LANES];
+        bounds[..guest].iter_mut().for_each(|row| row[..host].fill(0.0));
+        Self { nodes: [0; 2], bounds }
+    }
+}
+
+/// The number of no entry.
+pub(super) const NO_ENTRY: u32 = u32::MAX;
+
+impl Frontier {
+    /// A frontier at the roots, where the meshes stood little else at the last search, `cut` being what matters; none also where
+    /// distances in the host's frame do not tell those in the world.
+    pub(super) fn new(
+        scene: &Scene<'_>,
+        since: &RelativeFrame,
+        nodes: [&[Node]; 2],
+        options: &Options,
+        cut: f64,
+    ) -> Option<Self> {
+        let relative = scene.bounds.relative?;
+        let motion = Motion::new(since, &relative);
+        let stamps = scene.meshes.map(|mesh| mesh.0.stamp);
+        let sides = scene.bounds.sides;
+        let roots = Entry::of_roots(nodes.map(|nodes| nodes[0].count()));
+        let mut frontier =
+            Self { stamps, sides, relative, beyond: 1.0, entries: vec![roots], leaf_pairs: 0, initial_entries: 0 };
+        frontier.beyond = frontier.outlasting(&motion, nodes[1], options, cut)?;
+        Some(frontier)
+    }
+
+    /// How far beyond what matters bounds outlast some more such motion; none where it is too large for that to pay.
+    fn outlasting(&self, motion: &Motion, nodes: &[Node], options: &Options, cut: f64) -> Option<f32> {
+        let (level, root) = (options.level, nodes.first()?);
+        let motions = dispatch!(level, simd => motion.of_children(simd, root));
+        let mut most = BEYOND[0];
+        for lane in bits(lanes_in_use(root)) {
+            let share = OUTLASTED * motions[lane] / self.limit(cut);
+            // What is not a number is too large.
+            if share.is_nan() || share > BEYOND[1] {
+                return None;
+            }
+            most = most.max(share);
+        }
+        Some(1.0 + most)
+    }
+
+    pub(super) fn beyond(&self) -> f32 {
+        self.beyond
+    }
+
+    /// Where it is complete: so many pairs of leaves were met for it.
+    pub(super) fn complete(&mut self, leaf_pairs: usize) {
+        if self.initial_entries == 0 {
+            (self.leaf_pairs, self.initial_entries) = (leaf_pairs, self.entries.len());
+        }
+    }
+
+    /// These options with the host whose frontier this is.
+    pub(super) fn options(&self, options: &Options) -> Options {
+        let [host, _] = self.sides.host_guest([HostChoice::First, HostChoice::Second]);
+        Options { host, ..*options }
+    }
+
+    /// An entry for two nodes, of which nothing is kept yet; none where there are too many.
+    #[inline(always)]
+    pub(super) fn open(&mut self, nodes: [u32; 2]) -> Option<u32> {
+        let entry = self.entries.len();
+        (entry < MAX_ENTRIES).then(|| {
+            self.entries.push(Entry { nodes, bounds: [[f32::INFINITY; LANES]; LANES] });
+            entry as u32
+        })
+    }
+
+    /// Keeps bounds of what is below one child of the guest's node and each of the host's in use: the distances of their boxes,
+    /// squared.
+    #[inline(always)]
+    pub(super) fn keep_row<S: Simd>(&mut self, simd: S, entry: u32, guest: usize, lanes: u32, squared: &[f32; LANES]) {
+        let bounds: [f32; LANES] = (load(simd, squared).sqrt() * f32x8::splat(simd, OF_BOXES)).into();
+        for host in bits(lanes) {
+            self.entries[entry as usize].bounds[guest][host] = finite(bounds[host]);
+        }
+    }
+
+    /// Keeps a bound of what is below two children: the distance of their boxes, squared.
+    #[inline(always)]
+    pub(super) fn keep(&mut self, entry: u32, [host, guest]: [Slot; 2], squared: f32) {
+        let bound = finite(squared.sqrt() * OF_BOXES);
+        self.entries[entry as usize].bounds[usize::from(guest.lane)][usize::from(host.lane)] = bound;
+    }
+
+    /// The bound of what is below two children is at least this, in metric units, `error` aside.
+    #[inline(always)]
+    pub(super) fn raise(&mut self, entry: u32, [host, guest]: [Slot; 2], metric: f64, error: f64) {
+        let packed = self.packed(metric, error);
+        if let Some(entry) = self.entries.get_mut(entry as usize) {
+            let bound = &mut entry.bounds[usize::from(guest.lane)][usize::from(host.lane)];
+            *bound = bound.max(packed);
+        }
+    }
+
+    /// A lower bound in metric units, `error` aside, as one in the host's packed frame.
+    #[inline(always)]
+    fn packed(&self, metric: f64, error: f64) -> f32 {
+        finite(((metric - 2.0 * error) / self.relative.stretch[1] * (1.0 - 16.0 * HALF_ULP)) as f32)
+    }
+
+    /// The two children have an entry of their own.
+    #[inline(always)]
+    pub(super) fn mark_opened(&mut self, entry: u32, [host, guest]: [Slot; 2]) {
+        if let Some(entry) = self.entries.get_mut(entry as usize) {
+            entry.bounds[usize::from(guest.lane)][usize::from(host.lane)] = f32::INFINITY;
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// What bounds are compared with, so that all that is above it is farther away than `cut`, in metric units.
+    #[inline(always)]
+    pub(super) fn limit(&self, cut: f64) -> f32 {
+        // Infinite bounds are above it in any case.
+        (cut / self.relative.stretch[0] * (1.0 + 16.0 * HALF_ULP)).min(f64::from(f32::MAX)) as f32
+    }
+
+    /// The nodes of an entry, and for each lane of the guest's the host's lanes whose bound is not above `limit`.
+    #[inline(always)]
+    pub(super) fn near<S: Simd>(&self, simd: S, entry: u32, limit: f32) -> ([u32; 2], [u32; LANES]) {
+        let Entry { nodes, bounds } = &self.entries[entry as usize];
+        let limit = f32x8::splat(simd, limit);
+        let mut near = [0; LANES];
+        for lane in 0..LANES {
+            near[lane] = !(load(simd, &bounds[lane]).simd_gt(limit).to_bitmask() as u32) & 0xff;
+        }
+        (*nodes, near)
+    }
+
+    /// The frontier where the meshes are now; none where they are not the same, or it is not worth to go on from it, `cut` being
+    /// what matters.
+    pub(super) fn moved(mut self, scene: &Scene<'_>, nodes: &[Node], options: &Options, cut: f64) -> Option<Self> {
+        let relative = scene.bounds.relative?;
+        let same = self.stamps == scene.meshes.map(|mesh| mesh.0.stamp) && self.sides == scene.bounds.sides;
+        if !same || self.entries.len() > MAX_GROWTH * self.initial_entries {
+            return None;
+        }
+        let motion = Motion::new(&self.relative, &relative);
+        self.relative = relative;
+        self.beyond = self.outlasting(&motion, nodes, options, cut)?;
+        let limit = self.limit(cut);
+        let level = options.level;
+        let open = dispatch!(level, simd => self.subtract_motion(simd, &motion, nodes, limit));
+        (open <= self.leaf_pairs).then_some(self)
+    }
+
+    /// Takes off what the guest's parts have moved; returns for how many pairs of children something is to be found out.
+    #[inline(always)]
+    fn subtract_motion<S: Simd>(&mut self, simd: S, motion: &Motion, nodes: &[Node], limit: f32) -> usize {
+        let limit = f32x8::splat(simd, limit);
+        let less = f32x8::splat(simd, 1.0 - 2.0 * HALF_ULP as f32);
+        let mut open = 0;
+        for entry in &mut self.entries {
+            let guest = &nodes[entry.nodes[1] as usize];
+            let motions = motion.of_children(simd, guest);
+            for lane in bits(lanes_in_use(guest)) {
+                let bounds = (load(simd, &entry.bounds[lane]) - f32x8::splat(simd, motions[lane])) * less;
+                bounds.store_slice(&mut entry.bounds[lane]);
+                open += (!(bounds.simd_gt(limit).to_bitmask() as u32) & 0xff).count_ones() as usize;
+            }
+        }
+        open
+    }
+}
+
+/// No finite bound is larger. Squares of less do not overflow.
+const MAX_BOUND: f32 = 1e19;
+
+/// A bound that does not say of the children that they have an entry.
+#[inline(always)]
+fn finite(bound: f32) -> f32 {
+    // Not by `f32::min`, to which what is not a number is nothing.
+    if bound > MAX_BOUND { MAX_BOUND } else { bound }
+}
+
+/// Makes up for the rounding of the distance of boxes, seven operations and a root: 1 - 2^-20.
+const OF_BOXES: f32 = 1.0 - 1.0 / (1_u32 << 20) as f32;
+
+/// How points of the guest have moved in the host's packed frame: `linear · point + translation`.
+struct Motion {
+    linear: [[f32; 3]; 3],
+    translation: [f32; 3],
+    /// More than what that is off by, as a length.
+    error: f32,
+}
+
+impl Motion {
+    fn new(from: &RelativeFrame, to: &RelativeFrame) -> Self {
+        let linear = by_axis!(i => by_axis!(j => (to.linear[i][j] - from.linear[i][j]) as f32));
+        let translation = by_axis!(i => (to.translation[i] - from.translation[i]) as f32);
+        let largest = (0..3).fold(0.0, |most: f64, i| {
+            let row = linear[i].iter().map(|x| f64::from(x.abs())).sum::<f64>();
+            most.max(row * REACH + f64::from(translation[i].abs()))
+        });
+        let error = 2.0 * (from.error + to.error + 16.0 * HALF_ULP * largest);
+        Self { linear, translation, error: (error as f32).next_up() }
+    }
+
+    /// No point below a child of a node has moved farther than this.
+    #[inline(always)]
+    fn of_children<S: Simd>(&self, simd: S, node: &Node) -> [f32; LANES] {
+        let (min, max) = (load3(simd, &node.min), load3(simd, &node.max));
+        let half = f32x8::splat(simd, 0.5);
+        let centre: Lanes3<S> = by_axis!(k => (min[k] + max[k]) * half);
+        let extent: Lanes3<S> = by_axis!(k => (max[k] - min[k]) * half);
+        let most: Lanes3<S> = by_axis!(i => {
+            let row: Lanes3<S> = by_axis!(j => f32x8::splat(simd, self.linear[i][j]));
+            let size: Lanes3<S> = by_axis!(j => f32x8::splat(simd, self.linear[i][j].abs()));
+            (dot(&row, &centre) + f32x8::splat(simd, self.translation[i])).abs() + dot(&size, &extent)
+        });
+        let motion = dot(&most, &most).sqrt() + f32x8::splat(simd, self.error);
+        (motion * f32x8::splat(simd, 1.0 + 8.0 * HALF_ULP as f32)).into()
+    }
+}
+
+#[cfg(test)]
+mod tests;

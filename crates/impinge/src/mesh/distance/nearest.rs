@@ -1,0 +1,81 @@
+//! The two verbs: the nearest points of two meshes, and faces within a clearance.
+
+use super::far_apart;
+use super::scene::{Nearest, intersecting};
+use super::search::Search;
+use super::warm_start::WarmStart;
+use crate::mesh::{HostChoice, Options, Placed, first_hit};
+
+/// The nearest points, none where a mesh has no faces.
+///
+/// Where the meshes intersect the faces are the first that meet in the descent that the meshes' own errors choose.
+pub(crate) fn nearest(a: Placed<'_>, b: Placed<'_>, warm_start: &mut WarmStart, options: &Options) -> Option<Nearest> {
+    if let Some(nearest) = nearest_from_frontier(a, b, warm_start, options) {
+        return Some(nearest);
+    }
+    let any = Options { host: HostChoice::SmallerError, ..*options };
+    if let Some(faces) = first_hit(a, b, &any) {
+        *warm_start = WarmStart { faces: Some(faces), ..WarmStart::default() };
+        return Some(intersecting(a, b, faces));
+    }
+    let mut search = Search::new(a, b, options, f64::INFINITY)?;
+    if let Some((best, aside)) = far_apart::nearest(&search.scene) {
+        *warm_start = WarmStart { faces: Some(best.faces), ..WarmStart::default() };
+        return Some(search.scene.finish(&best, aside));
+    }
+    let _ = search.try_faces(warm_start.faces);
+    search.run(options, warm_start.costly.as_ref());
+    let nearest = search.nearest();
+    *warm_start = search.into_warm_start(nearest.map(|nearest| nearest.faces));
+    nearest
+}
+
+/// Likewise where the last search left a frontier from which this one proves that the meshes are apart.
+fn nearest_from_frontier(
+    a: Placed<'_>,
+    b: Placed<'_>,
+    warm_start: &mut WarmStart,
+    options: &Options,
+) -> Option<Nearest> {
+    let frontier = warm_start.frontier.take()?;
+    let options = frontier.options(options);
+    let mut search = Search::new(a, b, &options, f64::INFINITY)?;
+    search.answer.may_intersect = Some(false);
+    let _ = search.try_faces(warm_start.faces);
+    // Of triangles that cross the closed form says nothing.
+    if !search.resume(frontier, &options) || search.answer.may_intersect == Some(true) {
+        return None;
+    }
+    let nearest = search.nearest();
+    *warm_start = search.into_warm_start(nearest.map(|nearest| nearest.faces));
+    nearest
+}
+
+/// Faces that are no farther apart than `clearance`, if there are such.
+pub(crate) fn within(
+    a: Placed<'_>,
+    b: Placed<'_>,
+    clearance: f64,
+    warm_start: &mut WarmStart,
+    options: &Options,
+) -> Option<[u32; 2]> {
+    if clearance.is_nan() || clearance < 0.0 || a.mesh.faces().is_empty() || b.mesh.faces().is_empty() {
+        return None;
+    }
+    if clearance == f64::INFINITY {
+        return Some([0, 0]);
+    }
+    let frontier = warm_start.frontier.take();
+    let options = frontier.as_ref().map_or(*options, |frontier| frontier.options(options));
+    let mut search = Search::new(a, b, &options, clearance)?;
+    if search.try_faces(warm_start.faces).is_break() {
+        warm_start.frontier = frontier;
+        return search.answer.kept;
+    }
+    if !frontier.is_some_and(|frontier| search.resume(frontier, &options)) {
+        search.run(&options, warm_start.costly.as_ref());
+    }
+    let kept = search.answer.kept;
+    *warm_start = search.into_warm_start(kept.or(warm_start.faces));
+    kept
+}

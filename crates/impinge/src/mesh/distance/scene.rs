@@ -1,0 +1,123 @@
+//! The values that do not change during a search, and the conversion of its numbers to world units.
+
+use super::bounds::Bounds;
+use super::metric::Metric;
+use crate::exact::{NearParts, Placement, Supports, parts_within};
+use crate::mesh::{Mesh, Placed};
+use crate::primitive::{
+    ClosestPoints, Vector, Witness, closest_on_segments, closest_on_triangle, common_point, sub, triangle_triangle,
+};
+
+/// The nearest points of two meshes, in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Nearest {
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+    pub(crate) points: [Vector; 2],
+    pub(crate) faces: [u32; 2],
+}
+
+/// A pair of faces with its value, in metric units.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Valued {
+    pub(super) value: f64,
+    pub(super) faces: [u32; 2],
+    pub(super) witness: Witness,
+}
+
+impl Valued {
+    pub(super) fn precedes(&self, other: &Self) -> bool {
+        self.value < other.value || (self.value == other.value && self.faces < other.faces)
+    }
+}
+
+/// What does not change during a search.
+pub(super) struct Scene<'a> {
+    pub(super) meshes: [&'a Mesh; 2],
+    pub(super) metric: Metric,
+    pub(super) placement: Placement,
+    pub(super) bounds: Bounds,
+    /// The clearance that is asked for, in world units; infinite where the nearest points are.
+    pub(super) clearance: f64,
+}
+
+impl Scene<'_> {
+    /// Which mesh is the host, and which the guest.
+    #[inline(always)]
+    pub(super) fn sides(&self) -> [usize; 2] {
+        self.bounds.sides.host_guest([0, 1])
+    }
+
+    pub(super) fn corners(&self, faces: [u32; 2]) -> [[Vector; 3]; 2] {
+        [0, 1].map(|m| self.meshes[m].corners(faces[m]).map(|corner| self.metric.maps[m].apply(corner)))
+    }
+
+    /// Reports whether two faces are within the clearance, exactly. Only parts of them whose computed
+    /// distance does not settle it are compared exactly.
+    pub(super) fn within(&self, faces: [u32; 2], witness: &Witness) -> bool {
+        if self.supports(faces, witness).are_farther_than(
+            &self.placement,
+            self.meshes[0].corners(faces[0]).into_iter(),
+            self.meshes[1].corners(faces[1]).into_iter(),
+            self.clearance,
+        ) {
+            return false;
+        }
+        let metric = self.corners(faces);
+        let may_be_near = |found: ClosestPoints| self.lower(found.distance) <= self.clearance;
+        let edge = |m: usize, i: usize| [metric[m][i], metric[m][(i + 1) % 3]];
+        let parts = NearParts {
+            edges: [0, 1, 2].map(|i| [0, 1, 2].map(|j| may_be_near(closest_on_segments(&edge(0, i), &edge(1, j))))),
+            feet: [0, 1].map(|m| metric[m].map(|corner| may_be_near(closest_on_triangle(&corner, &metric[1 - m])))),
+        };
+        let [a, b] = [0, 1].map(|m| self.meshes[m].corners(faces[m]));
+        parts_within(&self.placement, &a, &b, self.clearance, &parts)
+    }
+
+    /// Whether planes that two faces rest on, across the line between their nearest points, prove that the whole meshes are
+    /// farther apart than the clearance.
+    pub(super) fn are_farther_by_planes(&self, faces: [u32; 2], witness: &Witness) -> bool {
+        let corners = |m: usize| {
+            let mesh = self.meshes[m];
+            (0..mesh.faces().len() as u32).flat_map(move |face| mesh.corners(face))
+        };
+        self.supports(faces, witness).are_farther_than(&self.placement, corners(0), corners(1), self.clearance)
+    }
+
+    fn supports(&self, [a, b]: [u32; 2], witness: &Witness) -> Supports {
+        let corners = [self.meshes[0].corners(a), self.meshes[1].corners(b)];
+        Supports::of_triangles(&self.placement, &corners[0], &corners[1], sub(&witness.on_b, &witness.on_a))
+    }
+
+    /// No less than the distance of triangles of this value, in world units.
+    pub(super) fn upper(&self, value: f64) -> f64 {
+        ((value * (1.0 + 4.0 * f64::EPSILON) + self.metric.error) / self.metric.scale).next_up()
+    }
+
+    /// No more than the distance of any two triangles where none has a smaller value.
+    pub(super) fn lower(&self, value: f64) -> f64 {
+        ((value * (1.0 - 4.0 * f64::EPSILON) - self.metric.error) / self.metric.scale).next_down().max(0.0)
+    }
+
+    /// The answer, of a value that may be above the least one by `doubt`.
+    pub(super) fn finish(&self, best: &Valued, doubt: f64) -> Nearest {
+        let faces = best.faces;
+        let Witness { on_a, on_b, .. } = best.witness;
+        let lower = self.lower(best.value - doubt);
+        let points = [on_a, on_b].map(|point| self.metric.to_world(point));
+        Nearest { lower, upper: self.upper(best.value), points, faces }
+    }
+}
+
+/// The answer where these faces meet.
+pub(super) fn intersecting(a: Placed<'_>, b: Placed<'_>, faces: [u32; 2]) -> Nearest {
+    let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
+    let corners = [a.mesh.corners(faces[0]), b.mesh.corners(faces[1])];
+    let common = common_point(&placement, &corners[0], &corners[1]).unwrap_or_else(|| {
+        // Parts of one plane: the closed form finds a common point.
+        let metric = Metric::new(a, b);
+        let [a, b] = [0, 1].map(|m| corners[m].map(|corner| metric.maps[m].apply(corner)));
+        metric.to_world(triangle_triangle(&a, &b).on_a)
+    });
+    Nearest { lower: 0.0, upper: 0.0, points: [common; 2], faces }
+}

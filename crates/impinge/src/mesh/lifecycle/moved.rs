@@ -1,0 +1,58 @@
+//! Fits a tree to vertices: the part that a build, a refit and the validation of stored arrays share.
+
+use rayon::prelude::*;
+
+use super::fit::{Fitting, NO_CORNERS};
+use crate::hierarchy::{Node, Patch, Patches, WideTree, Work};
+use crate::mesh::storage::frame::PackedFrame;
+use crate::mesh::storage::leaf::Leaf;
+use crate::mesh::storage::positions::VertexSlice;
+use crate::mesh::storage::stored_corners::Corners;
+use crate::mesh::storage::triangles::CornerLanes;
+use crate::simd::{Level, best_level, dispatch};
+
+/// Where everything is now.
+#[derive(Clone, Copy)]
+pub(super) struct Moved<'a> {
+    pub(in crate::mesh) vertices: VertexSlice<'a>,
+    pub(in crate::mesh) faces: &'a [[u32; 3]],
+    pub(in crate::mesh) frame: &'a PackedFrame,
+}
+
+impl Moved<'_> {
+    /// Gives the nodes of a sound tree over these leaves all their numbers, and returns what it [costs](WideTree::cost).
+    pub(in crate::mesh) fn fit(&self, tree: &mut WideTree, leaves: &[Leaf]) -> f64 {
+        let patches = Patches::of(tree, leaves.len());
+        let nodes = tree.nodes_mut();
+        let work = patches.split(nodes);
+        let fit = |corners: &mut _, Work { patch, nodes }: Work<'_>| {
+            self.fit_patch(best_level(), &patch, nodes, &leaves[patch.leaves.clone()], corners)
+        };
+        let areas: Vec<f64> = work.into_par_iter().map_init(Vec::new, fit).collect();
+        patches.refit_above(nodes);
+        patches.cost(nodes, &areas)
+    }
+
+    /// Likewise of one patch of it; returns what the areas below its nodes add up to. `corners` is room that is used again.
+    pub(super) fn fit_patch(
+        &self,
+        level: Level,
+        patch: &Patch,
+        nodes: &mut [Node],
+        leaves: &[Leaf],
+        corners: &mut Vec<CornerLanes>,
+    ) -> f64 {
+        corners.resize(leaves.len().max(corners.len()), NO_CORNERS);
+        match Corners::of(self.vertices, self.faces, *self.frame) {
+            Corners::Single(stored) => {
+                dispatch!(level, simd => patch.refit(simd, nodes, &mut Fitting::new(simd, stored, leaves, corners)))
+            }
+            Corners::SingleWidened(stored) => {
+                dispatch!(level, simd => patch.refit(simd, nodes, &mut Fitting::new(simd, stored, leaves, corners)))
+            }
+            Corners::Double(stored) => {
+                dispatch!(level, simd => patch.refit(simd, nodes, &mut Fitting::new(simd, stored, leaves, corners)))
+            }
+        }
+    }
+}

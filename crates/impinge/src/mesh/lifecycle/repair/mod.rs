@@ -1,0 +1,143 @@
+//! Repair on request: vertices welded within a tolerance, and faces turned to agree on a side.
+//!
+//! Nothing is removed and nothing is renumbered, so answers about the repaired mesh name the faces
+//! and vertices that were given.
+
+mod closing;
+mod orient;
+mod weld;
+
+use crate::input::{InputError, InputErrorKind};
+use crate::mesh::Mesh;
+use crate::mesh::derived::topology::Topology;
+use crate::mesh::report::health::{degenerate_faces, duplicate_faces};
+use orient::{Orientation, orientation};
+
+/// What [`Mesh::repaired`] changes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RepairOptions {
+    /// How far a vertex may be moved to meet another one, in the unit of the mesh. Zero moves none.
+    pub weld: f64,
+    /// Whether faces are turned so that neighbors agree on a side.
+    pub orient: bool,
+}
+
+/// What [`Mesh::repaired`] changed, and what it found and left. All lists are ascending.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Repair {
+    /// Vertices that were moved to the position of an earlier one.
+    pub welded_vertices: Vec<u32>,
+    /// The greatest distance by which a vertex was moved, rounded to nearest.
+    pub greatest_move: f64,
+    /// Faces whose second and third corner were swapped.
+    pub turned_faces: Vec<u32>,
+    /// Faces of sheets that have only one side, as a Möbius strip has. They are left as they were.
+    pub one_sided_faces: Vec<u32>,
+    /// Faces without area after the repair. They are left.
+    pub degenerate_faces: Vec<u32>,
+    /// Faces with the same three points as an earlier one after the repair. They are left.
+    pub duplicate_faces: Vec<u32>,
+}
+
+impl Mesh {
+    /// Returns this mesh, repaired, and what was changed.
+    ///
+    /// **Welding.** In ascending order each vertex is moved to the nearest of the vertices before it
+    /// that have stayed, if that is within the tolerance. So no vertex is moved farther than the
+    /// tolerance, and vertices that have stayed are farther apart. Distances are rounded. Faces that
+    /// become segments or points are reported and left.
+    ///
+    /// **Orienting.** Faces are linked across each edge that exactly two of them have, first by the
+    /// numbers of its vertices and then by their positions. Linked faces form a sheet. In each sheet
+    /// all faces get the same side:
+    /// 1. the side that at least three quarters of its area have already;
+    /// 2. or else, if the sheet is closed, the side with which it encloses a positive volume;
+    /// 3. or else the side that most of its area has.
+    ///
+    /// If all closed sheets together then enclose a negative volume, all of them are turned. So
+    /// cavities stay cavities, and a mesh that was inside out no longer is. Areas and volumes are
+    /// rounded.
+    ///
+    /// ```
+    /// use impinge::mesh::RepairOptions;
+    /// use impinge::{Mesh, Positions};
+    ///
+    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 2, 3], [1, 2, 3]]; // the third is turned
+    /// let mesh = Mesh::new(Positions::F32(corners), faces)?;
+    /// let (repaired, repair) = mesh.repaired(RepairOptions { weld: 0.0, orient: true })?;
+    /// assert_eq!(repair.turned_faces, [2]);
+    /// assert!(repaired.is_closed() && !mesh.is_closed());
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The tolerance is negative, NaN or infinite.
+    ///
+    /// # Complexity
+    /// O(n log n), and a build if something was changed.
+    pub fn repaired(&self, options: RepairOptions) -> Result<(Self, Repair), InputError> {
+        let RepairOptions { weld, orient } = options;
+        if !weld.is_finite() {
+            return Err(InputError::new(InputErrorKind::NonFinite { what: "tolerance", index: 0 }));
+        }
+        if weld < 0.0 {
+            return Err(InputError::new(InputErrorKind::Negative { what: "tolerance", index: 0 }));
+        }
+        let mut repair = Repair::default();
+        let (mut positions, mut faces) = (None, None);
+        if weld > 0.0 {
+            let welded = weld::welded(self.positions(), weld);
+            positions = (!welded.moved.is_empty()).then_some(welded.positions);
+            (repair.welded_vertices, repair.greatest_move) = (welded.moved, welded.greatest_move);
+        }
+        if orient {
+            let Orientation { turned, one_sided } = match &positions {
+                Some(welded) => orientation(welded, self.faces(), &Topology::of(welded, self.faces()).first_at),
+                None => orientation(self.positions(), self.faces(), &self.topology().first_at),
+            };
+            if !turned.is_empty() {
+                let faces = faces.insert(self.faces().to_vec());
+                turned.iter().for_each(|&face| faces[face as usize].swap(1, 2));
+            }
+            (repair.turned_faces, repair.one_sided_faces) = (turned, one_sided);
+        }
+        let mesh = if positions.is_none() && faces.is_none() {
+            self.clone()
+        } else {
+            let positions = positions.unwrap_or_else(|| self.positions().clone());
+            Self::new(positions, faces.unwrap_or_else(|| self.faces().to_vec()))?
+        };
+        repair.degenerate_faces = degenerate_faces(&mesh);
+        repair.duplicate_faces = duplicate_faces(&mesh);
+        Ok((mesh, repair))
+    }
+
+    /// Returns a tolerance at which [welding](Self::repaired) closes every open edge: the least that
+    /// does of 10^-16, 10^-15, up to 10^-4 of the size of the mesh, rounded up to a power of ten.
+    /// Returns `None` if none of these does, if no edge is open, or if there are more than 131,072
+    /// open edges.
+    ///
+    /// An edge is open if an odd number of faces have it.
+    ///
+    /// ```
+    /// use impinge::{Mesh, Positions};
+    ///
+    /// // A tetrahedron, one corner of which is not quite the same point in all of its faces.
+    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 2e-7, 1.0]];
+    /// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 4]];
+    /// let mesh = Mesh::new(Positions::F64(corners), faces)?;
+    /// assert_eq!(mesh.closing_tolerance(), Some(1e-6));
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    ///
+    /// # Complexity
+    /// O(n log n).
+    #[must_use]
+    pub fn closing_tolerance(&self) -> Option<f64> {
+        closing::closing_tolerance(self)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,193 @@
+//! Which faces have to be turned so that neighbors agree on a side. `Mesh::repaired` says how the
+//! side is chosen.
+
+use crate::mesh::Positions;
+use crate::primitive::{cross, dot, sub};
+
+/// What orienting a mesh comes to. Both lists are ascending.
+pub(super) struct Orientation {
+    /// Faces to be turned.
+    pub(super) turned: Vec<u32>,
+    /// Faces of sheets with only one side.
+    pub(super) one_sided: Vec<u32>,
+}
+
+/// A face's share in an edge.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Share {
+    /// Its ends, the lesser first.
+    edge: [u32; 2],
+    face: u32,
+    /// Whether the face runs through it from the lesser end to the greater.
+    is_forward: bool,
+}
+
+/// Returns 1 if true, else -1: the sign with which a face or an edge counts.
+fn sign(is_positive: bool) -> i64 {
+    if is_positive { 1 } else { -1 }
+}
+
+/// A sheet, seen with its root face as given.
+#[derive(Clone, Copy, Default)]
+struct Sheet {
+    /// Twice the area of faces that agree with the root, and of those that do not.
+    areas: [f64; 2],
+    /// Six times the volume that it encloses.
+    volume: f64,
+    is_open: bool,
+    is_one_sided: bool,
+    /// Whether the faces that agree with the root are to be turned, and the others not.
+    is_turned: bool,
+}
+
+/// Chooses the side of each face. `names` holds for each vertex the first one at its position.
+pub(super) fn orientation(positions: &Positions, faces: &[[u32; 3]], names: &[u32]) -> Orientation {
+    let mut links = Links::new(faces.len());
+    let left = links.join_pairs(shares(faces));
+    let renamed = left.into_iter().map(|share| {
+        let [p, q] = share.edge.map(|vertex| names[vertex as usize]);
+        Share { edge: [p.min(q), p.max(q)], is_forward: share.is_forward == (p < q), ..share }
+    });
+    let mut renamed: Vec<Share> = renamed.filter(|share| share.edge[0] != share.edge[1]).collect();
+    // A face with two corners at one position runs through an edge and back. If both are left, they link nothing.
+    // If one is left, the other is linked to a neighbor already.
+    let has_three_corners = |face: u32| {
+        let [a, b, c] = faces[face as usize].map(|vertex| names[vertex as usize]);
+        a != b && b != c && c != a
+    };
+    renamed.sort_unstable_by_key(|share| share.face);
+    let kept = renamed
+        .chunk_by(|a, b| a.face == b.face)
+        .filter(|of_face| of_face.len() == 1 || has_three_corners(of_face[0].face));
+    let left = links.join_pairs(kept.flatten().copied().collect());
+
+    let mut sheets = vec![Sheet::default(); faces.len()];
+    for face in std::mem::take(&mut links.twisted) {
+        let (root, _) = links.root(face);
+        sheets[root as usize].is_one_sided = true;
+    }
+    // Where its volume is measured from matters little, and less the nearer it is.
+    let origin = faces.first().map_or([0.0; 3], |face| positions.get(face[0] as usize));
+    for (face, corners) in (0..).zip(faces) {
+        let (root, agrees) = links.root(face);
+        let [p, q, r] = corners.map(|vertex| sub(&positions.get(vertex as usize), &origin));
+        let normal = cross(&sub(&q, &p), &sub(&r, &p));
+        let sheet = &mut sheets[root as usize];
+        sheet.areas[usize::from(!agrees)] += dot(&normal, &normal).sqrt();
+        sheet.volume += sign(agrees) as f64 * dot(&p, &cross(&q, &r));
+    }
+    // What is left of the edges is open where a sheet does not pass it as often one way as the other.
+    let mut nets: Vec<([u32; 2], u32, i64)> = left
+        .iter()
+        .map(|share| {
+            let (root, agrees) = links.root(share.face);
+            (share.edge, root, sign(share.is_forward == agrees))
+        })
+        .collect();
+    nets.sort_unstable();
+    for net in nets.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        if net.iter().map(|&(_, _, times)| times).sum::<i64>() != 0 {
+            sheets[net[0].1 as usize].is_open = true;
+        }
+    }
+    choose_sides(&mut sheets);
+
+    let mut orientation = Orientation { turned: Vec::new(), one_sided: Vec::new() };
+    for face in 0..faces.len() as u32 {
+        let (root, agrees) = links.root(face);
+        let sheet = &sheets[root as usize];
+        if sheet.is_one_sided {
+            orientation.one_sided.push(face);
+        } else if sheet.is_turned == agrees {
+            orientation.turned.push(face);
+        }
+    }
+    orientation
+}
+
+fn choose_sides(sheets: &mut [Sheet]) {
+    for sheet in sheets.iter_mut() {
+        let [agreeing, other] = sheet.areas;
+        let most = agreeing.max(other);
+        sheet.is_turned = if most >= 0.75 * (agreeing + other) || sheet.is_open || sheet.volume == 0.0 {
+            other > agreeing
+        } else {
+            sheet.volume < 0.0
+        };
+    }
+    let closed = |sheet: &&mut Sheet| !sheet.is_open && !sheet.is_one_sided;
+    let volume: f64 = sheets.iter_mut().filter(closed).map(|sheet| sign(!sheet.is_turned) as f64 * sheet.volume).sum();
+    if volume < 0.0 {
+        sheets.iter_mut().filter(closed).for_each(|sheet| sheet.is_turned = !sheet.is_turned);
+    }
+}
+
+/// Returns the edges of all faces that have three different vertices.
+fn shares(faces: &[[u32; 3]]) -> Vec<Share> {
+    let mut shares = Vec::with_capacity(3 * faces.len());
+    for (face, &[a, b, c]) in (0..).zip(faces) {
+        if a != b && b != c && c != a {
+            shares.extend([[a, b], [b, c], [c, a]].map(|[from, to]| Share {
+                edge: [from.min(to), from.max(to)],
+                face,
+                is_forward: from < to,
+            }));
+        }
+    }
+    shares
+}
+
+/// Disjoint sets of faces, with for each face whether it agrees with the root of its set on a side
+/// (Tarjan and van Leeuwen, *Worst-case Analysis of Set Union Algorithms*, JACM 31(2), 1984; the
+/// parity along each path is ours).
+struct Links {
+    /// For each face one nearer to the root, and whether they agree.
+    above: Vec<(u32, bool)>,
+    /// Faces where two ways round an edge contradict each other.
+    twisted: Vec<u32>,
+}
+
+impl Links {
+    fn new(faces: usize) -> Self {
+        Self { above: (0..faces as u32).map(|face| (face, true)).collect(), twisted: Vec::new() }
+    }
+
+    fn root(&mut self, mut face: u32) -> (u32, bool) {
+        let mut agrees = true;
+        while self.above[face as usize].0 != face {
+            let (up, agrees_up) = self.above[face as usize];
+            let (top, agrees_top) = self.above[up as usize];
+            self.above[face as usize] = (top, agrees_up == agrees_top);
+            // One step at a time along the old path.
+            agrees = agrees == agrees_up;
+            face = up;
+        }
+        (face, agrees)
+    }
+
+    /// Links two faces that agree on a side, or that do not.
+    fn join(&mut self, a: u32, b: u32, agree: bool) {
+        let ((root_a, agrees_a), (root_b, agrees_b)) = (self.root(a), self.root(b));
+        let roots_agree = (agrees_a == agrees_b) == agree;
+        if root_a == root_b {
+            if !roots_agree {
+                self.twisted.push(a);
+            }
+            return;
+        }
+        self.above[root_a.max(root_b) as usize] = (root_a.min(root_b), roots_agree);
+    }
+
+    /// Links the faces of each edge that exactly two have, and returns the shares in all others.
+    fn join_pairs(&mut self, mut shares: Vec<Share>) -> Vec<Share> {
+        shares.sort_unstable();
+        let mut left = Vec::new();
+        for same in shares.chunk_by(|a, b| a.edge == b.edge) {
+            match same {
+                [one, other] => self.join(one.face, other.face, one.is_forward != other.is_forward),
+                _ => left.extend_from_slice(same),
+            }
+        }
+        left
+    }
+}

@@ -1,0 +1,109 @@
+//! Vertices that are moved to an earlier one within a tolerance.
+//!
+//! Space is divided into cells whose edge is the tolerance. Vertices that stay are farther apart than
+//! that, so a cell and its neighbors hold a bounded number of them.
+
+use std::collections::HashMap;
+
+use crate::mesh::Positions;
+use crate::primitive::{scaled_length, sub};
+
+/// Positions after welding.
+pub(super) struct Welded {
+    pub(super) positions: Positions,
+    /// The vertices that were moved, ascending.
+    pub(super) moved: Vec<u32>,
+    pub(super) greatest_move: f64,
+}
+
+/// Moves each vertex to the nearest earlier one that has stayed, if it is within the tolerance.
+pub(super) fn welded(positions: &Positions, tolerance: f64) -> Welded {
+    let mut positions = positions.clone();
+    let (mut moved, mut greatest_move) = (Vec::new(), 0.0_f64);
+    let mut stayed = Stayed::new(tolerance);
+    for vertex in 0..positions.len() as u32 {
+        let at = positions.get(vertex as usize);
+        let Some(target) = stayed.nearest_or_insert(vertex, at) else { continue };
+        let move_by = scaled_length(&sub(&at, &positions.get(target as usize)));
+        if move_by > 0.0 {
+            match &mut positions {
+                Positions::F32(vertices) => vertices[vertex as usize] = vertices[target as usize],
+                Positions::F64(vertices) => vertices[vertex as usize] = vertices[target as usize],
+            }
+            moved.push(vertex);
+            greatest_move = greatest_move.max(move_by);
+        }
+    }
+    Welded { positions, moved, greatest_move }
+}
+
+/// Vertices that have stayed, by the cell that they are in.
+pub(super) struct Stayed {
+    tolerance: f64,
+    cells: HashMap<[i64; 3], Vec<(u32, [f64; 3])>>,
+}
+
+impl Stayed {
+    pub(super) fn new(tolerance: f64) -> Self {
+        Self { tolerance, cells: HashMap::new() }
+    }
+
+    /// Returns the nearest vertex that has stayed, the first of equally near ones. If none is within
+    /// the tolerance, this vertex stays.
+    pub(super) fn nearest_or_insert(&mut self, vertex: u32, at: [f64; 3]) -> Option<u32> {
+        let places = at.map(|x| Place::of(x, self.tolerance));
+        let mut nearest: Option<(f64, u32)> = None;
+        for x in places[0].neighbors() {
+            for y in places[1].neighbors() {
+                for z in places[2].neighbors() {
+                    for &(other, point) in self.cells.get(&[x, y, z]).into_iter().flatten() {
+                        // In units of the tolerance, so that no square vanishes or overflows.
+                        let step = [0, 1, 2].map(|k| (at[k] - point[k]) / self.tolerance);
+                        let distance = step.iter().map(|x| x * x).sum::<f64>().sqrt();
+                        if distance <= 1.0 && nearest.is_none_or(|found| (distance, other) < found) {
+                            nearest = Some((distance, other));
+                        }
+                    }
+                }
+            }
+        }
+        if nearest.is_none() {
+            self.cells.entry(places.map(Place::cell)).or_default().push((vertex, at));
+        }
+        nearest.map(|(_, other)| other)
+    }
+}
+
+/// Where a coordinate is on the grid.
+#[derive(Clone, Copy)]
+enum Place {
+    /// The number of its cell.
+    Cell(i64),
+    /// Where neighboring floating-point numbers are farther apart than the tolerance, the bits of
+    /// the number.
+    Alone(i64),
+}
+
+impl Place {
+    fn of(x: f64, tolerance: f64) -> Self {
+        /// From here on neighboring numbers differ by at least two.
+        const SPARSE: f64 = (1_u64 << 54) as f64;
+        let cell = (x / tolerance).floor();
+        // Adding zero turns the negative zero into the positive one.
+        if cell.abs() < SPARSE { Self::Cell(cell as i64) } else { Self::Alone((x + 0.0).to_bits().cast_signed()) }
+    }
+
+    fn cell(self) -> i64 {
+        match self {
+            Self::Cell(cell) | Self::Alone(cell) => cell,
+        }
+    }
+
+    /// The cells in which a number within the tolerance may be.
+    fn neighbors(self) -> std::ops::RangeInclusive<i64> {
+        match self {
+            Self::Cell(cell) => cell - 1..=cell + 1,
+            Self::Alone(cell) => cell..=cell,
+        }
+    }
+}

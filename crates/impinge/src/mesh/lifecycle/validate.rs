@@ -1,0 +1,112 @@
+//! The door: arrays are validated once, so that no query can fail.
+
+use rayon::prelude::*;
+
+use crate::input::{InputError, InputErrorKind};
+use crate::mesh::storage::frame::Extremes;
+use crate::mesh::storage::positions::{Vertex, VertexSlice};
+use crate::simd::{CACHE_LINE, prefetch_at};
+
+/// Coordinates stay below this magnitude, which every finite single precision number does: the range of the proofs.
+const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
+
+/// Lanes of leaves are numbered with 32 bits; there are at most as many leaves as faces, each of eight lanes.
+const MOST_FACES: usize = 1 << 29;
+
+/// Vertices, or indices of faces, that are one task.
+const CHUNK: usize = 1 << 10;
+
+/// Judges a mesh, and returns the extremes of its vertices.
+pub(in crate::mesh) fn validate(vertices: VertexSlice<'_>, faces: &[[u32; 3]]) -> Result<Extremes, InputError> {
+    let too_many = |what, count| Err(InputError::new(InputErrorKind::TooMany { what, count }));
+    if vertices.len() > u32::MAX as usize {
+        return too_many("vertices", vertices.len());
+    }
+    if faces.len() >= MOST_FACES {
+        return too_many("faces", faces.len());
+    }
+    let extremes = validate_vertices(vertices)?;
+    let len = vertices.len();
+    // All in a row and not face by face, so that vectors of them are compared at once.
+    let indices = faces.as_flattened();
+    if let Some(lost) = first(indices, |&index| index >= len as u32) {
+        let (face, index) = (lost / 3, indices[lost]);
+        return Err(InputError::new(InputErrorKind::IndexOutOfBounds { face, index, len }));
+    }
+    Ok(extremes)
+}
+
+/// Judges coordinates.
+fn validate_vertices(vertices: VertexSlice<'_>) -> Result<Extremes, InputError> {
+    let validated = match vertices {
+        VertexSlice::F32(vertices) => extremes(vertices, Extremes::of),
+        VertexSlice::F64(vertices) => extremes(vertices, Extremes::of),
+    };
+    validated.map_err(|index| {
+        let finite = vertices.get(index).iter().all(|x| x.is_finite());
+        InputError::new(if finite {
+            InputErrorKind::OutOfRange { what: "vertex", index, limit: "2^128" }
+        } else {
+            InputErrorKind::NonFinite { what: "vertex", index }
+        })
+    })
+}
+
+/// Judges where the vertices of a mesh, of which there are `expected`, have moved.
+pub(super) fn validate_moved(vertices: VertexSlice<'_>, expected: usize) -> Result<Extremes, InputError> {
+    if vertices.len() != expected {
+        let (what, count) = ("vertices", vertices.len());
+        return Err(InputError::new(InputErrorKind::OtherCount { what, count, expected }));
+    }
+    validate_vertices(vertices)
+}
+
+/// The least and the greatest coordinates, where all vertices are good, and the first that is not elsewhere: in one pass, as
+/// what it takes is to read them.
+fn extremes<V: Vertex>(vertices: &[V], of_chunk: impl Fn(&[V]) -> Extremes + Sync) -> Result<Extremes, usize> {
+    let are_good = |extremes: &Extremes| extremes.are_below(LIMIT);
+    let both = |a: Extremes, b: Extremes| Some(a.union(b));
+    let validated = vertices.par_chunks(CHUNK).map(|chunk| Some(of_chunk(chunk)).filter(are_good));
+    let is_bad = |vertex: &V| !vertex.widened().iter().all(|x| x.abs() < LIMIT);
+    validated.try_reduce(|| Extremes::NONE, both).ok_or_else(|| first(vertices, is_bad).unwrap_or_default())
+}
+
+/// The first that is bad.
+fn first<T: Sync>(elements: &[T], is_bad: impl Fn(&T) -> bool + Sync) -> Option<usize> {
+    let chunk = elements.par_chunks(CHUNK).position_first(|chunk| !all(chunk, |one| !is_bad(one)))?;
+    elements[chunk * CHUNK..].iter().position(is_bad).map(|at| chunk * CHUNK + at)
+}
+
+/// Whether all are good, without a branch for each, as nearly all are. What comes after them is asked for, sooner than the processor
+/// does by itself.
+#[inline(always)]
+fn all<T>(elements: &[T], is_good: impl Fn(&T) -> bool) -> bool {
+    (0..elements.len()).step_by(CACHE_LINE / size_of::<T>()).for_each(|at| prefetch_at(elements, elements.len() + at));
+    elements.iter().fold(true, |all, one| all & is_good(one))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whichever corner of whichever face it is, in the first chunk or a later one, and the first of several.
+    #[test]
+    fn the_first_index_out_of_bounds_is_named() {
+        let vertices = [[0.0_f32; 3]; 5];
+        let vertices = VertexSlice::F32(&vertices);
+        let faces = vec![[0, 4, 2]; CHUNK];
+        assert!(validate(vertices, &faces).is_ok());
+        for at in [0, 1, CHUNK / 3 - 1, CHUNK / 3, CHUNK / 3 + 1, CHUNK - 1] {
+            for corner in 0..3 {
+                for index in [5, 6, 1 << 31, u32::MAX] {
+                    let mut faces = faces.clone();
+                    faces[at][corner] = index;
+                    faces[CHUNK - 1][2] = index;
+                    let expected = InputErrorKind::IndexOutOfBounds { face: at, index, len: 5 };
+                    let refused = validate(vertices, &faces).map_err(|error| error.kind().clone());
+                    assert_eq!(refused, Err(expected), "at {at}, corner {corner}");
+                }
+            }
+        }
+    }
+}

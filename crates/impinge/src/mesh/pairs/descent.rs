@@ -1,0 +1,135 @@
+//! The one descent of two meshes: from their roots to the triangles that meet, each pair filtered in bulk and, where
+//! the filter leaves it open, decided exactly.
+
+use rayon::prelude::*;
+
+use super::leaf_pairs::{Deciding, KEPT, LeafPairs, Question, Wanted, keep_least};
+use super::relation::{HostChoice, Relations};
+use super::world_box;
+use crate::exact::{Placement, triangles_intersect};
+use crate::hierarchy::{Descent, Order, QUEUE, Task};
+use crate::mesh::Placed;
+use crate::simd::{self, Level, dispatch};
+
+/// How a query runs. Nothing here changes an answer: the fields are for measuring and for tests that say so.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// The vector unit to use.
+    pub level: Level,
+    /// In whose frame boxes and triangles are compared.
+    pub host: HostChoice,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { level: simd::best_level(), host: HostChoice::SmallerError }
+    }
+}
+
+/// Tasks for each thread that the upper levels are opened into before threads share them out; more even out their
+/// sizes, fewer start sooner.
+const TASKS_PER_THREAD: usize = 64;
+
+/// Below this many tasks no threads are woken: less work than this is done sooner than shared.
+const LEAST_SHARED_TASKS: usize = 256;
+
+/// Room for the tasks of most searches for a first pair, a kilobyte: more grow, which takes as long as opening one.
+const TASKS_OF_A_FIRST_HIT: usize = 128;
+
+/// Two faces that intersect, of the first mesh and of the second, of those that do any; none where no two do.
+pub(crate) fn any_hit(a: Placed<'_>, b: Placed<'_>, options: &Options) -> Option<[u32; 2]> {
+    found(a, b, Wanted { limit: 1, deciding: Deciding::Last, ..Wanted::ALL }, options).first().copied()
+}
+
+/// Whether two faces intersect; faces that there are not do not.
+pub(crate) fn faces_meet(a: Placed<'_>, b: Placed<'_>, [face_a, face_b]: [u32; 2]) -> bool {
+    (face_a as usize) < a.mesh.faces().len()
+        && (face_b as usize) < b.mesh.faces().len()
+        && triangles_intersect(
+            &Placement::new(&a.world_from_mesh, &b.world_from_mesh),
+            &a.mesh.corners(face_a),
+            &b.mesh.corners(face_b),
+        )
+}
+
+/// Two faces that intersect, the first in the order of the descent; none where no two do.
+pub(crate) fn first_hit(a: Placed<'_>, b: Placed<'_>, options: &Options) -> Option<[u32; 2]> {
+    found(a, b, Wanted { limit: 1, deciding: Deciding::AtOnce, ..Wanted::ALL }, options).first().copied()
+}
+
+/// Pairs of faces (of a, of b) that intersect, each once, in no particular order: all of them, or the least `kept` where
+/// there are more. There is never room for many more than are kept.
+pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, kept: usize, options: &Options) -> Vec<[u32; 2]> {
+    found(a, b, Wanted { kept, ..Wanted::ALL }, options)
+}
+
+fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options) -> Vec<[u32; 2]> {
+    if world_box::are_apart(&a, &b) {
+        return Vec::new();
+    }
+    let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
+    let Relations { relation, back, sides } = &Relations::new(a, b, placement.relative(), options.host);
+    let sides = *sides;
+    let [host, guest] = sides.host_guest([a.mesh, b.mesh]);
+    let descent = Descent {
+        host: host.0.tree.nodes(),
+        guest: guest.0.tree.nodes(),
+        boxes: &relation.boxes,
+        host_slabs: &relation.slabs,
+        guest_slabs: &back.slabs,
+        stretch: relation.stretch as f32,
+        askew: &|| relation.askew(),
+    };
+    let (Some(root), true) = (descent.root(), wanted.kept > 0) else { return Vec::new() };
+
+    let question = Question { host, guest, relation, back, placement: &placement, sides, wanted };
+    if wanted.limit < usize::MAX {
+        // Whoever wants the first pairs only wants them before others are looked at: no pair waits for another.
+        let mut pairs = question.pairs(1);
+        let mut tasks = Vec::with_capacity(TASKS_OF_A_FIRST_HIT);
+        tasks.push(root);
+        work(options.level, &descent, Order::DepthFirst { ahead: 1 }, &mut tasks, &mut pairs);
+        return pairs.found;
+    }
+
+    let ahead = QUEUE;
+    let mut first = question.pairs(KEPT);
+    let mut tasks = vec![root];
+    let threads = rayon::current_num_threads();
+    if threads > 1 {
+        let enough = LEAST_SHARED_TASKS.max(TASKS_PER_THREAD * threads);
+        work(options.level, &descent, Order::BreadthFirstUntil(enough), &mut tasks, &mut first);
+        if tasks.len() >= enough {
+            let chunk = tasks.len().div_ceil(TASKS_PER_THREAD * threads);
+            let shared = tasks.par_chunks(chunk).map(|tasks| {
+                let mut pairs = question.pairs(KEPT);
+                work(options.level, &descent, Order::DepthFirst { ahead }, &mut tasks.to_vec(), &mut pairs);
+                pairs.found
+            });
+            if wanted.kept < usize::MAX {
+                let shared = shared.reduce(Vec::new, |mut some, others| {
+                    some.extend(others);
+                    keep_least(&mut some, wanted.kept);
+                    some
+                });
+                first.found.extend(shared);
+            } else {
+                let shared: Vec<Vec<[u32; 2]>> = shared.collect();
+                first.found.extend(shared.iter().flatten());
+            }
+            tasks.clear();
+        }
+    }
+    work(options.level, &descent, Order::DepthFirst { ahead }, &mut tasks, &mut first);
+    keep_least(&mut first.found, wanted.kept);
+    first.found
+}
+
+/// The descent, compiled once for each vector unit.
+#[inline(never)]
+fn work(level: Level, descent: &Descent<'_>, order: Order, tasks: &mut Vec<Task>, pairs: &mut LeafPairs<'_>) {
+    let stopped = dispatch!(level, simd => descent.run(simd, order, tasks, pairs)).is_break();
+    if stopped {
+        tasks.clear();
+    }
+}

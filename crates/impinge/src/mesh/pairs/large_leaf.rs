@@ -1,0 +1,174 @@
+//! A leaf of triangles that are much larger than what they meet: each of them goes down the other mesh's tree on its own.
+//!
+//! A long triangle that lies askew fills a small part of its box, so that a tree of boxes sends it to nearly everything; the
+//! triangle itself passes few boxes by. Source: Akenine-Möller, *Fast 3D triangle-box overlap testing*, JGT 2001 (Ericson,
+//! 5.2.9): thirteen axes, of which the ten that are not the boxes' own become slabs, each tested against eight boxes.
+
+use std::ops::ControlFlow;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+
+use super::filter::{Facing, Guest};
+use super::relation::Relation;
+use crate::hierarchy::{BoxLanes, Child, HALF_ULP, Node, Slab, lanes_in_use, overlapping};
+use crate::mesh::storage::frame::REACH;
+use crate::mesh::storage::packet::{Packet, Packets};
+use crate::simd::{LANES, Lanes3, bits, by_axis, cross, dot, load3, store3, sub};
+
+/// The axes that a triangle's own shape brings: its normal, and each edge across each axis of the boxes.
+const OWN_AXES: usize = 10;
+
+/// A packet of large triangles in the other mesh's packed frame.
+pub(super) struct LargeLeaf {
+    guest: Guest,
+    bounds: Bounds,
+    in_use: u32,
+}
+
+/// What holds each triangle.
+struct Bounds {
+    boxes: BoxLanes,
+    slabs: [SlabLanes; OWN_AXES],
+}
+
+/// A slab in each lane.
+#[derive(Clone, Copy, Default)]
+struct SlabLanes {
+    normal: [[f32; LANES]; 3],
+    min: [f32; LANES],
+    max: [f32; LANES],
+}
+
+impl LargeLeaf {
+    /// A packet carried by `relation`; `back` relates the meshes the other way round.
+    #[inline(always)]
+    pub(in crate::mesh) fn new<S: Simd>(simd: S, packet: &Packet<'_>, relation: &Relation, back: &Relation) -> Self {
+        let mut guest = Guest::EMPTY;
+        guest.take_up(simd, packet, relation, back);
+        let bounds = Bounds::new(simd, &guest.corners(simd), guest.anchor(), guest.corner_error());
+        Self { guest, bounds, in_use: packet.lanes_in_use() }
+    }
+
+    /// Meets all that is below a node: `meet` gets the large leaf as a guest, each packet that it faces, and how.
+    ///
+    /// # Complexity
+    /// At most one visit to each node below; for a triangle that is long and thin, to those near it.
+    #[inline(always)]
+    pub(in crate::mesh) fn descend<S: Simd>(
+        &self,
+        simd: S,
+        (nodes, packets): (&[Node], Packets<'_>),
+        below: u32,
+        mut meet: impl FnMut(&Guest, &Packet<'_>, &Facing) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let mut tasks = vec![(below, self.in_use)];
+        while let Some((at, lanes)) = tasks.pop() {
+            let node = &nodes[at as usize];
+            let mut reached = [0; LANES];
+            for lane in bits(lanes) {
+                for child in bits(self.bounds.near(simd, lane, node)) {
+                    reached[child] |= 1 << lane;
+                }
+            }
+            for (child, &lanes) in reached.iter().enumerate().filter(|(_, lanes)| **lanes != 0) {
+                match node.child(child) {
+                    Child::Inner(inner) => tasks.push((inner, lanes)),
+                    Child::Leaf(leaf) => {
+                        let packet = packets.get(simd, leaf);
+                        let facing = self.guest.face(simd, &packet, lanes);
+                        if facing.pairs != 0 {
+                            meet(&self.guest, &packet, &facing)?;
+                        }
+                    }
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+impl Bounds {
+    /// Of triangles whose corners about an anchor may be off by `error` on each axis with it.
+    ///
+    /// # Accuracy
+    /// With u = 2^-24, R for the largest coordinate of anchor and corners, and n for an axis, whatever its numbers say: a sum of
+    /// anchor and corner takes 2 u R, a height 5 u Σ|n| R, the difference that widens it 2 u of itself. A slab is widened by
+    /// 16 u Σ|n| R for that, by what the corners may be off by along it, and by 32 u Σ|n|·reach for the rounding of a box's heights
+    /// where it is tested (docs/proof.md, L2a). What is not a number proves nothing there.
+    #[inline(always)]
+    fn new<S: Simd>(simd: S, about: &[Lanes3<S>; 3], anchor: [f64; 3], error: f64) -> Self {
+        let anchor: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, anchor[axis] as f32));
+        let corners: [Lanes3<S>; 3] = by_axis!(corner => by_axis!(axis => about[corner][axis] + anchor[axis]));
+        let mut largest = f32x8::splat(simd, 0.0);
+        for axis in 0..3 {
+            let [p, q, r] = by_axis!(corner => corners[corner][axis].abs());
+            largest = largest.max(anchor[axis].abs()).max(p.max(q).max(r));
+        }
+        let widening = error + HALF_ULP * (32.0 * REACH + 16.0 * f64::from(largest.reduce_max()));
+        let slack = f32x8::splat(simd, (widening * (1.0 + 8.0 * HALF_ULP)) as f32);
+
+        let mut boxes = BoxLanes::default();
+        for axis in 0..3 {
+            let [p, q, r] = by_axis!(corner => corners[corner][axis]);
+            (p.min(q).min(r) - slack).store_slice(&mut boxes.min[axis]);
+            (p.max(q).max(r) + slack).store_slice(&mut boxes.max[axis]);
+        }
+        let edges = [sub(&about[1], &about[0]), sub(&about[2], &about[1]), sub(&about[0], &about[2])];
+        let edges: [Lanes3<S>; 3] = by_axis!(edge => scaled(&edges[edge]));
+        let zero = f32x8::splat(simd, 0.0);
+        let mut slabs = [SlabLanes::default(); OWN_AXES];
+        slabs[0].set(&cross(&edges[0], &edges[1]), &corners, slack);
+        for (three, &[x, y, z]) in slabs[1..].chunks_mut(3).zip(&edges) {
+            three[0].set(&[zero, z, -y], &corners, slack);
+            three[1].set(&[-z, zero, x], &corners, slack);
+            three[2].set(&[y, -x, zero], &corners, slack);
+        }
+        Self { boxes, slabs }
+    }
+
+    /// The children whose boxes are not proved apart from one triangle, as bits.
+    #[inline(always)]
+    fn near<S: Simd>(&self, simd: S, lane: usize, node: &Node) -> u32 {
+        let boxes = (&load3(simd, &node.min), &load3(simd, &node.max));
+        let mut near = overlapping(simd, boxes, &self.boxes.lane(lane)) & lanes_in_use(node);
+        for slab in &self.slabs {
+            if near == 0 {
+                break;
+            }
+            near &= !slab.lane(lane).outside(simd, node);
+        }
+        near
+    }
+}
+
+impl SlabLanes {
+    /// About these corners along an axis, wider by `slack` times the sum of what the axis has.
+    #[inline(always)]
+    fn set<S: Simd>(&mut self, axis: &Lanes3<S>, corners: &[Lanes3<S>; 3], slack: f32x8<S>) {
+        let normal = scaled(axis);
+        let [p, q, r]: [f32x8<S>; 3] = by_axis!(corner => dot(&normal, &corners[corner]));
+        let slack = slack * (normal[0].abs() + normal[1].abs() + normal[2].abs());
+        store3(&normal, &mut self.normal);
+        (p.min(q).min(r) - slack).store_slice(&mut self.min);
+        (p.max(q).max(r) + slack).store_slice(&mut self.max);
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Slab {
+        Slab { normal: by_axis!(axis => self.normal[axis][lane]), min: self.min[lane], max: self.max[lane] }
+    }
+}
+
+/// Vectors of which the largest component is one, but for rounding; zero where there is none.
+#[inline(always)]
+fn scaled<S: Simd>(vectors: &Lanes3<S>) -> Lanes3<S> {
+    let [x, y, z] = by_axis!(axis => vectors[axis].abs());
+    let largest = x.max(y).max(z);
+    let (zero, one) = (f32x8::splat(largest.token(), 0.0), f32x8::splat(largest.token(), 1.0));
+    let factor = largest.simd_gt(zero).select(one / largest, zero);
+    by_axis!(axis => vectors[axis] * factor)
+}
+
+#[cfg(test)]
+mod tests;

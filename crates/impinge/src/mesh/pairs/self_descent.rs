@@ -1,0 +1,269 @@
+//! The descent of one mesh with itself: each pair of its faces whose boxes overlap, once.
+//!
+//! The simultaneous descent of two trees would show every pair of neighbours twice and every face with itself; here a
+//! node meets itself, its children in pairs, and so every unordered pair of leaves is met at most once. Both are in one
+//! frame, so no box is carried and none grows.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use super::hubs::Hubs;
+use crate::exact::{Corners, Placement, meet_beyond_shared};
+use crate::hierarchy::{Child, Node};
+use crate::math::Pose;
+use crate::mesh::Mesh;
+
+/// What is left to open.
+#[derive(Clone, Copy)]
+enum Task {
+    /// A child with itself.
+    Within(Child),
+    /// Two children with each other.
+    Between(Lane, Lane),
+}
+
+/// A child by its place, where its box is too.
+#[derive(Clone, Copy)]
+struct Lane {
+    node: u32,
+    lane: u8,
+}
+
+/// Tasks for each thread that the upper levels are opened into before threads share them out.
+const TASKS_PER_THREAD: usize = 64;
+
+/// Pairs of faces that are decided, for each face, before hubs are looked for. Most meshes take about ten.
+const PATIENCE: usize = 32;
+
+/// Of which faces the pairs are wanted.
+#[derive(Clone, Copy)]
+pub(crate) enum WantedFaces<'w> {
+    /// Any.
+    All,
+    /// At least one of the two is marked, by its number.
+    WithMarked(&'w [bool]),
+}
+
+/// The pairs of faces, the lesser first, that meet in more than the hull of the positions that they share; in no
+/// particular order.
+pub(crate) fn collect_self_intersecting(mesh: &Mesh, wanted: WantedFaces<'_>) -> Vec<[u32; 2]> {
+    if let Some(found) = descend(mesh, wanted, None) {
+        return found;
+    }
+    let hubs = Hubs::of(mesh);
+    let mut found = descend(mesh, wanted, Some(&hubs)).unwrap_or_default();
+    let one_place = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
+    let at_hubs =
+        hubs.collect(mesh, |[one, other]| meet_beyond_shared(&one_place, &mesh.corners(one), &mesh.corners(other)));
+    found.extend(at_hubs.into_iter().filter(|&[one, other]| wanted.includes(one) || wanted.includes(other)));
+    found
+}
+
+/// The pairs, but those of faces that share a hub. Where hubs are not known yet it gives up, and returns nothing, after many
+/// more pairs than most meshes without hubs take.
+fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>) -> Option<Vec<[u32; 2]>> {
+    let holds = wanted.nodes_with(mesh);
+    let decided = AtomicUsize::new(0);
+    let most_decided = if hubs.is_some() { usize::MAX } else { PATIENCE * mesh.faces().len() };
+    let worker = || Worker {
+        mesh,
+        nodes: mesh.0.tree.nodes(),
+        wanted,
+        holds: &holds,
+        hubs,
+        one_place: Placement::new(&Pose::IDENTITY, &Pose::IDENTITY),
+        found: Vec::new(),
+        decided: 0,
+    };
+    let mut first = worker();
+    let mut tasks: Vec<Task> = (!first.nodes.is_empty()).then_some(Task::Within(Child::Inner(0))).into_iter().collect();
+    let enough = TASKS_PER_THREAD * rayon::current_num_threads();
+    while !tasks.is_empty() && tasks.len() < enough {
+        for task in std::mem::take(&mut tasks) {
+            first.open(task, &mut tasks);
+        }
+    }
+    let shared: Option<Vec<Vec<[u32; 2]>>> = tasks
+        .par_iter()
+        .map(|&task| {
+            let mut worker = worker();
+            let mut stack = vec![task];
+            while let Some(task) = stack.pop() {
+                worker.open(task, &mut stack);
+                let more = std::mem::take(&mut worker.decided);
+                if decided.fetch_add(more, Ordering::Relaxed) > most_decided {
+                    return None;
+                }
+            }
+            Some(worker.found)
+        })
+        .collect();
+    first.found.extend(shared?.iter().flatten());
+    Some(first.found)
+}
+
+impl WantedFaces<'_> {
+    fn includes(self, face: u32) -> bool {
+        match self {
+            Self::All => true,
+            Self::WithMarked(marks) => marks[face as usize],
+        }
+    }
+
+    /// For each node whether a wanted face is below; none are named where all are wanted.
+    fn nodes_with(self, mesh: &Mesh) -> Vec<bool> {
+        let nodes = mesh.0.tree.nodes();
+        let mut holds = match self {
+            Self::All => Vec::new(),
+            Self::WithMarked(_) => vec![false; nodes.len()],
+        };
+        // Children come after their parents.
+        for index in (0..holds.len()).rev() {
+            holds[index] = (0..nodes[index].count()).any(|lane| match nodes[index].child(lane) {
+                Child::Inner(node) => holds[node as usize],
+                Child::Leaf(leaf) => mesh.leaf_faces(leaf).any(|face| self.includes(face)),
+            });
+        }
+        holds
+    }
+}
+
+struct Worker<'m> {
+    mesh: &'m Mesh,
+    nodes: &'m [Node],
+    wanted: WantedFaces<'m>,
+    /// For each node whether a wanted face is below; empty where all are.
+    holds: &'m [bool],
+    /// Pairs of faces that share one are left out.
+    hubs: Option<&'m Hubs>,
+    one_place: Placement,
+    found: Vec<[u32; 2]>,
+    /// Pairs of faces that were decided.
+    decided: usize,
+}
+
+/// A face with its corners and their least and greatest coordinates.
+struct Face {
+    number: u32,
+    corners: Corners,
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+impl Worker<'_> {
+    /// Opens a task: appends what is below it, or meets the faces. Depth first, the tasks that wait are at most 64 for
+    /// each level, as each adds at most 8 · 8, all deeper than it.
+    fn open(&mut self, task: Task, below: &mut Vec<Task>) {
+        match task {
+            Task::Within(Child::Leaf(leaf)) => {
+                let faces = self.faces(leaf);
+                for (number, face) in faces.iter().enumerate() {
+                    for other in &faces[number + 1..] {
+                        self.meet(face, other);
+                    }
+                }
+            }
+            Task::Within(Child::Inner(node)) => {
+                for lane in lanes(&self.nodes[node as usize], node) {
+                    let is_of_one_hub = self.hubs.is_some_and(|hubs| {
+                        let common = hubs.of_child(lane.node, lane.lane);
+                        common.first_common(common).is_some()
+                    });
+                    if !is_of_one_hub && self.holds_wanted(self.child(lane)) {
+                        below.push(Task::Within(self.child(lane)));
+                    }
+                    for other in lanes(&self.nodes[node as usize], node).skip(usize::from(lane.lane) + 1) {
+                        self.push_between(lane, other, below);
+                    }
+                }
+            }
+            Task::Between(one, other) => match (self.child(one), self.child(other)) {
+                (Child::Leaf(leaf), Child::Leaf(other)) => {
+                    let others = self.faces(other);
+                    for face in self.faces(leaf) {
+                        for other in &others {
+                            self.meet(&face, other);
+                        }
+                    }
+                }
+                (Child::Leaf(_), Child::Inner(node)) => self.push_with_each(one, node, below),
+                (Child::Inner(node), Child::Leaf(_)) => self.push_with_each(other, node, below),
+                (Child::Inner(node), Child::Inner(_)) => {
+                    for lane in lanes(&self.nodes[node as usize], node) {
+                        if self.overlap(lane, other) {
+                            // The other one is opened against this child; its lanes are not all tried for each that misses.
+                            if let Child::Inner(node) = self.child(other) {
+                                self.push_with_each(lane, node, below);
+                            }
+                        }
+                    }
+                }
+            },
+        }
+    }
+
+    fn push_with_each(&self, one: Lane, node: u32, below: &mut Vec<Task>) {
+        for lane in lanes(&self.nodes[node as usize], node) {
+            self.push_between(one, lane, below);
+        }
+    }
+
+    fn push_between(&self, one: Lane, other: Lane, below: &mut Vec<Task>) {
+        let share_a_hub = self.hubs.is_some_and(|hubs| {
+            let [one, other] = [one, other].map(|Lane { node, lane }| hubs.of_child(node, lane));
+            one.first_common(other).is_some()
+        });
+        if !share_a_hub
+            && self.overlap(one, other)
+            && (self.holds_wanted(self.child(one)) || self.holds_wanted(self.child(other)))
+        {
+            below.push(Task::Between(one, other));
+        }
+    }
+
+    fn holds_wanted(&self, child: Child) -> bool {
+        match (child, self.wanted) {
+            (_, WantedFaces::All) => true,
+            (Child::Inner(node), _) => self.holds[node as usize],
+            (Child::Leaf(leaf), wanted) => self.mesh.leaf_faces(leaf).any(|face| wanted.includes(face)),
+        }
+    }
+
+    fn child(&self, Lane { node, lane }: Lane) -> Child {
+        self.nodes[node as usize].child(usize::from(lane))
+    }
+
+    fn overlap(&self, one: Lane, other: Lane) -> bool {
+        let (a, b) = (&self.nodes[one.node as usize], &self.nodes[other.node as usize]);
+        let (i, j) = (usize::from(one.lane), usize::from(other.lane));
+        (0..3).all(|axis| a.min[axis][i] <= b.max[axis][j] && b.min[axis][j] <= a.max[axis][i])
+    }
+
+    fn faces(&self, leaf: u32) -> Vec<Face> {
+        let face = |number| {
+            let corners = self.mesh.corners(number);
+            let [a, b, c] = &corners;
+            let extreme = |pick: fn(f64, f64) -> f64| std::array::from_fn(|k| pick(pick(a[k], b[k]), c[k]));
+            Face { number, corners, min: extreme(f64::min), max: extreme(f64::max) }
+        };
+        self.mesh.leaf_faces(leaf).map(face).collect()
+    }
+
+    fn meet(&mut self, one: &Face, other: &Face) {
+        let near = (0..3).all(|axis| one.min[axis] <= other.max[axis] && other.min[axis] <= one.max[axis]);
+        let wanted = self.wanted.includes(one.number) || self.wanted.includes(other.number);
+        let share_a_hub = |hubs: &Hubs| hubs.of_face(one.number).first_common(hubs.of_face(other.number)).is_some();
+        if !near || !wanted || self.hubs.is_some_and(share_a_hub) {
+            return;
+        }
+        self.decided += 1;
+        if meet_beyond_shared(&self.one_place, &one.corners, &other.corners) {
+            self.found.push([one.number.min(other.number), one.number.max(other.number)]);
+        }
+    }
+}
+
+fn lanes(node: &Node, index: u32) -> impl Iterator<Item = Lane> + use<> {
+    (0..node.count() as u8).map(move |lane| Lane { node: index, lane })
+}

@@ -1,0 +1,91 @@
+//! The faces of a mesh that may be near something, found through the tree by whatever bound the asker has for boxes.
+
+use std::ops::ControlFlow::{self, Break};
+
+use crate::hierarchy::{Child, Node};
+use crate::math::relative::UNIT_ROUNDOFF;
+use crate::mesh::Mesh;
+use crate::mesh::storage::frame::REACH;
+
+/// What looks for faces.
+pub(crate) trait FaceSearch {
+    /// How far whatever is in a box of the mesh's own frame is at least; what is not a number counts as near.
+    fn bound(&self, centre: &[f64; 3], half_extents: &[f64; 3]) -> f64;
+
+    /// What is farther than this is left out.
+    fn cut(&self) -> f64;
+
+    /// Looks at a face; every face whose boxes are not farther than the cut comes once, unless the search is broken off.
+    fn visit(&mut self, face: u32) -> ControlFlow<()>;
+}
+
+impl Mesh {
+    /// Leads a search to the faces of near boxes, the nearest boxes of each node first.
+    ///
+    /// # Accuracy
+    /// Boxes come enlarged by what unpacking rounds: two roundings of coordinates of at most the origin's magnitude and the
+    /// mesh's extent.
+    pub(crate) fn search(&self, search: &mut impl FaceSearch) {
+        let nodes = self.0.tree.nodes();
+        if nodes.is_empty() {
+            return;
+        }
+        let mut tasks = vec![(f64::NEG_INFINITY, Child::Inner(0))];
+        while let Some((bound, child)) = tasks.pop() {
+            if bound > search.cut() {
+                continue;
+            }
+            match child {
+                Child::Inner(node) => self.open(&nodes[node as usize], search, &mut tasks),
+                Child::Leaf(leaf) => {
+                    let faces = self.leaf(leaf).faces;
+                    for (lane, &face) in faces.iter().enumerate() {
+                        // Lanes that are not in use repeat the first.
+                        if (lane == 0 || face != faces[0]) && search.visit(face) == Break(()) {
+                            return;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn open(&self, node: &Node, search: &impl FaceSearch, tasks: &mut Vec<(f64, Child)>) {
+        let frame = &self.0.frame;
+        let start = tasks.len();
+        for lane in 0..node.count() {
+            let (mut centre, mut half_extents) = ([0.0; 3], [0.0; 3]);
+            for k in 0..3 {
+                let (min, max) = (f64::from(node.min[k][lane]), f64::from(node.max[k][lane]));
+                centre[k] = frame.origin[k] + 0.5 * (min + max) / frame.scale;
+                let slack = 4.0 * UNIT_ROUNDOFF * (frame.origin[k].abs() + 2.0 * REACH / frame.scale);
+                half_extents[k] = 0.5 * (max - min) / frame.scale + slack;
+            }
+            let bound = search.bound(&centre, &half_extents);
+            if bound > search.cut() {
+                continue;
+            }
+            let mut at = tasks.len();
+            while at > start && tasks[at - 1].0 < bound {
+                at -= 1;
+            }
+            tasks.insert(at, (bound, node.child(lane)));
+        }
+    }
+
+    /// A box of the mesh's own frame that holds it; none where there are no faces.
+    pub(crate) fn local_bounds(&self) -> Option<[[f64; 3]; 2]> {
+        let root = self.0.tree.nodes().first()?;
+        let frame = &self.0.frame;
+        let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        for lane in 0..root.count() {
+            for k in 0..3 {
+                let slack = 4.0 * UNIT_ROUNDOFF * (frame.origin[k].abs() + 2.0 * REACH / frame.scale);
+                let at = |packed: f32| frame.origin[k] + f64::from(packed) / frame.scale;
+                bounds[0][k] = bounds[0][k].min(at(root.min[k][lane]) - slack);
+                bounds[1][k] = bounds[1][k].max(at(root.max[k][lane]) + slack);
+            }
+        }
+        Some(bounds)
+    }
+}

@@ -1,0 +1,9 @@
+//! Queries of points and rays.
+//!
+//! `nearest` finds the closest point of a mesh, `face_search` finds the faces for which a caller's
+//! bound is small. `ray_packet` culls the triangles of a packet against a ray for `rays`.
+
+pub(super) mod face_search;
+pub(super) mod nearest;
+pub(super) mod ray_packet;
+pub(super) mod rays;

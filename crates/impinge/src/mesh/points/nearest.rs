@@ -1,0 +1,181 @@
+//! The point of a mesh that is nearest to a given point.
+//!
+//! Source: the descent with the nearest child first of Roussopoulos, Kelley, Vincent, *Nearest neighbor queries*, SIGMOD 1995,
+//! to triangles in place of points. Boxes are compared in double precision, as a point may be far from the mesh.
+
+use rayon::prelude::*;
+
+use crate::hierarchy::{Child, Node};
+use crate::input::InputError;
+use crate::math::relative::UNIT_ROUNDOFF;
+use crate::mesh::Mesh;
+use crate::mesh::storage::frame::reciprocal_power_of_two;
+use crate::primitive::{CLOSED_FORM_ERROR, Vector, length, point_triangle, sub};
+use crate::simd::LANES;
+
+/// The point of a mesh that is nearest to a given point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosestPoint {
+    /// The nearest point, in the mesh's own frame, rounded.
+    pub point: [f64; 3],
+    /// The face that it is on; the first of those that are equally near by the closed form.
+    pub face: u32,
+    /// No point of the mesh is nearer than this.
+    pub lower: f64,
+    /// Some point of the mesh is no farther than this.
+    pub upper: f64,
+}
+
+impl Mesh {
+    /// The point of the mesh that is nearest to `point`, in the mesh's own frame; none where the mesh has no faces.
+    ///
+    /// ```
+    /// use impinge::{Mesh, Positions};
+    ///
+    /// let corners = vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+    /// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 1, 2]])?;
+    /// let nearest = mesh.closest_point([1.0, 1.0, 3.0])?.expect("a mesh with a face");
+    /// assert_eq!((nearest.face, nearest.point), (0, [1.0, 1.0, 0.0]));
+    /// assert!(nearest.lower <= 3.0 && 3.0 <= nearest.upper);
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    ///
+    /// # Accuracy
+    /// The true distance lies in `[lower, upper]`, whose width is at most 2^-44 of the distance of the point from the
+    /// mesh's centre and the mesh's extent, added up.
+    ///
+    /// # Errors
+    /// A coordinate that is not finite, or beyond 2^300.
+    ///
+    /// # Complexity
+    /// Logarithmic, and grows with the faces that are as near as the nearest.
+    pub fn closest_point(&self, point: [f64; 3]) -> Result<Option<ClosestPoint>, InputError> {
+        InputError::judge_row(&point, "point", 0)?;
+        Ok(self.nearest_to(&point))
+    }
+
+    /// [`closest_point`](Self::closest_point) of many points, on all cores of the current rayon pool.
+    ///
+    /// # Errors
+    /// As there, naming the first point that is refused; none is answered then.
+    pub fn closest_points(&self, points: &[[f64; 3]]) -> Result<Vec<Option<ClosestPoint>>, InputError> {
+        points.iter().enumerate().try_for_each(|(index, point)| InputError::judge_row(point, "point", index))?;
+        Ok(points.par_iter().with_min_len(LEAST_SHARED).map(|point| self.nearest_to(point)).collect())
+    }
+
+    fn nearest_to(&self, point: &Vector) -> Option<ClosestPoint> {
+        let nodes = self.0.tree.nodes();
+        nodes.first()?;
+        let mut search = Search::new(self, point);
+        let mut tasks = vec![(0.0, Child::Inner(0))];
+        while let Some((bound, child)) = tasks.pop() {
+            if bound > search.cut {
+                continue;
+            }
+            match child {
+                Child::Inner(node) => search.open(&nodes[node as usize], &mut tasks),
+                Child::Leaf(leaf) => search.meet(leaf),
+            }
+        }
+        Some(search.finish())
+    }
+}
+
+/// Fewer points than this are not worth another thread.
+const LEAST_SHARED: usize = 64;
+
+/// About the given point, in a unit in which neither it nor the mesh is far out.
+struct Search<'a> {
+    mesh: &'a Mesh,
+    point: &'a Vector,
+    scale: f64,
+    /// The point in the packed frame, in this unit, and packed units in it.
+    packed: Vector,
+    per_packed: f64,
+    error: f64,
+    /// What is farther, in squares, does not matter.
+    cut: f64,
+    value: f64,
+    face: u32,
+    foot: Vector,
+}
+
+impl<'a> Search<'a> {
+    /// # Accuracy
+    /// Corners are taken about the point and rounded once, to 2 units of 2^-53 of the size; the closed form adds its own.
+    fn new(mesh: &'a Mesh, point: &'a Vector) -> Self {
+        let frame = &mesh.0.frame;
+        let offset = sub(point, &frame.origin);
+        // Squares of 2^300 do not overflow, and those that vanish are nothing beside the mesh.
+        let reach = length(&offset) + 2.0 / frame.scale;
+        let scale = reciprocal_power_of_two(reach);
+        // The diagonal of the box that holds a triangle and the point: both are within the reach of the centre.
+        let size = 4.0 * reach * scale;
+        let error = (CLOSED_FORM_ERROR + 4.0 * UNIT_ROUNDOFF) * size;
+        Self {
+            mesh,
+            point,
+            scale,
+            packed: offset.map(|x| x * scale),
+            per_packed: scale / frame.scale,
+            error,
+            cut: f64::INFINITY,
+            value: f64::INFINITY,
+            face: u32::MAX,
+            foot: [0.0; 3],
+        }
+    }
+
+    /// Appends the children that are near, the nearest last.
+    fn open(&self, node: &Node, tasks: &mut Vec<(f64, Child)>) {
+        // The packed point is off by two roundings, packed boxes by nothing.
+        let slack = 4.0 * UNIT_ROUNDOFF;
+        let mut bounds = [0.0_f64; LANES];
+        for axis in 0..3 {
+            let at = self.packed[axis];
+            for lane in 0..LANES {
+                let (min, max) = (f64::from(node.min[axis][lane]), f64::from(node.max[axis][lane]));
+                let gap = (min * self.per_packed - at).max(at - max * self.per_packed) - slack;
+                let gap = gap.max(0.0);
+                bounds[lane] += gap * gap;
+            }
+        }
+        let start = tasks.len();
+        for (lane, &bound) in bounds[..node.count()].iter().enumerate() {
+            if bound > self.cut {
+                continue;
+            }
+            let mut at = tasks.len();
+            while at > start && tasks[at - 1].0 < bound {
+                at -= 1;
+            }
+            tasks.insert(at, (bound, node.child(lane)));
+        }
+    }
+
+    fn meet(&mut self, leaf: u32) {
+        let faces = self.mesh.leaf(leaf).faces;
+        for (lane, &face) in faces.iter().enumerate() {
+            if lane > 0 && face == faces[0] {
+                continue;
+            }
+            let corners = self.mesh.corners(face).map(|corner| sub(&corner, self.point).map(|x| x * self.scale));
+            let (squared, foot) = point_triangle(&[0.0; 3], &corners);
+            let value = squared.sqrt();
+            if (value, face) < (self.value, self.face) {
+                (self.value, self.face, self.foot) = (value, face, foot);
+                self.cut = ((value + 2.0 * self.error) * (1.0 + 1e-9)).powi(2);
+            }
+        }
+    }
+
+    fn finish(&self) -> ClosestPoint {
+        let Self { value, error, scale, .. } = *self;
+        ClosestPoint {
+            point: std::array::from_fn(|k| self.point[k] + self.foot[k] / scale),
+            face: self.face,
+            lower: ((value * (1.0 - 4.0 * f64::EPSILON) - error) / scale).next_down().max(0.0),
+            upper: ((value * (1.0 + 4.0 * f64::EPSILON) + error) / scale).next_up(),
+        }
+    }
+}

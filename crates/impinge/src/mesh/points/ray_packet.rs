@@ -1,0 +1,150 @@
+//! A line beside a packet: which of up to eight triangles it may meet, in single precision.
+//!
+//! Source: Woop, Benthin, Wald, *Watertight Ray/Triangle Intersection*, JCGT 2(1), 2013: seen along the line, each triangle is one of
+//! the plane, and the line a point that is beside it where two edges have it on opposite sides. Ours departs in that sides only
+//! count where a bound leaves them certain: it leaves triangles out, and `primitive::ray_triangle` decides about the rest.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+
+use crate::hierarchy::HALF_ULP;
+use crate::math::relative::UNIT_ROUNDOFF;
+use crate::mesh::storage::frame::PACKING_ERROR;
+use crate::mesh::storage::packet::Packet;
+use crate::simd::{by_axis, load};
+
+/// A line in the packed frame, as it is seen along itself: a point `p` is at `p_i - slope_i p_k` and likewise for `j`, with `k` the axis
+/// on which the line goes farthest, so that slopes are at most one.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::mesh) struct Line {
+    /// `i`, `j` and `k`.
+    axes: [usize; 3],
+    slopes: [f64; 2],
+    origin: [f64; 3],
+    /// What a coordinate of the origin may be off by.
+    error: f64,
+}
+
+/// What products too small for a float may lose: 2^-120.
+const UNDERFLOW: f64 = f64::from_bits((1023 - 120) << 52);
+
+impl Line {
+    /// The line through `origin`, which is off by at most `error`, in `direction`, which is not zero.
+    pub(in crate::mesh) fn new(origin: [f64; 3], direction: [f64; 3], error: f64) -> Self {
+        let size = direction.map(f64::abs);
+        let k = if size[0] >= size[1] && size[0] >= size[2] { 0 } else { 1 + usize::from(size[2] > size[1]) };
+        let [i, j] = [(k + 1) % 3, (k + 2) % 3];
+        Self { axes: [i, j, k], slopes: [direction[i] / direction[k], direction[j] / direction[k]], origin, error }
+    }
+
+    /// The lanes in use whose triangles the line is not proved to pass by, as bits.
+    ///
+    /// # Accuracy
+    /// Let u be 2^-24 and X the sum of how far the packet reaches from its anchor and the line passes from there, seen along itself.
+    /// Corner and line are off from each other by 9 u X for what is rounded in single precision, and by `error` for what was before:
+    /// two packed coordinates (L1), two of the origin, and 6 units of 2^-53 of what is subtracted. As no coordinate is beyond 2 X, a side,
+    /// the difference of two products, is off by 10 X times that and 16 u X² for its own rounding, fused or not:
+    /// 106 u X² + 10 X `error`, taken as 128 and 16.
+    #[inline(always)]
+    pub(in crate::mesh) fn may_meet<S: Simd>(&self, simd: S, packet: &Packet<'_>) -> u32 {
+        let [i, j, k] = self.axes;
+        let from: [f64; 3] = by_axis!(axis => self.origin[axis] - packet.anchor[axis]);
+        let passes = [from[i] - self.slopes[0] * from[k], from[j] - self.slopes[1] * from[k]];
+        let far = from[0].abs().max(from[1].abs()).max(from[2].abs());
+        let error = 2.0 * (PACKING_ERROR + self.error) + 8.0 * UNIT_ROUNDOFF * far;
+        let size = f64::from(packet.radius) + passes[0].abs().max(passes[1].abs());
+        let bound = 128.0 * HALF_ULP * size * size + 16.0 * size * error + UNDERFLOW;
+        let bound = splat(simd, bound);
+
+        let (slope_i, slope_j) = (splat(simd, self.slopes[0]), splat(simd, self.slopes[1]));
+        let (passes_i, passes_j) = (splat(simd, passes[0]), splat(simd, passes[1]));
+        let seen: [[f32x8<S>; 2]; 3] = by_axis!(corner => {
+            let corner = &packet.corners[corner];
+            let along = load(simd, &corner[k]);
+            [(load(simd, &corner[i]) - slope_i * along) - passes_i, (load(simd, &corner[j]) - slope_j * along) - passes_j]
+        });
+        let sides: [f32x8<S>; 3] = by_axis!(corner => {
+            let ([x, y], [to_x, to_y]) = (seen[corner], seen[(corner + 1) % 3]);
+            x * to_y - to_x * y
+        });
+        // Comparisons with NaN prove nothing.
+        let left = sides[0].max(sides[1]).max(sides[2]).simd_gt(bound);
+        let right = sides[0].min(sides[1]).min(sides[2]).simd_lt(-bound);
+        !((left & right).to_bitmask() as u32) & packet.lanes_in_use()
+    }
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, x: f64) -> f32x8<S> {
+    f32x8::splat(simd, x as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::simd::dispatch_every;
+    use impinge_testkit::generate::Rng;
+
+    use super::*;
+    use crate::hierarchy::Builder;
+    use crate::mesh::{Mesh, Positions};
+    use crate::primitive::ray_triangle;
+    use crate::simd::kernel_levels;
+
+    /// Lines through corners, edges and places beside triangles of many sizes, from near and far: none that is met is left out, and
+    /// nearly all others are.
+    #[test]
+    fn what_a_line_meets_is_never_left_out() {
+        let mut rng = Rng::new(77);
+        let (mut met, mut kept, mut left_out) = (0, 0, 0);
+        for round in 0..600 {
+            let size = 2.0_f64.powi(-(round % 30));
+            let centre = [0; 3].map(|_| rng.uniform(-1.0, 1.0));
+            // On a coarse grid, so that many are flat, edge-on or of no area; two more vertices keep the frame as large as one.
+            let mut vertices: Vec<[f64; 3]> =
+                (0..24).map(|_| centre.map(|x| x + size * rng.integer(-4, 4) as f64 / 4.0)).collect();
+            vertices.extend([[-1.0; 3], [1.0; 3]]);
+            let faces: Vec<[u32; 3]> = (0..8).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).chain([[24, 25, 25]]).collect();
+            // The small ones have a packet of their own.
+            let positions = Positions::F64(vertices.clone());
+            let mesh = Mesh::with_builder(positions, faces, Builder::Morton).expect("legal");
+            for _ in 0..10 {
+                let far = 2.0_f64.powi(rng.integer(-4, 12) as i32);
+                let origin = [0, 1, 2].map(|k| centre[k] + far * rng.uniform(-1.0, 1.0));
+                let [p, q] = [0; 2].map(|_| vertices[rng.integer(0, 23) as usize]);
+                let aim: [f64; 3] = match rng.integer(0, 2) {
+                    0 => p,
+                    1 => std::array::from_fn(|k| 0.5 * (p[k] + q[k])),
+                    _ => centre.map(|x| x + size * rng.uniform(-1.0, 1.0)),
+                };
+                let direction: [f64; 3] = std::array::from_fn(|k| aim[k] - origin[k]);
+                let from = mesh.0.frame.pack(origin);
+                let error = 16.0 * UNIT_ROUNDOFF * from.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+                let line = Line::new(from, direction, error);
+                for (name, level) in kernel_levels() {
+                    for (at, leaf) in mesh.0.leaves.iter().enumerate() {
+                        let packets = mesh.packets();
+                        let lanes = dispatch_every!(level, simd => line.may_meet(simd, &packets.get(simd, at as u32)));
+                        // Beside the one that keeps the frame large, small ones are too small to tell.
+                        let is_small = !leaf.held().contains(&8);
+                        for (lane, &face) in leaf.held().iter().enumerate() {
+                            let corners = mesh.corners(face);
+                            let both_ways = [direction, direction.map(|x| -x)];
+                            let meets = both_ways.iter().any(|d| ray_triangle(&origin, d, &corners).is_some());
+                            let is_kept = lanes >> lane & 1 == 1;
+                            assert!(is_kept || !meets, "{name}: face {face} of round {round}");
+                            met += usize::from(meets);
+                            kept += usize::from(is_small && is_kept && !meets);
+                            left_out += usize::from(is_small && !is_kept);
+                        }
+                        assert_eq!(lanes & !((1 << leaf.count()) - 1), 0);
+                    }
+                }
+            }
+        }
+        let levels = kernel_levels().len();
+        assert!(
+            met > 2_000 * levels && left_out > 10_000 * levels && kept < left_out / 4,
+            "{met} met, {kept} kept, {left_out} left out"
+        );
+    }
+}

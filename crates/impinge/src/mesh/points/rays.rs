@@ -1,0 +1,330 @@
+//! Rays against a mesh: the first face that a ray meets, any, or all of them.
+//!
+//! Source: Ize, *Robust BVH ray traversal*, JCGT 2(2), 2013, for boxes that a ray never misses by rounding; ours differs
+//! in that rays are moved along themselves to near the mesh and boxes grown by a bound of all that is rounded. Whether a ray meets
+//! a triangle, and which of two it meets first, is decided exactly (see `primitive::ray_triangle`), so no ray passes
+//! between two faces that share an edge or a corner.
+
+use std::cmp::Ordering;
+use std::ops::ControlFlow::{self, Break, Continue};
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+use rayon::prelude::*;
+
+use super::ray_packet::Line;
+use crate::hierarchy::{Child, HALF_ULP, Node};
+use crate::input::{InputError, InputErrorKind};
+use crate::math::relative::UNIT_ROUNDOFF;
+use crate::mesh::Mesh;
+use crate::mesh::storage::frame::reciprocal_power_of_two;
+use crate::primitive::{RayCrossing, Vector, dot, ray_triangle, sub};
+use crate::simd::{self, LANES, Level, bits, by_axis, dispatch, load, prefetch};
+
+/// A ray: the points `origin + t direction` with `t` zero or more, in a mesh's own frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    origin: [f64; 3],
+    direction: [f64; 3],
+}
+
+impl Ray {
+    /// The ray from `origin` in `direction`, which need not be of unit length.
+    ///
+    /// # Errors
+    /// A number that is not finite or beyond 2^300, or a direction of zero.
+    pub fn new(origin: [f64; 3], direction: [f64; 3]) -> Result<Self, InputError> {
+        InputError::judge_row(&origin, "ray origin", 0)?;
+        InputError::judge_row(&direction, "ray direction", 0)?;
+        if direction == [0.0; 3] {
+            return Err(InputError::new(InputErrorKind::ZeroDirection { index: 0 }));
+        }
+        Ok(Self { origin, direction })
+    }
+
+    /// Where the ray starts.
+    #[must_use]
+    pub fn origin(&self) -> [f64; 3] {
+        self.origin
+    }
+
+    /// Where it goes.
+    #[must_use]
+    pub fn direction(&self) -> [f64; 3] {
+        self.direction
+    }
+
+    /// The same ray with a direction of components below 2, of which one is not below 1 unless the direction is below the least
+    /// normal number, and what its parameters are to be multiplied by.
+    pub(crate) fn of_unit_size(&self) -> (Self, f64) {
+        let largest = self.direction.iter().fold(f64::MIN_POSITIVE, |most, x| x.abs().max(most));
+        // A power of two from its exponent, and its reciprocal: 2^-1022 to 2^300.
+        let exponent = (largest.to_bits() >> 52) as i64 - 1023;
+        let reciprocal = f64::from_bits(((1023 - exponent) as u64) << 52);
+        (Self { origin: self.origin, direction: self.direction.map(|x| x * reciprocal) }, reciprocal)
+    }
+
+    /// The point at `t`, rounded.
+    #[must_use]
+    pub fn at(&self, t: f64) -> [f64; 3] {
+        std::array::from_fn(|k| self.origin[k] + t * self.direction[k])
+    }
+}
+
+/// Where a ray meets a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayHit {
+    /// In units of the direction's length; within 2^-40 of itself of the true one, and zero where that is zero.
+    pub t: f64,
+    /// The face; where several are met in one point, the first of them.
+    pub face: u32,
+    /// The point, in the mesh's own frame, rounded.
+    pub point: [f64; 3],
+}
+
+impl Mesh {
+    /// The first face that a ray meets, the ray's origin included; none where it meets none.
+    ///
+    /// ```
+    /// use impinge::mesh::Ray;
+    /// use impinge::{Mesh, Positions};
+    ///
+    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+    /// let mesh = Mesh::new(Positions::F32(corners), vec![[2, 1, 3], [0, 1, 2]])?;
+    /// let hit = mesh.ray_cast(&Ray::new([0.5, 0.5, 3.0], [0.0, 0.0, -1.0])?).expect("through the shared edge");
+    /// assert_eq!((hit.t, hit.face), (3.0, 0));
+    /// assert!(mesh.ray_cast(&Ray::new([2.0, 2.0, 3.0], [0.0, 0.0, -1.0])?).is_none());
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    ///
+    /// Faces are closed and have no sides: edges, corners and triangles without area count, and a ray within the plane of a face
+    /// meets it in its first point.
+    #[must_use]
+    pub fn ray_cast(&self, ray: &Ray) -> Option<RayHit> {
+        let mut first = First { mesh: self, ray, best: None };
+        self.cast(ray, simd::best_level(), &mut first);
+        first.best.map(|(face, crossing)| RayHit { t: crossing.t, face, point: ray.at(crossing.t) })
+    }
+
+    /// Whether a ray meets the mesh.
+    #[must_use]
+    pub fn ray_cast_any(&self, ray: &Ray) -> bool {
+        let mut any = Any { mesh: self, ray, is_met: false };
+        self.cast(ray, simd::best_level(), &mut any);
+        any.is_met
+    }
+
+    /// Every face that a ray meets, by the order in which it does and then by number.
+    #[must_use]
+    pub fn ray_cast_all(&self, ray: &Ray) -> Vec<RayHit> {
+        let mut all = All { mesh: self, ray, met: Vec::new() };
+        self.cast(ray, simd::best_level(), &mut all);
+        let mut met = all.met;
+        met.sort_by(|one, other| order(self, ray, *one, *other));
+        met.into_iter().map(|(face, crossing)| RayHit { t: crossing.t, face, point: ray.at(crossing.t) }).collect()
+    }
+
+    /// [`ray_cast`](Self::ray_cast) of many rays, on all cores of the current rayon pool.
+    #[must_use]
+    pub fn ray_casts(&self, rays: &[Ray]) -> Vec<Option<RayHit>> {
+        rays.par_iter().with_min_len(LEAST_SHARED).map(|ray| self.ray_cast(ray)).collect()
+    }
+
+    #[inline(never)]
+    fn cast<V: Visitor>(&self, ray: &Ray, level: Level, visitor: &mut V) {
+        if !self.0.tree.nodes().is_empty() {
+            let moving = MovingPoint::new(self, ray);
+            let _ = dispatch!(level, simd => descend(simd, self, &moving, visitor));
+        }
+    }
+}
+
+/// Fewer rays than this are not worth another thread.
+const LEAST_SHARED: usize = 256;
+
+/// A face, and where a ray meets it.
+pub(in crate::mesh) type FaceCrossing = (u32, RayCrossing);
+
+/// By true parameter, then by face.
+pub(in crate::mesh) fn order(mesh: &Mesh, ray: &Ray, one: FaceCrossing, other: FaceCrossing) -> Ordering {
+    let triangles = [mesh.corners(one.0), mesh.corners(other.0)];
+    one.1.compare(&other.1, (&ray.origin, &ray.direction), triangles.each_ref()).then(one.0.cmp(&other.0))
+}
+
+/// What is done with the faces that a ray may meet.
+trait Visitor {
+    /// Returns the parameter past which nothing matters.
+    fn meet(&mut self, faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64>;
+}
+
+fn crossing(mesh: &Mesh, ray: &Ray, face: u32) -> Option<FaceCrossing> {
+    Some((face, ray_triangle(&ray.origin, &ray.direction, &mesh.corners(face))?))
+}
+
+struct First<'m> {
+    mesh: &'m Mesh,
+    ray: &'m Ray,
+    best: Option<FaceCrossing>,
+}
+
+impl Visitor for First<'_> {
+    fn meet(&mut self, faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64> {
+        for met in faces.filter_map(|face| crossing(self.mesh, self.ray, face)) {
+            if self.best.is_none_or(|best| order(self.mesh, self.ray, met, best) == Ordering::Less) {
+                self.best = Some(met);
+            }
+        }
+        Continue(self.best.map_or(f64::INFINITY, |(_, crossing)| crossing.t + crossing.error))
+    }
+}
+
+struct Any<'m> {
+    mesh: &'m Mesh,
+    ray: &'m Ray,
+    is_met: bool,
+}
+
+impl Visitor for Any<'_> {
+    fn meet(&mut self, mut faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64> {
+        self.is_met = faces.any(|face| crossing(self.mesh, self.ray, face).is_some());
+        if self.is_met { Break(()) } else { Continue(f64::INFINITY) }
+    }
+}
+
+struct All<'m> {
+    mesh: &'m Mesh,
+    ray: &'m Ray,
+    met: Vec<FaceCrossing>,
+}
+
+impl Visitor for All<'_> {
+    fn meet(&mut self, faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64> {
+        self.met.extend(faces.filter_map(|face| crossing(self.mesh, self.ray, face)));
+        Continue(f64::INFINITY)
+    }
+}
+
+/// A ray in the packed frame, from a point near the mesh, in single precision.
+struct MovingPoint {
+    line: Line,
+    /// The origin, less and more what boxes are grown by: what their near and their far planes are compared with.
+    origin: [[f32; 3]; 2],
+    /// One over the direction, whose largest component is between 1/2 and 1; finite.
+    inverse: [f32; 3],
+    /// What boxes are grown by.
+    slack: f32,
+    /// Parameters are `given · per_given - moved`.
+    per_given: f64,
+    moved: f64,
+}
+
+impl MovingPoint {
+    /// # Accuracy
+    /// A plane at x is passed at `(x ± slack - origin) · inverse`, rounded four times. The slack pays for that: 4 units of
+    /// 2^-24 of what is multiplied, taken as 16, beside what the origin is off by. A component of the direction below 2^-60
+    /// is taken for 2^-60, which moves the ray by less than the slack for as long as it is near the mesh.
+    fn new(mesh: &Mesh, ray: &Ray) -> Self {
+        const LEAST: f64 = 1.0 / (1_u64 << 60) as f64;
+        let frame = &mesh.0.frame;
+        let largest = ray.direction.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        // Twice, as one power of two does not bring up the smallest numbers.
+        let units =
+            [reciprocal_power_of_two(largest), reciprocal_power_of_two(largest * reciprocal_power_of_two(largest))];
+        let direction = ray.direction.map(|x| x * units[0] * units[1]);
+        let from = sub(&ray.origin, &frame.origin).map(|x| x * frame.scale);
+        let far = from.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        // To where the ray passes the mesh's centre, less a few units so that it starts before the mesh.
+        let moved =
+            if far > 4.0 { (-dot(&from, &direction) / dot(&direction, &direction) - 4.0).max(0.0) } else { 0.0 };
+        let origin: Vector = std::array::from_fn(|k| from[k] + moved * direction[k]);
+        let reach = origin.iter().fold(4.0_f64, |most, x| most.max(x.abs()));
+        let error = 16.0 * UNIT_ROUNDOFF * (far + moved);
+        let slack = 16.0 * HALF_ULP * (reach + 4.0) + error;
+        Self {
+            line: Line::new(origin, direction, error),
+            origin: [origin.map(|x| ((x - slack) as f32).next_down()), origin.map(|x| ((x + slack) as f32).next_up())],
+            inverse: direction.map(|x| (1.0 / if x.abs() < LEAST { LEAST.copysign(x) } else { x }) as f32),
+            slack: (slack as f32).next_up(),
+            per_given: frame.scale / units[0] / units[1],
+            moved,
+        }
+    }
+
+    /// The parameter that is no less than the given one.
+    fn parameter(&self, given: f64) -> f32 {
+        let exact = given * self.per_given;
+        let doubt = (exact + self.moved) * 1e-6;
+        ((exact - self.moved + doubt) as f32).next_up()
+    }
+
+    /// The children of a node that the ray may meet before `last`, as bits, and where it enters their boxes.
+    #[inline(always)]
+    fn enter<S: Simd>(&self, simd: S, node: &Node, last: f32) -> (u32, [f32; LANES]) {
+        let planes: [[f32x8<S>; 2]; 3] = by_axis!(axis => {
+            let (low, high) = ((&node.min[axis], self.origin[1][axis]), (&node.max[axis], self.origin[0][axis]));
+            let (near, far) = if self.inverse[axis] < 0.0 { (high, low) } else { (low, high) };
+            let inverse = f32x8::splat(simd, self.inverse[axis]);
+            [
+                (load(simd, near.0) - f32x8::splat(simd, near.1)) * inverse,
+                (load(simd, far.0) - f32x8::splat(simd, far.1)) * inverse,
+            ]
+        });
+        let enter = planes[0][0].max(planes[1][0]).max(planes[2][0]);
+        let leave = planes[0][1].min(planes[1][1]).min(planes[2][1]);
+        // A ray that starts in the mesh starts at zero; others were moved to before it.
+        let misses = enter.simd_gt(leave)
+            | leave.simd_lt(f32x8::splat(simd, -self.slack))
+            | enter.simd_gt(f32x8::splat(simd, last));
+        let mut entered = [0.0; LANES];
+        enter.store_slice(&mut entered);
+        (!(misses.to_bitmask() as u32) & ((1 << node.count()) - 1), entered)
+    }
+}
+
+/// Shows the faces that the ray may meet, leaf by leaf, the nearest first.
+#[inline(always)]
+fn descend<S: Simd>(simd: S, mesh: &Mesh, ray: &MovingPoint, visitor: &mut impl Visitor) -> ControlFlow<()> {
+    let (nodes, packets) = (mesh.0.tree.nodes(), mesh.packets());
+    let mut last = f32::INFINITY;
+    let mut tasks = Vec::with_capacity(ROOM);
+    tasks.push((f32::NEG_INFINITY, Child::Inner(0)));
+    while let Some((entered, child)) = tasks.pop() {
+        if entered > last {
+            continue;
+        }
+        match child {
+            Child::Leaf(leaf) => {
+                let packet = packets.get(simd, leaf);
+                let may_meet = ray.line.may_meet(simd, &packet);
+                if may_meet != 0 {
+                    last = ray.parameter(visitor.meet(bits(may_meet).map(|lane| packet.leaf.faces[lane]))?);
+                }
+            }
+            Child::Inner(node) => {
+                let node = &nodes[node as usize];
+                let (met, entered) = ray.enter(simd, node, last);
+                let start = tasks.len();
+                for lane in bits(met) {
+                    let child = node.child(lane);
+                    match child {
+                        Child::Inner(node) => prefetch(&nodes[node as usize]),
+                        Child::Leaf(leaf) => {
+                            packets.prefetch_leaf(leaf);
+                            packets.prefetch(leaf);
+                        }
+                    }
+                    tasks.push((entered[lane], child));
+                    let mut at = tasks.len() - 1;
+                    while at > start && tasks[at - 1].0 < tasks[at].0 {
+                        tasks.swap(at - 1, at);
+                        at -= 1;
+                    }
+                }
+            }
+        }
+    }
+    Continue(())
+}
+
+/// Tasks that there is room for to begin with: of eight levels, which few trees exceed.
+const ROOM: usize = 64;

@@ -1,0 +1,16 @@
+//! Meshes as solids.
+//!
+//! `crossings` counts the faces that a ray crosses. `solid_angle` sums solid angles with error
+//! bounds, and `far_field` sums those of many faces by their moments. `winding` computes winding
+//! numbers from all three. `sheets` connects faces along edges, `walls` tells on which sides of a
+//! face the solid is, and `border` tells what is far from the border of an open mesh. `bsp` is a
+//! tree of planes for many points against one solid.
+
+pub(super) mod border;
+pub(super) mod bsp;
+pub(super) mod crossings;
+pub(super) mod far_field;
+pub(super) mod sheets;
+pub(super) mod solid_angle;
+pub(super) mod walls;
+pub(super) mod winding;

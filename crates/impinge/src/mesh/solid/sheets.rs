@@ -1,0 +1,118 @@
+//! The faces that a winding number depends on, and the sheets that they form along shared edges.
+//!
+//! A face without area adds nothing to any winding number. Faces with the same three corners add
+//! nothing either if as many of them turn one way as the other. Such faces are the shared walls of
+//! bodies that stand side by side in one mesh, or membranes without thickness. All other faces
+//! count. The winding numbers on both sides of a face that counts differ, unless other faces of the
+//! mesh overlap it in part.
+//!
+//! A sheet is a set of faces that count and are connected along edges. Faces that share a vertex
+//! alone are not connected: a touch in that vertex would separate them.
+
+use rayon::prelude::*;
+
+use crate::exact::{Corners, PosedPoint, Spot};
+use crate::math::Sign;
+use crate::mesh::Mesh;
+use crate::mesh::derived::topology::{Components, DisjointSets};
+
+impl Mesh {
+    /// Returns the names of a face's corners: for each corner the first vertex at its position.
+    pub(crate) fn corner_names(&self, face: u32) -> [u32; 3] {
+        let first_at = &self.topology().first_at;
+        self.faces()[face as usize].map(|vertex| first_at[vertex as usize])
+    }
+
+    /// Returns the name of an edge of a face: the names of its ends, the lesser one first.
+    pub(crate) fn edge_name(&self, face: u32, corners: [usize; 2]) -> [u32; 2] {
+        let names = self.corner_names(face);
+        let [p, q] = corners.map(|corner| names[corner]);
+        [p.min(q), p.max(q)]
+    }
+
+    /// Returns all faces of the mesh at an edge that count, in ascending order.
+    ///
+    /// # Complexity
+    /// Linear in the faces at that end of the edge which has fewer of them.
+    pub(crate) fn faces_at_edge(&self, edge: [u32; 2]) -> impl Iterator<Item = u32> {
+        self.faces_with(edge).filter(|&face| self.counts(face))
+    }
+
+    /// Reports whether winding numbers depend on a face: it has area, and no faces with the same
+    /// corners cancel it.
+    ///
+    /// # Complexity
+    /// Linear in the faces at that corner which has the fewest of them.
+    pub(crate) fn counts(&self, face: u32) -> bool {
+        let names = self.corner_names(face);
+        let net: i64 = self.faces_with(names).map(|other| parity(self.corner_names(other))).sum();
+        net != 0 && turn_along_some_axis(&self.corners(face)).is_some()
+    }
+
+    /// Returns the sheets of the mesh. A face that does not count is in none of them.
+    ///
+    /// # Complexity
+    /// About linear in the faces the first time, then constant.
+    pub(crate) fn sheets(&self) -> &Components {
+        let slot = &self.0.sheets;
+        // The slot is not locked meanwhile: a thread that waits for its share of the work may need
+        // it for another task.
+        if slot.get().is_none() {
+            let _ = slot.set(self.connected_along_edges());
+        }
+        slot.get_or_init(|| self.connected_along_edges())
+    }
+
+    fn connected_along_edges(&self) -> Components {
+        let faces = self.faces().len() as u32;
+        let counts: Vec<bool> = (0..faces).into_par_iter().map(|face| self.counts(face)).collect();
+        let mut sets = DisjointSets::new(faces as usize);
+        for face in (0..faces).filter(|&face| counts[face as usize]) {
+            for corner in 0..3 {
+                let edge = self.edge_name(face, [corner, (corner + 1) % 3]);
+                let first = self.faces_with(edge).find(|&other| counts[other as usize]);
+                sets.join(face, first.unwrap_or(face));
+            }
+        }
+        let roots = (0..faces).map(|face| counts[face as usize].then(|| sets.root(face)));
+        Components::numbered(faces as usize, roots)
+    }
+
+    /// Returns all faces that have corners of these names and no two corners of one name, in
+    /// ascending order.
+    fn faces_with<const N: usize>(&self, names: [u32; N]) -> impl Iterator<Item = u32> {
+        let lists = names.map(|name| self.faces_at(name));
+        let shortest = lists.into_iter().min_by_key(|list| list.len()).unwrap_or_default();
+        shortest.iter().copied().filter(move |&face| {
+            let corners = self.corner_names(face);
+            parity(corners) != 0 && names.iter().all(|name| corners.contains(name))
+        })
+    }
+}
+
+/// Returns 1 if the names are an even permutation of their ascending order, -1 if an odd one, 0 if
+/// two are equal.
+fn parity([a, b, c]: [u32; 3]) -> i64 {
+    let sign = |x: u32, y: u32| i64::from(x < y) - i64::from(x > y);
+    sign(a, b) * sign(b, c) * sign(a, c)
+}
+
+/// Returns how the corners of a face turn, looking against the axis along which the face is seen
+/// largest, or against another one if it is not seen at all there. Returns `None` if the face has
+/// no area.
+pub(super) fn turn_along_some_axis(corners: &Corners) -> Option<(usize, Sign)> {
+    let edge = |to: usize| -> [f64; 3] { std::array::from_fn(|k| corners[to][k] - corners[0][k]) };
+    let (u, v) = (edge(1), edge(2));
+    let seen = |k: usize| (u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]).abs();
+    let mut axes = [0, 1, 2];
+    axes.sort_by(|&x, &y| seen(y).total_cmp(&seen(x)));
+    axes.into_iter().find_map(|axis| match turn(corners, axis) {
+        Sign::Zero => None,
+        turn => Some((axis, turn)),
+    })
+}
+
+/// Returns how the corners of a face turn, looking against an axis.
+pub(in crate::mesh) fn turn([a, b, c]: &Corners, axis: usize) -> Sign {
+    PosedPoint::local(Spot::At(*c)).beside(axis, a, b)
+}

@@ -1,0 +1,59 @@
+//! Capsules as bounding volumes.
+
+use std::f64::consts::PI;
+
+use crate::input::InputError;
+use crate::math::Pose;
+use crate::volume::capsule::{Capsule, length};
+use crate::volume::core::{closest_points, squared_distance};
+use crate::volume::rigid::{image, stretch};
+use crate::volume::rounding::{add_up, mul_up};
+use crate::volume::{BoundingSphere, BoundingVolume, Round, fit};
+
+impl BoundingVolume for Capsule {
+    /// By [`fit::capsule`].
+    fn of_points(points: &[[f64; 3]]) -> Result<Self, InputError> {
+        fit::capsule(points)
+    }
+
+    fn overlaps(&self, other: &Self) -> bool {
+        // A quick yes: the bounds below say the same of what is clearly closer, and cost more.
+        let (p, q) = closest_points(&self.core(), &other.core());
+        let sum = self.radius + other.radius;
+        squared_distance(p, q) <= 0.99 * sum * sum || self.meets(other)
+    }
+
+    fn contains(&self, point: [f64; 3]) -> bool {
+        self.meets(&BoundingSphere::from_valid(point, 0.0))
+    }
+
+    /// The smallest of the capsules whose ends are two of the four.
+    fn merged(&self, other: &Self) -> Self {
+        let mut spheres = [
+            (self.ends[0], self.radius),
+            (self.ends[1], self.radius),
+            (other.ends[0], other.radius),
+            (other.ends[1], other.radius),
+        ];
+        // In one order, so that swapping the two changes no bit.
+        spheres.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+        let pairs = (0..4).flat_map(|i| (i + 1..4).map(move |j| [i, j]));
+        let candidates = pairs.map(|pair| Self::about(pair.map(|i| spheres[i].0), &spheres));
+        candidates.min_by(|a, b| a.volume().total_cmp(&b.volume())).unwrap_or(*self)
+    }
+
+    /// A rigid motion within 1e-4.
+    fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
+        let stretch = stretch(world_from_local)?;
+        let [(start, off_start), (end, off_end)] = self.ends.map(|end| image(world_from_local, end));
+        Self::new(start, end, add_up(mul_up(self.radius, stretch), off_start.max(off_end)))
+    }
+
+    fn volume(&self) -> f64 {
+        PI * self.radius * self.radius * (length(self) + 4.0 / 3.0 * self.radius)
+    }
+
+    fn surface_area(&self) -> f64 {
+        2.0 * PI * self.radius * (length(self) + 2.0 * self.radius)
+    }
+}
