@@ -62,7 +62,7 @@ pub fn ask(
 ///
 /// # Errors
 /// As [`ask`].
-pub fn ask_impinge(repeats: usize, a: Placed<'_>, b: Placed<'_>, options: &Options) -> Result<Asked> {
+pub fn ask_impinge(repeats: usize, a: Placed<'_>, b: Placed<'_>, options: &Options<'_>) -> Result<Asked> {
     ask(
         repeats,
         || query::intersecting_pairs_with(black_box(a), black_box(b), options),

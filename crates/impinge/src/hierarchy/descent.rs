@@ -104,11 +104,13 @@ struct Underway {
 /// In which order tasks are opened, and how long.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Order {
-    /// The last one first, to the end; tasks are known this many ahead of their turn (at most [`QUEUE`]), while the
-    /// memory that they need is on its way.
+    /// The last one first; tasks are known this many ahead of their turn (at most [`QUEUE`]), while the memory that they
+    /// need is on its way.
     DepthFirst {
         /// One to find the first pair soonest, [`QUEUE`] to find all of them.
         ahead: usize,
+        /// This many tasks are opened at most.
+        most: usize,
     },
     /// The first one first, until there are this many to share out, or none.
     BreadthFirstUntil(usize),
@@ -154,12 +156,12 @@ impl Descent<'_> {
             carried: Carried { node: u32::MAX, boxes: BoxLanes::default(), slab: Slab::ALL },
             approaches: Queue::new(Approach { guest_leaf: 0, host: 0, host_lanes: 0 }),
             patience: match order {
-                Order::DepthFirst { ahead } => ahead.min(QUEUE),
+                Order::DepthFirst { ahead, .. } => ahead.min(QUEUE),
                 Order::BreadthFirstUntil(_) => QUEUE,
             },
             askew: None,
         };
-        // Breadth first, the tasks before this one are done.
+        // So many are opened. Breadth first, those are the first ones of the tasks.
         let mut done = 0;
         loop {
             let task = match order {
@@ -172,7 +174,14 @@ impl Descent<'_> {
                     done += 1;
                     tasks[done - 1]
                 }
-                Order::DepthFirst { .. } => {
+                Order::DepthFirst { most, .. } => {
+                    if done == most {
+                        while queue.len() > 0 {
+                            tasks.push(queue.pop());
+                        }
+                        break;
+                    }
+                    done += 1;
                     while queue.len() < underway.patience
                         && let Some(task) = tasks.pop()
                     {

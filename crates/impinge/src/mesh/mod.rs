@@ -17,6 +17,7 @@
 mod derived;
 mod distance;
 mod lifecycle;
+mod options;
 mod pairs;
 mod placed;
 mod points;
@@ -30,7 +31,7 @@ pub(crate) use distance::{WarmStart, nearest, within};
 pub use lifecycle::aging::Aging;
 pub use lifecycle::parts::{Flaw, Parts};
 pub use lifecycle::repair::{Repair, RepairOptions};
-pub use pairs::descent::Options;
+pub use options::{Interrupt, Options};
 pub(crate) use pairs::descent::{any_hit, collect_intersecting, faces_meet, first_hit};
 pub use pairs::relation::HostChoice;
 pub(crate) use pairs::self_descent::{WantedFaces, collect_self_intersecting};

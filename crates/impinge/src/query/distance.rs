@@ -87,7 +87,7 @@ pub fn distance_with<'a, 'b>(
     a: impl Into<Placed<'a>>,
     b: impl Into<Placed<'b>>,
     cache: &mut WitnessCache,
-    options: &Options,
+    options: &Options<'_>,
 ) -> Distance {
     let Some(nearest) = nearest(a.into(), b.into(), &mut cache.0, options) else {
         return Distance { lower: f64::INFINITY, upper: f64::INFINITY, witness: None };
@@ -128,7 +128,7 @@ pub fn within_with<'a, 'b>(
     b: impl Into<Placed<'b>>,
     clearance: f64,
     cache: &mut WitnessCache,
-    options: &Options,
+    options: &Options<'_>,
 ) -> bool {
     near_faces(a.into(), b.into(), clearance, &mut cache.0, options).is_some()
 }

@@ -68,7 +68,7 @@ pub fn intersects_with<'a, 'b>(
     a: impl Into<Placed<'a>>,
     b: impl Into<Placed<'b>>,
     cache: &mut HitCache,
-    options: &Options,
+    options: &Options<'_>,
 ) -> bool {
     let (a, b) = (a.into(), b.into());
     if let Some(faces) = cache.faces_to_try() {

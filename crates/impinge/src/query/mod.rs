@@ -53,7 +53,7 @@ pub fn intersecting_pairs<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<
 pub fn intersecting_pairs_with<'a, 'b>(
     a: impl Into<Placed<'a>>,
     b: impl Into<Placed<'b>>,
-    options: &Options,
+    options: &Options<'_>,
 ) -> Vec<[u32; 2]> {
     pair_order::sorted(collect_intersecting(a.into(), b.into(), usize::MAX, options))
 }
@@ -90,7 +90,7 @@ pub fn intersecting_pairs_up_to<'a, 'b>(
     a: impl Into<Placed<'a>>,
     b: impl Into<Placed<'b>>,
     limit: usize,
-    options: &Options,
+    options: &Options<'_>,
 ) -> SomePairs {
     // One more than is wanted says whether there are more.
     let mut pairs = pair_order::sorted(collect_intersecting(a.into(), b.into(), limit.saturating_add(1), options));

@@ -112,7 +112,7 @@ pub fn intersects_solid_with<'a, 'b>(
     b: impl Into<Placed<'b>>,
     solid: Solid,
     cache: &mut HitCache,
-    options: &Options,
+    options: &Options<'_>,
 ) -> bool {
     let (a, b) = (a.into(), b.into());
     intersects_with(a, b, cache, options) || nested(a, b, solid) != Proximity::Apart
@@ -209,7 +209,7 @@ pub fn distance_of_solids_with<'a, 'b>(
     b: impl Into<Placed<'b>>,
     solid: Solid,
     cache: &mut WitnessCache,
-    options: &Options,
+    options: &Options<'_>,
 ) -> Distance {
     let (a, b) = (a.into(), b.into());
     let of_surfaces = distance_with(a, b, cache, options);
@@ -258,7 +258,7 @@ pub fn within_of_solids_with<'a, 'b>(
     clearance: f64,
     solid: Solid,
     cache: &mut WitnessCache,
-    options: &Options,
+    options: &Options<'_>,
 ) -> bool {
     let (a, b) = (a.into(), b.into());
     within_with(a, b, clearance, cache, options) || (clearance >= 0.0 && nested(a, b, solid) != Proximity::Apart)

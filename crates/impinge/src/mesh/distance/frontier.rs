@@ -80,7 +80,7 @@ impl Frontier {
         scene: &Scene<'_>,
         since: &RelativeFrame,
         nodes: [&[Node]; 2],
-        options: &Options,
+        options: &Options<'_>,
         cut: f64,
     ) -> Option<Self> {
         let relative = scene.bounds.relative?;
@@ -95,7 +95,7 @@ impl Frontier {
     }
 
     /// How far beyond what matters bounds outlast some more such motion; none where it is too large for that to pay.
-    fn outlasting(&self, motion: &Motion, nodes: &[Node], options: &Options, cut: f64) -> Option<f32> {
+    fn outlasting(&self, motion: &Motion, nodes: &[Node], options: &Options<'_>, cut: f64) -> Option<f32> {
         let (level, root) = (options.level, nodes.first()?);
         let motions = dispatch!(level, simd => motion.of_children(simd, root));
         let mut most = BEYOND[0];
@@ -122,7 +122,7 @@ impl Frontier {
     }
 
     /// These options with the host whose frontier this is.
-    pub(super) fn options(&self, options: &Options) -> Options {
+    pub(super) fn options<'i>(&self, options: &Options<'i>) -> Options<'i> {
         let [host, _] = self.sides.host_guest([HostChoice::First, HostChoice::Second]);
         Options { host, ..*options }
     }
@@ -203,7 +203,7 @@ impl Frontier {
 
     /// The frontier where the meshes are now; none where they are not the same, or it is not worth to go on from it, `cut` being
     /// what matters.
-    pub(super) fn moved(mut self, scene: &Scene<'_>, nodes: &[Node], options: &Options, cut: f64) -> Option<Self> {
+    pub(super) fn moved(mut self, scene: &Scene<'_>, nodes: &[Node], options: &Options<'_>, cut: f64) -> Option<Self> {
         let relative = scene.bounds.relative?;
         let same = self.stamps == scene.meshes.map(|mesh| mesh.0.stamp) && self.sides == scene.bounds.sides;
         if !same || self.entries.len() > MAX_GROWTH * self.initial_entries {

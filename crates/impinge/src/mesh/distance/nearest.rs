@@ -9,7 +9,12 @@ use crate::mesh::{HostChoice, Options, Placed, first_hit};
 /// The nearest points, none where a mesh has no faces.
 ///
 /// Where the meshes intersect the faces are the first that meet in the descent that the meshes' own errors choose.
-pub(crate) fn nearest(a: Placed<'_>, b: Placed<'_>, warm_start: &mut WarmStart, options: &Options) -> Option<Nearest> {
+pub(crate) fn nearest(
+    a: Placed<'_>,
+    b: Placed<'_>,
+    warm_start: &mut WarmStart,
+    options: &Options<'_>,
+) -> Option<Nearest> {
     if let Some(nearest) = nearest_from_frontier(a, b, warm_start, options) {
         return Some(nearest);
     }
@@ -35,7 +40,7 @@ fn nearest_from_frontier(
     a: Placed<'_>,
     b: Placed<'_>,
     warm_start: &mut WarmStart,
-    options: &Options,
+    options: &Options<'_>,
 ) -> Option<Nearest> {
     let frontier = warm_start.frontier.take()?;
     let options = frontier.options(options);
@@ -51,13 +56,13 @@ fn nearest_from_frontier(
     nearest
 }
 
-/// Faces that are no farther apart than `clearance`, if there are such.
+/// Faces that are no farther apart than `clearance`, if there are such; any faces where the search is interrupted.
 pub(crate) fn within(
     a: Placed<'_>,
     b: Placed<'_>,
     clearance: f64,
     warm_start: &mut WarmStart,
-    options: &Options,
+    options: &Options<'_>,
 ) -> Option<[u32; 2]> {
     if clearance.is_nan() || clearance < 0.0 || a.mesh.faces().is_empty() || b.mesh.faces().is_empty() {
         return None;
@@ -75,7 +80,7 @@ pub(crate) fn within(
     if !frontier.is_some_and(|frontier| search.resume(frontier, &options)) {
         search.run(&options, warm_start.costly.as_ref());
     }
-    let kept = search.answer.kept;
+    let kept = search.answer.kept.or(search.is_interrupted.then_some([0, 0]));
     *warm_start = search.into_warm_start(kept.or(warm_start.faces));
     kept
 }

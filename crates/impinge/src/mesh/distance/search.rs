@@ -21,7 +21,7 @@ use super::warm_start::WarmStart;
 use crate::exact::Placement;
 use crate::hierarchy::{BoxLanes, Child, Node, lanes_in_use};
 use crate::mesh::storage::packet::{Packet, Packets};
-use crate::mesh::{Options, Placed};
+use crate::mesh::{Interrupt, Options, Placed};
 use crate::simd::{LANES, Level, bits, by_axis, dispatch, outlined};
 use crate::volume::Aabb;
 
@@ -31,6 +31,9 @@ const COSTLY: usize = 1 << 13;
 /// Children whose boxes differ in size by more than this are not opened together: the larger one alone comes nearer to
 /// the other's size.
 const OPENED_TOGETHER: f32 = 4.0;
+
+/// Tasks after which the query is asked whether to go on: about 100 microseconds.
+const TASKS_AT_A_TIME: usize = 1 << 9;
 
 /// Nodes of either mesh whose boxes are kept carried over; a power of two.
 const CACHED_BOXES: usize = 32;
@@ -55,6 +58,11 @@ pub(super) struct Search<'a> {
     frontier: Option<Frontier>,
     /// Pairs of leaves that were met.
     leaf_pairs: usize,
+    interrupt: Interrupt<'a>,
+    /// Whether the search broke off as it was interrupted.
+    pub(super) is_interrupted: bool,
+    /// Tasks that were processed.
+    processed: usize,
 }
 
 #[derive(Clone, Debug)]
@@ -65,7 +73,7 @@ struct Carried {
 
 impl<'a> Search<'a> {
     /// None where a mesh has no faces.
-    pub(super) fn new(a: Placed<'a>, b: Placed<'a>, options: &Options, clearance: f64) -> Option<Self> {
+    pub(super) fn new(a: Placed<'a>, b: Placed<'a>, options: &Options<'a>, clearance: f64) -> Option<Self> {
         if a.mesh.faces().is_empty() || b.mesh.faces().is_empty() {
             return None;
         }
@@ -91,6 +99,9 @@ impl<'a> Search<'a> {
             line_bound,
             frontier: None,
             leaf_pairs: 0,
+            interrupt: options.interrupt,
+            is_interrupted: false,
+            processed: 0,
         })
     }
 
@@ -107,7 +118,7 @@ impl<'a> Search<'a> {
 
     /// Looks at everything, from the roots. Keeps where it ends if `since` says that the meshes stood little else when the last
     /// search was costly.
-    pub(super) fn run(&mut self, options: &Options, since: Option<&RelativeFrame>) {
+    pub(super) fn run(&mut self, options: &Options<'_>, since: Option<&RelativeFrame>) {
         self.frontier = since.and_then(|since| Frontier::new(&self.scene, since, self.nodes, options, self.answer.cut));
         let found = if self.frontier.is_some() {
             self.advance_on(options.level)
@@ -123,7 +134,7 @@ impl<'a> Search<'a> {
     }
 
     /// Looks at what the frontier leaves open; false where it is of no use any more, and then nothing was looked at.
-    pub(super) fn resume(&mut self, frontier: Frontier, options: &Options) -> bool {
+    pub(super) fn resume(&mut self, frontier: Frontier, options: &Options<'_>) -> bool {
         let Some(frontier) = frontier.moved(&self.scene, self.nodes[GUEST], options, self.answer.cut) else {
             return false;
         };
@@ -141,8 +152,12 @@ impl<'a> Search<'a> {
         WarmStart { faces, frontier: self.frontier, costly }
     }
 
-    /// The nearest points that were found.
-    pub(super) fn nearest(&self) -> Option<Nearest> {
+    /// The nearest points that were found; where the search was interrupted, points of which nothing is proved.
+    pub(super) fn nearest(&mut self) -> Option<Nearest> {
+        if self.is_interrupted {
+            let _ = self.answer.process(&self.scene, [0, 0]);
+            return self.answer.best.map(|best| Nearest { lower: 0.0, ..self.scene.finish(&best, 0.0) });
+        }
         let doubt = if self.answer.values_left == 0 { 6.0 * self.scene.metric.error } else { 0.0 };
         self.answer.best.map(|best| self.scene.finish(&best, doubt))
     }
@@ -184,6 +199,11 @@ impl<'a> Search<'a> {
     #[inline(always)]
     fn process_tasks<S: Simd, const KEEPS: bool>(&mut self, simd: S) -> ControlFlow<()> {
         while let Some(task) = self.tasks.pop() {
+            self.processed += 1;
+            if self.processed % TASKS_AT_A_TIME == 0 && self.interrupt.is_wanted() {
+                self.is_interrupted = true;
+                return ControlFlow::Break(());
+            }
             if task.bound > self.answer.node_limit {
                 continue;
             }

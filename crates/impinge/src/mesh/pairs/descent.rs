@@ -1,30 +1,20 @@
 //! The one descent of two meshes: from their roots to the triangles that meet, each pair filtered in bulk and, where
 //! the filter leaves it open, decided exactly.
 
+use std::ops::ControlFlow;
+
 use rayon::prelude::*;
 
 use super::leaf_pairs::{Deciding, KEPT, LeafPairs, Question, Wanted, keep_least};
-use super::relation::{HostChoice, Relations};
+use super::relation::Relations;
 use super::world_box;
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{Descent, Order, QUEUE, Task};
-use crate::mesh::Placed;
-use crate::simd::{self, Level, dispatch};
+use crate::mesh::{Options, Placed};
+use crate::simd::{Level, dispatch};
 
-/// How a query runs. Nothing here changes an answer: the fields are for measuring and for tests that say so.
-#[derive(Clone, Copy, Debug)]
-pub struct Options {
-    /// The vector unit to use.
-    pub level: Level,
-    /// In whose frame boxes and triangles are compared.
-    pub host: HostChoice,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { level: simd::best_level(), host: HostChoice::SmallerError }
-    }
-}
+/// Nodes that are opened before the query is asked whether to go on: about 100 microseconds.
+const TASKS_AT_A_TIME: usize = 1 << 10;
 
 /// Tasks for each thread that the upper levels are opened into before threads share them out; more even out their
 /// sizes, fewer start sooner.
@@ -37,7 +27,7 @@ const LEAST_SHARED_TASKS: usize = 256;
 const TASKS_OF_A_FIRST_HIT: usize = 128;
 
 /// Two faces that intersect, of the first mesh and of the second, of those that do any; none where no two do.
-pub(crate) fn any_hit(a: Placed<'_>, b: Placed<'_>, options: &Options) -> Option<[u32; 2]> {
+pub(crate) fn any_hit(a: Placed<'_>, b: Placed<'_>, options: &Options<'_>) -> Option<[u32; 2]> {
     found(a, b, Wanted { limit: 1, deciding: Deciding::Last, ..Wanted::ALL }, options).first().copied()
 }
 
@@ -53,17 +43,17 @@ pub(crate) fn faces_meet(a: Placed<'_>, b: Placed<'_>, [face_a, face_b]: [u32; 2
 }
 
 /// Two faces that intersect, the first in the order of the descent; none where no two do.
-pub(crate) fn first_hit(a: Placed<'_>, b: Placed<'_>, options: &Options) -> Option<[u32; 2]> {
+pub(crate) fn first_hit(a: Placed<'_>, b: Placed<'_>, options: &Options<'_>) -> Option<[u32; 2]> {
     found(a, b, Wanted { limit: 1, deciding: Deciding::AtOnce, ..Wanted::ALL }, options).first().copied()
 }
 
 /// Pairs of faces (of a, of b) that intersect, each once, in no particular order: all of them, or the least `kept` where
 /// there are more. There is never room for many more than are kept.
-pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, kept: usize, options: &Options) -> Vec<[u32; 2]> {
+pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, kept: usize, options: &Options<'_>) -> Vec<[u32; 2]> {
     found(a, b, Wanted { kept, ..Wanted::ALL }, options)
 }
 
-fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options) -> Vec<[u32; 2]> {
+fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options<'_>) -> Vec<[u32; 2]> {
     if world_box::are_apart(&a, &b) {
         return Vec::new();
     }
@@ -88,11 +78,12 @@ fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options) -> Vec
         let mut pairs = question.pairs(1);
         let mut tasks = Vec::with_capacity(TASKS_OF_A_FIRST_HIT);
         tasks.push(root);
-        work(options.level, &descent, Order::DepthFirst { ahead: 1 }, &mut tasks, &mut pairs);
+        if work_off(options, &descent, 1, &mut tasks, &mut pairs).is_break() {
+            return vec![[0, 0]];
+        }
         return pairs.found;
     }
 
-    let ahead = QUEUE;
     let mut first = question.pairs(KEPT);
     let mut tasks = vec![root];
     let threads = rayon::current_num_threads();
@@ -103,7 +94,7 @@ fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options) -> Vec
             let chunk = tasks.len().div_ceil(TASKS_PER_THREAD * threads);
             let shared = tasks.par_chunks(chunk).map(|tasks| {
                 let mut pairs = question.pairs(KEPT);
-                work(options.level, &descent, Order::DepthFirst { ahead }, &mut tasks.to_vec(), &mut pairs);
+                let _ = work_off(options, &descent, QUEUE, &mut tasks.to_vec(), &mut pairs);
                 pairs.found
             });
             if wanted.kept < usize::MAX {
@@ -120,9 +111,28 @@ fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options) -> Vec
             tasks.clear();
         }
     }
-    work(options.level, &descent, Order::DepthFirst { ahead }, &mut tasks, &mut first);
+    let _ = work_off(options, &descent, QUEUE, &mut tasks, &mut first);
     keep_least(&mut first.found, wanted.kept);
     first.found
+}
+
+/// Works off all tasks, depth first, unless it is interrupted; then it breaks off.
+fn work_off(
+    options: &Options<'_>,
+    descent: &Descent<'_>,
+    ahead: usize,
+    tasks: &mut Vec<Task>,
+    pairs: &mut LeafPairs<'_>,
+) -> ControlFlow<()> {
+    loop {
+        work(options.level, descent, Order::DepthFirst { ahead, most: TASKS_AT_A_TIME }, tasks, pairs);
+        if tasks.is_empty() {
+            return ControlFlow::Continue(());
+        }
+        if options.interrupt.is_wanted() {
+            return ControlFlow::Break(());
+        }
+    }
 }
 
 /// The descent, compiled once for each vector unit.

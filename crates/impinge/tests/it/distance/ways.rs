@@ -13,9 +13,11 @@ pub(crate) fn engine_pose(pose: &Affine) -> Pose {
     Pose::new(pose.linear, pose.translation).expect("a legal pose")
 }
 
-fn all_options() -> impl Iterator<Item = Options> {
+fn all_options() -> impl Iterator<Item = Options<'static>> {
     let hosts = [HostChoice::SmallerError, HostChoice::First, HostChoice::Second];
-    simd::levels().into_iter().flat_map(move |(_, level)| hosts.map(|host| Options { level, host }))
+    simd::levels()
+        .into_iter()
+        .flat_map(move |(_, level)| hosts.map(|host| Options { level, host, ..Options::default() }))
 }
 
 /// The distance, the same at every vector level, with either host, from cold, from a good and from a bad witness.

@@ -5,6 +5,7 @@ mod animations;
 mod cases;
 mod curves;
 mod digits;
+mod interrupted;
 mod judged;
 mod laws;
 mod moving;

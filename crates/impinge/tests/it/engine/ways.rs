@@ -19,7 +19,7 @@ pub(crate) fn engine_pose(pose: &Affine) -> Pose {
 }
 
 /// The pairs that the engine finds in one way.
-pub(crate) fn pairs(a: (&Mesh, &Affine), b: (&Mesh, &Affine), options: &Options) -> Vec<(u32, u32)> {
+pub(crate) fn pairs(a: (&Mesh, &Affine), b: (&Mesh, &Affine), options: &Options<'_>) -> Vec<(u32, u32)> {
     let (placed_a, placed_b) = (a.0.at(engine_pose(a.1)), b.0.at(engine_pose(b.1)));
     let pairs = query::intersecting_pairs_with(placed_a, placed_b, options);
     let met = query::intersects_with(placed_a, placed_b, &mut HitCache::default(), options);
@@ -28,10 +28,10 @@ pub(crate) fn pairs(a: (&Mesh, &Affine), b: (&Mesh, &Affine), options: &Options)
 }
 
 /// All levels and hosts.
-pub(crate) fn all_options() -> impl Iterator<Item = (String, Options)> {
+pub(crate) fn all_options() -> impl Iterator<Item = (String, Options<'static>)> {
     simd::levels().into_iter().flat_map(|(name, level)| {
         [HostChoice::SmallerError, HostChoice::First, HostChoice::Second]
-            .map(|host| (format!("{name}, {host:?}"), Options { level, host }))
+            .map(|host| (format!("{name}, {host:?}"), Options { level, host, ..Options::default() }))
     })
 }
 

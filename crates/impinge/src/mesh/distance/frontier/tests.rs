@@ -21,12 +21,12 @@ fn mesh(plain: &Plain) -> Mesh {
     Mesh::new(Positions::F64(plain.vertices.clone()), plain.faces.clone()).expect("a legal mesh")
 }
 
-fn relative(a: Placed<'_>, b: Placed<'_>, options: &Options) -> Option<RelativeFrame> {
+fn relative(a: Placed<'_>, b: Placed<'_>, options: &Options<'_>) -> Option<RelativeFrame> {
     Bounds::new(a, b, &Metric::new(a, b), options.host).relative
 }
 
 /// Lets the next search keep a frontier, however cheap this one was.
-fn keep_front(warm_start: &mut WarmStart, a: Placed<'_>, b: Placed<'_>, options: &Options) {
+fn keep_front(warm_start: &mut WarmStart, a: Placed<'_>, b: Placed<'_>, options: &Options<'_>) {
     if warm_start.frontier.is_none() {
         warm_start.costly = relative(a, b, options);
     }
@@ -86,7 +86,7 @@ fn where_a_search_ended_changes_no_answer() {
                 }
                 pose = next(&mut rng, &pose);
                 let host = rng.choose(&[HostChoice::First, HostChoice::Second, HostChoice::SmallerError]);
-                let options = Options { level, host };
+                let options = Options { level, host, ..Options::default() };
                 let pose = Pose::new(pose.linear, pose.translation).expect("a pose");
                 let both = if rng.one_in(4) {
                     Pose::from_translation([5.0, -3.0, 1.0]).expect("a pose")

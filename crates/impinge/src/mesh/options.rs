@@ -1,0 +1,70 @@
+//! How a query of two meshes runs.
+
+use std::fmt;
+
+use super::pairs::relation::HostChoice;
+use crate::simd::{self, Level};
+
+/// How a query runs. Level and host change no answer: they are for measuring and for tests that say so.
+#[derive(Clone, Copy, Debug)]
+pub struct Options<'i> {
+    /// The vector unit to use.
+    pub level: Level,
+    /// In whose frame boxes and triangles are compared.
+    pub host: HostChoice,
+    /// What may end the query before its time.
+    pub interrupt: Interrupt<'i>,
+}
+
+impl Default for Options<'_> {
+    fn default() -> Self {
+        Self { level: simd::best_level(), host: HostChoice::SmallerError, interrupt: Interrupt::NEVER }
+    }
+}
+
+/// A question that long work asks now and then: whether to give up.
+///
+/// Work asks it about every 100 microseconds. Once the answer is yes the work ends soon with an answer that is safe and says
+/// little: surfaces intersect, are within any clearance and at distance zero; of pairs there are those found so far. Whoever
+/// interrupts knows that, and discards it.
+///
+/// ```
+/// use std::time::{Duration, Instant};
+///
+/// use impinge::mesh::{Interrupt, Options};
+/// use impinge::query::{HitCache, intersects_with};
+/// use impinge::{Mesh, Positions};
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 1, 2]])?;
+/// let begun = Instant::now();
+/// let is_late = || begun.elapsed() > Duration::from_millis(20);
+/// let options = Options { interrupt: Interrupt::when(&is_late), ..Options::default() };
+/// assert!(intersects_with(&mesh, &mesh, &mut HitCache::default(), &options));
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+#[derive(Clone, Copy)]
+pub struct Interrupt<'i>(Option<&'i (dyn Fn() -> bool + Sync)>);
+
+impl<'i> Interrupt<'i> {
+    /// Lets the work go on to its end.
+    pub const NEVER: Self = Self(None);
+
+    /// Ends the work once `is_wanted` returns true. Several threads may call it at once.
+    #[must_use]
+    pub fn when(is_wanted: &'i (dyn Fn() -> bool + Sync)) -> Self {
+        Self(Some(is_wanted))
+    }
+
+    /// Reports whether to give up.
+    #[inline]
+    pub(crate) fn is_wanted(self) -> bool {
+        self.0.is_some_and(|is_wanted| is_wanted())
+    }
+}
+
+impl fmt::Debug for Interrupt<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.0.is_some() { "Interrupt::when(..)" } else { "Interrupt::NEVER" })
+    }
+}

@@ -1,0 +1,64 @@
+//! Queries that are interrupted: they end soon, with the safe answer, and leave nothing behind that changes a later one.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use impinge::mesh::{Interrupt, Options};
+use impinge::query::{self, HitCache, WitnessCache};
+use impinge::{Mesh, Pose, Positions};
+use impinge_testkit::generate::knots::{Knot, TREFOIL, torus_knot};
+
+fn knot(radius: f64) -> Mesh {
+    let knot = torus_knot(2000, 100, Knot { radius, ..TREFOIL });
+    Mesh::new(Positions::F64(knot.vertices), knot.faces).expect("a mesh")
+}
+
+#[test]
+fn every_verb_gives_the_safe_answer_at_once() {
+    // One lies in the other, near to it everywhere.
+    let (mesh, thin) = (knot(TREFOIL.radius), knot(0.9 * TREFOIL.radius));
+    let other = thin.at(Pose::IDENTITY);
+    assert!(!query::intersects(&mesh, other), "the surfaces are apart");
+    let distance = query::distance(&mesh, other);
+    let touching = mesh.at(Pose::from_translation([0.003, 0.001, 0.002]).expect("a pose"));
+    let pairs = query::intersecting_pairs(&mesh, touching);
+    for patience in [0, 1, 3] {
+        let asked = AtomicUsize::new(0);
+        let is_wanted = || asked.fetch_add(1, Ordering::Relaxed) >= patience;
+        let options = Options { interrupt: Interrupt::when(&is_wanted), ..Options::default() };
+        let ended_soon = || (1..patience + 300).contains(&asked.swap(0, Ordering::Relaxed));
+        let (mut hits, mut witnesses) = (HitCache::default(), WitnessCache::default());
+
+        assert!(query::intersects_with(&mesh, other, &mut hits, &options) && ended_soon(), "{patience}");
+        assert!(!query::intersects_with(&mesh, other, &mut hits, &Options::default()));
+
+        let found = query::distance_with(&mesh, other, &mut witnesses, &options);
+        assert!(found.lower == 0.0 && found.upper.is_finite() && ended_soon(), "{patience}: {found:?}");
+        assert_eq!(query::distance_with(&mesh, other, &mut witnesses, &Options::default()), distance);
+
+        let near = 0.999 * distance.lower;
+        assert!(query::within_with(&mesh, other, near, &mut WitnessCache::default(), &options) && ended_soon());
+        assert!(!query::within_with(&mesh, other, near, &mut witnesses, &Options::default()));
+
+        let some = query::intersecting_pairs_with(&mesh, touching, &options);
+        assert!(some.len() < pairs.len() && ended_soon(), "{patience}: {} of {}", some.len(), pairs.len());
+        assert!(some.iter().all(|pair| pairs.binary_search(pair).is_ok()));
+    }
+}
+
+/// One that is never wanted changes nothing.
+#[test]
+fn an_interrupt_that_is_never_wanted_changes_nothing() {
+    let (mesh, thin) = (knot(TREFOIL.radius), knot(0.9 * TREFOIL.radius));
+    let asked = AtomicUsize::new(0);
+    let never = || {
+        asked.fetch_add(1, Ordering::Relaxed);
+        false
+    };
+    let options = Options { interrupt: Interrupt::when(&never), ..Options::default() };
+    let touching = mesh.at(Pose::from_translation([0.003, 0.001, 0.002]).expect("a pose"));
+    let pairs = query::intersecting_pairs_with(&mesh, touching, &options);
+    assert_eq!(pairs, query::intersecting_pairs(&mesh, touching));
+    let found = query::distance_with(&mesh, &thin, &mut WitnessCache::default(), &options);
+    assert_eq!(found, query::distance(&mesh, &thin));
+    assert!(asked.into_inner() > 3);
+}
