@@ -22,8 +22,9 @@ class Contacts:
     depth : (k,) float64 array
         `upper`.
     lower, upper : (k,) float64 array
-        Along the normal the first shape reaches beyond the second here by at least and at most this, in world units;
-        negative where they are apart here, as they may be where a margin was asked for.
+        Along the normal the first shape reaches beyond the second here by at least and at most this, in world units.
+        Negative where they are apart here, as they may be where a margin was asked for. Infinite for two half-spaces
+        that no motion takes apart.
     point_a, point_b : (k, 3) float64 array
         On the side of either shape, in the world frame, rounded.
     manifold : (k,) int64 array

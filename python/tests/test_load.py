@@ -263,6 +263,12 @@ def test_broken_files_are_named(tmp_path):
             impinge.load(path)
         assert (caught.value.kind, caught.value.what, caught.value.where) == (kind, str(path), where)
         assert str(path) in str(caught.value)
+    far = tmp_path / "far.obj"
+    far.write_text("v 9 9 9\nv 0 0 0\nv 1e40 0 0\nv 0 1 0\nf 2 3 4\n")
+    for read in (impinge.load, impinge.load_scene):
+        with pytest.raises(impinge.InputError, match="vertex 2 is out of range") as caught:
+            read(far)
+        assert (caught.value.kind, caught.value.what, caught.value.where) == ("out-of-range", str(far), None)
     for wrong in (None, 3, b"\xff"):
         with pytest.raises((TypeError, FileNotFoundError, impinge.InputError)):
             impinge.load(wrong)

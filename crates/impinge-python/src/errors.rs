@@ -61,6 +61,11 @@ fn raise(py: Python<'_>, kind: &str, what: &str, place: &Bound<'_, PyAny>, messa
     made().map_or_else(|error| error, PyErr::from_value)
 }
 
+/// A file whose content is read, and is no mesh.
+pub(crate) fn file_error(py: Python<'_>, path: &str, kind: &str, message: &str) -> PyErr {
+    raise(py, kind, path, &py.None().into_bound(py), message, None)
+}
+
 /// The short name of what the library found, and where within one vertex array, face array or matrix it did.
 pub(crate) fn kind_and_place(error: &InputError) -> (&'static str, Vec<usize>) {
     match *error.kind() {

@@ -12,9 +12,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::arrays::{array, row_array};
-use crate::errors::{Fault, load_error};
+use crate::errors::{Fault, file_error, load_error};
 use crate::mesh::{mesh_of, proxies_of};
 use crate::workers;
+
+/// The magnitudes of coordinates are below this: 2^128.
+const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 
 /// The triangles of a file, and where they came from.
 #[pyclass(frozen, module = "impinge._impinge")]
@@ -40,7 +43,15 @@ impl Model {
         let wanted = unit
             .map(|text| text.parse::<Unit>().map_err(|error| Fault::new("unit", "unit", error.to_string()).raised(py)))
             .transpose()?;
-        workers::run(py, move |_| Self::read(&path, wanted))?.map_err(|error| load_error(py, &error))
+        let shown = path.display().to_string();
+        let model = workers::run(py, move |_| Self::read(&path, wanted))?.map_err(|error| load_error(py, &error))?;
+        match model.first_out_of_range() {
+            None => Ok(model),
+            Some(vertex) => {
+                let message = format!("vertex {vertex} is out of range: its magnitude must be below 2^128");
+                Err(file_error(py, &shown, "out-of-range", &message))
+            }
+        }
     }
 
     /// Of a copy of what `to_baked` returned, in any object with a buffer of bytes.
@@ -134,6 +145,12 @@ impl Model {
         }
         let about = Provenance { sources, part_of, parts, unit: wanted.or(unit) };
         Ok(Self { content: Content::Triangles(positions, faces), about, format, warnings })
+    }
+
+    /// The first vertex that a mesh cannot have.
+    fn first_out_of_range(&self) -> Option<usize> {
+        let Content::Triangles(Positions::F64(rows), _) = &self.content else { return None };
+        rows.iter().position(|row| row.iter().any(|x| x.abs() >= LIMIT))
     }
 
     pub(crate) fn content(&self) -> &Content {

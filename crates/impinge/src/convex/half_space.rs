@@ -144,10 +144,17 @@ impl<'a> HalfSpace<'a> {
         self.direction
     }
 
-    /// The contact of two half-spaces, of which one is enough: their planes have no corners.
+    /// The contact of two half-spaces. One is enough, as their planes have no corners. The depth is infinite where they do not
+    /// face each other, and negative where they face each other across a gap.
     pub(crate) fn contact_of_half_spaces(&self, other: &HalfSpace<'_>) -> Contacts {
+        let features = [Feature::Face(0); 2];
+        let Separation { lower, upper, points, proximity } = self.separation_of_half_spaces(other);
+        if proximity == Proximity::Apart {
+            let contact = Contact { points, lower: -upper, upper: -lower, features };
+            return Contacts { normal: to_unit_length(self.direction), contacts: vec![contact] };
+        }
         let Depth { lower, upper, normal, points } = self.depth_of_half_spaces(other);
-        Contacts { normal, contacts: vec![Contact { points, lower, upper, features: [Feature::Face(0); 2] }] }
+        Contacts { normal, contacts: vec![Contact { points, lower, upper, features }] }
     }
 
     /// The least of m·(x - t) less the level over the core, where that is a polytope.

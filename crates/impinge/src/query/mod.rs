@@ -83,7 +83,8 @@ pub struct SomePairs {
 /// ```
 ///
 /// # Complexity
-/// As long as all pairs take; the memory of a few times `limit` pairs for each thread.
+/// Time grows with the pairs of leaves whose boxes overlap: leaves whose faces all come after the pairs that are kept are passed over.
+/// Takes the memory of a few times `limit` pairs for each thread.
 #[must_use]
 pub fn intersecting_pairs_up_to<'a, 'b>(
     a: impl Into<Placed<'a>>,

@@ -16,7 +16,8 @@ use crate::mesh::{Mesh, WantedFaces, collect_self_intersecting};
 /// Exact.
 ///
 /// # Complexity
-/// Grows with the pairs of faces whose boxes overlap, on all cores of the current rayon pool.
+/// Grows with the pairs of faces whose boxes overlap, on all cores of the current rayon pool. Faces at a corner that more than a
+/// hundred share, such as those of a fan, count only where the boxes of their directions from it overlap.
 ///
 /// ```
 /// use impinge::{Mesh, Positions, query};

@@ -1,6 +1,6 @@
 //! Meshes all of whose faces intersect each other: a limit keeps memory small and reports that it was reached.
 
-use impinge::mesh::Options;
+use impinge::mesh::{HostChoice, Options};
 use impinge::{Mesh, Pose, Positions, query};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::solids::grid_soup;
@@ -49,17 +49,40 @@ fn a_limit_bounds_memory() {
     const LIMIT: usize = 10_000;
     let (below, above) = (pile(FACES), pile(FACES));
     let pose = Pose::from_translation([0.25, 0.0, 0.0]).expect("a pose");
-    for threads in [1, 2] {
+    for (threads, host) in [(1, HostChoice::First), (1, HostChoice::Second), (2, HostChoice::First)] {
+        let options = Options { host, ..Options::default() };
         let some = on_threads(threads, || {
             COUNTED.reset_peak_usage();
             let before = COUNTED.current_usage();
-            let some = query::intersecting_pairs_up_to(&below, above.at(pose), LIMIT, &Options::default());
+            let some = query::intersecting_pairs_up_to(&below, above.at(pose), LIMIT, &options);
             let most = COUNTED.peak_usage().saturating_sub(before);
             assert!(most < 4 << 20, "{most} bytes for {LIMIT} pairs on {threads} threads");
             some
         });
         let first: Vec<[u32; 2]> = (0..LIMIT).map(|i| [i / FACES, i % FACES].map(|face| face as u32)).collect();
-        assert!(some.truncated && some.pairs == first, "{threads} threads");
+        assert!(some.truncated && some.pairs == first, "{threads} threads, {host:?}");
+    }
+}
+
+/// Piles side by side, with the numbers of their faces mixed: the first pairs are found late, in any pile.
+fn first_of_mixed_piles_are_first_of_all() {
+    const PILES: u32 = 64;
+    const FACES: u32 = 3_200;
+    let place = |pile: u32| 2.0 * f64::from(pile);
+    let vertices =
+        (0..PILES).flat_map(|pile| [[place(pile), 0.0, 0.0], [place(pile) + 1.0, 0.0, 0.0], [place(pile), 1.0, 0.0]]);
+    // 37 is prime to the number of faces.
+    let pile_of = |face: u32| face * 37 % FACES % PILES;
+    let faces = (0..FACES).map(|face| [0, 1, 2].map(|corner| 3 * pile_of(face) + corner));
+    let mesh = Mesh::new(Positions::F64(vertices.collect()), faces.rev().collect()).expect("a mesh");
+    let all = query::intersecting_pairs(&mesh, &mesh);
+    assert_eq!(all.len() as u32, FACES * FACES / PILES);
+    for (threads, host) in [(1, HostChoice::First), (1, HostChoice::Second), (2, HostChoice::First)] {
+        for limit in [10, 1_000, 20_000] {
+            let options = Options { host, ..Options::default() };
+            let some = on_threads(threads, || query::intersecting_pairs_up_to(&mesh, &mesh, limit, &options));
+            assert!(some.truncated && some.pairs == all[..limit], "{limit} on {threads} threads, {host:?}");
+        }
     }
 }
 
@@ -67,5 +90,6 @@ fn a_limit_bounds_memory() {
 fn a_limit_gives_the_first_pairs_and_bounds_memory() {
     let _alone = alone();
     first_of_soups_are_first_of_all();
+    first_of_mixed_piles_are_first_of_all();
     a_limit_bounds_memory();
 }

@@ -98,11 +98,12 @@ impl Hubs {
         self.of_children[node as usize][usize::from(lane)]
     }
 
-    /// The pairs of faces, the lesser first, whose first common hub is this, whose arcs may meet, and of which `meet` says
-    /// that they do.
+    /// The pairs of faces that share a hub and of which `meet` says that they meet beyond it, the lesser first. It is asked once
+    /// for all copies of two faces.
     pub(in crate::mesh) fn collect(&self, mesh: &Mesh, meet: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
         let hubs = (0_u32..).zip(&self.vertices);
         hubs.flat_map(|(hub, &vertex)| {
+            // Of several common hubs the first one reports a pair.
             let is_first = |[one, other]: [u32; 2]| self.of_face(one).first_common(self.of_face(other)) == Some(hub);
             Star::at(mesh, vertex).collect(|pair| is_first(pair) && meet(pair))
         })
@@ -112,7 +113,9 @@ impl Hubs {
 
 /// The faces at a corner, by their arcs.
 struct Star {
-    faces: Vec<u32>,
+    /// Copies of a face together, ascending: they share all that they have, and so do not meet beyond it.
+    copies: Vec<Vec<u32>>,
+    /// Of each, with its copies.
     arcs: Vec<Aabb>,
     tree: BinaryTree,
 }
@@ -120,12 +123,27 @@ struct Star {
 impl Star {
     fn at(mesh: &Mesh, vertex: u32) -> Self {
         let hub = mesh.positions().get(vertex as usize);
-        let mut faces = mesh.faces_at(vertex).to_vec();
+        let first_at = &mesh.topology().first_at;
+        let mut faces: Vec<([u32; 3], u32)> = mesh
+            .faces_at(vertex)
+            .iter()
+            .map(|&face| {
+                let mut places = mesh.faces()[face as usize].map(|corner| first_at[corner as usize]);
+                places.sort_unstable();
+                (places, face)
+            })
+            .collect();
+        faces.sort_unstable();
         faces.dedup();
-        let (faces, arcs): (Vec<u32>, Vec<Aabb>) =
-            faces.into_iter().filter_map(|face| Some((face, arc(&hub, &mesh.corners(face))?))).unzip();
+        let (copies, arcs): (Vec<Vec<u32>>, Vec<Aabb>) = faces
+            .chunk_by(|one, other| one.0 == other.0)
+            .filter_map(|copies| {
+                let arc = arc(&hub, &mesh.corners(copies[0].1))?;
+                Some((copies.iter().map(|&(_, face)| face).collect::<Vec<u32>>(), arc))
+            })
+            .unzip();
         let tree = Builder::Auto.build(&arcs);
-        Self { faces, arcs, tree }
+        Self { copies, arcs, tree }
     }
 
     /// Each leaf asks the tree for the leaves from itself on.
@@ -158,10 +176,10 @@ impl Star {
             let others = if leaf == other { &others[number + 1..] } else { others };
             for &other in others {
                 let [one, other] = [one, other].map(|at| at as usize);
-                let [face, other_face] = [self.faces[one], self.faces[other]];
-                let pair = [face.min(other_face), face.max(other_face)];
-                if self.arcs[one].overlaps(&self.arcs[other]) && meet(pair) {
-                    found.push(pair);
+                let (copies, other_copies) = (&self.copies[one], &self.copies[other]);
+                if self.arcs[one].overlaps(&self.arcs[other]) && meet([copies[0], other_copies[0]]) {
+                    let pairs = copies.iter().flat_map(|&a| other_copies.iter().map(move |&b| [a.min(b), a.max(b)]));
+                    found.extend(pairs);
                 }
             }
         }
@@ -224,6 +242,10 @@ mod tests {
                 first + 1
             };
             mesh.faces.push(if face % 2 == 0 { [hub, first, second] } else { [first, second, hub] });
+            // Copies, turned and not.
+            if face % 13 == 0 {
+                mesh.faces.push([second, hub, first]);
+            }
         }
         mesh
     }
@@ -247,7 +269,7 @@ mod tests {
         let mut reported = 0;
         for (round, scale) in [1.0, 1e-30, 1e30, 1.0].into_iter().enumerate() {
             let mesh = engine(&star(&mut rng, 720, scale), round % 2 == 1);
-            let marks: Vec<bool> = (0..720).map(|face| face % 9 == 4).collect();
+            let marks: Vec<bool> = (0..mesh.faces().len()).map(|face| face % 9 == 4).collect();
             assert_eq!(Hubs::of(&mesh).vertices.len(), 2, "round {round}");
             for (wanted, expected) in [
                 (WantedFaces::All, all_pairs(&mesh, |_| true)),
@@ -274,6 +296,15 @@ mod tests {
                 assert_eq!(collect_self_intersecting(&mesh, WantedFaces::All), Vec::<[u32; 2]>::new());
             }
         }
+    }
+
+    /// Copies of a face share all that they have.
+    #[test]
+    fn piles_have_none() {
+        let vertices = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let mesh = Mesh::new(Positions::F32(vertices), vec![[0, 1, 2]; 3000]).expect("a mesh");
+        assert_eq!(Hubs::of(&mesh).vertices.len(), 3);
+        assert_eq!(collect_self_intersecting(&mesh, WantedFaces::All), Vec::<[u32; 2]>::new());
     }
 
     /// Every direction into a face is in the bounds, and those of a narrow face are narrow.

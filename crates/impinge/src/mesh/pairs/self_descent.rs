@@ -33,8 +33,8 @@ struct Lane {
 /// Tasks for each thread that the upper levels are opened into before threads share them out.
 const TASKS_PER_THREAD: usize = 64;
 
-/// Pairs of faces that are tried, for each face, before hubs are looked for. Real meshes take 10 to 40.
-const PATIENCE: usize = 256;
+/// Pairs of faces that are decided, for each face, before hubs are looked for. Most meshes take about ten.
+const PATIENCE: usize = 32;
 
 /// Of which faces the pairs are wanted.
 #[derive(Clone, Copy)]
@@ -54,19 +54,18 @@ pub(crate) fn collect_self_intersecting(mesh: &Mesh, wanted: WantedFaces<'_>) ->
     let hubs = Hubs::of(mesh);
     let mut found = descend(mesh, wanted, Some(&hubs)).unwrap_or_default();
     let one_place = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
-    found.extend(hubs.collect(mesh, |[one, other]| {
-        let is_wanted = wanted.includes(one) || wanted.includes(other);
-        is_wanted && meet_beyond_shared(&one_place, &mesh.corners(one), &mesh.corners(other))
-    }));
+    let at_hubs =
+        hubs.collect(mesh, |[one, other]| meet_beyond_shared(&one_place, &mesh.corners(one), &mesh.corners(other)));
+    found.extend(at_hubs.into_iter().filter(|&[one, other]| wanted.includes(one) || wanted.includes(other)));
     found
 }
 
 /// The pairs, but those of faces that share a hub. Where hubs are not known yet it gives up, and returns nothing, after many
-/// more pairs than meshes without hubs take.
+/// more pairs than most meshes without hubs take.
 fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>) -> Option<Vec<[u32; 2]>> {
     let holds = wanted.nodes_with(mesh);
-    let tried = AtomicUsize::new(0);
-    let most_tried = if hubs.is_some() { usize::MAX } else { PATIENCE * mesh.faces().len() };
+    let decided = AtomicUsize::new(0);
+    let most_decided = if hubs.is_some() { usize::MAX } else { PATIENCE * mesh.faces().len() };
     let worker = || Worker {
         mesh,
         nodes: mesh.0.tree.nodes(),
@@ -75,7 +74,7 @@ fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>) -> Option<
         hubs,
         one_place: Placement::new(&Pose::IDENTITY, &Pose::IDENTITY),
         found: Vec::new(),
-        tried: 0,
+        decided: 0,
     };
     let mut first = worker();
     let mut tasks: Vec<Task> = (!first.nodes.is_empty()).then_some(Task::Within(Child::Inner(0))).into_iter().collect();
@@ -92,8 +91,8 @@ fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>) -> Option<
             let mut stack = vec![task];
             while let Some(task) = stack.pop() {
                 worker.open(task, &mut stack);
-                let more = std::mem::take(&mut worker.tried);
-                if tried.fetch_add(more, Ordering::Relaxed) > most_tried {
+                let more = std::mem::take(&mut worker.decided);
+                if decided.fetch_add(more, Ordering::Relaxed) > most_decided {
                     return None;
                 }
             }
@@ -140,8 +139,8 @@ struct Worker<'m> {
     hubs: Option<&'m Hubs>,
     one_place: Placement,
     found: Vec<[u32; 2]>,
-    /// Pairs of faces that were tried.
-    tried: usize,
+    /// Pairs of faces that were decided.
+    decided: usize,
 }
 
 /// A face with its corners and their least and greatest coordinates.
@@ -252,13 +251,14 @@ impl Worker<'_> {
     }
 
     fn meet(&mut self, one: &Face, other: &Face) {
-        self.tried += 1;
         let near = (0..3).all(|axis| one.min[axis] <= other.max[axis] && other.min[axis] <= one.max[axis]);
-        if self.hubs.is_some_and(|hubs| hubs.of_face(one.number).first_common(hubs.of_face(other.number)).is_some()) {
+        let wanted = self.wanted.includes(one.number) || self.wanted.includes(other.number);
+        let share_a_hub = |hubs: &Hubs| hubs.of_face(one.number).first_common(hubs.of_face(other.number)).is_some();
+        if !near || !wanted || self.hubs.is_some_and(share_a_hub) {
             return;
         }
-        let wanted = self.wanted.includes(one.number) || self.wanted.includes(other.number);
-        if near && wanted && meet_beyond_shared(&self.one_place, &one.corners, &other.corners) {
+        self.decided += 1;
+        if meet_beyond_shared(&self.one_place, &one.corners, &other.corners) {
             self.found.push([one.number.min(other.number), one.number.max(other.number)]);
         }
     }

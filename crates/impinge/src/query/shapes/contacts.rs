@@ -24,8 +24,8 @@ pub struct ContactPoint {
     pub point_a: [f64; 3],
     /// On the second shape's side, in the world frame, rounded.
     pub point_b: [f64; 3],
-    /// The first shape reaches beyond the second here, along the normal, by at least this, in world units; negative where they
-    /// are apart here.
+    /// The first shape reaches beyond the second here, along the normal, by at least this, in world units. It is negative
+    /// where they are apart here, and infinite for two half-spaces that no motion takes apart.
     pub lower: f64,
     /// And by at most this.
     pub upper: f64,
@@ -85,6 +85,7 @@ pub fn contacts(a: &PlacedShape, b: &PlacedShape) -> Vec<Manifold> {
 ///
 /// Two convex shapes have one manifold, with the normal of [`penetration`](super::penetration), of round ones to within 2^-12. A
 /// mesh and a convex shape have one for each normal: the faces' manifolds, put together where their normals are within 2.5 degrees.
+/// Two half-spaces have one point: its depth is infinite unless their planes are parallel and face each other.
 /// Two meshes have one for each region in which their surfaces meet ([`contact_patches`](crate::query::contact_patches)). Compounds
 /// have those of their parts.
 ///

@@ -5,7 +5,7 @@
 //! are in the sets bound it from above: where both agree with the answer it is right, however it was found.
 
 use impinge::Pose;
-use impinge::query::shapes::{self, Proximity};
+use impinge::query::shapes::{self, ContactOptions, Proximity};
 use impinge::shape::PlacedShape;
 use impinge_testkit::Affine;
 use impinge_testkit::generate::{Rng, poses};
@@ -161,4 +161,38 @@ fn half_spaces_meet_unless_they_face_each_other() {
         assert_eq!(shapes::penetration(&floor, &other).unwrap().lower, f64::INFINITY);
         assert_eq!(shapes::distance(&floor, &other).upper, 0.0);
     }
+}
+
+/// The contact of two half-spaces has the gap that a margin allows, the depth, or an infinite one where nothing parts them.
+#[test]
+fn contacts_of_half_spaces_say_how_deep_they_are() {
+    let place =
+        |normal, at: [f64; 3]| Known::HalfSpace(normal, 0.0).shape().at(Pose::from_translation(at).unwrap()).unwrap();
+    let floor = place([0.0, 0.0, 1.0], [0.0; 3]);
+    for (normal, height, [lower, upper]) in [
+        ([0.0, 0.0, -2.0], 0.5, [-0.5; 2]),
+        ([0.0, 0.0, -2.0], 0.0, [0.0; 2]),
+        ([0.0, 0.0, -2.0], -3.0, [3.0; 2]),
+        ([0.0, 0.0, 1.0], -3.0, [f64::INFINITY; 2]),
+        ([1.0, 0.0, -1.0], 9.0, [f64::INFINITY; 2]),
+    ] {
+        let other = place(normal, [4.0, 0.0, height]);
+        let options = ContactOptions { margin: 0.75, ..ContactOptions::default() };
+        for (a, b) in [(&floor, &other), (&other, &floor)] {
+            let found = shapes::contacts_with(a, b, &options);
+            let [manifold] = &found[..] else { panic!("one manifold is expected, not {found:?}") };
+            let [point] = &manifold.points[..] else { panic!("one point is expected, not {found:?}") };
+            assert!(point.lower <= lower && upper <= point.upper, "{height}: {point:?}");
+            assert!(lower.is_infinite() || point.upper - point.lower < 1e-12, "{height}: {point:?}");
+            assert!(!point.lower.is_infinite() || lower.is_infinite(), "{height}: {point:?}");
+            // From the point of the second to that of the first it is the depth along the normal.
+            if lower.is_finite() {
+                let along: f64 = (0..3).map(|k| manifold.normal[k] * (point.point_a[k] - point.point_b[k])).sum();
+                assert!((along - lower).abs() < 1e-12, "{height}: {manifold:?}");
+            }
+        }
+        assert_eq!(shapes::contacts(&floor, &other).len(), usize::from(height <= 0.0 || lower.is_infinite()));
+    }
+    let far = place([0.0, 0.0, -1.0], [0.0, 0.0, 0.8]);
+    assert!(shapes::contacts_with(&floor, &far, &ContactOptions { margin: 0.75, most_points: 4 }).is_empty());
 }
