@@ -29,7 +29,8 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Chore {
-    /// Fail on an import against the order of crates or modules, and on `unsafe` outside its homes.
+    /// Fail on an import against the order of crates or modules, on files of a module that need each other, and on `unsafe`
+    /// outside its homes.
     Layers,
     /// Warn of source files past 400 lines, fail on those past 800.
     FileLength,

@@ -60,7 +60,7 @@ fn imported_names(file: &SourceFile) -> HashMap<String, Vec<String>> {
                 let name = if name == "self" { target.last().cloned() } else { Some(name.to_owned()) };
                 if let Some(name) = name
                     && target.last().is_some_and(|last| last != "*")
-                    && target != [&file.module[..], &[name.clone()]].concat()
+                    && target != [&file.module[..], std::slice::from_ref(&name)].concat()
                 {
                     imported.insert(name, target);
                 }

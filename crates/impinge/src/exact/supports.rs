@@ -86,7 +86,11 @@ fn reach(
         size = size.max(rough_gradient.iter().zip(&point).map(|(g, x)| (g * x).abs()).sum());
     }
     let surely_less = farthest - 16.0 * f64::EPSILON * size;
-    let candidates = points.filter(|point| !(vector::dot(&rough_gradient, point) < surely_less));
+    let candidates = points.filter(|point| {
+        // NaN proves nothing.
+        let is_surely_less = vector::dot(&rough_gradient, point) < surely_less;
+        !is_surely_less
+    });
     candidates
         .fold(DoubleDouble::of(f64::NEG_INFINITY), |most, point| {
             most.greater(&dot(&gradient, &point.map(DoubleDouble::of)))

@@ -91,7 +91,15 @@ struct Carried {
     slab: Slab,
 }
 
-/// What a run has at hand beside its tasks.
+impl Carried {
+    /// Loads the boxes.
+    #[inline(always)]
+    fn boxes<S: Simd>(&self, simd: S) -> [Lanes3<S>; 2] {
+        [load3(simd, &self.boxes.min), load3(simd, &self.boxes.max)]
+    }
+}
+
+/// What a run keeps beside its tasks.
 struct Underway {
     carried: Carried,
     /// Put off until the guest leaves' memory is at hand.
@@ -203,9 +211,9 @@ impl Descent<'_> {
         visitor.finish(simd)
     }
 
-    /// Two nodes, both opened at once, or the much larger one alone. Where one of them holds leaves and the other nodes of like
-    /// size, that one stays as it is, so that leaves come to meet leaves. The tasks of one guest child are left side by side, so
-    /// that it is carried over once for all of them.
+    /// Opens two nodes: both at once, or the much larger one alone. If one of them holds leaves and the other nodes of like size, that
+    /// one stays as it is, so that leaves come to meet leaves. The tasks of one guest child are left side by side, so that it is
+    /// carried over once for all of them.
     #[inline(always)]
     fn open<S: Simd, V: LeafVisitor>(
         &self,
@@ -215,30 +223,18 @@ impl Descent<'_> {
         underway: &mut Underway,
         below: &mut Vec<Task>,
     ) -> ControlFlow<()> {
-        let carried = &mut underway.carried;
         let (guest, host) = (&self.guest[task.guest as usize], &self.host[task.host as usize]);
-        if carried.node != task.guest {
-            carried.node = task.guest;
-            carried.boxes = self.boxes.apply(simd, guest);
-            carried.slab = self.guest_slabs.carry(simd, &guest.slab);
-        }
-        let host_slab = self.host_slabs.carry(simd, &host.slab);
-        let mut guest_lanes = lanes_in_use(guest) & !host_slab.outside(simd, guest);
-        let mut host_lanes = lanes_in_use(host) & !carried.slab.outside(simd, host);
-        if let Some(slab) = self.guest_slabs.beside(&carried.slab, &host.slab) {
-            host_lanes &= !slab.outside(simd, host);
-            if let Some(slab) = self.host_slabs.beside(&host_slab, &guest.slab) {
-                guest_lanes &= !slab.outside(simd, guest);
-            }
-        }
+        self.carry(simd, task.guest, &mut underway.carried);
+        let carried = &underway.carried;
+        let [guest_lanes, host_lanes] = self.lanes_in_slabs(simd, [guest, host], carried);
         if guest_lanes == 0 || host_lanes == 0 {
             return ControlFlow::Continue(());
         }
         let host_boxes = (&load3(simd, &host.min), &load3(simd, &host.max));
         let guest_extent = self.stretch * guest.extent;
         if guest_extent > MUCH_LARGER * host.extent {
-            let guest_boxes = (&load3(simd, &carried.boxes.min), &load3(simd, &carried.boxes.max));
-            let near = guest_lanes & overlapping(simd, guest_boxes, &union(host_boxes));
+            let [min, max] = carried.boxes(simd);
+            let near = guest_lanes & overlapping(simd, (&min, &max), &union(host_boxes));
             return open_larger(
                 guest,
                 near,
@@ -249,8 +245,8 @@ impl Descent<'_> {
             );
         }
         if host.extent > MUCH_LARGER * guest_extent {
-            let guest_boxes = (&load3(simd, &carried.boxes.min), &load3(simd, &carried.boxes.max));
-            let near = host_lanes & overlapping(simd, host_boxes, &union(guest_boxes));
+            let [min, max] = carried.boxes(simd);
+            let near = host_lanes & overlapping(simd, host_boxes, &union((&min, &max)));
             return open_larger(
                 host,
                 near,
@@ -266,46 +262,43 @@ impl Descent<'_> {
         if near.count_ones() >= CROWDED {
             near = self.part(simd, underway, host, guest, near);
         }
-        match (guest.holds_leaves(), host.holds_leaves()) {
-            (false, false) => {
-                while near != 0 {
-                    let left = near.count_ones() as usize;
-                    let four = take_four(&mut near)
-                        .map(|bit| Task { guest: guest.index(bit / LANES), host: host.index(bit % LANES) });
-                    extend_some(below, four, left);
-                }
+        if guest.holds_leaves() && host.holds_leaves() {
+            visitor.prefetch_places(guest.index(0), host.index(0));
+            queue_approaches(near, guest, task.host, &mut underway.approaches);
+            while underway.approaches.len() >= underway.patience {
+                self.approach(simd, underway.patience.min(APPROACHED), underway, visitor)?;
             }
-            (true, false) => {
-                for lane in bits(any_byte(near)) {
-                    below.push(Task { guest: task.guest, host: host.index(lane) });
-                }
-            }
-            (false, true) => {
-                let mut any = nonzero_bytes(near);
-                while any != 0 {
-                    let lane = any.trailing_zeros() as usize / LANES;
-                    any &= any - 1;
-                    below.push(Task { guest: guest.index(lane), host: task.host });
-                }
-            }
-            (true, true) => {
-                visitor.prefetch_places(guest.index(0), host.index(0));
-                let mut any = nonzero_bytes(near);
-                while any != 0 {
-                    let left = any.count_ones() as usize;
-                    let four = take_four(&mut any).map(|first| Approach {
-                        guest_leaf: guest.index(first / LANES),
-                        host: task.host,
-                        host_lanes: (near >> first) as u32 & ALL_LANES,
-                    });
-                    underway.approaches.push_some(four, left);
-                }
-                while underway.approaches.len() >= underway.patience {
-                    self.approach(simd, underway.patience.min(APPROACHED), underway, visitor)?;
-                }
-            }
+        } else {
+            push_children(near, task, [guest, host], below);
         }
         ControlFlow::Continue(())
+    }
+
+    /// Carries the boxes and the slab of a guest node into the host's frame, unless it is the node that was carried last.
+    #[inline(always)]
+    fn carry<S: Simd>(&self, simd: S, node: u32, carried: &mut Carried) {
+        if carried.node != node {
+            let guest = &self.guest[node as usize];
+            carried.node = node;
+            carried.boxes = self.boxes.apply(simd, guest);
+            carried.slab = self.guest_slabs.carry(simd, &guest.slab);
+        }
+    }
+
+    /// Returns the lanes of the guest and of the host whose boxes are not proved outside the slab of the other node, nor outside
+    /// the slabs that both have in common.
+    #[inline(always)]
+    fn lanes_in_slabs<S: Simd>(&self, simd: S, [guest, host]: [&Node; 2], carried: &Carried) -> [u32; 2] {
+        let host_slab = self.host_slabs.carry(simd, &host.slab);
+        let mut guest_lanes = lanes_in_use(guest) & !host_slab.outside(simd, guest);
+        let mut host_lanes = lanes_in_use(host) & !carried.slab.outside(simd, host);
+        if let Some(slab) = self.guest_slabs.beside(&carried.slab, &host.slab) {
+            host_lanes &= !slab.outside(simd, host);
+            if let Some(slab) = self.host_slabs.beside(&host_slab, &guest.slab) {
+                guest_lanes &= !slab.outside(simd, guest);
+            }
+        }
+        [guest_lanes, host_lanes]
     }
 
     /// Of a crowd of near boxes those that do not pass each other askew.
@@ -339,6 +332,46 @@ impl Descent<'_> {
             }
         }
         visitor.meet(simd)
+    }
+}
+
+/// Makes tasks of the pairs of children that are near each other, of two nodes of which at least one has nodes as its children. A
+/// node of leaves stays as it is. `near` has a byte of host lanes for each guest lane.
+#[inline(always)]
+fn push_children(mut near: u64, task: Task, [guest, host]: [&Node; 2], below: &mut Vec<Task>) {
+    if guest.holds_leaves() {
+        for lane in bits(any_byte(near)) {
+            below.push(Task { guest: task.guest, host: host.index(lane) });
+        }
+    } else if host.holds_leaves() {
+        let mut any = nonzero_bytes(near);
+        while any != 0 {
+            let lane = any.trailing_zeros() as usize / LANES;
+            any &= any - 1;
+            below.push(Task { guest: guest.index(lane), host: task.host });
+        }
+    } else {
+        while near != 0 {
+            let left = near.count_ones() as usize;
+            let four =
+                take_four(&mut near).map(|bit| Task { guest: guest.index(bit / LANES), host: host.index(bit % LANES) });
+            extend_some(below, four, left);
+        }
+    }
+}
+
+/// Queues the guest leaves that are near leaves of a host node. `near` has a byte of host lanes for each guest lane.
+#[inline(always)]
+fn queue_approaches(near: u64, guest: &Node, host: u32, approaches: &mut Queue<Approach, APPROACHES>) {
+    let mut any = nonzero_bytes(near);
+    while any != 0 {
+        let left = any.count_ones() as usize;
+        let four = take_four(&mut any).map(|first| Approach {
+            guest_leaf: guest.index(first / LANES),
+            host,
+            host_lanes: (near >> first) as u32 & ALL_LANES,
+        });
+        approaches.push_some(four, left);
     }
 }
 

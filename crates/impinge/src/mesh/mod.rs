@@ -13,6 +13,8 @@
 //! - `pairs` finds the pairs of faces that intersect: of two meshes, and of a mesh and itself.
 //! - `solid` takes meshes as solids: winding numbers, and the sides of faces.
 //! - `distance` finds the nearest points of two meshes.
+//!
+//! `options` says how a query runs, and what may end it early.
 
 mod derived;
 mod distance;
@@ -31,9 +33,8 @@ pub(crate) use distance::{WarmStart, nearest, within};
 pub use lifecycle::aging::Aging;
 pub use lifecycle::parts::{Flaw, Parts};
 pub use lifecycle::repair::{Repair, RepairOptions};
-pub use options::{Interrupt, Options};
+pub use options::{HostChoice, Interrupt, Options};
 pub(crate) use pairs::descent::{any_hit, collect_intersecting, faces_meet, first_hit};
-pub use pairs::relation::HostChoice;
 pub(crate) use pairs::self_descent::{WantedFaces, collect_self_intersecting};
 pub use placed::Placed;
 pub(crate) use points::face_search::FaceSearch;

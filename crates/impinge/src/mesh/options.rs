@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use super::pairs::relation::HostChoice;
 use crate::simd::{self, Level};
 
 /// How a query runs. Level and host change no answer: they are for measuring and for tests that say so.
@@ -20,6 +19,18 @@ impl Default for Options<'_> {
     fn default() -> Self {
         Self { level: simd::best_level(), host: HostChoice::SmallerError, interrupt: Interrupt::NEVER }
     }
+}
+
+/// In whose frame two meshes are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HostChoice {
+    /// The one in which rounding costs less, relative to the mesh carried into it (*Notes on Real Time Collision
+    /// Detection*, 2.2).
+    SmallerError,
+    /// Always the first mesh's.
+    First,
+    /// Always the second mesh's.
+    Second,
 }
 
 /// A question that long work asks now and then: whether to give up.

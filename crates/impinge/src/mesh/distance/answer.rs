@@ -5,39 +5,39 @@ use std::ops::ControlFlow::{self, Break, Continue};
 use super::scene::{Scene, Valued};
 use crate::primitive::{separation, triangle_triangle};
 
-/// How many pairs of faces get a value at most, before only such are looked for as are nearer by more than what values may
-/// be off by. Only meshes of which millions of pairs are equally near reach it, such as flat ones far apart; the
-/// interval stays proved. A value takes about a microsecond.
+/// Maximum number of pairs of faces that get a value. After that only pairs count that are nearer by more than the error of
+/// values. Only meshes with millions of equally near pairs reach it, such as flat ones far apart. The interval stays proved. A
+/// value takes about a microsecond.
 pub(super) const MAX_VALUES: usize = 1 << 24;
 
-/// How many pairs of faces are put off at most; beyond that they get their values at once.
+/// Maximum number of deferred pairs of faces. Further pairs get their values at once.
 const MAX_DEFERRED: usize = 1 << 12;
 
-/// After this many pairs of faces that bounds could not tell from the clearance, planes are tried on the whole meshes. That
-/// reads every face once, and takes about as long as so many pairs of two meshes of a thousand faces.
+/// Number of pairs of faces that bounds could not tell from the clearance after which planes are tried on the whole meshes. That
+/// reads every face once, and takes about as long as this many pairs of two meshes of a thousand faces.
 const TIES: usize = 64;
 
-/// What is known so far.
+/// Results of a search so far.
 pub(super) struct Answer {
     pub(super) best: Option<Valued>,
-    /// Whether faces that were met may have a common point, where that is asked.
+    /// Whether faces that were processed may have a common point; `None` if the query does not ask it.
     pub(super) may_intersect: Option<bool>,
-    /// Faces that are within the clearance.
+    /// A pair of faces within the clearance.
     pub(super) kept: Option<[u32; 2]>,
-    /// What is farther than this, in metric units, does not matter; the same in single precision; and for nodes.
+    /// Distance in metric units beyond which nothing matters; the same in single precision, and for nodes.
     pub(super) cut: f64,
     pub(super) limit: f32,
     pub(super) node_limit: f32,
     pub(super) values_left: usize,
-    /// Pairs of faces that were found to be farther apart than the clearance.
+    /// Number of processed pairs of faces that are farther apart than the clearance.
     beyond: usize,
-    /// Pairs that tie with the best at most, and a lower bound of each: neighbours share the edge or corner that is nearest,
-    /// and of those that were the best for a while nobody has to know which was the first.
+    /// Deferred pairs, each with a lower bound: they can hardly be nearer than the best pair. Neighbors share the edge or corner
+    /// that is nearest, and most of them never need a value.
     deferred: Vec<([u32; 2], f32)>,
 }
 
 impl Answer {
-    /// Nothing is known but that what is farther than this does not matter.
+    /// Creates an answer without a pair, for which nothing farther than `farthest` matters.
     pub(super) fn new(scene: &Scene<'_>, farthest: f64) -> Self {
         let mut answer = Self {
             best: None,
@@ -54,7 +54,7 @@ impl Answer {
         answer
     }
 
-    /// Meets a pair, of which `lower` says how near it is at least; later, where that is hardly nearer than the best.
+    /// Processes a pair with the lower bound `lower`, or defers it if it can hardly be nearer than the best pair.
     #[inline(always)]
     pub(super) fn process_or_defer(
         &mut self,
@@ -74,7 +74,7 @@ impl Answer {
         self.process(scene, faces)
     }
 
-    /// Meets what was put off and still matters.
+    /// Processes the deferred pairs that still matter.
     pub(super) fn process_deferred(&mut self, scene: &Scene<'_>) -> ControlFlow<()> {
         for (faces, lower) in std::mem::take(&mut self.deferred) {
             if lower <= self.limit {
@@ -90,13 +90,13 @@ impl Answer {
         self.node_limit = scene.bounds.limit(metric);
     }
 
-    /// Gives a pair its value, and keeps it where it is better; breaks off where there is nothing more to know.
+    /// Computes the value of a pair, and keeps the pair if it is better. Breaks if the query is answered.
     #[inline(never)]
     pub(super) fn process(&mut self, scene: &Scene<'_>, faces: [u32; 2]) -> ControlFlow<()> {
         let corners = scene.corners(faces);
         let error = scene.metric.error;
         let witness = triangle_triangle(&corners[0], &corners[1]);
-        // Faces that do not meet are apart, though rounding may bring them together.
+        // Faces that do not intersect are apart, though rounding may bring them together.
         let value = witness.squared.sqrt().max(f64::MIN_POSITIVE);
         let are_separated = || separation(&corners[0], &corners[1], &witness) > error;
         if let Some(may_intersect) = &mut self.may_intersect {
@@ -105,14 +105,14 @@ impl Answer {
         if scene.clearance < f64::INFINITY {
             let valued = Valued { value, faces, witness };
             self.best = Some(self.best.filter(|best| best.precedes(&valued)).unwrap_or(valued));
-            // What the value leaves open is decided exactly, and so is everything about triangles that may cross.
+            // Undecided values are compared exactly, and so are triangles that may cross.
             let is_open = !(are_separated() && scene.lower(value) > scene.clearance);
             if is_open && (scene.upper(value) <= scene.clearance || scene.within(faces, &witness)) {
                 self.kept = Some(faces);
                 return Break(());
             }
             self.beyond += 1;
-            // Where many faces are hardly farther apart than the clearance, the meshes may face each other with flat sides.
+            // If many faces are hardly farther apart than the clearance, the meshes may have flat sides that face each other.
             let proves_all = self.beyond == TIES
                 && self.best.is_some_and(|best| scene.are_farther_by_planes(best.faces, &best.witness));
             return if proves_all { Break(()) } else { Continue(()) };

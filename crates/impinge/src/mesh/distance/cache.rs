@@ -1,8 +1,8 @@
-//! What was made last and may be wanted again.
+//! A direct-mapped cache.
 
-/// The last few of many things that are costly to make, by number: at most `SLOTS`, a power of two.
+/// The last values of a costly computation, by number. There are `SLOTS` slots, a power of two.
 pub(super) struct Cache<T, const SLOTS: usize> {
-    /// One more than the place of the thing whose number ends in this index.
+    /// For each slot one more than the place of its value, or zero for an empty slot.
     places: [u16; SLOTS],
     kept: Vec<T>,
 }
@@ -12,13 +12,13 @@ impl<T, const SLOTS: usize> Cache<T, SLOTS> {
         Self { places: [0; SLOTS], kept: Vec::new() }
     }
 
-    /// The thing of this number, made where it is not at hand.
+    /// Returns the value of a number, and computes it if it is not cached.
     #[inline(always)]
     pub(super) fn get(&mut self, number: u32, number_of: impl Fn(&T) -> u32, make: impl FnOnce(u32) -> T) -> &T {
         self.get_current(number, |kept| number_of(kept) == number, make)
     }
 
-    /// The thing of this number, made where what is at hand in its place is another or no longer right.
+    /// Returns the value of a number, and computes it if the value in its slot is not current.
     #[inline(always)]
     pub(super) fn get_current(
         &mut self,

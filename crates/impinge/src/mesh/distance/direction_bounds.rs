@@ -22,12 +22,11 @@ use crate::mesh::storage::packet::Packet;
 use crate::primitive::{Vector, dot, length, sub};
 use crate::simd::{ALL_LANES, LANES, load, outlined};
 
-/// Nodes whose children's reaches are kept, of either mesh; a power of two.
+/// Number of nodes of either mesh whose reaches are cached, a power of two.
 const CACHED_NODES: usize = 256;
 
-/// Nodes are looked at along a new direction where the distance has shrunk by more than this since the last: 2^-10. More
-/// often would reach for all of them anew for little; a direction that is off by an angle φ loosens bounds by about φ²/2,
-/// which is this.
+/// Relative decrease of the distance after which the reaches of nodes are computed along a new direction: 2^-10. A smaller one would
+/// compute them anew for little gain: a direction that is off by an angle φ loosens bounds by about φ²/2, which is this.
 const STALE: f64 = 1.0 / 1024.0;
 
 /// More than what the sum of two reaches is off by, and this number's own rounding, relative to the sum: 2^-21.
@@ -37,9 +36,9 @@ const SUM_ROUNDING: f64 = 1.0 / (1_u64 << 21) as f64;
 pub(super) struct DirectionBounds<'m> {
     /// The host and the guest.
     meshes: [&'m Mesh; 2],
-    /// LineBound the best witnesses.
+    /// Direction between the best witnesses.
     newest: Option<Direction>,
-    /// The one along which nodes are looked at, which is not always the newest, and its number.
+    /// Direction along which the reaches of nodes are computed, which is not always the newest, and its number.
     of_nodes: Option<Direction>,
     version: u32,
     nodes: [Cache<Reaches, CACHED_NODES>; 2],
@@ -50,7 +49,7 @@ pub(super) struct DirectionBounds<'m> {
 struct Direction {
     supports: [SupportBound; 2],
     threshold: Threshold,
-    /// The distance at which it was taken.
+    /// Distance at which the direction was taken.
     value: f64,
 }
 

@@ -9,11 +9,11 @@ use super::scene::{Scene, Valued};
 use crate::mesh::Mesh;
 use crate::primitive::{Vector, dot, length, sub, triangle_triangle};
 
-/// The gap, in extents of both meshes together, from which on this is the answer.
+/// Ratio of the gap to the extent of both meshes above which they count as far apart.
 const FAR_APART: f64 = (1_u64 << 24) as f64;
 
-/// The faces that reach farthest, with their value and what it may be off by beyond the error of values; none for meshes
-/// that are nearer to each other.
+/// Returns the faces that reach farthest, with their value and its error beyond the error of values. Returns `None` if the meshes
+/// are not far apart.
 pub(super) fn nearest(scene: &Scene<'_>) -> Option<(Valued, f64)> {
     let metric = &scene.metric;
     let gap = sub(&metric.maps[1].offset, &metric.maps[0].offset);
@@ -33,7 +33,7 @@ pub(super) fn nearest(scene: &Scene<'_>) -> Option<(Valued, f64)> {
     Some((Valued { value: witness.squared.sqrt(), faces, witness }, aside))
 }
 
-/// The first of the faces with the corner that reaches farthest in a direction.
+/// Returns the face with the corner that reaches farthest in a direction, the first among equals.
 fn farthest(mesh: &Mesh, map: &MetricMap, direction: Vector) -> u32 {
     let column = |j: usize| [map.linear[0][j], map.linear[1][j], map.linear[2][j]];
     let local = [0, 1, 2].map(|j| dot(&direction, &column(j)));

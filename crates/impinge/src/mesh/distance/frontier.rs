@@ -1,4 +1,4 @@
-//! Where a search ended, for the next one to begin there.
+//! The node pairs at which a search ended, where the next search resumes.
 //!
 //! A *frontier* has an entry for every two nodes whose children were compared, and in it a lower bound for each two children: of the
 //! distance of all that is below them, at the time, from the best of the tests that they were put to. A bound is infinite where an
@@ -25,36 +25,37 @@ use crate::mesh::storage::stamp::Stamp;
 use crate::mesh::{HostChoice, Options};
 use crate::simd::{LANES, Lanes3, bits, by_axis, dispatch, dot, load, load3};
 
-/// Frontiers with more than this many times the entries that they had at first are given up: what they passed by long ago is in
-/// the way.
+/// Maximum ratio of the number of entries to the number that a frontier had at first. A larger frontier is dropped, because its old
+/// entries cost time.
 const MAX_GROWTH: usize = 2;
 
-/// Entries at most, of a fourth of a kilobyte each: what would have more stays a pair of children that is opened each time.
+/// Maximum number of entries, of 260 bytes each. Without an entry a pair of children is opened again in each search.
 const MAX_ENTRIES: usize = 1 << 16;
 
-/// How many more motions like the last one bounds shall outlast. More cost more than they save: pairs of triangles are then put to
-/// costly tests that are no nearer than this.
+/// Number of further motions like the last one for which bounds should hold. A larger number costs more than it saves, because
+/// costly tests are then applied to more distant pairs of triangles.
 const OUTLASTED: f32 = 2.0;
 
-/// How far beyond what matters pairs of triangles are looked at, as a share of that: at least, so that bounds are above it where
-/// nothing moves, and at most.
+/// Least and greatest share of the distance that matters by which pairs of triangles beyond it are processed too. The least keeps
+/// bounds above that distance if nothing moves.
 const BEYOND: [f32; 2] = [1.0 / 1024.0, 1.0 / 8.0];
 
+/// The node pairs at which a search ended, with lower bounds of their distances.
 #[derive(Clone, Debug)]
 pub(super) struct Frontier {
-    /// Of the first mesh and of the second.
+    /// Stamps of the first and the second mesh.
     stamps: [Stamp; 2],
     sides: Sides,
     relative: RelativeFrame,
-    /// How many times as far as what matters pairs of triangles are looked at, so that bounds outlast some motion.
+    /// Factor on the distance that matters up to which pairs of triangles are processed, so that bounds outlast some motion.
     beyond: f32,
     entries: Vec<Entry>,
-    /// How many pairs of leaves were met when it was made, and how many entries it had then.
+    /// Number of pairs of leaves that were processed to make the frontier, and number of its entries then.
     leaf_pairs: usize,
     initial_entries: usize,
 }
 
-/// Two nodes, the host's and the guest's, and bounds by the guest's lanes and the host's.
+/// A node of the host and a node of the guest, with bounds by the guest's lanes and the host's lanes.
 #[derive(Clone, Debug)]
 struct Entry {
     nodes: [u32; 2],
@@ -62,7 +63,7 @@ struct Entry {
 }
 
 impl Entry {
-    /// The roots, of whose children, as many of the host's and of the guest's, nothing is known.
+    /// Returns the entry of the roots, which have these numbers of children, with bounds of zero.
     fn of_roots([host, guest]: [usize; 2]) -> Self {
         let mut bounds = [[f32::INFINITY; LANES]; LANES];
         bounds[..guest].iter_mut().for_each(|row| row[..host].fill(0.0));
@@ -70,12 +71,12 @@ impl Entry {
     }
 }
 
-/// The number of no entry.
+/// Number that stands for no entry.
 pub(super) const NO_ENTRY: u32 = u32::MAX;
 
 impl Frontier {
-    /// A frontier at the roots, where the meshes stood little else at the last search, `cut` being what matters; none also where
-    /// distances in the host's frame do not tell those in the world.
+    /// Creates a frontier at the roots. Returns `None` if the meshes have moved far since the last search, or if distances in the
+    /// host's frame do not bound distances in the world. `cut` is the distance that matters.
     pub(super) fn new(
         scene: &Scene<'_>,
         since: &RelativeFrame,
@@ -94,14 +95,15 @@ impl Frontier {
         Some(frontier)
     }
 
-    /// How far beyond what matters bounds outlast some more such motion; none where it is too large for that to pay.
+    /// Returns the factor on the distance that matters with which bounds outlast some more motion like this one, or `None` if the
+    /// motion is too large.
     fn outlasting(&self, motion: &Motion, nodes: &[Node], options: &Options<'_>, cut: f64) -> Option<f32> {
         let (level, root) = (options.level, nodes.first()?);
         let motions = dispatch!(level, simd => motion.of_children(simd, root));
         let mut most = BEYOND[0];
         for lane in bits(lanes_in_use(root)) {
             let share = OUTLASTED * motions[lane] / self.limit(cut);
-            // What is not a number is too large.
+            // NaN counts as too large.
             if share.is_nan() || share > BEYOND[1] {
                 return None;
             }
@@ -114,20 +116,20 @@ impl Frontier {
         self.beyond
     }
 
-    /// Where it is complete: so many pairs of leaves were met for it.
+    /// Records the number of pairs of leaves that were processed, once the frontier is complete.
     pub(super) fn complete(&mut self, leaf_pairs: usize) {
         if self.initial_entries == 0 {
             (self.leaf_pairs, self.initial_entries) = (leaf_pairs, self.entries.len());
         }
     }
 
-    /// These options with the host whose frontier this is.
+    /// Returns the options with the host of this frontier.
     pub(super) fn options<'i>(&self, options: &Options<'i>) -> Options<'i> {
         let [host, _] = self.sides.host_guest([HostChoice::First, HostChoice::Second]);
         Options { host, ..*options }
     }
 
-    /// An entry for two nodes, of which nothing is kept yet; none where there are too many.
+    /// Adds an entry for two nodes, without bounds. Returns `None` if there are too many entries.
     #[inline(always)]
     pub(super) fn open(&mut self, nodes: [u32; 2]) -> Option<u32> {
         let entry = self.entries.len();
@@ -137,8 +139,8 @@ impl Frontier {
         })
     }
 
-    /// Keeps bounds of what is below one child of the guest's node and each of the host's in use: the distances of their boxes,
-    /// squared.
+    /// Stores the bounds of one child of the guest's node and each child of the host's node, given the squared distances of their
+    /// boxes.
     #[inline(always)]
     pub(super) fn keep_row<S: Simd>(&mut self, simd: S, entry: u32, guest: usize, lanes: u32, squared: &[f32; LANES]) {
         let bounds: [f32; LANES] = (load(simd, squared).sqrt() * f32x8::splat(simd, OF_BOXES)).into();
@@ -147,14 +149,14 @@ impl Frontier {
         }
     }
 
-    /// Keeps a bound of what is below two children: the distance of their boxes, squared.
+    /// Stores the bound of two children, given the squared distance of their boxes.
     #[inline(always)]
     pub(super) fn keep(&mut self, entry: u32, [host, guest]: [Slot; 2], squared: f32) {
         let bound = finite(squared.sqrt() * OF_BOXES);
         self.entries[entry as usize].bounds[usize::from(guest.lane)][usize::from(host.lane)] = bound;
     }
 
-    /// The bound of what is below two children is at least this, in metric units, `error` aside.
+    /// Raises the bound of two children to a distance in metric units, less `error`.
     #[inline(always)]
     pub(super) fn raise(&mut self, entry: u32, [host, guest]: [Slot; 2], metric: f64, error: f64) {
         let packed = self.packed(metric, error);
@@ -164,13 +166,13 @@ impl Frontier {
         }
     }
 
-    /// A lower bound in metric units, `error` aside, as one in the host's packed frame.
+    /// Converts a lower bound in metric units, less `error`, to the host's packed frame.
     #[inline(always)]
     fn packed(&self, metric: f64, error: f64) -> f32 {
         finite(((metric - 2.0 * error) / self.relative.stretch[1] * (1.0 - 16.0 * HALF_ULP)) as f32)
     }
 
-    /// The two children have an entry of their own.
+    /// Marks two children as opened: they have an entry of their own.
     #[inline(always)]
     pub(super) fn mark_opened(&mut self, entry: u32, [host, guest]: [Slot; 2]) {
         if let Some(entry) = self.entries.get_mut(entry as usize) {
@@ -182,14 +184,14 @@ impl Frontier {
         self.entries.len()
     }
 
-    /// What bounds are compared with, so that all that is above it is farther away than `cut`, in metric units.
+    /// Returns the limit of bounds above which everything is farther away than `cut`, in metric units.
     #[inline(always)]
     pub(super) fn limit(&self, cut: f64) -> f32 {
         // Infinite bounds are above it in any case.
         (cut / self.relative.stretch[0] * (1.0 + 16.0 * HALF_ULP)).min(f64::from(f32::MAX)) as f32
     }
 
-    /// The nodes of an entry, and for each lane of the guest's the host's lanes whose bound is not above `limit`.
+    /// Returns the nodes of an entry, and for each guest lane the host lanes whose bound is not above `limit`.
     #[inline(always)]
     pub(super) fn near<S: Simd>(&self, simd: S, entry: u32, limit: f32) -> ([u32; 2], [u32; LANES]) {
         let Entry { nodes, bounds } = &self.entries[entry as usize];
@@ -201,8 +203,8 @@ impl Frontier {
         (*nodes, near)
     }
 
-    /// The frontier where the meshes are now; none where they are not the same, or it is not worth to go on from it, `cut` being
-    /// what matters.
+    /// Moves the frontier to where the meshes are now. Returns `None` if the meshes have changed or if resuming is not worth it.
+    /// `cut` is the distance that matters.
     pub(super) fn moved(mut self, scene: &Scene<'_>, nodes: &[Node], options: &Options<'_>, cut: f64) -> Option<Self> {
         let relative = scene.bounds.relative?;
         let same = self.stamps == scene.meshes.map(|mesh| mesh.0.stamp) && self.sides == scene.bounds.sides;
@@ -218,7 +220,7 @@ impl Frontier {
         (open <= self.leaf_pairs).then_some(self)
     }
 
-    /// Takes off what the guest's parts have moved; returns for how many pairs of children something is to be found out.
+    /// Subtracts the motion of the guest's parts from the bounds. Returns the number of pairs of children to process.
     #[inline(always)]
     fn subtract_motion<S: Simd>(&mut self, simd: S, motion: &Motion, nodes: &[Node], limit: f32) -> usize {
         let limit = f32x8::splat(simd, limit);
@@ -237,24 +239,24 @@ impl Frontier {
     }
 }
 
-/// No finite bound is larger. Squares of less do not overflow.
+/// Maximum finite bound. Its square does not overflow.
 const MAX_BOUND: f32 = 1e19;
 
-/// A bound that does not say of the children that they have an entry.
+/// Returns a finite bound: an infinite one marks children that have an entry.
 #[inline(always)]
 fn finite(bound: f32) -> f32 {
-    // Not by `f32::min`, to which what is not a number is nothing.
+    // Not by `f32::min`, which ignores NaN.
     if bound > MAX_BOUND { MAX_BOUND } else { bound }
 }
 
-/// Makes up for the rounding of the distance of boxes, seven operations and a root: 1 - 2^-20.
+/// Factor for the rounding of the distance of boxes, seven operations and a root: 1 - 2^-20.
 const OF_BOXES: f32 = 1.0 - 1.0 / (1_u32 << 20) as f32;
 
-/// How points of the guest have moved in the host's packed frame: `linear · point + translation`.
+/// Motion of points of the guest in the host's packed frame: `linear · point + translation`.
 struct Motion {
     linear: [[f32; 3]; 3],
     translation: [f32; 3],
-    /// More than what that is off by, as a length.
+    /// Error bound of the motion, as a length.
     error: f32,
 }
 
@@ -270,7 +272,7 @@ impl Motion {
         Self { linear, translation, error: (error as f32).next_up() }
     }
 
-    /// No point below a child of a node has moved farther than this.
+    /// Returns for each child of a node an upper bound of the motion of the points below it.
     #[inline(always)]
     fn of_children<S: Simd>(&self, simd: S, node: &Node) -> [f32; LANES] {
         let (min, max) = (load3(simd, &node.min), load3(simd, &node.max));

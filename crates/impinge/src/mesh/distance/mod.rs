@@ -16,6 +16,7 @@
 mod answer;
 mod bounds;
 mod cache;
+mod carried_boxes;
 mod direction_bounds;
 mod far_apart;
 mod frontier;

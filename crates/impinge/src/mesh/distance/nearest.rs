@@ -6,9 +6,9 @@ use super::search::Search;
 use super::warm_start::WarmStart;
 use crate::mesh::{HostChoice, Options, Placed, first_hit};
 
-/// The nearest points, none where a mesh has no faces.
+/// Returns the nearest points of two meshes, or `None` if a mesh has no faces.
 ///
-/// Where the meshes intersect the faces are the first that meet in the descent that the meshes' own errors choose.
+/// If the meshes intersect, the faces are the first pair that the descent finds with the host of the smaller error.
 pub(crate) fn nearest(
     a: Placed<'_>,
     b: Placed<'_>,
@@ -35,7 +35,8 @@ pub(crate) fn nearest(
     nearest
 }
 
-/// Likewise where the last search left a frontier from which this one proves that the meshes are apart.
+/// Returns the nearest points by resuming at the frontier of the last search. Returns `None` if there is no frontier or if it does
+/// not prove that the meshes are apart.
 fn nearest_from_frontier(
     a: Placed<'_>,
     b: Placed<'_>,
@@ -47,7 +48,7 @@ fn nearest_from_frontier(
     let mut search = Search::new(a, b, &options, f64::INFINITY)?;
     search.answer.may_intersect = Some(false);
     let _ = search.try_faces(warm_start.faces);
-    // Of triangles that cross the closed form says nothing.
+    // The closed form is not valid for triangles that cross.
     if !search.resume(frontier, &options) || search.answer.may_intersect == Some(true) {
         return None;
     }
@@ -56,7 +57,7 @@ fn nearest_from_frontier(
     nearest
 }
 
-/// Faces that are no farther apart than `clearance`, if there are such; any faces where the search is interrupted.
+/// Returns a pair of faces that are no farther apart than `clearance`, or `None` if there is none.
 pub(crate) fn within(
     a: Placed<'_>,
     b: Placed<'_>,

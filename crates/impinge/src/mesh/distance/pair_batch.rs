@@ -1,4 +1,4 @@
-//! Pairs of triangles of two leaves, eight side by side: what bounds one pair well takes as long for eight.
+//! Pairs of triangles of two leaves in a batch of eight: a tight bound of eight pairs takes as long as that of one.
 
 use fearless_simd::Simd;
 
@@ -15,7 +15,7 @@ pub(super) struct PairBatch {
 impl PairBatch {
     pub(super) const NONE: Self = Self { lanes: [[0; 2]; LANES], lower: [0.0; LANES], count: 0 };
 
-    /// Only where there is room.
+    /// Adds a pair to a batch that is not full.
     #[inline(always)]
     pub(super) fn push(&mut self, lanes: [usize; 2], lower: f32) {
         self.lanes[self.count] = lanes;
@@ -28,7 +28,7 @@ impl PairBatch {
         self.count == LANES
     }
 
-    /// Raises the bounds, where that does not take longer than giving one pair its value or they are wanted.
+    /// Raises the bounds, if the caller wants them or if that takes no longer than the value of one pair.
     #[inline(always)]
     pub(super) fn raise<S: Simd>(&mut self, simd: S, facing: &Facing<'_, S>, is_wanted: bool) {
         if self.count > usize::from(!is_wanted) {
@@ -43,19 +43,19 @@ impl PairBatch {
         }
     }
 
-    /// The least of the bounds and this one.
+    /// Returns the least of the bounds and of `other`.
     #[inline(always)]
     pub(super) fn least(&self, other: f32) -> f32 {
         self.lower[..self.count].iter().fold(other, |least, &lower| least.min(lower))
     }
 
-    /// Which triangles of the host's leaf, and of the guest's.
+    /// Returns the lanes of the host's leaf and of the guest's leaf.
     #[inline(always)]
     fn choices(&self) -> [Choice; 2] {
         [0, 1].map(|side| Choice::new(self.lanes.map(|lanes| lanes[side])))
     }
 
-    /// The pair of the least bound, where that is not above `limit`; where it is, all are let go.
+    /// Removes and returns the pair of the least bound. If that bound is above `limit`, clears the batch and returns `None`.
     #[inline(always)]
     pub(super) fn take_nearest(&mut self, limit: f32) -> Option<([usize; 2], f32)> {
         let nearest =

@@ -31,18 +31,18 @@ impl Valued {
     }
 }
 
-/// What does not change during a search.
+/// Values that do not change during a search.
 pub(super) struct Scene<'a> {
     pub(super) meshes: [&'a Mesh; 2],
     pub(super) metric: Metric,
     pub(super) placement: Placement,
     pub(super) bounds: Bounds,
-    /// The clearance that is asked for, in world units; infinite where the nearest points are.
+    /// Clearance of the query in world units, or infinity if the query asks for the nearest points.
     pub(super) clearance: f64,
 }
 
 impl Scene<'_> {
-    /// Which mesh is the host, and which the guest.
+    /// Returns the places of the host and the guest among the two meshes.
     #[inline(always)]
     pub(super) fn sides(&self) -> [usize; 2] {
         self.bounds.sides.host_guest([0, 1])
@@ -74,8 +74,8 @@ impl Scene<'_> {
         parts_within(&self.placement, &a, &b, self.clearance, &parts)
     }
 
-    /// Whether planes that two faces rest on, across the line between their nearest points, prove that the whole meshes are
-    /// farther apart than the clearance.
+    /// Reports whether planes that two faces rest on, perpendicular to the line between their nearest points, prove that the
+    /// whole meshes are farther apart than the clearance.
     pub(super) fn are_farther_by_planes(&self, faces: [u32; 2], witness: &Witness) -> bool {
         let corners = |m: usize| {
             let mesh = self.meshes[m];
@@ -89,17 +89,17 @@ impl Scene<'_> {
         Supports::of_triangles(&self.placement, &corners[0], &corners[1], sub(&witness.on_b, &witness.on_a))
     }
 
-    /// No less than the distance of triangles of this value, in world units.
+    /// Returns an upper bound of the distance of triangles of this value, in world units.
     pub(super) fn upper(&self, value: f64) -> f64 {
         ((value * (1.0 + 4.0 * f64::EPSILON) + self.metric.error) / self.metric.scale).next_up()
     }
 
-    /// No more than the distance of any two triangles where none has a smaller value.
+    /// Returns a lower bound of the distance of triangles whose values are not smaller, in world units.
     pub(super) fn lower(&self, value: f64) -> f64 {
         ((value * (1.0 - 4.0 * f64::EPSILON) - self.metric.error) / self.metric.scale).next_down().max(0.0)
     }
 
-    /// The answer, of a value that may be above the least one by `doubt`.
+    /// Returns the result for the best pair, whose value may be above the least value by `doubt`.
     pub(super) fn finish(&self, best: &Valued, doubt: f64) -> Nearest {
         let faces = best.faces;
         let Witness { on_a, on_b, .. } = best.witness;
@@ -109,7 +109,7 @@ impl Scene<'_> {
     }
 }
 
-/// The answer where these faces meet.
+/// Returns the result for two faces that intersect.
 pub(super) fn intersecting(a: Placed<'_>, b: Placed<'_>, faces: [u32; 2]) -> Nearest {
     let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
     let corners = [a.mesh.corners(faces[0]), b.mesh.corners(faces[1])];

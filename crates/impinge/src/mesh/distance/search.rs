@@ -1,4 +1,4 @@
-//! The search: pairs of children, the nearest first, and what is found out about them.
+//! The search: pairs of children are processed in the order of their bounds, the nearest first.
 
 use std::ops::ControlFlow::{self, Continue};
 
@@ -8,6 +8,7 @@ use fearless_simd::{Simd, f32x8};
 use super::answer::Answer;
 use super::bounds::Bounds;
 use super::cache::Cache;
+use super::carried_boxes::{CarriedBoxes, carried_boxes};
 use super::direction_bounds::{DirectionBounds, Reach, Reached};
 use super::frontier::{Frontier, NO_ENTRY};
 use super::leaf_pair::{LeafCaches, Progress, process_leaves};
@@ -19,30 +20,27 @@ use super::slot::Slot;
 use super::task::{Sorted, Task};
 use super::warm_start::WarmStart;
 use crate::exact::Placement;
-use crate::hierarchy::{BoxLanes, Child, Node, lanes_in_use};
+use crate::hierarchy::{Child, Node, lanes_in_use};
 use crate::mesh::storage::packet::{Packet, Packets};
 use crate::mesh::{Interrupt, Options, Placed};
 use crate::simd::{LANES, Level, bits, by_axis, dispatch, outlined};
 use crate::volume::Aabb;
 
-/// A search that meets more pairs of leaves than this, and takes some milliseconds, is costly: where its like follow, a frontier pays.
+/// Number of processed pairs of leaves above which a search counts as costly. It then takes some milliseconds, and a frontier makes
+/// similar searches after it faster.
 const COSTLY: usize = 1 << 13;
 
-/// Children whose boxes differ in size by more than this are not opened together: the larger one alone comes nearer to
-/// the other's size.
+/// Maximum ratio of the sizes of two boxes whose nodes are opened together. Above it only the larger node is opened.
 const OPENED_TOGETHER: f32 = 4.0;
 
-/// Tasks after which the query is asked whether to go on: about 100 microseconds.
+/// Number of tasks after which the query is asked whether to go on: about 100 microseconds.
 const TASKS_AT_A_TIME: usize = 1 << 9;
-
-/// Nodes of either mesh whose boxes are kept carried over; a power of two.
-const CACHED_BOXES: usize = 32;
 
 /// The two sides of a search, by their places.
 const HOST: usize = 0;
 const GUEST: usize = 1;
 
-/// Of the arrays of two the first is the host's and the second the guest's.
+/// A search. In arrays of two the host comes first and the guest second.
 pub(super) struct Search<'a> {
     pub(super) scene: Scene<'a>,
     pub(super) answer: Answer,
@@ -51,28 +49,22 @@ pub(super) struct Search<'a> {
     tasks: Vec<Task>,
     found: Sorted,
     leaves: LeafCaches,
-    carried: [Cache<Carried, CACHED_BOXES>; 2],
+    carried: [CarriedBoxes; 2],
     direction_bounds: DirectionBounds<'a>,
     line_bound: LineBound,
-    /// Where the search ends, if that is kept.
+    /// Node pairs at which the search ends, if they are kept.
     frontier: Option<Frontier>,
-    /// Pairs of leaves that were met.
+    /// Number of processed pairs of leaves.
     leaf_pairs: usize,
     interrupt: Interrupt<'a>,
-    /// Whether the search broke off as it was interrupted.
+    /// Whether the search was interrupted.
     pub(super) is_interrupted: bool,
-    /// Tasks that were processed.
+    /// Number of processed tasks.
     processed: usize,
 }
 
-#[derive(Clone, Debug)]
-struct Carried {
-    node: u32,
-    boxes: BoxLanes,
-}
-
 impl<'a> Search<'a> {
-    /// None where a mesh has no faces.
+    /// Creates a search. Returns `None` if a mesh has no faces.
     pub(super) fn new(a: Placed<'a>, b: Placed<'a>, options: &Options<'a>, clearance: f64) -> Option<Self> {
         if a.mesh.faces().is_empty() || b.mesh.faces().is_empty() {
             return None;
@@ -105,7 +97,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Meets these faces, if there are such, before all others.
+    /// Processes these faces first, if they exist.
     pub(super) fn try_faces(&mut self, faces: Option<[u32; 2]>) -> ControlFlow<()> {
         let scene = &self.scene;
         let exists = |faces: &[u32; 2]| [0, 1].iter().all(|&m| (faces[m] as usize) < scene.meshes[m].faces().len());
@@ -116,8 +108,7 @@ impl<'a> Search<'a> {
         Continue(())
     }
 
-    /// Looks at everything, from the roots. Keeps where it ends if `since` says that the meshes stood little else when the last
-    /// search was costly.
+    /// Searches from the roots. Keeps a frontier if the meshes have hardly moved `since` the last search that was costly.
     pub(super) fn run(&mut self, options: &Options<'_>, since: Option<&RelativeFrame>) {
         self.frontier = since.and_then(|since| Frontier::new(&self.scene, since, self.nodes, options, self.answer.cut));
         let found = if self.frontier.is_some() {
@@ -133,7 +124,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Looks at what the frontier leaves open; false where it is of no use any more, and then nothing was looked at.
+    /// Resumes at the pairs that a frontier does not prove far. Returns `false` without a search if the frontier is of no use.
     pub(super) fn resume(&mut self, frontier: Frontier, options: &Options<'_>) -> bool {
         let Some(frontier) = frontier.moved(&self.scene, self.nodes[GUEST], options, self.answer.cut) else {
             return false;
@@ -145,14 +136,16 @@ impl<'a> Search<'a> {
         true
     }
 
-    /// What it leaves for the next search.
+    /// Returns the state for the next search.
     pub(super) fn into_warm_start(self, faces: Option<[u32; 2]>) -> WarmStart {
         let costly =
             if self.leaf_pairs > COSTLY || self.frontier.is_some() { self.scene.bounds.relative } else { None };
         WarmStart { faces, frontier: self.frontier, costly }
     }
 
-    /// The nearest points that were found; where the search was interrupted, points of which nothing is proved.
+    /// Returns the nearest points so far.
+    ///
+    /// Nothing is proved of them if the search was interrupted.
     pub(super) fn nearest(&mut self) -> Option<Nearest> {
         if self.is_interrupted {
             let _ = self.answer.process(&self.scene, [0, 0]);
@@ -175,13 +168,13 @@ impl<'a> Search<'a> {
         self.process_tasks::<S, false>(simd)
     }
 
-    /// Goes on at each pair of children of the frontier that is not proved to be far.
+    /// Resumes at each pair of children of the frontier that is not proved far.
     #[inline(always)]
     fn advance<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
         for entry in 0..self.entries() as u32 {
             let Some(frontier) = &self.frontier else { break };
             let ([host, guest], near) = frontier.near(simd, entry, frontier.limit(self.answer.cut));
-            // Along the direction between the witnesses nothing is known of them.
+            // There is no bound along the direction between the witnesses yet.
             let reach = Reach { both: f32::INFINITY, along: self.direction_bounds.along() };
             for (guest_lane, near) in near.into_iter().enumerate() {
                 for host_lane in bits(near) {
@@ -195,12 +188,12 @@ impl<'a> Search<'a> {
         Continue(())
     }
 
-    /// Finds out about the children that are tasks.
+    /// Processes the tasks until none is left.
     #[inline(always)]
     fn process_tasks<S: Simd, const KEEPS: bool>(&mut self, simd: S) -> ControlFlow<()> {
         while let Some(task) = self.tasks.pop() {
             self.processed += 1;
-            if self.processed % TASKS_AT_A_TIME == 0 && self.interrupt.is_wanted() {
+            if self.processed.is_multiple_of(TASKS_AT_A_TIME) && self.interrupt.is_wanted() {
                 self.is_interrupted = true;
                 return ControlFlow::Break(());
             }
@@ -256,7 +249,7 @@ impl<'a> Search<'a> {
             if let Some((side, node, other)) = one {
                 self.open_one::<S, KEEPS>(simd, side, node, other);
             }
-            // What has no entry, as there are too many, stays with its bound and is opened again.
+            // Children without an entry keep their bound and are opened again.
             if KEEPS
                 && self.entries() > entries
                 && let Some(frontier) = &mut self.frontier
@@ -287,7 +280,7 @@ impl<'a> Search<'a> {
         self.frontier.as_ref().map_or(0, Frontier::len)
     }
 
-    /// What is below the children of a task is no nearer than this, in metric units.
+    /// Raises the bound of the children of a task to a distance in metric units.
     #[inline(always)]
     fn raise<const KEEPS: bool>(&mut self, task: &Task, lower: f64) {
         if KEEPS && let Some(frontier) = &mut self.frontier {
@@ -295,7 +288,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The entry of two nodes in the frontier, if there is one, with what their boxes say.
+    /// Adds an entry for two nodes to the frontier, with the bounds of their boxes.
     #[inline(always)]
     fn entry_of_both<S: Simd, const KEEPS: bool>(&mut self, simd: S, host: u32, guest: u32) -> u32 {
         let Self { scene, answer, nodes, carried: [carried_host, carried_guest], frontier, .. } = self;
@@ -318,7 +311,7 @@ impl<'a> Search<'a> {
         )
     }
 
-    /// Likewise of the children of a node of one side and one child of the other.
+    /// Adds an entry for the children of a node of one side and one child of the other.
     #[inline(always)]
     fn entry_of_one<S: Simd, const KEEPS: bool>(&mut self, simd: S, side: usize, node: u32, other: Slot) -> u32 {
         if !KEEPS {
@@ -373,7 +366,7 @@ impl<'a> Search<'a> {
         });
     }
 
-    /// The children of a node of one side against one child of the other.
+    /// Compares the children of a node of one side with one child of the other.
     #[inline(always)]
     fn open_one<S: Simd, const KEEPS: bool>(&mut self, simd: S, side: usize, node: u32, other: Slot) {
         let one = self.box_of(simd, 1 - side, other);
@@ -400,7 +393,7 @@ impl<'a> Search<'a> {
         });
     }
 
-    /// The box of a child of a node of one side, carried over.
+    /// Returns the carried box of a child of a node of one side.
     #[inline(always)]
     fn box_of<S: Simd>(&mut self, simd: S, side: usize, slot: Slot) -> Aabb {
         let Self { scene, nodes, carried, .. } = self;
@@ -410,14 +403,9 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The greatest extent of a box.
+/// Returns the greatest extent of a box.
 #[inline(always)]
 fn size(bounds: &Aabb) -> f32 {
     let [x, y, z] = by_axis!(axis => bounds.max[axis] - bounds.min[axis]);
     x.max(y).max(z)
-}
-
-#[inline(always)]
-fn carried_boxes(cache: &mut Cache<Carried, CACHED_BOXES>, node: u32, carry: impl FnOnce() -> BoxLanes) -> &BoxLanes {
-    &cache.get(node, |kept| kept.node, |node| Carried { node, boxes: carry() }).boxes
 }

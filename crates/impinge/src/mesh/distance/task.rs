@@ -1,22 +1,22 @@
-//! What is left of a search: pairs of children, the nearest to be taken next.
+//! The queue of a search: pairs of children, the nearest last.
 
 use super::bounds::LaneBounds;
 use super::direction_bounds::Reach;
 use super::slot::Slot;
 use crate::simd::LANES;
 
-/// Two children whose triangles are still to be compared, and a bound of their distance.
+/// Two children that are not yet processed, and a bound of their distance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Task {
     pub(super) bound: f32,
     pub(super) reach: Reach,
-    /// Of the host and of the guest.
+    /// Children of the host and of the guest.
     pub(super) slots: [Slot; 2],
-    /// Where a frontier keeps what is found out about them.
+    /// Entry of the frontier with the bound of the children.
     pub(super) entry: u32,
 }
 
-/// Pairs of children by their bounds.
+/// Pairs of children that are sorted by their bounds.
 pub(super) struct Sorted {
     keys: [u64; LANES * LANES],
     bounds: [[f32; 2]; LANES * LANES],
@@ -41,8 +41,8 @@ impl Sorted {
         self.count += 1;
     }
 
-    /// Moves what was added to the tasks, the nearest last; `along` is the number of the direction along which they reach, `entry` what the
-    /// frontier has of them.
+    /// Moves the pairs that were added to the tasks, the nearest last. `along` is the number of the direction of their reaches, and
+    /// `entry` is their entry of the frontier.
     #[inline(always)]
     pub(super) fn push(
         &mut self,

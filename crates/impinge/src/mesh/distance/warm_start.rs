@@ -3,13 +3,13 @@
 use super::frontier::Frontier;
 use super::relative_frame::RelativeFrame;
 
-/// What a search leaves for the next one of the same two meshes.
+/// State that a search keeps for the next search of the same two meshes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WarmStart {
-    /// The faces that were nearest.
+    /// Faces that were nearest.
     pub(super) faces: Option<[u32; 2]>,
-    /// Where it ended, if that was kept.
+    /// Node pairs at which the search ended, if they were kept.
     pub(super) frontier: Option<Frontier>,
-    /// How the meshes stood, if it was costly.
+    /// Relative frame of the meshes, if the search was costly.
     pub(super) costly: Option<RelativeFrame>,
 }

@@ -3,8 +3,8 @@
 use super::sides::Sides;
 use crate::hierarchy::{Askew, BoxMap, HALF_ULP, SlabMap};
 use crate::math::RelativeMap;
-use crate::mesh::Placed;
 use crate::mesh::storage::frame::{PACKING_ERROR, PackedFrame, REACH};
+use crate::mesh::{HostChoice, Placed};
 use crate::simd::by_axis;
 
 /// Least error that the filter assumes; the head of its file says why.
@@ -16,18 +16,6 @@ const LARGEST_FOR_BOXES: f64 = (1_u128 << 100) as f64;
 /// Triangles carried by maps that stretch or move by more than this are left to the exact stage: determinants are cubic
 /// in their size, and the cube of four times this is a single precision number with room for their sums.
 const LARGEST_FOR_TRIANGLES: f64 = (1_u64 << 36) as f64;
-
-/// In whose frame two meshes are compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HostChoice {
-    /// The one in which rounding costs less, relative to the mesh carried into it (*Notes on Real Time Collision
-    /// Detection*, 2.2).
-    SmallerError,
-    /// Always the first mesh's.
-    First,
-    /// Always the second mesh's.
-    Second,
-}
 
 /// How two meshes lie to each other.
 pub(crate) struct Relations {

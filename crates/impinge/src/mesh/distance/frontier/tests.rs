@@ -26,7 +26,7 @@ fn relative(a: Placed<'_>, b: Placed<'_>, options: &Options<'_>) -> Option<Relat
 }
 
 /// Lets the next search keep a frontier, however cheap this one was.
-fn keep_front(warm_start: &mut WarmStart, a: Placed<'_>, b: Placed<'_>, options: &Options<'_>) {
+fn keep_frontier(warm_start: &mut WarmStart, a: Placed<'_>, b: Placed<'_>, options: &Options<'_>) {
     if warm_start.frontier.is_none() {
         warm_start.costly = relative(a, b, options);
     }
@@ -94,8 +94,8 @@ fn where_a_search_ended_changes_no_answer() {
                     Pose::IDENTITY
                 };
                 let (place_a, place_b) = (mesh_a.at(both), mesh_b.at(both.compose(&pose).expect("a pose")));
-                keep_front(&mut warm_start, place_a, place_b, &options);
-                let had_front = warm_start.frontier.is_some();
+                keep_frontier(&mut warm_start, place_a, place_b, &options);
+                let had_frontier = warm_start.frontier.is_some();
                 let alone = nearest(place_a, place_b, &mut WarmStart::default(), &options).expect("faces");
                 if rng.one_in(3) {
                     for clearance in [alone.lower.next_down(), alone.lower, alone.upper, alone.upper * 1.01] {
@@ -104,11 +104,11 @@ fn where_a_search_ended_changes_no_answer() {
                         let found = within(place_a, place_b, clearance, &mut warm_start, &options).is_some();
                         assert_eq!(found, expected, "scene {scene}, {name}, step {step}, {clearance}");
                     }
-                    keep_front(&mut warm_start, place_a, place_b, &options);
+                    keep_frontier(&mut warm_start, place_a, place_b, &options);
                 }
                 let found = nearest(place_a, place_b, &mut warm_start, &options).expect("faces");
                 assert_eq!(found, alone, "scene {scene}, {name}, step {step}");
-                followed += usize::from(had_front && warm_start.frontier.is_some());
+                followed += usize::from(had_frontier && warm_start.frontier.is_some());
                 *(if found.upper > 0.0 { &mut apart } else { &mut met }) += 1;
             }
         }
@@ -127,7 +127,7 @@ fn what_has_come_to_cross_meets() {
     let spike = Mesh::new(Positions::F64(tip), vec![[0, 1, 2]]).expect("a mesh");
     let (options, mut warm_start) = (Options::default(), WarmStart::default());
     let above = spike.at(Pose::from_translation([0.0, 0.0, 0.25]).expect("a pose"));
-    keep_front(&mut warm_start, (&plates).into(), above, &options);
+    keep_frontier(&mut warm_start, (&plates).into(), above, &options);
     assert_eq!(nearest((&plates).into(), above, &mut warm_start, &options).expect("faces").faces, [0, 0]);
     assert!(warm_start.frontier.is_some());
     // With the far_apart plate for the nearest the step is a small one.
@@ -156,7 +156,7 @@ fn n20_boxes_too_far_for_squares_are_not_forgotten() {
     let (mut warm_start, mut kept) = (WarmStart::default(), 0);
     for shift in [0.0, 0.0, 0.00001, 0.002] {
         let there = plates.at(Pose::from_translation([shift, 0.0, 0.0]).expect("a pose"));
-        keep_front(&mut warm_start, speck.at(small), there, &options);
+        keep_frontier(&mut warm_start, speck.at(small), there, &options);
         let alone = nearest(speck.at(small), there, &mut WarmStart::default(), &options);
         assert_eq!(nearest(speck.at(small), there, &mut warm_start, &options), alone, "{shift}");
         kept += usize::from(warm_start.frontier.is_some());
@@ -189,7 +189,7 @@ fn every_pair_of_faces_is_below_one_bound_and_no_nearer() {
             pose.translation = pose.translation.map(|x| x + rng.uniform(-0.002, 0.002));
             let (place_a, place_b) =
                 (mesh_a.at(Pose::IDENTITY), mesh_b.at(Pose::from_translation(pose.translation).expect("a pose")));
-            keep_front(&mut warm_start, place_a, place_b, &options);
+            keep_frontier(&mut warm_start, place_a, place_b, &options);
             let found = nearest(place_a, place_b, &mut warm_start, &options).expect("faces");
             let Some(frontier) = &warm_start.frontier else { continue };
             let metric = Metric::new(place_a, place_b);
