@@ -15,11 +15,12 @@ use crate::verbs::yes_or_no;
 #[pyfunction]
 pub(crate) fn distance<'py>(py: Python<'py>, question: Question, solid: SolidOption) -> PyResult<Bound<'py, PyAny>> {
     const TOUCHING: Distance = Distance { lower: 0.0, upper: 0.0, witness: None };
-    let answers = question.answer_learning(py, (TOUCHING, false), move |cache: &mut WitnessCache, a, b| {
-        let of_surfaces = query::distance_with(a, b, cache, &Options::default());
+    let ask = move |cache: &mut WitnessCache, options: &Options<'_>, a: Placed<'_>, b: Placed<'_>| {
+        let of_surfaces = query::distance_with(a, b, cache, options);
         let nested = if of_surfaces.upper > 0.0 { query::nested(a, b, solid.0) } else { Proximity::Apart };
         (if nested == Proximity::Apart { of_surfaces } else { TOUCHING }, nested == Proximity::Undecided)
-    })?;
+    };
+    let answers = question.answer_interruptibly(py, solid.0, true, (TOUCHING, false), ask)?;
     let answers = answers.judged(|found| found.1, |found| found.0);
     answers.returned(py, |values, shape| {
         let numbers = |of: fn(&Distance) -> f64| array(py, values.iter().map(of).collect(), shape);
@@ -52,13 +53,13 @@ pub(crate) fn within<'py>(
     clearance: f64,
     solid: SolidOption,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let ask = move |cache: &mut WitnessCache, a: Placed<'_>, b: Placed<'_>| {
-        if query::within_with(a, b, clearance, cache, &Options::default()) {
+    let ask = move |cache: &mut WitnessCache, options: &Options<'_>, a: Placed<'_>, b: Placed<'_>| {
+        if query::within_with(a, b, clearance, cache, options) {
             return Proximity::Meets;
         }
         if clearance >= 0.0 { query::nested(a, b, solid.0) } else { Proximity::Apart }
     };
-    let answers = question.answer_learning(py, Proximity::Meets, ask)?;
+    let answers = question.answer_interruptibly(py, solid.0, true, Proximity::Meets, ask)?;
     yes_or_no(py, answers.judged(|&found| found == Proximity::Undecided, |found| found != Proximity::Apart))
 }
 

@@ -1,7 +1,7 @@
 //! What all verbs on two meshes have in common: which meshes, at which poses, on which threads, with which safe answer
 //! where a pose is none.
 
-use impinge::mesh::Placed;
+use impinge::mesh::{Options, Placed};
 use impinge::query::Solid;
 use impinge::{Mesh, Pose};
 use pyo3::prelude::*;
@@ -131,30 +131,73 @@ impl Question {
         safe: T,
         ask: impl Fn(&mut S, Placed<'_>, Placed<'_>) -> T + Send + Sync + 'static,
     ) -> PyResult<Answers<T>> {
-        let Self { a, b, poses_a, poses_b, rows, on_error, progress, is_long } = self;
-        let count = rows.rows;
-        let shape = rows.shape.clone();
-        let status = (on_error == OnError::Status).then(|| {
-            let of = |poses: &Poses, row: usize| poses.status.as_ref().map_or(0, |status| status[row]);
-            let both = |row| {
-                let [at_a, at_b] = rows.sources(row);
-                let own = of(&poses_a, at_a);
-                if own == 0 { of(&poses_b, at_b) } else { own }
-            };
-            (0..count).map(both).collect::<Vec<u8>>()
-        });
-        let bad = status.clone().filter(|status| status.iter().any(|&status| status != 0));
-        let worst = a.faces().len() as u128 * b.faces().len() as u128 * count as u128;
-        let brief = !is_long && count <= MOST_BRIEF_ROWS && worst <= MOST_BRIEF_PAIRS;
+        let rows = Rows { count: self.rows.rows, brief: self.is_brief(), progress: self.progress };
+        let (shape, status) = (self.rows.shape.clone(), self.statuses());
+        let placing = Placing { bad: status.clone(), question: self };
         let safely = safe.clone();
-        let values = workers::rows(py, Rows { count, brief, progress }, safe, S::default, move |learned, row| {
-            if bad.as_ref().is_some_and(|bad| bad[row] != 0) {
-                return safely.clone();
-            }
-            let [at_a, at_b] = rows.sources(row);
-            ask(learned, a.at(poses_a.poses[at_a]), b.at(poses_b.poses[at_b]))
+        let values = workers::rows(py, rows, safe, S::default, move |learned, row| {
+            placing.at(row).map_or_else(|| safely.clone(), |[a, b]| ask(learned, a, b))
         })?;
         Ok(Answers { shape, values, status })
+    }
+
+    /// [`answer_learning`](Self::answer_learning) of verbs that the options can interrupt, but for what they ask of solids.
+    /// `is_sequential` says that one thread does all of a row.
+    pub(crate) fn answer_interruptibly<S: Default + 'static, T: Clone + Send + Sync + 'static>(
+        self,
+        py: Python<'_>,
+        solid: Solid,
+        is_sequential: bool,
+        safe: T,
+        ask: impl Fn(&mut S, &Options<'_>, Placed<'_>, Placed<'_>) -> T + Send + Sync + 'static,
+    ) -> PyResult<Answers<T>> {
+        let brief = solid == Solid::Neither || self.is_brief();
+        let rows = Rows { count: self.rows.rows, brief, progress: self.progress };
+        let (shape, status) = (self.rows.shape.clone(), self.statuses());
+        let placing = Placing { bad: status.clone(), question: self };
+        let safely = safe.clone();
+        let of_row = move |learned: &mut S, row: usize, options: &Options<'_>| {
+            placing.at(row).map_or_else(|| safely.clone(), |[a, b]| ask(learned, options, a, b))
+        };
+        let values = workers::interruptible_rows(py, rows, is_sequential, safe, S::default, of_row)?;
+        Ok(Answers { shape, values, status })
+    }
+
+    /// Whether the question takes a fraction of a second at the very worst.
+    fn is_brief(&self) -> bool {
+        let count = self.rows.rows;
+        let worst = self.a.faces().len() as u128 * self.b.faces().len() as u128 * count as u128;
+        !self.is_long && count <= MOST_BRIEF_ROWS && worst <= MOST_BRIEF_PAIRS
+    }
+
+    /// The status of each row by its poses, if the caller asked for one.
+    fn statuses(&self) -> Option<Vec<u8>> {
+        let of = |poses: &Poses, row: usize| poses.status.as_ref().map_or(0, |status| status[row]);
+        let both = |row| {
+            let [at_a, at_b] = self.rows.sources(row);
+            let own = of(&self.poses_a, at_a);
+            if own == 0 { of(&self.poses_b, at_b) } else { own }
+        };
+        (self.on_error == OnError::Status).then(|| (0..self.rows.rows).map(both).collect())
+    }
+}
+
+/// The meshes of a question at the poses of its rows.
+struct Placing {
+    question: Question,
+    /// Of each row, zero if its poses are good.
+    bad: Option<Vec<u8>>,
+}
+
+impl Placing {
+    /// Both meshes in a row; none if a pose is bad.
+    fn at(&self, row: usize) -> Option<[Placed<'_>; 2]> {
+        if self.bad.as_ref().is_some_and(|bad| bad[row] != 0) {
+            return None;
+        }
+        let Question { a, b, poses_a, poses_b, rows, .. } = &self.question;
+        let [at_a, at_b] = rows.sources(row);
+        Some([a.at(poses_a.poses[at_a]), b.at(poses_b.poses[at_b])])
     }
 }
 

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use impinge::exact::{Crossing, Placement, crossing};
 use impinge::mesh::{Options, Placed};
 use impinge::query::shapes::Proximity;
-use impinge::query::{self, ContactPatch, Curves, HitCache, Penetrates};
+use impinge::query::{self, ContactPatch, Curves, HitCache, Penetrates, Solid};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyList};
@@ -19,13 +19,13 @@ use crate::workers;
 /// `bool`, or an array of them; what is undecided counts as yes.
 #[pyfunction]
 pub(crate) fn intersects<'py>(py: Python<'py>, question: Question, solid: SolidOption) -> PyResult<Bound<'py, PyAny>> {
-    let ask = move |cache: &mut HitCache, a: Placed<'_>, b: Placed<'_>| {
-        if query::intersects_with(a, b, cache, &Options::default()) {
+    let ask = move |cache: &mut HitCache, options: &Options<'_>, a: Placed<'_>, b: Placed<'_>| {
+        if query::intersects_with(a, b, cache, options) {
             return Proximity::Meets;
         }
         query::nested(a, b, solid.0)
     };
-    let answers = question.answer_learning(py, Proximity::Meets, ask)?;
+    let answers = question.answer_interruptibly(py, solid.0, true, Proximity::Meets, ask)?;
     yes_or_no(py, answers.judged(|&found| found == Proximity::Undecided, |found| found != Proximity::Apart))
 }
 
@@ -51,10 +51,11 @@ pub(crate) fn intersecting_pairs<'py>(
     question: Question,
     limit: Option<usize>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let answers = question.answer(py, Vec::new(), move |a, b| match limit {
-        Some(limit) => query::intersecting_pairs_up_to(a, b, limit, &Options::default()).pairs,
-        None => query::intersecting_pairs(a, b),
-    })?;
+    let answers =
+        question.answer_interruptibly(py, Solid::Neither, false, Vec::new(), move |(), options, a, b| match limit {
+            Some(limit) => query::intersecting_pairs_up_to(a, b, limit, options).pairs,
+            None => query::intersecting_pairs_with(a, b, options),
+        })?;
     answers.returned(py, |values, shape| {
         let (offsets, pairs) = ragged(values);
         let (count, is_single) = (pairs.len(), shape.is_empty());

@@ -1,5 +1,8 @@
-//! Where the work is done: on the caller's thread where it is short, else on a pool of threads while the caller listens
-//! for Ctrl-C.
+//! Where the work is done: on the caller's thread if it is short or only one thread can do it, otherwise on a pool of
+//! threads. The caller's thread listens for Ctrl-C meanwhile.
+//!
+//! To wake a pool takes some 30 microseconds, and a first hit takes one. So work that can be interrupted begins on the caller's
+//! thread, however large the meshes are.
 //!
 //! Threads do not survive a fork, so the child forgets the pools of its parent (`impinge._threads` calls `after_fork`).
 //! Pools are looked up and made while the interpreter is held, as it is when Python forks: the lock is never inherited
@@ -7,12 +10,13 @@
 
 use std::cell::OnceCell;
 use std::num::NonZero;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use impinge::mesh::{Interrupt, Options};
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -30,6 +34,12 @@ const BLOCKS_PER_THREAD: usize = 16;
 
 /// The most rows of a block: what a block learns anew is then little beside what it is asked.
 const LONGEST_BLOCK: usize = 64;
+
+/// How long rows are worked on by the caller's thread before the pool takes them over: several times what waking it takes.
+const PATIENCE: Duration = Duration::from_micros(200);
+
+/// The most rows that the caller's thread begins with.
+const MOST_ROWS_ALONE: usize = 16;
 
 /// The rows of a call, and how they are to be worked on.
 #[derive(Clone, Copy)]
@@ -142,22 +152,109 @@ pub(crate) fn rows<S, T: Clone + Send + Sync + 'static>(
     begin: impl Fn() -> S + Send + Sync + 'static,
     ask: impl Fn(&mut S, usize) -> T + Send + Sync + 'static,
 ) -> PyResult<Vec<T>> {
-    let count = rows.count;
-    let mut answers = Vec::new();
-    let refused = |_| PyMemoryError::new_err(format!("no memory for the answers of {count} rows"));
-    answers.try_reserve_exact(count).map_err(refused)?;
+    let mut answers = room(rows.count)?;
     if rows.brief {
         return Ok(py.detach(move || {
             work_alone();
             let mut state = begin();
-            answers.extend((0..count).map(|row| ask(&mut state, row)));
+            answers.extend((0..rows.count).map(|row| ask(&mut state, row)));
             answers
         }));
     }
+    on_pool(py, rows, answers, filler, begin, move |state, row, _| ask(state, row))
+}
+
+/// [`rows`] for questions that can be interrupted by the options that they are given. The caller's thread begins with brief ones. The
+/// pool takes them over if that takes long, unless there is one row and `is_sequential` says that one thread does all of it.
+pub(crate) fn interruptible_rows<S, T: Clone + Send + Sync + 'static>(
+    py: Python<'_>,
+    rows: Rows,
+    is_sequential: bool,
+    filler: T,
+    begin: impl Fn() -> S + Send + Sync + 'static,
+    ask: impl Fn(&mut S, usize, &Options<'_>) -> T + Send + Sync + 'static,
+) -> PyResult<Vec<T>> {
+    let answers = room(rows.count)?;
+    if rows.brief && rows.count <= MOST_ROWS_ALONE {
+        let patience = if rows.count == 1 && is_sequential { None } else { Some(PATIENCE) };
+        if let Some(answers) = on_own_thread(py, rows.count, patience, &begin, &ask)? {
+            return Ok(answers);
+        }
+    }
+    on_pool(py, rows, answers, filler, begin, ask)
+}
+
+fn room<T>(count: usize) -> PyResult<Vec<T>> {
+    let mut answers = Vec::new();
+    let refused = |_| PyMemoryError::new_err(format!("no memory for the answers of {count} rows"));
+    answers.try_reserve_exact(count).map_err(refused)?;
+    Ok(answers)
+}
+
+/// Answers rows on the caller's thread, which looks at signals between whiles. Returns `None` if it takes longer than `patience`.
+fn on_own_thread<S, T: Send>(
+    py: Python<'_>,
+    count: usize,
+    patience: Option<Duration>,
+    begin: &(impl Fn() -> S + Send + Sync),
+    ask: &(impl Fn(&mut S, usize, &Options<'_>) -> T + Send + Sync),
+) -> PyResult<Option<Vec<T>>> {
+    let begun = Instant::now();
+    let (gave_up, heard) = (AtomicBool::new(false), AtomicU64::new(0));
+    let raised = Mutex::new(None);
+    let is_wanted = || {
+        let elapsed = begun.elapsed();
+        if patience.is_some_and(|patience| elapsed > patience) {
+            gave_up.store(true, Ordering::Relaxed);
+            return true;
+        }
+        let interval = LISTENING_INTERVAL.as_millis() as u64;
+        let now = elapsed.as_millis() as u64;
+        if now < heard.load(Ordering::Relaxed) + interval {
+            return false;
+        }
+        heard.store(now, Ordering::Relaxed);
+        match Python::attach(|py| py.check_signals()) {
+            Ok(()) => false,
+            Err(error) => {
+                *raised.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+                gave_up.store(true, Ordering::Relaxed);
+                true
+            }
+        }
+    };
+    let answers = py.detach(|| {
+        work_alone();
+        let options = Options { interrupt: Interrupt::when(&is_wanted), ..Options::default() };
+        let mut state = begin();
+        let mut answers = Vec::with_capacity(count);
+        while answers.len() < count && !gave_up.load(Ordering::Relaxed) {
+            answers.push(ask(&mut state, answers.len(), &options));
+        }
+        answers
+    });
+    if let Some(error) = raised.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        return Err(error);
+    }
+    Ok((!gave_up.into_inner()).then_some(answers))
+}
+
+/// Answers rows on the pool, into `answers`, which has room for them.
+fn on_pool<S, T: Clone + Send + Sync + 'static>(
+    py: Python<'_>,
+    rows: Rows,
+    mut answers: Vec<T>,
+    filler: T,
+    begin: impl Fn() -> S + Send + Sync + 'static,
+    ask: impl Fn(&mut S, usize, &Options<'_>) -> T + Send + Sync + 'static,
+) -> PyResult<Vec<T>> {
+    let count = rows.count;
     let line = if rows.progress { Some(Line::begun(py, count)?) } else { None };
     let listen = |watch: &Watch| line.as_ref().map_or(Ok(()), |line| line.show(watch.0.done.load(Ordering::Relaxed)));
     let answered = run_watched(py, listen, move |watch| {
         let block = (count / (BLOCKS_PER_THREAD * rayon::current_num_threads())).clamp(1, LONGEST_BLOCK);
+        let is_abandoned = || watch.is_abandoned();
+        let options = Options { interrupt: Interrupt::when(&is_abandoned), ..Options::default() };
         answers.resize(count, filler);
         answers.par_chunks_mut(block).enumerate().for_each(|(number, answers)| {
             let mut state = begin();
@@ -165,7 +262,7 @@ pub(crate) fn rows<S, T: Clone + Send + Sync + 'static>(
                 if watch.is_abandoned() {
                     return;
                 }
-                *answer = ask(&mut state, number * block + at);
+                *answer = ask(&mut state, number * block + at, &options);
             }
             watch.0.done.fetch_add(answers.len(), Ordering::Relaxed);
         });
