@@ -1,7 +1,7 @@
 //! Space partitioning: which of many boxes are where (*Notes on Real Time Collision Detection*, introduction; Ericson,
 //! chapters 6 and 7). Nothing here knows what is in a box.
 //!
-//! A partition holds closed boxes, [`MinMax`], under keys that the caller chooses: dense numbers, as memory grows with the
+//! A partition holds closed boxes, [`MinMax`](crate::volume::MinMax), under keys that the caller chooses: dense numbers, as memory grows with the
 //! greatest. Every kind answers the same questions with the same answers, to the bit; they differ in what they cost, and
 //! in what they do to space, which [`Cells`] tells:
 //!
@@ -18,7 +18,7 @@
 //! | [`BspTree`] | disjoint cells, planes of the boxes' own | no | rooms and walls that stand |
 //! | [`SweepOneAxis`], [`SweepThreeAxes`] | an order along axes | yes | few boxes, or such as move little in long scenes |
 //!
-//! Touching counts everywhere. Boxes are judged when they are made ([`MinMax::new`]), so that no question has errors; no
+//! Touching counts everywhere. Boxes are judged when they are made ([`MinMax::new`](crate::volume::MinMax::new)), so that no question has errors; no
 //! box is too large, too small or too far away, and any number of them may be equal. Pairs come sorted, each once, with
 //! the lesser key first. The same calls give the same bytes on any machine.
 //!

@@ -68,7 +68,7 @@ impl Shape {
     /// This shape in the world.
     ///
     /// # Errors
-    /// [`NotRigid`](InputErrorKind::NotRigid) where a pose is more than 1e-4 from a rigid motion, for spheres, capsules,
+    /// [`NotRigid`](crate::InputErrorKind::NotRigid) where a pose is more than 1e-4 from a rigid motion, for spheres, capsules,
     /// cylinders, cones, ellipsoids and custom sets. All others are at home under any affine map. For a compound, where its pose
     /// cannot be composed with a part's.
     pub fn at(&self, world_from_local: Pose) -> Result<PlacedShape, InputError> {

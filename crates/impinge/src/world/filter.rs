@@ -7,8 +7,8 @@ use super::body::{BodyId, Kind, Traits};
 /// The user's say about pairs: asked inside the broad phase, for pairs whose boxes overlap and that kinds, layers and owners
 /// admit.
 ///
-/// It has to give the same answer whenever it is asked about the same two bodies, until [`World::set_filter`] or
-/// [`World::set_traits`] is called; it is asked from many threads, when the boxes come to overlap
+/// It has to give the same answer whenever it is asked about the same two bodies, until [`World::set_filter`](super::World::set_filter) or
+/// [`World::set_traits`](super::World::set_traits) is called; it is asked from many threads, when the boxes come to overlap
 /// and, about pairs that it refused, perhaps again. Functions of two bodies are filters.
 pub trait PairFilter: Send + Sync {
     /// Whether these two may meet; the first has the lesser tag, or handle.

@@ -23,7 +23,7 @@ const WIDEST: usize = 4;
 /// The cells of a level that the boxes of a batch visit, in the order of the moves. Its memory is used again for each batch.
 #[derive(Clone, Debug)]
 pub(super) struct CellVisits {
-    /// As many as `count`, and others that mean nothing.
+    /// The visits, of which the first `count` are valid.
     visits: Vec<CellVisit>,
     count: usize,
     paths: Paths,
@@ -36,26 +36,26 @@ struct CellVisit {
     seen: QuantizedMove,
     place: u32,
     mover: u8,
-    /// Which of the cells about the path it is: along each axis how far from the first, in two bits.
+    /// Number of the cell among those about the path: two bits for each axis, counted from the first cell.
     number: u8,
 }
 
-/// How boxes move among the cells, side by side.
+/// Paths of the boxes of a batch among the cells, one lane each.
 #[derive(Clone, Debug, Default)]
 struct Paths {
-    /// Along each axis the first cell about a path.
+    /// First cell about each path along each axis.
     low: [[i64; BATCH]; 3],
-    /// Where the box begins and ends before and after, in parts of a cell behind the beginning of the first.
+    /// Begin and end of each box before the move and after it, in parts of a cell from the first cell.
     parts: [[[i16; BATCH]; 4]; 3],
-    /// Which cells there are about it, a bit for each by its number, and whether they are more than two along an axis.
+    /// Bits of the cells about each path, by their numbers, and whether there are more than two along an axis.
     cells: [u64; BATCH],
     is_wide: [bool; BATCH],
-    /// Whether the box has copies in this level, and whether these are in other cells afterwards.
+    /// Whether each box has copies in this level, and whether it stays in its cells.
     is_here: [bool; BATCH],
     stays: [bool; BATCH],
 }
 
-/// A box that steps do not tell from one that begins or ceases to meet what moved.
+/// A pair of boxes whose steps do not decide whether an overlap begins or ends.
 #[derive(Clone, Copy, Debug)]
 struct Undecided {
     key: u32,
@@ -65,7 +65,7 @@ struct Undecided {
 
 impl Default for CellVisits {
     fn default() -> Self {
-        // One more than there may be, as the next is written before it is known whether it is kept.
+        // One more than the maximum, because a visit is written before it is known whether it is kept.
         Self {
             visits: vec![CellVisit::default(); BATCH * SHORT + 1],
             count: 0,
@@ -124,7 +124,7 @@ impl CellVisits {
                     along[axis][nth] = level.layout.along(axis, paths.low[axis][mover] + nth as i64);
                 }
             }
-            // Written in any case and kept where there is such a cell: how many there are is hard to foresee.
+            // A visit is written in any case and kept if the cell exists: the branch would be hard to predict.
             for z in 0..WIDE {
                 for y in 0..WIDE {
                     let row = slices[1][y][mover].lanes(simd) | slices[2][z][mover].lanes(simd);
@@ -229,7 +229,7 @@ impl CellVisits {
     }
 }
 
-/// The places of copies of a key in a line, bits; there may be some where copies were.
+/// Returns bits of the places of a key in a line. Places of removed copies may be among them.
 #[inline(always)]
 fn places_of<S: Simd>(simd: S, key: u32, keys: &[u32; LINE_CAPACITY]) -> u32 {
     let [first @ .., last] = keys;
@@ -238,7 +238,7 @@ fn places_of<S: Simd>(simd: S, key: u32, keys: &[u32; LINE_CAPACITY]) -> u32 {
 }
 
 impl Paths {
-    /// Whether a box has a copy in a cell before and after.
+    /// Reports whether a box has a copy in a cell before the move and after it.
     #[inline(always)]
     fn holds(&self, mover: usize, number: u8) -> [bool; 2] {
         let cell = from_first(number);
@@ -253,22 +253,22 @@ impl Paths {
         holds
     }
 
-    /// Whether a cell is the one of the least corner of what a box shares with the cells about a path.
+    /// Reports whether a cell holds the least corner of the intersection of a box and the cells about a path.
     fn is_first(&self, mover: usize, number: u8, frame: &Frame, bounds: &MinMax) -> bool {
         let (low, cell) = ([0, 1, 2].map(|axis| self.low[axis][mover]), from_first(number));
         frame.is_first([0, 1, 2].map(|axis| low[axis] + i64::from(cell[axis])), &Block { low, high: low }, bounds)
     }
 }
 
-/// Bits of as many cells along each axis, of four at most.
+/// Returns the bits of a block of cells, given the number of cells along each axis, at most four.
 #[inline(always)]
 fn cells_of(counts: [i64; 3]) -> u64 {
     let [x, y, z] = by_axis!(axis => u64::MAX >> (64 - (counts[axis] << (2 * axis))));
-    // Those of all rows along x, and so on.
+    // The bits of all rows along x, and so on.
     (x * 0x1111_1111_1111_1111) & (y * 0x0001_0001_0001_0001) & z
 }
 
-/// A cell about a path by its number, counted along each axis from the first.
+/// Returns the place of a cell about a path along each axis, counted from the first cell.
 fn from_first(number: u8) -> [u8; 3] {
     [number & 3, number >> 2 & 3, number >> 4]
 }

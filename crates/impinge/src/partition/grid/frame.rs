@@ -105,7 +105,7 @@ impl Place {
         self.0 - (cell << PARTS)
     }
 
-    /// The step as it is seen from a cell: 0 for what is before it, 255 for what is behind it, and 1 to 254 between.
+    /// Returns the step as seen from a cell: 0 for what is before it, 255 for what is behind it, and 1 to 254 between.
     #[inline]
     fn quantized(self, cell: i64) -> u8 {
         let parts = self.parts_from(cell).clamp(-1, 1 << PARTS);
@@ -140,7 +140,7 @@ impl Block {
         (0..3).map(|axis| (self.high[axis] - self.low[axis] + 1) as f64).product()
     }
 
-    /// Whether there are at most so many cells, of which no two look alike.
+    /// Reports whether there are at most `most` cells, all with different keys.
     pub(super) fn is_small(&self, most: f64) -> bool {
         self.count() <= most && (0..3).all(|axis| self.high[axis] - self.low[axis] < DISTINCT_KEYS)
     }

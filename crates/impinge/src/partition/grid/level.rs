@@ -48,7 +48,7 @@ impl Level {
         self.lines.copies() == 0
     }
 
-    /// Whether a box reaches into at most so many cells, and into none that look alike.
+    /// Reports whether a box reaches into at most `most` cells, all with different keys.
     pub(super) fn takes(&self, bounds: &MinMax, most: f64) -> bool {
         self.frame.reach(bounds).block().is_small(most)
     }

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use super::quantized_box::QuantizedBox;
 use crate::storage::{Buffer, Pages};
 
-/// Copies in a line, so that it has 64 bytes.
+/// Number of copies in a line, so that a line has 64 bytes.
 pub(super) const LINE_CAPACITY: usize = 5;
 
 /// Where no line follows, as in memory that is all zeros.

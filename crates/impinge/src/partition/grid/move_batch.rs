@@ -7,17 +7,17 @@ use crate::volume::MinMax;
 /// row lets the processor look up several pages at once. With 32 a step took 1.07 times as long.
 pub(super) const BATCH: usize = 16;
 
-/// No key: they are less.
+/// Number that stands for no key. All keys are less.
 const NONE: u32 = u32::MAX;
 
-/// Boxes that move in their cells, each a short path and each once.
+/// A batch of moves, each along a short path and each of another box.
 #[derive(Clone, Debug)]
 pub(super) struct MoveBatch {
     keys: [u32; BATCH],
-    /// Where each comes from, and where it goes.
+    /// Start and end of each path.
     boxes: [[MinMax; 2]; BATCH],
     count: usize,
-    /// A bit for each key, which others share: most keys have none, and nothing has to be read that was only just written.
+    /// Bits of the keys, modulo 64. Most other keys have no bit here, so that the keys themselves need not be compared.
     seen: u64,
 }
 
@@ -41,7 +41,7 @@ impl MoveBatch {
         self.seen >> (key % 64) & 1 == 1 && self.keys.contains(&key)
     }
 
-    /// Where the box of a key is when it is a mover's turn: those before it have moved.
+    /// Returns the box of a key at the time of a move: the moves before it in the batch are done.
     #[inline]
     pub(super) fn at_turn<'b>(&'b self, items: &'b Items, mover: usize, key: u32) -> Option<&'b MinMax> {
         if !self.holds(key) {

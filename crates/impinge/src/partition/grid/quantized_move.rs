@@ -1,4 +1,4 @@
-//! What a moving box may begin or cease to overlap, told from quantized boxes.
+//! Finds the quantized boxes that a moving box may begin or cease to overlap.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u8x32, u16x16, u64x4};
@@ -8,12 +8,12 @@ use super::move_batch::BATCH;
 use super::quantization::quantized_step;
 use super::quantized_box::{AXIS, CELL_KEY, QuantizedBox, cell_key, steps};
 
-/// What is seen of a box that moves from a cell, for finding what may begin to meet it, or cease to.
+/// A moving box as seen from a cell, for finding the boxes that may begin or cease to overlap it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct QuantizedMove([u64; KINDS]);
 
-/// The quantized boxes of [`QuantizedMove`]: the box where it goes; between which bytes are those of what may meet the box at the one place or the
-/// other and is to be found in this cell; and up to which are those of what meets it at both.
+/// The words of [`QuantizedMove`]: the box after the move; the least and the greatest bytes of boxes that may overlap it before or
+/// after the move and are found in this cell; and the greatest bytes of boxes that overlap it before and after.
 const KINDS: usize = 4;
 const AFTER: usize = 0;
 const LEAST: usize = 1;
@@ -21,9 +21,9 @@ const MOST: usize = 2;
 const WITHIN: usize = 3;
 
 impl QuantizedMove {
-    /// What is seen along an axis of boxes that come from where the first parts of cells say that they begin and end, and go to
-    /// where the others do, all counted from the first cell about the path, `low`; one of the ends is in the `nth` cell or behind
-    /// it. Boxes that begin before a cell are found in another one, if it is not the first along the axis.
+    /// Returns the part of one axis for the moves of a batch, as seen from the `nth` cell. `parts` has the begin and the end of each
+    /// box before and after the move, counted from the first cell about the path, which is `low`. One of the ends is in the `nth`
+    /// cell or behind it. Boxes that begin before a cell are found in another cell, unless it is the first along the axis.
     #[inline(always)]
     pub(super) fn along<S: Simd>(
         simd: S,
@@ -39,7 +39,7 @@ impl QuantizedMove {
             slices[AFTER][lane] = steps(next_begin, 255 - next_end);
             slices[LEAST][lane] = nth.min(1) as u16;
             slices[MOST][lane] = steps(end.max(next_end), 255 - begin.min(next_begin));
-            // What is not less than both: all bits of the cell key where nothing is, as no cell key is.
+            // Bytes not less than both: if nothing qualifies, all bits of the cell key, which no cell key has.
             let (first, second) = (end.min(next_end), 255 - begin.max(next_begin));
             slices[WITHIN][lane] = !steps(first.wrapping_sub(1), second.wrapping_sub(1));
             cell_keys[WITHIN][lane] = if (first == 0) | (second == 0) { u16::MAX } else { 0 };
@@ -65,13 +65,13 @@ impl QuantizedMove {
         seen
     }
 
-    /// As many lanes.
+    /// Loads the words as lanes.
     #[inline(always)]
     pub(super) fn lanes<S: Simd>(&self, simd: S) -> u64x4<S> {
         u64x4::from_slice(simd, &self.0)
     }
 
-    /// Of three axes together, from what is seen along any of them.
+    /// Combines three axes, given the union of their bits.
     #[inline(always)]
     pub(super) fn all<S: Simd>(simd: S, any: u64x4<S>) -> Self {
         let mut boxes = [0; KINDS];
@@ -79,20 +79,20 @@ impl QuantizedMove {
         Self(boxes)
     }
 
-    /// The box where it goes.
+    /// Returns the box after the move.
     #[inline(always)]
     pub(super) fn after(&self) -> QuantizedBox {
         QuantizedBox(self.0[AFTER])
     }
 
-    /// Which of the boxes of a line may begin to meet the one that moves, or cease to: a bit each.
+    /// Returns the bits of the boxes of a line that may begin or cease to overlap the moving box.
     #[inline(always)]
     pub(super) fn compare<S: Simd>(&self, simd: S, boxes: &[QuantizedBox; LINE_CAPACITY]) -> u32 {
         let bytes = |kind: usize| u64x4::splat(simd, self.0[kind]).bitcast::<u8x32<S>>();
         let (least, most, within) = (bytes(LEAST), bytes(MOST), bytes(WITHIN));
         let [one, two, three, four, five] = boxes.map(|quantized| quantized.0);
         let mut open = 0;
-        // What is no box has no cell key.
+        // An empty place has no cell key.
         for (boxes, shift) in [([one, two, three, four], 0), ([five, 0, 0, 0], 4)] {
             let boxes = u64x4::from_slice(simd, &boxes);
             let bytes = boxes.bitcast::<u8x32<S>>();
