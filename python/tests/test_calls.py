@@ -97,6 +97,45 @@ def test_ctrl_c_ends_a_long_call_within_a_fraction_of_a_second():
     assert impinge.intersects(TORUS, TORUS)  # and the next call is none the worse
 
 
+def _round_sheet(n, radius):
+    """A sphere without its poles, of 4 n² faces."""
+    polar, around = np.meshgrid(
+        np.linspace(0.1, np.pi - 0.1, n + 1), np.linspace(0, 2 * np.pi, 2 * n + 1), indexing="ij"
+    )
+    sine = np.sin(polar)
+    vertices = radius * np.stack([sine * np.cos(around), sine * np.sin(around), np.cos(polar)], axis=-1).reshape(-1, 3)
+    first = (np.arange(n)[:, None] * (2 * n + 1) + np.arange(2 * n)).ravel()
+    below = first + 2 * n + 1
+    return impinge.Mesh(vertices, np.vstack([np.c_[first, below, below + 1], np.c_[first, below + 1, first + 1]]))
+
+
+def _again_and_again(ask, a, b):
+    for _ in range(10_000):
+        ask(a, b)
+
+
+@pytest.mark.usefixtures("python_hears_ctrl_c")
+@pytest.mark.parametrize("threads", [1, 2])
+def test_ctrl_c_ends_a_question_about_one_pose(threads):
+    inner, outer = _round_sheet(300, 1.0), _round_sheet(300, 1.1)
+    sent = []
+
+    def interrupt():
+        sent.append(time.perf_counter())
+        signal.raise_signal(signal.SIGINT)
+
+    # Every face is as near as any other.
+    with impinge.threads(threads):
+        for ask in (impinge.distance, lambda a, b: impinge.within(a, b, 0.0995)):
+            timer = threading.Timer(0.01, interrupt)
+            timer.start()
+            with pytest.raises(KeyboardInterrupt):
+                _again_and_again(ask, inner, outer)
+            assert time.perf_counter() - sent[-1] < 0.25
+            timer.join()
+        assert not impinge.intersects(inner, outer)
+
+
 def test_other_threads_run_during_a_call():
     ticks = []
     done = threading.Event()
@@ -224,4 +263,16 @@ def test_one_pose_costs_little_above_the_work():
         for _ in range(200):
             impinge.intersects(a, a, None, far)
         runs.append((time.perf_counter() - start) / 200)
-    assert min(runs) < 20e-6  # some 1 us on a quiet machine: see docs/python.md
+    assert min(runs) < 20e-6  # about 1 us on a quiet machine: see docs/python.md
+
+
+def test_a_first_hit_of_large_meshes_wakes_no_thread():
+    sheet = _round_sheet(200, 1.0)
+    crossing = impinge.pose([0.3, 0.2, 0.1])
+    runs = []
+    for _ in range(50):
+        start = time.perf_counter()
+        for _ in range(100):
+            impinge.intersects(sheet, sheet, None, crossing)
+        runs.append((time.perf_counter() - start) / 100)
+    assert min(runs) < 20e-6  # about 4 us on a quiet machine, where waking threads takes 30
