@@ -76,6 +76,26 @@ impl DoubleDouble {
         self.high + (self.low - self.error).next_down() > 0.0
     }
 
+    /// A float that is no more than the root of the number, and the same for all numbers that are rounded alike, where the bound
+    /// settles it.
+    pub(super) fn root_below(&self) -> Option<f64> {
+        let below = self.high.next_down();
+        let is_settled = below > 0.0 && self.low.abs() + self.error <= self.high - below;
+        is_settled.then(|| below.sqrt().next_down())
+    }
+
+    /// Likewise a float that is no less than the root.
+    pub(super) fn root_above(&self) -> Option<f64> {
+        let above = self.high.next_up();
+        let is_settled = self.high >= 0.0 && self.low.abs() + self.error <= above - self.high;
+        is_settled.then(|| above.sqrt().next_up())
+    }
+
+    /// Whether the number is zero, exactly.
+    pub(super) fn is_zero(&self) -> bool {
+        self.high == 0.0 && self.low == 0.0 && self.error == 0.0
+    }
+
     /// The greater of two numbers, where neither may be above the result and its error. An error that says nothing stays.
     #[inline]
     pub(super) fn greater(&self, other: &Self) -> Self {

@@ -9,7 +9,7 @@
 //! right direction lean by a rounding, which costs as much of the gap as the edge is long. So the direction is made
 //! perpendicular to the edges on which the planes rest.
 //!
-//! Guarded by the tests `supports_*` below and `plates_*` in `tests/it/distance/clearances.rs`.
+//! Guarded by the tests `supports_*` below and by `plates_*` in `tests/it/distance/clearances.rs` and `plates.rs`.
 
 use super::double_double::{DoubleDouble, cross, difference, dot};
 use super::exact_points::Corners;
@@ -23,6 +23,10 @@ const RESTING: f64 = 1e-9;
 
 /// Edges whose directions differ by less than this, as the square of a sine, count as parallel.
 const PARALLEL: f64 = 1e-12;
+
+/// Squares of distances that differ by less than this, relative to them, count as equal. The points that are compared are a
+/// rounding off the nearest ones, sideways, which adds the square of that.
+const EQUAL: f64 = 1e-24;
 
 /// A direction of the world, of any length, in twice the digits of a float.
 pub(crate) struct Supports {
@@ -57,14 +61,61 @@ impl Supports {
         b: impl Iterator<Item = [f64; 3]> + Clone,
         clearance: f64,
     ) -> bool {
-        let towards_a = self.direction.each_ref().map(DoubleDouble::negated);
-        let reaches =
-            reach(&self.direction, placement.world_from_a(), a).plus(&reach(&towards_a, placement.world_from_b(), b));
-        let gap = reaches.negated();
+        let gap = self.gap(placement, a, b);
         let least = DoubleDouble::of(clearance);
         let squared = dot(&self.direction, &self.direction).times(&least.times(&least));
         gap.is_positive() && gap.times(&gap).minus(&squared).is_positive()
     }
+
+    /// The distance of A and B, placed in the world, as an interval of a few units of the last place: if no two points of them are
+    /// nearer than these points of two triangles, to [`EQUAL`]. The points have these shares of the triangles' second corner and third.
+    pub(crate) fn distance(
+        &self,
+        placement: &Placement,
+        a: impl Iterator<Item = [f64; 3]> + Clone,
+        b: impl Iterator<Item = [f64; 3]> + Clone,
+        corners: [&Corners; 2],
+        shares: [[f64; 2]; 2],
+    ) -> Option<[f64; 2]> {
+        let gap = self.gap(placement, a, b);
+        if !gap.is_positive() {
+            return None;
+        }
+        let least = gap.times(&gap).over(&dot(&self.direction, &self.direction));
+        let of_points = squared_distance(placement, corners, shares)?;
+        let [difference, error] = of_points.minus(&least).rounded();
+        let are_equal = difference + error <= EQUAL * least.rounded()[0];
+        if are_equal { Some([least.root_below()?, of_points.root_above()?]) } else { None }
+    }
+
+    /// How far the planes are apart, at least, times the length of the direction.
+    fn gap(
+        &self,
+        placement: &Placement,
+        a: impl Iterator<Item = [f64; 3]> + Clone,
+        b: impl Iterator<Item = [f64; 3]> + Clone,
+    ) -> DoubleDouble {
+        let towards_a = self.direction.each_ref().map(DoubleDouble::negated);
+        let reach_a = reach(&self.direction, placement.world_from_a(), a);
+        let reach_b = reach(&towards_a, placement.world_from_b(), b);
+        reach_a.plus(&reach_b).negated()
+    }
+}
+
+/// The square of the distance of two points of triangles; none for shares that are none.
+fn squared_distance(placement: &Placement, corners: [&Corners; 2], shares: [[f64; 2]; 2]) -> Option<DoubleDouble> {
+    let poses = [placement.world_from_a(), placement.world_from_b()];
+    let point = |side: usize| {
+        let [s, t] = shares[side];
+        let world = corners[side].map(|corner| DoubleDouble::world_point(poses[side], &corner));
+        let [u, v] = [1, 2].map(|corner| difference(&world[corner], &world[0]));
+        // With room for the rounding of the sum.
+        let is_inside = s >= 0.0 && t >= 0.0 && s + t <= 1.0 - f64::EPSILON;
+        let [s, t] = [s, t].map(DoubleDouble::of);
+        is_inside.then(|| [0, 1, 2].map(|k| world[0][k].plus(&u[k].times(&s)).plus(&v[k].times(&t))))
+    };
+    let between = difference(&point(1)?, &point(0)?);
+    Some(dot(&between, &between))
 }
 
 /// How far the points of a mesh reach along a direction of the world: no less than the greatest product with it.
@@ -86,16 +137,20 @@ fn reach(
         size = size.max(rough_gradient.iter().zip(&point).map(|(g, x)| (g * x).abs()).sum());
     }
     let surely_less = farthest - 16.0 * f64::EPSILON * size;
-    let candidates = points.filter(|point| {
+    // Points of a plane across an axis have one product.
+    let counts = gradient.each_ref().map(|x| !x.is_zero());
+    let mut last = [f64::NAN; 3];
+    let mut most = DoubleDouble::of(f64::NEG_INFINITY);
+    for point in points {
         // NaN proves nothing.
-        let is_surely_less = vector::dot(&rough_gradient, point) < surely_less;
-        !is_surely_less
-    });
-    candidates
-        .fold(DoubleDouble::of(f64::NEG_INFINITY), |most, point| {
-            most.greater(&dot(&gradient, &point.map(DoubleDouble::of)))
-        })
-        .plus(&base)
+        let is_surely_less = vector::dot(&rough_gradient, &point) < surely_less;
+        let is_like_last = (0..3).all(|k| !counts[k] || point[k] == last[k]);
+        if !is_surely_less && !is_like_last {
+            most = most.greater(&dot(&gradient, &point.map(DoubleDouble::of)));
+            last = point;
+        }
+    }
+    most.plus(&base)
 }
 
 /// The direction near this one that is perpendicular to the first edge and to the next that is not parallel to it.

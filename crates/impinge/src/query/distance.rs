@@ -48,7 +48,8 @@ pub struct WitnessCache(WarmStart);
 /// The distance of the surfaces of two meshes.
 ///
 /// The nearest faces are those with the least distance by the closed form and, among equals, the least face of the first
-/// mesh, then of the second. Where the meshes intersect they are two faces that do, with a common point: those that
+/// mesh, then of the second. Where hundreds of faces tie on flat sides that face each other, they are two of those that tie. Where the
+/// meshes intersect they are two faces that do, with a common point: those that
 /// [`intersects`](super::intersects) comes to first, which how the hierarchies were built decides: to find the least of all
 /// that do takes a thousand times as long.
 ///
@@ -66,12 +67,12 @@ pub struct WitnessCache(WarmStart);
 ///
 /// # Accuracy
 /// The true distance lies in `[lower, upper]`, whose width is at most 2^-44 of the diagonal of the box that holds both
-/// meshes, most often 2^-45: how far they are from the origins of their frames and of the world does not count. The
-/// witnesses' coordinates are rounded once more, to the world's. Tested against rationals in `tests/it/distance`.
+/// meshes, most often 2^-45: how far they are from the origins of their frames and of the world does not count. For flat sides
+/// that face each other it is a few units of the last place wide. The witnesses' coordinates are rounded once more, to the world's. Tested against rationals in `tests/it/distance`.
 ///
 /// # Complexity
-/// Logarithmic for meshes apart, and grows with the faces that are as near as the nearest: faces that tie are all
-/// looked at. Meshes that intersect take as long as [`intersects`](super::intersects) does.
+/// Logarithmic for meshes apart, and grows with the faces that are as near as the nearest. Flat sides that face each other take
+/// one pass over the vertices instead. Meshes that intersect take as long as [`intersects`](super::intersects) does.
 ///
 /// # Source
 /// Larsen, Gottschalk, Lin, Manocha, *Fast proximity queries with swept sphere volumes*, ICRA 2000; ours differs in its

@@ -13,9 +13,17 @@ pub(super) const MAX_VALUES: usize = 1 << 24;
 /// Maximum number of deferred pairs of faces. Further pairs get their values at once.
 const MAX_DEFERRED: usize = 1 << 12;
 
-/// Number of pairs of faces that bounds could not tell from the clearance after which planes are tried on the whole meshes. That
-/// reads every face once, and takes about as long as this many pairs of two meshes of a thousand faces.
-const TIES: usize = 64;
+/// Planes are tried on the whole meshes once ties have taken as long as that takes, about 6 nanoseconds a vertex. A value takes a
+/// quarter of a microsecond, and deferring a pair a fifth of that.
+const VERTICES_PER_VALUE: usize = 64;
+const DEFERRED_PER_VALUE: usize = 4;
+
+/// Number of ties below which planes are not tried: neighbors of the two nearest vertices tie too.
+const LEAST_TIES: usize = 256;
+
+/// Planes are not tried for the distance of meshes of which one is this many times smaller than both and the gap between them. Next
+/// to what values may be off by, all of its faces tie then.
+const FARTHEST: f64 = 64.0;
 
 /// Results of a search so far.
 pub(super) struct Answer {
@@ -29,8 +37,13 @@ pub(super) struct Answer {
     pub(super) limit: f32,
     pub(super) node_limit: f32,
     pub(super) values_left: usize,
-    /// Number of processed pairs of faces that are farther apart than the clearance.
-    beyond: usize,
+    /// Number of processed pairs of faces that tie with the best pair, or that are farther apart than the clearance.
+    ties: usize,
+    /// Number of ties at which planes are tried for the first time, and next.
+    first_trial: usize,
+    next_trial: usize,
+    /// The distance of the meshes in world units, if planes prove it.
+    pub(super) proved: Option<[f64; 2]>,
     /// Deferred pairs, each with a lower bound: they can hardly be nearer than the best pair. Neighbors share the edge or corner
     /// that is nearest, and most of them never need a value.
     deferred: Vec<([u32; 2], f32)>,
@@ -39,6 +52,12 @@ pub(super) struct Answer {
 impl Answer {
     /// Creates an answer without a pair, for which nothing farther than `farthest` matters.
     pub(super) fn new(scene: &Scene<'_>, farthest: f64) -> Self {
+        let first_trial =
+            if scene.clearance < f64::INFINITY || scene.metric.diagonal <= FARTHEST * scene.metric.smaller_extent {
+                LEAST_TIES.max(scene.vertex_count() / VERTICES_PER_VALUE)
+            } else {
+                usize::MAX
+            };
         let mut answer = Self {
             best: None,
             may_intersect: None,
@@ -47,7 +66,10 @@ impl Answer {
             limit: f32::INFINITY,
             node_limit: f32::INFINITY,
             values_left: MAX_VALUES,
-            beyond: 0,
+            ties: 0,
+            first_trial,
+            next_trial: first_trial,
+            proved: None,
             deferred: Vec::new(),
         };
         answer.cut(scene, farthest);
@@ -69,9 +91,30 @@ impl Answer {
             && self.best.as_ref().is_some_and(hardly)
         {
             self.deferred.push((faces, lower));
-            return Continue(());
+            return self.try_planes_in_time(scene);
         }
         self.process(scene, faces)
+    }
+
+    /// Tries planes if ties have taken long. Breaks if they answer the query.
+    #[inline(always)]
+    fn try_planes_in_time(&mut self, scene: &Scene<'_>) -> ControlFlow<()> {
+        if self.ties + self.deferred.len() / DEFERRED_PER_VALUE < self.next_trial {
+            return Continue(());
+        }
+        self.next_trial = self.next_trial.saturating_mul(8);
+        self.try_planes(scene)
+    }
+
+    /// Tries planes on which the best pair rests.
+    #[cold]
+    fn try_planes(&mut self, scene: &Scene<'_>) -> ControlFlow<()> {
+        let Some(best) = &self.best else { return Continue(()) };
+        if scene.clearance < f64::INFINITY {
+            return if scene.are_farther_by_planes(best) { Break(()) } else { Continue(()) };
+        }
+        self.proved = scene.distance_by_planes(best);
+        if self.proved.is_some() { Break(()) } else { Continue(()) }
     }
 
     /// Processes the deferred pairs that still matter.
@@ -81,7 +124,9 @@ impl Answer {
                 self.process(scene, faces)?;
             }
         }
-        Continue(())
+        // Whichever pairs came first, the best one is tried: so the result does not depend on their order.
+        let have_tied = self.ties >= self.first_trial && scene.clearance == f64::INFINITY;
+        if have_tied { self.try_planes(scene) } else { Continue(()) }
     }
 
     fn cut(&mut self, scene: &Scene<'_>, metric: f64) {
@@ -111,20 +156,20 @@ impl Answer {
                 self.kept = Some(faces);
                 return Break(());
             }
-            self.beyond += 1;
-            // If many faces are hardly farther apart than the clearance, the meshes may have flat sides that face each other.
-            let proves_all = self.beyond == TIES
-                && self.best.is_some_and(|best| scene.are_farther_by_planes(best.faces, &best.witness));
-            return if proves_all { Break(()) } else { Continue(()) };
+            self.ties += 1;
+            return self.try_planes_in_time(scene);
         }
         let valued = Valued { value, faces, witness };
         self.values_left = self.values_left.saturating_sub(1);
+        let is_far_better = self.best.is_none_or(|best| value < best.value - 2.0 * error);
+        let is_tie = self.best.is_some_and(|best| value <= best.value + 2.0 * error);
+        self.ties = if is_far_better { 1 } else { self.ties + usize::from(is_tie) };
         if self.best.is_none_or(|best| valued.precedes(&best)) || self.values_left == 0 {
             let best = self.best.filter(|best| best.precedes(&valued)).unwrap_or(valued);
             self.best = Some(best);
             let doubt = if self.values_left == 0 { -4.0 } else { 2.0 };
             self.cut(scene, (best.value + doubt * error).max(2.0 * error));
         }
-        Continue(())
+        self.try_planes_in_time(scene)
     }
 }

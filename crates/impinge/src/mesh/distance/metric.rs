@@ -27,6 +27,8 @@ pub(crate) struct Metric {
     pub(crate) diagonal: f64,
     /// How far the meshes reach about their centres, both together, in metric units.
     pub(crate) extent: f64,
+    /// How far the smaller of the meshes does.
+    pub(crate) smaller_extent: f64,
 }
 
 /// `metric = linear · (local - centre) + offset`.
@@ -79,8 +81,9 @@ impl Metric {
             centre: placed[side].mesh.0.frame.origin,
             offset: offsets[side].map(|x| x * scale),
         };
-        let extent = (scaled_length(&halves[0]) + scaled_length(&halves[1])) * scale;
-        Self { scale, origin, maps: [map(0), map(1)], error, diagonal, extent }
+        let extents = [0, 1].map(|m| scaled_length(&halves[m]) * scale);
+        let (extent, smaller_extent) = (extents[0] + extents[1], extents[0].min(extents[1]));
+        Self { scale, origin, maps: [map(0), map(1)], error, diagonal, extent, smaller_extent }
     }
 
     /// A point in the world, rounded.

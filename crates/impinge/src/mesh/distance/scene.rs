@@ -5,7 +5,7 @@ use super::metric::Metric;
 use crate::exact::{NearParts, Placement, Supports, parts_within};
 use crate::mesh::{Mesh, Placed};
 use crate::primitive::{
-    ClosestPoints, Vector, Witness, closest_on_segments, closest_on_triangle, common_point, sub, triangle_triangle,
+    ClosestPoints, Vector, Witness, closest_on_segments, closest_on_triangle, common_point, dot, sub, triangle_triangle,
 };
 
 /// The nearest points of two meshes, in the world.
@@ -76,12 +76,30 @@ impl Scene<'_> {
 
     /// Reports whether planes that two faces rest on, perpendicular to the line between their nearest points, prove that the
     /// whole meshes are farther apart than the clearance.
-    pub(super) fn are_farther_by_planes(&self, faces: [u32; 2], witness: &Witness) -> bool {
-        let corners = |m: usize| {
-            let mesh = self.meshes[m];
-            (0..mesh.faces().len() as u32).flat_map(move |face| mesh.corners(face))
-        };
-        self.supports(faces, witness).are_farther_than(&self.placement, corners(0), corners(1), self.clearance)
+    pub(super) fn are_farther_by_planes(&self, best: &Valued) -> bool {
+        let supports = self.supports(best.faces, &best.witness);
+        supports.are_farther_than(&self.placement, self.vertices(0), self.vertices(1), self.clearance)
+    }
+
+    /// Returns the distance of the meshes as an interval, if such planes prove that no two faces are nearer than these. It is
+    /// then the same for all pairs of faces that tie.
+    pub(super) fn distance_by_planes(&self, best: &Valued) -> Option<[f64; 2]> {
+        let supports = self.supports(best.faces, &best.witness);
+        let corners = [0, 1].map(|m| self.meshes[m].corners(best.faces[m]));
+        let metric = self.corners(best.faces);
+        let shares = [shares(&metric[0], &best.witness.on_a)?, shares(&metric[1], &best.witness.on_b)?];
+        supports.distance(&self.placement, self.vertices(0), self.vertices(1), corners.each_ref(), shares)
+    }
+
+    /// The vertices of a mesh. Those that no face uses are among them, and can only spoil a proof.
+    fn vertices(&self, m: usize) -> impl Iterator<Item = [f64; 3]> + Clone + use<'_> {
+        let vertices = self.meshes[m].0.vertices.slice();
+        (0..vertices.len()).map(move |vertex| vertices.get(vertex))
+    }
+
+    /// Number of vertices of both meshes.
+    pub(super) fn vertex_count(&self) -> usize {
+        self.meshes.iter().map(|mesh| mesh.0.vertices.slice().len()).sum()
     }
 
     fn supports(&self, [a, b]: [u32; 2], witness: &Witness) -> Supports {
@@ -107,6 +125,18 @@ impl Scene<'_> {
         let points = [on_a, on_b].map(|point| self.metric.to_world(point));
         Nearest { lower, upper: self.upper(best.value), points, faces }
     }
+}
+
+/// Returns the shares of the second corner and of the third in a point of a triangle, with room for rounding in their sum. Returns
+/// `None` for a triangle without area.
+fn shares([first, second, third]: &[Vector; 3], point: &Vector) -> Option<[f64; 2]> {
+    let (u, v, w) = (sub(second, first), sub(third, first), sub(point, first));
+    let (uu, uv, vv, wu, wv) = (dot(&u, &u), dot(&u, &v), dot(&v, &v), dot(&w, &u), dot(&w, &v));
+    let area = uu * vv - uv * uv;
+    let s = ((wu * vv - wv * uv) / area).max(0.0);
+    let t = ((wv * uu - wu * uv) / area).max(0.0);
+    let too_much = ((s + t) / (1.0 - 2.0 * f64::EPSILON)).max(1.0);
+    (area > 0.0).then_some([s / too_much, t / too_much])
 }
 
 /// Returns the result for two faces that intersect.

@@ -151,6 +151,9 @@ impl<'a> Search<'a> {
             let _ = self.answer.process(&self.scene, [0, 0]);
             return self.answer.best.map(|best| Nearest { lower: 0.0, ..self.scene.finish(&best, 0.0) });
         }
+        if let (Some([lower, upper]), Some(best)) = (self.answer.proved, &self.answer.best) {
+            return Some(Nearest { lower, upper, ..self.scene.finish(best, 0.0) });
+        }
         let doubt = if self.answer.values_left == 0 { 6.0 * self.scene.metric.error } else { 0.0 };
         self.answer.best.map(|best| self.scene.finish(&best, doubt))
     }

@@ -4,6 +4,7 @@ mod cases;
 mod clearances;
 mod meshes;
 mod oracle;
+mod plates;
 mod points;
 mod primitives;
 mod rays;

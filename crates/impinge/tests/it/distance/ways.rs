@@ -13,7 +13,7 @@ pub(crate) fn engine_pose(pose: &Affine) -> Pose {
     Pose::new(pose.linear, pose.translation).expect("a legal pose")
 }
 
-fn all_options() -> impl Iterator<Item = Options<'static>> {
+pub(crate) fn all_options() -> impl Iterator<Item = Options<'static>> {
     let hosts = [HostChoice::SmallerError, HostChoice::First, HostChoice::Second];
     simd::levels()
         .into_iter()

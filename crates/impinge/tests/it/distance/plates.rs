@@ -1,0 +1,100 @@
+//! Flat sides that face each other: thousands of pairs of faces tie, and planes prove the distance at once.
+
+use impinge::hierarchy::Builder;
+use impinge::mesh::Options;
+use impinge::query::{WitnessCache, distance_with};
+use impinge::{Mesh, query};
+use impinge_testkit::Affine;
+use impinge_testkit::generate::Rng;
+use impinge_testkit::generate::poses::rotation;
+use impinge_testkit::generate::solids::plane_grid;
+
+use crate::distance::ways::{all_options, engine_mesh, engine_pose};
+
+/// The map, and then a step in its own frame.
+fn beside(map: &Affine, step: [f64; 3]) -> Affine {
+    let moved = |i: usize| (0..3).map(|k| map.linear[i][k] * step[k]).sum::<f64>() + map.translation[i];
+    Affine { linear: map.linear, translation: [0, 1, 2].map(moved) }
+}
+
+/// What [`query::within`] decides exactly is what the interval says, which is a few units of the last place wide.
+fn check_interval(mesh: &Mesh, map: &Affine, other: &Affine) -> [f64; 2] {
+    let (a, b) = (mesh.at(engine_pose(map)), mesh.at(engine_pose(other)));
+    let mut warm = WitnessCache::default();
+    let found = distance_with(a, b, &mut warm, &Options::default());
+    for options in all_options() {
+        for mut cache in [WitnessCache::default(), warm.clone()] {
+            let again = distance_with(a, b, &mut cache, &options);
+            // Which of the faces that tie bear witness may depend on the host.
+            assert_eq!([again.lower, again.upper], [found.lower, found.upper], "{:?}", options.host);
+        }
+    }
+    assert!(query::within(a, b, found.upper) && !query::within(a, b, found.lower.next_down()), "{found:?}");
+    let swapped = query::distance(b, a);
+    assert_eq!([swapped.lower, swapped.upper], [found.lower, found.upper]);
+    [found.lower, found.upper]
+}
+
+#[test]
+fn plates_have_their_distance_to_the_last_digits() {
+    let mesh = engine_mesh(&plane_grid(48, 48));
+    let mut rng = Rng::new(488);
+    let mut narrow = 0;
+    for round in 0..12 {
+        let map = if round % 2 == 0 { Affine::IDENTITY } else { rotation(&mut rng) };
+        let gap = [0.1 + 0.2, 7.0, 1.0 / 3.0][round / 2 % 3];
+        let shift = if round < 6 { [0.25, 0.5, gap] } else { [3.0, -5.0, gap] };
+        let [lower, upper] = check_interval(&mesh, &map, &beside(&map, shift));
+        // In exact numbers the gap is that of the rounded matrix.
+        assert!((upper - gap).abs() < 1e-13, "round {round}: {lower} to {upper}");
+        assert!(round % 2 == 1 || (lower <= gap && gap <= upper), "round {round}: {lower} to {upper}, not {gap}");
+        narrow += usize::from(upper - lower <= 8.0 * f64::EPSILON * gap);
+    }
+    assert!(narrow >= 10, "{narrow} of 12 are proved by planes");
+}
+
+/// How the hierarchy was built does not show, nor a vertex between the plates that no face uses, but in how much is proved.
+#[test]
+fn plates_have_one_distance_however_they_were_built() {
+    let plate = plane_grid(40, 40);
+    let mut rng = Rng::new(489);
+    let map = rotation(&mut rng);
+    let other = beside(&map, [0.5, 0.25, 0.75]);
+    let mut mesh = engine_mesh(&plate);
+    let mut intervals = Vec::new();
+    for builder in Builder::ALL {
+        mesh.rebuild(builder);
+        intervals.push(check_interval(&mesh, &map, &other));
+    }
+    assert!(intervals.iter().all(|interval| *interval == intervals[0]), "{intervals:?}");
+
+    let mut spoiled = plate;
+    spoiled.vertices.push([0.0, 0.0, 0.375]);
+    let [lower, upper] = check_interval(&engine_mesh(&spoiled), &map, &other);
+    assert!(lower <= intervals[0][0] && intervals[0][1] <= upper && upper - lower < 1e-11, "{lower} to {upper}");
+}
+
+/// A plate that is tilted a little, or has one vertex out of its plane, is not as near as its plane.
+#[test]
+fn plates_that_are_hardly_parallel_have_the_distance_of_their_nearest_corner() {
+    for (tilt, bump) in [(1e-9, 0.0), (0.0, 1e-9), (1e-14, 0.0), (0.0, 1e-14), (0.0, -1e-9)] {
+        let mut plate = plane_grid(40, 40);
+        let [low, high] = [0, 1].map(|end| {
+            let along = plate.vertices.iter().map(|vertex| vertex[0]);
+            if end == 0 { along.fold(f64::INFINITY, f64::min) } else { along.fold(f64::NEG_INFINITY, f64::max) }
+        });
+        plate.vertices.iter_mut().for_each(|vertex| vertex[2] = tilt * (vertex[0] - low) / (high - low));
+        let middle = plate.vertices.len() / 2 + 7;
+        plate.vertices[middle][2] += bump;
+        let below = engine_mesh(&plate);
+        let above = engine_mesh(&plane_grid(40, 40));
+        let other = Affine::translation([0.1, 0.2, 0.5]);
+        let found = query::distance(&below, above.at(engine_pose(&other)));
+        // The plates lie over each other nearly everywhere, at the higher end of the tilt too.
+        let expected = 0.5 - tilt - bump.max(0.0);
+        let is_held = found.lower <= expected + 1e-15 && expected - 1e-15 <= found.upper;
+        assert!(is_held && found.upper - found.lower < 4e-12, "{tilt} {bump}: {found:?}, not {expected}");
+        let placed = above.at(engine_pose(&other));
+        assert!(query::within(&below, placed, found.upper) && !query::within(&below, placed, found.lower.next_down()));
+    }
+}
