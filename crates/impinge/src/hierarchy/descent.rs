@@ -112,12 +112,10 @@ struct Underway {
 /// In which order tasks are opened, and how long.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Order {
-    /// The last one first; tasks are known this many ahead of their turn (at most [`QUEUE`]), while the memory that they
-    /// need is on its way.
+    /// The last one first. Tasks are known so many ahead of their turn, and the memory that they need is on its way.
     DepthFirst {
-        /// One to find the first pair soonest, [`QUEUE`] to find all of them.
+        /// One to find the first pair soonest, [`QUEUE`] to find all of them; and how many are opened at most.
         ahead: usize,
-        /// This many tasks are opened at most.
         most: usize,
     },
     /// The first one first, until there are this many to share out, or none.
@@ -169,12 +167,11 @@ impl Descent<'_> {
             },
             askew: None,
         };
-        // So many are opened. Breadth first, those are the first ones of the tasks.
         let mut done = 0;
         loop {
             let task = match order {
                 Order::BreadthFirstUntil(enough) => {
-                    let left = tasks.len() - done;
+                    let left = tasks.len() - done; // the tasks before these are done
                     if left == 0 || left >= enough {
                         tasks.drain(..done);
                         break;
@@ -184,9 +181,7 @@ impl Descent<'_> {
                 }
                 Order::DepthFirst { most, .. } => {
                     if done == most {
-                        while queue.len() > 0 {
-                            tasks.push(queue.pop());
-                        }
+                        tasks.extend(queue.drain());
                         break;
                     }
                     done += 1;

@@ -44,6 +44,11 @@ impl<T: Copy, const ROOM: usize> Queue<T, ROOM> {
         (self.len > before).then(|| self.items[(self.next + before) % ROOM])
     }
 
+    /// Takes out all that is left, in order.
+    pub(super) fn drain(&mut self) -> impl Iterator<Item = T> + use<'_, T, ROOM> {
+        std::iter::from_fn(|| (self.len > 0).then(|| self.pop()))
+    }
+
     /// Only for one that is not empty.
     #[inline(always)]
     pub(super) fn pop(&mut self) -> T {

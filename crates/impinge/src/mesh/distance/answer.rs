@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow::{self, Break, Continue};
 
-use super::scene::{Scene, Valued};
+use super::scene::{Nearest, Scene, Valued};
 use crate::primitive::{separation, triangle_triangle};
 
 /// Maximum number of pairs of faces that get a value. After that only pairs count that are nearer by more than the error of
@@ -127,6 +127,20 @@ impl Answer {
         // Whichever pairs came first, the best one is tried: so the result does not depend on their order.
         let have_tied = self.ties >= self.first_trial && scene.clearance == f64::INFINITY;
         if have_tied { self.try_planes(scene) } else { Continue(()) }
+    }
+
+    /// Returns the nearest points so far. Nothing is proved of them if the search was interrupted.
+    pub(super) fn nearest(&mut self, scene: &Scene<'_>, is_interrupted: bool) -> Option<Nearest> {
+        if is_interrupted {
+            let _ = self.process(scene, [0, 0]);
+            return self.best.map(|best| Nearest { lower: 0.0, ..scene.finish(&best, 0.0) });
+        }
+        let best = self.best?;
+        if let Some([lower, upper]) = self.proved {
+            return Some(Nearest { lower, upper, ..scene.finish(&best, 0.0) });
+        }
+        let doubt = if self.values_left == 0 { 6.0 * scene.metric.error } else { 0.0 };
+        Some(scene.finish(&best, doubt))
     }
 
     fn cut(&mut self, scene: &Scene<'_>, metric: f64) {

@@ -29,6 +29,7 @@ mod pair_batch;
 mod relative_frame;
 mod scene;
 mod search;
+mod slices;
 mod slot;
 mod support_bound;
 mod task;

@@ -16,13 +16,14 @@ use super::line_bound::LineBound;
 use super::metric::Metric;
 use super::relative_frame::RelativeFrame;
 use super::scene::{Nearest, Scene};
+use super::slices::Slices;
 use super::slot::Slot;
 use super::task::{Sorted, Task};
 use super::warm_start::WarmStart;
 use crate::exact::Placement;
 use crate::hierarchy::{Child, Node, lanes_in_use};
 use crate::mesh::storage::packet::{Packet, Packets};
-use crate::mesh::{Interrupt, Options, Placed};
+use crate::mesh::{Options, Placed};
 use crate::simd::{LANES, Level, bits, by_axis, dispatch, outlined};
 use crate::volume::Aabb;
 
@@ -32,9 +33,6 @@ const COSTLY: usize = 1 << 13;
 
 /// Maximum ratio of the sizes of two boxes whose nodes are opened together. Above it only the larger node is opened.
 const OPENED_TOGETHER: f32 = 4.0;
-
-/// Number of tasks after which the query is asked whether to go on: about 100 microseconds.
-const TASKS_AT_A_TIME: usize = 1 << 9;
 
 /// The two sides of a search, by their places.
 const HOST: usize = 0;
@@ -56,11 +54,7 @@ pub(super) struct Search<'a> {
     frontier: Option<Frontier>,
     /// Number of processed pairs of leaves.
     leaf_pairs: usize,
-    interrupt: Interrupt<'a>,
-    /// Whether the search was interrupted.
-    pub(super) is_interrupted: bool,
-    /// Number of processed tasks.
-    processed: usize,
+    pub(super) slices: Slices<'a>,
 }
 
 impl<'a> Search<'a> {
@@ -91,9 +85,7 @@ impl<'a> Search<'a> {
             line_bound,
             frontier: None,
             leaf_pairs: 0,
-            interrupt: options.interrupt,
-            is_interrupted: false,
-            processed: 0,
+            slices: Slices::new(options.interrupt),
         })
     }
 
@@ -144,18 +136,8 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the nearest points so far.
-    ///
-    /// Nothing is proved of them if the search was interrupted.
     pub(super) fn nearest(&mut self) -> Option<Nearest> {
-        if self.is_interrupted {
-            let _ = self.answer.process(&self.scene, [0, 0]);
-            return self.answer.best.map(|best| Nearest { lower: 0.0, ..self.scene.finish(&best, 0.0) });
-        }
-        if let (Some([lower, upper]), Some(best)) = (self.answer.proved, &self.answer.best) {
-            return Some(Nearest { lower, upper, ..self.scene.finish(best, 0.0) });
-        }
-        let doubt = if self.answer.values_left == 0 { 6.0 * self.scene.metric.error } else { 0.0 };
-        self.answer.best.map(|best| self.scene.finish(&best, doubt))
+        self.answer.nearest(&self.scene, self.slices.is_interrupted)
     }
 
     /// Runs [`advance`](Self::advance) with a vector unit. Both callers share the one copy that is
@@ -195,11 +177,7 @@ impl<'a> Search<'a> {
     #[inline(always)]
     fn process_tasks<S: Simd, const KEEPS: bool>(&mut self, simd: S) -> ControlFlow<()> {
         while let Some(task) = self.tasks.pop() {
-            self.processed += 1;
-            if self.processed.is_multiple_of(TASKS_AT_A_TIME) && self.interrupt.is_wanted() {
-                self.is_interrupted = true;
-                return ControlFlow::Break(());
-            }
+            self.slices.count_task()?;
             if task.bound > self.answer.node_limit {
                 continue;
             }
