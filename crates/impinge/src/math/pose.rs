@@ -165,6 +165,35 @@ impl Pose {
         Self::new(linear, self.apply(inner.translation))
     }
 
+    /// The map back: `a_from_world = world_from_a.inverse()`.
+    ///
+    /// ```
+    /// use impinge::Pose;
+    ///
+    /// let world_from_tool = Pose::from_axis_angle([0.0, 0.0, 1.0], 0.5, [3.0, 0.0, 1.0])?;
+    /// let world_from_part = Pose::from_translation([4.0, 2.0, 1.0])?;
+    /// let tool_from_part = world_from_tool.inverse()?.compose(&world_from_part)?;
+    /// assert!((tool_from_part.translation()[2]).abs() < 1e-15);
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    ///
+    /// # Accuracy
+    /// Every entry is the float nearest to that of the exact inverse.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), where the inverse is out of range, or singular after rounding.
+    pub fn inverse(&self) -> Result<Self, InputError> {
+        let [a, b, c] = self.linear.map(|row| row.map(Dyadic::from_f64));
+        // By Cramer's rule. These are the columns of the inverse, times the determinant.
+        let columns = [dyadic::cross(&b, &c), dyadic::cross(&c, &a), dyadic::cross(&a, &b)];
+        let determinant = dyadic::dot(&a, &columns[0]);
+        let back = self.translation.map(|x| Dyadic::from_f64(-x));
+        let row = |i: usize| columns.each_ref().map(|column| column[i].clone());
+        let linear = [0, 1, 2].map(|i| row(i).each_ref().map(|entry| Dyadic::nearest_quotient(entry, &determinant)));
+        let translation = [0, 1, 2].map(|i| Dyadic::nearest_quotient(&dyadic::dot(&row(i), &back), &determinant));
+        Self::new(linear, translation)
+    }
+
     /// Where a point of the local frame lies in the world, rounded.
     ///
     /// # Accuracy

@@ -2,6 +2,9 @@
 
 use crate::exact_oracle::*;
 use impinge::{InputErrorKind, Pose};
+use impinge_testkit::Affine;
+use impinge_testkit::generate::Rng;
+use impinge_testkit::generate::poses::{large_integer_map, rotation};
 
 fn kind(result: Result<Pose, impinge::InputError>) -> InputErrorKind {
     result.expect_err("to be refused").kind().clone()
@@ -162,4 +165,43 @@ fn composition_applies_the_inner_map_first() {
     }
     let large = Pose::new(EYE.map(|row| row.map(|x| x * power_of_two(40))), [0.0; 3]).expect("legal");
     assert!(matches!(kind(large.compose(&large)), InputErrorKind::OutOfRange { index: 0, .. }));
+}
+
+/// Each entry of an inverse is as near to that of the inverse in rational numbers as its neighbors are, or nearer.
+#[test]
+fn inverses_are_rounded_once() {
+    let mut rng = Rng::new(4807);
+    let mut turned = 0;
+    for round in 0..300 {
+        let map = match round % 3 {
+            0 => rotation(&mut rng),
+            1 => large_integer_map(&mut rng),
+            _ => Affine::new(
+                [0; 3].map(|_| [0; 3].map(|_: i32| rng.uniform(-2.0, 2.0))),
+                [0; 3].map(|_: i32| rng.uniform(-9.0, 9.0)),
+            ),
+        };
+        let Ok(pose) = Pose::new(map.linear, map.translation) else { continue };
+        let Ok(inverse) = pose.inverse() else { continue };
+        let exact = map.linear.map(|row| row.map(rational));
+        let minor = |i: usize, j: usize| {
+            let ([p, q], [r, s]) = ([(i + 1) % 3, (i + 2) % 3], [(j + 1) % 3, (j + 2) % 3]);
+            &exact[p][r] * &exact[q][s] - &exact[p][s] * &exact[q][r]
+        };
+        let determinant = (0..3).map(|j| &exact[0][j] * minor(0, j)).fold(rational(0.0), |sum, x| sum + x);
+        for i in 0..3 {
+            let row = [0, 1, 2].map(|j| minor(j, i) / &determinant);
+            let moved = (0..3).map(|j| &row[j] * rational(-map.translation[j])).fold(rational(0.0), |sum, x| sum + x);
+            let entries = row.into_iter().zip(inverse.linear()[i]).chain([(moved, inverse.translation()[i])]);
+            for (exact, rounded) in entries {
+                let off = |x: f64| (rational(x) - &exact) * (rational(x) - &exact);
+                assert!(off(rounded) <= off(rounded.next_up()) && off(rounded) <= off(rounded.next_down()), "{map:?}");
+                turned += 1;
+            }
+        }
+    }
+    assert!(turned > 3000, "{turned}");
+    assert_eq!(Pose::IDENTITY.inverse(), Ok(Pose::IDENTITY));
+    let tiny = Pose::new([[1e-30, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [0.0; 3]).expect("a pose");
+    assert!(matches!(kind(tiny.inverse()), InputErrorKind::OutOfRange { index: 0, .. }));
 }
