@@ -91,9 +91,14 @@ impl DoubleDouble {
         is_settled.then(|| above.sqrt().next_up())
     }
 
-    /// Whether the number is zero, exactly.
-    pub(super) fn is_zero(&self) -> bool {
-        self.high == 0.0 && self.low == 0.0 && self.error == 0.0
+    /// What the number is off zero by at most, if it is zero but for its bound.
+    pub(super) fn off_zero(&self) -> Option<f64> {
+        (self.high == 0.0 && self.low == 0.0).then_some(self.error)
+    }
+
+    /// The number with a bound that is wider by this.
+    pub(super) fn widened(&self, by: f64) -> Self {
+        Self { error: (self.error + by) * INFLATE, ..*self }
     }
 
     /// The greater of two numbers, where neither may be above the result and its error. An error that says nothing stays.

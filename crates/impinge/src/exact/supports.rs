@@ -131,26 +131,28 @@ fn reach(
     let base = dot(direction, &world_from_mesh.translation().map(DoubleDouble::of));
     // In floats first: those that are surely not the farthest need no more digits.
     let rough_gradient = rounded(&gradient);
-    let (mut farthest, mut size) = (f64::NEG_INFINITY, 0.0_f64);
+    let (mut farthest, mut size, mut extents) = (f64::NEG_INFINITY, 0.0_f64, [0.0_f64; 3]);
     for point in points.clone() {
         farthest = farthest.max(vector::dot(&rough_gradient, &point));
         size = size.max(rough_gradient.iter().zip(&point).map(|(g, x)| (g * x).abs()).sum());
+        extents = [0, 1, 2].map(|k| extents[k].max(point[k].abs()));
     }
     let surely_less = farthest - 16.0 * f64::EPSILON * size;
-    // Points of a plane across an axis have one product.
-    let counts = gradient.each_ref().map(|x| !x.is_zero());
+    // Points of a plane across an axis have one product, but for what the zeros of the gradient may be off by.
+    let off_zero = gradient.each_ref().map(DoubleDouble::off_zero);
+    let left_out: f64 = (0..3).filter_map(|k| Some(off_zero[k]? * extents[k])).sum();
     let mut last = [f64::NAN; 3];
     let mut most = DoubleDouble::of(f64::NEG_INFINITY);
     for point in points {
         // NaN proves nothing.
         let is_surely_less = vector::dot(&rough_gradient, &point) < surely_less;
-        let is_like_last = (0..3).all(|k| !counts[k] || point[k] == last[k]);
+        let is_like_last = (0..3).all(|k| point[k] == last[k] || (off_zero[k].is_some() && point[k].is_finite()));
         if !is_surely_less && !is_like_last {
             most = most.greater(&dot(&gradient, &point.map(DoubleDouble::of)));
             last = point;
         }
     }
-    most.plus(&base)
+    most.plus(&base).widened(left_out)
 }
 
 /// The direction near this one that is perpendicular to the first edge and to the next that is not parallel to it.
