@@ -14,14 +14,14 @@ use crate::volume::{BoundingVolume, fit};
 /// How many poses are looked at to see which bones move as one.
 const POSES: usize = 48;
 
-/// Pairs are tried with so many nearest others; a rig has seldom more bones that touch one.
+/// Number of nearest other parts with which merging is tried. More bones than this seldom touch one bone.
 const NEIGHBOURS: usize = 8;
 
 impl Plan {
     /// At most `volumes` parts, and at least one.
     ///
-    /// Two parts are merged where that adds the least surface to what a box about all of their motion has: the area of a volume is
-    /// what strikes are in vain by. Bones whose names put them into different limbs are merged last. Of both bones, the merged part
+    /// Two parts are merged where that adds the least surface to what a box about all of their motion has: the larger the area of a
+    /// volume, the more rays hit it and miss the bone. Bones whose names put them into different limbs are merged last. Of both bones, the merged part
     /// is fixed to the one that sees the smaller box.
     ///
     /// # Errors

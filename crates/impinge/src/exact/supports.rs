@@ -1,9 +1,13 @@
-//! A proof that two sets of points are farther apart than a distance: planes that support them.
+//! Supporting planes: a proof that two sets of points are farther apart than a distance.
 //!
-//! The planes stand across one direction. No point of A lies beyond the plane of A, none of B lies before that of B, and
-//! the planes are farther apart than the distance. All of it is evaluated in twice the digits of a float with bounds of
-//! what that is off by, so a proof is exact (docs/proof.md, L13a); a gap that exceeds the distance by less than the bounds
-//! proves nothing. It costs about a microsecond for two triangles, where the exact comparison costs ten.
+//! Both planes are perpendicular to one direction, from A to B. All points of A lie behind the plane of A, and all points of B lie in
+//! front of the plane of B. So the sets are at least as far apart as the planes. The distance of the planes is evaluated in
+//! world units, in double-double numbers with a bound of their error, so a proof is exact (docs/proof.md, L13a). A gap that
+//! exceeds the distance by less than the bound proves nothing. Two triangles take about a microsecond, and the exact comparison
+//! takes ten.
+//!
+//! Source: the support planes of Gilbert, Johnson, Keerthi, *A fast procedure for computing the distance between complex objects in
+//! three-dimensional space*, IEEE Journal of Robotics and Automation 4(2), 1988. Ours departs in the exact evaluation.
 //!
 //! The direction decides how much is proved. Where sets face each other with edges or faces, the floats nearest to the
 //! right direction lean by a rounding, which costs as much of the gap as the edge is long. So the direction is made
@@ -102,7 +106,7 @@ impl Supports {
     }
 }
 
-/// The square of the distance of two points of triangles; none for shares that are none.
+/// The square of the distance of two points of triangles. Returns `None` if a share is negative or their sum is above 1.
 fn squared_distance(placement: &Placement, corners: [&Corners; 2], shares: [[f64; 2]; 2]) -> Option<DoubleDouble> {
     let poses = [placement.world_from_a(), placement.world_from_b()];
     let point = |side: usize| {

@@ -112,9 +112,9 @@ struct Underway {
 /// In which order tasks are opened, and how long.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Order {
-    /// The last one first. Tasks are known so many ahead of their turn, and the memory that they need is on its way.
+    /// The last task comes first. `ahead` tasks are taken from the stack early, so that their memory is on its way.
     DepthFirst {
-        /// One to find the first pair soonest, [`QUEUE`] to find all of them; and how many are opened at most.
+        /// 1 finds the first pair soonest, [`QUEUE`] finds all of them soonest. At most `most` tasks are opened.
         ahead: usize,
         most: usize,
     },

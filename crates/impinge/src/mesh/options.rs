@@ -33,11 +33,11 @@ pub enum HostChoice {
     Second,
 }
 
-/// A question that long work asks now and then: whether to give up.
+/// A function that may end a long query early.
 ///
-/// Work asks it about every 100 microseconds. Once the answer is yes the work ends soon with an answer that is safe and says
-/// little: surfaces intersect, are within any clearance and at distance zero; of pairs there are those found so far. Whoever
-/// interrupts knows that, and discards it.
+/// The query calls it about every 100 microseconds. Once it returns true the query ends soon, with a safe answer: the
+/// surfaces intersect, they are within any clearance, and the lower bound of their distance is zero. A list of pairs has
+/// the pairs found so far. The caller has to discard such an answer.
 ///
 /// ```
 /// use std::time::{Duration, Instant};

@@ -3,7 +3,7 @@
 /// The most rows: a cluster's boxes.
 pub(in crate::hierarchy) const MOST: usize = 1 << 13;
 
-/// So many planes part a run one below the other, at most: medians part what is left.
+/// Maximum number of planes that split a run one below the other. Medians split what is left.
 pub(in crate::hierarchy) const PLANES: u32 = 7;
 
 /// Room for all, and for whole vectors behind them. Columns are not a multiple of 4 KiB apart, as a processor takes addresses that are
@@ -17,7 +17,7 @@ pub(super) const NUMBER: usize = 3;
 /// How many coordinates fill a vector.
 pub(super) const SIXTEEN: usize = 16;
 
-/// So many rows are taken together, at most.
+/// Maximum number of rows that are processed together.
 pub(super) const MOST_TOGETHER: usize = 32;
 
 /// Rows that follow each other.
@@ -28,17 +28,17 @@ pub(in crate::hierarchy) struct Run {
     pub(in crate::hierarchy) len: usize,
     /// Where it lies. There is room for twice as many rows, and for a vector more for each part that planes can make of it.
     pub(super) at: usize,
-    /// So many planes may part it.
+    /// Maximum number of planes that may still split it.
     pub(super) planes: u32,
 }
 
 impl Run {
-    /// All of so many rows.
+    /// The run of all `len` rows.
     pub(in crate::hierarchy) fn all(len: usize) -> Self {
         Self { start: 0, len, at: 0, planes: PLANES }
     }
 
-    /// The first so many, a multiple of eight, or all; and the others.
+    /// Splits the run into its first `low` rows, a multiple of eight or all of them, and the other rows.
     pub(in crate::hierarchy) fn split(self, low: usize) -> (Self, Self) {
         let low = low.min(self.len);
         (Self { len: low, planes: 0, ..self }, self.high(low, self.at + 2 * low, 0))

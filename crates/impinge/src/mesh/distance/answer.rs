@@ -13,16 +13,18 @@ pub(super) const MAX_VALUES: usize = 1 << 24;
 /// Maximum number of deferred pairs of faces. Further pairs get their values at once.
 const MAX_DEFERRED: usize = 1 << 12;
 
-/// Planes are tried on the whole meshes once ties have taken as long as that takes, about 6 nanoseconds a vertex. A value takes a
-/// quarter of a microsecond, and deferring a pair a fifth of that.
+/// Number of vertices that the planes read in the time of one value, which is about a quarter of a microsecond. Planes are tried once
+/// ties have taken as long as reading all vertices takes.
 const VERTICES_PER_VALUE: usize = 64;
+
+/// Number of pairs that are deferred in the time of one value.
 const DEFERRED_PER_VALUE: usize = 4;
 
 /// Number of ties below which planes are not tried: neighbors of the two nearest vertices tie too.
 const LEAST_TIES: usize = 256;
 
-/// Planes are not tried for the distance of meshes of which one is this many times smaller than both and the gap between them. Next
-/// to what values may be off by, all of its faces tie then.
+/// Maximum ratio of the size of the whole scene to the smaller mesh for which planes are tried on the distance. Beyond it the error of
+/// values is so large that many faces of the smaller mesh seem to tie.
 const FARTHEST: f64 = 64.0;
 
 /// Results of a search so far.

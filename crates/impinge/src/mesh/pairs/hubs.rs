@@ -1,9 +1,12 @@
-//! Corners that a great many faces share, such as the middle of a fan: pairs of their faces without all pairs of boxes.
+//! Pairs of faces at hubs. A hub is a corner that very many faces share, such as the middle of a fan.
 //!
 //! The boxes of all faces at one corner overlap there, so a hierarchy over boxes tells no two of them apart. Their
 //! *directions* do. Two faces at a corner meet beyond it only along a common direction from it, and the directions of a face
 //! are an arc between those of its other two corners. So the faces at a hub get a hierarchy of their own, over the boxes of
 //! their arcs on the unit sphere, and a descent of the mesh leaves out parts all of whose faces are at one hub.
+//!
+//! Directions are in the frame of the mesh, without a unit. Their boxes are widened by more than the rounding, so that no pair is lost
+//! (docs/proof.md, L18).
 //!
 //! Guarded by the tests below and by the benchmark `solids`, "fan with itself".
 
@@ -311,6 +314,7 @@ mod tests {
     #[test]
     fn arcs_hold_every_direction() {
         let mut rng = Rng::new(5);
+        let mut held = 0;
         for _ in 0..2000 {
             let mut corner = || [0; 3].map(|_: i32| rng.integer(-4, 5) as f64);
             let (hub, p, q) = (corner(), corner(), corner());
@@ -326,9 +330,11 @@ mod tests {
                     let is_held =
                         |k: usize| f64::from(bounds.min[k]) <= direction[k] && direction[k] <= f64::from(bounds.max[k]);
                     assert!((0..3).all(is_held), "{hub:?} {p:?} {q:?}: {direction:?} not in {bounds:?}");
+                    held += 1;
                 }
             }
         }
+        assert!(held > 9_000, "{held} of 10,000 are directions");
         let narrow = arc(&[0.0; 3], &[[1.0, 0.0, 0.0], [1.0, 1e-3, 0.0], [0.0; 3]]).expect("an arc");
         assert!((0..3).all(|k| narrow.max[k] - narrow.min[k] < 1.1e-3), "{narrow:?}");
     }

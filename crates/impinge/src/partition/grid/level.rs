@@ -15,7 +15,7 @@ const ROOM: [f64; 2] = [0.3, 2.4];
 /// Equal cells, each with a copy of each box that reaches into it.
 ///
 /// A copy says where its box begins and ends in steps as seen from its cell, and boxes themselves are looked at where steps
-/// decide nothing. Cells that share a place in memory are told apart by their keys, and one box has no two copies of one cell key. So a
+/// decide nothing. Cells that share a place in memory are told apart by their keys, and the copies of one box have different cell keys. So a
 /// copy of another cell with the same key is a copy of a box that is not in this cell.
 #[derive(Clone, Debug)]
 pub(super) struct Level {
