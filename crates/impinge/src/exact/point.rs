@@ -188,11 +188,28 @@ impl<'p> PosedPoint<'p> {
     }
 
     /// How often a ray crosses the triangle from its back to its front: 1, 0, or -1 for the other way. The ray starts
-    /// beside the point, off by `δ` along the first axis [across](AxisRay::across) and by `ε` along the second, with
-    /// `0 < ε ≪ δ` as small as is needed to pass edges and corners on one side (Edelsbrunner and Mücke, *Simulation of
-    /// Simplicity*, ACM Transactions on Graphics 9(1), 1990, here for one point only). Zero for a triangle whose plane
-    /// holds the point.
+    /// beside the point, as [`turns_about`](Self::turns_about) says. Zero for a triangle whose plane holds the point.
     pub(crate) fn crossing(&self, ray: AxisRay, corners: &Corners) -> i32 {
+        let turns = self.turns_about(ray, corners);
+        if turns == 0 {
+            return 0;
+        }
+        // The normal points along the axis where the corners turn to the left, and the triangle is ahead of the point on
+        // the axis where the point is on the other side.
+        let behind = self.above(corners).negated_if(turns < 0);
+        match (behind, ray.ascending) {
+            (Negative, true) => turns,
+            (Positive, false) => -turns,
+            _ => 0,
+        }
+    }
+
+    /// How the corners turn about the line of a ray, looking against its axis: 1 to the left, -1 to the right, 0 if the
+    /// line passes the triangle by. The line is beside the point, off by `δ` along the first axis
+    /// [across](AxisRay::across) and by `ε` along the second, with `0 < ε ≪ δ` as small as is needed to pass edges and
+    /// corners on one side (Edelsbrunner and Mücke, *Simulation of Simplicity*, ACM Transactions on Graphics 9(1), 1990,
+    /// here for one point only).
+    pub(crate) fn turns_about(&self, ray: AxisRay, corners: &Corners) -> i32 {
         let [_, j] = ray.across();
         let below = corners.each_ref().map(|corner| self.compare(j, corner) != Negative);
         if below[0] == below[1] && below[1] == below[2] {
@@ -209,20 +226,10 @@ impl<'p> PosedPoint<'p> {
                 }
             }
         }
-        if turns == 0 {
-            return 0;
-        }
-        // The normal points along the axis where the corners turn to the left, and the triangle is ahead of the point on
-        // the axis where the point is on the other side.
-        let behind = self.above(corners).negated_if(turns < 0);
-        match (behind, ray.ascending) {
-            (Negative, true) => turns,
-            (Positive, false) => -turns,
-            _ => 0,
-        }
+        turns
     }
 
-    /// [`beside`](Self::beside) for the start of a ray, which [`crossing`](Self::crossing) defines: zero only for an
+    /// [`beside`](Self::beside) for the line of a ray, which [`turns_about`](Self::turns_about) defines: zero only for an
     /// edge that is a point in this view.
     pub(crate) fn ray_beside(&self, ray: AxisRay, a: &[f64; 3], b: &[f64; 3]) -> Sign {
         let [i, j] = ray.across();

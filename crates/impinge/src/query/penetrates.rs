@@ -45,9 +45,9 @@ pub enum Penetrates {
 ///
 /// # Accuracy
 /// `Yes` and `No` are exact. `Undecided` is possible only if one mesh is open and its border is
-/// near the other mesh, or if faces that intersect the other mesh also intersect faces of their own
-/// mesh elsewhere than in common corners and edges. The answer does not depend on the order of the
-/// faces.
+/// near the other mesh, or if faces that intersect the other mesh or lie inside it also intersect
+/// faces of their own mesh elsewhere than in common corners and edges. The answer does not depend on
+/// the order of the faces.
 ///
 /// # Complexity
 /// That of [`intersecting_pairs`], linear in the pairs, and that of [`Mesh::contains`] for one

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::sheets::{turn, turn_along_some_axis};
+use super::sheets::turn_along_some_axis;
 use super::winding::Judge;
 use crate::exact::{AxisRay, Corners, PosedPoint, Spot};
 use crate::math::Sign;
@@ -99,7 +99,7 @@ impl Judge<'_> {
 }
 
 impl Mesh {
-    /// Reports whether the solid is beside a face at the point of [`Spot::Within`] of its corners,
+    /// Reports whether the solid is as near as is wanted to the point of [`Spot::Within`] of the corners of a face,
     /// given in any order; for an open mesh, whether its winding number differs between both sides
     /// there. False if the face has no area.
     pub(crate) fn is_solid_beside(&self, corners: &Corners, stack: &mut Vec<u32>) -> bool {
@@ -113,19 +113,14 @@ impl Mesh {
     }
 }
 
-/// The winding numbers just above and just below an inner point of a face along an axis, those of a closed mesh; for an
-/// open one their difference alone is meant.
+/// The winding numbers above and below an inner point of a face along an axis, at two points off the surface that are as
+/// near to it as is wanted. They are those of a closed mesh; for an open one their difference alone is meant.
 fn windings(mesh: &Mesh, corners: &Corners, axis: usize, stack: &mut Vec<u32>) -> [i64; 2] {
     let point = PosedPoint::local(Spot::Within(*corners));
-    let crossings = mesh.crossings(&point, AxisRay { axis, ascending: true }, stack);
-    let through: i64 = crossings
-        .holding
-        .iter()
-        .map(|&holding| match turn(&mesh.corners(holding), axis) {
-            Sign::Positive => 1,
-            Sign::Negative => -1,
-            Sign::Zero => 0,
-        })
-        .sum();
+    let ray = AxisRay { axis, ascending: true };
+    let crossings = mesh.crossings(&point, ray, stack);
+    // The point may be on an edge of another face. Both points are beside it, on the line that the ray is in.
+    let turns = |&holding: &u32| i64::from(point.turns_about(ray, &mesh.corners(holding)));
+    let through: i64 = crossings.holding.iter().map(turns).sum();
     [crossings.count, crossings.count + through]
 }

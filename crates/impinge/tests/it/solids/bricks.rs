@@ -82,6 +82,37 @@ fn bricks_whose_walls_are_cut_otherwise_are_never_answered_wrongly() {
 }
 
 #[test]
+fn membranes_cut_in_two_ways_have_no_interior() {
+    // Both sides of a membrane lie on each other. Where they are cut into different triangles, no face cancels another
+    // one, and the points asked about are on edges of the other side.
+    let outcome = |case: usize| -> [usize; 2] {
+        let mut rng = Rng::new(730_000 + case as u64);
+        let around = Brick::new([0; 3], [3; 3]);
+        let mut membrane = || {
+            let low: [i64; 3] = std::array::from_fn(|_| rng.integer(0, 1));
+            let mut high = low.map(|x| x + rng.integer(1, 2));
+            let axis = rng.integer(0, 2) as usize;
+            high[axis] = low[axis];
+            Brick { low, high, inside_out: rng.one_in(2) }
+        };
+        let membranes = vec![membrane(), membrane()];
+        let half_steps = std::array::from_fn(|_| rng.integer(0, 4));
+        let scene = Scene { bricks: [vec![around], membranes], half_steps };
+        assert!(!scene.penetrates());
+        let both = meshes(&mut rng, &scene, Cut::ByChance);
+        let answer = ask(&both);
+        assert_ne!(answer, Penetrates::Yes, "case {case}: {scene:?}");
+        assert_eq!(ask_otherwise(&mut rng, &both), answer, "case {case}, in another order: {scene:?}");
+        [usize::from(answer == Penetrates::No), usize::from(answer == Penetrates::Undecided)]
+    };
+    let scenes = rounds(1_000);
+    let sum = |x: [usize; 2], y: [usize; 2]| [x[0] + y[0], x[1] + y[1]];
+    let [apart, undecided] = (0..scenes).into_par_iter().map(outcome).reduce(|| [0; 2], sum);
+    assert!(20 * apart > scenes, "{apart} of {scenes} are decided");
+    assert!(4 * undecided > scenes, "{undecided} of {scenes} are undecided");
+}
+
+#[test]
 fn floors_upon_floors_do_not_penetrate() {
     let mut rng = Rng::new(73);
     for size in 1..=6 {
