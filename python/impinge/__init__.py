@@ -9,15 +9,16 @@ A pose is a (4, 4) matrix, world from local, for column vectors. Arrays of poses
 on all cores. `impinge.trimesh` and `impinge.fcl` stand in for the collision parts of the libraries of those names.
 """
 
-from impinge import ccd, fit, partition, shapes
+from impinge import ccd, fit, partition
 from impinge._character import Animation, Character, Leaks, Part
 from impinge._character_pose import CharacterPose, PartHit, PartHits, PartPairs, SurfaceHit
-from impinge._contacts import ContactRows, Contacts
+from impinge._contacts import ContactRows, Contacts, contacts
 from impinge._distances import Distance, distance, within
 from impinge._errors import InputError, LoadWarning, Status
 from impinge._impinge import __version__
 from impinge._inspection import Health, Repair, TreeStatistics
 from impinge._intersections import (
+    LimitedPairs,
     intersecting_pairs,
     intersection_curves,
     intersects,
@@ -30,7 +31,7 @@ from impinge._motion import Impact, Motion, time_of_impact
 from impinge._origin import Origin
 from impinge._pairs import Pairs
 from impinge._part_bodies import PartBodies
-from impinge._penetration import penetration
+from impinge._penetration import Penetration, penetration
 from impinge._points import ClosestPoint, RayHit, RayHits
 from impinge._pose import pose
 from impinge._scene import Scene, SceneReport
@@ -42,7 +43,6 @@ from impinge._world import World
 from impinge._world_answers import Bodies, BodyRayHit, BodyRayHits, Step, Work
 from impinge._world_state import WorldState
 from impinge.fit import Hull, Sphere, convex_hull, minimal_sphere
-from impinge.shapes import Penetration
 
 __all__ = [
     "Animation",
@@ -60,6 +60,7 @@ __all__ = [
     "Impact",
     "InputError",
     "Leaks",
+    "LimitedPairs",
     "LoadWarning",
     "Mesh",
     "Motion",
@@ -88,6 +89,7 @@ __all__ = [
     "WorldState",
     "__version__",
     "ccd",
+    "contacts",
     "convex_hull",
     "distance",
     "fit",
@@ -102,7 +104,6 @@ __all__ = [
     "penetration",
     "pose",
     "self_intersecting_pairs",
-    "shapes",
     "show",
     "threads",
     "time_of_impact",

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from impinge import _impinge, shapes
+import impinge
+from impinge import _impinge
 from impinge._contacts import Contacts
 from impinge._distances import distance
 from impinge._intersections import intersecting_pairs, intersects, penetrates
@@ -98,7 +99,7 @@ def separation(
     if a.solid and b.solid and not penetrates(a.mesh, b.mesh, pose_a, pose_b):
         return Separation(0.0, [far.point_a, far.point_b], faces)
     if a.solid and b.solid and signed:
-        deep = shapes.penetration(a.shape, b.shape, pose_a, pose_b)
+        deep = impinge.penetration(a.shape, b.shape, pose_a, pose_b)
         return Separation(-float(deep.depth), [deep.point_a, deep.point_b], faces)
     return Separation(-1.0, none, faces)
 
@@ -107,10 +108,10 @@ def _of_shapes(
     a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64], *, signed: bool
 ) -> Separation:
     """Measure where one body at least is no mesh."""
-    far = shapes.distance(a.shape, b.shape, pose_a, pose_b)
+    far = impinge.distance(a.shape, b.shape, pose_a, pose_b)
     value = float(far.distance)
     if value == 0 and a.solid and b.solid:
-        deep = shapes.penetration(a.shape, b.shape, pose_a, pose_b)
+        deep = impinge.penetration(a.shape, b.shape, pose_a, pose_b)
         if deep.depth > 0 and signed:
             return Separation(-float(deep.depth), [deep.point_a, deep.point_b], (-1, -1))
         value = -1.0 if deep.lower > 0 else 0.0
@@ -141,7 +142,7 @@ def solids(a: Body, b: Body) -> Solid:
 def collide(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64]) -> bool:
     """Whether two bodies have a point in common."""
     if not (a.is_mesh and b.is_mesh):
-        return shapes.intersects(a.shape, b.shape, pose_a, pose_b) is True
+        return impinge.intersects(a.shape, b.shape, pose_a, pose_b) is True
     return intersects(a.mesh, b.mesh, pose_a, pose_b, solid=solids(a, b)) is True
 
 
@@ -151,7 +152,7 @@ def contacts(
     """(k, 2) pairs of faces in contact, at most `limit`; `CONTAINED` where one is inside the other."""
     if not (a.is_mesh and b.is_mesh):
         return np.full((min(limit, len(_touches(a, b, pose_a, pose_b))), 2), -1)
-    pairs = np.asarray(intersecting_pairs(a.mesh, b.mesh, pose_a, pose_b, limit=limit)).astype(np.int64)
+    pairs = np.asarray(intersecting_pairs(a.mesh, b.mesh, pose_a, pose_b, limit=limit).pairs).astype(np.int64)
     if len(pairs) == 0 and limit > 0 and collide(a, b, pose_a, pose_b):
         return CONTAINED
     return pairs
@@ -159,7 +160,7 @@ def contacts(
 
 def _touches(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64]) -> Contacts:
     """Return the contacts of two bodies one of which is no mesh, the deepest first."""
-    found = shapes.contacts(a.shape, b.shape, pose_a, pose_b)
+    found = impinge.contacts(a.shape, b.shape, pose_a, pose_b)
     found = found if isinstance(found, Contacts) else found.all
     return found[np.argsort(-found.depth, kind="stable")]
 
@@ -175,7 +176,7 @@ def contact_points(
     if np.array_equal(pairs, CONTAINED):
         inside_b = b.solid and intersects(a.mesh, b.mesh, pose_a, pose_b, solid="b")
         return _inner_point(a, b, pose_a, pose_b) if inside_b else _inner_point(b, a, pose_b, pose_a)
-    question = (a.mesh, b.mesh, pose_a, pose_b, "raise", False)
+    question = (a.mesh, b.mesh, pose_a, pose_b, False, "raise", False)
     points, coplanar = _impinge.contact_points(question, pairs.astype(np.uint32))
     for row in np.flatnonzero(coplanar):
         on_a = _placed(a.mesh.vertices[a.mesh.faces[pairs[row, 0]]], pose_a)
@@ -196,9 +197,9 @@ def contact_normals(
         found = _touches(a, b, pose_a, pose_b)[: len(pairs)]
         return found.normal, np.maximum(found.depth, 0)
     if (a.solid and b.solid) or np.array_equal(pairs, CONTAINED):
-        deep = shapes.penetration(a.shape, b.shape, pose_a, pose_b)
+        deep = impinge.penetration(a.shape, b.shape, pose_a, pose_b)
         return np.tile(deep.normal, (len(pairs), 1)), np.full(len(pairs), deep.depth)
-    return _impinge.contact_normals((a.mesh, b.mesh, pose_a, pose_b, "raise", False), pairs.astype(np.uint32))
+    return _impinge.contact_normals((a.mesh, b.mesh, pose_a, pose_b, False, "raise", False), pairs.astype(np.uint32))
 
 
 def _placed(points: NDArray[np.floating], pose: NDArray[np.float64]) -> NDArray[np.float64]:

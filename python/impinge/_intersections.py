@@ -1,12 +1,12 @@
-"""Whether two meshes meet, and where.
+"""Whether two meshes or shapes intersect, and where.
 
-A new verb on two meshes is a function here or in ``_distances.py``, one in ``crates/impinge-python/src``, and its name
+A new verb on two things is a function here or in ``_distances.py``, one in ``crates/impinge-python/src``, and its name
 in ``__init__.py``.
 """
 
 from __future__ import annotations
 
-from typing import Any, Literal, Unpack, overload
+from typing import Any, Literal, NamedTuple, Unpack, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,21 +16,22 @@ from impinge._mesh import Mesh
 from impinge._pairs import Pairs
 from impinge._rows import Booleans, Pose, Raising, Solid, Stating, Statuses, beside_status
 from impinge._scalars import whole
+from impinge._shape import AnyShape
 
 
 @overload
-def intersects(a: Mesh, b: Mesh, *, solid: Solid = False) -> bool: ...
+def intersects(a: AnyShape, b: AnyShape, *, solid: Solid = False) -> bool: ...
 @overload
 def intersects(
-    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, solid: Solid = False, **rows: Unpack[Raising]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, *, solid: Solid = False, **rows: Unpack[Raising]
 ) -> Booleans: ...
 @overload
 def intersects(
-    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, solid: Solid = False, **rows: Unpack[Stating]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, *, solid: Solid = False, **rows: Unpack[Stating]
 ) -> tuple[Booleans, Statuses]: ...
 def intersects(
-    a: Mesh,
-    b: Mesh,
+    a: AnyShape,
+    b: AnyShape,
     pose_a: Pose = None,
     pose_b: Pose = None,
     *,
@@ -38,21 +39,24 @@ def intersects(
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
 ) -> Any:
-    """Whether two meshes have a point in common; touching counts.
+    """Whether two meshes or shapes have a point in common; touching counts.
 
-    The answer is the truth about the real images of the closed triangles under the given maps: no tolerance, no scale.
+    The answer about meshes, boxes, triangles, hulls and half-spaces is the truth about their real images under the given
+    maps: no tolerance, no scale. So it is for spheres and capsules among these, if their poses are exactly orthogonal.
+    Other round shapes that touch to within rounding count as a hit, and their status is ``Status.UNDECIDED``.
 
     Parameters
     ----------
-    a, b : Mesh
-        The meshes.
+    a, b : Mesh or Shape
+        The two things. A mesh is its surface unless `solid` says otherwise.
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
-        World from mesh, for column vectors; any invertible affine map. Leading axes broadcast as in NumPy:
+        World from mesh, for column vectors; any invertible affine map, for round shapes a rotation and a translation.
+        None is the identity. Leading axes broadcast as in NumPy:
         ``(n, 4, 4)`` against ``(4, 4)`` or ``(n, 4, 4)`` gives n answers, ``(n, 1, 4, 4)`` against ``(m, 4, 4)`` gives
         n x m.
     solid : {False, True, "a", "b"}
         Neither mesh, both, or one of them is not its surface alone but all about which it winds more than half, so that
-        what lies wholly inside meets it. Exact where that mesh is closed (`Mesh.is_closed`); where nothing is proved
+        what lies wholly inside intersects it. A shape is what it was made to be. Exact where that mesh is closed (`Mesh.is_closed`); where nothing is proved
         about the inside of an open one, what is in question counts as inside.
     on_error : {"raise", "status"}
         What becomes of a pose that is none. ``"status"`` answers its rows True, the safe answer, and returns the
@@ -93,20 +97,20 @@ def intersects(
     >>> [impinge.intersects(large, large, None, inside, solid=solid) for solid in (False, "a", "b", True)]
     [False, True, False, True]
     """
-    return _impinge.intersects((a, b, pose_a, pose_b, on_error, progress), solid)
+    return _impinge.intersects((a, b, pose_a, pose_b, solid, on_error, progress))
 
 
 @overload
-def penetrates(a: Mesh, b: Mesh) -> bool: ...
+def penetrates(a: AnyShape, b: AnyShape) -> bool: ...
 @overload
-def penetrates(a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Raising]) -> Booleans: ...
+def penetrates(a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Raising]) -> Booleans: ...
 @overload
 def penetrates(
-    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Stating]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Stating]
 ) -> tuple[Booleans, Statuses]: ...
 def penetrates(
-    a: Mesh,
-    b: Mesh,
+    a: AnyShape,
+    b: AnyShape,
     pose_a: Pose = None,
     pose_b: Pose = None,
     *,
@@ -151,19 +155,32 @@ def penetrates(
     >>> impinge.penetrates(part, part, None, poses)
     array([False,  True])
     """
-    return _impinge.penetrates((a, b, pose_a, pose_b, on_error, progress))
+    return _impinge.penetrates((a, b, pose_a, pose_b, False, on_error, progress))
+
+
+class LimitedPairs(NamedTuple):
+    """The first pairs of faces, where a limit was set."""
+
+    pairs: NDArray[np.uint32] | Pairs
+    """The first pairs of each pose in their order."""
+    truncated: Booleans
+    """Whether there are more than these, for each pose."""
 
 
 @overload
-def intersecting_pairs(a: Mesh, b: Mesh, *, limit: int | None = None) -> NDArray[np.uint32]: ...
+def intersecting_pairs(a: Mesh, b: Mesh, *, limit: None = None) -> NDArray[np.uint32]: ...
 @overload
 def intersecting_pairs(
-    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: int | None = None, **rows: Unpack[Raising]
+    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: None = None, **rows: Unpack[Raising]
 ) -> NDArray[np.uint32] | Pairs: ...
 @overload
 def intersecting_pairs(
+    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: int, **rows: Unpack[Raising]
+) -> LimitedPairs: ...
+@overload
+def intersecting_pairs(
     a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: int | None = None, **rows: Unpack[Stating]
-) -> tuple[NDArray[np.uint32] | Pairs, Statuses]: ...
+) -> tuple[NDArray[np.uint32] | Pairs | LimitedPairs, Statuses]: ...
 def intersecting_pairs(
     a: Mesh,
     b: Mesh,
@@ -183,8 +200,8 @@ def intersecting_pairs(
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
         World from mesh, as for `intersects`.
     limit : int, optional
-        The most pairs to return for a pose: the first ones in the order of the answer. Where a pose has as many, there
-        may be more.
+        The most pairs to return for a pose: the first ones in the order of the answer. The answer then says whether
+        there are more.
     on_error : {"raise", "status"}
         What becomes of a pose that is none. ``"status"`` gives its rows no pairs and returns the `Status` of each row
         beside the answers: pairs without ``Status.OK`` say nothing.
@@ -194,8 +211,8 @@ def intersecting_pairs(
     Returns
     -------
     (k, 2) uint32 array or Pairs
-        (Face of a, face of b), sorted by the first, then the second, without duplicates; `Pairs` where the poses have
-        leading axes.
+        (Face of a, face of b), sorted by the first, then the second, without duplicates; `Pairs` if the poses have
+        leading axes. With a `limit` a `LimitedPairs`: a tuple of these and whether there are more.
 
     Raises
     ------
@@ -210,14 +227,26 @@ def intersecting_pairs(
     array([[0, 0],
            [0, 1],
            [1, 1]], dtype=uint32)
+    >>> pairs, truncated = impinge.intersecting_pairs(square, square, pose_b=impinge.pose([1, 0, 0]), limit=2)
+    >>> len(pairs), truncated
+    (2, True)
     """
     most = None if limit is None else whole(limit, "limit")
-    answer = _impinge.intersecting_pairs((a, b, pose_a, pose_b, on_error, progress), most)
-    return beside_status(answer, on_error, _pairs)
+    answer = _impinge.intersecting_pairs((a, b, pose_a, pose_b, False, on_error, progress), most)
+
+    def made(found: Any) -> NDArray[np.uint32] | Pairs | LimitedPairs:
+        if len(found) == _SINGLE:
+            pairs, truncated = found
+        else:
+            offsets, rows, shape, truncated = found
+            pairs = Pairs(offsets, rows, tuple(shape))
+        return pairs if limit is None else LimitedPairs(pairs, truncated)
+
+    return beside_status(answer, on_error, made)
 
 
-def _pairs(answer: Any) -> NDArray[np.uint32] | Pairs:
-    return Pairs(answer[0], answer[1], tuple(answer[2])) if isinstance(answer, tuple) else answer
+_SINGLE = 2
+"""What the extension returns of a single pose: pairs, and whether there are more."""
 
 
 @overload
@@ -275,7 +304,7 @@ def intersection_curves(
     >>> curve[:, 0]
     array([-0.5,  0.5])
     """
-    return _impinge.intersection_curves((a, b, pose_a, pose_b, on_error, progress))
+    return _impinge.intersection_curves((a, b, pose_a, pose_b, False, on_error, progress))
 
 
 def self_intersecting_pairs(mesh: Mesh) -> NDArray[np.uint32]:

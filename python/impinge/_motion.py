@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from impinge import _arrays, _impinge
 from impinge._errors import InputError
-from impinge._mesh import Mesh
 from impinge._points import scalar
 from impinge._rows import Solid
 from impinge._scalars import real
+from impinge._shape import AnyShape
 
 
 @final
@@ -154,26 +154,27 @@ class Impact:
 
 
 def time_of_impact(
-    a: Mesh,
-    b: Mesh,
+    a: AnyShape,
+    b: AnyShape,
     motion_a: Motion | None = None,
     motion_b: Motion | None = None,
     *,
     solid: Solid = False,
     progress: bool = False,
 ) -> Impact:
-    """Return when two meshes that move rigidly first touch.
+    """Return when two meshes or shapes that move rigidly first touch.
 
-    Meshes that touch or overlap at the start give 0; those that pass through each other within the time are found.
+    Those that touch or overlap at the start give 0; those that pass through each other within the time are
+    found.
 
     Parameters
     ----------
-    a, b : Mesh
-        The meshes.
+    a, b : Mesh or Shape
+        The two things.
     motion_a, motion_b : Motion, optional
         None is a body that rests at the origin. The leading axes of both broadcast as in NumPy.
     solid : {False, True, "a", "b"}
-        As for `intersects`: a mesh that starts inside a solid one touches it at the start.
+        As for `intersects`: what starts inside a solid touches it at the start.
     progress : bool
         As for `intersects`.
 
@@ -185,11 +186,12 @@ def time_of_impact(
     Raises
     ------
     InputError
-        If an argument is of another type, or leading axes do not broadcast.
+        If an argument is of another type, leading axes do not broadcast, or a motion starts at a pose that is not
+        rigid, of a round shape.
 
     Notes
     -----
-    By conservative advancement over proved distances: nothing touches before `t_lower`, where the meshes are nearer to
+    By conservative advancement over proved distances: nothing touches before `t_lower`, where the two are nearer to
     each other than 2^-37 of their sizes, or the bounded number of steps was spent. `t_upper` is a time at which they
     intersect.
 
@@ -200,6 +202,10 @@ def time_of_impact(
     >>> through = impinge.Motion(impinge.pose([0, 0, 3]), impinge.pose([[0, 0, -1], [0, 0, 1]]))
     >>> impinge.time_of_impact(triangle, triangle, motion_b=through).t_lower.round(6)
     array([0.75,  inf])
+    >>> ball, floor = impinge.Shape.sphere(0.5), impinge.Shape.half_space([0, 0, 1])
+    >>> fall = impinge.Motion(impinge.pose([0, 0, 2.5]), impinge.pose([0, 0, -1.5]))
+    >>> round(impinge.time_of_impact(ball, floor, fall).t_lower, 6)
+    0.5
     """
     lower, upper = _impinge.time_of_impact((a, b, motion_a, motion_b, solid, progress))
     return Impact(scalar(lower < np.inf), scalar(lower), scalar(upper))

@@ -1,36 +1,69 @@
-"""How deep two meshes are in each other, as solids."""
+"""How deep two meshes or shapes are in each other."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Literal, Unpack, overload
 
+import numpy as np
+from numpy.typing import NDArray
+
 from impinge import _impinge
-from impinge._mesh import Mesh
+from impinge._points import scalar
 from impinge._rows import Pose, Raising, Stating, Statuses, beside_status
-from impinge._shape_answers import Penetration, penetration_of
+from impinge._shape import AnyShape
+
+
+@dataclass(frozen=True, eq=False)
+class Penetration:
+    """How deep two things are in each other, with what was proved about it; arrays where the poses have leading axes.
+
+    Attributes
+    ----------
+    depth : float or (...) float64 array
+        `upper`; zero if the two are apart, and if they touch.
+    lower, upper : float or (...) float64 array
+        No translation shorter than `lower` takes their interiors apart; moving the second by `upper` along the normal
+        does. In world units; infinite where nothing does.
+    normal : (..., 3) float64 array
+        Of length 1, from the first to the second, in the world frame; zero where they are apart.
+    point_a, point_b : (..., 3) float64 array
+        The points of either that are deepest in the other, in the world frame, rounded; zero where they are
+        apart.
+    hit : bool or (...) bool array
+        Whether they intersect.
+    """
+
+    depth: float | NDArray[np.float64]
+    lower: float | NDArray[np.float64]
+    upper: float | NDArray[np.float64]
+    normal: NDArray[np.float64]
+    point_a: NDArray[np.float64]
+    point_b: NDArray[np.float64]
+    hit: bool | NDArray[np.bool_]
 
 
 @overload
-def penetration(a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Raising]) -> Penetration: ...
+def penetration(a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Raising]) -> Penetration: ...
 @overload
 def penetration(
-    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Stating]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Stating]
 ) -> tuple[Penetration, Statuses]: ...
 def penetration(
-    a: Mesh,
-    b: Mesh,
+    a: AnyShape,
+    b: AnyShape,
     pose_a: Pose = None,
     pose_b: Pose = None,
     *,
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
 ) -> Any:
-    """Return how deep two meshes, taken as solids, are in each other: a short way to take them apart.
+    """Return how deep two meshes or shapes are in each other: a short way to take them apart.
 
     Parameters
     ----------
-    a, b : Mesh
-        The solids: all about which a mesh winds more than half.
+    a, b : Mesh or Shape
+        The two things. A mesh is taken as a solid: all about which it winds more than half.
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
         World from mesh; None is the identity. Leading axes broadcast as in NumPy.
     on_error : {"raise", "status"}
@@ -41,17 +74,14 @@ def penetration(
     Returns
     -------
     Penetration
-        Moving `b` by `upper` along the normal takes the interiors apart, nothing shorter than `lower` does. Zero where
-        they touch or are apart. The shortest way is searched for, as meshes are not convex.
+        Moving `b` by `upper` along the normal takes the interiors apart, nothing shorter than `lower` does. Zero if
+        they touch or are apart. Of two convex shapes the bounds are close. For meshes and compounds the shortest way is
+        searched for, in some hundred distances a row.
 
     Raises
     ------
     InputError
         If an argument is none of the above; it says which row and entry.
-
-    Notes
-    -----
-    `impinge.shapes.penetration` is the same question to any two shapes. It takes some hundred distances a row.
 
     Examples
     --------
@@ -61,6 +91,17 @@ def penetration(
     >>> deep = impinge.penetration(solid, solid, None, impinge.pose([0, 0, 3.5]))
     >>> bool(deep.lower <= 0.5 / 3**0.5 * (1 + 1e-6) and deep.hit)
     True
+    >>> box, ball = impinge.Shape.box([1, 1, 1]), impinge.Shape.sphere(1)
+    >>> deep = impinge.penetration(box, ball, None, impinge.pose([1.5, 0, 0]))
+    >>> round(deep.depth, 9), deep.normal
+    (0.5, array([1., 0., 0.]))
     """
-    answer = _impinge.penetration((a, b, pose_a, pose_b, on_error, progress))
-    return beside_status(answer, on_error, penetration_of)
+    answer = _impinge.penetration((a, b, pose_a, pose_b, False, on_error, progress))
+    return beside_status(answer, on_error, _made)
+
+
+def _made(columns: Any) -> Penetration:
+    """Return what the extension has in columns: plain numbers in place of arrays without axes."""
+    hit, lower, upper, normal, point_a, point_b = columns
+    upper = scalar(upper)
+    return Penetration(upper, scalar(lower), upper, normal, point_a, point_b, scalar(hit))

@@ -1,9 +1,9 @@
-"""Many meshes at once: every configuration of a robot or an assembly in one call."""
+"""Many parts at once: every configuration of a robot or an assembly in one call."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import Any, Literal
 
@@ -14,83 +14,121 @@ from impinge import _impinge
 from impinge._errors import InputError
 from impinge._mesh import Mesh
 from impinge._rows import Statuses
-from impinge._scalars import chosen
+from impinge._scalars import chosen, flag, real
+from impinge._shape import AnyShape, Shape
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class SceneReport:
-    """Which pairs of parts meet, in each configuration.
+    """Which pairs of parts were found, in each configuration.
 
     Attributes
     ----------
-    pairs : tuple of (str, str)
-        The p pairs of parts that were asked about, in the order of the scene.
     intersects : bool or (...) bool array
-        Whether any pair meets, for each configuration.
-    first : int or (...) int64 array
-        The first pair that meets, as an index into `pairs`; -1 where none does.
-    meets : (..., p) bool array or None
-        Whether each pair meets; None where the check stopped at the first.
+        Whether any pair was found, for each configuration. An undecided pair counts as found.
     status : (...) uint8 array or None
-        The `Status` of each configuration, where ``on_error="status"`` asked for one.
+        The `Status` of each configuration, if ``on_error="status"`` asked for one.
     """
 
-    pairs: tuple[tuple[str, str], ...]
     intersects: bool | NDArray[np.bool_]
-    first: int | NDArray[np.int64]
-    meets: NDArray[np.bool_] | None
     status: Statuses | None
 
+    def __init__(self, scene: Scene, answer: Any, status: Statuses | None, *, stopped_at_first: bool) -> None:
+        shape, self._offsets, self._found = answer
+        self._parts = scene._names()
+        self._ignored = scene._ignored_places()
+        self._shape = tuple(shape)
+        self._stopped_at_first = stopped_at_first
+        hits = (np.diff(self._offsets) > 0).reshape(self._shape)
+        self.intersects = hits if self._shape else bool(hits)
+        self.status = status
+
+    @cached_property
+    def pairs(self) -> tuple[tuple[str, str], ...]:
+        """The p pairs of parts that were asked about, in the order of the scene."""
+        return tuple((self._parts[i], self._parts[j]) for i, j in self._numbers)
+
+    @cached_property
+    def first(self) -> int | NDArray[np.int64]:
+        """The first pair found, for each configuration, as an index into `pairs`; -1 if there is none."""
+        numbers = self._numbers
+        starts = zip(self._offsets[:-1].tolist(), self._offsets[1:].tolist(), strict=True)
+        first = [numbers[self._pair(start)] if start < end else -1 for start, end in starts]
+        return np.array(first, np.int64).reshape(self._shape) if self._shape else first[0]
+
+    @cached_property
+    def meets(self) -> NDArray[np.bool_] | None:
+        """Whether each pair was found, (..., p); None if the check stopped at the first."""
+        if self._stopped_at_first:
+            return None
+        numbers = self._numbers
+        meets = np.zeros((len(self._offsets) - 1, len(numbers)), bool)
+        rows = np.repeat(np.arange(len(meets)), np.diff(self._offsets))
+        meets[rows, [numbers[self._pair(at)] for at in range(len(self._found))]] = True
+        return meets.reshape(*self._shape, len(numbers))
+
     def names(self, configuration: int | tuple[int, ...] = ()) -> list[tuple[str, str]]:
-        """Return the names of the pairs that meet in one configuration; the first alone where the check stopped there.
+        """Return the names of the pairs found in one configuration; the first alone if the check stopped there.
 
         Parameters
         ----------
         configuration : int or tuple of int
-            An index into the leading axes; nothing where a single configuration was asked about.
+            An index into the leading axes; nothing if a single configuration was asked about.
         """
-        if self.meets is not None:
-            return [self.pairs[pair] for pair in np.flatnonzero(self.meets[configuration])]
-        first = int(np.asarray(self.first)[configuration])
-        return [self.pairs[first]] if first >= 0 else []
+        row = int(np.arange(len(self._offsets) - 1).reshape(self._shape)[configuration])
+        places = (self._pair(at) for at in range(self._offsets[row], self._offsets[row + 1]))
+        return [(self._parts[i], self._parts[j]) for i, j in places]
 
     @property
     def worst(self) -> tuple[int, ...]:
-        """The configuration in which most pairs meet, the first of these, as an index into the leading axes.
+        """The configuration in which most pairs were found, the first of these, as an index into the leading axes.
 
         Raises
         ------
         InputError
             If the check stopped at the first pair, or there is no configuration.
         """
-        if self.meets is None:
-            message = "how many pairs meet is not known where the check stopped at the first"
+        if self._stopped_at_first:
+            message = "how many pairs there are is not known if the check stopped at the first"
             raise InputError(message, kind="option", what="stop", hint='ask with stop="all"')
-        counts = self.meets.sum(axis=-1)
+        counts = np.diff(self._offsets)
         if counts.size == 0:
             raise InputError("there is no configuration", kind="shape", what="poses")
-        return tuple(int(at) for at in np.unravel_index(int(np.argmax(counts)), counts.shape))
+        return tuple(int(at) for at in np.unravel_index(int(np.argmax(counts)), self._shape))
+
+    @cached_property
+    def _numbers(self) -> dict[tuple[int, int], int]:
+        """The number of each pair of places that was asked about."""
+        pairs = (pair for pair in combinations(range(len(self._parts)), 2) if pair not in self._ignored)
+        return {pair: number for number, pair in enumerate(pairs)}
+
+    def _pair(self, at: int) -> tuple[int, int]:
+        i, j = self._found[at].tolist()
+        return i, j
 
     def __repr__(self) -> str:
         """Return how many configurations are clear."""
         hits = np.asarray(self.intersects)
-        return f"SceneReport({hits.size} configurations, {int(hits.sum())} in collision, {len(self.pairs)} pairs each)"
+        count = len(self._parts)
+        pairs = count * (count - 1) // 2 - len(self._ignored)
+        return f"SceneReport({hits.size} configurations, {int(hits.sum())} in collision, {pairs} pairs each)"
 
 
 class Scene:
-    """Named meshes that are checked against each other, at many configurations in one call.
+    """Named parts that are checked against each other, at many configurations in one call.
 
     Parameters
     ----------
-    parts : mapping of str to Mesh
-        The parts; one mesh may serve several of them.
+    parts : mapping of str to Mesh or Shape
+        The parts; one mesh or shape may serve several of them.
     ignored : iterable of (str, str), optional
-        Pairs of parts that are not checked, such as neighbouring links of a robot, in either order.
+        Pairs of parts that are not checked, such as neighboring links of a robot, in either order.
+    solid : bool
+        Whether meshes are solids, so that what lies wholly inside one intersects it.
 
     Raises
     ------
     InputError
-        If a part is no `Mesh`, or `ignored` names a part that there is not.
+        If a part is no `Mesh` or `Shape`, or `ignored` names a part that there is not.
 
     Examples
     --------
@@ -105,28 +143,30 @@ class Scene:
     ((1,), [('base', 'arm')])
     """
 
-    def __init__(self, parts: Mapping[str, Mesh], *, ignored: Iterable[tuple[str, str]] = ()) -> None:
+    def __init__(
+        self, parts: Mapping[str, AnyShape], *, ignored: Iterable[tuple[str, str]] = (), solid: bool = False
+    ) -> None:
         if not isinstance(parts, Mapping):
             raise InputError(f"must be a mapping, not {type(parts).__name__}", kind="type", what="parts")
         self._parts = dict(parts)
-        for name, mesh in self._parts.items():
-            if not isinstance(name, str) or not isinstance(mesh, Mesh):
-                message = f"part {name!r} is {type(mesh).__name__}; names are str, parts impinge.Mesh"
+        self._solid = flag(solid, "solid")
+        for name, part in self._parts.items():
+            if not isinstance(name, str) or not isinstance(part, Mesh | Shape):
+                message = f"part {name!r} is {type(part).__name__}; names are str, parts impinge.Mesh or impinge.Shape"
                 raise InputError(message, kind="type", what="parts")
         self._ignored: set[frozenset[str]] = set()
         for a, b in _pairs(ignored):
             self._ignore((a, "ignored"), (b, "ignored"))
 
     @property
-    def parts(self) -> dict[str, Mesh]:
+    def parts(self) -> dict[str, AnyShape]:
         """The parts by name; a copy."""
         return dict(self._parts)
 
     @property
     def pairs(self) -> tuple[tuple[str, str], ...]:
         """The pairs of names that are checked, in the order of the parts."""
-        kept = (pair for pair in combinations(self._parts, 2) if frozenset(pair) not in self._ignored)
-        return tuple(kept)
+        return tuple(pair for pair in combinations(self._parts, 2) if frozenset(pair) not in self._ignored)
 
     def ignore(self, a: str, b: str) -> None:
         """Leave the pair of these two parts out of later checks.
@@ -148,22 +188,31 @@ class Scene:
         self,
         poses: Mapping[str, ArrayLike] | None = None,
         *,
+        question: Literal["intersects", "penetrates", "within"] = "intersects",
+        clearance: float | None = None,
         stop: Literal["first", "all"] = "first",
         on_error: Literal["raise", "status"] = "raise",
         progress: bool = False,
     ) -> SceneReport:
-        """Ask which parts meet, in each configuration.
+        """Ask about all pairs of parts, in each configuration.
+
+        Only pairs whose boxes are near each other are looked at, and consecutive configurations start from what the one
+        before told. No answer depends on either.
 
         Parameters
         ----------
         poses : mapping of str to (..., 4, 4) array_like
             World from part; leading axes, the configurations, broadcast as in NumPy. A part without a pose stands where
             its own frame is the world. Pairs of parts that stand still are asked about once.
+        question : {"intersects", "penetrates", "within"}
+            As the verbs of these names. ``"penetrates"`` takes meshes as solids; ``"within"`` needs a clearance.
+        clearance : float, optional
+            In world units, not negative; only for ``"within"``.
         stop : {"first", "all"}
-            Whether a configuration is done with at the first pair that meets, in the order of `pairs`, or all pairs are
+            Whether a configuration is done with at the first pair found, in the order of `pairs`, or all pairs are
             asked about.
         on_error : {"raise", "status"}
-            What becomes of a pose that is none. ``"status"`` counts its part as meeting every other.
+            What becomes of a pose that is none. ``"status"`` counts its part as near every other.
         progress : bool
             As for `intersects`.
 
@@ -175,7 +224,16 @@ class Scene:
         Raises
         ------
         InputError
-            If `poses` names a part that there is not, or as for `intersects`.
+            If `poses` names a part that there is not, a clearance is missing or not asked for, or as for `intersects`.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> ball = impinge.Shape.sphere(0.5)
+        >>> scene = impinge.Scene({"a": ball, "b": ball})
+        >>> near = scene.check({"b": impinge.pose([[1.25, 0, 0], [9, 0, 0]])}, question="within", clearance=0.5)
+        >>> near.intersects
+        array([ True, False])
         """
         poses = {} if poses is None else poses
         if not isinstance(poses, Mapping):
@@ -183,24 +241,26 @@ class Scene:
         for name in poses:
             self._known(name, "poses")
         chosen(stop, ("first", "all"), "stop")
-        names = list(self._parts)
-        parts = [(name, mesh, poses.get(name)) for name, mesh in self._parts.items()]
-        places = [(names.index(a), names.index(b)) for a, b in self.pairs]
-        answer: Any = _impinge.check_scene(parts, places, stop == "first", on_error, progress)
+        chosen(question, ("intersects", "penetrates", "within"), "question")
+        if (question == "within") != (clearance is not None):
+            raise InputError('goes with question="within"', kind="option", what="clearance")
+        least = 0.0 if clearance is None else real(clearance, "clearance", least=0)
+        parts = [(name, part, self._solid, poses.get(name)) for name, part in self._parts.items()]
+        first, ignored = stop == "first", sorted(self._ignored_places())
+        answer: Any = _impinge.check_scene(parts, ignored, (question, least), first, on_error, progress)
         status: Statuses | None = None
         if on_error == "status":
             answer, status = answer
-        meets: NDArray[np.bool_] | None = None
-        if stop == "first":
-            first = answer
-        else:
-            meets = answer
-            none = np.full(answer.shape[:-1], -1)
-            first = np.where(answer.any(axis=-1), answer.argmax(axis=-1), none) if places else none
-        hit = first >= 0
-        if first.ndim == 0:
-            return SceneReport(self.pairs, bool(hit), int(first), meets, status)
-        return SceneReport(self.pairs, hit, first, meets, status)
+        return SceneReport(self, answer, status, stopped_at_first=first)
+
+    def _names(self) -> list[str]:
+        return list(self._parts)
+
+    def _ignored_places(self) -> set[tuple[int, int]]:
+        """The ignored pairs by the places of their parts, the lesser first."""
+        place = {name: place for place, name in enumerate(self._parts)}
+        both = (sorted(place[name] for name in pair) for pair in self._ignored if len(pair) > 1)
+        return {(i, j) for i, j in both}
 
     def _known(self, name: str, what: str) -> None:
         if not isinstance(name, str) or name not in self._parts:
@@ -209,7 +269,8 @@ class Scene:
 
     def __repr__(self) -> str:
         """Return the numbers of parts and pairs."""
-        return f"Scene({len(self._parts)} parts, {len(self.pairs)} pairs)"
+        count = len(self._parts)
+        return f"Scene({count} parts, {count * (count - 1) // 2 - len(self._ignored_places())} pairs)"
 
 
 def _pairs(ignored: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:

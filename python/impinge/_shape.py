@@ -246,7 +246,7 @@ class Shape(_impinge.ShapeBase):
         >>> dumbbell = impinge.Shape.compound([(end, left), (bar, None), (end, right)])
         >>> dumbbell
         Shape.compound(3 parts)
-        >>> far = impinge.shapes.distance(dumbbell, impinge.Shape.sphere(0.125), None, impinge.pose([0, 0, 0.5]))
+        >>> far = impinge.distance(dumbbell, impinge.Shape.sphere(0.125), None, impinge.pose([0, 0, 0.5]))
         >>> round(far.distance, 9)
         0.25
         """
@@ -277,7 +277,7 @@ class Shape(_impinge.ShapeBase):
         Returns
         -------
         RayHit
-            Its fields have the leading axes. Whether convex shapes are met is decided as `impinge.shapes.intersects`
+            Its fields have the leading axes. Whether convex shapes are met is decided as `impinge.intersects`
             is; ``t`` is within 2^-36 of their sizes, cones' within 2^-23, over the cosine of the angle at which they
             are met. ``face`` is -1 for all but meshes, and where the ray starts in a solid one.
 

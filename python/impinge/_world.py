@@ -31,7 +31,7 @@ class World(WorldQueries):
 
     A body is named by its handle, an integer that never comes to mean another body. Reports are sorted by the bodies'
     tags, then by their handles, and do not depend on the broad phase, the number of threads or the order in which
-    bodies came. What counts as meeting is what `impinge.shapes.intersects` says; touching counts.
+    bodies came. What counts as meeting is what `impinge.intersects` says; touching counts.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ class World(WorldQueries):
         return self._core.pairs(None)[1]
 
     def contacts(self) -> ContactRows:
-        """Return the contacts of `pairs`: row ``i`` has those of pair ``i``, as `impinge.shapes.contacts` says.
+        """Return the contacts of `pairs`: row ``i`` has those of pair ``i``, as `impinge.contacts` says.
 
         There are none where the world was made with another `narrow_phase`.
         """

@@ -64,7 +64,7 @@ TAKERS = {
     "distance": ((4, 4), lambda poses: impinge.distance(MESH, MESH, poses, solid=True)),
     "pairs": ((4, 4), lambda poses: impinge.intersecting_pairs(MESH, MESH, poses)),
     "curves": ((4, 4), lambda poses: impinge.intersection_curves(MESH, MESH, poses)),
-    "a shape's pose": ((4, 4), lambda poses: impinge.shapes.distance(SHAPE, MESH, poses)),
+    "a shape's pose": ((4, 4), lambda poses: impinge.distance(SHAPE, MESH, poses)),
     "a scene": ((4, 4), lambda poses: impinge.Scene({"a": MESH, "b": MESH}).check({"a": poses})),
     "insert": ((4, 4), inserted),
     "step": ((4, 4), stepped),

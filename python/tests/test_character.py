@@ -108,7 +108,7 @@ def test_shapes_meshes_and_others_strike(robot):
         for probe in (Shape.sphere(0.5), Shape.box([0.4, 0.5, 0.9]), crate):
             struck = posed.struck_by(probe, place)
             expected = [
-                n for n, (volume, at) in enumerate(volumes) if impinge.shapes.intersects(probe, volume, place, at)
+                n for n, (volume, at) in enumerate(volumes) if impinge.intersects(probe, volume, place, at)
             ]
             assert struck.part.tolist() == expected
             assert np.allclose(np.linalg.norm(struck.normal, axis=1), 1)
@@ -121,7 +121,7 @@ def test_shapes_meshes_and_others_strike(robot):
         (a, b)
         for a in range(6)
         for b in range(6)
-        if impinge.shapes.intersects(volumes[a][0], volumes[b][0], volumes[a][1], there[b])
+        if impinge.intersects(volumes[a][0], volumes[b][0], volumes[a][1], there[b])
     ]
     assert list(zip(pairs.part_a.tolist(), pairs.part_b.tolist(), strict=True)) == expected
     assert 5 < len(expected) < 36

@@ -70,7 +70,7 @@ def examples():
         impinge.minimal_sphere(points), impinge.penetration(box, box), impinge.Motion(None, pose([1, 0, 0])),
         impinge.time_of_impact(box, box), impinge.intersecting_pairs(box, box, pose([[0, 0, 0]])), scene,
         scene.check(), Shape.box([1, 2, 3]), caught.value, impinge.LoadWarning("a warning"), impinge.Status.SINGULAR,
-        impinge.shapes.distance(box, box), impinge.fit.obb(points), impinge.fit.capsule(points),
+        impinge.intersecting_pairs(box, box, limit=3), impinge.fit.obb(points), impinge.fit.capsule(points),
         impinge.fit.lozenge(points), impinge.fit.aabb(points), impinge.fit.kdop(points), *boxes, request, result,
         impinge.fit.proxies(box),
         result.contacts[0], fcl.CollisionData(), fcl.DistanceRequest(), fcl.DistanceResult(), fcl.DistanceData(), one,
@@ -91,7 +91,7 @@ def things():
     return examples()
 
 
-MODULES = (impinge, impinge.fcl, impinge.fit, partition, impinge.shapes, impinge.trimesh)
+MODULES = (impinge, impinge.fcl, impinge.fit, partition, impinge.trimesh)
 PUBLIC = dict.fromkeys(getattr(module, name) for module in MODULES for name in module.__all__)
 CLASSES = [one for one in PUBLIC if inspect.isclass(one) and not set(one.__subclasses__()) & set(PUBLIC)]
 """Those of which there are instances: not the bases of others."""
@@ -135,8 +135,8 @@ def test_a_shape_keeps_the_mesh_as_it_was_in_pickles_too():
     mesh.refit(vertices + 100)
     probe = Shape.sphere(0.25, [0.5, 0, 0])
     for shape in shapes:
-        assert impinge.shapes.intersects(pickled(shape), probe) is impinge.shapes.intersects(shape, probe) is True
-    assert not impinge.shapes.intersects(Shape.mesh(mesh), probe)
+        assert impinge.intersects(pickled(shape), probe) is impinge.intersects(shape, probe) is True
+    assert not impinge.intersects(Shape.mesh(mesh), probe)
     assert pickled(shapes[0]).bounds.tolist() == shapes[0].bounds.tolist()
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import impinge
 import numpy as np
 import pytest
-from impinge import fcl, fit, partition, shapes
+from impinge import fcl, fit, partition
 from shapes import cube
 
 MESH, BALL, MOTION = impinge.Mesh(*cube()), impinge.Shape.sphere(1), impinge.Motion(None, None)
@@ -38,7 +38,7 @@ NO_REAL = [*NO_NUMBERS, None, np.nan, 10**400, -(10**5000)]
 WHOLE = [
     ("limit", lambda r, x: impinge.intersecting_pairs(MESH, MESH, limit=x)),
     ("n", lambda r, x: enter(x)),
-    ("most_points", lambda r, x: shapes.contacts(BALL, BALL, most_points=x)),
+    ("most_points", lambda r, x: impinge.contacts(BALL, BALL, most_points=x)),
     ("count", lambda r, x: TREE.nearest(ORIGIN, x)),
     ("volumes", lambda r, x: impinge.Character(PATH, volumes=x)),
     ("pieces", lambda r, x: impinge.Character(PATH, volumes=1, pieces=x)),
@@ -60,8 +60,8 @@ WHOLE = [
 
 REAL = [
     ("clearance", lambda r, x: impinge.within(MESH, MESH, x)),
-    ("clearance", lambda r, x: shapes.within(BALL, BALL, x)),
-    ("margin", lambda r, x: shapes.contacts(BALL, BALL, margin=x)),
+    ("clearance", lambda r, x: impinge.within(BALL, BALL, x)),
+    ("margin", lambda r, x: impinge.contacts(BALL, BALL, margin=x)),
     ("t", lambda r, x: MOTION.at(x)),
     ("radius", lambda r, x: impinge.Shape.sphere(x)),
     ("radius", lambda r, x: impinge.Shape.capsule(ORIGIN, ALONG, x)),
@@ -102,9 +102,9 @@ NUMBERS = [
 
 FLAGS = [
     ("progress", lambda x: impinge.intersects(MESH, MESH, progress=x)),
-    ("progress", lambda x: shapes.intersects(BALL, BALL, progress=x)),
+    ("progress", lambda x: impinge.intersects(BALL, BALL, progress=x)),
     ("progress", lambda x: impinge.time_of_impact(MESH, MESH, progress=x)),
-    ("progress", lambda x: shapes.time_of_impact(BALL, BALL, progress=x)),
+    ("progress", lambda x: impinge.time_of_impact(BALL, BALL, progress=x)),
     ("progress", lambda x: SCENE.check(progress=x)),
     ("persisting", lambda x: world().step(persisting=x)),
     ("proxies", lambda x: MESH.to_baked(proxies=x)),

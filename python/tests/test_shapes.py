@@ -31,47 +31,47 @@ def test_balls_and_pills_are_as_far_apart_as_their_cores():
     a, b = (Shape.sphere(radius) for radius in radii)
     poses = pose(centers[:, 0]), pose(centers[:, 1])
     assert 0.1 < (far <= 0).mean() < 0.9
-    assert np.array_equal(impinge.shapes.intersects(a, b, *poses), far <= 0)
-    found = impinge.shapes.distance(a, b, *poses)
+    assert np.array_equal(impinge.intersects(a, b, *poses), far <= 0)
+    found = impinge.distance(a, b, *poses)
     assert np.allclose(found.distance, np.maximum(far, 0), rtol=0, atol=1e-12)
     assert (found.lower <= np.maximum(far, 0) + 1e-14).all()
-    deep = impinge.shapes.penetration(a, b, *poses)
+    deep = impinge.penetration(a, b, *poses)
     assert np.array_equal(deep.hit, far <= 0)
     assert np.allclose(deep.depth, np.maximum(-far, 0), rtol=0, atol=1e-12)
     assert np.array_equal(np.linalg.norm(deep.normal, axis=1).round(9), (far <= 0).astype(float))
     for clearance in (0.0, 0.5, 2.0, inf):
-        assert np.array_equal(impinge.shapes.within(a, b, clearance, *poses), far <= clearance)
+        assert np.array_equal(impinge.within(a, b, clearance, *poses), far <= clearance)
     # A pill along z: as a ball about the nearest point of its segment.
     pill = Shape.capsule([0, 0, -1], [0, 0, 1], 0.25)
     between = centers[:, 1] - centers[:, 0]
     between[:, 2] -= between[:, 2].clip(-1, 1)
     far = np.linalg.norm(between, axis=1) - 0.25 - radii[1]
-    assert np.allclose(impinge.shapes.distance(pill, b, *poses).distance, np.maximum(far, 0), atol=1e-12)
+    assert np.allclose(impinge.distance(pill, b, *poses).distance, np.maximum(far, 0), atol=1e-12)
 
 
 def test_facts_of_others():
     """Closed forms from the tests of FCL and Coal."""
-    far = impinge.shapes.distance(Shape.box([3, 5, 1]), Shape.box([1, 1, 1]), None, pose([25, 20, 5]))
+    far = impinge.distance(Shape.box([3, 5, 1]), Shape.box([1, 1, 1]), None, pose([25, 20, 5]))
     assert far.distance == pytest.approx(sqrt(21**2 + 14**2 + 3**2), rel=1e-12)
     assert np.allclose([far.point_a, far.point_b], [[3, 5, 1], [24, 19, 4]])
     turned = pose([4, 0, 0], rpy=[0, 0, pi / 4])
-    far = impinge.shapes.distance(UNIT, UNIT, pose([0, 0, 0], rpy=[0, 0, pi / 4]), turned)
+    far = impinge.distance(UNIT, UNIT, pose([0, 0, 0], rpy=[0, 0, pi / 4]), turned)
     assert far.distance == pytest.approx(4 - sqrt(2), rel=1e-12)
     pill, crate = Shape.capsule([0, 0, -2], [0, 0, 2], 2), Shape.box([0.5, 1, 2])
-    assert impinge.shapes.distance(pill, crate, pose([3, 0, 0])).distance == pytest.approx(0.5, rel=1e-12)
-    assert impinge.shapes.distance(pill, crate, pose([0, 0, 8])).distance == pytest.approx(2, rel=1e-12)
+    assert impinge.distance(pill, crate, pose([3, 0, 0])).distance == pytest.approx(0.5, rel=1e-12)
+    assert impinge.distance(pill, crate, pose([0, 0, 8])).distance == pytest.approx(2, rel=1e-12)
     lying = pose([-10, 0.8, 1.5], rpy=[0, pi / 2, 0])
-    far = impinge.shapes.distance(pill, crate, lying)
+    far = impinge.distance(pill, crate, lying)
     assert far.distance == pytest.approx(5.5, rel=1e-12)
     assert np.allclose([far.point_a, far.point_b], [[-6, 0.8, 1.5], [-0.5, 0.8, 1.5]])
-    deep = impinge.shapes.penetration(
+    deep = impinge.penetration(
         UNIT, Shape.box([1.5, 1.5, 1.5]), pose([0, 0, 0], rpy=[0, pi / 4, 0]), pose([0, 0, -1.5])
     )
     assert deep.depth == pytest.approx(sqrt(2) / 2, rel=1e-12)
     assert np.allclose(deep.normal, [0, 0, -1])
     cone = Shape.cone(1.5, 1)  # the box goes 20 along x, and meets the cone 8.5 on its way
     drive = impinge.Motion(pose([-10, 0, 0]), pose([10, 0, 0]))
-    found = impinge.shapes.time_of_impact(Shape.box([0.5, 1, 1.5]), cone, drive)
+    found = impinge.time_of_impact(Shape.box([0.5, 1, 1.5]), cone, drive)
     assert found.hit
     assert 0.425 - 1e-6 < found.t_lower <= 0.425
 
@@ -83,17 +83,17 @@ def test_laws(a):
     poses = random_poses(12, 1.4, 7)
     hits = 0
     for b in ALL:
-        meets = impinge.shapes.intersects(a, b, pose_b=poses)
-        assert np.array_equal(meets, impinge.shapes.intersects(b, a, poses))
-        assert np.array_equal(meets, impinge.shapes.intersects(a, b, motion, motion @ poses))
-        assert [impinge.shapes.intersects(a, b, None, one) for one in poses] == meets.tolist()
-        far = impinge.shapes.distance(a, b, None, poses)
+        meets = impinge.intersects(a, b, pose_b=poses)
+        assert np.array_equal(meets, impinge.intersects(b, a, poses))
+        assert np.array_equal(meets, impinge.intersects(a, b, motion, motion @ poses))
+        assert [impinge.intersects(a, b, None, one) for one in poses] == meets.tolist()
+        far = impinge.distance(a, b, None, poses)
         assert np.array_equal(far.distance == 0, meets)
-        assert np.allclose(far.distance, impinge.shapes.distance(b, a, poses).distance, rtol=1e-9, atol=1e-9)
+        assert np.allclose(far.distance, impinge.distance(b, a, poses).distance, rtol=1e-9, atol=1e-9)
         gap = np.linalg.norm(far.point_b - far.point_a, axis=-1)
         assert np.allclose(gap[~meets], far.distance[~meets], atol=1e-8)
-        assert np.array_equal(impinge.shapes.within(a, b, 0.0, None, poses), meets)
-        touching = impinge.shapes.contacts(a, b, None, poses)
+        assert np.array_equal(impinge.within(a, b, 0.0, None, poses), meets)
+        touching = impinge.contacts(a, b, None, poses)
         assert np.array_equal(touching.counts > 0, meets)
         assert np.allclose(np.linalg.norm(touching.all.normal, axis=1), 1)
         hits += meets.sum()
@@ -104,12 +104,12 @@ def test_laws(a):
 def test_what_is_deep_comes_free(b):
     for a in (UNIT, *ROUND):
         poses = random_poses(10, 0.8, 3)
-        deep = impinge.shapes.penetration(a, b, None, poses)
+        deep = impinge.penetration(a, b, None, poses)
         assert deep.hit.mean() >= 0.3
         assert (deep.lower <= deep.upper).all()
         moved = poses.copy()
         moved[:, :3, 3] += deep.normal * (deep.upper * (1 + 1e-9) + 1e-9)[:, None]
-        assert not impinge.shapes.intersects(a, b, None, moved).any()
+        assert not impinge.intersects(a, b, None, moved).any()
 
 
 def test_a_box_is_as_its_mesh():
@@ -118,14 +118,14 @@ def test_a_box_is_as_its_mesh():
     box = Shape.compound([(Shape.box((high - low) / 2), pose((high + low) / 2))])
     mesh, poses = Shape.mesh(impinge.Mesh(vertices, faces), solid=True), random_poses(150, 1.5, 4)
     probe = Shape.hull(np.random.default_rng(2).normal(size=(20, 3)) / 3)
-    meets = impinge.shapes.intersects(box, probe, None, poses)
+    meets = impinge.intersects(box, probe, None, poses)
     assert 0.2 < meets.mean() < 0.8
-    assert np.array_equal(meets, impinge.shapes.intersects(mesh, probe, None, poses))
-    far = impinge.shapes.distance(box, probe, None, poses).distance
-    assert np.allclose(far, impinge.shapes.distance(mesh, probe, None, poses).distance, atol=1e-12)
+    assert np.array_equal(meets, impinge.intersects(mesh, probe, None, poses))
+    far = impinge.distance(box, probe, None, poses).distance
+    assert np.allclose(far, impinge.distance(mesh, probe, None, poses).distance, atol=1e-12)
     surface = impinge.Mesh(*cube())
     assert np.array_equal(
-        impinge.shapes.intersects(surface, TORUS, None, poses), impinge.intersects(surface, TORUS, None, poses)
+        impinge.intersects(surface, TORUS, None, poses), impinge.intersects(surface, TORUS, None, poses)
     )
 
 
@@ -156,19 +156,19 @@ def test_statuses():
     poses[3] = np.diag([1, 2, 1, 1])
     ball = Shape.sphere(1)
     with pytest.raises(impinge.InputError, match="rigid") as caught:
-        impinge.shapes.intersects(ball, UNIT, poses)
+        impinge.intersects(ball, UNIT, poses)
     assert (caught.value.kind, caught.value.what, caught.value.where) == ("not-rigid", "pose_a", (3,))
-    assert impinge.shapes.intersects(UNIT, UNIT, poses).tolist() == [True, False, False, True]  # any affine map will do
-    hits, status = impinge.shapes.intersects(ball, ball, poses, on_error="status")
+    assert impinge.intersects(UNIT, UNIT, poses).tolist() == [True, False, False, True]  # any affine map will do
+    hits, status = impinge.intersects(ball, ball, poses, on_error="status")
     assert hits.tolist() == [True, False, True, True]
     assert status.tolist() == [0, 0, 0, impinge.Status.NOT_RIGID]
-    far, status = impinge.shapes.distance(ball, ball, poses, on_error="status")
+    far, status = impinge.distance(ball, ball, poses, on_error="status")
     assert far.distance.round(9).tolist()[1:] == [7, 0, 0]
-    rows, status = impinge.shapes.contacts(ball, ball, poses, on_error="status")
+    rows, status = impinge.contacts(ball, ball, poses, on_error="status")
     assert rows.counts.tolist() == [1, 0, 1, 0]
-    deep, status = impinge.shapes.penetration(ball, ball, poses, on_error="status")
+    deep, status = impinge.penetration(ball, ball, poses, on_error="status")
     assert (deep.lower[3], deep.upper[3]) == (0, inf)
-    kinds = impinge.shapes.intersects(Shape.ellipsoid([1, 2, 3]), ball, pose([2, 0, 0]), on_error="status")
+    kinds = impinge.intersects(Shape.ellipsoid([1, 2, 3]), ball, pose([2, 0, 0]), on_error="status")
     assert kinds[0] is True
     assert int(kinds[1]) in (impinge.Status.OK, impinge.Status.UNDECIDED)
 
@@ -176,7 +176,7 @@ def test_statuses():
 def test_contacts_as_arrays():
     crates = Shape.compound([(UNIT, pose([0, 0, 0])), (UNIT, pose([3, 0, 0]))])
     floor = Shape.half_space([0, 0, 1], -0.5)
-    touch = impinge.shapes.contacts(crates, floor)
+    touch = impinge.contacts(crates, floor)
     assert isinstance(touch, impinge.Contacts)
     assert len(touch) == 8
     assert np.array_equal(touch.ids[:, 0, 0], [0] * 4 + [1] * 4)
@@ -185,11 +185,11 @@ def test_contacts_as_arrays():
     assert np.allclose(touch.normal, [0, 0, -1])
     assert sorted(set(touch.manifold)) == [0, 1]
     assert len(touch[touch.manifold == 1]) == 4
-    assert len(impinge.shapes.contacts(crates, floor, pose([0, 0, 0.25]))) == 0
-    near = impinge.shapes.contacts(crates, floor, pose([0, 0, 0.25]), margin=0.25)
+    assert len(impinge.contacts(crates, floor, pose([0, 0, 0.25]))) == 0
+    near = impinge.contacts(crates, floor, pose([0, 0, 0.25]), margin=0.25)
     assert np.allclose(near.depth, -0.25)
-    assert len(impinge.shapes.contacts(UNIT, floor, most_points=1)) == 1
-    rows = impinge.shapes.contacts(UNIT, floor, pose([[[0, 0, 0], [0, 0, 1]]]))
+    assert len(impinge.contacts(UNIT, floor, most_points=1)) == 1
+    rows = impinge.contacts(UNIT, floor, pose([[[0, 0, 0], [0, 0, 1]]]))
     assert rows.shape == (1, 2)
     assert [len(row) for row in rows[0]] == [4, 0]
 
@@ -200,7 +200,7 @@ def test_pickles_and_prints(shape):
     poses = random_poses(20, 2, 8)
     assert repr(again) == repr(shape)
     assert shape.kind in repr(shape)
-    first, second = (impinge.shapes.distance(one, UNIT, None, poses).distance for one in (shape, again))
+    first, second = (impinge.distance(one, UNIT, None, poses).distance for one in (shape, again))
     assert np.array_equal(first, second)
     if shape.bounds is None:
         assert shape.kind == "half_space"
@@ -208,7 +208,7 @@ def test_pickles_and_prints(shape):
         low, high = shape.bounds
         assert (low <= high).all()
         beside = pose(high + 1)  # beyond its box there is nothing
-        assert not impinge.shapes.intersects(shape, Shape.sphere(0.5), None, beside)
+        assert not impinge.intersects(shape, Shape.sphere(0.5), None, beside)
 
 
 @pytest.mark.parametrize(
@@ -231,16 +231,16 @@ def test_pickles_and_prints(shape):
         ("type", "parts", lambda: Shape.compound([UNIT])),
         ("type", "parts[0]", lambda: Shape.compound([(cube(), None)])),
         ("singular", "parts[1]", lambda: Shape.compound([(UNIT, None), (UNIT, np.diag([1.0, 0, 1, 1]))])),
-        ("type", "a", lambda: impinge.shapes.intersects(cube(), UNIT)),
-        ("type", "b", lambda: impinge.shapes.distance(UNIT, None)),
+        ("type", "a", lambda: impinge.intersects(cube(), UNIT)),
+        ("type", "b", lambda: impinge.distance(UNIT, None)),
         (
             "shape",
             "pose_b",
-            lambda: impinge.shapes.intersects(UNIT, UNIT, np.stack([np.eye(4)] * 2), np.stack([np.eye(4)] * 3)),
+            lambda: impinge.intersects(UNIT, UNIT, np.stack([np.eye(4)] * 2), np.stack([np.eye(4)] * 3)),
         ),
-        ("non-finite", "clearance", lambda: impinge.shapes.within(UNIT, UNIT, nan)),
-        ("negative", "margin", lambda: impinge.shapes.contacts(UNIT, UNIT, margin=-1)),
-        ("out-of-range", "most_points", lambda: impinge.shapes.contacts(UNIT, UNIT, most_points=0)),
+        ("non-finite", "clearance", lambda: impinge.within(UNIT, UNIT, nan)),
+        ("negative", "margin", lambda: impinge.contacts(UNIT, UNIT, margin=-1)),
+        ("out-of-range", "most_points", lambda: impinge.contacts(UNIT, UNIT, most_points=0)),
         ("zero-direction", "directions", lambda: UNIT.ray_cast([0, 0, 0], [0, 0, 0])),
         ("option", "Shape", Shape),
     ],
@@ -274,30 +274,29 @@ def test_any_numbers(vector, one, other):
         except impinge.InputError as error:
             assert error.kind in ("negative", "non-finite", "out-of-range", "zero-axis")
     for shape in made:
-        far = impinge.shapes.distance(shape, UNIT)
+        far = impinge.distance(shape, UNIT)
         assert not np.isnan([far.distance, far.lower, far.upper]).any()
         assert far.lower <= far.upper
-        assert impinge.shapes.intersects(shape, UNIT) == (far.distance == 0)
+        assert impinge.intersects(shape, UNIT) == (far.distance == 0)
         assert np.isfinite([far.point_a, far.point_b]).all()
 
 
 def test_what_round_shapes_leave_open_is_told_by_every_verb():
-    shapes = impinge.shapes
     drum, beside = Shape.cylinder(1, 1), pose([2.0, 0, 0])
     verbs = ["intersects", "distance", "penetration", "contacts"]
-    told = {verb: int(getattr(shapes, verb)(drum, drum, None, beside, on_error="status")[1]) for verb in verbs}
-    told["within"] = int(shapes.within(drum, drum, 0.0, None, beside, on_error="status")[1])
+    told = {verb: int(getattr(impinge, verb)(drum, drum, None, beside, on_error="status")[1]) for verb in verbs}
+    told["within"] = int(impinge.within(drum, drum, 0.0, None, beside, on_error="status")[1])
     assert set(told.values()) == {int(impinge.Status.UNDECIDED)}, told
-    deep = [getattr(shapes, verb)(drum, drum, None, pose([1.5, 0, 0]), on_error="status")[1] for verb in verbs]
+    deep = [getattr(impinge, verb)(drum, drum, None, pose([1.5, 0, 0]), on_error="status")[1] for verb in verbs]
     assert [int(status) for status in deep] == [0] * 4
 
 
 def test_nothing_is_within_any_clearance_of_what_is_empty():
     empty = impinge.Mesh(np.zeros((0, 3)), np.zeros((0, 3), int))
-    ball, shapes = Shape.sphere(1), impinge.shapes
+    ball = Shape.sphere(1)
     for clearance in (1.0, 1e90, 1e97, 1e300, np.inf):
-        assert shapes.within(empty, ball, clearance) is False
-        assert shapes.within(ball, ball, clearance, None, pose([1e80, 0, 0])) is (clearance > 1e80)
+        assert impinge.within(empty, ball, clearance) is False
+        assert impinge.within(ball, ball, clearance, None, pose([1e80, 0, 0])) is (clearance > 1e80)
 
 
 def first_of(surfaces):

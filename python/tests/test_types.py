@@ -9,7 +9,6 @@ from pathlib import Path
 import impinge
 import impinge.fcl
 import impinge.fit
-import impinge.shapes
 import impinge.trimesh
 import pytest
 
@@ -67,9 +66,9 @@ def test_types_as_a_user_sees_them(tmp_path):
         "assert_type(mesh.ray_cast([0, 0, 0], [0, 0, 1]), impinge.RayHit)\n"
         "assert_type(impinge.minimal_sphere([[0, 0, 0]]).radius, float)\n"
         "box = impinge.Shape.box([1, 1, 1])\n"
-        "assert_type(impinge.shapes.intersects(box, mesh), bool)\n"
-        "assert_type(impinge.shapes.contacts(box, box), impinge.Contacts)\n"
-        "assert_type(impinge.shapes.penetration(box, box, np.eye(4)), impinge.shapes.Penetration)\n"
+        "assert_type(impinge.intersects(box, mesh), bool)\n"
+        "assert_type(impinge.contacts(box, box), impinge.Contacts)\n"
+        "assert_type(impinge.penetration(box, box, np.eye(4)), impinge.Penetration)\n"
         "assert_type(impinge.World().step().work.changed, int)\n"
         "impinge.intersecting_pairs(mesh, mesh).sum()\n"
         "pairs = impinge.intersecting_pairs(mesh, mesh, np.eye(4)[None])\n"
@@ -83,7 +82,7 @@ def test_types_as_a_user_sees_them(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "module", [impinge, impinge.fcl, impinge.fit, impinge.partition, impinge.shapes, impinge.trimesh]
+    "module", [impinge, impinge.fcl, impinge.fit, impinge.partition, impinge.trimesh]
 )
 def test_every_public_name_is_documented(module):
     for name in module.__all__:

@@ -42,7 +42,7 @@ def brute_rows(poses):
     return [
         (i, j)
         for i, j in combinations(range(len(poses)), 2)
-        if impinge.shapes.intersects(KINDS[i % 4], KINDS[j % 4], poses[i], poses[j])
+        if impinge.intersects(KINDS[i % 4], KINDS[j % 4], poses[i], poses[j])
     ]
 
 
@@ -76,7 +76,7 @@ def test_contacts_are_those_of_single_questions():
     place = {int(handle): row for row, handle in enumerate(handles)}
     for pair, found in zip(pairs, rows, strict=True):
         i, j = (place[int(handle)] for handle in pair)
-        alone = impinge.shapes.contacts(KINDS[i % 4], KINDS[j % 4], poses[i], poses[j])
+        alone = impinge.contacts(KINDS[i % 4], KINDS[j % 4], poses[i], poses[j])
         for name in ("normal", "depth", "lower", "point_a", "point_b", "manifold", "ids"):
             assert np.array_equal(getattr(found, name), getattr(alone, name))
     assert not world.undecided().any()
@@ -241,13 +241,13 @@ def test_questions_equal_loops(broad):
     probe, places = Shape.sphere(0.8), random_poses(20, 4, 3)
     found = world.overlapping(probe, places, layers=1)
     for row in range(20):
-        met = [impinge.shapes.intersects(probe, KINDS[i % 4], places[row], poses[i]) for i in range(40)]
+        met = [impinge.intersects(probe, KINDS[i % 4], places[row], poses[i]) for i in range(40)]
         assert found[row].tolist() == handles[met].tolist()
     assert np.array_equal(world.overlapping(probe, places[3], layers=1), found[3])
     points = rng.uniform(-4, 4, (50, 3))
     at = world.at_points(points, layers=1)
     for row in range(50):
-        held = [impinge.shapes.intersects(POINT, KINDS[i % 4], pose(points[row]), poses[i]) for i in range(40)]
+        held = [impinge.intersects(POINT, KINDS[i % 4], pose(points[row]), poses[i]) for i in range(40)]
         assert at[row].tolist() == handles[held].tolist()
     low, high = world.bounds(handles).transpose(1, 0, 2)
     corner = rng.uniform(-4, 3, (30, 3))

@@ -3,8 +3,8 @@
 use std::hint::black_box;
 
 use anyhow::{Result, ensure};
-use impinge::mesh::{Options, Placed};
-use impinge::query::{self, HitCache};
+use impinge::mesh::{Options, PlacedMesh};
+use impinge::query::Query;
 
 use crate::samples::{Samples, timed};
 
@@ -62,11 +62,11 @@ pub fn ask(
 ///
 /// # Errors
 /// As [`ask`].
-pub fn ask_impinge(repeats: usize, a: Placed<'_>, b: Placed<'_>, options: &Options<'_>) -> Result<Asked> {
+pub fn ask_impinge(repeats: usize, a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) -> Result<Asked> {
     ask(
         repeats,
-        || query::intersecting_pairs_with(black_box(a), black_box(b), options),
-        || query::intersects_with(black_box(a), black_box(b), &mut HitCache::default(), options),
+        || Query::new().with_options(*options).intersecting_pairs(black_box(a), black_box(b)),
+        || Query::new().with_options(*options).intersects(black_box(a), black_box(b)),
     )
 }
 

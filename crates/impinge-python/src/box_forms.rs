@@ -11,7 +11,7 @@ use crate::boxes::Boxes;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::partitions::EXPONENT;
 use crate::points::Points;
-use crate::poses::{OnError, Poses};
+use crate::poses;
 
 /// What `Aabb`, `MinWidths` and `CenterRadius` of `impinge.fit` hold.
 #[pyclass(frozen, module = "impinge._impinge")]
@@ -158,10 +158,7 @@ impl BoxCore {
 
     /// The box of the same form about the image.
     fn moved(&self, pose: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let (py, poses) = (pose.py(), Poses::read(pose, "pose", OnError::Raise)?);
-        let ([], [pose]) = (&poses.shape[..], &poses.poses[..]) else {
-            return Err(Fault::new("shape", "pose", "one pose is expected, (4, 4)").raised(py));
-        };
+        let (py, pose) = (pose.py(), &poses::read_one(pose, "pose", "one pose is expected, (4, 4)")?);
         let moved = match self.0 {
             Form::MinMax(own) => own.moved(pose).map(Form::MinMax),
             Form::MinWidths(own) => own.moved(pose).map(Form::MinWidths),

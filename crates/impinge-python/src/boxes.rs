@@ -1,11 +1,12 @@
 //! Axis-aligned boxes as arrays of their corners.
 
+use impinge::query::batch::Broadcast;
 use impinge::volume::MinMax;
 use pyo3::prelude::*;
 
-use crate::broadcast::Broadcast;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::points::Points;
+use crate::poses;
 
 /// Boxes with their leading axes.
 pub(crate) struct Boxes {
@@ -26,10 +27,10 @@ impl Boxes {
         let low = Points::read(low, "low", exponent)?;
         let high = high.map(|high| Points::read(high, "high", exponent)).transpose()?;
         let high = high.as_ref().unwrap_or(&low);
-        let common = Broadcast::of(py, (&low.shape, "low"), (&high.shape, "high"))?;
-        let mut rows = Vec::with_capacity(common.rows);
-        for row in 0..common.rows {
-            let at = || Broadcast::place(&common.shape, row);
+        let common = poses::broadcast(py, (&low.shape, "low"), (&high.shape, "high"))?;
+        let mut rows = Vec::with_capacity(common.rows());
+        for row in 0..common.rows() {
+            let at = || Broadcast::place(common.shape(), row);
             let [at_low, at_high] = common.sources(row);
             let (low, high) = (low.rows[at_low], high.rows[at_high]);
             if (0..3).any(|axis| low[axis] > high[axis]) {
@@ -39,7 +40,7 @@ impl Boxes {
                 Fault::new(kind_and_place(&error).0, "high", message(&error)).at(at()).hint(error.hint()).raised(py)
             })?);
         }
-        Ok(Self { shape: common.shape, rows })
+        Ok(Self { shape: common.shape().to_vec(), rows })
     }
 
     /// The corners of boxes, (n, 2, 3).

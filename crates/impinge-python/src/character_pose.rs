@@ -4,21 +4,21 @@ use std::sync::Arc;
 
 use impinge::character::{HitHull, HitVolume, PartHit, PartPair, Posed, RigPose, Strike, SurfaceHit, SurfaceRays};
 use impinge::mesh::Ray;
+use impinge::query::batch::Broadcast;
 use impinge::volume::{BoundingSphere, Capsule};
 use impinge::{InputError, Pose};
 use pyo3::prelude::*;
 
 use crate::arrays::{array, ragged, row_array};
-use crate::broadcast::Broadcast;
 use crate::character::Fitted;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::{MeshBase, mesh_of};
 use crate::motions::matrix;
 use crate::points::Points;
-use crate::poses::{OnError, Poses};
+use crate::poses;
 use crate::rays::Rays;
 use crate::shapes::weighed;
-use crate::workers::{self, Rows};
+use crate::workers::{self, Call};
 
 /// Rays that a thread takes at a time, with one placing of the parts.
 const BLOCK: usize = 256;
@@ -60,9 +60,9 @@ impl PosedCore {
         };
         let (placing, count) = (self.0.clone(), rays.len());
         let all: Vec<Ray> = (0..count).map(judged).collect::<PyResult<_>>()?;
-        let rows = Rows { count: count.div_ceil(BLOCK), brief: count <= BLOCK, progress: false };
-        let of = move |(): &mut (), block: usize| ask(&placing, &all[block * BLOCK..count.min((block + 1) * BLOCK)]);
-        Ok(workers::rows(py, rows, Vec::new(), || (), of)?.into_iter().flatten().collect())
+        let call = Call { rows: count.div_ceil(BLOCK), is_brief: count <= BLOCK, progress: false };
+        let of = move |block: usize| ask(&placing, &all[block * BLOCK..count.min((block + 1) * BLOCK)]);
+        Ok(workers::rows(py, call, of)?.into_iter().flatten().collect())
     }
 }
 
@@ -178,13 +178,13 @@ impl PosedCore {
     /// The columns of the parts that a shape or the surface of a mesh strikes, which is at a pose.
     fn struck_by<'py>(&self, shape: &Bound<'py, PyAny>, pose: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = shape.py();
-        let pose = one_pose(pose, "pose")?;
+        let pose = poses::read_one(pose, "pose", "one pose is expected, (4, 4)")?;
         let placing = self.0.clone();
         let hits = if shape.cast::<MeshBase>().is_ok() {
             let mesh = mesh_of(shape, "shape")?;
             workers::run(py, move |_| placing.posed().struck_by_mesh(mesh.at(pose)))?
         } else {
-            let shape = weighed(shape, "shape")?.shape;
+            let shape = weighed(shape, "shape", false)?.shape;
             workers::run(py, move |_| placing.posed().struck_by(&shape.at(pose)?))?
         };
         let hits = hits.map_err(|error| fault(&error, "pose", Vec::new()).raised(py))?;
@@ -233,7 +233,10 @@ impl PosedCore {
             _ => HitHull::new(&points).map(HitVolume::Hull),
         };
         let volume = volume.map_err(|error| fault(&error, "volume", Vec::new()).raised(py))?;
-        let (from, there) = (one_pose(from_pose, "pose_t0")?, one_pose(to_pose, "pose_t1")?);
+        let (from, there) = (
+            poses::read_one(from_pose, "pose_t0", "one pose is expected, (4, 4)")?,
+            poses::read_one(to_pose, "pose_t1", "one pose is expected, (4, 4)")?,
+        );
         let (own, to) = (self.0.clone(), to.0.clone());
         let strikes = workers::run(py, move |_| {
             let strikes = |end: &Pose| own.posed().strikes(&to.posed(), &volume, &from, end);
@@ -248,15 +251,6 @@ impl PosedCore {
         };
         let hits: Vec<Option<PartHit>> = strikes.into_iter().map(hit).collect();
         columns(py, &hits, &[hits.len()])
-    }
-}
-
-/// The pose of an argument that is one, or `None`.
-fn one_pose(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Pose> {
-    let Poses { shape, poses, .. } = Poses::read(value, name, OnError::Raise)?;
-    match poses[..] {
-        [pose] if shape.is_empty() => Ok(pose),
-        _ => Err(Fault::new("shape", name, "one pose is expected, (4, 4)").raised(value.py())),
     }
 }
 

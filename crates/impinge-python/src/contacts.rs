@@ -1,6 +1,6 @@
 //! Contacts as columns of arrays.
 
-use impinge::query::shapes::{ContactId, ContactPoint, Feature, Manifold};
+use impinge::query::{ContactId, ContactPoint, Feature, Manifold};
 use pyo3::prelude::*;
 
 use crate::arrays::{array, plain_column, ragged, row_array};

@@ -4,7 +4,6 @@
 mod arrays;
 mod box_forms;
 mod boxes;
-mod broadcast;
 mod character;
 mod character_pose;
 mod contacts;
@@ -21,7 +20,7 @@ mod poses;
 mod question;
 mod rays;
 mod scene;
-mod shape_verbs;
+mod shape_rays;
 mod shapes;
 mod solid_bsp;
 mod verbs;
@@ -66,17 +65,14 @@ mod _impinge {
     #[pymodule_export]
     use super::scene::check_scene;
     #[pymodule_export]
-    use super::shape_verbs::{
-        shape_contacts, shape_distance, shape_penetration, shape_ray_cast, shape_time_of_impact, shapes_intersect,
-        shapes_within,
-    };
+    use super::shape_rays::shape_ray_cast;
     #[pymodule_export]
     use super::shapes::ShapeBase;
     #[pymodule_export]
     use super::solid_bsp::SolidBspCore;
     #[pymodule_export]
     use super::verbs::{
-        contact_normals, contact_points, intersecting_pairs, intersection_curves, intersects, penetrates,
+        contact_normals, contact_points, contacts_of, intersecting_pairs, intersection_curves, intersects, penetrates,
         self_intersecting_pairs,
     };
     #[pymodule_export]

@@ -1,17 +1,17 @@
 //! Motions of bodies, and when they first touch.
 
-use impinge::sweep::{self, Impact, Motion, time_of_impact_of_solids};
+use impinge::query::batch::{Broadcast, Execution, Stopped};
+use impinge::sweep::{self, Impact, Motion, times_of_impact};
 use impinge::{InputError, Pose};
 use pyo3::prelude::*;
 
 use crate::arrays::array;
-use crate::broadcast::Broadcast;
 use crate::errors::{Fault, kind_and_place, message};
-use crate::mesh::mesh_of;
 use crate::points::Points;
-use crate::poses::{OnError, Poses};
+use crate::poses;
 use crate::question::{Progress, SolidOption};
-use crate::workers::{self, Rows};
+use crate::shapes::weighed;
+use crate::workers::{self, Call};
 
 /// The magnitude that poses allow a translation: 2 to this.
 const EXPONENT: i32 = 300;
@@ -34,13 +34,13 @@ impl MotionBase {
     /// To another pose, or by a screw; all arrays have the same leading axes.
     #[new]
     fn new(pose_t0: &Bound<'_, PyAny>, pose_t1: &Bound<'_, PyAny>, screw: Option<Screw<'_>>) -> PyResult<Self> {
-        let from = Poses::read(pose_t0, "pose_t0", OnError::Raise)?;
+        let (shape, from) = poses::read_all(pose_t0, "pose_t0")?;
         let made: Vec<Result<Motion, InputError>> = if let Some((linear, angular, pivot)) = screw {
             let linear = Points::read(&linear, "linear", EXPONENT)?.rows;
             let angular = Points::read(&angular, "angular", EXPONENT)?.rows;
             let pivots = if pivot.is_none() { None } else { Some(Points::read(&pivot, "pivot", EXPONENT)?.rows) };
             let velocities = linear.into_iter().zip(angular).enumerate();
-            let screws = from.poses.iter().zip(velocities);
+            let screws = from.iter().zip(velocities);
             screws
                 .map(|(&pose, (row, (linear, angular)))| {
                     let pivot = pivots.as_ref().map(|pivots| pivots[row]);
@@ -48,20 +48,20 @@ impl MotionBase {
                 })
                 .collect()
         } else {
-            let to = Poses::read(pose_t1, "pose_t1", OnError::Raise)?;
-            from.poses.iter().zip(to.poses).map(|(&from, to)| Motion::between(from, to)).collect()
+            let (_, to) = poses::read_all(pose_t1, "pose_t1")?;
+            from.iter().zip(to).map(|(&from, to)| Motion::between(from, to)).collect()
         };
         let mut motions = Vec::with_capacity(made.len());
         for (row, motion) in made.into_iter().enumerate() {
             motions.push(motion.map_err(|error| {
-                let at = Broadcast::place(&from.shape, row);
+                let at = Broadcast::place(&shape, row);
                 Fault::new(kind_and_place(&error).0, "motion", message(&error))
                     .at(at)
                     .hint(error.hint())
                     .raised(pose_t0.py())
             })?);
         }
-        Ok(Self { shape: from.shape, motions })
+        Ok(Self { shape, motions })
     }
 
     #[getter]
@@ -102,29 +102,34 @@ pub(crate) fn motions_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<
     }
 }
 
-/// The meshes a and b, their motions, which of them are solid, and whether to show how far the call is.
+/// The things a and b, their motions, which of them is solid if it is a mesh, and whether to show how far the call is.
 type Moving<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, SolidOption, Progress);
 
 /// The two bounds of the time, in two arrays.
 #[pyfunction]
 pub(crate) fn time_of_impact<'py>(py: Python<'py>, moving: Moving<'py>) -> PyResult<Bound<'py, PyAny>> {
-    let (a, b, motion_a, motion_b, SolidOption(solid), Progress(progress)) = moving;
-    let (mesh_a, mesh_b) = (mesh_of(&a, "a")?, mesh_of(&b, "b")?);
+    let (a, b, motion_a, motion_b, SolidOption(is_solid), Progress(progress)) = moving;
+    let (a, b) = (weighed(&a, "a", is_solid[0])?.shape, weighed(&b, "b", is_solid[1])?.shape);
     let (shape_a, motions_a) = motions_of(&motion_a, "motion_a")?;
     let (shape_b, motions_b) = motions_of(&motion_b, "motion_b")?;
-    let rows = Broadcast::of(py, (&shape_a, "motion_a"), (&shape_b, "motion_b"))?;
-    let shape = rows.shape.clone();
-    let asked = Rows { count: rows.rows, brief: false, progress };
-    let impacts = workers::rows(
-        py,
-        asked,
-        SAFE,
-        || (),
-        move |(), row| {
-            let [at_a, at_b] = rows.sources(row);
-            time_of_impact_of_solids(&mesh_a, &mesh_b, &motions_a[at_a], &motions_b[at_b], solid)
-        },
-    )?;
+    let broadcast = poses::broadcast(py, (&shape_a, "motion_a"), (&shape_b, "motion_b"))?;
+    // Only where a motion starts may a round shape refuse its pose: it goes on rigidly.
+    for (shape, motions, lead, name) in [(&a, &motions_a, &shape_a, "motion_a"), (&b, &motions_b, &shape_b, "motion_b")]
+    {
+        for (row, motion) in motions.iter().enumerate() {
+            shape.at(motion.at(0.0)).map_err(|error| {
+                Fault::new(kind_and_place(&error).0, name, message(&error)).at(Broadcast::place(lead, row)).raised(py)
+            })?;
+        }
+    }
+    let shape = broadcast.shape().to_vec();
+    let call = Call { rows: broadcast.rows(), is_brief: false, progress };
+    let impacts = workers::execute(py, call, move |execution: Execution<'_>| -> Result<_, Stopped> {
+        times_of_impact(&a, &b, [&motions_a, &motions_b], &broadcast, execution)
+    })?;
+    let impacts: Result<Vec<Impact>, InputError> = impacts.into_iter().collect();
+    let impacts =
+        impacts.map_err(|error| Fault::new(kind_and_place(&error).0, "motion", message(&error)).raised(py))?;
     bounds(py, &impacts, &shape)
 }
 
@@ -159,20 +164,15 @@ fn features<'py>(
     let py = t0.py();
     let (shape_t0, corners_t0) = corners(t0, "t0")?;
     let (shape_t1, corners_t1) = corners(t1, "t1")?;
-    let rows = Broadcast::of(py, (&shape_t0, "t0"), (&shape_t1, "t1"))?;
-    let shape = rows.shape.clone();
-    let asked = Rows { count: rows.rows, brief: rows.rows <= MOST_BRIEF_FEATURES, progress: false };
-    let impacts = workers::rows(
-        py,
-        asked,
-        SAFE,
-        || (),
-        move |(), row| {
-            let [at_t0, at_t1] = rows.sources(row);
-            // Judged when they were read.
-            ask(&corners_t0[at_t0], &corners_t1[at_t1]).unwrap_or(SAFE)
-        },
-    )?;
+    let broadcast = poses::broadcast(py, (&shape_t0, "t0"), (&shape_t1, "t1"))?;
+    let shape = broadcast.shape().to_vec();
+    let rows = broadcast.rows();
+    let call = Call { rows, is_brief: rows <= MOST_BRIEF_FEATURES, progress: false };
+    let impacts = workers::rows(py, call, move |row| {
+        let [at_t0, at_t1] = broadcast.sources(row);
+        // Judged when they were read.
+        ask(&corners_t0[at_t0], &corners_t1[at_t1]).unwrap_or(SAFE)
+    })?;
     bounds(py, &impacts, &shape)
 }
 

@@ -11,7 +11,7 @@ use crate::errors::Fault;
 use crate::partitions::{EXPONENT, PartitionCore, Snapshot};
 use crate::points::Points;
 use crate::rays::Rays;
-use crate::workers::{self, Rows};
+use crate::workers::{self, Call};
 
 /// The most questions for which a call keeps to the caller's thread: a fraction of a millisecond.
 const MOST_BRIEF: usize = 64;
@@ -32,7 +32,7 @@ pub(crate) fn partition_overlapping<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = partition.py();
     let Boxes { shape, rows } = Boxes::read(low, high, EXPONENT)?;
-    let found = ask(partition, rows.len(), Vec::new(), move |partition, row| {
+    let found = ask(partition, rows.len(), move |partition, row| {
         let mut keys = Vec::new();
         let _ = partition.overlapping(&rows[row], &mut |key| {
             keys.push(key);
@@ -56,7 +56,7 @@ pub(crate) fn partition_ray_cast<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = partition.py();
     let shape = Rays::read(origins, directions)?.lead().to_vec();
-    let found = cast(partition, origins, directions, reach, None, |partition, ray| {
+    let found = cast(partition, origins, directions, reach, |partition, ray| {
         let mut first: Option<Entry> = None;
         partition.ray(ray, &mut |RayVisit { key, t, .. }| {
             if first.is_none_or(|first| (t, key) < (first.t, first.key)) {
@@ -81,7 +81,7 @@ pub(crate) fn partition_ray_cast_all<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = partition.py();
     let shape = Rays::read(origins, directions)?.lead().to_vec();
-    let found = cast(partition, origins, directions, reach, Vec::new(), |partition, ray| {
+    let found = cast(partition, origins, directions, reach, |partition, ray| {
         let mut entries = Vec::new();
         partition.ray(ray, &mut |RayVisit { key, t, reach }| {
             entries.push(Entry { t, key });
@@ -107,7 +107,7 @@ pub(crate) fn partition_nearest<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = partition.py();
     let Points { shape, rows } = Points::read(points, "points", EXPONENT)?;
-    let found = ask(partition, rows.len(), Vec::new(), move |partition, row| partition.nearest(rows[row], count))?;
+    let found = ask(partition, rows.len(), move |partition, row| partition.nearest(rows[row], count))?;
     let places = found.len().saturating_mul(count);
     let refused = || Fault::new("too-many", "count", format!("no memory for {count} boxes a point")).raised(py);
     let (mut keys, mut distances) = (Vec::new(), Vec::new());
@@ -146,23 +146,21 @@ pub(crate) fn partition_pairs_with<'py>(
 }
 
 /// What `ask` answers for each of so many rows, from one snapshot.
-fn ask<T: Clone + Send + Sync + 'static>(
+fn ask<T: Send + 'static>(
     partition: &Bound<'_, PartitionCore>,
     count: usize,
-    none: T,
     ask: impl Fn(&dyn Partition, usize) -> T + Send + Sync + 'static,
 ) -> PyResult<Vec<T>> {
     let (py, snapshot) = (partition.py(), partition.get().snapshot(partition.py()));
-    let rows = Rows { count, brief: count <= MOST_BRIEF, progress: false };
-    workers::rows(py, rows, none, || (), move |(), row| ask(snapshot.get(), row))
+    let call = Call { rows: count, is_brief: count <= MOST_BRIEF, progress: false };
+    workers::rows(py, call, move |row| ask(snapshot.get(), row))
 }
 
-fn cast<T: Clone + Send + Sync + 'static>(
+fn cast<T: Send + 'static>(
     partition: &Bound<'_, PartitionCore>,
     origins: &Bound<'_, PyAny>,
     directions: &Bound<'_, PyAny>,
     reach: f64,
-    none: T,
     ask: impl Fn(&dyn Partition, &Ray) -> T + Send + Sync + 'static,
 ) -> PyResult<Vec<T>> {
     let py = partition.py();
@@ -172,7 +170,5 @@ fn cast<T: Clone + Send + Sync + 'static>(
     }
     let (rays, snapshot): (Rays, Snapshot) = (Rays::read(origins, directions)?, partition.get().snapshot(py));
     let brief = rays.len() <= MOST_BRIEF;
-    rays.ask_each(py, brief, none, move |origin, direction| {
-        Ok(ask(snapshot.get(), &Ray::new(origin, direction, reach)?))
-    })
+    rays.ask_each(py, brief, move |origin, direction| Ok(ask(snapshot.get(), &Ray::new(origin, direction, reach)?)))
 }

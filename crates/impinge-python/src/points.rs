@@ -1,16 +1,16 @@
 //! Where points are to one mesh, in its own frame.
 
 use impinge::mesh::{ClosestPoint, Containment};
+use impinge::query::batch::Broadcast;
 use impinge::{InputError, Mesh};
 use numpy::PyUntypedArrayMethods;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 use crate::arrays::{Plain, array, row_array};
-use crate::broadcast::Broadcast;
 use crate::errors::Fault;
 use crate::mesh::mesh_of;
-use crate::workers::{self, Rows};
+use crate::workers::{self, Call};
 
 const PLAIN: Plain = Plain { core: &[3], reader: "plain_points" };
 
@@ -54,7 +54,7 @@ impl Points {
     ///
     /// # Errors
     /// Where the wait is interrupted, or memory is short.
-    fn ask<T: Clone + Send + Sync + 'static>(
+    fn ask<T: Send + 'static>(
         self,
         mesh: &Bound<'_, PyAny>,
         ask: impl Fn(&Mesh, &[[f64; 3]]) -> Result<Vec<T>, InputError> + Send + Sync + 'static,
@@ -62,11 +62,10 @@ impl Points {
         let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
         let Self { shape, rows: points } = self;
         let brief = points.len() as u128 * mesh.faces().len() as u128 <= MOST_BRIEF_WORK;
-        let rows = Rows { count: points.len().div_ceil(BLOCK), brief, progress: false };
-        let block =
-            move |(): &mut (), at: usize| Some(ask(&mesh, &points[at * BLOCK..points.len().min((at + 1) * BLOCK)]));
+        let call = Call { rows: points.len().div_ceil(BLOCK), is_brief: brief, progress: false };
+        let block = move |at: usize| ask(&mesh, &points[at * BLOCK..points.len().min((at + 1) * BLOCK)]);
         let mut answers = Vec::new();
-        for block in workers::rows(py, rows, None, || (), block)?.into_iter().flatten() {
+        for block in workers::rows(py, call, block)? {
             answers.extend(block.map_err(|error| PyRuntimeError::new_err(error.to_string()))?);
         }
         Ok((answers, shape))

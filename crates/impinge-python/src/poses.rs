@@ -1,92 +1,75 @@
-//! Arrays of poses, (..., 4, 4), judged before any work.
+//! Arrays of poses, (..., 4, 4), and leading axes that broadcast.
 
+use impinge::query::batch::{Broadcast, Poses};
 use impinge::{InputError, Pose};
 use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
 
 use crate::arrays::Plain;
-use crate::broadcast::Broadcast;
 use crate::errors::{Fault, kind_and_place, message};
 
 const PLAIN: Plain = Plain { core: &[4, 4], reader: "plain_poses" };
 
-/// What becomes of a pose that is none.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum OnError {
-    /// The call raises `InputError`, naming it.
-    Raise,
-    /// Its rows are answered safely, and a status says so.
-    Status,
+/// Reads poses from `None`, an array or nested sequences. Matrices that are no poses become faulty rows.
+///
+/// # Errors
+/// `InputError` if it is no array of matrices.
+pub(crate) fn read(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Poses> {
+    if value.is_none() {
+        return Ok(Poses::default());
+    }
+    let plain = PLAIN.read(value, name)?;
+    let shape = plain.shape();
+    let lead = &shape[..shape.len() - 2];
+    let (matrices, _) = plain.as_slice()?.as_chunks::<4>().0.as_chunks::<4>();
+    Poses::from_matrices(lead, matrices).map_err(|error| fault(&error, name, Vec::new()).raised(value.py()))
 }
 
-impl OnError {
-    /// Reads the option of that name.
-    pub(crate) fn read(option: &Bound<'_, PyAny>) -> PyResult<Self> {
-        match option.extract::<&str>() {
-            Ok("raise") => Ok(Self::Raise),
-            Ok("status") => Ok(Self::Status),
-            _ => {
-                let message = format!("must be \"raise\" or \"status\", not {}", option.repr()?);
-                Err(Fault::new("option", "on_error", message).raised(option.py()))
-            }
-        }
+/// Reads poses, each of which has to be one, and their leading axes.
+///
+/// # Errors
+/// As [`read`], and if a matrix is no pose.
+pub(crate) fn read_all(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<usize>, Vec<Pose>)> {
+    let poses = read(value, name)?;
+    raise_first_fault(value.py(), &poses, name)?;
+    Ok((poses.shape().to_vec(), poses.into_all()))
+}
+
+/// Reads one pose.
+///
+/// # Errors
+/// As [`read_all`], and if there are leading axes.
+pub(crate) fn read_one(value: &Bound<'_, PyAny>, name: &str, message: &'static str) -> PyResult<Pose> {
+    match &read_all(value, name)? {
+        (shape, poses) if shape.is_empty() && poses.len() == 1 => Ok(poses[0]),
+        _ => Err(Fault::new("shape", name, message).raised(value.py())),
     }
 }
 
-/// Poses with their leading axes.
-pub(crate) struct Poses {
-    /// The leading axes; none for a single pose.
-    pub(crate) shape: Vec<usize>,
-    /// In row-major order; the identity stands for what is no pose.
-    pub(crate) poses: Vec<Pose>,
-    /// The value of `impinge.Status` of each, where any is bad.
-    pub(crate) status: Option<Vec<u8>>,
-}
-
-impl Poses {
-    /// Reads `None`, an array or nested sequences.
-    ///
-    /// # Errors
-    /// `InputError` where it is no array of matrices; where one of them is no pose, unless `on_error` lets it pass.
-    pub(crate) fn read(value: &Bound<'_, PyAny>, name: &str, on_error: OnError) -> PyResult<Self> {
-        if value.is_none() {
-            return Ok(Self { shape: Vec::new(), poses: vec![Pose::IDENTITY], status: None });
-        }
-        let plain = PLAIN.read(value, name)?;
-        let shape = plain.shape();
-        let lead = shape[..shape.len() - 2].to_vec();
-        let numbers = plain.as_slice()?;
-        let (matrices, _) = numbers.as_chunks::<4>().0.as_chunks::<4>();
-        let mut poses = Vec::with_capacity(matrices.len());
-        let mut status = None;
-        for (row, matrix) in matrices.iter().enumerate() {
-            match Pose::from_matrix(*matrix) {
-                Ok(pose) => poses.push(pose),
-                Err(error) if on_error == OnError::Raise => {
-                    return Err(fault(&error, name, Broadcast::place(&lead, row)).raised(value.py()));
-                }
-                Err(error) => {
-                    poses.push(Pose::IDENTITY);
-                    status.get_or_insert_with(|| vec![0; matrices.len()])[row] = status_of(&error);
-                }
-            }
-        }
-        Ok(Self { shape: lead, poses, status })
+/// Raises the first fault of some poses.
+pub(crate) fn raise_first_fault(py: Python<'_>, poses: &Poses, name: &str) -> PyResult<()> {
+    match poses.first_fault() {
+        None => Ok(()),
+        Some((row, error)) => Err(fault(error, name, Broadcast::place(poses.shape(), row)).raised(py)),
     }
 }
 
-fn fault(error: &InputError, name: &str, mut at: Vec<usize>) -> Fault {
+pub(crate) fn fault(error: &InputError, name: &str, mut at: Vec<usize>) -> Fault {
     let (kind, place) = kind_and_place(error);
     at.extend(place);
-    Fault::new(kind, name, message(error)).at(at).hint(error.hint())
+    let rigid = "round shapes want a rotation and a translation, within 1e-4";
+    let hint = if kind == "not-rigid" { Some(rigid) } else { error.hint() };
+    Fault::new(kind, name, message(error)).at(at).hint(hint)
 }
 
-/// The value of `impinge.Status` for an error.
-fn status_of(error: &InputError) -> u8 {
-    match kind_and_place(error).0 {
-        "non-finite" => 1,
-        "out-of-range" => 2,
-        "not-affine" => 3,
-        _ => 4, // singular: a matrix has no other faults
-    }
+/// Returns how the leading axes of two arguments broadcast, by their names.
+///
+/// # Errors
+/// `InputError` naming the second, if they do not fit.
+pub(crate) fn broadcast(
+    py: Python<'_>,
+    (a, name_a): (&[usize], &str),
+    (b, name_b): (&[usize], &str),
+) -> PyResult<Broadcast> {
+    Broadcast::new(a, b).map_err(|error| Fault::new("shape", name_b, format!("{error}, those of {name_a}")).raised(py))
 }

@@ -1,52 +1,55 @@
-//! What all verbs on two meshes have in common: which meshes, at which poses, on which threads, with which safe answer
-//! where a pose is none.
+//! What all verbs on two things have in common: which things, at which poses, on which threads.
 
-use impinge::mesh::{Options, Placed};
-use impinge::query::Solid;
-use impinge::{Mesh, Pose};
+use impinge::Pose;
+use impinge::query::batch::{Answers, Batch, Execution, Status, Stopped};
 use pyo3::prelude::*;
 
 use crate::arrays::array;
-use crate::broadcast::Broadcast;
 use crate::errors::Fault;
-use crate::mesh::mesh_of;
-use crate::poses::{OnError, Poses};
-use crate::workers::{self, Rows};
+use crate::poses;
+use crate::shapes::{Weighed, weighed};
+use crate::workers::{self, Call};
 
-/// The most pairs of triangles for which a call may keep to the caller's thread, where Ctrl-C waits for it: at some ten
-/// nanoseconds a pair, a fraction of a second in the worst case and microseconds in almost any.
+/// The most pairs of faces, over all rows, for which a call about two meshes may keep to the caller's thread, where Ctrl-C waits
+/// for it: at some ten nanoseconds a pair, a fraction of a second in the worst case and microseconds in almost any.
 const MOST_BRIEF_PAIRS: u128 = 1 << 24;
+
+/// The most pairs of pieces likewise, if one of the two is a shape.
+const MOST_BRIEF_PIECES: u128 = 1 << 10;
 
 /// The most rows for which other threads are not worth waking, which takes some ten microseconds.
 const MOST_BRIEF_ROWS: usize = 16;
 
-/// The value of `impinge.Status` for an answer that is the safe one because nothing was proved.
-const UNDECIDED: u8 = 5;
-
-/// Two meshes and the rows of poses at which they are asked about.
+/// Two things and the rows of poses at which they are asked about.
 pub(crate) struct Question {
-    a: Mesh,
-    b: Mesh,
-    poses_a: Poses,
-    poses_b: Poses,
-    rows: Broadcast,
-    on_error: OnError,
+    batch: Batch<'static>,
+    things: [Weighed; 2],
+    tells_status: bool,
     progress: bool,
     is_long: bool,
+    /// Whether any of the two is a solid mesh.
+    has_solid: bool,
 }
 
-/// The answers to a question, in row-major order of its leading axes.
-pub(crate) struct Answers<T> {
-    /// The leading axes; none where a single pose was asked about.
-    pub(crate) shape: Vec<usize>,
-    /// One answer a row.
-    pub(crate) values: Vec<T>,
-    /// A status a row, where the caller asked for one.
-    status: Option<Vec<u8>>,
+/// Answers, and whether the caller asked for the status of each row.
+pub(crate) struct Replies<T> {
+    answers: Answers<T>,
+    tells_status: bool,
 }
 
-/// Which mesh is solid: `False`, `True`, `"a"` or `"b"`.
-pub(crate) struct SolidOption(pub(crate) Solid);
+/// How a verb goes through the faces of two meshes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Search {
+    /// On one thread for each row, until it is interrupted.
+    OneThread,
+    /// On all threads, until it is interrupted.
+    AllThreads,
+    /// To its end.
+    Whole,
+}
+
+/// Which of two things is solid, if it is a mesh: `False`, `True`, `"a"` or `"b"`.
+pub(crate) struct SolidOption(pub(crate) [bool; 2]);
 
 /// Whether the caller wants to see how far the call is.
 pub(crate) struct Progress(pub(crate) bool);
@@ -54,21 +57,48 @@ pub(crate) struct Progress(pub(crate) bool);
 impl<'py> FromPyObject<'_, 'py> for Question {
     type Error = PyErr;
 
-    /// Reads and judges what every verb takes: `(a, b, pose_a, pose_b, on_error, progress)`.
+    /// Reads and judges what every verb takes: `(a, b, pose_a, pose_b, solid, on_error, progress)`.
     ///
     /// # Errors
     /// `InputError` naming the argument, and the row and entry in it.
     fn extract(asked: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        type Asked<'py> =
-            (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Progress);
+        type Asked<'py> = (
+            Bound<'py, PyAny>,
+            Bound<'py, PyAny>,
+            Bound<'py, PyAny>,
+            Bound<'py, PyAny>,
+            SolidOption,
+            Bound<'py, PyAny>,
+            Progress,
+        );
         let py = asked.py();
-        let (a, b, pose_a, pose_b, on_error, Progress(progress)): Asked<'py> = asked.extract()?;
-        let (mesh_a, mesh_b) = (mesh_of(&a, "a")?, mesh_of(&b, "b")?);
-        let on_error = OnError::read(&on_error)?;
-        let poses_a = Poses::read(&pose_a, "pose_a", on_error)?;
-        let poses_b = Poses::read(&pose_b, "pose_b", on_error)?;
-        let rows = Broadcast::of(py, (&poses_a.shape, "pose_a"), (&poses_b.shape, "pose_b"))?;
-        Ok(Self { a: mesh_a, b: mesh_b, poses_a, poses_b, rows, on_error, progress, is_long: false })
+        let (a, b, pose_a, pose_b, SolidOption(is_solid), on_error, Progress(progress)): Asked<'py> =
+            asked.extract()?;
+        let things = [weighed(&a, "a", is_solid[0])?, weighed(&b, "b", is_solid[1])?];
+        let tells_status = tells_status(&on_error)?;
+        let (poses_a, poses_b) = (poses::read(&pose_a, "pose_a")?, poses::read(&pose_b, "pose_b")?);
+        poses::broadcast(py, (poses_a.shape(), "pose_a"), (poses_b.shape(), "pose_b"))?;
+        let batch = Batch::new(&things[0].shape, &things[1].shape, poses_a, poses_b)
+            .map_err(|error| Fault::new("shape", "pose_b", error.to_string()).raised(py))?;
+        if !tells_status {
+            for (poses, name) in batch.poses().into_iter().zip(["pose_a", "pose_b"]) {
+                poses::raise_first_fault(py, poses, name)?;
+            }
+        }
+        let has_solid = things.iter().any(|thing| thing.shape.as_mesh().is_some_and(|(_, is_solid)| is_solid));
+        Ok(Self { batch, things, tells_status, progress, is_long: false, has_solid })
+    }
+}
+
+/// Reads `on_error`: whether a pose that is none gets a status instead of raising.
+pub(crate) fn tells_status(option: &Bound<'_, PyAny>) -> PyResult<bool> {
+    match option.extract::<&str>() {
+        Ok("raise") => Ok(false),
+        Ok("status") => Ok(true),
+        _ => {
+            let message = format!("must be \"raise\" or \"status\", not {}", option.repr()?);
+            Err(Fault::new("option", "on_error", message).raised(option.py()))
+        }
     }
 }
 
@@ -77,11 +107,11 @@ impl<'py> FromPyObject<'_, 'py> for SolidOption {
 
     fn extract(option: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         if let Ok(both) = option.extract::<bool>() {
-            return Ok(Self(if both { Solid::Both } else { Solid::Neither }));
+            return Ok(Self([both; 2]));
         }
         match option.extract::<&str>() {
-            Ok("a") => Ok(Self(Solid::A)),
-            Ok("b") => Ok(Self(Solid::B)),
+            Ok("a") => Ok(Self([true, false])),
+            Ok("b") => Ok(Self([false, true])),
             _ => {
                 let message = format!("must be False, True, \"a\" or \"b\", not {}", option.repr()?);
                 Err(Fault::new("option", "solid", message).raised(option.py()))
@@ -102,10 +132,16 @@ impl<'py> FromPyObject<'_, 'py> for Progress {
 }
 
 impl Question {
-    /// The two meshes and their poses, where a single pose is asked about.
-    pub(crate) fn single(&self) -> Option<([&Mesh; 2], [Pose; 2])> {
-        let poses = [self.poses_a.poses.first()?, self.poses_b.poses.first()?];
-        self.rows.shape.is_empty().then(|| ([&self.a, &self.b], poses.map(|pose| *pose)))
+    /// Returns the two poses, if a single pose is asked about.
+    pub(crate) fn single(&self) -> Option<[Pose; 2]> {
+        let [a, b] = self.batch.poses();
+        let both = [*a.get(0).ok()?, *b.get(0).ok()?];
+        (a.shape().is_empty() && b.shape().is_empty()).then_some(both)
+    }
+
+    /// Returns the two things.
+    pub(crate) fn things(&self) -> &[Weighed; 2] {
+        &self.things
     }
 
     /// The same question, of which even one row may take long.
@@ -113,132 +149,64 @@ impl Question {
         Self { is_long: true, ..self }
     }
 
-    /// [`answer_learning`](Self::answer_learning), where rows have nothing to learn from each other.
-    pub(crate) fn answer<T: Clone + Send + Sync + 'static>(
+    /// Asks a verb about each row, without the interpreter.
+    pub(crate) fn ask<T: Send + 'static>(
         self,
         py: Python<'_>,
-        safe: T,
-        ask: impl Fn(Placed<'_>, Placed<'_>) -> T + Send + Sync + 'static,
-    ) -> PyResult<Answers<T>> {
-        self.answer_learning(py, safe, move |(), a, b| ask(a, b))
-    }
-
-    /// Asks `ask` about each row, on all threads and without the interpreter; a row with a bad pose gets `safe`. What is
-    /// learned from a row, which changes no answer, is there for the next one of the same block.
-    pub(crate) fn answer_learning<S: Default + 'static, T: Clone + Send + Sync + 'static>(
-        self,
-        py: Python<'_>,
-        safe: T,
-        ask: impl Fn(&mut S, Placed<'_>, Placed<'_>) -> T + Send + Sync + 'static,
-    ) -> PyResult<Answers<T>> {
-        let rows = Rows { count: self.rows.rows, brief: self.is_brief(), progress: self.progress };
-        let (shape, status) = (self.rows.shape.clone(), self.statuses());
-        let placing = Placing { bad: status.clone(), question: self };
-        let safely = safe.clone();
-        let values = workers::rows(py, rows, safe, S::default, move |learned, row| {
-            placing.at(row).map_or_else(|| safely.clone(), |[a, b]| ask(learned, a, b))
-        })?;
-        Ok(Answers { shape, values, status })
-    }
-
-    /// [`answer_learning`](Self::answer_learning) of verbs that the options can interrupt, but for what they ask of solids.
-    /// `is_sequential` says that one thread does all of a row.
-    pub(crate) fn answer_interruptibly<S: Default + 'static, T: Clone + Send + Sync + 'static>(
-        self,
-        py: Python<'_>,
-        solid: Solid,
-        is_sequential: bool,
-        safe: T,
-        ask: impl Fn(&mut S, &Options<'_>, Placed<'_>, Placed<'_>) -> T + Send + Sync + 'static,
-    ) -> PyResult<Answers<T>> {
-        let brief = solid == Solid::Neither || self.is_brief();
-        let rows = Rows { count: self.rows.rows, brief, progress: self.progress };
-        let (shape, status) = (self.rows.shape.clone(), self.statuses());
-        let placing = Placing { bad: status.clone(), question: self };
-        let safely = safe.clone();
-        let of_row = move |learned: &mut S, row: usize, options: &Options<'_>| {
-            placing.at(row).map_or_else(|| safely.clone(), |[a, b]| ask(learned, options, a, b))
+        search: Search,
+        verb: impl Fn(&Batch<'_>) -> Result<Answers<T>, Stopped> + Send + Sync + 'static,
+    ) -> PyResult<Replies<T>> {
+        let rows = self.batch.rows();
+        let are_meshes = self.things.iter().all(|thing| thing.shape.as_mesh().is_some());
+        let weight: u128 = self.things.iter().map(|thing| u128::from(thing.weight.max(1))).product();
+        let (most, most_rows) =
+            if are_meshes { (MOST_BRIEF_PAIRS, MOST_BRIEF_ROWS) } else { (MOST_BRIEF_PIECES, usize::MAX) };
+        let is_short = !self.is_long && rows <= most_rows && weight.saturating_mul(rows as u128) <= most;
+        // A search that can be interrupted may begin on the caller's thread, whatever its size.
+        let is_interruptible = are_meshes && search != Search::Whole && (!self.has_solid || is_short);
+        let call = Call { rows, is_brief: is_short || is_interruptible, progress: self.progress };
+        let batch = self.batch;
+        let work = move |execution: Execution<'_>| verb(&batch.clone().with_execution(execution));
+        let answers = if is_interruptible {
+            workers::execute_interruptibly(py, call, search == Search::OneThread, work)?
+        } else {
+            workers::execute(py, call, work)?
         };
-        let values = workers::interruptible_rows(py, rows, is_sequential, safe, S::default, of_row)?;
-        Ok(Answers { shape, values, status })
-    }
-
-    /// Whether the question takes a fraction of a second at the very worst.
-    fn is_brief(&self) -> bool {
-        let count = self.rows.rows;
-        let worst = self.a.faces().len() as u128 * self.b.faces().len() as u128 * count as u128;
-        !self.is_long && count <= MOST_BRIEF_ROWS && worst <= MOST_BRIEF_PAIRS
-    }
-
-    /// The status of each row by its poses, if the caller asked for one.
-    fn statuses(&self) -> Option<Vec<u8>> {
-        let of = |poses: &Poses, row: usize| poses.status.as_ref().map_or(0, |status| status[row]);
-        let both = |row| {
-            let [at_a, at_b] = self.rows.sources(row);
-            let own = of(&self.poses_a, at_a);
-            if own == 0 { of(&self.poses_b, at_b) } else { own }
-        };
-        (self.on_error == OnError::Status).then(|| (0..self.rows.rows).map(both).collect())
+        Ok(Replies { answers, tells_status: self.tells_status })
     }
 }
 
-/// The meshes of a question at the poses of its rows.
-struct Placing {
-    question: Question,
-    /// Of each row, zero if its poses are good.
-    bad: Option<Vec<u8>>,
-}
-
-impl Placing {
-    /// Both meshes in a row; none if a pose is bad.
-    fn at(&self, row: usize) -> Option<[Placed<'_>; 2]> {
-        if self.bad.as_ref().is_some_and(|bad| bad[row] != 0) {
-            return None;
-        }
-        let Question { a, b, poses_a, poses_b, rows, .. } = &self.question;
-        let [at_a, at_b] = rows.sources(row);
-        Some([a.at(poses_a.poses[at_a]), b.at(poses_b.poses[at_b])])
-    }
-}
-
-impl<T> Answers<T> {
-    /// The answers of rows with these leading axes, and a status for each where the caller asked for one.
-    pub(crate) fn new(shape: Vec<usize>, values: Vec<T>, status: Option<Vec<u8>>) -> Self {
-        Self { shape, values, status }
+impl<T> Replies<T> {
+    /// The same with each answer made into another.
+    pub(crate) fn map<U>(self, of: impl FnMut(T) -> U) -> Replies<U> {
+        Replies { answers: self.answers.map(of), tells_status: self.tells_status }
     }
 
-    /// The same with each answer made into another; those that `is_undecided` have that status.
-    pub(crate) fn judged<U>(self, is_undecided: impl Fn(&T) -> bool, of: impl Fn(T) -> U) -> Answers<U> {
-        let Self { shape, values, mut status } = self;
-        for (status, value) in status.iter_mut().flatten().zip(&values) {
-            if *status == 0 && is_undecided(value) {
-                *status = UNDECIDED;
-            }
-        }
-        Answers { shape, values: values.into_iter().map(of).collect(), status }
-    }
-
-    /// What a verb returns: what `made` makes of the answers and their leading axes and, where the caller asked for them,
-    /// the status of each row beside it.
+    /// What a verb returns: what `made` makes of the answers and their leading axes and, if the caller asked for them, the status
+    /// of each row beside it.
     pub(crate) fn returned<'py>(
         self,
         py: Python<'py>,
         made: impl FnOnce(Vec<T>, &[usize]) -> PyResult<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let answer = made(self.values, &self.shape)?;
-        with_status(py, answer, self.status, &self.shape)
+        let Answers { shape, values, status } = self.answers;
+        let answer = made(values, &shape)?;
+        with_status(py, answer, self.tells_status.then_some(status), &shape)
     }
 }
 
-/// An answer or, where the caller asked for them, the answer and the status of each row.
+/// An answer or, if there are any, the answer and the status of each row.
 pub(crate) fn with_status<'py>(
     py: Python<'py>,
     answer: Bound<'py, PyAny>,
-    status: Option<Vec<u8>>,
+    status: Option<Vec<Status>>,
     shape: &[usize],
 ) -> PyResult<Bound<'py, PyAny>> {
     match status {
         None => Ok(answer),
-        Some(status) => Ok((answer, array(py, status, shape)?).into_pyobject(py)?.into_any()),
+        Some(status) => {
+            let status: Vec<u8> = status.into_iter().map(|status| status as u8).collect();
+            Ok((answer, array(py, status, shape)?).into_pyobject(py)?.into_any())
+        }
     }
 }

@@ -1,15 +1,16 @@
 //! Rays against one mesh, in its own frame.
 
 use impinge::mesh::{Ray, RayHit};
+use impinge::query::batch::Broadcast;
 use impinge::{InputError, Mesh};
 use pyo3::prelude::*;
 
 use crate::arrays::{array, ragged, row_array};
-use crate::broadcast::Broadcast;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::mesh_of;
 use crate::points::{MOST_BRIEF_WORK, Points};
-use crate::workers::{self, Rows};
+use crate::poses;
+use crate::workers::{self, Call};
 
 /// Magnitudes stay below 2 to this.
 const EXPONENT: i32 = 300;
@@ -22,8 +23,8 @@ pub(crate) fn ray_cast<'py>(
     directions: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (py, rays) = (mesh.py(), Rays::read(origins, directions)?);
-    let shape = rays.rows.shape.clone();
-    first_hits(py, rays.ask(mesh, None, Mesh::ray_cast)?, &shape)
+    let shape = rays.lead().to_vec();
+    first_hits(py, rays.ask(mesh, Mesh::ray_cast)?, &shape)
 }
 
 /// Whether there is a hit, (...), and its columns.
@@ -44,8 +45,8 @@ pub(crate) fn ray_cast_all<'py>(
     directions: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (py, rays) = (mesh.py(), Rays::read(origins, directions)?);
-    let shape = rays.rows.shape.clone();
-    let (offsets, hits) = ragged(rays.ask(mesh, Vec::new(), Mesh::ray_cast_all)?);
+    let shape = rays.lead().to_vec();
+    let (offsets, hits) = ragged(rays.ask(mesh, Mesh::ray_cast_all)?);
     let (places, count) = (offsets.len(), hits.len());
     let hits = columns(py, hits.into_iter().map(Some).collect(), &[count])?;
     Ok((array(py, offsets, &[places])?, hits, shape).into_pyobject(py)?.into_any())
@@ -78,17 +79,17 @@ impl Rays {
             let at = Broadcast::place(&directions.shape, row);
             return Err(Fault::new("zero-direction", "directions", "the direction is zero").at(at).raised(py));
         }
-        let rows = Broadcast::of(py, (&origins.shape, "origins"), (&directions.shape, "directions"))?;
+        let rows = poses::broadcast(py, (&origins.shape, "origins"), (&directions.shape, "directions"))?;
         Ok(Self { origins, directions, rows })
     }
 
     /// The leading axes.
     pub(crate) fn lead(&self) -> &[usize] {
-        &self.rows.shape
+        self.rows.shape()
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.rows.rows
+        self.rows.rows()
     }
 
     /// Origin and direction of a row.
@@ -97,40 +98,32 @@ impl Rays {
         [self.origins.rows[origin], self.directions.rows[direction]]
     }
 
-    fn ask<T: Clone + Send + Sync + 'static>(
+    fn ask<T: Send + 'static>(
         self,
         mesh: &Bound<'_, PyAny>,
-        none: T,
         ask: impl Fn(&Mesh, &Ray) -> T + Send + Sync + 'static,
     ) -> PyResult<Vec<T>> {
         let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
         let brief = self.len() as u128 * mesh.faces().len() as u128 <= MOST_BRIEF_WORK;
-        self.ask_each(py, brief, none, move |origin, direction| Ok(ask(&mesh, &Ray::new(origin, direction)?)))
+        self.ask_each(py, brief, move |origin, direction| Ok(ask(&mesh, &Ray::new(origin, direction)?)))
     }
 
     /// What `ask` answers about each ray, its origin and its direction.
     ///
     /// # Errors
     /// `InputError` for the first ray that is none.
-    pub(crate) fn ask_each<T: Clone + Send + Sync + 'static>(
+    pub(crate) fn ask_each<T: Send + 'static>(
         self,
         py: Python<'_>,
         brief: bool,
-        none: T,
         ask: impl Fn([f64; 3], [f64; 3]) -> Result<T, InputError> + Send + Sync + 'static,
     ) -> PyResult<Vec<T>> {
-        let asked = Rows { count: self.len(), brief, progress: false };
+        let call = Call { rows: self.len(), is_brief: brief, progress: false };
         let shape = self.lead().to_vec();
-        let answers = workers::rows(
-            py,
-            asked,
-            Ok(none),
-            || (),
-            move |(), row| {
-                let [origin, direction] = self.at(row);
-                ask(origin, direction)
-            },
-        )?;
+        let answers = workers::rows(py, call, move |row| {
+            let [origin, direction] = self.at(row);
+            ask(origin, direction)
+        })?;
         let judged = answers.into_iter().enumerate().map(|(row, answer)| {
             answer.map_err(|error| {
                 let at = Broadcast::place(&shape, row);

@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::{MeshBase, mesh_of};
 use crate::points::Points;
-use crate::poses::{OnError, Poses};
+use crate::poses;
 use crate::workers;
 
 /// The magnitude below which shapes may be: 2 to this.
@@ -122,31 +122,28 @@ fn parts_of(source: &Bound<'_, PyAny>) -> PyResult<Vec<(Weighed, Pose)>> {
     for (row, part) in source.try_iter()?.enumerate() {
         let (shape, pose): (Bound<'_, PyAny>, Bound<'_, PyAny>) = part?.extract()?;
         let name = format!("parts[{row}]");
-        let poses = Poses::read(&pose, &name, OnError::Raise)?;
-        let ([pose], []) = (&poses.poses[..], &poses.shape[..]) else {
-            let message = "a part has one pose, (4, 4)";
-            return Err(Fault::new("shape", &name, message).raised(source.py()));
-        };
-        parts.push((weighed(&shape, &name)?, *pose));
+        let pose = poses::read_one(&pose, &name, "a part has one pose, (4, 4)")?;
+        parts.push((weighed(&shape, &name, false)?, pose));
     }
     Ok(parts)
 }
 
-/// The shape that an argument is; a mesh is its surface.
+/// The shape that an argument is; a mesh is its surface unless it is said to be solid.
 ///
 /// # Errors
 /// `InputError` where it is something else.
-pub(crate) fn weighed(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Weighed> {
+pub(crate) fn weighed(value: &Bound<'_, PyAny>, name: &str, is_solid: bool) -> PyResult<Weighed> {
     if let Ok(base) = value.cast::<ShapeBase>() {
         let ShapeBase { shape, weight } = base.get();
         return Ok(Weighed { shape: shape.clone(), weight: *weight });
     }
     if value.cast::<MeshBase>().is_ok() {
         let mesh = mesh_of(value, name)?;
-        return Ok(Weighed { shape: Shape::mesh(&mesh), weight: mesh.faces().len() as u64 });
+        let shape = if is_solid { Shape::solid(&mesh) } else { Shape::mesh(&mesh) };
+        return Ok(Weighed { shape, weight: mesh.faces().len() as u64 });
     }
-    let message = format!("must be an impinge.Shape or an impinge.Mesh, not {}", value.get_type().qualname()?);
+    let message = format!("must be an impinge.Mesh or an impinge.Shape, not {}", value.get_type().qualname()?);
     Err(Fault::new("type", name, message)
-        .hint(Some("impinge.Shape.box(...), .sphere(...), .hull(...) make shapes"))
+        .hint(Some("impinge.load(path) reads a mesh; impinge.Shape.box(...), .sphere(...), .hull(...) make shapes"))
         .raised(value.py()))
 }

@@ -10,7 +10,7 @@ use crate::arrays::array;
 use crate::mesh::mesh_of;
 use crate::points::Points;
 use crate::rays::{self, Rays};
-use crate::workers::{self, Rows};
+use crate::workers::{self, Call};
 
 /// The most points or rays for which a call keeps to the caller's thread.
 const MOST_BRIEF: usize = 64;
@@ -37,14 +37,9 @@ impl SolidBspCore {
         let (py, tree) = (points.py(), self.0.clone());
         // In this range, no point is refused.
         let Points { shape, rows } = Points::read(points, "points", 128)?;
-        let asked = Rows { count: rows.len(), brief: rows.len() <= MOST_BRIEF, progress: false };
-        let found = workers::rows(
-            py,
-            asked,
-            Ok(false),
-            || (),
-            move |(), row| tree.contains(rows[row]).map(impinge::mesh::Containment::is_contained),
-        )?;
+        let call = Call { rows: rows.len(), is_brief: rows.len() <= MOST_BRIEF, progress: false };
+        let found =
+            workers::rows(py, call, move |row| tree.contains(rows[row]).map(impinge::mesh::Containment::is_contained))?;
         let found = found.into_iter().collect::<Result<Vec<bool>, _>>();
         array(py, found.map_err(|error| PyRuntimeError::new_err(error.to_string()))?, &shape)
     }
@@ -57,7 +52,7 @@ impl SolidBspCore {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (py, tree, rays) = (origins.py(), self.0.clone(), Rays::read(origins, directions)?);
         let (shape, brief) = (rays.lead().to_vec(), rays.len() <= MOST_BRIEF);
-        let found = rays.ask_each(py, brief, None, move |origin, direction| {
+        let found = rays.ask_each(py, brief, move |origin, direction| {
             Ok(tree.ray_cast(&impinge::mesh::Ray::new(origin, direction)?))
         })?;
         rays::first_hits(py, found, &shape)

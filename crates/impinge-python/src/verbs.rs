@@ -1,89 +1,81 @@
-//! The verbs on two meshes, each the library's own in a question's rows.
+//! The verbs on two things, each the library's own in the rows of a batch.
 
 use std::collections::HashMap;
 
+use impinge::Mesh;
 use impinge::exact::{Crossing, Placement, crossing};
-use impinge::mesh::{Options, Placed};
-use impinge::query::shapes::Proximity;
-use impinge::query::{self, ContactPatch, Curves, HitCache, Penetrates, Solid};
+use impinge::query::batch::Batch;
+use impinge::query::{self, ContactOptions, ContactPatch, Curves, Penetrates};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyList};
 
 use crate::arrays::{array, ragged, row_array};
+use crate::contacts;
 use crate::errors::Fault;
 use crate::mesh::mesh_of;
-use crate::question::{Answers, Question, SolidOption};
+use crate::question::{Question, Replies, Search};
 use crate::workers;
 
 /// `bool`, or an array of them; what is undecided counts as yes.
 #[pyfunction]
-pub(crate) fn intersects<'py>(py: Python<'py>, question: Question, solid: SolidOption) -> PyResult<Bound<'py, PyAny>> {
-    let ask = move |cache: &mut HitCache, options: &Options<'_>, a: Placed<'_>, b: Placed<'_>| {
-        if query::intersects_with(a, b, cache, options) {
-            return Proximity::Meets;
-        }
-        query::nested(a, b, solid.0)
-    };
-    let answers = question.answer_interruptibly(py, solid.0, true, Proximity::Meets, ask)?;
-    yes_or_no(py, answers.judged(|&found| found == Proximity::Undecided, |found| found != Proximity::Apart))
+pub(crate) fn intersects(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
+    yes_or_no(py, question.ask(py, Search::OneThread, |batch| batch.intersects())?)
 }
 
 /// `bool`, or an array of them; what is undecided counts as yes.
 #[pyfunction]
-pub(crate) fn penetrates<'py>(py: Python<'py>, question: Question) -> PyResult<Bound<'py, PyAny>> {
-    let answers = question.answer(py, Penetrates::Undecided, |a, b| query::penetrates(a, b))?;
-    yes_or_no(py, answers.judged(|&answer| answer == Penetrates::Undecided, Penetrates::possibly))
+pub(crate) fn penetrates(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
+    yes_or_no(py, question.ask(py, Search::Whole, |batch| batch.penetrates())?.map(Penetrates::possibly))
 }
 
 /// Booleans as Python has them: one of its own, or an array.
-pub(crate) fn yes_or_no(py: Python<'_>, answers: Answers<bool>) -> PyResult<Bound<'_, PyAny>> {
-    answers.returned(py, |values, shape| match values[..] {
+pub(crate) fn yes_or_no(py: Python<'_>, replies: Replies<bool>) -> PyResult<Bound<'_, PyAny>> {
+    replies.returned(py, |values, shape| match values[..] {
         [value] if shape.is_empty() => Ok(PyBool::new(py, value).to_owned().into_any()),
         _ => array(py, values, shape),
     })
 }
 
-/// An (k, 2) array, or the offsets of each row with those of all rows in one. `limit` cuts each row short.
+/// Pairs and whether there are more: a (k, 2) array and a `bool`, or the offsets of each row with the pairs of all rows in one, the
+/// leading axes, and an array of `bool`.
 #[pyfunction]
-pub(crate) fn intersecting_pairs<'py>(
-    py: Python<'py>,
+pub(crate) fn intersecting_pairs(
+    py: Python<'_>,
     question: Question,
     limit: Option<usize>,
-) -> PyResult<Bound<'py, PyAny>> {
-    let answers =
-        question.answer_interruptibly(py, Solid::Neither, false, Vec::new(), move |(), options, a, b| match limit {
-            Some(limit) => query::intersecting_pairs_up_to(a, b, limit, options).pairs,
-            None => query::intersecting_pairs_with(a, b, options),
-        })?;
-    answers.returned(py, |values, shape| {
-        let (offsets, pairs) = ragged(values);
-        let (count, is_single) = (pairs.len(), shape.is_empty());
+) -> PyResult<Bound<'_, PyAny>> {
+    both_meshes(py, &question)?;
+    let verb = move |batch: &Batch<'_>| batch.intersecting_pairs_up_to(limit.unwrap_or(usize::MAX));
+    question.ask(py, Search::AllThreads, verb)?.returned(py, |values, shape| {
+        let (pairs, truncated): (Vec<_>, Vec<bool>) =
+            values.into_iter().map(|some| (some.pairs, some.truncated)).unzip();
+        let (offsets, pairs) = ragged(pairs);
+        let (count, places) = (pairs.len(), offsets.len());
         let pairs = row_array(py, pairs, &[count])?;
-        if is_single {
-            return Ok(pairs);
+        match truncated[..] {
+            [truncated] if shape.is_empty() => Ok((pairs, truncated).into_pyobject(py)?.into_any()),
+            _ => {
+                let truncated = array(py, truncated, shape)?;
+                Ok((array(py, offsets, &[places])?, pairs, shape, truncated).into_pyobject(py)?.into_any())
+            }
         }
-        let places = offsets.len();
-        Ok((array(py, offsets, &[places])?, pairs, shape).into_pyobject(py)?.into_any())
     })
 }
 
 /// A list of (n, 3) arrays, of one row for points that surfaces touch in; in as many lists as there are leading axes.
 #[pyfunction]
-pub(crate) fn intersection_curves<'py>(py: Python<'py>, question: Question) -> PyResult<Bound<'py, PyAny>> {
-    let answers = question.answer(py, Vec::new(), |a, b| {
-        let Curves { mut polylines, points, .. } = query::intersection_curves(a, b);
+pub(crate) fn intersection_curves(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
+    both_meshes(py, &question)?;
+    let lines = |Curves { mut polylines, points, .. }: Curves| -> PyResult<Bound<'_, PyAny>> {
         polylines.extend(points.into_iter().map(|point| vec![point]));
-        polylines
-    })?;
-    let lines = |lines: Vec<Vec<[f64; 3]>>| -> PyResult<Bound<'py, PyAny>> {
-        let lines = lines.into_iter().map(|line| {
+        let lines = polylines.into_iter().map(|line| {
             let count = line.len();
             row_array(py, line, &[count])
         });
         Ok(PyList::new(py, lines.collect::<PyResult<Vec<_>>>()?)?.into_any())
     };
-    answers.returned(py, |values, shape| {
+    question.ask(py, Search::Whole, |batch| batch.intersection_curves())?.returned(py, |values, shape| {
         let mut rows = values.into_iter().map(lines).collect::<PyResult<Vec<_>>>()?;
         // From the last axis to the first, rows are gathered into lists.
         for axis in (0..shape.len()).rev() {
@@ -92,6 +84,22 @@ pub(crate) fn intersection_curves<'py>(py: Python<'py>, question: Question) -> P
             rows = gathered.map(|list| Ok(list?.into_any())).collect::<PyResult<Vec<_>>>()?;
         }
         rows.into_iter().next().map_or_else(|| Ok(PyList::empty(py).into_any()), PyResult::Ok)
+    })
+}
+
+/// The leading axes, and the columns of `contacts::columns`.
+#[pyfunction]
+pub(crate) fn contacts_of(
+    py: Python<'_>,
+    question: Question,
+    margin: f64,
+    most_points: usize,
+) -> PyResult<Bound<'_, PyAny>> {
+    let options = ContactOptions { margin, most_points };
+    let replies = question.that_takes_long().ask(py, Search::Whole, move |batch| batch.contacts(options))?;
+    replies.returned(py, |values, shape| {
+        let columns = contacts::columns(py, values.iter().map(Vec::as_slice))?;
+        Ok((shape, columns).into_pyobject(py)?.into_any())
     })
 }
 
@@ -112,9 +120,10 @@ pub(crate) fn contact_points<'py>(
     question: Question,
     pairs: PyReadonlyArray2<'py, u32>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let Some(([a, b], [world_from_a, world_from_b])) = question.single() else {
+    let Some([world_from_a, world_from_b]) = question.single() else {
         return Err(Fault::new("shape", "pose_b", "a single pose is expected here").raised(py));
     };
+    let [a, b] = both_meshes(py, &question)?;
     let placement = Placement::new(&world_from_a, &world_from_b);
     let mut points = Vec::new();
     let mut coplanar = Vec::new();
@@ -143,10 +152,14 @@ pub(crate) fn contact_normals<'py>(
     question: Question,
     pairs: PyReadonlyArray2<'py, u32>,
 ) -> PyResult<Bound<'py, PyAny>> {
+    let Some([world_from_a, world_from_b]) = question.single() else {
+        return Err(Fault::new("shape", "pose_b", "a single pose is expected here").raised(py));
+    };
+    let [a, b] = both_meshes(py, &question)?.map(Clone::clone);
     let pairs = pairs.as_slice()?.as_chunks::<2>().0.to_vec();
     let count = pairs.len();
-    let answers = question.that_takes_long().answer(py, Vec::new(), move |a, b| {
-        let patches = query::contact_patches(a, b);
+    let found = workers::run(py, move |_| {
+        let patches = query::contact_patches(a.at(world_from_a), b.at(world_from_b));
         let of_patch = |patch: &ContactPatch| {
             let found = (patch.normal, patch.depth);
             patch.pairs.iter().map(move |&pair| (pair, found)).collect::<Vec<_>>()
@@ -154,8 +167,16 @@ pub(crate) fn contact_normals<'py>(
         let found: HashMap<[u32; 2], ([f64; 3], f64)> = patches.iter().flat_map(of_patch).collect();
         pairs.iter().map(|pair| found.get(pair).copied().unwrap_or_default()).collect::<Vec<_>>()
     })?;
-    answers.returned(py, |values, _| {
-        let (normals, depths): (Vec<[f64; 3]>, Vec<f64>) = values.into_iter().flatten().unzip();
-        Ok((row_array(py, normals, &[count])?, array(py, depths, &[count])?).into_pyobject(py)?.into_any())
-    })
+    let (normals, depths): (Vec<[f64; 3]>, Vec<f64>) = found.into_iter().unzip();
+    Ok((row_array(py, normals, &[count])?, array(py, depths, &[count])?).into_pyobject(py)?.into_any())
+}
+
+/// The two meshes of a question about faces.
+fn both_meshes<'q>(py: Python<'_>, question: &'q Question) -> PyResult<[&'q Mesh; 2]> {
+    let mesh = |side: usize, name: &str| {
+        let mesh = question.things()[side].shape.as_mesh();
+        mesh.map(|(mesh, _)| mesh)
+            .ok_or_else(|| Fault::new("type", name, "must be a mesh: the answer names faces").raised(py))
+    };
+    Ok([mesh(0, "a")?, mesh(1, "b")?])
 }

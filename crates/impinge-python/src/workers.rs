@@ -16,11 +16,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use impinge::mesh::{Interrupt, Options};
+use impinge::mesh::Interrupt;
+use impinge::query::batch::{Execution, Stopped};
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// How long a signal may wait: short to a person, long to a processor.
@@ -29,25 +29,19 @@ pub(crate) const LISTENING_INTERVAL: Duration = Duration::from_millis(20);
 /// Pools that are kept: that of all processors and the last few other sizes.
 const MOST_POOLS: usize = 4;
 
-/// Blocks of consecutive rows for each thread: enough to even out rows that take long.
-const BLOCKS_PER_THREAD: usize = 16;
-
-/// The most rows of a block: what a block learns anew is then little beside what it is asked.
-const LONGEST_BLOCK: usize = 64;
-
 /// How long rows are worked on by the caller's thread before the pool takes them over: several times what waking it takes.
 const PATIENCE: Duration = Duration::from_micros(200);
 
 /// The most rows that the caller's thread begins with.
 const MOST_ROWS_ALONE: usize = 16;
 
-/// The rows of a call, and how they are to be worked on.
+/// A call, and how it is to be worked on.
 #[derive(Clone, Copy)]
-pub(crate) struct Rows {
-    pub(crate) count: usize,
-    /// Whether they are so short that the caller's own thread does them.
-    pub(crate) brief: bool,
-    /// Whether the caller wants to see how far they are.
+pub(crate) struct Call {
+    pub(crate) rows: usize,
+    /// Whether it is so short that the caller's own thread does it.
+    pub(crate) is_brief: bool,
+    /// Whether the caller wants to see how far it is.
     pub(crate) progress: bool,
 }
 
@@ -143,69 +137,65 @@ fn run_watched<T: Send + 'static>(
     }
 }
 
-/// Asks `ask` of each row, on all threads; on the caller's own where the rows are brief. A thread takes consecutive rows,
-/// with what `begin` makes at their start, so that one row may learn from the last.
-pub(crate) fn rows<S, T: Clone + Send + Sync + 'static>(
+/// Asks `ask` about each row, on all threads; on the caller's own if the call is brief.
+pub(crate) fn rows<T: Send + 'static>(
     py: Python<'_>,
-    rows: Rows,
-    filler: T,
-    begin: impl Fn() -> S + Send + Sync + 'static,
-    ask: impl Fn(&mut S, usize) -> T + Send + Sync + 'static,
+    call: Call,
+    ask: impl Fn(usize) -> T + Send + Sync + 'static,
 ) -> PyResult<Vec<T>> {
-    let mut answers = room(rows.count)?;
-    if rows.brief {
-        return Ok(py.detach(move || {
-            work_alone();
-            let mut state = begin();
-            answers.extend((0..rows.count).map(|row| ask(&mut state, row)));
-            answers
-        }));
-    }
-    on_pool(py, rows, answers, filler, begin, move |state, row, _| ask(state, row))
+    execute(py, call, move |execution| execution.rows(call.rows, || (), |(), row, _| ask(row)))
 }
 
-/// [`rows`] for questions that can be interrupted by the options that they are given. The caller's thread begins with brief ones. The
-/// pool takes them over if that takes long, unless there is one row and `is_sequential` says that one thread does all of it.
-pub(crate) fn interruptible_rows<S, T: Clone + Send + Sync + 'static>(
+/// Does work on rows, on all threads; on the caller's own if the call is brief.
+pub(crate) fn execute<T: Send + 'static>(
     py: Python<'_>,
-    rows: Rows,
-    is_sequential: bool,
-    filler: T,
-    begin: impl Fn() -> S + Send + Sync + 'static,
-    ask: impl Fn(&mut S, usize, &Options<'_>) -> T + Send + Sync + 'static,
-) -> PyResult<Vec<T>> {
-    let answers = room(rows.count)?;
-    if rows.brief && rows.count <= MOST_ROWS_ALONE {
-        let patience = if rows.count == 1 && is_sequential { None } else { Some(PATIENCE) };
-        if let Some(answers) = on_own_thread(py, rows.count, patience, &begin, &ask)? {
-            return Ok(answers);
+    call: Call,
+    work: impl Fn(Execution<'_>) -> Result<T, Stopped> + Send + Sync + 'static,
+) -> PyResult<T> {
+    if !call.is_brief {
+        return on_pool(py, call, work);
+    }
+    let done = py.detach(|| {
+        work_alone();
+        work(Execution::default().sequentially())
+    });
+    done.map_err(|stopped| raised(&stopped, call))
+}
+
+/// [`execute`] for work that its interrupt ends within a row. The caller's thread begins with a brief call, however large the meshes
+/// are. The pool takes it over if that takes long, unless there is one row and `is_one_thread` says that one thread does all of it.
+pub(crate) fn execute_interruptibly<T: Send + 'static>(
+    py: Python<'_>,
+    call: Call,
+    is_one_thread: bool,
+    work: impl Fn(Execution<'_>) -> Result<T, Stopped> + Send + Sync + 'static,
+) -> PyResult<T> {
+    if call.is_brief && call.rows <= MOST_ROWS_ALONE {
+        let patience = if call.rows == 1 && is_one_thread { None } else { Some(PATIENCE) };
+        match on_own_thread(py, patience, &work)? {
+            Err(Stopped::Interrupted) => {}
+            done => return done.map_err(|stopped| raised(&stopped, call)),
         }
     }
-    on_pool(py, rows, answers, filler, begin, ask)
+    on_pool(py, call, work)
 }
 
-fn room<T>(count: usize) -> PyResult<Vec<T>> {
-    let mut answers = Vec::new();
-    let refused = |_| PyMemoryError::new_err(format!("no memory for the answers of {count} rows"));
-    answers.try_reserve_exact(count).map_err(refused)?;
-    Ok(answers)
+fn raised(stopped: &Stopped, call: Call) -> PyErr {
+    PyMemoryError::new_err(format!("{stopped} of {} rows", call.rows))
 }
 
-/// Answers rows on the caller's thread, which looks at signals between whiles. Returns `None` if it takes longer than `patience`.
-fn on_own_thread<S, T: Send>(
+/// Does work on the caller's thread, which looks at signals between whiles. It is interrupted if it takes longer than `patience`.
+fn on_own_thread<T: Send>(
     py: Python<'_>,
-    count: usize,
     patience: Option<Duration>,
-    begin: &(impl Fn() -> S + Send + Sync),
-    ask: &(impl Fn(&mut S, usize, &Options<'_>) -> T + Send + Sync),
-) -> PyResult<Option<Vec<T>>> {
+    work: &(impl Fn(Execution<'_>) -> Result<T, Stopped> + Send + Sync),
+) -> PyResult<Result<T, Stopped>> {
     let begun = Instant::now();
-    let (gave_up, heard) = (AtomicBool::new(false), AtomicU64::new(0));
+    let heard = AtomicU64::new(0);
     let raised = Mutex::new(None);
     let is_wanted = || {
         let elapsed = begun.elapsed();
         if patience.is_some_and(|patience| elapsed > patience) {
-            gave_up.store(true, Ordering::Relaxed);
             return true;
         }
         let interval = LISTENING_INTERVAL.as_millis() as u64;
@@ -218,60 +208,37 @@ fn on_own_thread<S, T: Send>(
             Ok(()) => false,
             Err(error) => {
                 *raised.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
-                gave_up.store(true, Ordering::Relaxed);
                 true
             }
         }
     };
-    let answers = py.detach(|| {
+    let done = py.detach(|| {
         work_alone();
-        let options = Options { interrupt: Interrupt::when(&is_wanted), ..Options::default() };
-        let mut state = begin();
-        let mut answers = Vec::with_capacity(count);
-        while answers.len() < count && !gave_up.load(Ordering::Relaxed) {
-            answers.push(ask(&mut state, answers.len(), &options));
-        }
-        answers
+        work(Execution::default().sequentially().with_interrupt(Interrupt::when(&is_wanted)))
     });
-    if let Some(error) = raised.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        return Err(error);
+    match raised.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        Some(error) => Err(error),
+        None => Ok(done),
     }
-    Ok((!gave_up.into_inner()).then_some(answers))
 }
 
-/// Answers rows on the pool, into `answers`, which has room for them.
-fn on_pool<S, T: Clone + Send + Sync + 'static>(
+/// Does work on the pool.
+fn on_pool<T: Send + 'static>(
     py: Python<'_>,
-    rows: Rows,
-    mut answers: Vec<T>,
-    filler: T,
-    begin: impl Fn() -> S + Send + Sync + 'static,
-    ask: impl Fn(&mut S, usize, &Options<'_>) -> T + Send + Sync + 'static,
-) -> PyResult<Vec<T>> {
-    let count = rows.count;
-    let line = if rows.progress { Some(Line::begun(py, count)?) } else { None };
+    call: Call,
+    work: impl Fn(Execution<'_>) -> Result<T, Stopped> + Send + Sync + 'static,
+) -> PyResult<T> {
+    let line = if call.progress { Some(Line::begun(py, call.rows)?) } else { None };
     let listen = |watch: &Watch| line.as_ref().map_or(Ok(()), |line| line.show(watch.0.done.load(Ordering::Relaxed)));
-    let answered = run_watched(py, listen, move |watch| {
-        let block = (count / (BLOCKS_PER_THREAD * rayon::current_num_threads())).clamp(1, LONGEST_BLOCK);
+    let done = run_watched(py, listen, move |watch| {
         let is_abandoned = || watch.is_abandoned();
-        let options = Options { interrupt: Interrupt::when(&is_abandoned), ..Options::default() };
-        answers.resize(count, filler);
-        answers.par_chunks_mut(block).enumerate().for_each(|(number, answers)| {
-            let mut state = begin();
-            for (at, answer) in answers.iter_mut().enumerate() {
-                if watch.is_abandoned() {
-                    return;
-                }
-                *answer = ask(&mut state, number * block + at, &options);
-            }
-            watch.0.done.fetch_add(answers.len(), Ordering::Relaxed);
-        });
-        answers
+        let count = |rows: usize| _ = watch.0.done.fetch_add(rows, Ordering::Relaxed);
+        work(Execution::default().with_interrupt(Interrupt::when(&is_abandoned)).with_progress(&count))
     });
     if let Some(line) = &line {
         line.end()?;
     }
-    answered
+    done?.map_err(|stopped| raised(&stopped, call))
 }
 
 /// The line in which the caller sees how far a call is: `impinge._progress.Line`.

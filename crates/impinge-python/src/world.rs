@@ -6,7 +6,7 @@
 use std::cell::Cell;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use impinge::query::shapes::Proximity;
+use impinge::query::Proximity;
 use impinge::world::{Body, BodyId, Options, PairKey, Traits, World, WorldError};
 use impinge::{Pose, Positions};
 use pyo3::exceptions::PyRuntimeError;
@@ -17,7 +17,7 @@ use crate::contacts;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::read_positions;
 use crate::motions::matrix;
-use crate::poses::{OnError, Poses};
+use crate::poses;
 use crate::shapes::weighed;
 use crate::workers;
 use crate::world_bodies::{
@@ -123,10 +123,10 @@ impl WorldCore {
         tags: &Handles<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (shape, way, poses) = placement;
-        let (body, made_of) = (Body::new(weighed(&shape, "shape")?.shape), Source::object(&shape));
+        let (body, made_of) = (Body::new(weighed(&shape, "shape", false)?.shape), Source::object(&shape));
         let way = chosen(&way, "realigned_by", &REALIGNMENTS)?;
         let Traits { kind, layers, .. } = traits(&standing)?;
-        let Poses { shape: lead, poses, .. } = Poses::read(&poses, "pose", OnError::Raise)?;
+        let (lead, poses) = poses::read_all(&poses, "pose")?;
         let body = py.detach(|| body.realigned_by(way)).map_err(|error| {
             Fault::new(kind_and_place(&error).0, "shape", message(&error)).hint(error.hint()).raised(py)
         })?;
@@ -182,7 +182,7 @@ impl WorldCore {
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = bodies.py();
         let ids = ids(bodies)?;
-        let poses = Poses::read(poses, "poses", OnError::Raise)?.poses;
+        let poses = poses::read_all(poses, "poses")?.1;
         let moves: Vec<(BodyId, Pose)> = ids.iter().copied().zip(poses).collect();
         let turn = self.turn(py)?;
         drop(self.raised());
@@ -252,7 +252,7 @@ impl WorldCore {
     fn set_poses<'py>(&self, bodies: &Handles<'py>, poses: &Bound<'py, PyAny>) -> PyResult<()> {
         let py = bodies.py();
         let ids = ids(bodies)?;
-        let poses = Poses::read(poses, "poses", OnError::Raise)?.poses;
+        let poses = poses::read_all(poses, "poses")?.1;
         let set = self.change(py, |world| {
             let before: Result<Vec<Pose>, WorldError> = ids.iter().map(|&id| world.pose(id).copied()).collect();
             let before = before?;
@@ -287,7 +287,7 @@ impl WorldCore {
     /// Gives a body another shape.
     fn set_shape(&self, body: u64, shape: &Bound<'_, PyAny>) -> PyResult<()> {
         let py = shape.py();
-        let (made_of, shape) = (Source::object(shape), weighed(shape, "shape")?.shape);
+        let (made_of, shape) = (Source::object(shape), weighed(shape, "shape", false)?.shape);
         let set = self.reshape(py, move |world, shapes| {
             let body = BodyId::from_bits(body);
             world.set_shape(body, &shape)?;

@@ -1,19 +1,19 @@
 //! What rays meet in a world, and what is in boxes, at points and in the way of shapes there.
 
 use impinge::partition::Ray;
+use impinge::query::batch::Broadcast;
 use impinge::world::{BodyHit, BodyRayHit, Traits, World};
 use impinge::{InputError, Pose};
 use pyo3::prelude::*;
 
 use crate::arrays::{array, ragged, row_array};
 use crate::boxes::Boxes;
-use crate::broadcast::Broadcast;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::points::Points;
-use crate::poses::{OnError, Poses};
+use crate::poses;
 use crate::rays::Rays;
 use crate::shapes::weighed;
-use crate::workers::{self, Rows};
+use crate::workers::{self, Call};
 use crate::world::WorldCore;
 
 /// Magnitudes stay below 2 to this.
@@ -28,7 +28,7 @@ pub(crate) fn world_ray_cast<'py>(
     layers: u32,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (py, shape) = (world.py(), Rays::read(&rays.0, &rays.1)?.lead().to_vec());
-    let found = cast(world, rays, None, move |world, ray| world.ray_cast(ray, on(layers)))?;
+    let found = cast(world, rays, move |world, ray| world.ray_cast(ray, on(layers)))?;
     let hit = array(py, found.iter().map(Option::is_some).collect(), &shape)?;
     Ok((hit, columns(py, found, &shape)?).into_pyobject(py)?.into_any())
 }
@@ -41,7 +41,7 @@ pub(crate) fn world_ray_cast_all<'py>(
     layers: u32,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (py, shape) = (world.py(), Rays::read(&rays.0, &rays.1)?.lead().to_vec());
-    let (offsets, hits) = ragged(cast(world, rays, Vec::new(), move |world, ray| world.ray_cast_all(ray, on(layers)))?);
+    let (offsets, hits) = ragged(cast(world, rays, move |world, ray| world.ray_cast_all(ray, on(layers)))?);
     let (places, count) = (offsets.len(), hits.len());
     let hits = columns(py, hits.into_iter().map(Some).collect(), &[count])?;
     Ok((array(py, offsets, &[places])?, hits, shape).into_pyobject(py)?.into_any())
@@ -52,10 +52,9 @@ fn on(layers: u32) -> impl Fn(&Traits) -> bool {
     move |traits| traits.layers.on & layers != 0
 }
 
-fn cast<'py, T: Clone + Send + Sync + 'static>(
+fn cast<'py, T: Send + 'static>(
     world: &Bound<'py, WorldCore>,
     (origins, directions, reach): (Bound<'py, PyAny>, Bound<'py, PyAny>, f64),
-    none: T,
     ask: impl Fn(&World, &Ray) -> T + Send + Sync + 'static,
 ) -> PyResult<Vec<T>> {
     let (py, turn) = (world.py(), world.get().turn(world.py())?);
@@ -63,7 +62,7 @@ fn cast<'py, T: Clone + Send + Sync + 'static>(
         let kind = if reach.is_nan() { "non-finite" } else { "negative" };
         return Err(Fault::new(kind, "reach", format!("{reach} is not at least zero")).raised(py));
     }
-    Rays::read(&origins, &directions)?.ask_each(py, false, none, move |origin, direction| {
+    Rays::read(&origins, &directions)?.ask_each(py, false, move |origin, direction| {
         let ray = Ray::new(origin, direction, reach)?;
         Ok(ask(&turn.read(), &ray))
     })
@@ -100,9 +99,8 @@ fn ask<T: Send + Sync + 'static>(
     ask: impl Fn(&World, &T) -> Result<Vec<BodyHit>, InputError> + Send + Sync + 'static,
 ) -> PyResult<Vec<Vec<BodyHit>>> {
     let (py, turn) = (world.py(), world.get().turn(world.py())?);
-    let asked = Rows { count: rows.len(), brief: false, progress: false };
-    let none = Ok(Vec::new());
-    let found = workers::rows(py, asked, none, || (), move |(), row| ask(&turn.read(), &rows[row]))?;
+    let call = Call { rows: rows.len(), is_brief: false, progress: false };
+    let found = workers::rows(py, call, move |row| ask(&turn.read(), &rows[row]))?;
     let judged = found.into_iter().enumerate().map(|(row, found)| {
         found.map_err(|error| {
             let at = Broadcast::place(shape, row);
@@ -145,8 +143,8 @@ pub(crate) fn world_overlapping<'py>(
     poses: &Bound<'py, PyAny>,
     layers: u32,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let probe = weighed(shape, "shape")?.shape;
-    let Poses { shape, poses, .. } = Poses::read(poses, "pose", OnError::Raise)?;
+    let probe = weighed(shape, "shape", false)?.shape;
+    let (shape, poses) = poses::read_all(poses, "pose")?;
     let hits =
         ask(world, "pose", &shape, poses, move |world, pose: &Pose| world.overlapping(&probe, *pose, on(layers)))?;
     found(world.py(), hits, shape)

@@ -5,7 +5,7 @@ use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use impinge::Mesh;
-use impinge::query::shapes::Proximity;
+use impinge::query::Proximity;
 use impinge::shape::Shape;
 use impinge::world::{
     Body, BodyId, Change, Options, PairKey, Realignment, Record, RecordedBody, RecordedPair, Snapshot, Traits, World,
@@ -18,7 +18,7 @@ use crate::contacts;
 use crate::errors::{Fault, message};
 use crate::mesh::MeshBase;
 use crate::motions::matrix;
-use crate::poses::{OnError, Poses};
+use crate::poses;
 use crate::shapes::weighed;
 use crate::world_bodies::{BROAD_PHASES, KINDS, NARROW_PHASES, REALIGNMENTS, chosen};
 
@@ -137,11 +137,11 @@ impl WorldState {
         let objects: Vec<Bound<'_, PyAny>> = shapes.0.try_iter()?.collect::<PyResult<_>>()?;
         let made: Vec<(Source, Shape)> = objects
             .iter()
-            .map(|object| Ok((Source::object(object), weighed(object, "state")?.shape)))
+            .map(|object| Ok((Source::object(object), weighed(object, "state", false)?.shape)))
             .collect::<PyResult<_>>()?;
         let shape_of: Vec<u32> = plain_column(&shapes.1)?;
         let traits = traits_of(&bodies)?;
-        let poses = Poses::read(&bodies.0, "state", OnError::Raise)?.poses;
+        let poses = poses::read_all(&bodies.0, "state")?.1;
         if [shape_of.len(), traits.len(), poses.len()] != [ids.len(); 3] {
             return Err(broken("the numbers of bodies"));
         }

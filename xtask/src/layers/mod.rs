@@ -19,7 +19,7 @@ const CRATES: [&str; 7] =
     ["impinge", "impinge-files", "impinge-cli", "impinge-python", "impinge-testkit", "impinge-bench", "xtask"];
 
 /// The modules of `impinge` from the bottom up; tests are free.
-const MODULES: [&str; 18] = [
+const MODULES: [&str; 19] = [
     "input",
     "storage",
     "simd",
@@ -35,6 +35,7 @@ const MODULES: [&str; 18] = [
     "shape",
     "query",
     "sweep",
+    "scene",
     "world",
     "character",
     "interop",

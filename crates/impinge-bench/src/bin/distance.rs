@@ -12,8 +12,7 @@ use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
 use clap::Parser;
-use impinge::mesh::Options;
-use impinge::query::{WitnessCache, distance_with};
+use impinge::query::{Cache, Query};
 use impinge::{Mesh, Pose};
 use impinge_bench::samples::{Samples, timed};
 use impinge_bench::scene::{Choice, Surface, parse_pose};
@@ -53,7 +52,7 @@ fn main() -> Result<()> {
         None => mesh.clone(),
     };
     let mut table = Table::new(["distance", "cold min", "cold median", "seeded min", "seeded median"]);
-    let mut following = WitnessCache::default();
+    let mut following = Cache::default();
     for pose in arguments.standings()? {
         let measured = measure(&mesh, &other, pose, &mut following, arguments.repeats)?;
         if arguments.json {
@@ -105,12 +104,11 @@ impl Measured {
     }
 }
 
-fn measure(a: &Mesh, b: &Mesh, pose: Pose, last: &mut WitnessCache, repeats: usize) -> Result<Measured> {
-    let options = Options::default();
-    let ask = |cache: &mut WitnessCache| distance_with(black_box(a), black_box(b.at(pose)), cache, &options);
-    let (once, cold) = timed(|| ask(&mut WitnessCache::default()));
+fn measure(a: &Mesh, b: &Mesh, pose: Pose, last: &mut Cache, repeats: usize) -> Result<Measured> {
+    let ask = |cache: &mut Cache| Query::new().with_cache(cache).distance(black_box(a), black_box(b.at(pose)));
+    let (once, cold) = timed(|| ask(&mut Cache::default()));
     let calls = (BATCH_SECONDS / once).clamp(1.0, 100.0) as usize;
-    let from = |witness: &WitnessCache| {
+    let from = |witness: &Cache| {
         Samples::take(repeats, || {
             let mut witnesses = vec![witness.clone(); calls];
             let (seconds, ()) = timed(|| {
@@ -124,7 +122,7 @@ fn measure(a: &Mesh, b: &Mesh, pose: Pose, last: &mut WitnessCache, repeats: usi
     let following = from(last)?;
     let first = ask(last);
     ensure!(first == cold, "{first:?} from the last witness and {cold:?} without");
-    let (cold, seeded) = (from(&WitnessCache::default())?, from(last)?);
+    let (cold, seeded) = (from(&Cache::default())?, from(last)?);
     ensure!(ask(&mut last.clone()) == first, "asked again, the distance is another");
     Ok(Measured { distance: first.upper, cold, following, seeded })
 }

@@ -11,8 +11,9 @@ use std::path::Path;
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use impinge::mesh::Options;
+use impinge::query::{self, Query};
 use impinge::simd::levels;
-use impinge::{Mesh, Pose, query};
+use impinge::{Mesh, Pose};
 use impinge_bench::questions::ask_impinge;
 use impinge_bench::real_points::unpacked;
 use impinge_bench::samples::timed;
@@ -109,7 +110,7 @@ fn measure(name: &str, surface: &Surface, world_from_b: Pose, repeats: usize) ->
 fn check(mesh: &Mesh, world_from_b: Pose) -> Result<()> {
     let pairs = query::intersecting_pairs(mesh, mesh.at(world_from_b));
     let narrowest = Options { level: levels()[0].1, ..Options::default() };
-    let mut swapped = query::intersecting_pairs_with(mesh.at(world_from_b), mesh, &narrowest);
+    let mut swapped = Query::new().with_options(narrowest).intersecting_pairs(mesh.at(world_from_b), mesh);
     swapped.iter_mut().for_each(|pair| pair.reverse());
     swapped.sort_unstable();
     ensure!(pairs == swapped, "{} pairs found, and {} from the other side", pairs.len(), swapped.len());

@@ -10,7 +10,7 @@ use std::path::Path;
 use anyhow::{Result, ensure};
 use clap::Parser;
 use impinge::hierarchy::Builder;
-use impinge::mesh::Placed;
+use impinge::mesh::PlacedMesh;
 use impinge::{InputError, Mesh, Pose, Positions, query};
 use impinge_bench::samples::{Samples, timed};
 use impinge_bench::scene::Surface;
@@ -128,7 +128,7 @@ struct Frame {
 fn follow(
     still: &Mesh,
     frames: impl IntoIterator<Item = Positions>,
-    other: Placed<'_>,
+    other: PlacedMesh<'_>,
     repeats: usize,
 ) -> Result<Vec<Frame>> {
     let (mut refitted, mut watched) = (still.clone(), still.clone());

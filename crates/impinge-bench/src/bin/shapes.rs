@@ -15,7 +15,7 @@ use std::sync::Arc;
 use anyhow::{Result, ensure};
 use clap::Parser;
 use impinge::hull::Hull;
-use impinge::query::{self, shapes};
+use impinge::query;
 use impinge::shape::{PlacedShape, Shape};
 use impinge::{Mesh, Pose, Positions};
 use impinge_bench::samples::{Samples, timed};
@@ -122,9 +122,9 @@ fn pair(a: &Kind, b: &Kind, count: usize, repeats: usize) -> Result<[String; 9]>
     let (mut off, mut meeting) = (0, 0);
     for place in &places {
         let other: PlacedShape = second(place);
-        let distance = shapes::distance(&first, &other);
-        let meets = shapes::intersects(&first, &other);
-        let depth = shapes::penetration(&first, &other);
+        let distance = query::distance(&first, &other);
+        let meets = query::intersects(&first, &other);
+        let depth = query::penetration(&first, &other);
         ensure!(distance.lower <= distance.upper && meets == (distance.distance() == 0.0), "{distance:?}");
         ensure!(depth.is_some() == meets && depth.is_none_or(|depth| depth.lower <= depth.upper), "{depth:?}");
         let theirs = f64::from(parry::distance(&here, shape_a, &there(place), shape_b)?.distance);
@@ -132,9 +132,9 @@ fn pair(a: &Kind, b: &Kind, count: usize, repeats: usize) -> Result<[String; 9]>
         meeting += usize::from(meets);
     }
     let ours = [
-        quickest(repeats, &places, |place| shapes::intersects(&first, &second(place))),
-        quickest(repeats, &places, |place| shapes::distance(&first, &second(place)).upper),
-        quickest(repeats, &places, |place| shapes::penetration(&first, &second(place))),
+        quickest(repeats, &places, |place| query::intersects(&first, &second(place))),
+        quickest(repeats, &places, |place| query::distance(&first, &second(place)).upper),
+        quickest(repeats, &places, |place| query::penetration(&first, &second(place))),
     ];
     let theirs = [
         quickest(repeats, &places, |place| parry::intersection_test(&here, shape_a, &there(place), shape_b).is_ok()),
@@ -161,7 +161,7 @@ fn spheres(repeats: usize) -> Result<Table<7>> {
         let least = |run: &dyn Fn()| Samples::take(repeats, || anyhow::Ok(timed(run).0)).map(|samples| samples.min());
         let pairs = query::intersecting_pairs(&sphere, sphere.at(pose)).len();
         let patches = query::contact_patches(&sphere, sphere.at(pose));
-        ensure!(patches.len() == 1 && shapes::contacts(&a, &b).len() == 1, "one region");
+        ensure!(patches.len() == 1 && query::contacts(&a, &b).len() == 1, "one region");
         let depth = query::penetration(&sphere, sphere.at(pose)).ok_or_else(|| anyhow::anyhow!("they meet"))?;
         ensure!(depth.lower <= depth.upper && (depth.upper - overlap).abs() < 1e-3, "{depth:?}");
         table.row([
@@ -169,7 +169,7 @@ fn spheres(repeats: usize) -> Result<Table<7>> {
             pairs.to_string(),
             time(least(&|| _ = black_box(query::intersecting_pairs(&sphere, sphere.at(pose))))?),
             time(least(&|| _ = black_box(query::contact_patches(&sphere, sphere.at(pose))))?),
-            time(least(&|| _ = black_box(shapes::contacts(&a, &b)))?),
+            time(least(&|| _ = black_box(query::contacts(&a, &b)))?),
             time(least(&|| _ = black_box(query::penetration(&sphere, sphere.at(pose))))?),
             format!("{:.6} to {:.6}", depth.lower, depth.upper),
         ]);

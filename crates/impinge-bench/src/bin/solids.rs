@@ -10,7 +10,7 @@ use std::path::Path;
 
 use anyhow::{Result, ensure};
 use clap::Parser;
-use impinge::query::{self, Penetrates, Solid};
+use impinge::query::{self, Penetrates};
 use impinge::{Mesh, Pose, Positions};
 use impinge_bench::samples::timed;
 use impinge_bench::scene::Surface;
@@ -111,7 +111,7 @@ fn meshes(along: u32, repeats: usize) -> Result<()> {
     };
     let solid = |a: &Mesh, b: &Mesh, at: [f64; 3]| -> Result<String> {
         let placed = b.at(Pose::from_translation(at)?);
-        Ok(format!("{:?}", query::solid_intersection(a, placed, Solid::Both).contained))
+        Ok(format!("{:?}", query::solid_intersection(a.solid(), placed).contained))
     };
     ask("knots nested, solid", &|| solid(&knot, &thin, [0.0; 3]), "Some(B)")?;
     ask("knots apart, solid", &|| solid(&knot, &thin, [0.0, 0.0, 9.0]), "None")?;

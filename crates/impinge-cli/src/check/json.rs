@@ -126,10 +126,11 @@ pub(super) fn object(outcome: &Outcome) -> String {
 
 /// What is finite: nothing is near an empty mesh.
 fn apart(distance: &Distance) -> Option<Apart> {
-    let Distance { lower, upper, witness } = *distance;
-    let nearest =
-        witness.map(|Witness { point_a, point_b, face_a, face_b }| Nearest { point_a, point_b, face_a, face_b });
-    upper.is_finite().then_some(Apart { distance: upper, lower, upper, nearest })
+    let Distance { lower, upper, witness, .. } = *distance;
+    let nearest = witness.and_then(|Witness { point_a, point_b, faces }| {
+        faces.map(|[face_a, face_b]| Nearest { point_a, point_b, face_a, face_b })
+    });
+    upper.is_finite().then_some(Apart { distance: distance.distance(), lower, upper, nearest })
 }
 
 /// The names of what holds.

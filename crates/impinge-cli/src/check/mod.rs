@@ -11,8 +11,8 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use impinge::hierarchy::Builder;
-use impinge::mesh::{Options, Placed};
-use impinge::query::{self, Curves, Distance, Penetrates, Solid, SolidIntersection, SomePairs};
+use impinge::mesh::PlacedMesh;
+use impinge::query::{self, Curves, Distance, Penetrates, SolidIntersection, SomePairs};
 use impinge::{InputError, Pose};
 use impinge_files::Unit;
 
@@ -240,20 +240,16 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
         seconds: Seconds::default(),
     };
     let (outcome, query) = timed("intersecting", || {
-        let (a, b) = start.placed();
-        let SomePairs { pairs, truncated } = query::intersecting_pairs_up_to(a, b, MOST_PAIRS, &Options::default());
+        let [a, b] = start.placed(arguments.solid.map_or([false; 2], SolidArgument::sides));
+        let SomePairs { pairs, truncated } = query::intersecting_pairs_up_to(a, b, MOST_PAIRS);
         if truncated {
             let message = format!("more than {} pairs of faces meet", numerals::count(MOST_PAIRS));
             return Err(Failure::new("too-many", message).hint("impinge inspect counts duplicate faces"));
         }
         let curves = arguments.wants_curves().then(|| query::curves_of_pairs(a, b, &pairs));
-        let solid = arguments.solid.map(|side| query::solid_intersection_of_pairs(a, b, side.into(), &pairs));
+        let solid = arguments.solid.map(|_| query::solid_intersection_of_pairs(a, b, &pairs));
         let penetrates = arguments.penetrates.then(|| query::penetrates_of_pairs(a, b, &pairs));
-        let distance = arguments.distance.then(|| match solid {
-            // One lies inside the other, apart from its surface.
-            Some(solid) if solid.intersects && pairs.is_empty() => Distance { lower: 0.0, upper: 0.0, witness: None },
-            _ => query::distance(a, b),
-        });
+        let distance = arguments.distance.then(|| query::distance(a, b));
         let clearance = arguments.clearance.map(|required| {
             let is_violated = solid.is_some_and(|solid| solid.intersects) || query::within(a, b, required);
             Clearance { required, is_violated }
@@ -291,8 +287,9 @@ impl Outcome {
         [self.bodies[0].about.unit, self.bodies[1].about.unit]
     }
 
-    fn placed(&self) -> (Placed<'_>, Placed<'_>) {
-        (self.bodies[0].mesh.at(self.poses[0]), self.bodies[1].mesh.at(self.poses[1]))
+    /// Both meshes, as surfaces or as solids.
+    fn placed(&self, is_solid: [bool; 2]) -> [PlacedMesh<'_>; 2] {
+        [0, 1].map(|side| PlacedMesh { is_solid: is_solid[side], ..self.bodies[side].mesh.at(self.poses[side]) })
     }
 
     /// Whether they meet, as solids where that was asked for.
@@ -314,11 +311,11 @@ impl Outcome {
         }
         let [a, b] = [0, 1].map(|side| Bounds::of(&self.bodies[side].mesh, &self.poses[side]));
         let (Some(a), Some(b)) = (a, b) else { return };
-        for (inner, outer, encloses, solid) in
-            [("A", "B", b.encloses(&a), Solid::B), ("B", "A", a.encloses(&b), Solid::A)]
+        for (inner, outer, encloses, is_solid) in
+            [("A", "B", b.encloses(&a), [false, true]), ("B", "A", a.encloses(&b), [true, false])]
         {
-            let (placed_a, placed_b) = self.placed();
-            if encloses && query::intersects_solid(placed_a, placed_b, solid) {
+            let [placed_a, placed_b] = self.placed(is_solid);
+            if encloses && query::intersects(placed_a, placed_b) {
                 console::note(&format!(
                     "{inner} lies inside {outer}, of which only the surface was compared; --solid counts that as a collision"
                 ));
@@ -348,12 +345,13 @@ impl Outcome {
     }
 }
 
-impl From<SolidArgument> for Solid {
-    fn from(argument: SolidArgument) -> Self {
-        match argument {
-            SolidArgument::A => Self::A,
-            SolidArgument::B => Self::B,
-            SolidArgument::Both => Self::Both,
+impl SolidArgument {
+    /// Whether each of the two is solid.
+    fn sides(self) -> [bool; 2] {
+        match self {
+            Self::A => [true, false],
+            Self::B => [false, true],
+            Self::Both => [true, true],
         }
     }
 }

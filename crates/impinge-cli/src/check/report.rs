@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use anstyle::{AnsiColor, Style};
-use impinge::query::{Contained, Distance, Penetrates};
+use impinge::query::{Contained, Distance, Penetrates, Proximity, Witness};
 
 use super::Outcome;
 use crate::Verdict;
@@ -96,12 +96,14 @@ fn describe(body: &Body, bounds: Option<&Bounds>) -> [String; 5] {
 
 /// How far apart, and where.
 fn apart(outcome: &Outcome, distance: &Distance, unit: &str) -> String {
-    let Some(witness) = distance.witness else {
+    let Some(Witness { point_a, point_b, faces: Some([face_a, face_b]) }) = distance.witness else {
         let is_inside = distance.upper == 0.0;
         return if is_inside { "0: one lies inside the other" } else { "infinite: a mesh is empty" }.to_owned();
     };
-    let mut text = format!("{}{unit}", length(distance.upper));
-    let ends = [(0, "A", witness.face_a, witness.point_a), (1, "B", witness.face_b, witness.point_b)];
+    let is_undecided = distance.proximity == Proximity::Undecided;
+    let alternative = if is_undecided { "0 if one lies inside the other, which is not proved; else " } else { "" };
+    let mut text = format!("{alternative}{}{unit}", length(distance.upper));
+    let ends = [(0, "A", face_a, point_a), (1, "B", face_b, point_b)];
     for (side, name, face, point) in ends {
         let about = &outcome.bodies[side].about;
         let part = if about.parts.len() > 1 { format!(" of {}", about.part(face)) } else { String::new() };

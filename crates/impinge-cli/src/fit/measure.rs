@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use impinge::hull::{Hull, HullKind};
-use impinge::query::shapes;
+use impinge::query;
 use impinge::shape::Shape;
 use impinge::volume::fit::{self, FittedSphere};
 use impinge::volume::{
@@ -114,7 +114,7 @@ pub(super) fn hull(points: &[[f64; 3]]) -> Result<HullRow, InputError> {
     let poses = poses(&MinMax::of(points)?);
     let shape = Shape::hull(Arc::clone(&hull));
     let placed = poses.spread.iter().take(TESTED).map(|&pose| shape.at(pose)).collect::<Result<Vec<_>, _>>()?;
-    let overlap = overlap_time(&placed, shapes::intersects);
+    let overlap = overlap_time(&placed, |a, b| query::intersects(a, b));
     let follow = follow_time(&poses, |pose| shape.at(*pose));
     let (mut six_volumes, mut two_areas) = (0.0, 0.0);
     // About a point of the hull, as far from the origin it would cancel.

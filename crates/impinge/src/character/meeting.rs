@@ -1,7 +1,7 @@
 //! Whether two volumes in their frames meet.
 
 use crate::input::InputError;
-use crate::query::shapes;
+use crate::query;
 use crate::volume::Proximity;
 
 use super::frame::Frame;
@@ -56,7 +56,7 @@ pub(super) fn meet(a: &Stood<'_>, b: &Stood<'_>) -> Result<bool, InputError> {
         return Ok(found);
     }
     let (placed_a, placed_b) = (a.volume.placed(a.frame.pose()?)?, b.volume.placed(b.frame.pose()?)?);
-    Ok(shapes::proximity(&placed_a, &placed_b) != Proximity::Apart)
+    Ok(query::proximity(&placed_a, &placed_b) != Proximity::Apart)
 }
 
 /// The segment that a sphere sweeps.

@@ -1,8 +1,8 @@
 //! Questions to a character in one pose: which parts a ray, a shape, a mesh or another character meets.
 
 use crate::input::InputError;
-use crate::mesh::{Mesh, Placed, Positions, Ray};
-use crate::query::{distance, shapes};
+use crate::mesh::{Mesh, PlacedMesh, Positions, Ray};
+use crate::query::{self, distance};
 use crate::shape::PlacedShape;
 use crate::volume::MinMax;
 
@@ -251,7 +251,7 @@ impl<'c> Posed<'c> {
         let mut hits = Vec::new();
         for (at, part, frame, _) in self.parts() {
             let placed = part.volume.placed(frame.pose()?)?;
-            if let Some(found) = shapes::penetration(shape, &placed) {
+            if let Some(found) = query::penetration(shape, &placed) {
                 let point = scale(add(found.point_a, found.point_b), 0.5);
                 hits.push(PartHit {
                     part: at,
@@ -312,7 +312,7 @@ impl<'c> Posed<'c> {
                 let volume = &posed.character.parts()[part as usize].volume;
                 volume.placed(posed.frames[part as usize].pose()?)
             };
-            if let Some(depth) = shapes::penetration(&placed(self, part_a)?, &placed(other, part_b)?) {
+            if let Some(depth) = query::penetration(&placed(self, part_a)?, &placed(other, part_b)?) {
                 let point = scale(add(depth.point_a, depth.point_b), 0.5);
                 found.push(PartPair { part_a, part_b, point, normal: depth.normal, depth: depth.upper });
             }
@@ -328,7 +328,7 @@ impl<'c> Posed<'c> {
     ///
     /// # Complexity
     /// A distance of two meshes for each part: that of the point, segment, rectangle, box or hull which a sphere sweeps.
-    pub fn struck_by_mesh(&self, mesh: Placed<'_>) -> Result<Vec<PartHit>, InputError> {
+    pub fn struck_by_mesh(&self, mesh: PlacedMesh<'_>) -> Result<Vec<PartHit>, InputError> {
         let mut hits = Vec::new();
         for (at, part, frame, _) in self.parts() {
             let (positions, faces) = core(&part.volume);

@@ -6,7 +6,7 @@
 
 use crate::input::InputError;
 use crate::math::Pose;
-use crate::query::shapes;
+use crate::query;
 use crate::volume::Proximity;
 
 use super::frame::{Frame, frame_of};
@@ -140,13 +140,14 @@ fn first_contact(striker: &Moving<'_>, part: &Moving<'_>) -> Result<Option<Strik
         // Spheres tell what is far.
         if gap <= 0.25 * size {
             let (placed_a, placed_b) = (striker.volume.placed(frame_a.pose()?)?, part.volume.placed(frame_b.pose()?)?);
-            let found = shapes::distance(&placed_a, &placed_b);
+            let found = query::distance(&placed_a, &placed_b);
             gap = found.lower - error;
             if found.proximity != Proximity::Apart || gap <= TOUCHING * size {
-                let deep = if t == 0.0 { shapes::penetration(&placed_a, &placed_b) } else { None };
-                let apart = unit(sub(found.point_b, found.point_a));
+                let deep = if t == 0.0 { query::penetration(&placed_a, &placed_b) } else { None };
+                let [point_a, point_b] = found.points().unwrap_or([a.0, b.0]);
+                let apart = unit(sub(point_b, point_a));
                 let normal = deep.map(|deep| deep.normal).or(apart).or(unit(sub(b.0, a.0)));
-                let point = scale(add(found.point_a, found.point_b), 0.5);
+                let point = scale(add(point_a, point_b), 0.5);
                 let (normal, depth) = (normal.unwrap_or([0.0, 0.0, 1.0]), deep.map_or(0.0, |deep| deep.upper));
                 return Ok(Some(Strike { part: 0, bone: 0, t, point, normal, depth }));
             }

@@ -1,5 +1,7 @@
 //! An affine map from a mesh's own frame to the world.
 
+use std::ops::Mul;
+
 use super::Sign;
 use super::dyadic::{self, Dyadic};
 use crate::input::{InputError, InputErrorKind};
@@ -213,6 +215,25 @@ impl Pose {
 impl Default for Pose {
     fn default() -> Self {
         Self::IDENTITY
+    }
+}
+
+impl Mul for Pose {
+    type Output = Result<Self, InputError>;
+
+    /// [`compose`](Pose::compose): applies the right pose first and then the left one.
+    ///
+    /// ```
+    /// use impinge::Pose;
+    ///
+    /// let world_from_arm = Pose::from_translation([1.0, 0.0, 0.0])?;
+    /// let arm_from_hand = Pose::from_translation([0.0, 2.0, 0.0])?;
+    /// let world_from_hand = (world_from_arm * arm_from_hand)?;
+    /// assert_eq!(world_from_hand.translation(), &[1.0, 2.0, 0.0]);
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    fn mul(self, inner: Self) -> Self::Output {
+        self.compose(&inner)
     }
 }
 

@@ -36,7 +36,7 @@ pub use lifecycle::repair::{Repair, RepairOptions};
 pub use options::{HostChoice, Interrupt, Options};
 pub(crate) use pairs::descent::{any_hit, collect_intersecting, faces_meet, first_hit};
 pub(crate) use pairs::self_descent::{WantedFaces, collect_self_intersecting};
-pub use placed::Placed;
+pub use placed::{PlacedMesh, SolidMesh};
 pub(crate) use points::face_search::FaceSearch;
 pub use points::nearest::ClosestPoint;
 pub use points::rays::{Ray, RayHit};

@@ -42,16 +42,15 @@ pub enum HostChoice {
 /// ```
 /// use std::time::{Duration, Instant};
 ///
-/// use impinge::mesh::{Interrupt, Options};
-/// use impinge::query::{HitCache, intersects_with};
+/// use impinge::mesh::Interrupt;
+/// use impinge::query::Query;
 /// use impinge::{Mesh, Positions};
 ///
 /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 1, 2]])?;
 /// let begun = Instant::now();
 /// let is_late = || begun.elapsed() > Duration::from_millis(20);
-/// let options = Options { interrupt: Interrupt::when(&is_late), ..Options::default() };
-/// assert!(intersects_with(&mesh, &mesh, &mut HitCache::default(), &options));
+/// assert!(Query::new().with_interrupt(Interrupt::when(&is_late)).intersects(&mesh, &mesh));
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 #[derive(Clone, Copy)]

@@ -3,26 +3,65 @@
 use super::triangle_mesh::Mesh;
 use crate::math::Pose;
 
-/// A mesh and where it stands in the world.
+/// A mesh, as its surface or as a solid, and where it stands in the world.
 #[derive(Clone, Copy, Debug)]
-pub struct Placed<'a> {
+pub struct PlacedMesh<'a> {
     /// The mesh.
     pub mesh: &'a Mesh,
     /// Maps the mesh's own frame to the world.
     pub world_from_mesh: Pose,
+    /// Whether the mesh is a solid: its surface and all points that it winds round more than half.
+    pub is_solid: bool,
 }
 
-impl<'a> From<&'a Mesh> for Placed<'a> {
-    /// The mesh where its own frame is the world.
+/// A mesh taken as a solid: its surface and all points that it winds round more than half ([`Mesh::solid`]).
+#[derive(Clone, Copy, Debug)]
+pub struct SolidMesh<'a>(pub(crate) &'a Mesh);
+
+impl Mesh {
+    /// Returns the surface of the mesh, placed in the world for a query.
+    #[must_use]
+    pub fn at(&self, world_from_mesh: Pose) -> PlacedMesh<'_> {
+        PlacedMesh { mesh: self, world_from_mesh, is_solid: false }
+    }
+
+    /// Returns the mesh as a solid, for a query: what lies wholly inside it intersects it too.
+    ///
+    /// ```
+    /// use impinge::{Mesh, Pose, Positions, query};
+    ///
+    /// let corners = vec![[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]];
+    /// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    /// let large = Mesh::new(Positions::F32(corners), faces)?;
+    /// let inside = large.at(Pose::new([[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]], [1.0; 3])?);
+    /// assert!(!query::intersects(&large, inside));
+    /// assert!(query::intersects(large.solid(), inside));
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    #[must_use]
+    pub fn solid(&self) -> SolidMesh<'_> {
+        SolidMesh(self)
+    }
+}
+
+impl<'a> SolidMesh<'a> {
+    /// Returns the solid, placed in the world for a query.
+    #[must_use]
+    pub fn at(self, world_from_mesh: Pose) -> PlacedMesh<'a> {
+        PlacedMesh { mesh: self.0, world_from_mesh, is_solid: true }
+    }
+}
+
+impl<'a> From<&'a Mesh> for PlacedMesh<'a> {
+    /// The surface of the mesh where its own frame is the world.
     fn from(mesh: &'a Mesh) -> Self {
         mesh.at(Pose::IDENTITY)
     }
 }
 
-impl Mesh {
-    /// The mesh placed in the world, for a query.
-    #[must_use]
-    pub fn at(&self, world_from_mesh: Pose) -> Placed<'_> {
-        Placed { mesh: self, world_from_mesh }
+impl<'a> From<SolidMesh<'a>> for PlacedMesh<'a> {
+    /// The solid where its own frame is the world.
+    fn from(solid: SolidMesh<'a>) -> Self {
+        solid.at(Pose::IDENTITY)
     }
 }

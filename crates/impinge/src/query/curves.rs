@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use crate::exact::{Corners, Crossing, Feature, Joint, Placement, joints};
-use crate::mesh::{DisjointSets, Mesh, Placed};
+use crate::mesh::{DisjointSets, Mesh, PlacedMesh};
 use crate::query::intersecting_pairs;
 
 /// Where two surfaces meet.
@@ -64,7 +64,7 @@ fn distance(from: [f64; 3], to: [f64; 3]) -> f64 {
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 #[must_use]
-pub fn intersection_curves<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Curves {
+pub fn intersection_curves<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<PlacedMesh<'b>>) -> Curves {
     let (a, b) = (a.into(), b.into());
     curves_of_pairs(a, b, &intersecting_pairs(a, b))
 }
@@ -74,7 +74,11 @@ pub fn intersection_curves<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed
 /// # Panics
 /// Where a pair names a face that a mesh does not have.
 #[must_use]
-pub fn curves_of_pairs<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, pairs: &[[u32; 2]]) -> Curves {
+pub fn curves_of_pairs<'a, 'b>(
+    a: impl Into<PlacedMesh<'a>>,
+    b: impl Into<PlacedMesh<'b>>,
+    pairs: &[[u32; 2]],
+) -> Curves {
     let placed = [a.into(), b.into()];
     Linked::new(placed, &met(placed, pairs)).curves()
 }
@@ -90,7 +94,7 @@ pub(super) struct Met {
 const FEW: usize = 64;
 
 /// In what these pairs of faces meet.
-pub(super) fn met(placed: [Placed<'_>; 2], pairs: &[[u32; 2]]) -> Vec<Met> {
+pub(super) fn met(placed: [PlacedMesh<'_>; 2], pairs: &[[u32; 2]]) -> Vec<Met> {
     let placement = Placement::new(&placed[0].world_from_mesh, &placed[1].world_from_mesh);
     let meet = |&pair: &[u32; 2]| {
         let [a, b] = corners(placed, pair);
@@ -99,7 +103,7 @@ pub(super) fn met(placed: [Placed<'_>; 2], pairs: &[[u32; 2]]) -> Vec<Met> {
     pairs.par_iter().with_min_len(FEW).map(meet).collect()
 }
 
-fn corners(placed: [Placed<'_>; 2], pair: [u32; 2]) -> [Corners; 2] {
+fn corners(placed: [PlacedMesh<'_>; 2], pair: [u32; 2]) -> [Corners; 2] {
     [0, 1].map(|side| placed[side].mesh.corners(pair[side]))
 }
 
@@ -112,7 +116,7 @@ pub(super) struct Linked {
 }
 
 impl Linked {
-    pub(super) fn new(placed: [Placed<'_>; 2], met: &[Met]) -> Self {
+    pub(super) fn new(placed: [PlacedMesh<'_>; 2], met: &[Met]) -> Self {
         let mut names = placed.map(|placed| Names::new(placed.mesh));
         let mut numbers = HashMap::new();
         let mut ends = Vec::new();

@@ -25,9 +25,8 @@ use std::collections::hash_map::Entry;
 
 use rayon::prelude::*;
 
-use super::intersecting_pairs;
 use crate::exact::{Contact, Corners, EdgeLine, Fan, Placement, PosedPoint, Spot, contact};
-use crate::mesh::{Components, Containment, Judge, Mesh, Placed, Wall, Walls};
+use crate::mesh::{Components, Containment, Judge, Mesh, PlacedMesh, Wall, Walls};
 
 /// Whether the interiors of two solids meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -41,45 +40,15 @@ pub enum Penetrates {
     Yes,
 }
 
-/// Whether the interiors of two meshes, taken as solids, meet.
-///
-/// # Accuracy
-/// `Yes` and `No` are exact. `Undecided` is possible only if one mesh is open and its border is
-/// near the other mesh, or if faces that intersect the other mesh or lie inside it also intersect
-/// faces of their own mesh elsewhere than in common corners and edges. The answer does not depend on
-/// the order of the faces.
-///
-/// # Complexity
-/// That of [`intersecting_pairs`], linear in the pairs, and that of [`Mesh::contains`] for one
-/// point of each face that is in a pair or beside one, and of each connected part that is in none.
-///
-/// ```
-/// use impinge::query::{self, Penetrates};
-/// use impinge::{Mesh, Pose, Positions};
-///
-/// let corners = vec![[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [0.0, 0.0, 8.0]];
-/// let part = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
-/// // The same part on its other side, turned by half about the x axis: two edges in common.
-/// let turned = part.at(Pose::new([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]], [0.0; 3])?);
-/// assert!(query::intersects(&part, turned));
-/// assert_eq!(query::penetrates(&part, turned), Penetrates::No);
-/// assert_eq!(query::penetrates(&part, part.at(Pose::from_translation([1.0, 0.0, 0.0])?)), Penetrates::Yes);
-/// # Ok::<(), impinge::InputError>(())
-/// ```
-#[must_use]
-pub fn penetrates<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Penetrates {
-    let (a, b) = (a.into(), b.into());
-    penetrates_of_pairs(a, b, &intersecting_pairs(a, b))
-}
-
-/// [`penetrates`], for pairs that are at hand already: all that [`intersecting_pairs`] returned.
+/// [`penetrates`](super::penetrates()) of two meshes, for pairs that are at hand already: all that
+/// [`intersecting_pairs`](super::intersecting_pairs) returned.
 ///
 /// # Panics
 /// Where a pair names a face that a mesh does not have.
 #[must_use]
 pub fn penetrates_of_pairs<'a, 'b>(
-    a: impl Into<Placed<'a>>,
-    b: impl Into<Placed<'b>>,
+    a: impl Into<PlacedMesh<'a>>,
+    b: impl Into<PlacedMesh<'b>>,
     pairs: &[[u32; 2]],
 ) -> Penetrates {
     /// Number of contacts that are judged before all of them are. Bodies that are deep in each
@@ -109,12 +78,12 @@ type Touching = ([u32; 2], Contact);
 
 /// Two placed meshes, A and B.
 struct Solids<'m> {
-    placed: [Placed<'m>; 2],
+    placed: [PlacedMesh<'m>; 2],
     placement: Placement,
 }
 
 impl<'m> Solids<'m> {
-    fn new(a: Placed<'m>, b: Placed<'m>) -> Self {
+    fn new(a: PlacedMesh<'m>, b: PlacedMesh<'m>) -> Self {
         Self { placed: [a, b], placement: Placement::new(&a.world_from_mesh, &b.world_from_mesh) }
     }
 

@@ -9,7 +9,7 @@ use crate::convex::Support;
 use crate::hull::Hull;
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, SolidMesh};
 
 /// Coordinates and lengths stay below this magnitude: the range of the proofs, that of meshes.
 const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
@@ -125,7 +125,7 @@ impl Shape {
     ///
     /// ```
     /// use std::sync::Arc;
-    /// use impinge::{Pose, convex::Support, query::shapes, shape::Shape};
+    /// use impinge::{Pose, Shape, convex::Support, query};
     ///
     /// /// |x| + |y| + |z| ≤ 1.
     /// #[derive(Debug)]
@@ -144,7 +144,7 @@ impl Shape {
     ///
     /// let octahedron = Shape::custom(Arc::new(Octahedron))?.at(Pose::IDENTITY)?;
     /// let point = Shape::point([1.0, 1.0, 1.0])?.at(Pose::IDENTITY)?;
-    /// let distance = shapes::distance(&octahedron, &point);
+    /// let distance = query::distance(&octahedron, &point);
     /// assert!((distance.upper - 2.0 / 3_f64.sqrt()).abs() < 1e-12);
     /// # Ok::<(), impinge::InputError>(())
     /// ```
@@ -165,13 +165,13 @@ impl Shape {
     /// A mesh with all that it winds round more than half.
     ///
     /// ```
-    /// use impinge::{Mesh, Pose, Positions, query::shapes, shape::Shape};
+    /// use impinge::{Mesh, Pose, Positions, Shape, query};
     ///
     /// let corners = vec![[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [0.0, 0.0, 8.0]];
     /// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
     /// let marble = Shape::sphere([1.0; 3], 0.5)?.at(Pose::IDENTITY)?;
-    /// assert!(!shapes::intersects(&Shape::mesh(&mesh).at(Pose::IDENTITY)?, &marble));
-    /// assert!(shapes::intersects(&Shape::solid(&mesh).at(Pose::IDENTITY)?, &marble));
+    /// assert!(!query::intersects(&Shape::mesh(&mesh).at(Pose::IDENTITY)?, &marble));
+    /// assert!(query::intersects(&Shape::solid(&mesh).at(Pose::IDENTITY)?, &marble));
     /// # Ok::<(), impinge::InputError>(())
     /// ```
     #[must_use]
@@ -192,15 +192,15 @@ impl Shape {
     /// a compound among them count one by one.
     ///
     /// ```
-    /// use impinge::{Pose, query::shapes, shape::Shape};
+    /// use impinge::{Pose, Shape, query};
     ///
     /// let end = Shape::sphere([0.0; 3], 0.5)?;
     /// let bar = Shape::cuboid([1.0, 0.125, 0.125])?;
     /// let at = |x| Pose::from_translation([x, 0.0, 0.0]);
     /// let dumbbell = Shape::compound(&[(end.clone(), at(-1.0)?), (bar, at(0.0)?), (end, at(1.0)?)])?.at(Pose::IDENTITY)?;
     /// let between = Shape::point([0.0, 0.25, 0.0])?.at(Pose::IDENTITY)?;
-    /// assert!(!shapes::intersects(&dumbbell, &between));
-    /// assert!((shapes::distance(&dumbbell, &between).upper - 0.125).abs() < 1e-12);
+    /// assert!(!query::intersects(&dumbbell, &between));
+    /// assert!((query::distance(&dumbbell, &between).upper - 0.125).abs() < 1e-12);
     /// # Ok::<(), impinge::InputError>(())
     /// ```
     ///
@@ -235,6 +235,25 @@ impl Shape {
 
     fn curved(set: Arc<dyn Support>) -> Self {
         Self(Kind::Round { core: RoundCore::Curved(set), radius: 0.0 })
+    }
+}
+
+impl From<&Shape> for Shape {
+    fn from(shape: &Shape) -> Self {
+        shape.clone()
+    }
+}
+
+impl From<&Mesh> for Shape {
+    /// The surface of the mesh.
+    fn from(mesh: &Mesh) -> Self {
+        Self::mesh(mesh)
+    }
+}
+
+impl From<SolidMesh<'_>> for Shape {
+    fn from(solid: SolidMesh<'_>) -> Self {
+        Self::solid(solid.0)
     }
 }
 

@@ -10,12 +10,12 @@ use crate::mesh::Mesh;
 /// A shape in its own frame; cheap to clone.
 ///
 /// ```
-/// use impinge::{Pose, query::shapes, shape::Shape};
+/// use impinge::{Pose, Shape, query};
 ///
 /// let crate_ = Shape::cuboid([1.0, 1.0, 1.0])?.at(Pose::IDENTITY)?;
 /// let pill = Shape::capsule([0.0, 0.0, -1.0], [0.0, 0.0, 1.0], 0.5)?;
-/// assert!(shapes::intersects(&crate_, &pill.at(Pose::from_translation([1.5, 0.0, 0.0])?)?)); // they touch
-/// assert_eq!(shapes::distance(&crate_, &pill.at(Pose::from_translation([2.5, 0.0, 0.0])?)?).upper.round(), 1.0);
+/// assert!(query::intersects(&crate_, &pill.at(Pose::from_translation([1.5, 0.0, 0.0])?)?)); // they touch
+/// assert_eq!(query::distance(&crate_, &pill.at(Pose::from_translation([2.5, 0.0, 0.0])?)?).upper.round(), 1.0);
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@ use super::part_tree::PartTree;
 use crate::convex::{Core, Faceted, HalfSpace, Surface, Swept};
 use crate::input::InputError;
 use crate::math::Pose;
-use crate::mesh::Placed;
+use crate::mesh::PlacedMesh;
 use crate::simd::prefetch;
 use crate::volume::stretch;
 
@@ -90,6 +90,22 @@ impl Shape {
     }
 }
 
+impl Shape {
+    /// Reports whether the shape can stand at a pose, without placing it.
+    ///
+    /// # Errors
+    /// As [`at`](Self::at).
+    pub(crate) fn judge(&self, world_from_local: &Pose) -> Result<(), InputError> {
+        match &self.0 {
+            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. } => Ok(()),
+            Kind::Round { radius, .. } => images_of_radius(*radius, world_from_local).map(drop),
+            Kind::Compound(parts) => parts
+                .iter()
+                .try_for_each(|(part, compound_from_part)| part.judge(&world_from_local.compose(compound_from_part)?)),
+        }
+    }
+}
+
 impl PlacedShape {
     /// Where the shape is.
     #[must_use]
@@ -119,12 +135,15 @@ impl PlacedShape {
         self.parts.as_ref().map_or(std::slice::from_ref(self), |parts| &parts.all)
     }
 
-    /// A placed mesh as a solid.
-    pub(crate) fn solid(placed: Placed<'_>) -> Self {
-        let kind = Kind::Mesh { mesh: placed.mesh.clone(), is_solid: true };
-        let mut solid = Self { kind, stand: Stand::at(placed.world_from_mesh), parts: None };
-        solid.stand.bounds = solid.world_bounds();
-        solid
+    /// Returns the one mesh that the shape is made of; none if it is something else.
+    pub(crate) fn as_mesh(&self) -> Option<PlacedMesh<'_>> {
+        let [part] = self.parts() else { return None };
+        match &part.kind {
+            Kind::Mesh { mesh, is_solid } => {
+                Some(PlacedMesh { mesh, world_from_mesh: part.stand.world_from_local, is_solid: *is_solid })
+            }
+            Kind::Polytope(_) | Kind::Round { .. } | Kind::HalfSpace { .. } | Kind::Compound(_) => None,
+        }
     }
 
     /// This shape elsewhere.
@@ -234,6 +253,15 @@ impl PlacedShape {
             all = Some([std::array::from_fn(|k| low[k].min(min[k])), std::array::from_fn(|k| high[k].max(max[k]))]);
         }
         all
+    }
+}
+
+impl From<PlacedMesh<'_>> for PlacedShape {
+    fn from(placed: PlacedMesh<'_>) -> Self {
+        let kind = Kind::Mesh { mesh: placed.mesh.clone(), is_solid: placed.is_solid };
+        let mut shape = Self { kind, stand: Stand::at(placed.world_from_mesh), parts: None };
+        shape.stand.bounds = shape.world_bounds();
+        shape
     }
 }
 

@@ -1,5 +1,6 @@
 //! When moving things first touch.
 
+mod batch;
 mod deforming;
 mod exact;
 mod floats;
@@ -8,14 +9,12 @@ mod linear;
 mod motion;
 mod polynomials;
 mod rigid;
-mod shapes;
-mod solids;
 mod span;
+mod time_of_impact;
 
+pub use batch::times_of_impact;
 pub use deforming::{Deforming, Features, SweptContact};
 pub use impact::Impact;
 pub use linear::{edge_edge, vertex_face};
 pub use motion::Motion;
-pub use rigid::time_of_impact;
-pub use shapes::time_of_impact_of_shapes;
-pub use solids::time_of_impact_of_solids;
+pub use time_of_impact::time_of_impact;

@@ -1,13 +1,9 @@
-//! When two meshes that move rigidly first touch, by conservative advancement.
-//!
-//! Source: Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996, section 2.3; ours advances by a
-//! proved lower bound of the distance of the meshes, less what rounded poses are off by, over a proved upper bound of
-//! the speed of any two of their points towards each other.
+//! When two meshes that move rigidly first touch, by conservative advancement ([`time_of_impact`](super::time_of_impact)).
 
 use super::impact::Impact;
 use super::motion::Motion;
-use crate::mesh::{Mesh, Options};
-use crate::query::{WitnessCache, distance_with, intersects};
+use crate::mesh::{Mesh, PlacedMesh};
+use crate::query::{Cache, Query, intersects};
 
 /// Steps at most. Meshes that go for each other take one or two for each turn of a radian; those that pass each other
 /// closely take one for each gap's length of their way.
@@ -19,36 +15,15 @@ pub(super) const TOUCHING: f64 = 1.0 / (1_u64 << 38) as f64;
 /// More than a length whose square vanishes.
 pub(super) const VANISHING: f64 = 1e-150;
 
-/// When the surfaces of two meshes first touch while each moves rigidly.
-///
-/// Meshes that touch or overlap at the start give 0; meshes that pass through each other between the start and the end
-/// are found.
-///
-/// ```
-/// use impinge::sweep::{Motion, time_of_impact};
-/// use impinge::{Mesh, Pose, Positions};
-///
-/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-/// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 1, 2]])?;
-/// let through = Motion::between(Pose::from_translation([0.0, 0.0, 3.0])?, Pose::from_translation([0.0, 0.0, -1.0])?)?;
-/// let impact = time_of_impact(&mesh, &mesh, &Motion::default(), &through);
-/// assert!(impact.hit() && impact.t_lower <= 0.75 && impact.t_lower > 0.75 - 1e-9);
-/// # Ok::<(), impinge::InputError>(())
-/// ```
-///
-/// # Accuracy Nothing touches before `t_lower`, where the meshes are nearer to each other than 2^-37 of their sizes,
-/// or the steps were spent. `t_upper` is a time at which the meshes intersect where [`Motion::at`] places them; it is
-/// infinite where none was found, as when they graze each other.
-///
-/// # Complexity
-/// A distance of the meshes for each step, from the witness of the step before; 1024 steps at most. A sum over the
-/// vertices once.
-#[must_use]
-pub fn time_of_impact(a: &Mesh, b: &Mesh, motion_a: &Motion, motion_b: &Motion) -> Impact {
+/// When two meshes, as surfaces or as solids, first touch while each moves rigidly. What starts outside a solid meets its surface
+/// first.
+pub(super) fn of_meshes([a, b]: [&Mesh; 2], is_solid: [bool; 2], motion_a: &Motion, motion_b: &Motion) -> Impact {
     if a.faces().is_empty() || b.faces().is_empty() {
         return Impact::NEVER;
     }
-    if intersects(a.at(motion_a.at(0.0)), b.at(motion_b.at(0.0))) {
+    let start_a = PlacedMesh { is_solid: is_solid[0], ..a.at(motion_a.at(0.0)) };
+    let start_b = PlacedMesh { is_solid: is_solid[1], ..b.at(motion_b.at(0.0)) };
+    if intersects(start_a, start_b) {
         return Impact { t_lower: 0.0, t_upper: 0.0 };
     }
     let (reach_a, reach_b) = (reach(a), reach(b));
@@ -61,10 +36,11 @@ pub fn time_of_impact(a: &Mesh, b: &Mesh, motion_a: &Motion, motion_b: &Motion) 
     let speed = (approach.iter().map(|x| x * x).sum::<f64>().sqrt() + turning) * (1.0 + 1e-12) + VANISHING;
     let error = motion_a.error(reach_a) + motion_b.error(reach_b);
     let touching = TOUCHING * (reach_a + reach_b);
-    let (options, mut cache) = (Options::default(), WitnessCache::default());
+    let mut cache = Cache::default();
     let course = Course { speed, error, touching };
-    let found =
-        course.first_contact(|t| distance_with(a.at(motion_a.at(t)), b.at(motion_b.at(t)), &mut cache, &options).lower);
+    let found = course.first_contact(|t| {
+        Query::new().with_cache(&mut cache).distance(a.at(motion_a.at(t)), b.at(motion_b.at(t))).lower
+    });
     let Some(t) = found else { return Impact::NEVER };
     Impact { t_lower: t, t_upper: contact_after(t, |t| intersects(a.at(motion_a.at(t)), b.at(motion_b.at(t)))) }
 }

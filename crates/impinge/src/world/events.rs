@@ -1,7 +1,7 @@
 //! What a step reports: pairs that began and ended, and those that there are.
 
 use super::body::BodyId;
-use crate::query::shapes::{Manifold, Proximity};
+use crate::query::{Manifold, Proximity};
 
 /// Two bodies: the first has the lesser tag or, where tags are equal, the lesser handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -23,7 +23,7 @@ pub struct Pair<'w> {
     pub key: PairKey,
     /// How sure it is that they meet; always [`Meets`](Proximity::Meets) among meshes, boxes and hulls.
     pub proximity: Proximity,
-    /// Where they meet, as [`contacts`](crate::query::shapes::contacts) says; none where the world was not asked for contacts.
+    /// Where they meet, as [`contacts`](crate::query::contacts) says; none where the world was not asked for contacts.
     pub manifolds: &'w [Manifold],
 }
 

@@ -266,9 +266,9 @@ impl World {
     /// # Errors
     /// [`Stale`](WorldError::Stale), [`NotAMesh`](WorldError::NotAMesh), and [`Input`](WorldError::Input) as the refit.
     pub fn refit(&mut self, body: BodyId, positions: Positions) -> Result<Aging, WorldError> {
-        let (placed, is_solid) = self.resident(body)?.placed.mesh().ok_or(WorldError::NotAMesh { body })?;
+        let placed = self.resident(body)?.placed.mesh().ok_or(WorldError::NotAMesh { body })?;
         let mesh = placed.mesh.refitted(positions).map_err(|error| refused(body, error))?;
-        let shape = if is_solid { Shape::solid(&mesh) } else { Shape::mesh(&mesh) };
+        let shape = if placed.is_solid { Shape::solid(&mesh) } else { Shape::mesh(&mesh) };
         self.set_shape(body, &shape)?;
         Ok(mesh.aging())
     }

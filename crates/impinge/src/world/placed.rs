@@ -2,16 +2,14 @@
 
 use crate::input::InputError;
 use crate::math::Pose;
-use crate::mesh::{self, Mesh};
-use crate::shape::{Form, PlacedShape, Shape, Stand};
+use crate::mesh::PlacedMesh;
+use crate::shape::{PlacedShape, Shape, Stand};
 
 /// A shape in the world, and what it was made of.
 #[derive(Clone, Debug)]
 pub(super) struct Placed {
     shape: Shape,
     in_world: PlacedShape,
-    /// The one mesh that the shape is, and whether it is solid.
-    mesh: Option<(Mesh, bool)>,
 }
 
 /// A placed shape as it will be in another pose.
@@ -27,17 +25,7 @@ impl Placed {
     /// # Errors
     /// As [`Shape::at`].
     pub(super) fn new(shape: &Shape, world_from_body: Pose) -> Result<Self, InputError> {
-        let in_world = shape.at(world_from_body)?;
-        let mesh = match in_world.parts() {
-            [part] => match part.form() {
-                Form::Surface(surface) => Some((surface.mesh.clone(), surface.is_solid)),
-                Form::Convex(_) | Form::HalfSpace(_) => None,
-            },
-            _ => None,
-        };
-        // A compound of one mesh is at the place of its part.
-        let mesh = mesh.filter(|_| in_world.parts()[0].world_from_local() == &world_from_body);
-        Ok(Self { shape: shape.clone(), in_world, mesh })
+        Ok(Self { shape: shape.clone(), in_world: shape.at(world_from_body)? })
     }
 
     /// The same elsewhere.
@@ -92,9 +80,8 @@ impl Placed {
         self.in_world.world_from_local()
     }
 
-    /// The mesh that the shape is, if it is one, and whether it is solid.
-    pub(super) fn mesh(&self) -> Option<(mesh::Placed<'_>, bool)> {
-        let (mesh, is_solid) = self.mesh.as_ref()?;
-        Some((mesh.at(*self.world_from_body()), *is_solid))
+    /// The mesh that the shape is, in its own frame; none if it is something else.
+    pub(super) fn mesh(&self) -> Option<PlacedMesh<'_>> {
+        self.in_world.as_mesh().filter(|mesh| mesh.world_from_mesh == *self.world_from_body())
     }
 }

@@ -45,7 +45,7 @@ impl Plane {
 mod tests {
     use super::*;
     use crate::math::Pose;
-    use crate::query::shapes;
+    use crate::query;
     use crate::shape::Shape;
     use impinge_testkit::generate::{Rng, poses};
 
@@ -74,7 +74,7 @@ mod tests {
             let outer = [0, 1, 2].map(|k| (max[k] - centre[k]).max(centre[k] - min[k]));
             let shape = Shape::cuboid(outer).unwrap().at(Pose::from_translation(centre).unwrap()).unwrap();
             let half_space = Shape::half_space(normal, level).unwrap().at(pose).unwrap();
-            let meets = shapes::intersects(&shape, &half_space);
+            let meets = query::intersects(&shape, &half_space);
             if plane.reaches(&bounds) {
                 doubtful += u32::from(!meets);
             } else {
@@ -83,7 +83,7 @@ mod tests {
                 assert!(
                     !meets
                         || size > 0.0
-                            && shapes::penetration(&shape, &half_space).is_some_and(|p| p.lower < 1e-12 * size),
+                            && query::penetration(&shape, &half_space).is_some_and(|p| p.lower < 1e-12 * size),
                     "{normal:?} {level} {pose:?} {bounds:?}"
                 );
             }

@@ -3,13 +3,12 @@
 use rayon::prelude::*;
 
 use super::body::{BodyId, Traits};
-use super::narrow::proximity;
 use super::outline::{Bounds, Extremes, Outline};
 use super::placed::Placed;
 use super::{Resident, World};
 use crate::input::InputError;
 use crate::math::Pose;
-use crate::query::shapes::Proximity;
+use crate::query;
 use crate::shape::Shape;
 use crate::volume::MinMax;
 
@@ -60,7 +59,7 @@ impl World {
         near.retain(|&(_, resident)| wanted(&resident.traits));
         let found: Vec<(BodyId, &Resident)> = near
             .into_par_iter()
-            .filter(|(_, resident)| proximity(&placed, &resident.placed) != Proximity::Apart)
+            .filter(|(_, resident)| query::intersects(placed.in_world(), resident.placed.in_world()))
             .collect();
         Ok(hits(found.into_iter()))
     }

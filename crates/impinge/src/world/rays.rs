@@ -9,7 +9,7 @@ use crate::math::Pose;
 use crate::mesh;
 use crate::partition::Ray;
 use crate::primitive::{cross, dot, length, sub};
-use crate::query::shapes::{self, Proximity};
+use crate::query::{self, Proximity};
 use crate::shape::{Form, PlacedShape, Shape};
 
 /// Where a ray meets a body.
@@ -166,7 +166,7 @@ fn meets_shape(shape: &PlacedShape, ray: &Ray, [enter, leave]: [f64; 2]) -> Opti
     const FAR: f64 = (1_u128 << 126) as f64;
     let leave = leave.min(FAR / steepest);
     let begun = beginning(ray, leave);
-    let proximity = begun.as_ref().map_or(Proximity::Undecided, |begun| shapes::proximity(begun, shape));
+    let proximity = begun.as_ref().map_or(Proximity::Undecided, |begun| query::proximity(begun, shape));
     if proximity == Proximity::Apart {
         return None;
     }
@@ -175,8 +175,9 @@ fn meets_shape(shape: &PlacedShape, ray: &Ray, [enter, leave]: [f64; 2]) -> Opti
     for _ in 0..MOST_STEPS {
         let front = at(t);
         let Ok(point) = Shape::point(front).and_then(|point| point.at(Pose::IDENTITY)) else { break };
-        let found = shapes::distance(&point, shape);
-        let size = front.iter().chain(&found.point_b).fold(0.0_f64, |size, x| size.max(x.abs()));
+        let found = query::distance(&point, shape);
+        let [point_a, point_b] = found.points().unwrap_or([front; 2]);
+        let size = front.iter().chain(&point_b).fold(0.0_f64, |size, x| size.max(x.abs()));
         least = ARRIVED * size / steepest;
         if found.proximity == Proximity::Meets || found.upper <= ARRIVED * size {
             return Some(t);
@@ -184,7 +185,7 @@ fn meets_shape(shape: &PlacedShape, ray: &Ray, [enter, leave]: [f64; 2]) -> Opti
         if found.proximity == Proximity::Undecided {
             break;
         }
-        let gap = sub(&found.point_b, &found.point_a);
+        let gap = sub(&point_b, &point_a);
         // The normal of the true plane is off by an angle whose cosine is at least `lower / upper`: seen from the nearest point
         // of a convex set, the front and any other of its points are not at an acute angle.
         let askew = (2.0 * (1.0 - found.lower / found.upper)).max(0.0).sqrt() * length(&direction);
@@ -200,8 +201,8 @@ fn meets_shape(shape: &PlacedShape, ray: &Ray, [enter, leave]: [f64; 2]) -> Opti
         t = next;
     }
     // What is grazed is grazed where the ray is nearest to it: pieces of the ray, being rounded, may all get past.
-    let end =
-        begun.map_or(end, |begun| parameter_of(&shapes::distance(&begun, shape).point_a, ray).clamp(t, end.max(t)));
+    let nearest = begun.and_then(|begun| query::distance(&begun, shape).points());
+    let end = nearest.map_or(end, |[point, _]| parameter_of(&point, ray).clamp(t, end.max(t)));
     Some(creep(shape, at, [t, end], least))
 }
 
@@ -228,7 +229,7 @@ fn creep(shape: &PlacedShape, at: impl Fn(f64) -> [f64; 3], [mut t, end]: [f64; 
     for _ in 0..MOST_STEPS {
         let next = (t + step).min(end);
         let segment = Shape::segment([at(t), at(next)]).and_then(|segment| segment.at(Pose::IDENTITY));
-        let is_apart = segment.is_ok_and(|segment| shapes::proximity(&segment, shape) == Proximity::Apart);
+        let is_apart = segment.is_ok_and(|segment| query::proximity(&segment, shape) == Proximity::Apart);
         if is_apart && next > t {
             t = next;
         } else if step <= least {

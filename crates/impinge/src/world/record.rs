@@ -11,7 +11,7 @@ use super::placed::Placed;
 use super::slots::Slots;
 use super::{Change, Options, Resident, Snapshot, State};
 use crate::input::InputError;
-use crate::query::shapes::{ContactPoint, Manifold, Proximity};
+use crate::query::{ContactPoint, Manifold, Proximity};
 
 /// All that a [`Snapshot`] knows, as data that anybody may keep.
 ///

@@ -11,6 +11,7 @@ mod hull;
 mod interop;
 mod partition;
 mod realign;
+mod scene;
 mod shapes;
 mod solids;
 mod sweep;

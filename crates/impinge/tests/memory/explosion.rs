@@ -1,7 +1,8 @@
 //! Meshes all of whose faces intersect each other: a limit keeps memory small and reports that it was reached.
 
 use impinge::mesh::{HostChoice, Options};
-use impinge::{Mesh, Pose, Positions, query};
+use impinge::query::{self, Query};
+use impinge::{Mesh, Pose, Positions};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::solids::grid_soup;
 use impinge_testkit::rounds;
@@ -31,7 +32,7 @@ fn first_of_soups_are_first_of_all() {
         let all = query::intersecting_pairs(&a, &b);
         for limit in [0, 1, 7, all.len() / 2, all.len().saturating_sub(1), all.len(), all.len() + 1, usize::MAX] {
             for threads in [1, 2] {
-                let some = on_threads(threads, || query::intersecting_pairs_up_to(&a, &b, limit, &Options::default()));
+                let some = on_threads(threads, || query::intersecting_pairs_up_to(&a, &b, limit));
                 assert_eq!(some.pairs, all[..limit.min(all.len())], "seed {seed}, limit {limit}, {threads} threads");
                 assert_eq!(some.truncated, limit < all.len(), "seed {seed}, limit {limit}");
                 let room = some.pairs.capacity();
@@ -54,7 +55,7 @@ fn a_limit_bounds_memory() {
         let some = on_threads(threads, || {
             COUNTED.reset_peak_usage();
             let before = COUNTED.current_usage();
-            let some = query::intersecting_pairs_up_to(&below, above.at(pose), LIMIT, &options);
+            let some = Query::new().with_options(options).intersecting_pairs_up_to(&below, above.at(pose), LIMIT);
             let most = COUNTED.peak_usage().saturating_sub(before);
             assert!(most < 4 << 20, "{most} bytes for {LIMIT} pairs on {threads} threads");
             some
@@ -80,7 +81,9 @@ fn first_of_mixed_piles_are_first_of_all() {
     for (threads, host) in [(1, HostChoice::First), (1, HostChoice::Second), (2, HostChoice::First)] {
         for limit in [10, 1_000, 20_000] {
             let options = Options { host, ..Options::default() };
-            let some = on_threads(threads, || query::intersecting_pairs_up_to(&mesh, &mesh, limit, &options));
+            let some = on_threads(threads, || {
+                Query::new().with_options(options).intersecting_pairs_up_to(&mesh, &mesh, limit)
+            });
             assert!(some.truncated && some.pairs == all[..limit], "{limit} on {threads} threads, {host:?}");
         }
     }

@@ -3,7 +3,7 @@
 use impinge::Pose;
 use impinge::character::{Character, HitHull, HitPart, HitVolume, Mode, Posed, Rig, Surface};
 use impinge::mesh::Ray;
-use impinge::query::shapes;
+use impinge::query;
 use impinge::shape::Shape;
 use impinge::volume::{BoundingSphere, Capsule, Lozenge, Obb, Proximity};
 
@@ -96,7 +96,7 @@ fn rays_agree_with_distances() {
             }
             let ray = Ray::new(origin, direction).unwrap();
             let segment = Shape::segment([origin, ray.at(100.0)]).unwrap().at(Pose::IDENTITY).unwrap();
-            let distance = shapes::distance(&segment, &placed);
+            let distance = query::distance(&segment, &placed);
             let hit = posed.ray_cast(&ray);
             match distance.proximity {
                 Proximity::Apart if distance.lower > 1e-9 => assert!(hit.is_none(), "{case} {distance:?} {hit:?}"),
@@ -107,13 +107,13 @@ fn rays_agree_with_distances() {
             hits += 1;
             // The point is of the border, unless the ray starts inside, and nothing was met before.
             let here = |t: f64| Shape::point(ray.at(t)).unwrap().at(Pose::IDENTITY).unwrap();
-            assert!(shapes::distance(&here(hit.t), &placed).upper < 1e-6, "{case} {hit:?}");
+            assert!(query::distance(&here(hit.t), &placed).upper < 1e-6, "{case} {hit:?}");
             if hit.t > 0.0 {
                 let before = Shape::segment([origin, ray.at(hit.t - 1e-6)]).unwrap().at(Pose::IDENTITY).unwrap();
-                assert!(shapes::distance(&before, &placed).upper > 0.0, "{case} {hit:?}");
+                assert!(query::distance(&before, &placed).upper > 0.0, "{case} {hit:?}");
             }
             let leave = hit.t + hit.depth / dot(direction, direction).sqrt();
-            assert!(shapes::distance(&here(leave), &placed).upper < 1e-6, "{case} {hit:?}");
+            assert!(query::distance(&here(leave), &placed).upper < 1e-6, "{case} {hit:?}");
         }
         assert!((100..2_700).contains(&hits), "{hits}");
     }

@@ -1,7 +1,7 @@
 //! Moving volumes, shapes, meshes and other characters against characters.
 
 use impinge::character::{HitVolume, Mode, Posed, Surface};
-use impinge::query::shapes;
+use impinge::query;
 use impinge::shape::Shape;
 use impinge::volume::{BoundingSphere, Capsule, Proximity};
 use impinge::{Mesh, Pose, Positions};
@@ -62,7 +62,7 @@ fn strikes_on_moving_parts_are_never_late() {
             let meets = |step: u32| {
                 let t = f64::from(step) / 400.0;
                 let (a, b) = (fist.placed(motion.at(t)).unwrap(), part.volume().placed(of_part.at(t)).unwrap());
-                shapes::intersects(&a, &b)
+                query::intersects(&a, &b)
             };
             let truth = (0..=400).find(|&step| meets(step)).map(|step| f64::from(step) / 400.0);
             let found = strikes.iter().find(|strike| strike.part as usize == at);
@@ -99,7 +99,7 @@ fn shapes_meshes_and_characters_strike_alike() {
         let by_mesh = a.struck_by_mesh((&mesh).into()).unwrap();
         for (part, frame) in (0..).zip(a.frames()) {
             let placed = character.parts()[part as usize].volume().placed(frame.pose().unwrap()).unwrap();
-            let truth = shapes::intersects(&placed, &shape);
+            let truth = query::intersects(&placed, &shape);
             assert_eq!(by_shape.iter().any(|hit| hit.part == part), truth);
             // The surface of the mesh is not its inside, so a part may be in it whole.
             let of_mesh = by_mesh.iter().any(|hit| hit.part == part);
@@ -117,7 +117,7 @@ fn shapes_meshes_and_characters_strike_alike() {
         for (i, frame_a) in (0..).zip(a.frames()) {
             for (j, frame_b) in (0..).zip(b.frames()) {
                 let place = |at: u32, pose| character.parts()[at as usize].volume().placed(pose).unwrap();
-                let distance = shapes::distance(&place(i, frame_a.pose().unwrap()), &place(j, frame_b.pose().unwrap()));
+                let distance = query::distance(&place(i, frame_a.pose().unwrap()), &place(j, frame_b.pose().unwrap()));
                 let is_found = found.iter().any(|p| (p.part_a, p.part_b) == (i, j));
                 let expected = distance.proximity != Proximity::Apart;
                 assert!(is_found == expected || distance.upper < 1e-9, "{i} {j} {distance:?}");

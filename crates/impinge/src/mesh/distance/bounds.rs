@@ -19,7 +19,7 @@ use crate::math::RelativeMap;
 use crate::mesh::pairs::relation::Relation;
 use crate::mesh::pairs::sides::Sides;
 use crate::mesh::storage::frame::REACH;
-use crate::mesh::{HostChoice, Placed};
+use crate::mesh::{HostChoice, PlacedMesh};
 use crate::primitive::{Vector, dot, length, sub};
 use crate::simd::{LANES, Lanes3, by_axis, dot as dot3, load3, outlined};
 use crate::volume::Aabb;
@@ -73,7 +73,7 @@ struct Far {
 }
 
 impl Bounds {
-    pub(super) fn new(a: Placed<'_>, b: Placed<'_>, metric: &Metric, choice: HostChoice) -> Self {
+    pub(super) fn new(a: PlacedMesh<'_>, b: PlacedMesh<'_>, metric: &Metric, choice: HostChoice) -> Self {
         match choice {
             HostChoice::First => Self::hosted(a, b, metric, Sides::FIRST_HOSTS).0,
             HostChoice::Second => Self::hosted(b, a, metric, Sides::SECOND_HOSTS).0,
@@ -86,11 +86,11 @@ impl Bounds {
     }
 
     /// The bounds with this host, and how much of the metric frame rounding blurs.
-    fn hosted(host: Placed<'_>, guest: Placed<'_>, metric: &Metric, sides: Sides) -> (Self, f64) {
+    fn hosted(host: PlacedMesh<'_>, guest: PlacedMesh<'_>, metric: &Metric, sides: Sides) -> (Self, f64) {
         let [host_side, guest_side] = sides.host_guest([0, 1]);
         let gap = sub(&metric.maps[guest_side].offset, &metric.maps[host_side].offset);
         let is_far = length(&gap) > FAR * metric.extent;
-        let carried = |placed: Placed<'_>, side: usize| {
+        let carried = |placed: PlacedMesh<'_>, side: usize| {
             let map = &metric.maps[side];
             let linear = map.linear.map(|row| row.map(|x| x / placed.mesh.0.frame.scale));
             let offset = if is_far { [0.0; 3] } else { map.offset };

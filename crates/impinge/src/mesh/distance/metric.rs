@@ -6,7 +6,7 @@
 //! far they are from the world's origin and from their own.
 
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
-use crate::mesh::Placed;
+use crate::mesh::PlacedMesh;
 use crate::mesh::storage::frame::reciprocal_power_of_two;
 use crate::primitive::{CLOSED_FORM_ERROR, Vector, accurate_sum_of_products, length, scaled_length};
 
@@ -44,7 +44,7 @@ impl Metric {
     /// A coordinate of a metric corner takes six roundings of terms that sum to the mesh's half-extent on that axis, and
     /// two of the offset, whose evaluation adds 2^-98 of the terms that cancel in it; both are counted as eight. The
     /// closed form of two triangles adds [`CLOSED_FORM_ERROR`] of the diagonal.
-    pub(crate) fn new(a: Placed<'_>, b: Placed<'_>) -> Self {
+    pub(crate) fn new(a: PlacedMesh<'_>, b: PlacedMesh<'_>) -> Self {
         let placed = [a, b];
         let first = usize::from(precedes(b, a));
         let second = 1 - first;
@@ -104,8 +104,8 @@ impl MetricMap {
 }
 
 /// An order of placed meshes that depends on nothing else; meshes that it cannot tell apart have one origin.
-fn precedes(one: Placed<'_>, other: Placed<'_>) -> bool {
-    let key = |placed: Placed<'_>| {
+fn precedes(one: PlacedMesh<'_>, other: PlacedMesh<'_>) -> bool {
+    let key = |placed: PlacedMesh<'_>| {
         let (pose, frame) = (placed.world_from_mesh, placed.mesh.0.frame);
         let mut key = [0.0; 15];
         key[..9].copy_from_slice(pose.linear().as_flattened());
@@ -117,7 +117,7 @@ fn precedes(one: Placed<'_>, other: Placed<'_>) -> bool {
 }
 
 /// The products that sum up to the world image of the mesh's centre, by axis.
-fn terms(placed: Placed<'_>) -> [[(f64, f64); 4]; 3] {
+fn terms(placed: PlacedMesh<'_>) -> [[(f64, f64); 4]; 3] {
     let (pose, centre) = (placed.world_from_mesh, placed.mesh.0.frame.origin);
     [0, 1, 2].map(|k| {
         let row = &pose.linear()[k];
@@ -126,7 +126,7 @@ fn terms(placed: Placed<'_>) -> [[(f64, f64); 4]; 3] {
 }
 
 /// How far from the image of its centre a mesh may reach on each axis of the world.
-fn half_extents(placed: Placed<'_>) -> Vector {
+fn half_extents(placed: PlacedMesh<'_>) -> Vector {
     let local = placed.mesh.0.half_extents;
     placed
         .world_from_mesh

@@ -4,14 +4,14 @@ use super::far_apart;
 use super::scene::{Nearest, intersecting};
 use super::search::Search;
 use super::warm_start::WarmStart;
-use crate::mesh::{HostChoice, Options, Placed, first_hit};
+use crate::mesh::{HostChoice, Options, PlacedMesh, first_hit};
 
 /// Returns the nearest points of two meshes, or `None` if a mesh has no faces.
 ///
 /// If the meshes intersect, the faces are the first pair that the descent finds with the host of the smaller error.
 pub(crate) fn nearest(
-    a: Placed<'_>,
-    b: Placed<'_>,
+    a: PlacedMesh<'_>,
+    b: PlacedMesh<'_>,
     warm_start: &mut WarmStart,
     options: &Options<'_>,
 ) -> Option<Nearest> {
@@ -38,8 +38,8 @@ pub(crate) fn nearest(
 /// Returns the nearest points by resuming at the frontier of the last search. Returns `None` if there is no frontier or if it does
 /// not prove that the meshes are apart.
 fn nearest_from_frontier(
-    a: Placed<'_>,
-    b: Placed<'_>,
+    a: PlacedMesh<'_>,
+    b: PlacedMesh<'_>,
     warm_start: &mut WarmStart,
     options: &Options<'_>,
 ) -> Option<Nearest> {
@@ -59,8 +59,8 @@ fn nearest_from_frontier(
 
 /// Returns a pair of faces that are no farther apart than `clearance`, or `None` if there is none.
 pub(crate) fn within(
-    a: Placed<'_>,
-    b: Placed<'_>,
+    a: PlacedMesh<'_>,
+    b: PlacedMesh<'_>,
     clearance: f64,
     warm_start: &mut WarmStart,
     options: &Options<'_>,

@@ -3,7 +3,7 @@
 use super::bounds::Bounds;
 use super::metric::Metric;
 use crate::exact::{NearParts, Placement, Supports, parts_within};
-use crate::mesh::{Mesh, Placed};
+use crate::mesh::{Mesh, PlacedMesh};
 use crate::primitive::{
     ClosestPoints, Vector, Witness, closest_on_segments, closest_on_triangle, common_point, dot, sub, triangle_triangle,
 };
@@ -140,7 +140,7 @@ fn shares([first, second, third]: &[Vector; 3], point: &Vector) -> Option<[f64; 
 }
 
 /// Returns the result for two faces that intersect.
-pub(super) fn intersecting(a: Placed<'_>, b: Placed<'_>, faces: [u32; 2]) -> Nearest {
+pub(super) fn intersecting(a: PlacedMesh<'_>, b: PlacedMesh<'_>, faces: [u32; 2]) -> Nearest {
     let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
     let corners = [a.mesh.corners(faces[0]), b.mesh.corners(faces[1])];
     let common = common_point(&placement, &corners[0], &corners[1]).unwrap_or_else(|| {

@@ -23,7 +23,7 @@ use super::warm_start::WarmStart;
 use crate::exact::Placement;
 use crate::hierarchy::{Child, Node, lanes_in_use};
 use crate::mesh::storage::packet::{Packet, Packets};
-use crate::mesh::{Options, Placed};
+use crate::mesh::{Options, PlacedMesh};
 use crate::simd::{LANES, Level, bits, by_axis, dispatch, outlined};
 use crate::volume::Aabb;
 
@@ -59,7 +59,7 @@ pub(super) struct Search<'a> {
 
 impl<'a> Search<'a> {
     /// Creates a search. Returns `None` if a mesh has no faces.
-    pub(super) fn new(a: Placed<'a>, b: Placed<'a>, options: &Options<'a>, clearance: f64) -> Option<Self> {
+    pub(super) fn new(a: PlacedMesh<'a>, b: PlacedMesh<'a>, options: &Options<'a>, clearance: f64) -> Option<Self> {
         if a.mesh.faces().is_empty() || b.mesh.faces().is_empty() {
             return None;
         }

@@ -17,7 +17,16 @@ use crate::mesh::triangle_mesh::{Data, Mesh};
 use crate::storage::{Buffer, Pages};
 
 impl Mesh {
-    /// Judges, packs and builds; takes the arrays without copying them.
+    /// Judges, packs and builds. Vectors are taken without copying them; slices and arrays are copied.
+    ///
+    /// ```
+    /// use impinge::{Mesh, query};
+    ///
+    /// let corners = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let mesh = Mesh::new(corners, [[0, 1, 2]])?;
+    /// assert!(query::intersects(&mesh, &mesh));
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
     ///
     /// Double precision positions that are all representable in single precision are stored so, which changes no
     /// answer.
@@ -28,7 +37,7 @@ impl Mesh {
     ///
     /// # Complexity
     /// O(n log n), on all cores of the current rayon pool.
-    pub fn new(positions: Positions, faces: Vec<[u32; 3]>) -> Result<Self, InputError> {
+    pub fn new(positions: impl Into<Positions>, faces: impl Into<Vec<[u32; 3]>>) -> Result<Self, InputError> {
         Self::with_builder(positions, faces, Builder::default())
     }
 
@@ -39,7 +48,12 @@ impl Mesh {
     ///
     /// # Complexity
     /// As [`Builder::build`].
-    pub fn with_builder(positions: Positions, faces: Vec<[u32; 3]>, builder: Builder) -> Result<Self, InputError> {
+    pub fn with_builder(
+        positions: impl Into<Positions>,
+        faces: impl Into<Vec<[u32; 3]>>,
+        builder: Builder,
+    ) -> Result<Self, InputError> {
+        let (positions, faces) = (positions.into(), faces.into());
         let frame = PackedFrame::over(&validate(positions.slice(), &faces)?);
         let vertices = Vertices::Given(positions.narrowed());
         let (tree, leaves) = built(vertices.slice(), &faces, &frame, builder);

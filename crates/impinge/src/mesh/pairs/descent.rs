@@ -10,7 +10,7 @@ use super::relation::Relations;
 use super::world_box;
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{Descent, Order, QUEUE, Task};
-use crate::mesh::{Options, Placed};
+use crate::mesh::{Options, PlacedMesh};
 use crate::simd::{Level, dispatch};
 
 /// Nodes that are opened before the query is asked whether to go on: about 100 microseconds.
@@ -27,12 +27,12 @@ const LEAST_SHARED_TASKS: usize = 256;
 const TASKS_OF_A_FIRST_HIT: usize = 128;
 
 /// Two faces that intersect, of the first mesh and of the second, of those that do any; none where no two do.
-pub(crate) fn any_hit(a: Placed<'_>, b: Placed<'_>, options: &Options<'_>) -> Option<[u32; 2]> {
+pub(crate) fn any_hit(a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) -> Option<[u32; 2]> {
     found(a, b, Wanted { limit: 1, deciding: Deciding::Last, ..Wanted::ALL }, options).first().copied()
 }
 
 /// Whether two faces intersect; faces that there are not do not.
-pub(crate) fn faces_meet(a: Placed<'_>, b: Placed<'_>, [face_a, face_b]: [u32; 2]) -> bool {
+pub(crate) fn faces_meet(a: PlacedMesh<'_>, b: PlacedMesh<'_>, [face_a, face_b]: [u32; 2]) -> bool {
     (face_a as usize) < a.mesh.faces().len()
         && (face_b as usize) < b.mesh.faces().len()
         && triangles_intersect(
@@ -43,17 +43,22 @@ pub(crate) fn faces_meet(a: Placed<'_>, b: Placed<'_>, [face_a, face_b]: [u32; 2
 }
 
 /// Two faces that intersect, the first in the order of the descent; none where no two do.
-pub(crate) fn first_hit(a: Placed<'_>, b: Placed<'_>, options: &Options<'_>) -> Option<[u32; 2]> {
+pub(crate) fn first_hit(a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) -> Option<[u32; 2]> {
     found(a, b, Wanted { limit: 1, deciding: Deciding::AtOnce, ..Wanted::ALL }, options).first().copied()
 }
 
 /// Pairs of faces (of a, of b) that intersect, each once, in no particular order: all of them, or the least `kept` where
 /// there are more. There is never room for many more than are kept.
-pub(crate) fn collect_intersecting(a: Placed<'_>, b: Placed<'_>, kept: usize, options: &Options<'_>) -> Vec<[u32; 2]> {
+pub(crate) fn collect_intersecting(
+    a: PlacedMesh<'_>,
+    b: PlacedMesh<'_>,
+    kept: usize,
+    options: &Options<'_>,
+) -> Vec<[u32; 2]> {
     found(a, b, Wanted { kept, ..Wanted::ALL }, options)
 }
 
-fn found(a: Placed<'_>, b: Placed<'_>, wanted: Wanted, options: &Options<'_>) -> Vec<[u32; 2]> {
+fn found(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Options<'_>) -> Vec<[u32; 2]> {
     if world_box::are_apart(&a, &b) {
         return Vec::new();
     }

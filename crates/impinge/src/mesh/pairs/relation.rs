@@ -4,7 +4,7 @@ use super::sides::Sides;
 use crate::hierarchy::{Askew, BoxMap, HALF_ULP, SlabMap};
 use crate::math::RelativeMap;
 use crate::mesh::storage::frame::{PACKING_ERROR, PackedFrame, REACH};
-use crate::mesh::{HostChoice, Placed};
+use crate::mesh::{HostChoice, PlacedMesh};
 use crate::simd::by_axis;
 
 /// Least error that the filter assumes; the head of its file says why.
@@ -29,7 +29,7 @@ pub(crate) struct Relations {
 
 impl Relations {
     /// The relations by the frame that the choice names.
-    pub(crate) fn new(a: Placed<'_>, b: Placed<'_>, a_from_b: &RelativeMap, choice: HostChoice) -> Self {
+    pub(crate) fn new(a: PlacedMesh<'_>, b: PlacedMesh<'_>, a_from_b: &RelativeMap, choice: HostChoice) -> Self {
         let (frame_a, frame_b) = (&a.mesh.0.frame, &b.mesh.0.frame);
         let by_a = Relation::new(a_from_b, frame_a, frame_b);
         let by_b = Relation::new(&RelativeMap::a_from_b(&b.world_from_mesh, &a.world_from_mesh), frame_b, frame_a);

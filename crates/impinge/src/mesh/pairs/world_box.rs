@@ -3,7 +3,7 @@
 //! Source: Arvo, *Transforming axis-aligned bounding boxes*, Graphics Gems, 1990 (Ericson, 4.2.6); ours bounds its rounding.
 
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
-use crate::mesh::Placed;
+use crate::mesh::PlacedMesh;
 
 /// Whether the boxes about two meshes are apart on an axis of the world, which proves that no points of theirs coincide.
 ///
@@ -11,7 +11,7 @@ use crate::mesh::Placed;
 /// A coordinate of a centre's image takes four roundings of terms of at most the sum of their magnitudes; reaches are sums of
 /// positive numbers. What is not a number proves nothing.
 #[inline]
-pub(in crate::mesh) fn are_apart(a: &Placed<'_>, b: &Placed<'_>) -> bool {
+pub(in crate::mesh) fn are_apart(a: &PlacedMesh<'_>, b: &PlacedMesh<'_>) -> bool {
     let [on_a, on_b] = [a, b].map(|placed| [0, 1, 2].map(|k| Interval::of(placed, k)));
     (0..3).any(|k| on_a[k].is_apart(&on_b[k]))
 }
@@ -26,7 +26,7 @@ struct Interval {
 
 impl Interval {
     #[inline(always)]
-    fn of(placed: &Placed<'_>, k: usize) -> Self {
+    fn of(placed: &PlacedMesh<'_>, k: usize) -> Self {
         let (mesh, pose) = (&placed.mesh.0, &placed.world_from_mesh);
         let (row, [x, y, z], [u, v, w]) = (pose.linear()[k], mesh.frame.origin, mesh.half_extents);
         let at = [row[0] * x, row[1] * y, row[2] * z, pose.translation()[k]];

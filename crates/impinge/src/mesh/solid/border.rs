@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::mesh::derived::cap::{Cap, bounds_of};
-use crate::mesh::{Mesh, Placed};
+use crate::mesh::{Mesh, PlacedMesh};
 use crate::volume::{BoundingVolume, MinMax};
 
 impl Mesh {
@@ -17,7 +17,7 @@ impl Mesh {
     }
 }
 
-impl Placed<'_> {
+impl PlacedMesh<'_> {
     /// Reports whether all that is within reach of this mesh's border is proved to be apart from
     /// the faces of another mesh and from all that is within reach of that one's border.
     ///

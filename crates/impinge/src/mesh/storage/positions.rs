@@ -14,6 +14,42 @@ pub enum Positions {
     F64(Vec<[f64; 3]>),
 }
 
+impl From<Vec<[f32; 3]>> for Positions {
+    fn from(positions: Vec<[f32; 3]>) -> Self {
+        Self::F32(positions)
+    }
+}
+
+impl From<Vec<[f64; 3]>> for Positions {
+    fn from(positions: Vec<[f64; 3]>) -> Self {
+        Self::F64(positions)
+    }
+}
+
+impl From<&[[f32; 3]]> for Positions {
+    fn from(positions: &[[f32; 3]]) -> Self {
+        Self::F32(positions.to_vec())
+    }
+}
+
+impl From<&[[f64; 3]]> for Positions {
+    fn from(positions: &[[f64; 3]]) -> Self {
+        Self::F64(positions.to_vec())
+    }
+}
+
+impl<const N: usize> From<[[f32; 3]; N]> for Positions {
+    fn from(positions: [[f32; 3]; N]) -> Self {
+        Self::F32(positions.to_vec())
+    }
+}
+
+impl<const N: usize> From<[[f64; 3]; N]> for Positions {
+    fn from(positions: [[f64; 3]; N]) -> Self {
+        Self::F64(positions.to_vec())
+    }
+}
+
 /// Vertices as a mesh keeps them: as they were given, or in bytes that somebody else keeps.
 #[derive(Debug)]
 pub(in crate::mesh) enum Vertices {

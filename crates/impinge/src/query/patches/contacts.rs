@@ -5,12 +5,12 @@ use std::collections::HashSet;
 use super::{Met, Region, regions_of};
 use crate::convex::{Contact, Contacts, Feature};
 use crate::exact;
-use crate::mesh::{Placed, Ray};
+use crate::mesh::{PlacedMesh, Ray};
 use crate::primitive::{cross, dot, sub};
 
 /// The contacts of the regions in which two meshes meet: the vertices of either that are inside the other, over the face that is
 /// there along the normal; where there are none, the ends of the curve's pieces, as deep as the region at most.
-pub(crate) fn contacts_of_patches(a: Placed<'_>, b: Placed<'_>) -> Vec<Contacts> {
+pub(crate) fn contacts_of_patches(a: PlacedMesh<'_>, b: PlacedMesh<'_>) -> Vec<Contacts> {
     let placed = [a, b];
     let of_region = |region: Region| {
         let patch = &region.patch;
@@ -41,7 +41,7 @@ pub(crate) fn contacts_of_patches(a: Placed<'_>, b: Placed<'_>) -> Vec<Contacts>
 }
 
 /// The points of a region's curve, by the corners, edges and faces that they are on.
-fn contacts_of_curve(placed: [Placed<'_>; 2], Region { patch, met, linked }: &Region) -> Vec<Contact> {
+fn contacts_of_curve(placed: [PlacedMesh<'_>; 2], Region { patch, met, linked }: &Region) -> Vec<Contact> {
     let feature = |side: usize, face: u32, on: exact::Feature| {
         let vertices = placed[side].mesh.faces()[face as usize];
         match on {
@@ -78,7 +78,7 @@ fn contacts_of_curve(placed: [Placed<'_>; 2], Region { patch, met, linked }: &Re
 const CAST_ERROR: f64 = 1.0 / (1_u64 << 38) as f64;
 
 /// How far along a direction of length 1 a mesh's surface is from a point, and which face that is.
-fn cast(placed: Placed<'_>, point: [f64; 3], direction: [f64; 3]) -> Option<(f64, u32)> {
+fn cast(placed: PlacedMesh<'_>, point: [f64; 3], direction: [f64; 3]) -> Option<(f64, u32)> {
     let [x, y, z] = *placed.world_from_mesh.linear();
     let columns = [cross(&y, &z), cross(&z, &x), cross(&x, &y)];
     let determinant = dot(&x, &columns[0]);

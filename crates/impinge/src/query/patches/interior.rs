@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::Met;
 use crate::exact::{Corners, Crossing, Feature, Joint, Placement, PosedPoint, Spot};
-use crate::mesh::{Containment, Judge, Mesh, Placed};
+use crate::mesh::{Containment, Judge, Mesh, PlacedMesh};
 use crate::primitive::sub;
 
 /// Questions below which threads cost more than they save.
@@ -31,7 +31,7 @@ pub(super) struct Interior<'m> {
 
 impl<'m> Interior<'m> {
     /// Of the first mesh in the second (`side` 0), or the other way round (1), with all the pairs in which they meet.
-    pub(super) fn new(placed: [Placed<'m>; 2], met: &[Met], side: usize) -> Self {
+    pub(super) fn new(placed: [PlacedMesh<'m>; 2], met: &[Met], side: usize) -> Self {
         let (own, other) = (placed[side], placed[1 - side]);
         let mesh = own.mesh;
         let mut is_touched = vec![false; mesh.faces().len()];

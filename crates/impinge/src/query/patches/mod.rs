@@ -15,7 +15,7 @@ use super::curves::{Curves, Linked, Met, met};
 use super::intersecting_pairs;
 use crate::convex::to_unit_length;
 use crate::exact::Crossing;
-use crate::mesh::Placed;
+use crate::mesh::PlacedMesh;
 use crate::primitive::{cross, dot, length, sub};
 pub(crate) use contacts::contacts_of_patches;
 use interior::Interior;
@@ -61,12 +61,12 @@ pub struct ContactPatch {
 /// open, that of [`Mesh::contains`](crate::Mesh::contains) for one point. Regions with vertices inside take as long as these are
 /// many; O(n) the first time that a mesh is asked.
 #[must_use]
-pub fn contact_patches<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Vec<ContactPatch> {
+pub fn contact_patches<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<PlacedMesh<'b>>) -> Vec<ContactPatch> {
     regions_of([a.into(), b.into()]).into_iter().map(|region| region.patch).collect()
 }
 
 /// The area of each region in which the surfaces of two meshes meet, and its normal, as [`ContactPatch`] tells them.
-pub(crate) fn normals_of_regions(placed: [Placed<'_>; 2]) -> Vec<(f64, [f64; 3])> {
+pub(crate) fn normals_of_regions(placed: [PlacedMesh<'_>; 2]) -> Vec<(f64, [f64; 3])> {
     let pairs = intersecting_pairs(placed[0], placed[1]);
     let area = |met: Vec<Met>| area_and_normal(placed, &met, &Linked::new(placed, &met));
     connected(met(placed, &pairs)).into_iter().map(area).collect()
@@ -80,7 +80,7 @@ struct Region {
 }
 
 /// The regions in which two meshes meet.
-fn regions_of(placed: [Placed<'_>; 2]) -> Vec<Region> {
+fn regions_of(placed: [PlacedMesh<'_>; 2]) -> Vec<Region> {
     let pairs = intersecting_pairs(placed[0], placed[1]);
     if pairs.is_empty() {
         return Vec::new();
@@ -122,7 +122,7 @@ fn root(roots: &mut [usize], mut number: usize) -> usize {
     number
 }
 
-fn region(placed: [Placed<'_>; 2], sides: &mut [Interior<'_>; 2], met: Vec<Met>) -> Region {
+fn region(placed: [PlacedMesh<'_>; 2], sides: &mut [Interior<'_>; 2], met: Vec<Met>) -> Region {
     let linked = Linked::new(placed, &met);
     let curves = linked.curves();
     let (area, normal) = area_and_normal(placed, &met, &linked);
@@ -130,7 +130,7 @@ fn region(placed: [Placed<'_>; 2], sides: &mut [Interior<'_>; 2], met: Vec<Met>)
     let pairs = met.iter().map(|met| met.pair).collect();
     let line = || curves.polylines.iter().flatten().chain(&curves.points).map(|point| dot(&normal, point));
     let heights = |side: usize| {
-        let Placed { mesh, world_from_mesh } = placed[side];
+        let PlacedMesh { mesh, world_from_mesh, .. } = placed[side];
         inside[side]
             .iter()
             .map(move |&vertex| dot(&normal, &world_from_mesh.apply(mesh.positions().get(vertex as usize))))
@@ -142,7 +142,7 @@ fn region(placed: [Placed<'_>; 2], sides: &mut [Interior<'_>; 2], met: Vec<Met>)
 }
 
 /// The area that the curves of a region go round, and a direction of length 1 across it.
-fn area_and_normal(placed: [Placed<'_>; 2], met: &[Met], linked: &Linked) -> (f64, [f64; 3]) {
+fn area_and_normal(placed: [PlacedMesh<'_>; 2], met: &[Met], linked: &Linked) -> (f64, [f64; 3]) {
     let mirrors = placed[0].world_from_mesh.mirrors() != placed[1].world_from_mesh.mirrors();
     let mut pieces = HashSet::new();
     let mut area = [0.0; 3];
@@ -166,7 +166,7 @@ fn area_and_normal(placed: [Placed<'_>; 2], met: &[Met], linked: &Linked) -> (f6
 }
 
 /// The normal of a face in the world; along an axis where it has none.
-fn face_normal(placed: Placed<'_>, face: u32) -> [f64; 3] {
+fn face_normal(placed: PlacedMesh<'_>, face: u32) -> [f64; 3] {
     let [p, q, r] = placed.mesh.corners(face).map(|corner| placed.world_from_mesh.apply(corner));
     let area = cross(&sub(&q, &p), &sub(&r, &p));
     let sign = if placed.world_from_mesh.mirrors() { -1.0 } else { 1.0 };

@@ -9,13 +9,12 @@
 //! Lemaréchal, *An extension of Davidon methods to non differentiable problems*, Mathematical Programming Study 3, 1975 (bundles of
 //! slopes).
 
-use super::Proximity;
-use super::table::placed;
+use super::table::surface_of;
 use crate::convex::{self, Core, Surface, Swept, depth, nearest_of_hull};
 use crate::math::Pose;
-use crate::mesh::{Containment, Mesh, Options, Positions};
+use crate::mesh::{Containment, Mesh, Options, Positions, WarmStart};
 use crate::primitive::{Vector, cross, dot, length, sub};
-use crate::query::{WitnessCache, distance_with};
+use crate::query::{Proximity, of_meshes};
 use crate::shape::{Form, PlacedShape};
 
 /// Steps that look for the point of the greatest balls.
@@ -215,5 +214,5 @@ fn proved_radius_in_solid(surface: &Surface<'_>, point: &Vector) -> Option<f64> 
     // A mesh of one face that is a point.
     let mesh = Mesh::new(Positions::F32(vec![[0.0; 3]]), vec![[0; 3]]).ok()?;
     let there = mesh.at(Pose::from_translation(*point).ok()?);
-    Some(distance_with(placed(surface), there, &mut WitnessCache::default(), &Options::default()).lower)
+    Some(of_meshes::distance(surface_of(surface), there, &mut WarmStart::default(), &Options::default()).lower)
 }

@@ -1,11 +1,12 @@
 //! Where two shapes touch or overlap, as a solver of contacts wants it.
 
-use super::Proximity;
 use super::search::depth_by_search;
-use super::table::{nearness_of_parts, pairs_near, placed};
+use super::table::{nearness_of_parts, pairs_near, surface_of};
 pub use crate::convex::Feature;
 use crate::convex::{self, Contact, Contacts, Depth, Surface, to_unit_length as unit};
-use crate::query::{self, contacts_of_patches};
+use crate::mesh::{Options, WarmStart};
+use crate::query::placed::Placed;
+use crate::query::{ContactOptions, Proximity, Query, contacts_of_patches, of_meshes};
 use crate::shape::{Form, PlacedShape};
 
 /// The contacts of two shapes, or of a part of each, that have one normal.
@@ -46,48 +47,26 @@ pub struct ContactId {
     pub feature_b: Feature,
 }
 
-/// Which contacts are wanted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactOptions {
-    /// Points that are at most this far apart are contacts too, in world units. Zero, the default, asks for those that touch; so
-    /// do negative numbers and NaN.
-    pub margin: f64,
-    /// How many points a manifold may have, at least one: the deepest, the farthest from it, and then each time the one that
-    /// adds the most area. Four, the default, hold a face as firmly as more do.
-    pub most_points: usize,
-}
-
-impl Default for ContactOptions {
-    fn default() -> Self {
-        Self { margin: 0.0, most_points: 4 }
-    }
-}
-
-/// The contacts of two shapes; none exactly where [`intersects`](super::intersects) is false.
+/// The contacts of two things; none exactly if [`intersects`](crate::query::intersects) is false. With a margin
+/// ([`Query::with_contacts`]) none exactly if [`within`](crate::query::within) the margin is false.
+///
+/// Two convex shapes have one manifold, with the normal of [`penetration`](crate::query::penetration), of round ones to within 2^-12. A
+/// mesh and a convex shape have one for each normal: the faces' manifolds, put together where their normals are within 2.5 degrees.
+/// Two half-spaces have one point: its depth is infinite unless their planes are parallel and face each other.
+/// Two meshes have one for each region in which their surfaces meet ([`contact_patches`](crate::query::contact_patches)). Compounds
+/// have those of their parts.
 ///
 /// ```
-/// use impinge::{Pose, query::shapes, shape::Shape};
+/// use impinge::{Pose, Shape, query};
 ///
 /// let crate_ = Shape::cuboid([0.5; 3])?;
 /// let (below, above) = (crate_.at(Pose::IDENTITY)?, crate_.at(Pose::from_translation([0.25, 0.25, 0.75])?)?);
-/// let manifolds = shapes::contacts(&below, &above);
+/// let manifolds = query::contacts(&below, &above);
 /// assert_eq!((manifolds.len(), manifolds[0].normal), (1, [0.0, 0.0, 1.0]));
 /// assert_eq!(manifolds[0].points.len(), 4); // the corners of the square that they share
 /// assert!(manifolds[0].points.iter().all(|point| point.lower <= 0.25 && 0.25 <= point.upper));
 /// # Ok::<(), impinge::InputError>(())
 /// ```
-#[must_use]
-pub fn contacts(a: &PlacedShape, b: &PlacedShape) -> Vec<Manifold> {
-    contacts_with(a, b, &ContactOptions::default())
-}
-
-/// [`contacts`], of what the options ask for; with a margin none exactly where [`within`](super::within) the margin is false.
-///
-/// Two convex shapes have one manifold, with the normal of [`penetration`](super::penetration), of round ones to within 2^-12. A
-/// mesh and a convex shape have one for each normal: the faces' manifolds, put together where their normals are within 2.5 degrees.
-/// Two half-spaces have one point: its depth is infinite unless their planes are parallel and face each other.
-/// Two meshes have one for each region in which their surfaces meet ([`contact_patches`](crate::query::contact_patches)). Compounds
-/// have those of their parts.
 ///
 /// # Accuracy
 /// Near each of the two points, as far as rounding goes, there is a point of its shape such that these are as deep along the normal as the
@@ -99,13 +78,23 @@ pub fn contacts(a: &PlacedShape, b: &PlacedShape) -> Vec<Manifold> {
 /// That of `penetration` for each two parts, and for each face of a mesh that is near, and the product of the corners of the two
 /// facing polygons.
 #[must_use]
-pub fn contacts_with(a: &PlacedShape, b: &PlacedShape, options: &ContactOptions) -> Vec<Manifold> {
-    let margin = options.margin.max(0.0);
-    let found = contacts_within(a, b, margin).into_iter().map(|(parts, mut contacts)| {
-        contacts.keep(options.most_points);
-        manifold(parts, &contacts)
-    });
-    found.collect()
+pub fn contacts<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Vec<Manifold> {
+    Query::new().contacts(a, b)
+}
+
+impl Query<'_> {
+    /// As [`contacts`], of what the options of [`with_contacts`](Self::with_contacts) ask for.
+    #[must_use]
+    pub fn contacts<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Vec<Manifold> {
+        let (a, b) = (a.into(), b.into());
+        let ContactOptions { margin, most_points } = self.contacts;
+        let found =
+            contacts_within(&a.shape(), &b.shape(), margin.max(0.0)).into_iter().map(|(parts, mut contacts)| {
+                contacts.keep(most_points);
+                manifold(parts, &contacts)
+            });
+        found.collect()
+    }
 }
 
 /// The contacts of two shapes within a margin, with the parts that they are of.
@@ -160,15 +149,16 @@ fn of_contained(a: &PlacedShape, b: &PlacedShape) -> Vec<Contacts> {
 
 /// The contacts of two meshes: those of the regions in which their surfaces meet, or where they are nearest.
 fn of_surfaces(a: &Surface<'_>, b: &Surface<'_>, margin: f64) -> Vec<Contacts> {
-    let (a, b) = (placed(a), placed(b));
+    let (a, b) = (surface_of(a), surface_of(b));
     let found = contacts_of_patches(a, b);
     if !found.is_empty() {
         return found;
     }
-    let distance = query::distance(a, b);
+    let distance = of_meshes::distance(a, b, &mut WarmStart::default(), &Options::default());
     let Some(witness) = distance.witness.filter(|_| distance.lower <= margin) else { return Vec::new() };
+    let Some([face_a, face_b]) = witness.faces else { return Vec::new() };
     let between: [f64; 3] = std::array::from_fn(|k| witness.point_b[k] - witness.point_a[k]);
-    let features = [Feature::Face(witness.face_a), Feature::Face(witness.face_b)];
+    let features = [Feature::Face(face_a), Feature::Face(face_b)];
     let points = [witness.point_a, witness.point_b];
     let contact = Contact { points, lower: -distance.upper, upper: -distance.lower, features };
     vec![Contacts { normal: unit(between), contacts: vec![contact] }]

@@ -12,16 +12,16 @@
 //! Transactions on Graphics 31, 2012. Ours departs in that it advances by proved distances, so that what it returns parts the
 //! shapes; a bound from below is that of `balls`.
 
-use super::Proximity;
 use super::balls::ball_in_both;
 use super::beyond::shortest_beyond;
-use super::table::{placed, separation};
+use super::table::{separation, surface_of};
 use crate::convex::{Core, Depth, Separation, Surface, Swept, depth, to_unit_length};
 use crate::hull::Hull;
 use crate::math::Pose;
-use crate::mesh::Options;
+use crate::mesh::{Options, WarmStart};
 use crate::primitive::{Vector, dot, scaled_length as length, sub};
-use crate::query::{Penetrates, WitnessCache, distance_with, normals_of_regions, penetrates};
+use crate::query::penetrates::{Penetrates, penetrates_of_pairs};
+use crate::query::{Proximity, intersecting_pairs, normals_of_regions, of_meshes};
 use crate::shape::{Form, PlacedShape};
 
 /// Directions along the axes of the world and of the shapes that are searched from, of those that promise most.
@@ -53,7 +53,7 @@ const NEAR: f64 = 1.0 / (1 << 26) as f64;
 
 /// How deep two shapes that intersect are in each other. Which of them is searched from does not depend on which is named first, as
 /// far as their boxes differ.
-pub(super) fn depth_by_search(a: &PlacedShape, b: &PlacedShape) -> Depth {
+pub(in crate::query) fn depth_by_search(a: &PlacedShape, b: &PlacedShape) -> Depth {
     let key = |shape: &PlacedShape| shape.bounds().map(|bounds| bounds.concat());
     let is_swapped = key(b) < key(a);
     let mut found = if is_swapped { depth_in_order(b, a) } else { depth_in_order(a, b) };
@@ -98,8 +98,11 @@ fn depth_in_order(a: &PlacedShape, b: &PlacedShape) -> Depth {
 
 /// Whether the shapes are solid meshes whose interiors are proved to have nothing in common: what parts their surfaces is no depth.
 fn only_touch(a: &PlacedShape, b: &PlacedShape) -> bool {
-    surfaces(a, b)
-        .is_some_and(|[a, b]| a.is_solid && b.is_solid && penetrates(placed(&a), placed(&b)) == Penetrates::No)
+    surfaces(a, b).is_some_and(|[a, b]| {
+        let (placed_a, placed_b) = (surface_of(&a), surface_of(&b));
+        let pairs = || intersecting_pairs(placed_a, placed_b);
+        a.is_solid && b.is_solid && penetrates_of_pairs(placed_a, placed_b, &pairs()) == Penetrates::No
+    })
 }
 
 /// Whether the second shape, moved by this, is proved to be apart from the first.
@@ -112,13 +115,13 @@ fn is_parted_by(a: &PlacedShape, b: &PlacedShape, translation: &Vector) -> bool 
 fn tightened(a: &PlacedShape, b: &PlacedShape, way: Parted) -> Parted {
     /// The part of the distance that is left: more than rounding takes.
     const LEFT: f64 = 1.0 / (1 << 10) as f64;
-    let mut cache = WitnessCache::default();
+    let mut warm_start = WarmStart::default();
     let mut best = way;
     for _ in 0..TIGHTENINGS {
-        let Some(at) = Place::new(a, b, best.translation, &mut cache) else { break };
+        let Some(at) = Place::new(a, b, best.translation, &mut warm_start) else { break };
         let whole = length(&best.translation);
         let share = (whole - at.distance * (1.0 - LEFT)) / whole;
-        let Some(nearer) = Place::new(a, b, scaled(&best.translation, share), &mut cache) else { break };
+        let Some(nearer) = Place::new(a, b, scaled(&best.translation, share), &mut warm_start) else { break };
         if share <= 0.0 || nearer.length() >= best.length || !is_parted_by(a, b, &nearer.translation) {
             break;
         }
@@ -154,7 +157,7 @@ fn directions(a: &PlacedShape, b: &PlacedShape) -> Vec<Vector> {
     }
     found.extend(out_of_hulls(a, b));
     if let Some([a, b]) = surfaces(a, b) {
-        let mut regions = normals_of_regions([placed(&a), placed(&b)]);
+        let mut regions = normals_of_regions([surface_of(&a), surface_of(&b)]);
         regions.sort_by(|x, y| y.0.total_cmp(&x.0));
         found.extend(regions.iter().take(REGIONS).map(|(_, normal)| normal));
     }
@@ -264,18 +267,18 @@ fn out_of(normal: &Vector, direction: &Vector, depth: f64) -> f64 {
 fn descend(a: &PlacedShape, b: &PlacedShape, start: f64, direction: &Vector, least: f64) -> Option<Parted> {
     let size = start + length_of_bounds(a) + length_of_bounds(b);
     let near = NEAR * size;
-    let mut cache = WitnessCache::default();
+    let mut warm_start = WarmStart::default();
     let mut at = [1.0, 2.0, 16.0]
         .into_iter()
         .map(|factor| scaled(direction, start * factor + 4.0 * near))
         .filter(|translation| is_parted_by(a, b, translation))
-        .find_map(|translation| Place::new(a, b, translation, &mut cache))?;
+        .find_map(|translation| Place::new(a, b, translation, &mut warm_start))?;
     let mut best = at.parted();
     let mut planes: Vec<(Vector, f64)> = Vec::new();
     let mut goal = [0.0; 3];
     let mut arrived_at = f64::INFINITY;
     for _ in 0..PLANES {
-        let Some(arrived) = advance(a, b, &mut at, &goal, near, &mut cache) else { break };
+        let Some(arrived) = advance(a, b, &mut at, &goal, near, &mut warm_start) else { break };
         if at.length() < best.length {
             best = at.parted();
         }
@@ -315,10 +318,10 @@ struct Place {
 impl Place {
     /// None where the shapes are not proved apart there. Of meshes the surfaces alone are asked: they start where neither is in the other,
     /// and what never touches on its way stays outside.
-    fn new(a: &PlacedShape, b: &PlacedShape, translation: Vector, cache: &mut WitnessCache) -> Option<Self> {
+    fn new(a: &PlacedShape, b: &PlacedShape, translation: Vector, warm_start: &mut WarmStart) -> Option<Self> {
         let moved = moved(b, &translation)?;
         let found = match surfaces(a, &moved) {
-            Some([a, b]) => separation_of_surfaces(&a, &b, cache),
+            Some([a, b]) => separation_of_surfaces(&a, &b, warm_start),
             None => separation(a, &moved),
         };
         // What was truly added, after rounding.
@@ -340,8 +343,8 @@ impl Place {
     }
 }
 
-fn separation_of_surfaces(a: &Surface<'_>, b: &Surface<'_>, cache: &mut WitnessCache) -> Separation {
-    let found = distance_with(placed(a), placed(b), cache, &Options::default());
+fn separation_of_surfaces(a: &Surface<'_>, b: &Surface<'_>, warm_start: &mut WarmStart) -> Separation {
+    let found = of_meshes::distance(surface_of(a), surface_of(b), warm_start, &Options::default());
     let points = found.witness.map_or([[0.0; 3]; 2], |witness| [witness.point_a, witness.point_b]);
     let proximity = if found.upper > 0.0 { Proximity::Apart } else { Proximity::Meets };
     Separation { lower: found.lower, upper: found.upper, points, proximity }
@@ -354,7 +357,7 @@ fn advance(
     at: &mut Place,
     goal: &Vector,
     near: f64,
-    cache: &mut WitnessCache,
+    warm_start: &mut WarmStart,
 ) -> Option<bool> {
     for _ in 0..STEPS {
         let way = sub(goal, &at.translation);
@@ -367,7 +370,7 @@ fn advance(
         }
         let step = (at.distance - 0.25 * near).min(left);
         let next = std::array::from_fn(|k| at.translation[k] + way[k] * (step / left));
-        *at = Place::new(a, b, next, cache)?;
+        *at = Place::new(a, b, next, warm_start)?;
     }
     Some(false)
 }

@@ -3,13 +3,13 @@
 //! Three representations make six pairs. A compound is asked part by part, and parts whose boxes are too far apart are passed over;
 //! of many parts a tree finds those that are not.
 
-use super::Proximity;
 use crate::convex::{self, Depth, Separation, Surface};
-use crate::query::{self, Solid};
+use crate::mesh::{Options, PlacedMesh, WarmStart};
+use crate::query::{Proximity, of_meshes};
 use crate::shape::{Form, PlacedShape};
 
 /// Whether two shapes are within a clearance that is finite and not negative.
-pub(super) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proximity {
+pub(in crate::query) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proximity {
     if let ([a], [b]) = (a.parts(), b.parts()) {
         let is_far = gap_of_boxes(a, b) > clearance;
         return if is_far { Proximity::Apart } else { nearness_of_parts(a, b, clearance) };
@@ -39,16 +39,13 @@ pub(super) fn nearness_of_parts(a: &PlacedShape, b: &PlacedShape, clearance: f64
             plane.nearness_of_surface(&surface, clearance)
         }
         (Form::Surface(a), Form::Surface(b)) => {
-            if query::within(placed(&a), placed(&b), clearance) {
-                return Proximity::Meets;
-            }
-            contained(&a, &b)
+            of_meshes::nearness(mesh_of(&a), mesh_of(&b), clearance, &mut WarmStart::default(), &Options::default())
         }
     }
 }
 
 /// The distance of two shapes: the least of their parts'.
-pub(super) fn separation(a: &PlacedShape, b: &PlacedShape) -> Separation {
+pub(in crate::query) fn separation(a: &PlacedShape, b: &PlacedShape) -> Separation {
     if let ([a], [b]) = (a.parts(), b.parts()) {
         return separation_of_parts(a, b);
     }
@@ -93,22 +90,16 @@ fn separation_of_parts(a: &PlacedShape, b: &PlacedShape) -> Separation {
         (Form::HalfSpace(plane), Form::Surface(surface)) => plane.separation_of_surface(&surface),
         (Form::Surface(surface), Form::HalfSpace(plane)) => swapped(plane.separation_of_surface(&surface)),
         (Form::Surface(a), Form::Surface(b)) => {
-            let found = query::distance(placed(&a), placed(&b));
+            let found = of_meshes::distance(mesh_of(&a), mesh_of(&b), &mut WarmStart::default(), &Options::default());
             let points = found.witness.map_or([[0.0; 3]; 2], |witness| [witness.point_a, witness.point_b]);
-            let proximity = if found.upper == 0.0 { Proximity::Meets } else { contained(&a, &b) };
-            let [lower, upper] = match proximity {
-                Proximity::Apart => [found.lower, found.upper],
-                Proximity::Undecided => [0.0, found.upper],
-                Proximity::Meets => [0.0; 2],
-            };
-            Separation { lower, upper, points, proximity }
+            Separation { lower: found.lower, upper: found.upper, points, proximity: found.proximity }
         }
     }
 }
 
 /// How deep two shapes are in each other, in closed form or by an expanding polytope; none where that takes a search: for
 /// compounds, and for meshes but with half-spaces.
-pub(super) fn depth(a: &PlacedShape, b: &PlacedShape) -> Option<Depth> {
+pub(in crate::query) fn depth(a: &PlacedShape, b: &PlacedShape) -> Option<Depth> {
     let ([a], [b]) = (a.parts(), b.parts()) else { return None };
     match (a.form(), b.form()) {
         (Form::Convex(a), Form::Convex(b)) => Some(convex::depth(&a, &b)),
@@ -159,24 +150,14 @@ fn gap_of_boxes(a: &PlacedShape, b: &PlacedShape) -> f64 {
     (0..3).map(gap).fold(0.0, f64::max)
 }
 
-pub(super) fn placed<'a>(surface: &Surface<'a>) -> crate::mesh::Placed<'a> {
+/// The surface of a mesh, whether it is solid or not.
+pub(super) fn surface_of<'a>(surface: &Surface<'a>) -> PlacedMesh<'a> {
     surface.mesh.at(*surface.pose)
 }
 
-/// Whether one of two meshes, whose surfaces are apart, is in the other one, which is solid.
-fn contained(a: &Surface<'_>, b: &Surface<'_>) -> Proximity {
-    let solid = match (a.is_solid, b.is_solid) {
-        (false, false) => return Proximity::Apart,
-        (true, false) => Solid::A,
-        (false, true) => Solid::B,
-        (true, true) => Solid::Both,
-    };
-    let found = query::solid_intersection_of_pairs(placed(a), placed(b), solid, &[]);
-    match (found.contained, found.undecided) {
-        (None, _) => Proximity::Apart,
-        (Some(_), true) => Proximity::Undecided,
-        (Some(_), _) => Proximity::Meets,
-    }
+/// The mesh as it is meant, as its surface or as a solid.
+fn mesh_of<'a>(surface: &Surface<'a>) -> PlacedMesh<'a> {
+    PlacedMesh { is_solid: surface.is_solid, ..surface_of(surface) }
 }
 
 fn swapped(mut found: Separation) -> Separation {

@@ -2,7 +2,7 @@
 
 use dashu_ratio::RBig;
 use impinge::primitive::closest_on_triangles;
-use impinge::query::{self, Distance, Witness};
+use impinge::query::{self, Distance, Proximity, Query};
 use impinge::{Mesh, Pose, Positions};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
@@ -34,8 +34,7 @@ pub(crate) fn least(pairs: &[([u32; 2], RBig)]) -> &RBig {
 }
 
 fn faces(distance: &Distance) -> [u32; 2] {
-    let Witness { face_a, face_b, .. } = distance.witness.expect("meshes with faces");
-    [face_a, face_b]
+    distance.witness.and_then(|witness| witness.faces).expect("meshes with faces")
 }
 
 /// Small soups of integer corners with ties, moved apart or into each other, under poses that keep or bend them.
@@ -185,7 +184,8 @@ fn n8_an_empty_mesh_is_infinitely_far() {
     let empty = Mesh::new(Positions::F64(vec![[0.0; 3]]), Vec::new()).expect("an empty mesh");
     let sphere = engine_mesh(&icosphere(1));
     for found in [query::distance(&empty, &sphere), query::distance(&sphere, &empty), query::distance(&empty, &empty)] {
-        assert_eq!(found, Distance { lower: f64::INFINITY, upper: f64::INFINITY, witness: None });
+        let proximity = Proximity::Apart;
+        assert_eq!(found, Distance { lower: f64::INFINITY, upper: f64::INFINITY, witness: None, proximity });
     }
     assert!(!query::within(&empty, &sphere, f64::INFINITY));
 }
@@ -238,10 +238,10 @@ fn n20_distances_are_the_worlds_where_poses_stretch() {
 fn a_witness_of_other_meshes_is_no_harm() {
     let (large, small) = (engine_mesh(&icosphere(3)), engine_mesh(&cuboid([0.0; 3], [1.0; 3])));
     let apart = Pose::from_translation([5.0, 0.0, 0.0]).expect("a pose");
-    let mut cache = query::WitnessCache::default();
+    let mut cache = query::Cache::default();
     let options = impinge::mesh::Options::default();
-    let first = query::distance_with(&large, large.at(apart), &mut cache, &options);
+    let first = Query::new().with_options(options).with_cache(&mut cache).distance(&large, large.at(apart));
     assert!(first.upper > 2.9);
-    let second = query::distance_with(&small, small.at(apart), &mut cache, &options);
+    let second = Query::new().with_options(options).with_cache(&mut cache).distance(&small, small.at(apart));
     assert_eq!(second, query::distance(&small, small.at(apart)));
 }

@@ -1,8 +1,7 @@
 //! Flat sides that face each other: thousands of pairs of faces tie, and planes prove the distance at once.
 
 use impinge::hierarchy::Builder;
-use impinge::mesh::Options;
-use impinge::query::{WitnessCache, distance_with};
+use impinge::query::{Cache, Query};
 use impinge::{Mesh, query};
 use impinge_testkit::Affine;
 use impinge_testkit::generate::Rng;
@@ -20,11 +19,11 @@ fn beside(map: &Affine, step: [f64; 3]) -> Affine {
 /// What [`query::within`] decides exactly is what the interval says, which is a few units of the last place wide.
 fn check_interval(mesh: &Mesh, map: &Affine, other: &Affine) -> [f64; 2] {
     let (a, b) = (mesh.at(engine_pose(map)), mesh.at(engine_pose(other)));
-    let mut warm = WitnessCache::default();
-    let found = distance_with(a, b, &mut warm, &Options::default());
+    let mut warm = Cache::default();
+    let found = Query::new().with_cache(&mut warm).distance(a, b);
     for options in all_options() {
-        for mut cache in [WitnessCache::default(), warm.clone()] {
-            let again = distance_with(a, b, &mut cache, &options);
+        for mut cache in [Cache::default(), warm.clone()] {
+            let again = Query::new().with_options(options).with_cache(&mut cache).distance(a, b);
             // Which of the faces that tie bear witness may depend on the host.
             assert_eq!([again.lower, again.upper], [found.lower, found.upper], "{:?}", options.host);
         }

@@ -1,7 +1,7 @@
 //! The engine asked in every way, none of which may change an answer.
 
 use impinge::mesh::{HostChoice, Options};
-use impinge::query::{Distance, WitnessCache, distance_with, within_with};
+use impinge::query::{Cache, Distance, Query};
 use impinge::{Mesh, Pose, Positions, simd};
 use impinge_testkit::{Affine, Mesh as Plain};
 
@@ -23,15 +23,15 @@ pub(crate) fn all_options() -> impl Iterator<Item = Options<'static>> {
 /// The distance, the same at every vector level, with either host, from cold, from a good and from a bad witness.
 pub(crate) fn distance_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine)) -> Distance {
     let (placed_a, placed_b) = (a.0.at(engine_pose(a.1)), b.0.at(engine_pose(b.1)));
-    let mut stale = WitnessCache::default();
+    let mut stale = Cache::default();
     let elsewhere = Pose::from_translation([-3.0, 5.0, 1.0]).expect("a pose");
-    let _ = distance_with(a.0.at(elsewhere), b.0, &mut stale, &Options::default());
-    let mut cache = WitnessCache::default();
-    let expected = distance_with(placed_a, placed_b, &mut cache, &Options::default());
-    assert_eq!(distance_with(placed_a, placed_b, &mut stale, &Options::default()), expected, "from a stale witness");
+    let _ = Query::new().with_cache(&mut stale).distance(a.0.at(elsewhere), b.0);
+    let mut cache = Cache::default();
+    let expected = Query::new().with_cache(&mut cache).distance(placed_a, placed_b);
+    assert_eq!(Query::new().with_cache(&mut stale).distance(placed_a, placed_b), expected, "from a stale witness");
     for options in all_options() {
-        for mut cache in [WitnessCache::default(), cache.clone()] {
-            let found = distance_with(placed_a, placed_b, &mut cache, &options);
+        for mut cache in [Cache::default(), cache.clone()] {
+            let found = Query::new().with_options(options).with_cache(&mut cache).distance(placed_a, placed_b);
             assert_eq!(found, expected, "{:?}", options.host);
         }
     }
@@ -41,11 +41,14 @@ pub(crate) fn distance_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine)) ->
 /// Whether the clearance is kept, the same in every way.
 pub(crate) fn within_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine), clearance: f64) -> bool {
     let (placed_a, placed_b) = (a.0.at(engine_pose(a.1)), b.0.at(engine_pose(b.1)));
-    let mut cache = WitnessCache::default();
-    let expected = within_with(placed_a, placed_b, clearance, &mut cache, &Options::default());
+    let mut cache = Cache::default();
+    let expected = Query::new().with_cache(&mut cache).within(placed_a, placed_b, clearance);
     for options in all_options() {
-        for mut cache in [WitnessCache::default(), cache.clone()] {
-            assert_eq!(within_with(placed_a, placed_b, clearance, &mut cache, &options), expected);
+        for mut cache in [Cache::default(), cache.clone()] {
+            assert_eq!(
+                Query::new().with_options(options).with_cache(&mut cache).within(placed_a, placed_b, clearance),
+                expected
+            );
         }
     }
     expected

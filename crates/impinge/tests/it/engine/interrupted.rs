@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use impinge::mesh::{Interrupt, Options};
-use impinge::query::{self, HitCache, WitnessCache};
+use impinge::query::{self, Cache, Query};
 use impinge::{Mesh, Pose, Positions};
 use impinge_testkit::generate::knots::{Knot, TREFOIL, torus_knot};
 
@@ -26,20 +26,23 @@ fn every_verb_gives_the_safe_answer_at_once() {
         let is_wanted = || asked.fetch_add(1, Ordering::Relaxed) >= patience;
         let options = Options { interrupt: Interrupt::when(&is_wanted), ..Options::default() };
         let ended_soon = || (1..patience + 300).contains(&asked.swap(0, Ordering::Relaxed));
-        let (mut hits, mut witnesses) = (HitCache::default(), WitnessCache::default());
+        let (mut hits, mut witnesses) = (Cache::default(), Cache::default());
 
-        assert!(query::intersects_with(&mesh, other, &mut hits, &options) && ended_soon(), "{patience}");
-        assert!(!query::intersects_with(&mesh, other, &mut hits, &Options::default()));
+        assert!(
+            Query::new().with_options(options).with_cache(&mut hits).intersects(&mesh, other) && ended_soon(),
+            "{patience}"
+        );
+        assert!(!Query::new().with_cache(&mut hits).intersects(&mesh, other));
 
-        let found = query::distance_with(&mesh, other, &mut witnesses, &options);
+        let found = Query::new().with_options(options).with_cache(&mut witnesses).distance(&mesh, other);
         assert!(found.lower == 0.0 && found.upper.is_finite() && ended_soon(), "{patience}: {found:?}");
-        assert_eq!(query::distance_with(&mesh, other, &mut witnesses, &Options::default()), distance);
+        assert_eq!(Query::new().with_cache(&mut witnesses).distance(&mesh, other), distance);
 
         let near = 0.999 * distance.lower;
-        assert!(query::within_with(&mesh, other, near, &mut WitnessCache::default(), &options) && ended_soon());
-        assert!(!query::within_with(&mesh, other, near, &mut witnesses, &Options::default()));
+        assert!(Query::new().with_options(options).within(&mesh, other, near) && ended_soon());
+        assert!(!Query::new().with_cache(&mut witnesses).within(&mesh, other, near));
 
-        let some = query::intersecting_pairs_with(&mesh, touching, &options);
+        let some = Query::new().with_options(options).intersecting_pairs(&mesh, touching);
         assert!(some.len() < pairs.len() && ended_soon(), "{patience}: {} of {}", some.len(), pairs.len());
         assert!(some.iter().all(|pair| pairs.binary_search(pair).is_ok()));
     }
@@ -56,9 +59,9 @@ fn an_interrupt_that_is_never_wanted_changes_nothing() {
     };
     let options = Options { interrupt: Interrupt::when(&never), ..Options::default() };
     let touching = mesh.at(Pose::from_translation([0.003, 0.001, 0.002]).expect("a pose"));
-    let pairs = query::intersecting_pairs_with(&mesh, touching, &options);
+    let pairs = Query::new().with_options(options).intersecting_pairs(&mesh, touching);
     assert_eq!(pairs, query::intersecting_pairs(&mesh, touching));
-    let found = query::distance_with(&mesh, &thin, &mut WitnessCache::default(), &options);
+    let found = Query::new().with_options(options).distance(&mesh, &thin);
     assert_eq!(found, query::distance(&mesh, &thin));
     assert!(asked.into_inner() > 3);
 }

@@ -1,8 +1,8 @@
 //! Meshes that move: refitted and rebuilt in part or whole, they answer as if they were new.
 
 use impinge::hierarchy::Builder;
-use impinge::mesh::{Aging, Options, Ray};
-use impinge::query::HitCache;
+use impinge::mesh::{Aging, Ray};
+use impinge::query::{Cache, Query};
 use impinge::{InputErrorKind, Mesh, Positions, query};
 use impinge_testkit::cases::Precision;
 use impinge_testkit::generate::Rng;
@@ -305,7 +305,7 @@ fn faces_that_met_last_change_no_answer() {
     let mut rng = Rng::new(2211);
     let (mut met, mut apart) = (0, 0);
     // One cache for all: faces of one mesh are tried on another, which may not have them.
-    let mut cache = HitCache::default();
+    let mut cache = Cache::default();
     for _ in 0..40 {
         let [a, b] = [0; 2].map(|_| &meshes[rng.integer(0, 1) as usize]);
         let turn = rotation(&mut rng);
@@ -315,7 +315,7 @@ fn faces_that_met_last_change_no_answer() {
             let stray = if rng.one_in(8) { 3.0 } else { 0.02 * f64::from(step) };
             let pose = engine_pose(&Affine::new(turn.linear, from.map(|x| x - x.signum() * stray)));
             let truth = query::intersects(a, b.at(pose));
-            assert_eq!(query::intersects_with(a, b.at(pose), &mut cache, &Options::default()), truth);
+            assert_eq!(Query::new().with_cache(&mut cache).intersects(a, b.at(pose)), truth);
             *(if truth { &mut met } else { &mut apart }) += 1;
         }
     }

@@ -1,8 +1,8 @@
 //! Every way in which the engine can run; none of them may change an answer.
 
 use impinge::mesh::{HostChoice, Options};
-use impinge::query::HitCache;
-use impinge::{Mesh, Pose, Positions, query, simd};
+use impinge::query::Query;
+use impinge::{Mesh, Pose, Positions, simd};
 use impinge_testkit::{Affine, Posed, cases::Precision};
 
 /// The mesh as the engine takes it.
@@ -21,8 +21,8 @@ pub(crate) fn engine_pose(pose: &Affine) -> Pose {
 /// The pairs that the engine finds in one way.
 pub(crate) fn pairs(a: (&Mesh, &Affine), b: (&Mesh, &Affine), options: &Options<'_>) -> Vec<(u32, u32)> {
     let (placed_a, placed_b) = (a.0.at(engine_pose(a.1)), b.0.at(engine_pose(b.1)));
-    let pairs = query::intersecting_pairs_with(placed_a, placed_b, options);
-    let met = query::intersects_with(placed_a, placed_b, &mut HitCache::default(), options);
+    let pairs = Query::new().with_options(*options).intersecting_pairs(placed_a, placed_b);
+    let met = Query::new().with_options(*options).intersects(placed_a, placed_b);
     assert_eq!(met, !pairs.is_empty(), "the first hit and all pairs disagree");
     pairs.into_iter().map(|[a, b]| (a, b)).collect()
 }

@@ -2,7 +2,7 @@
 
 use dashu_ratio::RBig;
 use impinge::Pose;
-use impinge::query::shapes;
+use impinge::query;
 use impinge::shape::Shape;
 use impinge_testkit::Affine;
 use impinge_testkit::generate::{Rng, poses};
@@ -77,7 +77,7 @@ fn depths_are_those_of_the_separating_axes() {
         places[1].translation =
             std::array::from_fn(|_| if on_grid { rng.integer(-5, 5) as f64 } else { rng.uniform(-2.5, 2.5) });
         let [a, b] = [0, 1].map(|i| Shape::cuboid(half[i]).unwrap().at(pose(&places[i])).unwrap());
-        let (truth, found) = (squared_depth(half, [&places[0], &places[1]]), shapes::penetration(&a, &b));
+        let (truth, found) = (squared_depth(half, [&places[0], &places[1]]), query::penetration(&a, &b));
         match (truth, found) {
             (None, None) => apart += 1,
             (Some(truth), Some(found)) => {
@@ -101,7 +101,7 @@ fn known_depths() {
     let unit = Shape::cuboid([0.5; 3]).unwrap();
     let large = Shape::cuboid([1.5; 3]).unwrap();
     let depth = |a: &Shape, pose_a, b: &Shape, pose_b| {
-        shapes::penetration(&a.at(pose_a).unwrap(), &b.at(pose_b).unwrap()).unwrap().upper
+        query::penetration(&a.at(pose_a).unwrap(), &b.at(pose_b).unwrap()).unwrap().upper
     };
     let face = depth(
         &unit,

@@ -1,6 +1,6 @@
 //! What is known from the last question changes no answer.
 
-use impinge::query::shapes::{self, ShapeCache};
+use impinge::query::{self, Cache, Query};
 use impinge_testkit::generate::{Rng, poses};
 
 use crate::shapes::hulls::pose;
@@ -12,10 +12,10 @@ fn caches_change_no_answer() {
     let mut rng = Rng::new(581);
     let mut changes = 0;
     // One cache for all pairs too: what it says of others is only a bad start.
-    let mut shared = ShapeCache::default();
+    let mut shared = Cache::default();
     for a in &all {
         for b in &all {
-            let mut cache = ShapeCache::default();
+            let mut cache = Cache::default();
             let mut place = poses::rotation(&mut rng);
             let here = a.shape().at(pose(&place)).unwrap();
             let start: [f64; 3] = std::array::from_fn(|_| rng.uniform(-3.0, 3.0));
@@ -26,11 +26,11 @@ fn caches_change_no_answer() {
                 place.translation = std::array::from_fn(|k| at[k] + start[k] * along);
                 let there = b.shape().at(pose(&place)).unwrap();
                 for clearance in [0.0, 0.25] {
-                    let cold = shapes::within(&here, &there, clearance);
-                    assert_eq!(shapes::within_with(&here, &there, clearance, &mut cache), cold);
-                    assert_eq!(shapes::within_with(&there, &here, clearance, &mut shared), cold);
+                    let cold = query::within(&here, &there, clearance);
+                    assert_eq!(Query::new().with_cache(&mut cache).within(&here, &there, clearance), cold);
+                    assert_eq!(Query::new().with_cache(&mut shared).within(&there, &here, clearance), cold);
                 }
-                let hit = shapes::intersects(&here, &there);
+                let hit = query::intersects(&here, &there);
                 changes += usize::from(last.is_some_and(|last| last != hit));
                 last = Some(hit);
             }
@@ -40,7 +40,7 @@ fn caches_change_no_answer() {
     let (x, y) = (all[5].shape(), all[9].shape());
     let [x, y] = [x, y].map(|shape| shape.at(impinge::Pose::IDENTITY).unwrap());
     for clearance in [f64::NAN, -1.0] {
-        assert!(!shapes::within_with(&x, &y, clearance, &mut shared));
+        assert!(!Query::new().with_cache(&mut shared).within(&x, &y, clearance));
     }
-    assert!(shapes::within_with(&x, &y, f64::INFINITY, &mut shared));
+    assert!(Query::new().with_cache(&mut shared).within(&x, &y, f64::INFINITY));
 }

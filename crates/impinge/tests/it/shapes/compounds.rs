@@ -1,7 +1,7 @@
 //! Compounds against everything else: what their parts say one by one.
 
 use impinge::Pose;
-use impinge::query::shapes;
+use impinge::query;
 use impinge::shape::{PlacedShape, Shape};
 use impinge_testkit::generate::solids::icosphere;
 use impinge_testkit::generate::{Rng, poses};
@@ -31,23 +31,23 @@ fn compounds_are_their_parts() {
         place.translation = std::array::from_fn(|_| rng.uniform(-3.0, 3.0));
         let other = rng.choose(&finite).shape().at(pose(&place)).unwrap();
         let singles: Vec<PlacedShape> = parts.iter().map(|(shape, pose)| shape.at(*pose).unwrap()).collect();
-        let found = shapes::distance(&compound, &other);
-        let least = singles.iter().map(|part| shapes::distance(part, &other).upper).fold(f64::INFINITY, f64::min);
+        let found = query::distance(&compound, &other);
+        let least = singles.iter().map(|part| query::distance(part, &other).upper).fold(f64::INFINITY, f64::min);
         assert_eq!(found.upper, least);
-        let hits = singles.iter().any(|part| shapes::intersects(part, &other));
-        assert_eq!(shapes::intersects(&compound, &other), hits);
-        let contacts = shapes::contacts(&other, &compound);
+        let hits = singles.iter().any(|part| query::intersects(part, &other));
+        assert_eq!(query::intersects(&compound, &other), hits);
+        let contacts = query::contacts(&other, &compound);
         let touched = |part: u32| contacts.iter().flat_map(|m| &m.points).any(|point| point.id.part_b == part);
         for (part, single) in (0..).zip(&singles) {
-            assert_eq!(touched(part), shapes::intersects(single, &other));
+            assert_eq!(touched(part), query::intersects(single, &other));
         }
-        if let Some(depth) = shapes::penetration(&compound, &other) {
+        if let Some(depth) = query::penetration(&compound, &other) {
             let by: [f64; 3] = std::array::from_fn(|k| depth.normal[k] * depth.upper * (1.0 + 1e-9));
             let pose = other.world_from_local();
             let moved = Pose::new(*pose.linear(), std::array::from_fn(|k| pose.translation()[k] + by[k])).unwrap();
             assert!(depth.lower <= depth.upper && depth.upper.is_finite(), "{depth:?}");
             // Each part is at least as deep as all are at least.
-            let deepest = singles.iter().filter_map(|part| shapes::penetration(part, &other)).map(|d| d.lower);
+            let deepest = singles.iter().filter_map(|part| query::penetration(part, &other)).map(|d| d.lower);
             assert!(deepest.fold(0.0, f64::max) <= depth.upper * (1.0 + 1e-9), "{depth:?}");
             assert!(moved.translation().iter().all(|x| x.is_finite()));
             meeting += 1;
@@ -94,25 +94,25 @@ fn many_parts_are_asked_by_a_tree() {
         };
         let (ours, theirs) = (singles(&parts, &Pose::IDENTITY), singles(&others, &shift));
         let pairs = || ours.iter().flat_map(|part| theirs.iter().map(move |other| (part, other)));
-        let least = pairs().map(|(part, other)| shapes::distance(part, other).upper).fold(f64::INFINITY, f64::min);
-        let found = shapes::distance(&compound, &other);
+        let least = pairs().map(|(part, other)| query::distance(part, other).upper).fold(f64::INFINITY, f64::min);
+        let found = query::distance(&compound, &other);
         assert_eq!(found.upper, least, "{case}");
-        assert_eq!(shapes::distance(&other, &compound).upper, least, "{case}");
+        assert_eq!(query::distance(&other, &compound).upper, least, "{case}");
         assert!(found.lower <= least);
-        let hit = pairs().any(|(part, other)| shapes::intersects(part, other));
-        assert_eq!(shapes::intersects(&compound, &other), hit, "{case}");
+        let hit = pairs().any(|(part, other)| query::intersects(part, other));
+        assert_eq!(query::intersects(&compound, &other), hit, "{case}");
         for clearance in [0.5 * least, least, 1.5 * least] {
-            let near = pairs().any(|(part, other)| shapes::within(part, other, clearance));
-            assert_eq!(shapes::within(&compound, &other, clearance), near, "{case} {clearance}");
+            let near = pairs().any(|(part, other)| query::within(part, other, clearance));
+            assert_eq!(query::within(&compound, &other, clearance), near, "{case} {clearance}");
         }
         let named: Vec<[u32; 2]> = {
-            let manifolds = shapes::contacts(&compound, &other);
+            let manifolds = query::contacts(&compound, &other);
             manifolds.iter().flat_map(|m| &m.points).map(|point| [point.id.part_a, point.id.part_b]).collect()
         };
         assert!(named.is_sorted(), "{named:?}");
         for (i, part) in (0..).zip(&ours) {
             for (j, other) in (0..).zip(&theirs) {
-                assert_eq!(named.contains(&[i, j]), shapes::intersects(part, other), "{case} {i} {j}");
+                assert_eq!(named.contains(&[i, j]), query::intersects(part, other), "{case} {i} {j}");
             }
         }
         contacts += named.len();

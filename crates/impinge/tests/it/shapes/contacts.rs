@@ -1,7 +1,7 @@
 //! Contact manifolds: closed forms, and laws that hold for every pair of shapes.
 
 use impinge::Pose;
-use impinge::query::shapes::{self, ContactOptions, Feature, Manifold};
+use impinge::query::{self, ContactOptions, Feature, Manifold, Query};
 use impinge::shape::Shape;
 use impinge_testkit::Affine;
 use impinge_testkit::generate::{Rng, poses};
@@ -68,9 +68,9 @@ fn every_pair_has_contacts_exactly_where_it_meets() {
                 places[1].translation =
                     std::array::from_fn(|k| places[0].translation[k] + reach * rng.uniform(-1.0, 1.0));
                 let (a, b) = (Placed::new(a, places[0]), Placed::new(b, places[1]));
-                let found = shapes::contacts(&a.shape, &b.shape);
-                assert_eq!(!found.is_empty(), shapes::intersects(&a.shape, &b.shape));
-                let swapped = shapes::contacts(&b.shape, &a.shape);
+                let found = query::contacts(&a.shape, &b.shape);
+                assert_eq!(!found.is_empty(), query::intersects(&a.shape, &b.shape));
+                let swapped = query::contacts(&b.shape, &a.shape);
                 assert_eq!(found.len(), swapped.len());
                 if !found.is_empty() {
                     let (manifold, back) = (only(found), only(swapped));
@@ -87,9 +87,9 @@ fn every_pair_has_contacts_exactly_where_it_meets() {
                     }
                     meeting += 1;
                 } else {
-                    let margin = shapes::distance(&a.shape, &b.shape).upper * 1.01;
+                    let margin = query::distance(&a.shape, &b.shape).upper * 1.01;
                     let options = ContactOptions { margin, ..ContactOptions::default() };
-                    let manifold = only(shapes::contacts_with(&a.shape, &b.shape, &options));
+                    let manifold = only(Query::new().with_contacts(options).contacts(&a.shape, &b.shape));
                     judge(&a, &b, &manifold, margin);
                     assert!(manifold.points.iter().all(|point| point.lower < 0.0));
                     near += 1;
@@ -107,13 +107,13 @@ fn boxes_on_boxes_have_the_corners_of_what_they_share() {
     let all = ContactOptions { most_points: usize::MAX, ..ContactOptions::default() };
     let base = unit.at(Pose::IDENTITY).unwrap();
     // In line, touching: four corners, each over a corner, which are those of one of the boxes.
-    let stacked = only(shapes::contacts_with(&base, &unit.at(at([0.0, 0.0, 1.0])).unwrap(), &all));
+    let stacked = only(Query::new().with_contacts(all).contacts(&base, &unit.at(at([0.0, 0.0, 1.0])).unwrap()));
     assert_eq!(stacked.normal, [0.0, 0.0, 1.0]);
     assert_eq!(stacked.points.len(), 4);
     assert!(stacked.points.iter().all(|p| p.lower <= 0.0 && 0.0 <= p.upper && p.point_a[2] == 0.5));
     // Turned by an eighth: an octagon of crossings.
     let turned = Pose::from_axis_angle([0.0, 0.0, 1.0], std::f64::consts::FRAC_PI_4, [0.0, 0.0, 0.875]).unwrap();
-    let octagon = only(shapes::contacts_with(&base, &unit.at(turned).unwrap(), &all));
+    let octagon = only(Query::new().with_contacts(all).contacts(&base, &unit.at(turned).unwrap()));
     assert_eq!(octagon.points.len(), 8, "{octagon:?}");
     for point in &octagon.points {
         assert!(matches!((point.id.feature_a, point.id.feature_b), (Feature::Edge(..), Feature::Edge(..))));
@@ -122,13 +122,13 @@ fn boxes_on_boxes_have_the_corners_of_what_they_share() {
         assert!((x.max(y) - 0.5).abs() < 1e-12 && (x.min(y) - (0.5_f64.sqrt() - 0.5)).abs() < 1e-12, "{point:?}");
     }
     // Four of them hold as far as eight do: their area is at least half of the octagon's.
-    let four = only(shapes::contacts(&base, &unit.at(turned).unwrap()));
+    let four = only(query::contacts(&base, &unit.at(turned).unwrap()));
     assert_eq!(four.points.len(), 4);
     assert!(four.points.iter().all(|point| octagon.points.contains(point)));
     let spread = |k: usize| four.points.iter().map(|p| p.point_a[k].abs()).fold(0.0, f64::max);
     assert!(spread(0) > 0.45 && spread(1) > 0.45, "{four:?}");
     // Hanging over two sides: a corner of either box, and two crossings.
-    let over = only(shapes::contacts(&base, &unit.at(at([0.75, 0.75, 0.9375])).unwrap()));
+    let over = only(query::contacts(&base, &unit.at(at([0.75, 0.75, 0.9375])).unwrap()));
     let kinds: Vec<_> = over.points.iter().map(|p| (p.id.feature_a, p.id.feature_b)).collect();
     let corners = kinds.iter().filter(|kind| matches!(kind, (Feature::Vertex(_), Feature::Face(_)))).count();
     let others = kinds.iter().filter(|kind| matches!(kind, (Feature::Face(_), Feature::Vertex(_)))).count();
@@ -138,7 +138,7 @@ fn boxes_on_boxes_have_the_corners_of_what_they_share() {
     assert!(over.points.iter().any(|p| p.id.feature_b == Feature::Vertex(0)));
     // On the floor: the four lower corners.
     let floor = Shape::half_space([0.0, 0.0, 1.0], -0.5).unwrap().at(Pose::IDENTITY).unwrap();
-    let standing = only(shapes::contacts(&floor, &base));
+    let standing = only(query::contacts(&floor, &base));
     let lower: Vec<_> = standing.points.iter().map(|p| p.id.feature_b).collect();
     assert_eq!(lower, [0, 1, 2, 3].map(Feature::Vertex));
 }
@@ -149,7 +149,7 @@ fn crossed_edges_have_one_contact() {
     let eighth = std::f64::consts::FRAC_PI_4;
     let roof = Pose::from_axis_angle([1.0, 0.0, 0.0], eighth, [0.0; 3]).unwrap();
     let keel = Pose::from_axis_angle([0.0, 1.0, 0.0], eighth, [0.0, 0.0, 2.0_f64.sqrt() - 0.0625]).unwrap();
-    let crossed = only(shapes::contacts(&unit.at(roof).unwrap(), &unit.at(keel).unwrap()));
+    let crossed = only(query::contacts(&unit.at(roof).unwrap(), &unit.at(keel).unwrap()));
     assert!(crossed.normal[2] > 1.0 - 1e-12, "{crossed:?}");
     assert_eq!(crossed.points.len(), 1, "{crossed:?}");
     let point = crossed.points[0];
@@ -162,35 +162,35 @@ fn crossed_edges_have_one_contact() {
 fn round_shapes_lie_and_stand() {
     let base = Shape::cuboid([2.0, 2.0, 0.5]).unwrap().at(Pose::IDENTITY).unwrap();
     let pill = Shape::capsule([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 0.25).unwrap();
-    let lying = only(shapes::contacts(&base, &pill.at(at([0.0, 0.0, 0.625])).unwrap()));
+    let lying = only(query::contacts(&base, &pill.at(at([0.0, 0.0, 0.625])).unwrap()));
     let ends: Vec<_> = lying.points.iter().map(|p| (p.id.feature_b, p.point_b)).collect();
     assert_eq!(ends.len(), 2, "{lying:?}");
     assert_eq!(ends[0], (Feature::Vertex(0), [-1.0, 0.0, 0.375]));
     assert_eq!(ends[1], (Feature::Vertex(1), [1.0, 0.0, 0.375]));
     let upright = Pose::from_axis_angle([0.0, 1.0, 0.0], std::f64::consts::FRAC_PI_2, [0.0, 0.0, 1.625]).unwrap();
-    assert_eq!(only(shapes::contacts(&base, &pill.at(upright).unwrap())).points.len(), 1);
-    let beside = only(shapes::contacts(&pill.at(Pose::IDENTITY).unwrap(), &pill.at(at([1.5, 0.0, 0.4375])).unwrap()));
+    assert_eq!(only(query::contacts(&base, &pill.at(upright).unwrap())).points.len(), 1);
+    let beside = only(query::contacts(&pill.at(Pose::IDENTITY).unwrap(), &pill.at(at([1.5, 0.0, 0.4375])).unwrap()));
     let xs: Vec<f64> = beside.points.iter().map(|p| p.point_a[0]).collect();
     assert_eq!(xs.len(), 2, "{beside:?}");
     assert!(xs.contains(&0.5) && xs.contains(&1.0), "{beside:?}");
 
     let can = Shape::cylinder(0.5, 0.75).unwrap();
-    let standing = only(shapes::contacts_with(
-        &base,
-        &can.at(at([0.0, 0.0, 0.9375])).unwrap(),
-        &ContactOptions { most_points: 8, ..ContactOptions::default() },
-    ));
+    let standing = only(
+        Query::new()
+            .with_contacts(ContactOptions { most_points: 8, ..ContactOptions::default() })
+            .contacts(&base, &can.at(at([0.0, 0.0, 0.9375])).unwrap()),
+    );
     assert_eq!(standing.points.len(), 8, "{standing:?}");
     for point in &standing.points {
         let [x, y, _] = point.point_b;
         assert!((x.hypot(y) - 0.75).abs() < 1e-6 && (point.upper - 0.0625).abs() < 1e-6, "{point:?}");
     }
     let rolled = Pose::from_axis_angle([1.0, 0.0, 0.0], std::f64::consts::FRAC_PI_2, [0.0, 0.0, 1.1875]).unwrap();
-    let rolling = only(shapes::contacts(&base, &can.at(rolled).unwrap()));
+    let rolling = only(query::contacts(&base, &can.at(rolled).unwrap()));
     assert_eq!(rolling.points.len(), 2, "{rolling:?}");
     assert!(rolling.points.iter().all(|p| (p.point_b[1].abs() - 0.5).abs() < 1e-9), "{rolling:?}");
     let cone = Shape::cone(0.5, 0.5).unwrap().at(at([0.0, 0.0, -0.9375])).unwrap();
-    assert_eq!(only(shapes::contacts(&cone, &base)).points.len(), 1);
+    assert_eq!(only(query::contacts(&cone, &base)).points.len(), 1);
 }
 
 /// Ids stay while boxes and hulls slide and rock a little, and both move as one by a symmetry of the cube.
@@ -210,7 +210,7 @@ fn ids_stay_from_one_time_to_the_next() {
         place.translation = std::array::from_fn(|k| here.place.linear[k][2] * 1.25 + rng.uniform(-0.25, 0.25));
         let ids = |here: &Placed, place: Affine| -> Vec<_> {
             let there = Placed::new(upper, place);
-            shapes::contacts(&here.shape, &there.shape)
+            query::contacts(&here.shape, &there.shape)
                 .iter()
                 .flat_map(|manifold| manifold.points.iter().map(|point| (point.id, point.upper)))
                 .collect()
@@ -234,7 +234,7 @@ fn ids_stay_from_one_time_to_the_next() {
             },
             turned(&place),
         );
-        let names = |found: &[(shapes::ContactId, f64)]| found.iter().map(|found| found.0).collect::<Vec<_>>();
+        let names = |found: &[(query::ContactId, f64)]| found.iter().map(|found| found.0).collect::<Vec<_>>();
         assert_eq!(names(&first), names(&moved), "{case}");
         for _ in 0..5 {
             let mut slid = place;
@@ -270,7 +270,9 @@ fn the_deepest_contact_is_as_deep_as_the_shapes() {
             _ => rng.uniform(-2.0, 2.0),
         });
         let (a, b) = (a.at(Pose::IDENTITY).unwrap(), b.at(Pose::new(linear, at).unwrap()).unwrap());
-        let (Some(depth), contacts) = (shapes::penetration(&a, &b), shapes::contacts(&a, &b)) else { continue };
+        let (Some(depth), contacts) = (query::penetration(&a, &b), query::contacts(&a, &b)) else {
+            continue;
+        };
         let deepest = contacts.iter().flat_map(|manifold| &manifold.points).map(|point| point.upper);
         let deepest = deepest.fold(f64::NEG_INFINITY, f64::max);
         let is_along = |k: usize| (depth.point_a[k] - depth.point_b[k] - depth.normal[k] * depth.upper).abs() < 2e-3;

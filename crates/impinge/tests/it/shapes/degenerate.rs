@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use impinge::hull::Hull;
 use impinge::input::InputErrorKind;
-use impinge::query::shapes::{self, Proximity};
+use impinge::query::{self, Proximity};
 use impinge::shape::{PlacedShape, Shape};
 use impinge::{InputError, Pose};
 
@@ -18,7 +18,7 @@ fn at(shape: Result<Shape, InputError>, translation: [f64; 3]) -> PlacedShape {
 
 /// What holds of the depth of any two shapes that meet.
 fn depth(a: &PlacedShape, b: &PlacedShape) -> [f64; 2] {
-    let found = shapes::penetration(a, b).expect("they meet");
+    let found = query::penetration(a, b).expect("they meet");
     assert!((found.normal.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-14, "{found:?}");
     assert!(0.0 <= found.lower && found.lower <= found.upper && found.upper.is_finite(), "{found:?}");
     assert!(found.point_a.iter().chain(&found.point_b).all(|x| x.is_finite()), "{found:?}");
@@ -28,14 +28,14 @@ fn depth(a: &PlacedShape, b: &PlacedShape) -> [f64; 2] {
 #[test]
 fn n25_no_radius_is_legal() {
     let point = here(Shape::sphere([0.0; 3], 0.0));
-    assert_eq!(shapes::proximity(&point, &point), Proximity::Meets);
-    assert_eq!(shapes::distance(&point, &point).upper, 0.0);
+    assert_eq!(query::proximity(&point, &point), Proximity::Meets);
+    assert_eq!(query::distance(&point, &point).upper, 0.0);
     assert!(depth(&point, &point)[1] < 1e-15);
     let pill = here(Shape::capsule([1.0; 3], [1.0; 3], 0.0));
-    let found = shapes::distance(&point, &pill);
+    let found = query::distance(&point, &pill);
     assert!(found.lower <= 3_f64.sqrt() && 3_f64.sqrt() <= found.upper && found.upper - found.lower < 1e-12);
     let line = here(Shape::cylinder(1.0, 0.0));
-    assert!(!shapes::intersects(&line, &at(Shape::cone(0.0, 0.5), [0.0, 0.0, 2.0])));
+    assert!(!query::intersects(&line, &at(Shape::cone(0.0, 0.5), [0.0, 0.0, 2.0])));
     let disc = here(Shape::ellipsoid([0.0, 1.0, 2.0]));
     assert!(depth(&disc, &line)[1] < 1e-9);
     let nothing = here(Shape::ellipsoid([0.0; 3]));
@@ -78,15 +78,15 @@ fn n19_nearly_rigid_maps_leave_touching_open() {
     let a = ball.at(nearly).unwrap();
     for (x, wanted) in [(1.99, Proximity::Meets), (2.0, Proximity::Undecided), (2.01, Proximity::Apart)] {
         let b = ball.at(Pose::from_translation([0.0, x, 0.0]).unwrap()).unwrap();
-        assert_eq!(shapes::proximity(&a, &b), wanted, "{x}");
-        assert_eq!(shapes::distance(&a, &b).distance() == 0.0, wanted != Proximity::Apart, "{x}");
+        assert_eq!(query::proximity(&a, &b), wanted, "{x}");
+        assert_eq!(query::distance(&a, &b).distance() == 0.0, wanted != Proximity::Apart, "{x}");
     }
     let exactly = ball.at(Pose::IDENTITY).unwrap();
     let touching = ball.at(Pose::from_translation([0.0, 2.0, 0.0]).unwrap()).unwrap();
-    assert_eq!(shapes::proximity(&exactly, &touching), Proximity::Meets);
+    assert_eq!(query::proximity(&exactly, &touching), Proximity::Meets);
     let apart = ball.at(Pose::from_translation([0.0, 2_f64.next_up(), 0.0]).unwrap()).unwrap();
-    assert_eq!(shapes::proximity(&exactly, &apart), Proximity::Apart);
-    assert!(shapes::distance(&exactly, &apart).distance() > 0.0);
+    assert_eq!(query::proximity(&exactly, &apart), Proximity::Apart);
+    assert!(query::distance(&exactly, &apart).distance() > 0.0);
 }
 
 /// Round shapes that stand alike have tied extremes, and the origin on the border of the first differences: that they are deep in
@@ -106,8 +106,8 @@ fn n20_round_shapes_that_stand_alike_certainly_meet() {
             for z in [0.0, 0.0625] {
                 let pose = Pose::from_translation([x, y, z]).unwrap();
                 let (a, b) = (a.at(Pose::IDENTITY).unwrap(), b.at(pose).unwrap());
-                assert_eq!(shapes::proximity(&a, &b), Proximity::Meets, "{a:?} {b:?}");
-                assert_eq!((shapes::distance(&a, &b).lower, shapes::distance(&a, &b).upper), (0.0, 0.0));
+                assert_eq!(query::proximity(&a, &b), Proximity::Meets, "{a:?} {b:?}");
+                assert_eq!((query::distance(&a, &b).lower, query::distance(&a, &b).upper), (0.0, 0.0));
                 asked += 1;
             }
         }
@@ -117,7 +117,7 @@ fn n20_round_shapes_that_stand_alike_certainly_meet() {
     let drum = &shapes[0];
     for (x, wanted) in [(1.999, Proximity::Meets), (2.0, Proximity::Undecided), (2.001, Proximity::Apart)] {
         let b = drum.at(Pose::from_translation([x, 0.0, 0.0]).unwrap()).unwrap();
-        assert_eq!(shapes::proximity(&drum.at(Pose::IDENTITY).unwrap(), &b), wanted, "{x}");
+        assert_eq!(query::proximity(&drum.at(Pose::IDENTITY).unwrap(), &b), wanted, "{x}");
     }
 }
 
@@ -137,7 +137,7 @@ fn n22_n23_flat_and_pointlike_polytopes_have_depths() {
     ];
     for (i, a) in flat.iter().enumerate() {
         for (j, b) in flat.iter().enumerate() {
-            assert_eq!(shapes::proximity(a, b), Proximity::Meets, "{i} {j}");
+            assert_eq!(query::proximity(a, b), Proximity::Meets, "{i} {j}");
             let found = depth(a, b);
             assert!(found[1] - found[0] < 1e-13, "{i} {j} {found:?}");
             // In one plane, or points and segments: no interiors of solids meet, and the least push is none.
@@ -171,20 +171,20 @@ fn n2_n3_n7_sizes_are_relative() {
         let size = 2_f64.powi(exponent.max(-1020)) * if exponent < -1020 { 2_f64.powi(exponent + 1020) } else { 1.0 };
         let unit = Shape::cuboid([size; 3]);
         let (a, touching) = (here(unit.clone()), at(unit.clone(), [2.0 * size, 0.0, 0.0]));
-        assert!(shapes::intersects(&a, &touching), "{exponent}");
+        assert!(query::intersects(&a, &touching), "{exponent}");
         let apart = at(unit.clone(), [3.0 * size, 0.0, 0.0]);
-        let found = shapes::distance(&a, &apart);
-        assert!(!shapes::intersects(&a, &apart) && found.lower <= size && size <= found.upper, "{exponent} {found:?}");
+        let found = query::distance(&a, &apart);
+        assert!(!query::intersects(&a, &apart) && found.lower <= size && size <= found.upper, "{exponent} {found:?}");
         let inside = at(unit, [size, 0.0, 0.0]);
         let [lower, upper] = depth(&a, &inside);
         assert!(lower <= size && size <= upper && upper > 0.0, "{exponent} {lower:e} {upper:e}");
     }
     let plate = here(Shape::cuboid([1e6, 1e6, 1.0]));
     let screw = at(Shape::cylinder(1e-3, 1e-4), [5e5, -7e5, 1.0 + 2e-3]);
-    let found = shapes::distance(&plate, &screw);
+    let found = query::distance(&plate, &screw);
     assert!(found.lower > 0.0 && (found.upper - 1e-3).abs() < 1e-7, "{found:?}");
     let far = at(Shape::sphere([0.0; 3], 1.0), [1e90, 0.0, -1e90]);
-    assert!(shapes::distance(&plate, &far).lower > 1e90);
+    assert!(query::distance(&plate, &far).lower > 1e90);
 }
 
 /// Capsules in cylinders, whose polytopes are tangled by rounding where the way out is along both: they are given up for what is proved.
@@ -204,7 +204,7 @@ fn tangled_polytopes_are_given_up() {
         let pose = Pose::from_axis_angle(axis, angle, [0.75 * next(), 0.75 * next(), 0.75 * next()]).unwrap();
         let cylinder = cylinder.at(pose).unwrap();
         for other in [&capsule, &sphere] {
-            let Some(depth) = shapes::penetration(other, &cylinder) else { continue };
+            let Some(depth) = query::penetration(other, &cylinder) else { continue };
             assert!(depth.lower <= depth.upper && depth.upper - depth.lower < 1e-6, "{depth:?}");
             meeting += 1;
         }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use dashu_ratio::RBig;
 use impinge::Pose;
 use impinge::hull::Hull;
-use impinge::query::shapes::{self, Proximity};
+use impinge::query::{self, Proximity};
 use impinge::shape::Shape;
 use impinge_testkit::Affine;
 use impinge_testkit::generate::{Rng, poses};
@@ -86,21 +86,23 @@ fn judge(rng: &mut Rng, gap: f64, seen: &mut Seen) {
     });
     let meets = truth == RBig::ZERO;
     let context = || format!("{points:?} {places:?}");
-    assert_eq!(shapes::intersects(&a, &b), meets, "{}", context());
-    assert_ne!(shapes::proximity(&a, &b), Proximity::Undecided);
-    let found = shapes::distance(&a, &b);
+    assert_eq!(query::intersects(&a, &b), meets, "{}", context());
+    assert_ne!(query::proximity(&a, &b), Proximity::Undecided);
+    let found = query::distance(&a, &b);
     assert_eq!(found.distance() == 0.0, meets, "{}", context());
     assert_eq!(found.upper == 0.0, meets, "{}", context());
     let square = |x: f64| rational(x) * rational(x);
     assert!(square(found.lower) <= truth && truth <= square(found.upper), "{found:?} {}", context());
     assert!(found.upper - found.lower <= found.upper * 2_f64.powi(-36) || found.upper < 1e-150, "{found:?}");
-    assert!(shapes::within(&a, &b, found.upper) && (meets || !shapes::within(&a, &b, found.lower.next_down())));
+    assert!(query::within(&a, &b, found.upper) && (meets || !query::within(&a, &b, found.lower.next_down())));
     // The witnesses are as far apart as they should be, up to their rounding to the world.
-    let apart = (0..3).map(|k| (found.point_a[k] - found.point_b[k]).powi(2)).sum::<f64>().sqrt();
+    let nearest = found.points().expect("shapes have nearest points");
+    let apart = (0..3).map(|k| (nearest[0][k] - nearest[1][k]).powi(2)).sum::<f64>().sqrt();
     assert!(meets || (apart - found.upper).abs() < 1e-12, "{found:?} {apart}");
-    let back = shapes::distance(&b, &a);
-    assert_eq!((found.lower, found.upper, found.point_a), (back.lower, back.upper, back.point_b), "{}", context());
-    match shapes::penetration(&a, &b) {
+    let back = query::distance(&b, &a);
+    let nearest_back = back.points().expect("shapes have nearest points");
+    assert_eq!((found.lower, found.upper, nearest[0]), (back.lower, back.upper, nearest_back[1]), "{}", context());
+    match query::penetration(&a, &b) {
         None => assert!(!meets),
         Some(depth) => {
             assert!(meets && 0.0 <= depth.lower && depth.lower <= depth.upper, "{depth:?}");
@@ -164,7 +166,7 @@ fn n22_flat_sets_are_left_across_themselves() {
         let place = pose(&if case % 2 == 0 { IDENTITY } else { poses::rotation(&mut rng) });
         let triangle = Shape::triangle([corner, p, q]).unwrap().at(place).unwrap();
         let point = Shape::point(point).unwrap().at(place).unwrap();
-        let depth = shapes::penetration(&triangle, &point).expect("the point is in the triangle");
+        let depth = query::penetration(&triangle, &point).expect("the point is in the triangle");
         assert!(depth.lower == 0.0 && depth.upper < 1e-13, "{case} {edges:?} {depth:?}");
     }
 }
@@ -182,8 +184,8 @@ fn n20_sheared_hulls_are_decided() {
             let hull = Hull::new(&points[i]).expect("points");
             Shape::hull(Arc::new(hull)).at(pose(&places[i])).expect("any map")
         });
-        let found = shapes::distance(&a, &b);
-        assert_eq!(shapes::intersects(&a, &b), truth == RBig::ZERO);
+        let found = query::distance(&a, &b);
+        assert_eq!(query::intersects(&a, &b), truth == RBig::ZERO);
         let square = |x: f64| rational(x) * rational(x);
         assert!(square(found.lower) <= truth && truth <= square(found.upper), "{found:?}");
         meeting += usize::from(truth == RBig::ZERO);
@@ -203,15 +205,15 @@ fn within_exactly_the_distance() {
         let a = Shape::cuboid(half).unwrap().at(Pose::IDENTITY).unwrap();
         let offset: [f64; 3] = std::array::from_fn(|k| 2.0 * half[k] + [x, y, z][k] * scale);
         let b = Shape::cuboid(half).unwrap().at(Pose::from_translation(offset).unwrap()).unwrap();
-        assert!(shapes::within(&a, &b, d * scale) && !shapes::within(&a, &b, (d * scale).next_down()));
-        assert!(!shapes::within(&a, &b, -1.0) && !shapes::within(&a, &b, f64::NAN));
-        assert!(shapes::within(&a, &b, f64::INFINITY));
+        assert!(query::within(&a, &b, d * scale) && !query::within(&a, &b, (d * scale).next_down()));
+        assert!(!query::within(&a, &b, -1.0) && !query::within(&a, &b, f64::NAN));
+        assert!(query::within(&a, &b, f64::INFINITY));
         // So it is of balls, whose radii take from the distance.
         let r = rng.integer(0, 1) as f64 * scale;
         let ball = Shape::sphere([0.0; 3], r).unwrap();
         let pin = Shape::sphere([x * scale, y * scale, z * scale], 0.5 * scale).unwrap();
         let [ball, pin] = [ball, pin].map(|s| s.at(Pose::IDENTITY).unwrap());
         let left = d * scale - r - 0.5 * scale;
-        assert!(shapes::within(&ball, &pin, left) && !shapes::within(&ball, &pin, left.next_down()));
+        assert!(query::within(&ball, &pin, left) && !query::within(&ball, &pin, left.next_down()));
     }
 }

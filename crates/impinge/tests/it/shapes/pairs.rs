@@ -5,7 +5,7 @@
 //! are in the sets bound it from above: where both agree with the answer it is right, however it was found.
 
 use impinge::Pose;
-use impinge::query::shapes::{self, ContactOptions, Proximity};
+use impinge::query::{self, ContactOptions, Penetrates, Proximity, Query};
 use impinge::shape::PlacedShape;
 use impinge_testkit::Affine;
 use impinge_testkit::generate::{Rng, poses};
@@ -74,21 +74,22 @@ fn ask(a: &Placed, b: &Placed) -> bool {
     let directions = directions(a, b);
     let best = directions.iter().map(|n| gap_along(a, b, n)).fold(f64::NEG_INFINITY, f64::max);
     let context = || format!("{:?} {:?} against {:?} {:?}: {best}", a.known, a.place, b.known, b.place);
-    let found = shapes::distance(&a.shape, &b.shape);
-    let proximity = shapes::proximity(&a.shape, &b.shape);
-    let meets = shapes::intersects(&a.shape, &b.shape);
+    let found = query::distance(&a.shape, &b.shape);
+    let proximity = query::proximity(&a.shape, &b.shape);
+    let meets = query::intersects(&a.shape, &b.shape);
     let is_exact = a.known.is_exact() && b.known.is_exact();
     assert!(!is_exact || proximity != Proximity::Undecided, "{}", context());
     assert_eq!(found.proximity, proximity, "{}", context());
     assert!(found.lower <= found.upper && found.upper - found.lower < 1e-9, "{found:?} {}", context());
     assert!(best <= found.upper + 1e-12, "{found:?} {}", context());
-    assert!(shapes::within(&a.shape, &b.shape, found.upper + 1e-9), "{}", context());
-    assert!(meets || !shapes::within(&a.shape, &b.shape, found.lower - 1e-9), "{}", context());
-    let back = shapes::distance(&b.shape, &a.shape);
+    assert!(query::within(&a.shape, &b.shape, found.upper + 1e-9), "{}", context());
+    assert!(meets || !query::within(&a.shape, &b.shape, found.lower - 1e-9), "{}", context());
+    let back = query::distance(&b.shape, &a.shape);
     assert_eq!((found.lower, found.upper, proximity), (back.lower, back.upper, back.proximity), "{}", context());
-    assert!(holds(a, &found.point_a, &directions), "{found:?} {}", context());
-    assert!(holds(b, &found.point_b, &directions), "{found:?} {}", context());
-    let between: [f64; 3] = std::array::from_fn(|k| found.point_b[k] - found.point_a[k]);
+    let [point_a, point_b] = found.points().expect("shapes have nearest points");
+    assert!(holds(a, &point_a, &directions), "{found:?} {}", context());
+    assert!(holds(b, &point_b, &directions), "{found:?} {}", context());
+    let between: [f64; 3] = std::array::from_fn(|k| point_b[k] - point_a[k]);
     let apart = dot(&between, &between).sqrt();
     if !meets {
         assert!((apart - found.upper).abs() < 1e-9, "{found:?} {apart} {}", context());
@@ -96,8 +97,11 @@ fn ask(a: &Placed, b: &Placed) -> bool {
         assert!(gap_along(a, b, &n) >= found.lower - 1e-6, "{found:?} {}", context());
     }
 
-    let (depth, depth_back) = (shapes::penetration(&a.shape, &b.shape), shapes::penetration(&b.shape, &a.shape));
+    let (depth, depth_back) = (query::penetration(&a.shape, &b.shape), query::penetration(&b.shape, &a.shape));
     assert_eq!(depth.is_some(), meets, "{}", context());
+    let penetrates = query::penetrates(&a.shape, &b.shape);
+    assert_eq!(penetrates == Penetrates::Yes, depth.is_some_and(|depth| depth.lower > 0.0), "{}", context());
+    assert!(meets || penetrates == Penetrates::No, "{}", context());
     let (Some(depth), Some(depth_back)) = (depth, depth_back) else { return meets };
     assert_eq!((depth.lower, depth.upper), (depth_back.lower, depth_back.upper), "{}", context());
     assert!((dot(&depth.normal, &depth.normal) - 1.0).abs() < 1e-14, "{depth:?} {}", context());
@@ -115,7 +119,7 @@ fn ask(a: &Placed, b: &Placed) -> bool {
     let mut place = b.place;
     let by = depth.upper + 1e-9;
     place.translation = std::array::from_fn(|k| place.translation[k] + depth.normal[k] * by);
-    assert!(!shapes::intersects(&a.shape, &Placed::new(b.known, place).shape), "{depth:?} {}", context());
+    assert!(!query::intersects(&a.shape, &Placed::new(b.known, place).shape), "{depth:?} {}", context());
     true
 }
 
@@ -147,19 +151,19 @@ fn half_spaces_meet_unless_they_face_each_other() {
     };
     let floor = place([0.0, 0.0, 2.0], 1.0, [0.0; 3]);
     let ceiling = place([0.0, 0.0, -1.0], 0.0, [5.0, 0.0, 3.5]);
-    let apart = shapes::distance(&floor, &ceiling);
+    let apart = query::distance(&floor, &ceiling);
     assert!(apart.lower <= 3.0 && 3.0 <= apart.upper && apart.upper - apart.lower < 1e-12, "{apart:?}");
-    assert!(shapes::within(&floor, &ceiling, 3.0) && !shapes::within(&floor, &ceiling, 3_f64.next_down()));
-    assert!(shapes::penetration(&floor, &ceiling).is_none());
+    assert!(query::within(&floor, &ceiling, 3.0) && !query::within(&floor, &ceiling, 3_f64.next_down()));
+    assert!(query::penetration(&floor, &ceiling).is_none());
     let low = place([0.0, 0.0, -1.0], 0.0, [5.0, 0.0, 0.5]);
-    assert_eq!(shapes::proximity(&floor, &low), Proximity::Meets);
-    assert_eq!(shapes::penetration(&floor, &low).unwrap().upper, 0.0);
+    assert_eq!(query::proximity(&floor, &low), Proximity::Meets);
+    assert_eq!(query::penetration(&floor, &low).unwrap().upper, 0.0);
     let lower = place([0.0, 0.0, -1.0], 0.0, [5.0, 0.0, -0.5]);
-    let depth = shapes::penetration(&lower, &floor).unwrap();
+    let depth = query::penetration(&lower, &floor).unwrap();
     assert!(depth.lower <= 1.0 && 1.0 <= depth.upper && depth.normal == [0.0, 0.0, -1.0], "{depth:?}");
     for other in [place([0.0, 0.0, 1.0], -7.0, [0.0; 3]), place([0.0, 1e-300, 1.0], -7.0, [0.0; 3])] {
-        assert_eq!(shapes::penetration(&floor, &other).unwrap().lower, f64::INFINITY);
-        assert_eq!(shapes::distance(&floor, &other).upper, 0.0);
+        assert_eq!(query::penetration(&floor, &other).unwrap().lower, f64::INFINITY);
+        assert_eq!(query::distance(&floor, &other).upper, 0.0);
     }
 }
 
@@ -179,7 +183,7 @@ fn contacts_of_half_spaces_say_how_deep_they_are() {
         let other = place(normal, [4.0, 0.0, height]);
         let options = ContactOptions { margin: 0.75, ..ContactOptions::default() };
         for (a, b) in [(&floor, &other), (&other, &floor)] {
-            let found = shapes::contacts_with(a, b, &options);
+            let found = Query::new().with_contacts(options).contacts(a, b);
             let [manifold] = &found[..] else { panic!("one manifold is expected, not {found:?}") };
             let [point] = &manifold.points[..] else { panic!("one point is expected, not {found:?}") };
             assert!(point.lower <= lower && upper <= point.upper, "{height}: {point:?}");
@@ -191,8 +195,10 @@ fn contacts_of_half_spaces_say_how_deep_they_are() {
                 assert!((along - lower).abs() < 1e-12, "{height}: {manifold:?}");
             }
         }
-        assert_eq!(shapes::contacts(&floor, &other).len(), usize::from(height <= 0.0 || lower.is_infinite()));
+        assert_eq!(query::contacts(&floor, &other).len(), usize::from(height <= 0.0 || lower.is_infinite()));
     }
     let far = place([0.0, 0.0, -1.0], [0.0, 0.0, 0.8]);
-    assert!(shapes::contacts_with(&floor, &far, &ContactOptions { margin: 0.75, most_points: 4 }).is_empty());
+    assert!(
+        Query::new().with_contacts(ContactOptions { margin: 0.75, most_points: 4 }).contacts(&floor, &far).is_empty()
+    );
 }

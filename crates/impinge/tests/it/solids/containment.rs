@@ -1,29 +1,23 @@
 //! One mesh inside another.
 
-use impinge::query::{self, Contained, Solid, SolidIntersection};
+use impinge::query::{self, Contained, SolidIntersection};
 use impinge::{Mesh, Pose};
 use impinge_testkit::Affine;
 use impinge_testkit::generate::{Rng, poses, solids};
 
-use crate::solids::shapes::{engine, flipped, is_on_surface, moved, pose, solid_angles, soup, sphere, without_faces};
+use crate::solids::shapes::{
+    A, B, BOTH, NEITHER, engine, flipped, is_on_surface, moved, pose, solid_angles, soup, sphere, taken, without_faces,
+};
 
-fn ask(a: (&Mesh, &Affine), b: (&Mesh, &Affine), solid: Solid) -> SolidIntersection {
+fn ask(a: (&Mesh, &Affine), b: (&Mesh, &Affine), solid: [bool; 2]) -> SolidIntersection {
     let (placed_a, placed_b) = (a.0.at(pose(a.1)), b.0.at(pose(b.1)));
-    let answer = query::solid_intersection(placed_a, placed_b, solid);
-    assert_eq!(query::intersects_solid(placed_a, placed_b, solid), answer.intersects);
-    let swapped = query::solid_intersection(placed_b, placed_a, mirror(solid));
+    let answer = query::solid_intersection(taken(placed_a, solid[0]), taken(placed_b, solid[1]));
+    assert_eq!(query::intersects(taken(placed_a, solid[0]), taken(placed_b, solid[1])), answer.intersects);
+    let swapped = query::solid_intersection(taken(placed_b, solid[1]), taken(placed_a, solid[0]));
     assert_eq!((swapped.intersects, swapped.undecided), (answer.intersects, answer.undecided), "swapping");
     assert_eq!(swapped.contained.map(Contained::sides), answer.contained.map(|c| [c.sides()[1], c.sides()[0]]));
     assert_eq!(swapped.open, [answer.open[1], answer.open[0]]);
     answer
-}
-
-fn mirror(solid: Solid) -> Solid {
-    match solid {
-        Solid::A => Solid::B,
-        Solid::B => Solid::A,
-        other => other,
-    }
 }
 
 const HERE: Affine = Affine::IDENTITY;
@@ -33,14 +27,14 @@ fn n17_a_mesh_wholly_inside_another_meets_it_as_a_solid() {
     let (large, small) = (engine(&sphere().scaled(4.0)), engine(&soup(&sphere())));
     let none = SolidIntersection { intersects: false, contained: None, undecided: false, open: [false; 2] };
     let inside = SolidIntersection { intersects: true, contained: Some(Contained::A), ..none };
-    assert_eq!(ask((&small, &HERE), (&large, &HERE), Solid::Neither), none);
-    assert_eq!(ask((&small, &HERE), (&large, &HERE), Solid::A), none);
-    assert_eq!(ask((&small, &HERE), (&large, &HERE), Solid::B), inside);
-    assert_eq!(ask((&small, &HERE), (&large, &HERE), Solid::Both), inside);
+    assert_eq!(ask((&small, &HERE), (&large, &HERE), NEITHER), none);
+    assert_eq!(ask((&small, &HERE), (&large, &HERE), A), none);
+    assert_eq!(ask((&small, &HERE), (&large, &HERE), B), inside);
+    assert_eq!(ask((&small, &HERE), (&large, &HERE), BOTH), inside);
     let beside = Affine::translation([9.0, 0.0, 0.0]);
-    assert_eq!(ask((&small, &beside), (&large, &HERE), Solid::Both), none);
+    assert_eq!(ask((&small, &beside), (&large, &HERE), BOTH), none);
     let across = Affine::translation([4.0, 0.0, 0.0]);
-    let answer = ask((&small, &across), (&large, &HERE), Solid::Both);
+    let answer = ask((&small, &across), (&large, &HERE), BOTH);
     assert_eq!(answer, SolidIntersection { intersects: true, ..none });
 }
 
@@ -53,28 +47,28 @@ fn n17_components_are_asked_one_by_one() {
     let touching = b.clone().joined(&ring(1.0, [-5.0, 0.0, 0.0]));
     let shell = engine(&ring(4.0, [0.0; 3]).joined(&flipped(ring(3.0, [0.0; 3]))));
     let (a, b, touching) = (engine(&a), engine(&b), engine(&touching));
-    assert_eq!(ask((&a, &HERE), (&b, &HERE), Solid::Both).contained, Some(Contained::Both));
-    assert_eq!(ask((&a, &HERE), (&b, &HERE), Solid::A).contained, Some(Contained::B));
-    assert_eq!(ask((&a, &HERE), (&touching, &HERE), Solid::Both).contained, Some(Contained::Both));
+    assert_eq!(ask((&a, &HERE), (&b, &HERE), BOTH).contained, Some(Contained::Both));
+    assert_eq!(ask((&a, &HERE), (&b, &HERE), A).contained, Some(Contained::B));
+    assert_eq!(ask((&a, &HERE), (&touching, &HERE), BOTH).contained, Some(Contained::Both));
     // In the hollow of a shell is not inside it; in its wall is.
     let probe = engine(&ring(0.25, [0.0; 3]));
-    assert_eq!(ask((&probe, &HERE), (&shell, &HERE), Solid::Both).contained, None);
+    assert_eq!(ask((&probe, &HERE), (&shell, &HERE), BOTH).contained, None);
     let in_wall = Affine::translation([0.0, 3.5, 0.0]);
-    assert_eq!(ask((&probe, &in_wall), (&shell, &HERE), Solid::Both).contained, Some(Contained::A));
+    assert_eq!(ask((&probe, &in_wall), (&shell, &HERE), BOTH).contained, Some(Contained::A));
 }
 
 #[test]
 fn n18_open_and_flipped_meshes_have_a_sensible_inside_and_say_so() {
     let open = engine(&without_faces(sphere().scaled(4.0), &[0, 1, 2]));
     let small = engine(&sphere());
-    let answer = ask((&small, &HERE), (&open, &HERE), Solid::Both);
+    let answer = ask((&small, &HERE), (&open, &HERE), BOTH);
     assert_eq!((answer.contained, answer.open, answer.undecided), (Some(Contained::A), [false, true], false));
     let inside_out = engine(&flipped(sphere().scaled(4.0)));
-    assert_eq!(ask((&small, &HERE), (&inside_out, &HERE), Solid::B).contained, Some(Contained::A));
+    assert_eq!(ask((&small, &HERE), (&inside_out, &HERE), B).contained, Some(Contained::A));
     // Just within the opening of a box without its lid, half of all directions are open.
     let lidless = engine(&without_faces(solids::cuboid([0.0; 3], [2.0; 3]), &[2, 3]));
     let point = Mesh::new(impinge::Positions::F64(vec![[0.75, 1.25, 2.0]]), vec![[0, 0, 0]]).expect("a point");
-    let answer = ask((&point, &HERE), (&lidless, &HERE), Solid::B);
+    let answer = ask((&point, &HERE), (&lidless, &HERE), B);
     assert!(answer.undecided && answer.intersects && answer.contained == Some(Contained::A));
 }
 
@@ -93,7 +87,7 @@ fn n20_mirrors_shears_and_rotations_keep_what_is_inside() {
         };
         let offset: [f64; 3] = std::array::from_fn(|_| rng.uniform(-6.0, 6.0));
         let map_b = Affine { translation: std::array::from_fn(|k| map_a.translation[k] + offset[k]), ..map_b };
-        let answer = ask((&large, &map_a), (&small, &map_b), Solid::A);
+        let answer = ask((&large, &map_a), (&small, &map_b), A);
         if !query::intersects(large.at(pose(&map_a)), small.at(pose(&map_b))) {
             // A sphere of radius 4 stays one under maps that turn it; which side the centre is on tells.
             let distance = offset.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -128,7 +122,7 @@ fn n13_n14_posed_points_are_decided_exactly() {
         let seen: [f64; 3] = std::array::from_fn(|_| rng.integer(-1, 9) as f64 / 2.0);
         let local: [f64; 3] = std::array::from_fn(|k| seen[k] - shift[k]);
         let point = Mesh::new(impinge::Positions::F64(vec![local]), vec![[0, 0, 0]]).expect("a point");
-        let answer = ask((&outer, &world_from_outer), (&point, &world_from_point), Solid::A);
+        let answer = ask((&outer, &world_from_outer), (&point, &world_from_point), A);
         let on_surface = is_on_surface(&boxes, seen);
         let inside = !on_surface && solid_angles(&boxes, seen).round() != 0.0;
         assert_eq!(answer.contained, inside.then_some(Contained::B), "case {case}: {seen:?}");
@@ -143,12 +137,12 @@ fn n13_n14_posed_points_are_decided_exactly() {
 fn moving_both_and_scaling_both_change_nothing() {
     let (large, small) = (engine(&sphere().scaled(4.0)), engine(&sphere()));
     let move_both = Pose::from_quaternion_wxyz([1e6, -3.0, 7.0], [0.5, 0.5, -0.5, 0.5]).expect("legal");
-    let answer = query::solid_intersection(large.at(move_both), small.at(move_both), Solid::Both);
+    let answer = query::solid_intersection(taken(large.at(move_both), true), taken(small.at(move_both), true));
     assert_eq!(answer.contained, Some(Contained::B));
     for exponent in [-100, 60, 100] {
         let factor = 2.0_f64.powi(exponent);
         let (large, small) = (engine(&sphere().scaled(4.0 * factor)), engine(&sphere().scaled(factor)));
-        let answer = query::solid_intersection(&large, &small, Solid::Both);
+        let answer = query::solid_intersection(taken(&large, true), taken(&small, true));
         assert_eq!(answer.contained, Some(Contained::B), "2^{exponent}");
     }
 }
@@ -156,6 +150,6 @@ fn moving_both_and_scaling_both_change_nothing() {
 #[test]
 fn n8_nothing_is_inside_of_nothing() {
     let (empty, cube) = (engine(&impinge_testkit::Mesh::default()), engine(&solids::cuboid([0.0; 3], [1.0; 3])));
-    assert!(!ask((&empty, &HERE), (&cube, &HERE), Solid::Both).intersects);
-    assert!(!ask((&empty, &HERE), (&empty, &HERE), Solid::Both).intersects);
+    assert!(!ask((&empty, &HERE), (&cube, &HERE), BOTH).intersects);
+    assert!(!ask((&empty, &HERE), (&empty, &HERE), BOTH).intersects);
 }

@@ -1,15 +1,13 @@
 //! How deep solids are in each other: spheres and boxes, whose depths are known, as ever smaller triangles.
 
-use impinge::mesh::Options;
-use impinge::query::shapes::{self, Penetration};
-use impinge::query::{self, Solid, WitnessCache};
+use impinge::query::{self, Cache, Penetration, Query};
 use impinge::shape::Shape;
 use impinge::{Mesh, Pose};
 use impinge_testkit::generate::solids::{cuboid, icosphere};
 use impinge_testkit::generate::{Rng, poses};
 use impinge_testkit::{Affine, Mesh as Plain};
 
-use crate::solids::shapes::{engine, pose};
+use crate::solids::shapes::{A, B, BOTH, NEITHER, engine, pose, taken};
 
 fn at(translation: [f64; 3]) -> Pose {
     Pose::from_translation(translation).expect("in range")
@@ -24,8 +22,8 @@ fn ask(a: &Mesh, b: &Mesh, place: &Affine) -> Penetration {
     let depth = query::penetration(a, b.at(pose(place))).expect("they meet");
     assert!(0.0 <= depth.lower && depth.lower <= depth.upper && depth.upper.is_finite(), "{depth:?}");
     let along = |by: f64| b.at(moved(place, depth.normal.map(|n| n * by)));
-    assert!(!query::intersects_solid(a, along(depth.upper * (1.0 + 1e-9)), Solid::Both), "{depth:?}");
-    assert!(depth.lower == 0.0 || query::intersects_solid(a, along(depth.lower * (1.0 - 1e-9)), Solid::Both));
+    assert!(!query::intersects(taken(a, true), taken(along(depth.upper * (1.0 + 1e-9)), true)), "{depth:?}");
+    assert!(depth.lower == 0.0 || query::intersects(taken(a, true), taken(along(depth.lower * (1.0 - 1e-9)), true)));
     let back = query::penetration(b.at(pose(place)), a).expect("they meet");
     assert_eq!((depth.lower, depth.upper, depth.normal), (back.lower, back.upper, back.normal.map(|n| 0.0 - n)));
     depth
@@ -68,7 +66,7 @@ fn boxes_are_as_deep_as_in_closed_form() {
     for case in 0..40 {
         let mut place = if case % 4 == 0 { Affine::IDENTITY } else { poses::rotation(&mut rng) };
         place.translation = [0.25 + 0.5 * rng.unit(), 0.25 * rng.uniform(-1.0, 1.0), 0.25 * rng.uniform(-1.0, 1.0)];
-        let truth = shapes::penetration(&plain.at(Pose::IDENTITY).unwrap(), &plain.at(pose(&place)).unwrap());
+        let truth = query::penetration(&plain.at(Pose::IDENTITY).unwrap(), &plain.at(pose(&place)).unwrap());
         let truth = truth.expect("they overlap");
         let depth = ask(&mesh, &mesh, &place);
         assert!(depth.lower <= truth.upper && truth.lower <= depth.upper, "{depth:?} {truth:?}");
@@ -119,29 +117,33 @@ fn meshes_apart_have_no_depth_and_touching_ones_none_but_zero() {
 #[test]
 fn distances_of_solids_are_zero_inside() {
     let (large, small) = (engine(&icosphere(2)), engine(&cuboid([-0.1; 3], [0.1; 3])));
-    let sides = [(Solid::Neither, false), (Solid::A, true), (Solid::B, false), (Solid::Both, true)];
+    let sides = [(NEITHER, false), (A, true), (B, false), (BOTH, true)];
     for (solid, holds) in sides {
-        let nested = query::distance_of_solids(&large, &small, solid);
+        let nested = query::distance(taken(&large, solid[0]), taken(&small, solid[1]));
         assert_eq!(nested.upper == 0.0, holds);
-        assert_eq!(query::intersects_solid(&large, &small, solid), holds);
+        assert_eq!(query::intersects(taken(&large, solid[0]), taken(&small, solid[1])), holds);
         assert_eq!(nested.witness.is_none(), holds);
         let apart = small.at(at([3.0, 0.0, 0.0]));
-        assert_eq!(query::distance_of_solids(&large, apart, solid), query::distance(&large, apart));
+        assert_eq!(query::distance(taken(&large, solid[0]), taken(apart, solid[1])), query::distance(&large, apart));
         let through = small.at(at([1.0, 0.0, 0.0]));
-        assert!(query::distance_of_solids(&large, through, solid).witness.is_some());
+        assert!(query::distance(taken(&large, solid[0]), taken(through, solid[1])).witness.is_some());
         // Whatever was nearest last.
-        let (mut cache, options) = (WitnessCache::default(), Options::default());
+        let mut cache = Cache::default();
         for there in [(&small).into(), apart, through, (&small).into()] {
-            let found = query::distance_of_solids_with(&large, there, solid, &mut cache, &options);
-            assert_eq!(found, query::distance_of_solids(&large, there, solid));
+            let found = Query::new().with_cache(&mut cache).distance(taken(&large, solid[0]), taken(there, solid[1]));
+            assert_eq!(found, query::distance(taken(&large, solid[0]), taken(there, solid[1])));
             for clearance in [0.0, 0.5, 2.0] {
-                let near = query::within_of_solids_with(&large, there, clearance, solid, &mut cache, &options);
-                assert_eq!(near, query::within_of_solids(&large, there, clearance, solid));
+                let near = Query::new().with_cache(&mut cache).within(
+                    taken(&large, solid[0]),
+                    taken(there, solid[1]),
+                    clearance,
+                );
+                assert_eq!(near, query::within(taken(&large, solid[0]), taken(there, solid[1]), clearance));
                 assert_eq!(near, found.upper <= clearance, "{found:?} {clearance}");
             }
         }
-        assert!(!query::within_of_solids(&large, &small, f64::NAN, solid));
-        assert!(!query::within_of_solids(&large, &small, -0.5, solid));
+        assert!(!query::within(taken(&large, solid[0]), taken(&small, solid[1]), f64::NAN));
+        assert!(!query::within(taken(&large, solid[0]), taken(&small, solid[1]), -0.5));
     }
 }
 

@@ -2,14 +2,14 @@
 //! about solids.
 
 use impinge::mesh::Containment;
-use impinge::query::{self, Solid};
+use impinge::query;
 use impinge::{Mesh, Pose};
 use impinge_testkit::generate::bricks::{self, Cut, Scene};
 use impinge_testkit::generate::solids::cuboid;
 use impinge_testkit::generate::{Rng, poses};
 use impinge_testkit::{Affine, Mesh as Plain, rounds};
 
-use crate::solids::shapes::{engine, moved, pose, sphere, without_faces};
+use crate::solids::shapes::{A, B, BOTH, NEITHER, engine, moved, pose, sphere, taken, without_faces};
 
 /// All that the verbs about two solids answer, but for where: witnesses and normals may be any of
 /// those that tie.
@@ -17,26 +17,25 @@ use crate::solids::shapes::{engine, moved, pose, sphere, without_faces};
 struct Answers {
     penetrates: query::Penetrates,
     intersections: [query::SolidIntersection; 4],
-    /// Only for surfaces that are apart, as it is a question about these.
-    nested: Option<[query::shapes::Proximity; 4]>,
+    proximity: [query::Proximity; 4],
     are_at_distance_zero: [bool; 4],
     within: [bool; 8],
 }
 
 fn ask(a: &Mesh, b: &Mesh, place: Pose) -> Answers {
     let b = b.at(place);
-    let solids = [Solid::Neither, Solid::A, Solid::B, Solid::Both];
-    let within =
-        [0, 1, 2, 3, 4, 5, 6, 7].map(|i| query::within_of_solids(a, b, if i < 4 { 0.0 } else { 0.75 }, solids[i % 4]));
-    let intersections = solids.map(|solid| query::solid_intersection(a, b, solid));
+    let solids = [NEITHER, A, B, BOTH];
+    let within = [0, 1, 2, 3, 4, 5, 6, 7]
+        .map(|i| query::within(taken(a, solids[i % 4][0]), taken(b, solids[i % 4][1]), if i < 4 { 0.0 } else { 0.75 }));
+    let intersections = solids.map(|solid| query::solid_intersection(taken(a, solid[0]), taken(b, solid[1])));
     for (solid, found) in solids.into_iter().zip(&intersections) {
-        assert_eq!(query::intersects_solid(a, b, solid), found.intersects);
+        assert_eq!(query::intersects(taken(a, solid[0]), taken(b, solid[1])), found.intersects);
     }
     Answers {
         penetrates: query::penetrates(a, b),
         intersections,
-        nested: (!query::intersects(a, b)).then(|| solids.map(|solid| query::nested(a, b, solid))),
-        are_at_distance_zero: solids.map(|solid| query::distance_of_solids(a, b, solid).upper == 0.0),
+        proximity: solids.map(|solid| query::proximity(taken(a, solid[0]), taken(b, solid[1]))),
+        are_at_distance_zero: solids.map(|solid| query::distance(taken(a, solid[0]), taken(b, solid[1])).upper == 0.0),
         within,
     }
 }
@@ -45,7 +44,7 @@ fn ask(a: &Mesh, b: &Mesh, place: Pose) -> Answers {
 /// begin at another of several nearest places, follow the order.
 fn assert_intervals_agree(ours: [&Mesh; 2], again: [&Mesh; 2], place: Pose) {
     let overlap = |x: [f64; 2], y: [f64; 2]| assert!(x[0] <= y[1] && y[0] <= x[1], "{x:?} {y:?}");
-    let [x, y] = [ours, again].map(|[a, b]| query::distance_of_solids(a, b.at(place), Solid::Both));
+    let [x, y] = [ours, again].map(|[a, b]| query::distance(taken(a, true), taken(b.at(place), true)));
     overlap([x.lower, x.upper], [y.lower, y.upper]);
     match [ours, again].map(|[a, b]| query::penetration(a, b.at(place))) {
         [None, None] => {}
@@ -133,7 +132,7 @@ fn which_point_an_open_mesh_is_asked_about_does_not_follow_the_order() {
     let answers = |rod: Plain| {
         let rod = engine(&rod);
         assert!(!query::intersects(&open, &rod));
-        (query::penetrates(&open, &rod), query::solid_intersection(&open, &rod, Solid::Both))
+        (query::penetrates(&open, &rod), query::solid_intersection(taken(&open, true), taken(&rod, true)))
     };
     let expected = answers(rod.clone());
     for _ in 0..40 {

@@ -1,5 +1,6 @@
 //! Meshes for these tests, and independent answers about them.
 
+use impinge::mesh::PlacedMesh;
 use impinge::{Mesh, Pose, Positions};
 use impinge_testkit::oracle::triangles_meet;
 use impinge_testkit::{Affine, generate::solids};
@@ -73,4 +74,15 @@ pub(crate) fn is_on_surface(mesh: &impinge_testkit::Mesh, p: [f64; 3]) -> bool {
         let beyond = |k: usize| corners.iter().all(|c| c[k] < p[k]) || corners.iter().all(|c| c[k] > p[k]);
         !(0..3).any(beyond) && triangles_meet(&corners, &identity, &[p; 3], &identity)
     })
+}
+
+/// Which of two meshes are solid.
+pub(crate) const NEITHER: [bool; 2] = [false; 2];
+pub(crate) const A: [bool; 2] = [true, false];
+pub(crate) const B: [bool; 2] = [false, true];
+pub(crate) const BOTH: [bool; 2] = [true; 2];
+
+/// A mesh as its surface or as a solid.
+pub(crate) fn taken<'a>(placed: impl Into<PlacedMesh<'a>>, is_solid: bool) -> PlacedMesh<'a> {
+    PlacedMesh { is_solid, ..placed.into() }
 }

@@ -37,30 +37,31 @@ fn assert_time(impact: Impact, truth: f64, width: f64) {
 #[test]
 fn cubes_that_pass_through_each_other_are_found() {
     let (a, b) = (moving([0.0, 0.0, 4.0], [0.0, 0.0, -4.0]), moving([0.0, 0.0, -4.0], [0.0, 0.0, 4.0]));
-    assert_time(time_of_impact(&cube(1.0), &cube(1.0), &a, &b), 0.375, 1e-9);
+    assert_time(time_of_impact(&cube(1.0), &cube(1.0), &a, &b).unwrap(), 0.375, 1e-9);
     // A bullet through a thin plate, a hundred times its thickness a frame.
     let plate = mesh(&solids::cuboid([-1.0, -1.0, -0.01], [1.0, 1.0, 0.01]));
     let shot = moving([0.1, 0.2, 500.0], [0.1, 0.2, -500.0]);
-    assert_time(time_of_impact(&plate, &cube(0.01), &Motion::default(), &shot), 0.499_98, 1e-9);
+    assert_time(time_of_impact(&plate, &cube(0.01), &Motion::default(), &shot).unwrap(), 0.499_98, 1e-9);
 }
 
 #[test]
 fn n26_what_touches_at_the_start_or_the_end_is_found() {
     let rest = Motion::default();
     let now = Impact { t_lower: 0.0, t_upper: 0.0 };
-    assert_eq!(time_of_impact(&cube(1.0), &cube(1.0), &rest, &moving([2.0, 0.0, 0.0], [9.0, 0.0, 0.0])), now);
-    assert_eq!(time_of_impact(&cube(1.0), &cube(1.0), &rest, &Motion::resting(at([1.5, 0.0, 0.0]))), now);
-    let end = time_of_impact(&cube(1.0), &cube(1.0), &rest, &moving([5.0, 0.3, 0.0], [2.0, 0.3, 0.0]));
+    assert_eq!(time_of_impact(&cube(1.0), &cube(1.0), &rest, &moving([2.0, 0.0, 0.0], [9.0, 0.0, 0.0])).unwrap(), now);
+    assert_eq!(time_of_impact(&cube(1.0), &cube(1.0), &rest, &Motion::resting(at([1.5, 0.0, 0.0]))).unwrap(), now);
+    let end = time_of_impact(&cube(1.0), &cube(1.0), &rest, &moving([5.0, 0.3, 0.0], [2.0, 0.3, 0.0])).unwrap();
     assert_time(end, 1.0, 1e-9);
     // None: away, short of it, in step, beside it, at rest.
-    let never = |a: &Motion, b: &Motion| assert_eq!(time_of_impact(&cube(1.0), &cube(1.0), a, b), Impact::NEVER);
+    let never =
+        |a: &Motion, b: &Motion| assert_eq!(time_of_impact(&cube(1.0), &cube(1.0), a, b).unwrap(), Impact::NEVER);
     never(&rest, &moving([2.5, 0.0, 0.0], [5.0, 0.0, 0.0]));
     never(&rest, &moving([5.0, 0.0, 0.0], [2.000_001, 0.0, 0.0]));
     never(&moving([0.0; 3], [0.0, 9.0, 0.0]), &moving([2.1, 0.0, 0.0], [2.1, 9.0, 0.0]));
     never(&rest, &moving([2.01, -5.0, 0.0], [2.01, 5.0, 0.0]));
     never(&rest, &Motion::resting(at([2.0_f64.next_up(), 0.0, 0.0])));
     let empty = Mesh::new(Positions::F64(vec![]), vec![]).expect("legal");
-    assert_eq!(time_of_impact(&empty, &cube(1.0), &rest, &rest), Impact::NEVER);
+    assert_eq!(time_of_impact(&empty, &cube(1.0), &rest, &rest).unwrap(), Impact::NEVER);
 }
 
 /// A rod that turns about one of its ends against a rod across its plane.
@@ -70,11 +71,11 @@ fn n26_turning_rods_meet_at_the_angle_between_them() {
     for (angle, full) in [(0.3, FRAC_PI_2), (1.4, FRAC_PI_2), (2.9, PI), (4.5, 5.5), (6.0, 20.0)] {
         let post = segment([cos(angle), sin(angle), -1.0], [cos(angle), sin(angle), 1.0]);
         let spin = Motion::screw(Pose::IDENTITY, [0.0; 3], [0.0, 0.0, full], None).expect("rigid");
-        let impact = time_of_impact(&rod, &post, &spin, &Motion::default());
+        let impact = time_of_impact(&rod, &post, &spin, &Motion::default()).unwrap();
         // Lines that cross at one time alone: no pose at which they intersect need exist in floats.
         assert!(impact.t_lower <= angle / full && impact.t_lower > angle / full - 1e-6, "{angle} {full} {impact:?}");
         let short = Motion::screw(Pose::IDENTITY, [0.0; 3], [0.0, 0.0, angle - 1e-3], None).expect("rigid");
-        assert_eq!(time_of_impact(&rod, &post, &short, &Motion::default()), Impact::NEVER);
+        assert_eq!(time_of_impact(&rod, &post, &short, &Motion::default()).unwrap(), Impact::NEVER);
     }
 }
 
@@ -86,8 +87,8 @@ fn n26_a_spin_in_place_is_found() {
     let wall = mesh(&solids::cuboid([1.2, -3.0, -1.0], [2.0, 3.0, 1.0]));
     let spin = Motion::screw(Pose::IDENTITY, [0.0; 3], [0.0, 0.0, 1.5], None).expect("rigid");
     let truth = (PI / 4.0 - (1.2 / 2.0_f64.sqrt()).acos()) / 1.5;
-    assert_time(time_of_impact(&plate, &wall, &spin, &Motion::default()), truth, 1e-8);
-    assert_time(time_of_impact(&wall, &plate, &Motion::default(), &spin), truth, 1e-8);
+    assert_time(time_of_impact(&plate, &wall, &spin, &Motion::default()).unwrap(), truth, 1e-8);
+    assert_time(time_of_impact(&wall, &plate, &Motion::default(), &spin).unwrap(), truth, 1e-8);
 }
 
 #[test]
@@ -152,7 +153,7 @@ fn random_motions_are_clear_until_they_hit() {
         let (start, velocity) = (at(place), [0, 1, 2].map(|k| noise[k] - 1.2 * place[k]));
         let motion_a = Motion::screw(start, velocity, spin, Some(pivot)).expect("rigid");
         let motion_b = Motion::screw(Pose::IDENTITY, vector(1.0), vector(3.0), None).expect("rigid");
-        let impact = time_of_impact(&a, &b, &motion_a, &motion_b);
+        let impact = time_of_impact(&a, &b, &motion_a, &motion_b).unwrap();
         let meet = |t: f64| query::intersects(a.at(motion_a.at(t)), b.at(motion_b.at(t)));
         let clear_until = if impact.hit() { impact.t_lower } else { 1.0 };
         assert!((0..200).all(|k| !meet(f64::from(k) / 200.0 * clear_until)) || clear_until == 0.0, "{impact:?}");

@@ -1,7 +1,7 @@
 //! Shapes that move, against closed forms and against meshes of the same form.
 
 use impinge::shape::Shape;
-use impinge::sweep::{Impact, Motion, time_of_impact, time_of_impact_of_shapes};
+use impinge::sweep::{Impact, Motion, time_of_impact};
 use impinge::{Mesh, Pose, Positions};
 use impinge_testkit::generate::{Rng, poses, solids};
 
@@ -22,16 +22,16 @@ fn falling_shapes_land_when_they_should() {
         (Shape::ellipsoid([1.0, 2.0, 3.0]).unwrap(), 3.0),
     ] {
         let truth = (4.0 - lowest) / 8.0;
-        let impact = time_of_impact_of_shapes(&shape, &floor, &fall, &Motion::default()).unwrap();
+        let impact = time_of_impact(&shape, &floor, &fall, &Motion::default()).unwrap();
         assert!(impact.t_lower <= truth && truth - 1e-9 < impact.t_lower, "{shape:?} {impact:?}");
         assert!(impact.t_upper < truth + 1e-6, "{shape:?} {impact:?}");
         let away = moving([0.0, 0.0, 4.0], [9.0, 0.0, 4.0]);
-        assert_eq!(time_of_impact_of_shapes(&shape, &floor, &away, &Motion::default()).unwrap(), Impact::NEVER);
+        assert_eq!(time_of_impact(&shape, &floor, &away, &Motion::default()).unwrap(), Impact::NEVER);
     }
     // A floor that turns is left open.
     let turning = Motion::screw(Pose::IDENTITY, [0.0; 3], [0.0, 0.1, 0.0], None).unwrap();
     let ball = Shape::sphere([0.0; 3], 1.0).unwrap();
-    let open = time_of_impact_of_shapes(&ball, &floor, &fall, &turning).unwrap();
+    let open = time_of_impact(&ball, &floor, &fall, &turning).unwrap();
     assert_eq!((open.t_lower, open.is_decided()), (0.0, false));
 }
 
@@ -53,10 +53,10 @@ fn boxes_touch_when_their_meshes_do() {
             Motion::between(place(&mut rng), place(&mut rng)).unwrap()
         };
         let (motion_a, motion_b) = (motion(), motion());
-        let truth = time_of_impact(&mesh, &mesh, &motion_a, &motion_b);
+        let truth = time_of_impact(&mesh, &mesh, &motion_a, &motion_b).unwrap();
         for a in &kinds {
             for b in &kinds {
-                let found = time_of_impact_of_shapes(a, b, &motion_a, &motion_b).unwrap();
+                let found = time_of_impact(a, b, &motion_a, &motion_b).unwrap();
                 assert_eq!(found.hit(), truth.hit(), "{found:?} {truth:?}");
                 assert!(!found.hit() || (found.t_lower - truth.t_lower).abs() < 1e-8, "{found:?} {truth:?}");
             }
@@ -67,8 +67,8 @@ fn boxes_touch_when_their_meshes_do() {
     assert!(hits > 4 && misses > 2, "{hits} {misses}");
     let small = Shape::sphere([0.0; 3], 0.125).unwrap();
     let way = moving([0.0; 3], [0.0, 0.0, 9.0]);
-    let now = time_of_impact_of_shapes(&small, &kinds[2], &way, &Motion::default()).unwrap();
+    let now = time_of_impact(&small, &kinds[2], &way, &Motion::default()).unwrap();
     assert_eq!(now, Impact { t_lower: 0.0, t_upper: 0.0 });
-    let later = time_of_impact_of_shapes(&small, &kinds[1], &way, &Motion::default()).unwrap();
+    let later = time_of_impact(&small, &kinds[1], &way, &Motion::default()).unwrap();
     assert!(later.t_lower <= 0.875 / 9.0 && later.t_lower > 0.875 / 9.0 - 1e-9, "{later:?}");
 }

@@ -2,7 +2,7 @@
 //! contradicts itself is refused.
 
 use impinge::Pose;
-use impinge::query::shapes::Proximity;
+use impinge::query::Proximity;
 use impinge::shape::Shape;
 use impinge::world::{Body, BodyId, Change, Kind, NarrowPhase, Options, Record, RecordFlaw, Snapshot, Traits, World};
 use impinge_testkit::generate::Rng;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use impinge::hull::Hull;
-use impinge::query::{self, shapes};
+use impinge::query;
 use impinge::shape::Shape;
 use impinge::volume::MinMax;
 use impinge::world::{Body, BodyId, BroadPhase, NarrowPhase, Options, Realignment, World};
@@ -102,7 +102,7 @@ fn shapes_meet_as_they_do_one_by_one() {
                         let pair = world.pair(ids[a], ids[b]).unwrap();
                         assert_eq!(
                             pair.map(|pair| pair.proximity),
-                            Some(shapes::proximity(&placed[a], &placed[b])).filter(|p| *p != shapes::Proximity::Apart),
+                            Some(query::proximity(&placed[a], &placed[b])).filter(|p| *p != query::Proximity::Apart),
                             "{way:?} {a} {b}"
                         );
                         met += u32::from(pair.is_some());
@@ -129,7 +129,7 @@ fn contacts_are_those_of_the_shapes() {
     };
     let mut points = 0;
     for pair in world.pairs() {
-        assert_eq!(pair.manifolds, shapes::contacts(&placed(pair.key.a), &placed(pair.key.b)));
+        assert_eq!(pair.manifolds, query::contacts(&placed(pair.key.a), &placed(pair.key.b)));
         points += pair.manifolds.iter().map(|manifold| manifold.points.len()).sum::<usize>();
     }
     assert!(points > 50, "{points}");
@@ -156,11 +156,11 @@ fn meshes_meet_as_they_do_one_by_one() {
             world.step(&moves).unwrap();
             for a in 0..ids.len() {
                 for b in a + 1..ids.len() {
-                    let [at_a, at_b] = [a, b].map(|i| mesh.at(*world.pose(ids[i]).unwrap()));
+                    let place = |i: usize| *world.pose(ids[i]).unwrap();
                     let expected = if solid {
-                        query::intersects_solid(at_a, at_b, query::Solid::Both)
+                        query::intersects(mesh.solid().at(place(a)), mesh.solid().at(place(b)))
                     } else {
-                        query::intersects(at_a, at_b)
+                        query::intersects(mesh.at(place(a)), mesh.at(place(b)))
                     };
                     assert_eq!(world.pair(ids[a], ids[b]).unwrap().is_some(), expected, "{a} {b}");
                     if expected { met += 1 } else { apart += 1 }
@@ -194,7 +194,7 @@ fn queries_find_what_asking_each_body_finds() {
                 .zip(&shapes)
                 .filter(|&(&id, shape)| {
                     world.traits(id).unwrap().tag != tag
-                        && shapes::intersects(&placed, &shape.at(*world.pose(id).unwrap()).unwrap())
+                        && query::intersects(&placed, &shape.at(*world.pose(id).unwrap()).unwrap())
                 })
                 .map(|(&id, _)| (world.traits(id).unwrap().tag, id))
                 .collect();

@@ -13,7 +13,7 @@ use crate::math::Pose;
 use crate::mesh::distance::bounds::Bounds;
 use crate::mesh::distance::metric::Metric;
 use crate::mesh::distance::{WarmStart, nearest, within};
-use crate::mesh::{Mesh, Placed, Positions};
+use crate::mesh::{Mesh, PlacedMesh, Positions};
 use crate::primitive::triangle_triangle;
 use crate::simd::levels;
 
@@ -21,12 +21,12 @@ fn mesh(plain: &Plain) -> Mesh {
     Mesh::new(Positions::F64(plain.vertices.clone()), plain.faces.clone()).expect("a legal mesh")
 }
 
-fn relative(a: Placed<'_>, b: Placed<'_>, options: &Options<'_>) -> Option<RelativeFrame> {
+fn relative(a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) -> Option<RelativeFrame> {
     Bounds::new(a, b, &Metric::new(a, b), options.host).relative
 }
 
 /// Lets the next search keep a frontier, however cheap this one was.
-fn keep_frontier(warm_start: &mut WarmStart, a: Placed<'_>, b: Placed<'_>, options: &Options<'_>) {
+fn keep_frontier(warm_start: &mut WarmStart, a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) {
     if warm_start.frontier.is_none() {
         warm_start.costly = relative(a, b, options);
     }

@@ -1,0 +1,43 @@
+//! One of the two things of a batch, at its poses.
+
+use super::poses::Poses;
+use crate::input::InputError;
+use crate::mesh::PlacedMesh;
+use crate::query::Placed;
+use crate::shape::{PlacedShape, Shape};
+
+/// A thing and its poses.
+#[derive(Clone, Debug)]
+pub(super) struct Side {
+    shape: Shape,
+    poses: Poses,
+    /// Where it stands, if it has one pose.
+    alone: Option<PlacedShape>,
+}
+
+impl Side {
+    pub(super) fn new(shape: Shape, mut poses: Poses) -> Self {
+        poses.refuse(|pose| shape.judge(pose));
+        let alone = match (poses.len(), poses.first_fault()) {
+            (1, None) => poses.get(0).ok().and_then(|pose| shape.at(*pose).ok()),
+            _ => None,
+        };
+        Self { shape, poses, alone }
+    }
+
+    pub(super) fn poses(&self) -> &Poses {
+        &self.poses
+    }
+
+    /// Returns the thing at the pose of a row; the error if that is faulty.
+    pub(super) fn at(&self, row: usize) -> Result<Placed<'_>, InputError> {
+        let world_from_mesh = *self.poses.get(row).map_err(Clone::clone)?;
+        if let Some((mesh, is_solid)) = self.shape.as_mesh() {
+            return Ok(PlacedMesh { mesh, world_from_mesh, is_solid }.into());
+        }
+        match &self.alone {
+            Some(placed) => Ok(placed.into()),
+            None => Ok(self.shape.at(world_from_mesh)?.into()),
+        }
+    }
+}

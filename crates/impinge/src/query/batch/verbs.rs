@@ -1,0 +1,183 @@
+//! The verbs over many poses.
+
+use std::sync::Arc;
+
+use super::answers::{Answers, Status};
+use super::broadcast::{Broadcast, BroadcastError};
+use super::execution::{Execution, Stopped};
+use super::poses::Poses;
+use super::side::Side;
+use crate::mesh::Interrupt;
+use crate::query::{
+    Cache, ContactOptions, Curves, Distance, Manifold, Penetrates, Penetration, Placed, Proximity, Query, SomePairs,
+    intersection_curves, nearness, penetrates, penetration, proximity,
+};
+use crate::shape::Shape;
+
+/// Two things and the poses at which a verb is asked about them; cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Batch<'e> {
+    sides: Arc<[Side; 2]>,
+    broadcast: Broadcast,
+    execution: Execution<'e>,
+}
+
+impl<'e> Batch<'e> {
+    /// Returns a batch of two things, each a mesh, a solid (`mesh.solid()`), a shape or a compound, at their poses.
+    ///
+    /// # Errors
+    /// If the leading axes of the poses do not broadcast.
+    pub fn new(
+        a: impl Into<Shape>,
+        b: impl Into<Shape>,
+        poses_a: impl Into<Poses>,
+        poses_b: impl Into<Poses>,
+    ) -> Result<Self, BroadcastError> {
+        let sides = [Side::new(a.into(), poses_a.into()), Side::new(b.into(), poses_b.into())];
+        let broadcast = Broadcast::new(sides[0].poses().shape(), sides[1].poses().shape())?;
+        Ok(Self { sides: Arc::new(sides), broadcast, execution: Execution::default() })
+    }
+
+    /// Answers the rows as stated. An interrupt ends a row early as
+    /// [`Query::with_interrupt`](crate::query::Query::with_interrupt) says.
+    #[must_use]
+    pub fn with_execution(self, execution: Execution<'e>) -> Self {
+        Self { execution, ..self }
+    }
+
+    /// Returns the number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.broadcast.rows()
+    }
+
+    /// Returns the poses of either thing. Those that it cannot stand are faulty, such as those that are not rigid for a round shape.
+    #[must_use]
+    pub fn poses(&self) -> [&Poses; 2] {
+        self.sides.each_ref().map(Side::poses)
+    }
+
+    /// Asks `ask` about each row, with a query that has the cache of its block and the interrupt. A row with a faulty pose gets `safe`.
+    ///
+    /// # Errors
+    /// As all verbs here: [`Stopped`] if the interrupt asked for it, or if there is no memory for the answers.
+    pub fn each<T: Clone + Send + Sync>(
+        &self,
+        safe: T,
+        ask: impl Fn(Query<'_>, Placed<'_>, Placed<'_>) -> T + Sync,
+    ) -> Result<Answers<T>, Stopped> {
+        let answer = |cache: &mut Cache, row: usize, interrupt: Interrupt<'_>| {
+            let sources = self.broadcast.sources(row);
+            match (self.sides[0].at(sources[0]), self.sides[1].at(sources[1])) {
+                (Ok(a), Ok(b)) => (ask(Query::new().with_cache(cache).with_interrupt(interrupt), a, b), Status::Ok),
+                (Err(error), _) | (_, Err(error)) => (safe.clone(), Status::of(&error)),
+            }
+        };
+        let (values, status) = self.execution.rows(self.rows(), Cache::default, answer)?.into_iter().unzip();
+        Ok(Answers { shape: self.broadcast.shape().to_vec(), values, status })
+    }
+
+    /// As [`proximity`](crate::query::proximity). The safe answer is `Undecided`.
+    ///
+    /// # Errors
+    /// As [`each`](Self::each).
+    pub fn proximity(&self) -> Result<Answers<Proximity>, Stopped> {
+        let answers = self.each(Proximity::Undecided, |query, a, b| query.proximity(a, b))?;
+        Ok(answers.judged(|&found| found == Proximity::Undecided))
+    }
+
+    /// As [`intersects`](crate::query::intersects). The safe answer is true.
+    ///
+    /// # Errors
+    /// As [`each`](Self::each).
+    pub fn intersects(&self) -> Result<Answers<bool>, Stopped> {
+        Ok(self.proximity()?.map(|found| found != Proximity::Apart))
+    }
+
+    /// As [`nearness`](crate::query::nearness). The safe answer is `Undecided`.
+    ///
+    /// # Errors
+    /// As [`each`](Self::each).
+    pub fn nearness(&self, clearance: f64) -> Result<Answers<Proximity>, Stopped> {
+        let answers = self.each(Proximity::Undecided, |query, a, b| query.nearness(a, b, clearance))?;
+        Ok(answers.judged(|&found| found == Proximity::Undecided))
+    }
+
+    /// As [`within`](crate::query::within). The safe answer is true.
+    ///
+    /// # Errors
+    /// As [`each`](Self::each).
+    pub fn within(&self, clearance: f64) -> Result<Answers<bool>, Stopped> {
+        Ok(self.nearness(clearance)?.map(|found| found != Proximity::Apart))
+    }
+
+    /// As [`distance`](crate::query::distance()). The safe answer is zero, without a witness.
+    ///
+    /// # Errors
+    /// As [`each`](Self::each).
+    pub fn distance(&self) -> Result<Answers<Distance>, Stopped> {
+        const SAFE: Distance = Distance { lower: 0.0, upper: 0.0, witness: None, proximity: Proximity::Undecided };
+        let answers = self.each(SAFE, |query, a, b| query.distance(a, b))?;
+        Ok(answers.judged(|found| found.proximity == Proximity::Undecided))
+    }
+
+    /// As [`penetrates`](crate::query::penetrates()). The safe answer is `Undecided`.
+    ///
+    /// # Errors
+    /// As [`each`](Self::each).
+    pub fn penetrates(&self) -> Result<Answers<Penetrates>, Stopped> {
+        let answers = self.each(Penetrates::Undecided, |_, a, b| penetrates(a, b))?;
+        Ok(answers.judged(|&found| found == Penetrates::Undecided))
+    }
+
+    /// As [`penetration`](crate::query::penetration()). The safe answer is a depth from zero to infinity.
+    ///
+    /// # Errors
+    /// As [`each`](Self::each).
+    pub fn penetration(&self) -> Result<Answers<Option<Penetration>>, Stopped> {
+        let answers = self.each((Some(Penetration::UNKNOWN), false), |_, a, b| {
+            let found = penetration(&a, &b);
+            // Things that are deep in each other intersect for certain.
+            let may_touch = found.is_some_and(|found| found.lower == 0.0);
+            (found, may_touch && proximity(&a, &b) == Proximity::Undecided)
+        })?;
+        Ok(answers.judged(|found| found.1).map(|found| found.0))
+    }
+
+    /// As [`contacts`](crate::query::contacts), with these options. The safe answer is none.
+    ///
+    /// # Errors
+    /// As [`each`](Self::each).
+    pub fn contacts(&self, options: ContactOptions) -> Result<Answers<Vec<Manifold>>, Stopped> {
+        let answers = self.each((Vec::new(), false), |query, a, b| {
+            let found = query.with_contacts(options).contacts(&a, &b);
+            let is_undecided = !found.is_empty() && nearness(&a, &b, options.margin) == Proximity::Undecided;
+            (found, is_undecided)
+        })?;
+        Ok(answers.judged(|found| found.1).map(|found| found.0))
+    }
+
+    /// As [`intersecting_pairs_up_to`](crate::query::intersecting_pairs_up_to); none if one of the two is no mesh. The safe answer is
+    /// none.
+    ///
+    /// # Errors
+    /// As [`each`](Self::each).
+    pub fn intersecting_pairs_up_to(&self, limit: usize) -> Result<Answers<SomePairs>, Stopped> {
+        let none = SomePairs { pairs: Vec::new(), truncated: false };
+        self.each(none.clone(), |query, a, b| match (a.mesh(), b.mesh()) {
+            (Some(a), Some(b)) => query.intersecting_pairs_up_to(a, b, limit),
+            _ => none.clone(),
+        })
+    }
+
+    /// As [`intersection_curves`](crate::query::intersection_curves); none if one of the two is no mesh. The safe answer is none.
+    ///
+    /// # Errors
+    /// As [`each`](Self::each).
+    pub fn intersection_curves(&self) -> Result<Answers<Curves>, Stopped> {
+        self.each(Curves::default(), |_, a, b| match (a.mesh(), b.mesh()) {
+            (Some(a), Some(b)) => intersection_curves(a, b),
+            _ => Curves::default(),
+        })
+    }
+}

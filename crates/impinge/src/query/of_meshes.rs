@@ -1,0 +1,63 @@
+//! Intersection and distance of two meshes, as surfaces or as solids.
+
+use super::last_hit::LastHit;
+use super::nesting::nested;
+use super::{Distance, Proximity, Witness};
+use crate::mesh::{self, Options, PlacedMesh, WarmStart};
+
+/// Whether two meshes have a point in common.
+pub(super) fn proximity(
+    a: PlacedMesh<'_>,
+    b: PlacedMesh<'_>,
+    last_hit: &mut LastHit,
+    options: &Options<'_>,
+) -> Proximity {
+    if surfaces_intersect(a, b, last_hit, options) { Proximity::Meets } else { nested(a, b) }
+}
+
+fn surfaces_intersect(a: PlacedMesh<'_>, b: PlacedMesh<'_>, last_hit: &mut LastHit, options: &Options<'_>) -> bool {
+    if let Some(faces) = last_hit.faces_to_try() {
+        let is_hit = mesh::faces_meet(a, b, faces);
+        last_hit.learn(is_hit);
+        if is_hit {
+            return true;
+        }
+    }
+    let hit = mesh::any_hit(a, b, options);
+    last_hit.remember(hit);
+    hit.is_some()
+}
+
+/// Whether two meshes are within a clearance, which is not negative.
+pub(super) fn nearness(
+    a: PlacedMesh<'_>,
+    b: PlacedMesh<'_>,
+    clearance: f64,
+    warm_start: &mut WarmStart,
+    options: &Options<'_>,
+) -> Proximity {
+    let near_faces = mesh::within(a, b, clearance, warm_start, options);
+    if near_faces.is_some() { Proximity::Meets } else { nested(a, b) }
+}
+
+/// The distance of two meshes.
+pub(super) fn distance(
+    a: PlacedMesh<'_>,
+    b: PlacedMesh<'_>,
+    warm_start: &mut WarmStart,
+    options: &Options<'_>,
+) -> Distance {
+    let Some(found) = mesh::nearest(a, b, warm_start, options) else {
+        return Distance { lower: f64::INFINITY, upper: f64::INFINITY, witness: None, proximity: Proximity::Apart };
+    };
+    let ([point_a, point_b], upper) = (found.points, found.upper);
+    let witness = Some(Witness { point_a, point_b, faces: Some(found.faces) });
+    if upper == 0.0 {
+        return Distance { lower: found.lower, upper, witness, proximity: Proximity::Meets };
+    }
+    match nested(a, b) {
+        Proximity::Meets => Distance { lower: 0.0, upper: 0.0, witness: None, proximity: Proximity::Meets },
+        Proximity::Undecided => Distance { lower: 0.0, upper, witness, proximity: Proximity::Undecided },
+        Proximity::Apart => Distance { lower: found.lower, upper, witness, proximity: Proximity::Apart },
+    }
+}

@@ -1,0 +1,116 @@
+//! Rows of poses for the parts that move.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::fmt;
+
+use super::parts::{PartId, Scene};
+use crate::input::InputError;
+use crate::math::Pose;
+use crate::query::batch::{Broadcast, BroadcastError, Poses};
+
+/// Configurations of a scene: for each part that moves a pose in each row. Leading axes broadcast as in NumPy. A part without poses
+/// stands where the scene has it.
+#[derive(Clone, Debug)]
+pub struct Configurations<'s> {
+    scene: &'s Scene,
+    /// The common leading axes.
+    shape: Vec<usize>,
+    rows: usize,
+    moves: BTreeMap<PartId, Moves>,
+}
+
+/// The poses of a part, and which of them each row takes: the second operand.
+#[derive(Clone, Debug)]
+struct Moves {
+    poses: Poses,
+    broadcast: Broadcast,
+}
+
+/// Poses of a part whose leading axes do not fit those of the parts before.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ConfigurationsError {
+    /// The part.
+    pub part: PartId,
+    /// The common leading axes before, and those of the part.
+    pub error: BroadcastError,
+}
+
+impl Scene {
+    /// Returns the one configuration in which all parts stand where the scene has them. Poses can be set for parts that move.
+    #[must_use]
+    pub fn configurations(&self) -> Configurations<'_> {
+        Configurations { scene: self, shape: Vec::new(), rows: 1, moves: BTreeMap::new() }
+    }
+}
+
+impl<'s> Configurations<'s> {
+    /// Sets the poses of a part. A pose that the part cannot stand becomes a faulty row.
+    ///
+    /// # Errors
+    /// If the leading axes do not broadcast with those of the parts before.
+    ///
+    /// # Panics
+    /// If the part is of another scene, which has more parts.
+    pub fn set(&mut self, part: PartId, poses: impl Into<Poses>) -> Result<(), ConfigurationsError> {
+        let mut poses = poses.into();
+        let refused = |error| ConfigurationsError { part, error };
+        let broadcast = Broadcast::new(&self.shape, poses.shape()).map_err(refused)?;
+        if broadcast.shape() != self.shape {
+            for (&part, moves) in &mut self.moves {
+                let stretched = Broadcast::new(broadcast.shape(), moves.poses.shape());
+                moves.broadcast = stretched.map_err(|error| ConfigurationsError { part, error })?;
+            }
+        }
+        self.shape = broadcast.shape().to_vec();
+        self.rows = broadcast.rows();
+        let broadcast = Broadcast::new(&self.shape, poses.shape()).map_err(refused)?;
+        let shape = &self.scene.part(part).shape;
+        poses.refuse(|pose| shape.judge(pose));
+        self.moves.insert(part, Moves { poses, broadcast });
+        Ok(())
+    }
+
+    /// Returns the leading axes; none for a single configuration.
+    #[must_use]
+    pub fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+
+    /// Returns the first faulty pose: its part, its row among the poses of that, and its error.
+    #[must_use]
+    pub fn first_fault(&self) -> Option<(PartId, usize, &InputError)> {
+        self.moves.iter().find_map(|(&part, moves)| moves.poses.first_fault().map(|(row, error)| (part, row, error)))
+    }
+
+    pub(super) fn scene(&self) -> &'s Scene {
+        self.scene
+    }
+
+    /// Returns the number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Reports whether a part has one pose in all configurations.
+    pub(super) fn is_still(&self, part: PartId) -> bool {
+        self.moves.get(&part).is_none_or(|moves| moves.poses.len() == 1)
+    }
+
+    /// Returns the pose of a part in a row; the error if that is faulty.
+    pub(super) fn pose(&self, part: PartId, row: usize) -> Result<&Pose, &InputError> {
+        match self.moves.get(&part) {
+            None => Ok(&self.scene.part(part).world_from_part),
+            Some(Moves { poses, broadcast }) => poses.get(broadcast.sources(row)[1]),
+        }
+    }
+}
+
+impl fmt::Display for ConfigurationsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "poses of part {}: {}", self.part.index(), self.error)
+    }
+}
+
+impl Error for ConfigurationsError {}

@@ -1,0 +1,37 @@
+//! Many parts at once: which pairs of them intersect, penetrate or come near, in one configuration or in many.
+//!
+//! A [`Scene`] has named parts, each a mesh, a solid, a shape or a compound with a pose. Parts may share meshes and shapes, which
+//! are cheap to clone. Pairs can be ignored one by one, such as neighboring links of a robot, and parts of one group are not asked
+//! about among themselves. [`Scene::pairs`] answers for all pairs of parts as they stand. [`Scene::check`] answers for many
+//! [`Configurations`], each a row of poses for the parts that move.
+//!
+//! ```
+//! use impinge::query::batch::{Execution, Poses};
+//! use impinge::scene::{Question, Scene, Stop};
+//! use impinge::{Pose, Shape};
+//!
+//! let link = Shape::cuboid([0.5; 3])?;
+//! let at = |x: f64| Pose::from_translation([x, 0.0, 0.0]);
+//! let mut scene = Scene::new();
+//! let [base, arm, hand] = [scene.add("base", &link, at(0.0)?)?, scene.add("arm", &link, at(1.0)?)?,
+//!     scene.add("hand", &link, at(9.0)?)?];
+//! scene.ignore(base, arm);
+//! assert_eq!(scene.pairs(Question::Intersects)?, []);
+//! let mut moves = scene.configurations();
+//! moves.set(hand, Poses::from(vec![at(9.0)?, at(2.0)?]))?;
+//! let found = scene.check(Question::Intersects, Stop::All, &moves, Execution::default())?;
+//! assert_eq!(found.values[0], []);
+//! assert_eq!(found.values[1].iter().map(|pair| pair.parts).collect::<Vec<_>>(), [[arm, hand]]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! `parts` has the scene, `configurations` the rows of poses, `near` the broad phase of a row, and `check` the verbs.
+
+mod check;
+mod configurations;
+mod near;
+mod parts;
+
+pub use check::{FoundPair, Question, Stop};
+pub use configurations::{Configurations, ConfigurationsError};
+pub use parts::{PartId, Scene, SceneError};

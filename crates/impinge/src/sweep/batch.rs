@@ -1,0 +1,50 @@
+//! Times of impact of many motions.
+
+use super::impact::Impact;
+use super::motion::Motion;
+use super::time_of_impact::time_of_impact;
+use crate::input::InputError;
+use crate::query::batch::{Broadcast, Execution, Stopped};
+use crate::shape::Shape;
+
+/// The [`time_of_impact`] of two things for each row of motions, which `broadcast` names. It has an error if one of the two cannot
+/// stand a motion.
+///
+/// ```
+/// use impinge::query::batch::{Broadcast, Execution};
+/// use impinge::sweep::{Motion, times_of_impact};
+/// use impinge::{Pose, Shape};
+///
+/// let (ball, floor) = (Shape::sphere([0.0; 3], 0.5)?, Shape::half_space([0.0, 0.0, 1.0], 0.0)?);
+/// let fall = |from: f64| {
+///     Motion::between(Pose::from_translation([0.0, 0.0, from])?, Pose::from_translation([0.0, 0.0, from - 4.0])?)
+/// };
+/// let (falls, rest) = ([fall(2.5)?, fall(9.0)?], [Motion::default()]);
+/// let broadcast = Broadcast::new(&[2], &[])?;
+/// let found = times_of_impact(&ball, &floor, [&falls, &rest], &broadcast, Execution::default())?;
+/// assert_eq!(found.into_iter().map(|impact| Ok(impact?.hit())).collect::<Result<Vec<_>, impinge::InputError>>()?, [true, false]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`Execution::rows`].
+///
+/// # Panics
+/// If `broadcast` names a motion that there is not.
+pub fn times_of_impact(
+    a: impl Into<Shape>,
+    b: impl Into<Shape>,
+    motions: [&[Motion]; 2],
+    broadcast: &Broadcast,
+    execution: Execution<'_>,
+) -> Result<Vec<Result<Impact, InputError>>, Stopped> {
+    let (a, b) = (a.into(), b.into());
+    execution.rows(
+        broadcast.rows(),
+        || (),
+        |(), row, _| {
+            let [at_a, at_b] = broadcast.sources(row);
+            time_of_impact(&a, &b, &motions[0][at_a], &motions[1][at_b])
+        },
+    )
+}

@@ -1,0 +1,134 @@
+//! Scenes answer as all pairs of parts do, asked one by one.
+
+use impinge::query::batch::{Execution, Poses, Status};
+use impinge::query::{self, Penetrates};
+use impinge::scene::{PartId, Question, Scene, SceneError, Stop};
+use impinge::{Mesh, Pose, Positions, Shape};
+use impinge_testkit::generate::Rng;
+use impinge_testkit::generate::solids::{cuboid, icosphere};
+use impinge_testkit::rounds;
+
+fn mesh(plain: &impinge_testkit::Mesh) -> Mesh {
+    Mesh::new(Positions::F64(plain.vertices.clone()), plain.faces.clone()).unwrap()
+}
+
+fn grid_pose(rng: &mut Rng, reach: i64) -> Pose {
+    Pose::from_translation([0; 3].map(|_| 0.5 * rng.integer(-reach, reach) as f64)).unwrap()
+}
+
+/// Boxes, balls, meshes, solids, compounds, an empty mesh and a half-space, at places where many touch.
+fn scene(rng: &mut Rng, count: i64) -> Scene {
+    let (block, ball) = (mesh(&cuboid([-0.5; 3], [0.5; 3])), mesh(&icosphere(1)));
+    let bar = Shape::cuboid([1.0, 0.25, 0.25]).unwrap();
+    let compound =
+        Shape::compound(&[(bar.clone(), Pose::IDENTITY), (Shape::sphere([0.0; 3], 0.5).unwrap(), Pose::IDENTITY)]);
+    let shapes = [
+        Shape::from(&block),
+        Shape::from(block.solid()),
+        Shape::from(ball.solid()),
+        bar,
+        compound.unwrap(),
+        Shape::from(&Mesh::new(Positions::F64(Vec::new()), Vec::new()).unwrap()),
+        Shape::half_space([0.0, 0.0, 1.0], -4.5).unwrap(),
+    ];
+    let mut scene = Scene::new();
+    for number in 0..count {
+        // One in many is empty or has no end.
+        let kind = if rng.one_in(12) { rng.integer(5, 6) } else { rng.integer(0, 4) };
+        scene.add(format!("part {number}"), &shapes[kind as usize], grid_pose(rng, 9)).unwrap();
+    }
+    let parts: Vec<PartId> = scene.parts().collect();
+    for _ in 0..count / 2 {
+        let (a, b) = (rng.choose(&parts), rng.choose(&parts));
+        scene.ignore(a, b);
+        scene.set_group(a, Some(rng.integer(0, 3) as u32));
+    }
+    scene
+}
+
+fn holds(scene: &Scene, question: Question, [a, b]: [PartId; 2], poses: [&Pose; 2]) -> bool {
+    let (placed_a, placed_b) = (scene.shape(a).at(*poses[0]).unwrap(), scene.shape(b).at(*poses[1]).unwrap());
+    match question {
+        Question::Within(clearance) => query::within(&placed_a, &placed_b, clearance),
+        Question::Penetrates => query::penetrates(&placed_a, &placed_b) != Penetrates::No,
+        _ => query::intersects(&placed_a, &placed_b),
+    }
+}
+
+#[test]
+fn every_pair_of_parts_is_found_and_no_other() {
+    let mut rng = Rng::new(482);
+    let (mut hits, mut asked) = (0, 0);
+    for round in 0..rounds(60) {
+        // Few parts are compared one by one, many are swept.
+        let count = if round.is_multiple_of(3) { 60 } else { rng.integer(0, 12) };
+        let scene = scene(&mut rng, count);
+        let parts: Vec<PartId> = scene.parts().collect();
+        let rows = rng.integer(1, 4) as usize;
+        let mut moves = scene.configurations();
+        let mut places: Vec<Vec<Pose>> = Vec::new();
+        for &part in &parts {
+            let stands = rng.one_in(2);
+            let poses: Vec<Pose> = (0..if stands { 1 } else { rows }).map(|_| grid_pose(&mut rng, 9)).collect();
+            moves.set(part, poses.clone()).unwrap();
+            places.push(poses);
+        }
+        for question in [Question::Intersects, Question::Within(0.5), Question::Within(0.0), Question::Penetrates] {
+            let all = scene.check(question, Stop::All, &moves, Execution::default()).unwrap();
+            let first = scene.check(question, Stop::First, &moves, Execution::default().sequentially()).unwrap();
+            for row in 0..all.values.len() {
+                let place = |part: PartId| &places[part.index()][row.min(places[part.index()].len() - 1)];
+                let mut expected = Vec::new();
+                for (i, &a) in parts.iter().enumerate() {
+                    for &b in &parts[i + 1..] {
+                        if scene.admits(a, b) && holds(&scene, question, [a, b], [place(a), place(b)]) {
+                            expected.push([a, b]);
+                        }
+                        asked += 1;
+                    }
+                }
+                let found: Vec<[PartId; 2]> = all.values[row].iter().map(|pair| pair.parts).collect();
+                assert_eq!(found, expected, "round {round}, {question:?}");
+                assert_eq!(first.values[row].first(), all.values[row].first());
+                assert!(first.values[row].len() <= 1);
+                hits += found.len();
+            }
+        }
+    }
+    assert!(50 * hits > asked, "{hits} of {asked} pairs hold");
+}
+
+#[test]
+fn a_scene_as_it_stands_is_one_configuration() {
+    let mut rng = Rng::new(483);
+    let scene = scene(&mut rng, 40);
+    let found = scene.check(Question::Intersects, Stop::All, &scene.configurations(), Execution::default()).unwrap();
+    let pairs: Vec<[PartId; 2]> = found.values[0].iter().map(|pair| pair.parts).collect();
+    assert_eq!((found.shape.len(), found.values.len()), (0, 1));
+    assert_eq!(scene.pairs(Question::Intersects).unwrap(), pairs);
+    assert!(!pairs.is_empty());
+}
+
+#[test]
+fn faulty_poses_count_as_near_everything() {
+    let ball = Shape::sphere([0.0; 3], 0.5).unwrap();
+    let at = |x: f64| Pose::from_translation([x, 0.0, 0.0]).unwrap();
+    let mut scene = Scene::new();
+    let parts = [0, 1, 2].map(|i| scene.add(format!("{i}"), &ball, at(9.0 * f64::from(i))).unwrap());
+    scene.ignore(parts[1], parts[2]);
+    let sheared = [[1.0, 1.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+    let there = [[1.0, 0.0, 0.0, 5.0], sheared[1], sheared[2], sheared[3]];
+    let mut moves = scene.configurations();
+    moves.set(parts[1], Poses::from_matrices(&[2], &[there, sheared]).unwrap()).unwrap();
+    assert_eq!(moves.first_fault().map(|(part, row, _)| (part, row)), Some((parts[1], 1)));
+    let found = scene.check(Question::Intersects, Stop::All, &moves, Execution::default()).unwrap();
+    assert_eq!(found.status, [Status::Ok, Status::NotRigid]);
+    assert_eq!(found.values[0], []);
+    let pairs: Vec<_> = found.values[1].iter().map(|pair| (pair.parts, pair.is_undecided)).collect();
+    assert_eq!(pairs, [([parts[0], parts[1]], true)]);
+    assert!(moves.set(parts[0], vec![at(0.0); 3]).is_err());
+    assert_eq!(scene.add("0", &ball, at(0.0)), Err(SceneError::NameTaken { name: "0".into() }));
+    let sheared = Pose::from_matrix(sheared).unwrap();
+    assert!(matches!(scene.add("sheared", &ball, sheared), Err(SceneError::Pose { .. })));
+    assert_eq!((scene.find("2"), scene.name(parts[2])), (Some(parts[2]), "2"));
+}
