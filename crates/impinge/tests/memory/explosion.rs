@@ -75,7 +75,7 @@ fn first_of_mixed_piles_are_first_of_all() {
     // 37 is prime to the number of faces.
     let pile_of = |face: u32| face * 37 % FACES % PILES;
     let faces = (0..FACES).map(|face| [0, 1, 2].map(|corner| 3 * pile_of(face) + corner));
-    let mesh = Mesh::new(Positions::F64(vertices.collect()), faces.rev().collect()).expect("a mesh");
+    let mesh = Mesh::new(Positions::F64(vertices.collect()), faces.rev().collect::<Vec<_>>()).expect("a mesh");
     let all = query::intersecting_pairs(&mesh, &mesh);
     assert_eq!(all.len() as u32, FACES * FACES / PILES);
     for (threads, host) in [(1, HostChoice::First), (1, HostChoice::Second), (2, HostChoice::First)] {
