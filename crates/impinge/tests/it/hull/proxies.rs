@@ -17,7 +17,7 @@ pub(crate) const ARRAYS: usize = VOLUMES + 800;
 /// vertex far away that no face has, so that no number is a place.
 fn mesh_without(points: &[[f64; 3]], left_out: Option<usize>) -> Mesh {
     let used: Vec<u32> = (0..points.len()).filter(|&at| Some(at) != left_out).map(|at| at as u32 + 1).collect();
-    let faces = (0..used.len()).map(|at| [0, 1, 2].map(|next| used[(at + next) % used.len()])).collect();
+    let faces: Vec<_> = (0..used.len()).map(|at| [0, 1, 2].map(|next| used[(at + next) % used.len()])).collect();
     let mut vertices = vec![[1e9, -1e9, 1e9]];
     vertices.extend(points);
     Mesh::new(Positions::F64(vertices), faces).expect("a legal mesh")

@@ -42,7 +42,7 @@ impl Side8 {
     /// Triangles that the pose takes to `corners`; `stray` is a vertex of no face that widens the packed frame.
     fn new(corners: &[[Point; 3]], stray: Option<Point>, pose: Affine) -> Self {
         let vertices: Vec<Point> = corners.iter().flatten().copied().chain(stray).collect();
-        let faces = (0..corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let faces: Vec<_> = (0..corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         Self { mesh: Mesh::new(Positions::F64(vertices), faces).expect("a legal mesh"), pose }
     }
 
