@@ -41,9 +41,9 @@ def intersects(
 ) -> Any:
     """Whether two meshes or shapes have a point in common; touching counts.
 
-    The answer about meshes, boxes, triangles, hulls and half-spaces is the truth about their real images under the given
-    maps: no tolerance, no scale. So it is for spheres and capsules among these, if their poses are exactly orthogonal.
-    Other round shapes that touch to within rounding count as a hit, and their status is ``Status.UNDECIDED``.
+    The answer about meshes, boxes, triangles, hulls and half-spaces is the truth about their real images under the
+    given maps: no tolerance, no scale. So it is for spheres and capsules among these, if their poses are exactly
+    orthogonal. Other round shapes that touch to within rounding count as a hit, with ``Status.UNDECIDED``.
 
     Parameters
     ----------
@@ -56,8 +56,9 @@ def intersects(
         n x m.
     solid : {False, True, "a", "b"}
         Neither mesh, both, or one of them is not its surface alone but all about which it winds more than half, so that
-        what lies wholly inside intersects it. A shape is what it was made to be. Exact where that mesh is closed (`Mesh.is_closed`); where nothing is proved
-        about the inside of an open one, what is in question counts as inside.
+        what lies wholly inside intersects it. A shape is what it was made to be. Exact where that mesh is closed
+        (`Mesh.is_closed`); where nothing is proved about the inside of an open one, what is in question counts as
+        inside.
     on_error : {"raise", "status"}
         What becomes of a pose that is none. ``"status"`` answers its rows True, the safe answer, and returns the
         `Status` of each row beside the answers.
@@ -103,7 +104,9 @@ def intersects(
 @overload
 def penetrates(a: AnyShape, b: AnyShape) -> bool: ...
 @overload
-def penetrates(a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Raising]) -> Booleans: ...
+def penetrates(
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Raising]
+) -> Booleans: ...
 @overload
 def penetrates(
     a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Stating]
@@ -117,14 +120,14 @@ def penetrates(
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
 ) -> Any:
-    """Whether the interiors of two solids meet, which touching is not.
+    """Whether the interiors of two meshes or shapes intersect, which touching is not.
 
     Parts of an assembly touch everywhere; only where this is true do they clash.
 
     Parameters
     ----------
-    a, b : Mesh
-        The meshes, taken as solids: all about which they wind more than half.
+    a, b : Mesh or Shape
+        The two things. A mesh is taken as a solid: all about which it winds more than half.
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
         World from mesh, as for `intersects`.
     on_error : {"raise", "status"}
@@ -135,8 +138,8 @@ def penetrates(
     Returns
     -------
     bool or (...) bool array
-        True also if it is undecided: a mesh is open near the other one, or meets itself where it meets that. With
-        ``on_error="status"`` a tuple of that and of a uint8 array, in which ``Status.UNDECIDED`` marks these. Otherwise
+        True also if it is undecided: a mesh is open near the other one, or meets itself where it meets that, or the
+        depth of two shapes is zero to within its bounds. With ``on_error="status"`` a tuple of that and of a uint8 array, in which ``Status.UNDECIDED`` marks these. Otherwise
         the answer is exact.
 
     Raises

@@ -44,7 +44,9 @@ class Penetration:
 
 
 @overload
-def penetration(a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Raising]) -> Penetration: ...
+def penetration(
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Raising]
+) -> Penetration: ...
 @overload
 def penetration(
     a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Stating]

@@ -257,7 +257,7 @@ class Scene:
         return list(self._parts)
 
     def _ignored_places(self) -> set[tuple[int, int]]:
-        """The ignored pairs by the places of their parts, the lesser first."""
+        """Return the ignored pairs by the places of their parts, the lesser first."""
         place = {name: place for place, name in enumerate(self._parts)}
         both = (sorted(place[name] for name in pair) for pair in self._ignored if len(pair) > 1)
         return {(i, j) for i, j in both}

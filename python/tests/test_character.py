@@ -107,9 +107,7 @@ def test_shapes_meshes_and_others_strike(robot):
     for place in pose(rng.uniform(*posed.bounds, (15, 3))):
         for probe in (Shape.sphere(0.5), Shape.box([0.4, 0.5, 0.9]), crate):
             struck = posed.struck_by(probe, place)
-            expected = [
-                n for n, (volume, at) in enumerate(volumes) if impinge.intersects(probe, volume, place, at)
-            ]
+            expected = [n for n, (volume, at) in enumerate(volumes) if impinge.intersects(probe, volume, place, at)]
             assert struck.part.tolist() == expected
             assert np.allclose(np.linalg.norm(struck.normal, axis=1), 1)
             counts += len(expected)

@@ -135,7 +135,7 @@ def test_options_are_judged():
     for limit in (0, 1, np.int64(7), 10**6):
         some = impinge.intersecting_pairs(CUBE, CUBE, limit=limit)
         assert np.array_equal(some.pairs, pairs[:limit])
-        assert some.truncated is (len(pairs) > limit)
+        assert some.truncated == (len(pairs) > limit)
     rows, truncated = impinge.intersecting_pairs(CUBE, CUBE, impinge.pose([[0, 0, 0], [9, 0, 0]]), limit=3)
     assert (rows.counts.tolist(), truncated.tolist()) == ([3, 0], [True, False])
     for n in (0, 1025, 1.0, True, None):

@@ -90,6 +90,43 @@ def test_a_bad_pose_counts_as_meeting_all():
     assert (alone.first, alone.status) == (0, 1)
 
 
+def test_every_question_about_shapes_and_meshes_equals_a_loop():
+    ball, floor = impinge.Shape.sphere(0.5), impinge.Shape.half_space([0, 0, 1], -1.5)
+    parts = {
+        "ring": TORUS,
+        "ball": ball,
+        "block": CUBE,
+        "floor": floor,
+        "rod": impinge.Shape.capsule([0, 0, 0], [1, 0, 0], 0.25),
+    }
+    poses = {
+        name: impinge.pose(np.round(random_poses(30, 2.0, seed)[:, :3, 3] * 2) / 2) for seed, name in enumerate(parts)
+    }
+    del poses["floor"]
+    scene = impinge.Scene(parts, ignored=[("block", "ring")], solid=True)
+
+    def asked(question, a, b):
+        at = (parts[a], parts[b], poses.get(a), poses.get(b))
+        if question == "penetrates":
+            return impinge.penetrates(*at)
+        if question == "within":
+            return impinge.within(at[0], at[1], 0.25, at[2], at[3], solid=True)
+        return impinge.intersects(*at, solid=True)
+
+    for question in ("intersects", "penetrates", "within"):
+        clearance = 0.25 if question == "within" else None
+        every = scene.check(poses, question=question, clearance=clearance, stop="all")
+        meets = np.stack([asked(question, a, b) for a, b in scene.pairs], axis=-1)
+        assert np.array_equal(every.meets, meets)
+        first = scene.check(poses, question=question, clearance=clearance)
+        assert np.array_equal(first.first, np.where(meets.any(axis=-1), meets.argmax(axis=-1), -1))
+        assert 0.02 < meets.mean() < 0.9
+    with pytest.raises(impinge.InputError, match="clearance"):
+        scene.check(question="within")
+    with pytest.raises(impinge.InputError, match="question"):
+        scene.check(question="touches")
+
+
 @pytest.mark.parametrize(
     ("what", "make"),
     [

@@ -156,8 +156,17 @@ def test_what_is_deep_comes_free():
     poses[3] = np.nan
     deep, status = impinge.penetration(ring, box, None, poses, on_error="status")
     assert (deep.lower[3], deep.upper[3], int(status[3])) == (0, np.inf, impinge.Status.NON_FINITE)
+    ball = impinge.Shape.sphere(0.25)
+    middle = np.linalg.norm(ring.vertices, axis=1).mean()
+    deep, solid = (
+        impinge.penetration(one, ball, None, impinge.pose([middle, 0, 0]))
+        for one in (ring, impinge.Shape.mesh(ring, solid=True))
+    )
+    assert deep.hit is True
+    assert (deep.lower, deep.upper) == (solid.lower, solid.upper)
+    assert impinge.penetrates(ring, ball, None, impinge.pose([middle, 0, 0])) is True
     with pytest.raises(impinge.InputError, match="Mesh"):
-        impinge.penetration(ring, impinge.Shape.sphere(1))
+        impinge.penetration(ring, cube())
 
 
 def cup():
@@ -179,7 +188,8 @@ def test_what_is_open_is_told_as_undecided():
         answer, status = ask()
         assert (answer, impinge.Status(int(status))) == (True, impinge.Status.UNDECIDED)
     far, status = impinge.distance(open_cube, point, solid="a", on_error="status")
-    assert (far.upper, impinge.Status(int(status))) == (0, impinge.Status.UNDECIDED)
+    assert (far.distance, far.lower, impinge.Status(int(status))) == (0, 0, impinge.Status.UNDECIDED)
+    assert far.upper == impinge.distance(open_cube, point).upper
     assert impinge.intersects(open_cube, point, on_error="status") == (False, 0)
 
 

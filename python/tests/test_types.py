@@ -81,9 +81,7 @@ def test_types_as_a_user_sees_them(tmp_path):
     run(sys.executable, "-m", "mypy", "--cache-dir", "target/mypy", "--config-file", str(config), str(program))
 
 
-@pytest.mark.parametrize(
-    "module", [impinge, impinge.fcl, impinge.fit, impinge.partition, impinge.trimesh]
-)
+@pytest.mark.parametrize("module", [impinge, impinge.fcl, impinge.fit, impinge.partition, impinge.trimesh])
 def test_every_public_name_is_documented(module):
     for name in module.__all__:
         thing = getattr(module, name)
