@@ -194,3 +194,44 @@ impl<B: Enclosable, const THOROUGH: bool> DynamicBvh<B, THOROUGH> {
         assert_eq!(self.leaves.iter().filter(|&&leaf| leaf != NONE).count(), leaves);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use impinge_testkit::generate::Rng;
+
+    fn churn<const THOROUGH: bool>() {
+        let mut rng = Rng::new(73);
+        let mut tree = DynamicBvh::<Aabb, THOROUGH>::default();
+        for step in 0..4000 {
+            let key = rng.integer(0, 699) as u32;
+            let low = match step / 1000 {
+                0 => [step as f32; 3],
+                1 => [2.0_f32.powi(step % 100); 3],
+                2 => [0.0; 3],
+                _ => [0; 3].map(|_: i32| rng.integer(0, 20) as f32),
+            };
+            let bounds = Aabb { min: low, max: low.map(|x| x + 1.0) };
+            match tree.leaf_of(key) {
+                Some(_) if rng.one_in(3) => assert!(tree.remove(key).is_some()),
+                Some(leaf) => tree.reinsert(leaf, bounds),
+                None => tree.insert(key, bounds),
+            }
+            if step % 50 == 0 {
+                tree.check();
+            }
+        }
+        tree.check();
+        for key in 0..700 {
+            tree.remove(key);
+        }
+        tree.check();
+        assert!(tree.root().is_none() && tree.nodes().len() < 1400, "{} nodes were made", tree.nodes().len());
+    }
+
+    #[test]
+    fn the_tree_stays_sound_under_hostile_orders_with_either_rule() {
+        churn::<false>();
+        churn::<true>();
+    }
+}
