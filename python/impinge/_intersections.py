@@ -139,8 +139,8 @@ def penetrates(
     -------
     bool or (...) bool array
         True also if it is undecided: a mesh is open near the other one, or meets itself where it meets that, or the
-        depth of two shapes is zero to within its bounds. With ``on_error="status"`` a tuple of that and of a uint8 array, in which ``Status.UNDECIDED`` marks these. Otherwise
-        the answer is exact.
+        depth of two shapes is zero to within its bounds. With ``on_error="status"`` a tuple of that and of a uint8
+        array, in which ``Status.UNDECIDED`` marks these. Otherwise the answer is exact.
 
     Raises
     ------

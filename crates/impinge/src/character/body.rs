@@ -11,7 +11,7 @@ use super::rig_pose::RigPose;
 use super::samples::Held;
 use super::skeleton::BoneSet;
 use super::skin_tree::SkinTree;
-use super::vector::length;
+use crate::math::vec3::length;
 
 /// The hit volumes of a rigged character.
 #[derive(Clone, Debug)]
@@ -155,7 +155,7 @@ impl Character {
                 counts[part] += 1;
                 let mut least = self.parts[part].volume.signed_distance(point);
                 // Up to the rounding of the distance.
-                let tolerance = 1e-12 * (length(point) + least.abs());
+                let tolerance = 1e-12 * (length(&point) + least.abs());
                 if least > tolerance {
                     let world = frames[part].apply(point);
                     for (other, frame) in self.parts.iter().zip(&frames) {

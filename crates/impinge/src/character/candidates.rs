@@ -4,9 +4,8 @@ use crate::hull::Hull;
 use crate::input::InputError;
 use crate::volume::{BoundingSphere, Capsule, Lozenge, Obb, fit};
 
-use super::transform::Vector;
-use super::vector::{add, dot, length, scale, sub};
 use super::volume::{HitHull, HitVolume, VolumeKind, cube_about};
+use crate::math::vec3::{Vector, add, dot, length, scale, sub};
 
 /// What a ray costs against a volume of each kind, in nanoseconds, in the order of [`VolumeKind::ALL`]; for a hull it is for each
 /// of its faces. Measured by `characters` of the benchmarks; what matters are the ratios.
@@ -87,17 +86,17 @@ impl Needs {
     }
 
     pub(super) fn show(&mut self, candidates: &Candidates, volumes: &[HitVolume; 3], point: Vector) {
-        let reach = |volume: &HitVolume| length(sub(point, volume.closest_on_core(point)));
+        let reach = |volume: &HitVolume| length(&sub(&point, &volume.closest_on_core(point)));
         self.sphere = self.sphere.max(reach(&volumes[0]));
         self.capsule = self.capsule.max(reach(&volumes[1]));
         self.lozenge = self.lozenge.max(reach(&volumes[2]));
-        let offset = sub(point, candidates.obb.centre());
+        let offset = sub(&point, &candidates.obb.centre());
         for (range, axis) in self.obb.iter_mut().zip(candidates.obb.axes()) {
-            let t = dot(axis, offset);
+            let t = dot(&axis, &offset);
             *range = [range[0].min(t), range[1].max(t)];
         }
         for (out, &(normal, level)) in self.out.iter_mut().zip(candidates.hull.planes()) {
-            let excess = dot(normal, point) - level;
+            let excess = dot(&normal, &point) - level;
             if excess > 0.0 {
                 *out = farther(*out, (excess, point));
             }
@@ -130,9 +129,9 @@ impl Candidates {
         self.lozenge = Lozenge::new(self.lozenge.corner(), self.lozenge.edges(), radius(needs.lozenge))?;
         let axes = self.obb.axes();
         let middle = [0, 1, 2].map(|k| 0.5 * (needs.obb[k][0] + needs.obb[k][1]));
-        let centre = (0..3).fold(self.obb.centre(), |at, k| add(at, scale(axes[k], middle[k])));
+        let centre = (0..3).fold(self.obb.centre(), |at, k| add(&at, &scale(&axes[k], middle[k])));
         // The axes are orthonormal within 2^-40.
-        let most = needs.obb.iter().flatten().fold(length(self.obb.centre()), |most, x| most.max(x.abs()));
+        let most = needs.obb.iter().flatten().fold(length(&self.obb.centre()), |most, x| most.max(x.abs()));
         let half = needs.obb.map(|[low, high]| 0.5 * (high - low) + 4e-12 * most + margin);
         self.obb = Obb::new(centre, axes, half)?;
         let mut points = self.hull.hull().positions().to_vec();
@@ -148,9 +147,9 @@ impl Candidates {
     pub(super) fn grow_hull(&mut self, gauge: f64, margin: f64) -> Result<(), InputError> {
         const LITTLE: f64 = 0.05;
         let middle = middle(self.hull.hull());
-        let inner = self.hull.planes().iter().map(|&(n, level)| level - dot(n, middle)).fold(f64::INFINITY, f64::min);
+        let inner = self.hull.planes().iter().map(|&(n, level)| level - dot(&n, &middle)).fold(f64::INFINITY, f64::min);
         let enlarge = |factor: f64| {
-            let image = |&corner: &Vector| add(middle, scale(sub(corner, middle), factor * (1.0 + 1e-12)));
+            let image = |&corner: &Vector| add(&middle, &scale(&sub(&corner, &middle), factor * (1.0 + 1e-12)));
             self.hull.hull().positions().iter().map(image).collect::<Vec<_>>()
         };
         let share = margin / (inner * gauge);
@@ -167,6 +166,6 @@ impl Candidates {
 /// A point inside of a hull: the mean of its corners.
 pub(super) fn middle(hull: &Hull) -> Vector {
     let positions = hull.positions();
-    let sum = positions.iter().fold([0.0; 3], |sum, &p| add(sum, p));
-    scale(sum, 1.0 / positions.len() as f64)
+    let sum = positions.iter().fold([0.0; 3], |sum, &p| add(&sum, &p));
+    scale(&sum, 1.0 / positions.len() as f64)
 }

@@ -8,7 +8,7 @@ use super::plan::{PartPlan, Plan, bones_of_faces, some_poses};
 use super::rig::Rig;
 use super::rig_pose::RigPose;
 use super::skin::blended;
-use super::transform::Vector;
+use crate::math::vec3::Vector;
 use crate::volume::{BoundingVolume, fit};
 
 /// How many poses are looked at to see which bones move as one.

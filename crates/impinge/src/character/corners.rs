@@ -3,9 +3,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x4};
 
+use crate::math::vec3::Vector;
 use crate::simd::{best_level, by_axis, dispatch};
-
-use super::transform::Vector;
 
 const LANES: usize = 4;
 
@@ -58,6 +57,7 @@ impl Corners {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::vec3::dot;
     use crate::simd::dispatch_every;
     use crate::simd::kernel_levels;
 
@@ -69,7 +69,7 @@ mod tests {
         for count in 1..=corners.len() {
             let all = Corners::new(&corners[..count]);
             for direction in (0..60).map(grid) {
-                let height = |p: &Vector| p[0] * direction[0] + p[1] * direction[1] + p[2] * direction[2];
+                let height = |p: &Vector| dot(p, &direction);
                 let most = corners[..count].iter().map(height).fold(f64::NEG_INFINITY, f64::max);
                 for (name, level) in kernel_levels() {
                     let found = dispatch_every!(level, simd => all.support_lanes(simd, direction));

@@ -2,9 +2,8 @@
 
 use crate::volume::Lozenge;
 
-use super::transform::Vector;
-use super::vector::{add, cross, dot, length, scale, sub, unit};
 use super::volume::HitVolume;
+use crate::math::vec3::{Vector, add, cross, dot, length, scale, sub, unit};
 
 /// The part of a ray that is within a volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,19 +23,19 @@ impl HitVolume {
     /// one it may be a little long: the volume is taken as thicker by some 2^-46 of its size and its distance from the origin.
     pub(super) fn crossing(&self, origin: Vector, direction: Vector) -> Option<Crossing> {
         let (middle, reach) = self.bounding_sphere();
-        let squared = dot(direction, direction);
+        let squared = dot(&direction, &direction);
         // From near the volume, so that what cancels is small.
-        let shift = dot(direction, sub(middle, origin)) / squared;
+        let shift = dot(&direction, &sub(&middle, &origin)) / squared;
         let near = [0, 1, 2].map(|k| origin[k] + shift * direction[k]);
-        let padding = RAY_PADDING * (length(sub(middle, origin)) + length(origin) + length(middle) + reach);
+        let padding = RAY_PADDING * (length(&sub(&middle, &origin)) + length(&origin) + length(&middle) + reach);
         let radius = self.radius() + padding;
         let found = match self {
             Self::Sphere(sphere) => through_sphere(near, direction, sphere.centre(), radius),
             Self::Capsule(capsule) => through_capsule(near, direction, capsule.ends(), radius),
             Self::Lozenge(lozenge) => through_lozenge(near, direction, lozenge, radius),
             Self::Box(obb) => {
-                let offset = sub(near, obb.centre());
-                let slabs = [0, 1, 2].map(|k| (dot(obb.axes()[k], offset), dot(obb.axes()[k], direction)));
+                let offset = sub(&near, &obb.centre());
+                let slabs = [0, 1, 2].map(|k| (dot(&obb.axes()[k], &offset), dot(&obb.axes()[k], &direction)));
                 between_planes((0..6).map(|side| {
                     let (k, sign) = (side / 2, if side % 2 == 0 { 1.0 } else { -1.0 });
                     (sign * slabs[k].0 - obb.half_extents()[k] - padding, sign * slabs[k].1)
@@ -45,7 +44,7 @@ impl HitVolume {
             Self::Hull(hull) => between_planes(
                 hull.planes()
                     .iter()
-                    .map(|&(normal, level)| (dot(normal, near) - level - padding, dot(normal, direction))),
+                    .map(|&(normal, level)| (dot(&normal, &near) - level - padding, dot(&normal, &direction))),
             ),
         }?;
         let [enter, leave] = found.map(|t| t + shift);
@@ -53,7 +52,7 @@ impl HitVolume {
             return None;
         }
         if enter <= 0.0 {
-            return Some(Crossing { t: [0.0, leave], normal: scale(direction, -1.0 / squared.sqrt()) });
+            return Some(Crossing { t: [0.0, leave], normal: scale(&direction, -1.0 / squared.sqrt()) });
         }
         let point = [0, 1, 2].map(|k| origin[k] + enter * direction[k]);
         Some(Crossing { t: [enter, leave], normal: self.normal_at(point) })
@@ -64,17 +63,17 @@ impl HitVolume {
         const ANY: Vector = [0.0, 0.0, 1.0];
         match self {
             Self::Sphere(_) | Self::Capsule(_) | Self::Lozenge(_) => {
-                unit(sub(point, self.closest_on_core(point))).unwrap_or(ANY)
+                unit(&sub(&point, &self.closest_on_core(point))).unwrap_or(ANY)
             }
             Self::Box(obb) => {
-                let offset = sub(point, obb.centre());
-                let beyond = [0, 1, 2].map(|k| dot(obb.axes()[k], offset));
+                let offset = sub(&point, &obb.centre());
+                let beyond = [0, 1, 2].map(|k| dot(&obb.axes()[k], &offset));
                 let excess = |k: usize| beyond[k].abs() - obb.half_extents()[k];
                 let k = (0..3).max_by(|&i, &j| excess(i).total_cmp(&excess(j))).unwrap_or(0);
-                scale(obb.axes()[k], 1_f64.copysign(beyond[k]))
+                scale(&obb.axes()[k], 1_f64.copysign(beyond[k]))
             }
             Self::Hull(hull) => {
-                let excess = |plane: &(Vector, f64)| dot(plane.0, point) - plane.1;
+                let excess = |plane: &(Vector, f64)| dot(&plane.0, &point) - plane.1;
                 hull.planes().iter().max_by(|a, b| excess(a).total_cmp(&excess(b))).map_or(ANY, |plane| plane.0)
             }
         }
@@ -82,11 +81,11 @@ impl HitVolume {
 }
 
 fn through_sphere(from: Vector, direction: Vector, centre: Vector, radius: f64) -> Option<[f64; 2]> {
-    let offset = sub(from, centre);
-    let (a, b) = (dot(direction, direction), dot(direction, offset));
+    let offset = sub(&from, &centre);
+    let (a, b) = (dot(&direction, &direction), dot(&direction, &offset));
     // The offset across the ray, so that nothing cancels.
-    let across = sub(offset, scale(direction, b / a));
-    let left = radius * radius - dot(across, across);
+    let across = sub(&offset, &scale(&direction, b / a));
+    let left = radius * radius - dot(&across, &across);
     (left >= 0.0).then(|| {
         let half = (left / a).sqrt();
         [-b / a - half, -b / a + half]
@@ -96,27 +95,27 @@ fn through_sphere(from: Vector, direction: Vector, centre: Vector, radius: f64) 
 /// The two ends and the cylinder between.
 fn through_capsule(from: Vector, direction: Vector, [p, q]: [Vector; 2], radius: f64) -> Option<[f64; 2]> {
     let ends = [p, q].into_iter().filter_map(|end| through_sphere(from, direction, end, radius));
-    let axis = sub(q, p);
-    let tube = unit(axis).and_then(|axis_unit| {
-        let flat = |v: Vector| sub(v, scale(axis_unit, dot(axis_unit, v)));
-        let (offset, along) = (flat(sub(from, p)), flat(direction));
-        let a = dot(along, along);
+    let axis = sub(&q, &p);
+    let tube = unit(&axis).and_then(|axis_unit| {
+        let flat = |v: Vector| sub(&v, &scale(&axis_unit, dot(&axis_unit, &v)));
+        let (offset, along) = (flat(sub(&from, &p)), flat(direction));
+        let a = dot(&along, &along);
         let inside = if a > 0.0 {
-            let b = dot(along, offset);
-            let across = sub(offset, scale(along, b / a));
-            let left = radius * radius - dot(across, across);
+            let b = dot(&along, &offset);
+            let across = sub(&offset, &scale(&along, b / a));
+            let left = radius * radius - dot(&across, &across);
             if left < 0.0 {
                 return None;
             }
             let half = (left / a).sqrt();
             [-b / a - half, -b / a + half]
-        } else if dot(offset, offset) <= radius * radius {
+        } else if dot(&offset, &offset) <= radius * radius {
             [f64::NEG_INFINITY, f64::INFINITY]
         } else {
             return None;
         };
-        let (height, speed) = (dot(axis_unit, sub(from, p)), dot(axis_unit, direction));
-        let caps = between_planes([(-height, -speed), (height - length(axis), speed)].into_iter())?;
+        let (height, speed) = (dot(&axis_unit, &sub(&from, &p)), dot(&axis_unit, &direction));
+        let caps = between_planes([(-height, -speed), (height - length(&axis), speed)].into_iter())?;
         let both = [inside[0].max(caps[0]), inside[1].min(caps[1])];
         (both[0] <= both[1]).then_some(both)
     });
@@ -126,17 +125,17 @@ fn through_capsule(from: Vector, direction: Vector, [p, q]: [Vector; 2], radius:
 /// The four sides, and the plate between them.
 fn through_lozenge(from: Vector, direction: Vector, lozenge: &Lozenge, radius: f64) -> Option<[f64; 2]> {
     let ([u, v], c) = (lozenge.edges(), lozenge.corner());
-    let (cu, cv, cuv) = (add(c, u), add(c, v), add(add(c, u), v));
+    let (cu, cv, cuv) = (add(&c, &u), add(&c, &v), add(&add(&c, &u), &v));
     let sides = [[c, cu], [c, cv], [cu, cuv], [cv, cuv]];
     let rims = sides.into_iter().filter_map(|side| through_capsule(from, direction, side, radius));
-    let plate = match (unit(u), unit(v), unit(cross(u, v))) {
+    let plate = match (unit(&u), unit(&v), unit(&cross(&u, &v))) {
         (Some(along), Some(aside), Some(normal)) => {
-            let offset = sub(from, c);
+            let offset = sub(&from, &c);
             let slab = |axis: Vector, low: f64, high: f64| {
-                let (x, speed) = (dot(axis, offset), dot(axis, direction));
+                let (x, speed) = (dot(&axis, &offset), dot(&axis, &direction));
                 [(low - x, -speed), (x - high, speed)]
             };
-            let slabs = [slab(along, 0.0, length(u)), slab(aside, 0.0, length(v)), slab(normal, -radius, radius)];
+            let slabs = [slab(along, 0.0, length(&u)), slab(aside, 0.0, length(&v)), slab(normal, -radius, radius)];
             between_planes(slabs.into_iter().flatten())
         }
         _ => None,

@@ -15,9 +15,9 @@ use super::rig::Rig;
 use super::rig_pose::RigPose;
 use super::samples::{Held, Sample, Samples, rounding};
 use super::skin::blended;
-use super::transform::{Matrix, Vector, apply_transposed, matrix, times};
-use super::vector::{add, dot, length, scale, sub};
+use super::transform::{Matrix, apply_transposed, matrix, times};
 use super::volume::{HitHull, HitVolume, VolumeKind, box_of};
+use crate::math::vec3::{Vector, add, dot, length, scale, sub};
 
 /// Whether volumes hold everything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -111,7 +111,7 @@ pub(super) fn pieces(rig: &Rig, part_of_face: &[u32], faces: usize) -> Result<Ve
     rig.skin().skinned(&rig.rest_pose()?, &mut vertices);
     let middle = |face: &u32| {
         let corners = rig.skin().faces()[*face as usize];
-        corners.iter().fold([0.0; 3], |sum, &corner| add(sum, vertices[corner as usize]))
+        corners.iter().fold([0.0; 3], |sum, &corner| add(&sum, &vertices[corner as usize]))
     };
     let mut groups: BTreeMap<(u32, u32), Vec<u32>> = BTreeMap::new();
     for ((face, bone), &part) in (0..).zip(bones_of_faces(rig)).zip(part_of_face) {
@@ -189,7 +189,7 @@ pub(super) fn places(rig: &Rig, pose: &RigPose, held: &[Held], mut show: impl Fn
 fn local_palette(palette: &[(Matrix, Vector)], rotation: &Matrix, origin: Vector) -> Vec<(Matrix, Vector)> {
     let transposed = [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation[j][i]));
     let local = |(linear, offset): &(Matrix, Vector)| {
-        (times(&transposed, linear), apply_transposed(rotation, sub(*offset, origin)))
+        (times(&transposed, linear), apply_transposed(rotation, sub(offset, &origin)))
     };
     palette.iter().map(local).collect()
 }
@@ -257,7 +257,7 @@ fn extremes(rig: &Rig, held: &[Held], samples: &[Sample]) -> Result<Vec<Vec<(f64
         |found, pose| {
             places(rig, pose, held, |part, _, point| {
                 for (best, &direction) in found[part].iter_mut().zip(&directions) {
-                    let along = dot(direction, point);
+                    let along = dot(&direction, &point);
                     if along >= best.0 {
                         *best = farther(*best, (along, point));
                     }
@@ -310,7 +310,7 @@ fn gauges(rig: &Rig, held: &[Held], samples: &[Sample], all: &[Candidates]) -> R
     let of_part = |candidates: &Candidates| {
         let middle = middle(candidates.hull.hull());
         let planes = candidates.hull.planes().iter();
-        let slopes = planes.map(|&(normal, level)| scale(normal, 1.0 / (level - dot(normal, middle))));
+        let slopes = planes.map(|&(normal, level)| scale(&normal, 1.0 / (level - dot(&normal, &middle))));
         (middle, slopes.collect::<Vec<_>>())
     };
     let gauges: Vec<(Vector, Vec<Vector>)> = all.iter().map(of_part).collect();
@@ -321,8 +321,8 @@ fn gauges(rig: &Rig, held: &[Held], samples: &[Sample], all: &[Candidates]) -> R
         |found, pose| {
             places(rig, pose, held, |part, _, point| {
                 let (middle, slopes) = &gauges[part];
-                let offset = sub(point, *middle);
-                found[part] = slopes.iter().map(|&slope| dot(slope, offset)).fold(found[part], f64::max);
+                let offset = sub(&point, middle);
+                found[part] = slopes.iter().map(|&slope| dot(&slope, &offset)).fold(found[part], f64::max);
             });
         },
         |a, b| a.iter().zip(&b).map(|(a, b)| a.max(*b)).collect(),
@@ -362,10 +362,10 @@ fn trimmed(points: &[Vector]) -> Result<Candidates, InputError> {
         *values.select_nth_unstable_by(at, f64::total_cmp).1
     };
     let reach = |volume: &HitVolume| {
-        let distances = points.iter().map(|&p| length(sub(p, volume.closest_on_core(p)))).collect();
+        let distances = points.iter().map(|&p| length(&sub(&p, &volume.closest_on_core(p)))).collect();
         quantile(distances, 1.0 - TRIMMED)
     };
-    let along = |axis: Vector, share: f64| quantile(points.iter().map(|&p| dot(axis, p)).collect(), share);
+    let along = |axis: Vector, share: f64| quantile(points.iter().map(|&p| dot(&axis, &p)).collect(), share);
     let radii = [VolumeKind::Sphere, VolumeKind::Capsule, VolumeKind::Lozenge].map(|k| reach(&candidates.volume(k)));
     candidates.sphere = BoundingSphere::new(candidates.sphere.centre(), radii[0])?;
     let [from, to] = candidates.capsule.ends();
@@ -374,7 +374,7 @@ fn trimmed(points: &[Vector]) -> Result<Candidates, InputError> {
     let axes = candidates.obb.axes();
     // A sixth of the share on each side.
     let ranges = axes.map(|axis| [along(axis, TRIMMED / 6.0), along(axis, 1.0 - TRIMMED / 6.0)]);
-    let centre = (0..3).fold([0.0; 3], |at, k| add(at, scale(axes[k], 0.5 * (ranges[k][0] + ranges[k][1]))));
+    let centre = (0..3).fold([0.0; 3], |at, k| add(&at, &scale(&axes[k], 0.5 * (ranges[k][0] + ranges[k][1]))));
     candidates.obb = Obb::new(centre, axes, ranges.map(|[low, high]| 0.5 * (high - low)))?;
     let inside: Vec<Vector> = points.iter().copied().filter(|&p| candidates.obb.contains(p)).collect();
     if !inside.is_empty() {

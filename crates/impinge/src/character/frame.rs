@@ -3,8 +3,8 @@
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 
-use super::transform::{Vector, apply, matrix, normalised};
-use super::vector::{add, sub};
+use super::transform::{apply, matrix, normalised};
+use crate::math::vec3::{Vector, add, sub};
 
 /// A rigid frame of a bone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,13 +23,13 @@ impl Frame {
     /// Where a point of the frame is in the world.
     #[must_use]
     pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
-        add(apply(&self.rotation, point), self.origin)
+        add(&apply(&self.rotation, point), &self.origin)
     }
 
     /// Where a point of the world is in the frame.
     #[must_use]
     pub fn local(&self, point: [f64; 3]) -> [f64; 3] {
-        super::transform::apply_transposed(&self.rotation, sub(point, self.origin))
+        super::transform::apply_transposed(&self.rotation, sub(&point, &self.origin))
     }
 
     /// The frame as a pose.

@@ -6,9 +6,9 @@ use crate::volume::Proximity;
 
 use super::frame::Frame;
 use super::overlap::holds_origin;
-use super::transform::{Vector, apply_transposed};
-use super::vector::{add, dot, length, scale, sub};
+use super::transform::apply_transposed;
 use super::volume::HitVolume;
+use crate::math::vec3::{Vector, add, dot, length, scale, sub};
 
 /// A volume in its frame.
 #[derive(Clone, Copy)]
@@ -27,7 +27,7 @@ impl Stood<'_> {
 
     /// Of all numbers that its points are made of.
     fn size(&self) -> f64 {
-        length(self.sphere.0) + length(self.frame.origin) + self.sphere.1
+        length(&self.sphere.0) + length(&self.frame.origin) + self.sphere.1
     }
 }
 
@@ -39,20 +39,20 @@ pub(super) fn meet(a: &Stood<'_>, b: &Stood<'_>) -> Result<bool, InputError> {
         let (p, q) = super::segments::closest(ends_a, ends_b);
         let sum = a.volume.radius() + b.volume.radius();
         let size = a.size() + b.size();
-        let between = sub(q, p);
+        let between = sub(&q, &p);
         let reach = sum + 1e-13 * size;
-        if dot(between, between) <= reach * reach {
+        if dot(&between, &between) <= reach * reach {
             return Ok(true);
         }
         // A plane between them proves it, whatever rounding did to the closest points.
-        let most = |ends: [Vector; 2]| dot(between, ends[0]).max(dot(between, ends[1]));
-        let least = |ends: [Vector; 2]| dot(between, ends[0]).min(dot(between, ends[1]));
+        let most = |ends: [Vector; 2]| dot(&between, &ends[0]).max(dot(&between, &ends[1]));
+        let least = |ends: [Vector; 2]| dot(&between, &ends[0]).min(dot(&between, &ends[1]));
         let gap = least(ends_b) - most(ends_a);
-        return Ok(gap <= (reach + 1e-13 * size) * length(between));
+        return Ok(gap <= (reach + 1e-13 * size) * length(&between));
     }
     let size = a.size() + b.size();
-    let difference = |direction: Vector| sub(a.support(direction), b.support(scale(direction, -1.0)));
-    if let Some(found) = holds_origin(difference, sub(b.sphere.0, a.sphere.0), 1e-12 * size, size) {
+    let difference = |direction: Vector| sub(&a.support(direction), &b.support(scale(&direction, -1.0)));
+    if let Some(found) = holds_origin(difference, sub(&b.sphere.0, &a.sphere.0), 1e-12 * size, size) {
         return Ok(found);
     }
     let (placed_a, placed_b) = (a.volume.placed(a.frame.pose()?)?, b.volume.placed(b.frame.pose()?)?);
@@ -75,7 +75,7 @@ pub(super) fn core(volume: &HitVolume) -> (Vec<Vector>, Vec<[u32; 3]>) {
         HitVolume::Capsule(capsule) => (capsule.ends().to_vec(), vec![[0, 1, 1]]),
         HitVolume::Lozenge(lozenge) => {
             let ([u, v], c) = (lozenge.edges(), lozenge.corner());
-            (vec![c, add(c, u), add(c, v), add(add(c, u), v)], vec![[0, 1, 2], [1, 3, 2]])
+            (vec![c, add(&c, &u), add(&c, &v), add(&add(&c, &u), &v)], vec![[0, 1, 2], [1, 3, 2]])
         }
         HitVolume::Box(obb) => {
             const FACES: [[u32; 3]; 12] = [

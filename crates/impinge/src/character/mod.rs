@@ -35,7 +35,6 @@ mod surface;
 mod surface_rays;
 mod timeline;
 mod transform;
-mod vector;
 mod volume;
 
 pub use animation::{Animation, Channel, Interpolation, Target};

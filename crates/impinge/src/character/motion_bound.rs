@@ -9,7 +9,8 @@
 
 use super::animation::{Animation, Interpolation, Keys, Target};
 use super::rig::Rig;
-use super::transform::{Transform, Vector};
+use super::transform::Transform;
+use crate::math::vec3::Vector;
 
 /// Bounds of the norm of something that changes, and of its first and second derivative in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -4,7 +4,7 @@ use super::error::RigError;
 use super::plan::Plan;
 use super::rig::Rig;
 use super::skin::blended;
-use super::transform::Vector;
+use crate::math::vec3::{self, Vector};
 
 /// What the words in a bone's name make of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,8 +151,8 @@ impl Shapes {
             |corner: u32| blended(&palette, rig.skin().influences(corner), rig.skin().positions()[corner as usize]);
         for (face, bone) in rig.skin().faces().iter().zip(super::plan::bones_of_faces(rig)) {
             let [a, b, c] = face.map(place);
-            let across = super::vector::cross(super::vector::sub(b, a), super::vector::sub(c, a));
-            area_of_bone[bone as usize] += super::vector::length(across);
+            let across = vec3::cross(&vec3::sub(&b, &a), &vec3::sub(&c, &a));
+            area_of_bone[bone as usize] += vec3::length(&across);
             let bounds = &mut boxes[part_of_bone[bone as usize] as usize];
             for point in [a, b, c] {
                 *bounds =

@@ -5,8 +5,7 @@
 //! 1988, as a question of yes or no: a plane between the sets, or a tetrahedron of their differences about the origin, is an answer.
 //! Ours departs in that either must hold with a margin that is far above rounding, and is left open where it does not.
 
-use super::transform::Vector;
-use super::vector::{cross, dot, length, scale, sub};
+use crate::math::vec3::{Vector, cross, dot, length, scale, sub};
 
 /// The most steps. Two to six do, but for sets that touch.
 const STEPS: usize = 12;
@@ -21,7 +20,7 @@ pub(super) fn holds_origin(farthest: impl Fn(Vector) -> Vector, start: Vector, s
     let mut simplex = Vec::with_capacity(4);
     for _ in 0..STEPS {
         let point = farthest(direction);
-        if dot(direction, point) < -slack * length(direction) {
+        if dot(&direction, &point) < -slack * length(&direction) {
             return Some(false);
         }
         simplex.push(point);
@@ -44,13 +43,13 @@ fn beyond_face(tetrahedron: &[Vector], slack: f64, size: f64) -> Option<Option<u
     let mut is_clear = true;
     for hidden in 0..4 {
         let [a, b, c] = [1, 2, 3].map(|k| tetrahedron[(hidden + k) % 4]);
-        let normal = cross(sub(b, a), sub(c, a));
-        let outward = if dot(normal, sub(tetrahedron[hidden], a)) > 0.0 { scale(normal, -1.0) } else { normal };
-        let height = dot(outward, a);
+        let normal = cross(&sub(&b, &a), &sub(&c, &a));
+        let outward = if dot(&normal, &sub(&tetrahedron[hidden], &a)) > 0.0 { scale(&normal, -1.0) } else { normal };
+        let height = dot(&outward, &a);
         if height < 0.0 {
             return Some(Some(hidden));
         }
-        is_clear &= height > slack * length(normal) + error;
+        is_clear &= height > slack * length(&normal) + error;
     }
     is_clear.then_some(None)
 }
@@ -58,23 +57,23 @@ fn beyond_face(tetrahedron: &[Vector], slack: f64, size: f64) -> Option<Option<u
 /// Leaves the part of a triangle, segment or point, the last of which is new, that is nearest to the origin; a direction from there to
 /// the origin. None where the origin is in the part itself.
 fn reduced(simplex: &mut Vec<Vector>) -> Option<Vector> {
-    let across = |along: Vector, to: Vector| cross(cross(along, to), along);
-    let towards = |from: Vector| scale(from, -1.0);
+    let across = |along: Vector, to: Vector| cross(&cross(&along, &to), &along);
+    let towards = |from: Vector| scale(&from, -1.0);
     let direction = match simplex[..] {
         [c, b, a] => {
-            let (ab, ac, ao) = (sub(b, a), sub(c, a), towards(a));
-            let normal = cross(ab, ac);
-            if dot(cross(normal, ac), ao) > 0.0 && dot(ac, ao) > 0.0 {
+            let (ab, ac, ao) = (sub(&b, &a), sub(&c, &a), towards(a));
+            let normal = cross(&ab, &ac);
+            if dot(&cross(&normal, &ac), &ao) > 0.0 && dot(&ac, &ao) > 0.0 {
                 *simplex = vec![c, a];
                 across(ac, ao)
-            } else if dot(cross(ab, normal), ao) > 0.0 || dot(cross(normal, ac), ao) > 0.0 {
+            } else if dot(&cross(&ab, &normal), &ao) > 0.0 || dot(&cross(&normal, &ac), &ao) > 0.0 {
                 *simplex = vec![b, a];
                 return reduced(simplex);
             } else {
-                scale(normal, 1_f64.copysign(dot(normal, ao)))
+                scale(&normal, 1_f64.copysign(dot(&normal, &ao)))
             }
         }
-        [b, a] if dot(sub(b, a), towards(a)) > 0.0 => across(sub(b, a), towards(a)),
+        [b, a] if dot(&sub(&b, &a), &towards(a)) > 0.0 => across(sub(&b, &a), towards(a)),
         [.., a] => {
             *simplex = vec![a];
             towards(a)
@@ -83,7 +82,7 @@ fn reduced(simplex: &mut Vec<Vector>) -> Option<Vector> {
     };
     // As a direction its length is of no account, but products of many lengths leave the range.
     let largest = direction.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
-    (largest > 1e-150 && largest.is_finite()).then(|| scale(direction, 1.0 / largest))
+    (largest > 1e-150 && largest.is_finite()).then(|| scale(&direction, 1.0 / largest))
 }
 
 #[cfg(test)]
@@ -91,7 +90,7 @@ mod tests {
     use super::*;
 
     fn farthest(points: &[Vector]) -> impl Fn(Vector) -> Vector + '_ {
-        |direction| *points.iter().max_by(|a, b| dot(direction, **a).total_cmp(&dot(direction, **b))).unwrap()
+        |direction| *points.iter().max_by(|a, b| dot(&direction, a).total_cmp(&dot(&direction, b))).unwrap()
     }
 
     /// Whether the origin is in the hull of some points of a small grid, by all its planes: integers, so without rounding.
@@ -100,9 +99,9 @@ mod tests {
         for a in points {
             for b in points {
                 for c in points {
-                    let normal = cross(sub(*b, *a), sub(*c, *a));
-                    if normal != [0.0; 3] && points.iter().all(|p| dot(normal, sub(*p, *a)) <= 0.0) {
-                        match dot(normal, *a).total_cmp(&0.0) {
+                    let normal = cross(&sub(b, a), &sub(c, a));
+                    if normal != [0.0; 3] && points.iter().all(|p| dot(&normal, &sub(p, a)) <= 0.0) {
+                        match dot(&normal, a).total_cmp(&0.0) {
                             std::cmp::Ordering::Less => return Some(false),
                             std::cmp::Ordering::Equal => is_inside = false,
                             std::cmp::Ordering::Greater => {}

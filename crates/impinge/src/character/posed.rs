@@ -12,9 +12,9 @@ use super::fit::HitPart;
 use super::frame::Frame;
 use super::meeting::{Stood, core, meet};
 use super::rig_pose::RigPose;
-use super::transform::{Vector, apply, apply_transposed};
-use super::vector::{add, dot, length, scale, sub, unit};
+use super::transform::{apply, apply_transposed};
 use super::volume::HitVolume;
+use crate::math::vec3::{Vector, add, dot, length, scale, sub, unit};
 
 /// A character whose parts are where their bones are.
 #[derive(Clone, Debug)]
@@ -87,11 +87,11 @@ impl<'c> Posed<'c> {
         let mut outer = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
         for part in self.character.parts() {
             let bone = &pose.bones()[part.anchor as usize];
-            let frame = Frame::new(bone.rotation_wxyz, add(bone.origin(), origin));
+            let frame = Frame::new(bone.rotation_wxyz, add(&bone.origin(), &origin));
             let (local, radius) = part.sphere;
             let turned = apply(&frame.rotation, local);
-            let centre = add(turned, frame.origin);
-            let size = length(local) + radius + length(frame.origin);
+            let centre = add(&turned, &frame.origin);
+            let size = length(&local) + radius + length(&frame.origin);
             let radius = radius + ROUNDING * size;
             for k in 0..3 {
                 outer[0][k] = outer[0][k].min(centre[k] - radius);
@@ -104,7 +104,7 @@ impl<'c> Posed<'c> {
         self.piece_frames.clear();
         self.piece_frames.extend(self.character.piece_anchors.iter().map(|&anchor| {
             let bone = &pose.bones()[anchor as usize];
-            Frame::new(bone.rotation_wxyz, add(bone.origin(), origin))
+            Frame::new(bone.rotation_wxyz, add(&bone.origin(), &origin))
         }));
     }
 
@@ -195,7 +195,7 @@ impl<'c> Posed<'c> {
             t: enter,
             point: ray.at(enter),
             normal: crossing.normal,
-            depth: (leave - enter) * length(ray.direction()),
+            depth: (leave - enter) * length(&ray.direction()),
         }
     }
 
@@ -252,7 +252,7 @@ impl<'c> Posed<'c> {
         for (at, part, frame, _) in self.parts() {
             let placed = part.volume.placed(frame.pose()?)?;
             if let Some(found) = query::penetration(shape, &placed) {
-                let point = scale(add(found.point_a, found.point_b), 0.5);
+                let point = scale(&add(&found.point_a, &found.point_b), 0.5);
                 hits.push(PartHit {
                     part: at,
                     bone: part.anchor,
@@ -284,9 +284,9 @@ impl<'c> Posed<'c> {
                 continue;
             }
             for (b, part_b, frame_b, sphere_b) in other.parts() {
-                let between = sub(sphere_b.0, sphere_a.0);
+                let between = sub(&sphere_b.0, &sphere_a.0);
                 let reach = (sphere_a.1 + sphere_b.1) * (1.0 + 1e-14);
-                if dot(between, between) <= reach * reach
+                if dot(&between, &between) <= reach * reach
                     && meet(
                         &Stood { volume: &part_a.volume, frame: frame_a, sphere: *sphere_a },
                         &Stood { volume: &part_b.volume, frame: frame_b, sphere: *sphere_b },
@@ -313,7 +313,7 @@ impl<'c> Posed<'c> {
                 volume.placed(posed.frames[part as usize].pose()?)
             };
             if let Some(depth) = query::penetration(&placed(self, part_a)?, &placed(other, part_b)?) {
-                let point = scale(add(depth.point_a, depth.point_b), 0.5);
+                let point = scale(&add(&depth.point_a, &depth.point_b), 0.5);
                 found.push(PartPair { part_a, part_b, point, normal: depth.normal, depth: depth.upper });
             }
         }
@@ -351,7 +351,7 @@ impl<'c> Posed<'c> {
             };
             let local = frame.local(point);
             let core_point = part.volume.closest_on_core(local);
-            let into = unit(sub(core_point, local)).unwrap_or([0.0, 0.0, -1.0]);
+            let into = unit(&sub(&core_point, &local)).unwrap_or([0.0, 0.0, -1.0]);
             let normal = apply(&frame.rotation, into);
             let depth = (-part.volume.signed_distance(local)).max(0.0);
             hits.push(PartHit { part: at, bone: part.anchor, t: 0.0, point, normal, depth });
@@ -363,11 +363,11 @@ impl<'c> Posed<'c> {
 /// Whether a ray surely misses a sphere, by the distance of its centre to the line.
 fn misses(sphere: &(Vector, f64), ray: &Ray) -> bool {
     let direction = ray.direction();
-    let offset = sub(sphere.0, ray.origin());
-    let squared = dot(direction, direction);
-    let across = sub(offset, scale(direction, dot(direction, offset) / squared));
-    let reach = sphere.1 + ROUNDING * (length(offset) + length(ray.origin()) + length(sphere.0));
+    let offset = sub(&sphere.0, &ray.origin());
+    let squared = dot(&direction, &direction);
+    let across = sub(&offset, &scale(&direction, dot(&direction, &offset) / squared));
+    let reach = sphere.1 + ROUNDING * (length(&offset) + length(&ray.origin()) + length(&sphere.0));
     // The square of a direction that short has lost its digits.
     const LEAST: f64 = 1e-280;
-    squared > LEAST && dot(across, across) > reach * reach * (1.0 + 1e-12)
+    squared > LEAST && dot(&across, &across) > reach * reach * (1.0 + 1e-12)
 }

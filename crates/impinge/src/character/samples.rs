@@ -6,8 +6,7 @@ use super::motion_bound::{IntervalMotion, Jet, mapped};
 use super::rig::Rig;
 use super::rig_pose::RigPose;
 use super::timeline::Side;
-use super::transform::Vector;
-use super::vector::length;
+use crate::math::vec3::{Vector, length};
 
 /// Intervals between keys are halved until vertices stray by less than this share of the character's size...
 const STRAY: f64 = 1.0 / 512.0;
@@ -99,7 +98,7 @@ fn size(rig: &Rig) -> Result<f64, RigError> {
     let mut vertices = Vec::new();
     rig.skin().skinned(&rig.rest_pose()?, &mut vertices);
     let [low, high] = super::volume::box_of(&vertices);
-    let size = length([0, 1, 2].map(|k| high[k] - low[k]));
+    let size = length(&[0, 1, 2].map(|k| high[k] - low[k]));
     Ok(if size.is_finite() { size } else { 0.0 })
 }
 
@@ -124,7 +123,7 @@ fn joint_spans(rig: &Rig, part: &Held) -> Vec<JointSpan> {
                 spans.len() - 1
             });
             let bind = &skin.joints()[influence.joint as usize].inverse_bind;
-            spans[at].reach = spans[at].reach.max(length(mapped(bind, skin.positions()[vertex as usize])));
+            spans[at].reach = spans[at].reach.max(length(&mapped(bind, skin.positions()[vertex as usize])));
         }
     }
     for (morph, target) in skin.morphs().iter().enumerate() {
@@ -132,7 +131,7 @@ fn joint_spans(rig: &Rig, part: &Held) -> Vec<JointSpan> {
             for influence in skin.influences(vertex) {
                 let Some(at) = of_joint[influence.joint as usize] else { continue };
                 let bind = &skin.joints()[influence.joint as usize].inverse_bind;
-                let moved = length(bind.map(|[x, y, z, _]| x * offset[0] + y * offset[1] + z * offset[2]));
+                let moved = length(&bind.map(|[x, y, z, _]| x * offset[0] + y * offset[1] + z * offset[2]));
                 let span: &mut JointSpan = &mut spans[at];
                 match span.morphs.last_mut().filter(|last| last.0 == morph) {
                     Some(last) => last.1 = last.1.max(moved),
@@ -170,9 +169,9 @@ fn acceleration(rig: &Rig, part: &Held, spans: &[JointSpan], motion: &IntervalMo
 /// products and sums as bones lie above it, each off by 8 units of 2^-53 of what it adds up, which is at most `reach`.
 pub(super) fn rounding(rig: &Rig, pose: &RigPose) -> f64 {
     let norm = |rows: &[[f64; 3]; 3]| rows.as_flattened().iter().map(|x| x * x).sum::<f64>().sqrt();
-    let farthest = rig.skin().positions().iter().map(|&p| length(p)).fold(0.0, f64::max);
+    let farthest = rig.skin().positions().iter().map(|&p| length(&p)).fold(0.0, f64::max);
     let offset = |weights: &[f64]| -> f64 {
-        let longest = |at: usize| rig.skin().morphs()[at].offsets.iter().map(|o| length(o.1)).fold(0.0, f64::max);
+        let longest = |at: usize| rig.skin().morphs()[at].offsets.iter().map(|o| length(&o.1)).fold(0.0, f64::max);
         weights.iter().enumerate().filter(|w| *w.1 != 0.0).map(|(at, weight)| weight.abs() * longest(at)).sum()
     };
     let farthest = farthest + offset(pose.morph_weights());
@@ -184,9 +183,9 @@ pub(super) fn rounding(rig: &Rig, pose: &RigPose) -> f64 {
         let along: f64 = rig
             .skeleton()
             .ancestry(joint.bone)
-            .map(|above| length(pose.bones()[above as usize].origin()))
+            .map(|above| length(&pose.bones()[above as usize].origin()))
             .fold(0.0, f64::max);
-        let reach = norm(&bone.linear()) * (norm(&linear) * farthest + length(bind)) + 2.0 * along;
+        let reach = norm(&bone.linear()) * (norm(&linear) * farthest + length(&bind)) + 2.0 * along;
         let depth = f64::from(rig.skeleton().depth(joint.bone));
         worst = worst.max((depth + 4.0) * 32.0 * f64::EPSILON * reach);
     }

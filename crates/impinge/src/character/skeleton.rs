@@ -6,7 +6,8 @@ use fearless_simd::{Simd, f64x4};
 use crate::simd::{best_level, by_axis, dispatch};
 
 use super::error::{RigError, RigErrorKind, RigPlace};
-use super::transform::{Transform, Vector, matrix, nearly_unit, product};
+use super::transform::{Transform, matrix, nearly_unit, product};
+use crate::math::vec3::Vector;
 
 /// A bone: a node of the skeleton, whether vertices follow it or not.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,8 @@
 use super::error::{RigError, RigErrorKind, RigPlace, judge};
 use super::rig_pose::RigPose;
 use super::skeleton::PlacedBone;
-use super::transform::{Matrix, Vector, apply, times};
+use super::transform::{Matrix, apply, times};
+use crate::math::vec3::Vector;
 
 /// A bone that vertices follow, and the map from the vertices' frame to that of the bone as the skin was bound to it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -18,9 +18,9 @@ use super::plan::bones_of_faces;
 use super::rig::Rig;
 use super::rig_pose::RigPose;
 use super::skin::{Skin, blended};
-use super::transform::{Matrix, Vector, apply, times};
-use super::vector::{add, length, scale, sub};
+use super::transform::{Matrix, apply, times};
 use super::volume::box_of;
+use crate::math::vec3::{Vector, add, length, scale, sub};
 
 /// Faces of a leaf at most: a choice. With fewer more spheres are found on the way to them, with more a ray that comes to a leaf
 /// skins more.
@@ -158,7 +158,7 @@ impl SkinTree {
         } else {
             let middle = |face: &u32| {
                 let corners = skin.faces()[*face as usize].map(|corner| skin.positions()[corner as usize]);
-                corners.into_iter().fold([0.0; 3], add)
+                corners.into_iter().fold([0.0; 3], |sum, corner| add(&sum, &corner))
             };
             let [low, high] = box_of(&faces.iter().map(middle).collect::<Vec<_>>());
             let axis = (0..3).max_by(|&i, &j| (high[i] - low[i]).total_cmp(&(high[j] - low[j]))).unwrap_or(0);
@@ -184,8 +184,8 @@ impl SkinTree {
     fn about(&mut self, skin: &Skin, bone: u32, vertices: &[u32]) -> Node {
         let places: Vec<Vector> = vertices.iter().map(|&vertex| skin.positions()[vertex as usize]).collect();
         let [low, high] = box_of(&places);
-        let centre = scale(add(low, high), 0.5);
-        let radius = places.iter().map(|&p| length(sub(p, centre))).fold(0.0, f64::max) * (1.0 + 1e-12);
+        let centre = scale(&add(&low, &high), 0.5);
+        let radius = places.iter().map(|&p| length(&sub(&p, &centre))).fold(0.0, f64::max) * (1.0 + 1e-12);
 
         // For each joint the least and the greatest weight, and how many vertices have one; the others have none.
         let mut ranges: BTreeMap<u32, (f64, f64, usize)> = BTreeMap::new();
@@ -201,7 +201,7 @@ impl SkinTree {
             }
             let mut moved: BTreeMap<u32, f64> = BTreeMap::new();
             let offsets = self.offsets_of(vertex);
-            offsets.iter().for_each(|&(morph, offset)| *moved.entry(morph).or_default() += length(offset));
+            offsets.iter().for_each(|&(morph, offset)| *moved.entry(morph).or_default() += length(&offset));
             for (morph, by) in moved {
                 let reach = reaches.entry(morph).or_default();
                 *reach = reach.max(by * (1.0 + 1e-12));
@@ -255,25 +255,25 @@ impl SkinTree {
         let reaches = &self.reaches[node.reaches[0] as usize..node.reaches[1] as usize];
         let morphed = |&(morph, by): &(u32, f64)| pose.morph_weights[morph as usize].abs() * by;
         let radius = node.radius + reaches.iter().map(morphed).sum::<f64>();
-        let farthest = length(node.centre) + radius;
+        let farthest = length(&node.centre) + radius;
         let image = |blend: &Blend| {
             let (linear, offset) = &pose.palette[blend.joint as usize];
-            add(apply(linear, node.centre), *offset)
+            add(&apply(linear, node.centre), offset)
         };
         let (mut middle, mut stretch, mut size) = ([0.0; 3], 0.0_f64, 0.0_f64);
         for blend in blends {
             let own = pose.stretches[blend.joint as usize];
-            middle = add(middle, scale(image(blend), blend.weight));
+            middle = add(&middle, &scale(&image(blend), blend.weight));
             stretch = stretch.max(own);
-            size = size.max(own * farthest + length(pose.palette[blend.joint as usize].1));
+            size = size.max(own * farthest + length(&pose.palette[blend.joint as usize].1));
         }
         let apart: f64 = if let [_] = blends {
             0.0
         } else {
-            blends.iter().map(|blend| blend.spread * length(sub(image(blend), middle))).sum()
+            blends.iter().map(|blend| blend.spread * length(&sub(&image(blend), &middle))).sum()
         };
         let radius = (stretch * radius + apart) * (1.0 + 1e-12);
-        (add(middle, pose.origin), radius + node.terms * ROUNDING * (size + length(pose.origin)))
+        (add(&middle, &pose.origin), radius + node.terms * ROUNDING * (size + length(&pose.origin)))
     }
 
     /// Where the vertices of a leaf are in the world in a pose; to the bit what [`Skin::skinned`] says, where the origin is zero.
@@ -292,7 +292,7 @@ impl SkinTree {
                     point = [0, 1, 2].map(|k| point[k] + weight * offset[k]);
                 }
             }
-            *place = add(blended(&pose.palette, skin.influences(vertex), point), pose.origin);
+            *place = add(&blended(&pose.palette, skin.influences(vertex), point), &pose.origin);
         }
     }
 }

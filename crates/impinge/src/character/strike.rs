@@ -11,9 +11,9 @@ use crate::volume::Proximity;
 
 use super::frame::{Frame, frame_of};
 use super::posed::Posed;
-use super::transform::{Vector, slerp};
-use super::vector::{add, length, scale, sub, unit};
+use super::transform::slerp;
 use super::volume::HitVolume;
+use crate::math::vec3::{Vector, add, length, scale, sub, unit};
 
 /// A part that was struck on the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +53,7 @@ struct Moving<'v> {
 impl<'v> Moving<'v> {
     fn new(volume: &'v HitVolume, from: Frame, to: Frame, off: f64) -> Self {
         let (centre, radius) = volume.bounding_sphere();
-        let reach = (length(centre) + radius) * (1.0 + 1e-12);
+        let reach = (length(&centre) + radius) * (1.0 + 1e-12);
         // The chord of the shorter arc is at most √2, where arcsin x ≤ x + 0.2216 x³, which is equal at its end.
         let chord = |sign: f64| {
             let squares = (0..4).map(|k| (to.rotation_wxyz[k] - sign * from.rotation_wxyz[k]).powi(2));
@@ -61,8 +61,8 @@ impl<'v> Moving<'v> {
         };
         let x = 0.5 * chord(1.0).min(chord(-1.0));
         let angle = 4.0 * (x + 0.2216 * x * x * x);
-        let speed = (length(sub(to.origin, from.origin)) + angle * reach) * (1.0 + 1e-12);
-        let size = length(from.origin) + length(to.origin) + reach;
+        let speed = (length(&sub(&to.origin, &from.origin)) + angle * reach) * (1.0 + 1e-12);
+        let size = length(&from.origin) + length(&to.origin) + reach;
         Self { volume, from, to, speed, error: off * reach + 1e-13 * size }
     }
 
@@ -70,9 +70,9 @@ impl<'v> Moving<'v> {
         if t <= 0.0 {
             return self.from;
         }
-        let between = scale(sub(self.to.origin, self.from.origin), t);
+        let between = scale(&sub(&self.to.origin, &self.from.origin), t);
         let rotation = slerp(self.from.rotation_wxyz, self.to.rotation_wxyz, t);
-        Frame::new(rotation, add(self.from.origin, between))
+        Frame::new(rotation, add(&self.from.origin, &between))
     }
 
     /// The sphere about it.
@@ -136,7 +136,7 @@ fn first_contact(striker: &Moving<'_>, part: &Moving<'_>) -> Result<Option<Strik
     for _ in 0..STEPS {
         let (frame_a, frame_b) = (striker.at(t), part.at(t));
         let (a, b) = (striker.sphere(&frame_a), part.sphere(&frame_b));
-        let mut gap = length(sub(b.0, a.0)) - a.1 - b.1 - error;
+        let mut gap = length(&sub(&b.0, &a.0)) - a.1 - b.1 - error;
         // Spheres tell what is far.
         if gap <= 0.25 * size {
             let (placed_a, placed_b) = (striker.volume.placed(frame_a.pose()?)?, part.volume.placed(frame_b.pose()?)?);
@@ -145,9 +145,9 @@ fn first_contact(striker: &Moving<'_>, part: &Moving<'_>) -> Result<Option<Strik
             if found.proximity != Proximity::Apart || gap <= TOUCHING * size {
                 let deep = if t == 0.0 { query::penetration(&placed_a, &placed_b) } else { None };
                 let [point_a, point_b] = found.points().unwrap_or([a.0, b.0]);
-                let apart = unit(sub(point_b, point_a));
-                let normal = deep.map(|deep| deep.normal).or(apart).or(unit(sub(b.0, a.0)));
-                let point = scale(add(point_a, point_b), 0.5);
+                let apart = unit(&sub(&point_b, &point_a));
+                let normal = deep.map(|deep| deep.normal).or(apart).or(unit(&sub(&b.0, &a.0)));
+                let point = scale(&add(&point_a, &point_b), 0.5);
                 let (normal, depth) = (normal.unwrap_or([0.0, 0.0, 1.0]), deep.map_or(0.0, |deep| deep.upper));
                 return Ok(Some(Strike { part: 0, bone: 0, t, point, normal, depth }));
             }
@@ -164,6 +164,6 @@ fn first_contact(striker: &Moving<'_>, part: &Moving<'_>) -> Result<Option<Strik
     // The steps are spent: what is not proved apart counts as struck, at the last time that is proved.
     let (frame_a, frame_b) = (striker.at(t), part.at(t));
     let (p, q) = (striker.sphere(&frame_a).0, part.sphere(&frame_b).0);
-    let normal = unit(sub(q, p)).unwrap_or([0.0, 0.0, 1.0]);
-    Ok(Some(Strike { part: 0, bone: 0, t, point: scale(add(p, q), 0.5), normal, depth: 0.0 }))
+    let normal = unit(&sub(&q, &p)).unwrap_or([0.0, 0.0, 1.0]);
+    Ok(Some(Strike { part: 0, bone: 0, t, point: scale(&add(&p, &q), 0.5), normal, depth: 0.0 }))
 }

@@ -10,8 +10,7 @@ use super::rig::Rig;
 use super::rig_pose::RigPose;
 use super::skin_tree::{Below, LEAF_VERTICES, SkinPose};
 use super::surface::SurfaceHit;
-use super::transform::Vector;
-use super::vector::{dot, length, scale, sub};
+use crate::math::vec3::{Vector, dot, length, scale, sub};
 
 /// The skinned surface of a character in one pose, for rays: the part that a bullet truly struck.
 ///
@@ -154,17 +153,17 @@ impl Line {
     fn new(ray: &Ray) -> Self {
         let largest = ray.direction().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let direction = ray.direction().map(|x| x / largest);
-        let rest = length(direction);
-        Self { origin: ray.origin(), direction: scale(direction, 1.0 / rest), lengths: [largest, rest] }
+        let rest = length(&direction);
+        Self { origin: ray.origin(), direction: scale(&direction, 1.0 / rest), lengths: [largest, rest] }
     }
 
     /// A distance from the origin before which the ray is surely not in a sphere; none where it surely misses it.
     fn enters(&self, &(centre, radius): &(Vector, f64)) -> Option<f64> {
-        let offset = sub(centre, self.origin);
-        let along = dot(self.direction, offset);
-        let across = sub(offset, scale(self.direction, along));
-        let reach = radius + ROUNDING * (length(offset) + length(self.origin) + length(centre));
-        let is_missed = dot(across, across) > reach * reach * (1.0 + 1e-12) || along < -reach;
+        let offset = sub(&centre, &self.origin);
+        let along = dot(&self.direction, &offset);
+        let across = sub(&offset, &scale(&self.direction, along));
+        let reach = radius + ROUNDING * (length(&offset) + length(&self.origin) + length(&centre));
+        let is_missed = dot(&across, &across) > reach * reach * (1.0 + 1e-12) || along < -reach;
         (!is_missed).then_some(along - reach)
     }
 

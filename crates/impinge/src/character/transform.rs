@@ -1,9 +1,7 @@
 //! Translation, rotation and scale, as bones have them, and the rotations between.
 
 use super::error::{RigError, RigErrorKind, RigPlace, judge};
-
-/// Three coordinates.
-pub(super) type Vector = [f64; 3];
+use crate::math::vec3::{Vector, dot};
 
 /// A 3 by 3 matrix by rows.
 pub(super) type Matrix = [[f64; 3]; 3];
@@ -76,11 +74,7 @@ pub(super) fn matrix([w, x, y, z]: [f64; 4]) -> Matrix {
 /// The matrix times a vector.
 #[inline(always)]
 pub(super) fn apply(m: &Matrix, v: Vector) -> Vector {
-    [
-        m[0][0] * v[0] + m[0][1] * v[1] + m[0][2] * v[2],
-        m[1][0] * v[0] + m[1][1] * v[1] + m[1][2] * v[2],
-        m[2][0] * v[0] + m[2][1] * v[1] + m[2][2] * v[2],
-    ]
+    m.each_ref().map(|row| dot(row, &v))
 }
 
 /// The transposed matrix times a vector.

@@ -10,8 +10,7 @@ use crate::shape::{PlacedShape, Shape};
 use crate::volume::{BoundingSphere, BoundingVolume, Capsule, Lozenge, Obb};
 
 use super::corners::Corners;
-use super::transform::Vector;
-use super::vector::{add, cross, dot, length, scale, sub, unit};
+use crate::math::vec3::{Vector, add, cross, dot, length, scale, sub, unit};
 
 /// The kinds of hit volumes, from the cheapest to ask.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -94,9 +93,9 @@ impl HitHull {
     fn of_solid(hull: Hull) -> Self {
         let planes = hull.faces().iter().filter_map(|face| {
             let [a, b, c] = face.map(|corner| hull.positions()[corner as usize]);
-            let normal = unit(cross(sub(b, a), sub(c, a)))?;
+            let normal = unit(&cross(&sub(&b, &a), &sub(&c, &a)))?;
             // The farthest vertex, so that rounding leaves none outside.
-            let level = hull.positions().iter().map(|&p| dot(normal, p)).fold(f64::NEG_INFINITY, f64::max);
+            let level = hull.positions().iter().map(|&p| dot(&normal, &p)).fold(f64::NEG_INFINITY, f64::max);
             Some((normal, level))
         });
         let planes = planes.collect();
@@ -148,7 +147,7 @@ impl HitVolume {
             Self::Hull(HitHull { hull, .. }) => {
                 let area = |face: &[u32; 3]| {
                     let [a, b, c] = face.map(|corner| hull.positions()[corner as usize]);
-                    0.5 * length(cross(sub(b, a), sub(c, a)))
+                    0.5 * length(&cross(&sub(&b, &a), &sub(&c, &a)))
                 };
                 hull.faces().iter().map(area).sum()
             }
@@ -174,19 +173,19 @@ impl HitVolume {
             Self::Sphere(sphere) => (sphere.centre(), sphere.radius()),
             Self::Capsule(capsule) => {
                 let [a, b] = capsule.ends();
-                (scale(add(a, b), 0.5), 0.5 * length(sub(b, a)) + capsule.radius())
+                (scale(&add(&a, &b), 0.5), 0.5 * length(&sub(&b, &a)) + capsule.radius())
             }
-            Self::Box(obb) => (obb.centre(), length(obb.half_extents())),
+            Self::Box(obb) => (obb.centre(), length(&obb.half_extents())),
             Self::Lozenge(lozenge) => {
-                let diagonal = add(lozenge.edges()[0], lozenge.edges()[1]);
-                let other = sub(lozenge.edges()[0], lozenge.edges()[1]);
-                let centre = add(lozenge.corner(), scale(diagonal, 0.5));
-                (centre, 0.5 * length(diagonal).max(length(other)) + lozenge.radius())
+                let diagonal = add(&lozenge.edges()[0], &lozenge.edges()[1]);
+                let other = sub(&lozenge.edges()[0], &lozenge.edges()[1]);
+                let centre = add(&lozenge.corner(), &scale(&diagonal, 0.5));
+                (centre, 0.5 * length(&diagonal).max(length(&other)) + lozenge.radius())
             }
             Self::Hull(HitHull { hull, .. }) => {
                 let [low, high] = box_of(hull.positions());
-                let centre = scale(add(low, high), 0.5);
-                let radius = hull.positions().iter().map(|&p| length(sub(p, centre))).fold(0.0, f64::max);
+                let centre = scale(&add(&low, &high), 0.5);
+                let radius = hull.positions().iter().map(|&p| length(&sub(&p, &centre))).fold(0.0, f64::max);
                 (centre, radius)
             }
         }
@@ -195,16 +194,16 @@ impl HitVolume {
     /// The point of the volume that is farthest along a direction, rounded; the direction needs no length of 1.
     #[must_use]
     pub fn support(&self, direction: [f64; 3]) -> [f64; 3] {
-        let out = |radius: f64| unit(direction).map_or([0.0; 3], |direction| scale(direction, radius));
+        let out = |radius: f64| unit(&direction).map_or([0.0; 3], |direction| scale(&direction, radius));
         match self {
-            Self::Sphere(sphere) => add(sphere.centre(), out(sphere.radius())),
+            Self::Sphere(sphere) => add(&sphere.centre(), &out(sphere.radius())),
             Self::Capsule(capsule) => {
                 let [a, b] = capsule.ends();
-                add(if dot(sub(b, a), direction) > 0.0 { b } else { a }, out(capsule.radius()))
+                add(&if dot(&sub(&b, &a), &direction) > 0.0 { b } else { a }, &out(capsule.radius()))
             }
             Self::Box(obb) => (0..3).fold(obb.centre(), |at, k| {
                 let axis = obb.axes()[k];
-                add(at, scale(axis, obb.half_extents()[k].copysign(dot(axis, direction))))
+                add(&at, &scale(&axis, obb.half_extents()[k].copysign(dot(&axis, &direction))))
             }),
             Self::Lozenge(lozenge) => RoundedPlate(*lozenge).support(direction),
             Self::Hull(HitHull { hull, corners, .. }) if hull.positions().len() <= FEW => corners.support(direction),
@@ -218,16 +217,16 @@ impl HitVolume {
     pub fn signed_distance(&self, point: [f64; 3]) -> f64 {
         match self {
             Self::Sphere(_) | Self::Capsule(_) | Self::Lozenge(_) => {
-                length(sub(point, self.closest_on_core(point))) - self.radius()
+                length(&sub(&point, &self.closest_on_core(point))) - self.radius()
             }
             Self::Box(obb) => {
-                let offset = sub(point, obb.centre());
-                let beyond = [0, 1, 2].map(|k| dot(obb.axes()[k], offset).abs() - obb.half_extents()[k]);
+                let offset = sub(&point, &obb.centre());
+                let beyond = [0, 1, 2].map(|k| dot(&obb.axes()[k], &offset).abs() - obb.half_extents()[k]);
                 let deepest = beyond.into_iter().fold(f64::NEG_INFINITY, f64::max);
-                if deepest <= 0.0 { deepest } else { length(beyond.map(|x| x.max(0.0))) }
+                if deepest <= 0.0 { deepest } else { length(&beyond.map(|x| x.max(0.0))) }
             }
             Self::Hull(HitHull { planes, .. }) => {
-                planes.iter().map(|&(normal, level)| dot(normal, point) - level).fold(f64::NEG_INFINITY, f64::max)
+                planes.iter().map(|&(normal, level)| dot(&normal, &point) - level).fold(f64::NEG_INFINITY, f64::max)
             }
         }
     }
@@ -248,11 +247,11 @@ impl HitVolume {
             Self::Sphere(sphere) => sphere.centre(),
             Self::Capsule(capsule) => {
                 let [from, to] = capsule.ends();
-                toward(from, sub(to, from), sub(point, from))
+                toward(from, sub(&to, &from), sub(&point, &from))
             }
             Self::Lozenge(lozenge) => {
                 // The edges are at right angles.
-                let offset = sub(point, lozenge.corner());
+                let offset = sub(&point, &lozenge.corner());
                 lozenge.edges().into_iter().fold(lozenge.corner(), |at, edge| toward(at, edge, offset))
             }
             Self::Box(obb) => obb.centre(),
@@ -302,9 +301,9 @@ impl HitVolume {
 
 /// A point moved along an edge as far as an offset goes with it, and not beyond.
 fn toward(at: Vector, edge: Vector, offset: Vector) -> Vector {
-    let squared = dot(edge, edge);
-    let share = if squared > 0.0 { (dot(edge, offset) / squared).clamp(0.0, 1.0) } else { 0.0 };
-    add(at, scale(edge, share))
+    let squared = dot(&edge, &edge);
+    let share = if squared > 0.0 { (dot(&edge, &offset) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    add(&at, &scale(&edge, share))
 }
 
 /// The corners of the axis-aligned box of some points.
@@ -320,15 +319,15 @@ struct RoundedPlate(Lozenge);
 
 impl Support for RoundedPlate {
     fn support(&self, direction: [f64; 3]) -> [f64; 3] {
-        let edges = self.0.edges().into_iter().filter(|&edge| dot(edge, direction) > 0.0);
-        let corner = edges.fold(self.0.corner(), add);
-        let out = unit(direction).map_or([0.0; 3], |direction| scale(direction, self.0.radius()));
-        add(corner, out)
+        let edges = self.0.edges().into_iter().filter(|&edge| dot(&edge, &direction) > 0.0);
+        let corner = edges.fold(self.0.corner(), |sum, edge| add(&sum, &edge));
+        let out = unit(&direction).map_or([0.0; 3], |direction| scale(&direction, self.0.radius()));
+        add(&corner, &out)
     }
 
     fn reach(&self) -> [f64; 3] {
         let ([u, v], c, r) = (self.0.edges(), self.0.corner(), self.0.radius());
-        let corners = [c, add(c, u), add(c, v), add(add(c, u), v)];
+        let corners = [c, add(&c, &u), add(&c, &v), add(&add(&c, &u), &v)];
         // Up to rounding of the corner and of the sum.
         [0, 1, 2].map(|k| (corners.iter().fold(0.0_f64, |m, p| m.max(p[k].abs())) + r) * (1.0 + 1e-14))
     }

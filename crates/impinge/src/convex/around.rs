@@ -8,7 +8,7 @@ use super::expand::Polytope;
 use super::posed::{Difference, Pair, to_unit_entries};
 use super::simplex;
 use crate::hull::{Hull, HullKind};
-use crate::primitive::{cross, sub};
+use crate::math::vec3::{cross, sub};
 
 /// A corner that the origin has less of than this is taken for beside the face or edge that holds it, but for rounding: 2^-40.
 const LEAST_WEIGHT: f64 = 1.0 / (1_u64 << 40) as f64;

@@ -13,7 +13,7 @@ use super::core_depth::CoreDepth;
 use super::gjk::SLACK;
 use super::posed::{Core, Pair, Posed, to_unit_length};
 use crate::math::relative::UNIT_ROUNDOFF;
-use crate::primitive::{dot, length, sub};
+use crate::math::vec3::{dot, length, sub};
 use crate::volume::Proximity;
 
 /// A segment counts as across a direction where its ends are no farther apart along that than this, next to its length: 2^-40.

@@ -22,7 +22,7 @@ use super::gjk::{Gap, gap, means};
 use super::posed::{Difference, Pair, Swept, to_unit_entries, to_unit_length};
 use super::simplex;
 use crate::hull::{Hull, HullKind};
-use crate::primitive::{cross, dot, length};
+use crate::math::vec3::{cross, dot, length};
 
 /// The most hulls that are built. Those of polytopes without a volume need some 3 to 8.
 const ROUNDS: usize = 24;

@@ -10,6 +10,7 @@ use super::gjk::{Gap, gap, gap_until, means};
 use super::min_norm::{LeastDistance, least_distance};
 use super::posed::{Pair, Swept, to_unit_length};
 use crate::math::dyadic::Dyadic;
+use crate::math::vec3::{dot, sub};
 use crate::volume::Proximity;
 
 /// An interval this wide, next to its upper end, is narrowed by exact arithmetic: 2^-36. Where shapes are well apart the
@@ -190,9 +191,9 @@ pub(super) fn world_bounds(gap: &Gap, pair: &Pair<'_>) -> [f64; 2] {
 
 /// Points of cores moved to the surfaces around them, towards each other; to one common point where these overlap.
 fn on_surfaces([p, q]: [[f64; 3]; 2], radius: [f64; 2]) -> [[f64; 3]; 2] {
-    let between: [f64; 3] = std::array::from_fn(|k| q[k] - p[k]);
+    let between = sub(&q, &p);
     let direction = to_unit_length(between);
-    let length: f64 = (0..3).map(|k| direction[k] * between[k]).sum();
+    let length = dot(&direction, &between);
     let along = |at: f64| std::array::from_fn(|k| p[k] + direction[k] * at);
     let (from_a, from_b) = (radius[0].min(length), (length - radius[1]).max(0.0));
     if radius == [0.0; 2] {

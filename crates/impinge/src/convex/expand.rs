@@ -17,7 +17,7 @@ use std::collections::BinaryHeap;
 use super::facet::Facet;
 use super::posed::Difference;
 use super::simplex;
-use crate::primitive::{cross, dot, length, sub};
+use crate::math::vec3::{cross, dot, length, sub};
 
 /// How far from a triangle's plane a point counts as in it, in the common unit: 2^-48.
 const IN_PLANE: f64 = 16.0 * f64::EPSILON;

@@ -5,7 +5,7 @@ use crate::exact::double_double::{self, DoubleDouble};
 use crate::math::Sign;
 use crate::math::dyadic::{self, Dyadic};
 use crate::math::relative::{INFLATE, UNDERFLOW, UNIT_ROUNDOFF};
-use crate::primitive::{dot, length, sub};
+use crate::math::vec3::{dot, length, sub};
 
 /// The plane of three points of the common frame.
 #[derive(Clone, Copy, Debug)]

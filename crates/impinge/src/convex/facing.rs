@@ -3,7 +3,7 @@
 
 use super::facets::Facets;
 use super::posed::{Core, Posed, to_unit_entries, to_unit_length};
-use crate::primitive::{cross, dot, length, sub};
+use crate::math::vec3::{cross, dot, length, sub};
 
 /// A facet counts as facing a direction, and an edge as across it, where the sine of the angle that it is off is at most this:
 /// some 14 degrees. More makes contacts of what only leans; less takes corners from what rocks.

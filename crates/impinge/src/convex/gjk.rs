@@ -11,7 +11,7 @@
 
 use super::posed::{Difference, Pair, to_unit_entries};
 use super::simplex::Simplex;
-use crate::primitive::{dot, length, scaled_length};
+use crate::math::vec3::{dot, length, scaled_length};
 
 /// The most steps. Polytopes of thousands of vertices take 10 to 20; cylinders and their like approach the end by a factor a
 /// step, which makes the interval some 2^-40 wide by then.

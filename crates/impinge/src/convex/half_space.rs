@@ -14,8 +14,8 @@ use super::posed::{Pair, Swept, to_unit_length};
 use crate::exact::world_point;
 use crate::math::dyadic::{self, Dyadic};
 use crate::math::relative::UNIT_ROUNDOFF;
+use crate::math::vec3::{dot, length, sub};
 use crate::math::{Pose, Sign};
-use crate::primitive::{dot, length, sub};
 use crate::volume::Proximity;
 
 /// The points of the world that are on one side of a plane.

@@ -8,8 +8,8 @@ use super::distance::Separation;
 use super::manifold::Contacts;
 use super::posed::{Core, Pair, Swept};
 use super::surface::{Surface, corners_of_box};
+use crate::math::vec3::length;
 use crate::mesh::FaceSearch;
-use crate::primitive::length;
 use crate::volume::Proximity;
 
 impl HalfSpace<'_> {

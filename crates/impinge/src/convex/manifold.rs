@@ -16,7 +16,7 @@ use super::facing::facing;
 use super::overlap::{Feature, Over, is_one_place, overlap};
 use super::posed::{Pair, Swept};
 use crate::math::relative::UNIT_ROUNDOFF;
-use crate::primitive::{cross, dot, sub};
+use crate::math::vec3::{cross, dot, sub};
 
 /// A swept core, and the facets of the core where that is a polytope.
 #[derive(Clone, Copy, Debug)]

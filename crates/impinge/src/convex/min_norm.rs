@@ -18,6 +18,7 @@ use super::posed::{Difference, Pair, Posed, Spot};
 use crate::exact::world_point;
 use crate::math::Sign;
 use crate::math::dyadic::{self, Dyadic};
+use crate::math::vec3::dot;
 
 type Point = [Dyadic; 3];
 
@@ -157,7 +158,7 @@ fn vertex_beyond(pair: &Pair<'_>, foot: &Foot, corners_a: &[[f64; 3]], corners_b
 
 /// The corner that is farthest along a direction, exactly; the rounded direction and its error spare most comparisons.
 fn farthest(set: &Posed<'_>, corners: &[[f64; 3]], rounded: [f64; 3], exact: &Point, error: f64) -> Spot {
-    let height = |spot: &Spot| rounded[0] * spot.point[0] + rounded[1] * spot.point[1] + rounded[2] * spot.point[2];
+    let height = |spot: &Spot| dot(&rounded, &spot.point);
     let spots = || corners.iter().map(|&corner| set.spot(corner));
     let highest = spots().map(|spot| height(&spot)).fold(f64::NEG_INFINITY, f64::max);
     let mut best: Option<(Dyadic, Spot)> = None;

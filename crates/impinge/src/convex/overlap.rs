@@ -9,7 +9,7 @@
 //! shadows look like.
 
 use super::facing::{Corner, Facing};
-use crate::primitive::{dot, length, sub};
+use crate::math::vec3::{cross, dot, length, sub};
 
 /// What is nearer than this in the shadows, in the common unit, lies over each other: 2^-30. It keeps corners that touch borders.
 const SLACK: f64 = 1.0 / (1 << 30) as f64;
@@ -185,7 +185,7 @@ pub(super) fn across(normal: &[f64; 3]) -> [[f64; 3]; 2] {
     let axis = std::array::from_fn(|k| f64::from(u8::from(k == least)) - normal[k] * normal[least]);
     let scale = 1.0 / length(&axis);
     let x = axis.map(|entry| entry * scale);
-    [x, crate::primitive::cross(normal, &x)]
+    [x, cross(normal, &x)]
 }
 
 /// Whether two points are one as far as the shadows can tell.

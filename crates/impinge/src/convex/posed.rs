@@ -10,6 +10,7 @@ use std::fmt;
 use crate::hull::Hull;
 use crate::math::Pose;
 use crate::math::relative::{Offset, UNDERFLOW, UNIT_ROUNDOFF};
+use crate::math::vec3::{dot, length};
 
 /// A convex set that is known by its support function, in its own frame.
 ///
@@ -223,7 +224,7 @@ impl Posed<'_> {
     pub(super) fn spot(&self, local: [f64; 3]) -> Spot {
         let point = std::array::from_fn(|k| {
             let row = self.pose.linear()[k];
-            (row[0] * local[0] + row[1] * local[1] + row[2] * local[2] + self.offset[k]) * self.scale
+            (dot(&row, &local) + self.offset[k]) * self.scale
         });
         Spot { local, point }
     }
@@ -243,10 +244,9 @@ impl Posed<'_> {
     pub(super) fn farthest_local(&self, along: [f64; 3]) -> [f64; 3] {
         match self.core {
             Core::Points(points) => {
-                let height = |point: &[f64; 3]| along[0] * point[0] + along[1] * point[1] + along[2] * point[2];
                 let mut best = (f64::NEG_INFINITY, [0.0; 3]);
                 for point in points {
-                    let found = height(point);
+                    let found = dot(&along, point);
                     if found > best.0 {
                         best = (found, *point);
                     }
@@ -298,7 +298,7 @@ pub(super) fn to_unit_entries(vector: [f64; 3]) -> [f64; 3] {
 /// A vector of length 1 along another, no zero of it negative; along an axis where that has no direction.
 pub(crate) fn to_unit_length(vector: [f64; 3]) -> [f64; 3] {
     let scaled = to_unit_entries(vector);
-    let length = (scaled[0] * scaled[0] + scaled[1] * scaled[1] + scaled[2] * scaled[2]).sqrt();
+    let length = length(&scaled);
     if length > 0.0 { scaled.map(|x| x / length + 0.0) } else { [1.0, 0.0, 0.0] }
 }
 

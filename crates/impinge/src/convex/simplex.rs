@@ -7,7 +7,7 @@
 //! Ericson, *Real-Time Collision Detection*, 2005, 5.1.6; ours tells sides by volumes, areas and lengths of the same three products.
 
 use super::posed::{Difference, Spot};
-use crate::primitive::{cross, dot, sub};
+use crate::math::vec3::{cross, dot, sub};
 
 /// Up to four differences.
 #[derive(Clone, Copy, Debug)]
@@ -190,7 +190,7 @@ fn shares(points: &[[f64; 3]]) -> [f64; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::primitive::length;
+    use crate::math::vec3::length;
 
     #[test]
     fn parts_of_a_simplex() {

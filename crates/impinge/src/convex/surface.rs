@@ -11,8 +11,8 @@ use super::distance::{Separation, above, below, nearness, separation};
 use super::posed::{Core, Pair, Swept, to_unit_length};
 use crate::exact::{Placement, PosedPoint, Spot};
 use crate::math::Pose;
+use crate::math::vec3::{dot, length, sub};
 use crate::mesh::{Containment, FaceSearch, Judge, Mesh};
-use crate::primitive::{dot, length, sub};
 use crate::volume::Proximity;
 
 /// A mesh in the world: its surface, or all that it winds round too.

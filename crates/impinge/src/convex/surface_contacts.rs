@@ -17,7 +17,7 @@ use super::posed::to_unit_length;
 use super::surface::Surface;
 use super::{Facets, HalfSpace};
 use crate::math::relative::UNIT_ROUNDOFF;
-use crate::primitive::{cross, dot, sub};
+use crate::math::vec3::{cross, dot, sub};
 
 /// Normals whose cosine is at least this are one: 2.5 degrees.
 const ONE_NORMAL: f64 = 1.0 - 1.0 / 1_024.0;

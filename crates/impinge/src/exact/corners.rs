@@ -7,6 +7,7 @@ use super::placement::Placement;
 use super::unbounded::UnboundedPoints;
 use super::wide::WidePoints;
 use crate::math::Sign;
+use crate::math::vec3::sub;
 
 /// The dearest arithmetic that a decision took.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -67,8 +68,8 @@ impl<'p> PairCorners<'p> {
     /// On which sides of A's plane the corners of B are; all zero where A has no plane.
     pub(super) fn sides_of_a(&mut self) -> [Sign; 3] {
         let [p, q, r] = self.a;
-        let (u, v) = (filter::difference(q, p), filter::difference(r, p));
-        let ws = self.image_b.each_ref().map(|corner| filter::difference(corner, p));
+        let (u, v) = (sub(q, p), sub(r, p));
+        let ws = self.image_b.each_ref().map(|corner| sub(corner, p));
         let certain = filter::signs(&u, &v, &ws, &Errors { u: &NO_ERROR, v: &NO_ERROR, w: &self.image_error });
         std::array::from_fn(|j| certain[j].unwrap_or_else(|| self.exact_orient3d(0, 1, 2, 3 + j)))
     }
@@ -76,8 +77,8 @@ impl<'p> PairCorners<'p> {
     /// On which sides of B's plane the corners of A are; all zero where B has no plane.
     pub(super) fn sides_of_b(&mut self) -> [Sign; 3] {
         let [p, q, r] = &self.image_b;
-        let (u, v) = (filter::difference(q, p), filter::difference(r, p));
-        let ws = self.a.each_ref().map(|corner| filter::difference(corner, p));
+        let (u, v) = (sub(q, p), sub(r, p));
+        let ws = self.a.each_ref().map(|corner| sub(corner, p));
         let twice = self.image_error.map(|error| 2.0 * error);
         let certain = filter::signs(&u, &v, &ws, &Errors { u: &twice, v: &twice, w: &self.image_error });
         std::array::from_fn(|i| certain[i].unwrap_or_else(|| self.exact_orient3d(3, 4, 5, i)))
@@ -86,9 +87,9 @@ impl<'p> PairCorners<'p> {
     /// The orientation of an edge of A, from corner `a0` to `a1`, and one of B, from its corner `b0` to `b1`; corners
     /// of either count from zero.
     pub(super) fn edges(&mut self, [a0, a1]: [usize; 2], [b0, b1]: [usize; 2]) -> Sign {
-        let u = filter::difference(&self.a[a1], &self.a[a0]);
-        let v = filter::difference(&self.image_b[b1], &self.image_b[b0]);
-        let w = filter::difference(&self.image_b[b0], &self.a[a0]);
+        let u = sub(&self.a[a1], &self.a[a0]);
+        let v = sub(&self.image_b[b1], &self.image_b[b0]);
+        let w = sub(&self.image_b[b0], &self.a[a0]);
         let twice = self.image_error.map(|error| 2.0 * error);
         let [certain] = filter::signs(&u, &v, &[w], &Errors { u: &NO_ERROR, v: &twice, w: &self.image_error });
         // det(u, w, v + w) = -det(u, v, w).

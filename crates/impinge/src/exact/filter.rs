@@ -16,6 +16,7 @@
 
 use crate::math::Sign;
 use crate::math::relative::{INFLATE, UNDERFLOW, UNIT_ROUNDOFF};
+use crate::math::vec3::dot;
 
 /// Units of relative rounding: 8 are needed, the rest is for the rounding of the bound itself.
 pub(super) const ROUNDING: f64 = 9.0 * UNIT_ROUNDOFF;
@@ -25,10 +26,6 @@ pub(super) struct Errors<'e> {
     pub(super) u: &'e [f64; 3],
     pub(super) v: &'e [f64; 3],
     pub(super) w: &'e [f64; 3],
-}
-
-pub(super) fn difference(p: &[f64; 3], q: &[f64; 3]) -> [f64; 3] {
-    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
 }
 
 /// The signs of `u × v · w` for each `w`.
@@ -59,7 +56,7 @@ pub(super) fn signs<const N: usize>(
     }
     let error = input * INFLATE + rounding * ROUNDING + extent_sum * UNDERFLOW;
     ws.map(|w| {
-        let determinant = normal[0] * w[0] + normal[1] * w[1] + normal[2] * w[2];
+        let determinant = dot(&normal, &w);
         // Not certain where either side is NaN. Nor where the determinant overflows: each of its steps is at most the same
         // step of `rounding`, which overflows with it.
         if determinant > error {
@@ -80,6 +77,7 @@ mod tests {
 
     use super::*;
     use crate::math::dyadic::{self, Dyadic};
+    use crate::math::vec3::{cross, sub};
 
     struct Random(u64);
 
@@ -103,7 +101,7 @@ mod tests {
 
     fn filtered(points: &[[f64; 3]; 4], errors: &Errors) -> Option<Sign> {
         let [p, q, r, s] = points;
-        signs(&difference(q, p), &difference(r, p), &[difference(s, p)], errors)[0]
+        signs(&sub(q, p), &sub(r, p), &[sub(s, p)], errors)[0]
     }
 
     fn combination(p: &[f64; 3], q: &[f64; 3], r: &[f64; 3], s: f64, t: f64) -> [f64; 3] {
@@ -151,10 +149,7 @@ mod tests {
             let mut s = combination(&p, &q, &r, random.unit(), random.unit());
             s[2] += 3.0 * size * random.unit();
             let points = [p, q, r, s];
-            let (u, v, w) = (difference(&q, &p), difference(&r, &p), difference(&s, &p));
-            let cross = |x: &[f64; 3], y: &[f64; 3]| -> [f64; 3] {
-                std::array::from_fn(|k| x[(k + 1) % 3] * y[(k + 2) % 3] - x[(k + 2) % 3] * y[(k + 1) % 3])
-            };
+            let (u, v, w) = (sub(&q, &p), sub(&r, &p), sub(&s, &p));
             let (to_q, to_r, to_s) = (cross(&v, &w), cross(&w, &u), cross(&u, &v));
             let to_p: [f64; 3] = std::array::from_fn(|k| -to_q[k] - to_r[k] - to_s[k]);
             let towards = if random.unit() < 0.0 { -1.0 } else { 1.0 };

@@ -15,6 +15,7 @@ use super::placement::{Placement, world_point};
 use crate::math::Sign::{self, Negative, Positive, Zero};
 use crate::math::dyadic::{self, Dyadic};
 use crate::math::relative::{INFLATE, UNDERFLOW, UNIT_ROUNDOFF};
+use crate::math::vec3::sub;
 
 /// A point, in the frame of the mesh that it belongs to.
 #[derive(Clone, Copy, Debug)]
@@ -146,8 +147,8 @@ impl<'p> PosedPoint<'p> {
     /// The sign of `det(b - a, c - a, point - a)`: positive where the normal of the corners points.
     pub(crate) fn above(&self, [a, b, c]: &Corners) -> Sign {
         const NONE: [f64; 3] = [0.0; 3];
-        let (u, v) = (filter::difference(b, a), filter::difference(c, a));
-        let w = filter::difference(&self.approximate, a);
+        let (u, v) = (sub(b, a), sub(c, a));
+        let w = sub(&self.approximate, a);
         let [certain] = filter::signs(&u, &v, &[w], &Errors { u: &NONE, v: &NONE, w: &self.error });
         certain.unwrap_or_else(|| {
             let exact = self.exact();

@@ -4,12 +4,13 @@
 //! Each comes with its filter in doubles; what that leaves open goes to the integers of the triangle decisions.
 
 use super::corners::PairCorners;
-use super::filter::{self, ROUNDING};
+use super::filter::ROUNDING;
 use super::placement::{Placement, world_coordinate};
 use crate::math::Pose;
 use crate::math::Sign::{self, Negative, Positive, Zero};
 use crate::math::dyadic::{self, Dyadic};
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
+use crate::math::vec3::{dot, sub};
 
 /// The plane of three points, with one bound of the filter's error for all points near enough.
 #[derive(Clone, Copy, Debug)]
@@ -23,10 +24,10 @@ impl Plane {
     /// The plane through `p`, `q` and `r`, for points whose coordinates differ from those of `p` by at most `extent`.
     ///
     /// # Accuracy
-    /// The bound is that of [`filter::signs`] for exact points, with `extent` in the place of the differences to `p`.
+    /// The bound is that of [`signs`](super::filter::signs) for exact points, with `extent` in the place of the differences to `p`.
     #[inline]
     pub(crate) fn new(p: &[f64; 3], q: &[f64; 3], r: &[f64; 3], extent: &[f64; 3]) -> Self {
-        let (u, v) = (filter::difference(q, p), filter::difference(r, p));
+        let (u, v) = (sub(q, p), sub(r, p));
         let mut normal = [0.0; 3];
         let mut rounding = 0.0;
         let mut extent_sum = 1.0;
@@ -42,15 +43,15 @@ impl Plane {
 
     /// How far `s` is from the plane, rounded, in units of twice the area of the three points.
     pub(crate) fn height(&self, s: &[f64; 3]) -> f64 {
-        let w = filter::difference(s, &self.anchor);
-        self.normal[0] * w[0] + self.normal[1] * w[1] + self.normal[2] * w[2]
+        let w = sub(s, &self.anchor);
+        dot(&self.normal, &w)
     }
 
     /// On which side `s` is, positive being where the three points turn left; nothing where the filter is not certain.
     #[inline(always)]
     pub(crate) fn side(&self, s: &[f64; 3]) -> Option<Sign> {
-        let w = filter::difference(s, &self.anchor);
-        let determinant = self.normal[0] * w[0] + self.normal[1] * w[1] + self.normal[2] * w[2];
+        let w = sub(s, &self.anchor);
+        let determinant = dot(&self.normal, &w);
         if determinant > self.error {
             Some(Positive)
         } else if determinant < -self.error {
@@ -72,7 +73,7 @@ pub(crate) struct WidePlane {
 
 impl WidePlane {
     pub(crate) fn new([p, q, r]: &[[f64; 3]; 3]) -> Self {
-        let (u, v) = (filter::difference(q, p), filter::difference(r, p));
+        let (u, v) = (sub(q, p), sub(r, p));
         let (mut normal, mut rounding) = ([0.0; 3], [0.0; 3]);
         for k in 0..3 {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
@@ -86,13 +87,13 @@ impl WidePlane {
     /// On which side `s` is, positive being where the three points turn left; nothing where the filter is not certain.
     ///
     /// # Accuracy
-    /// The bound is that of [`filter::signs`] for exact points.
+    /// The bound is that of [`signs`](super::filter::signs) for exact points.
     #[inline]
     pub(crate) fn side(&self, s: &[f64; 3]) -> Option<Sign> {
-        let w = filter::difference(s, &self.anchor);
-        let determinant = self.normal[0] * w[0] + self.normal[1] * w[1] + self.normal[2] * w[2];
+        let w = sub(s, &self.anchor);
+        let determinant = dot(&self.normal, &w);
         let size = w.map(f64::abs);
-        let rounding = self.rounding[0] * size[0] + self.rounding[1] * size[1] + self.rounding[2] * size[2];
+        let rounding = dot(&self.rounding, &size);
         let error = rounding + (1.0 + size[0] + size[1] + size[2]) * UNDERFLOW;
         if determinant > error {
             Some(Positive)
@@ -135,7 +136,7 @@ pub(crate) fn collinear(p: &[f64; 3], q: &[f64; 3], r: &[f64; 3]) -> bool {
 /// How `p` compares to `q` along a direction: the sign of `direction · (p - q)`.
 #[inline]
 pub(crate) fn compare_along(direction: &[f64; 3], p: &[f64; 3], q: &[f64; 3]) -> Sign {
-    let difference = filter::difference(p, q);
+    let difference = sub(p, q);
     let terms: [f64; 3] = std::array::from_fn(|k| direction[k] * difference[k]);
     let value = terms[0] + terms[1] + terms[2];
     // The difference, the product and two sums: 4 units and a little of the magnitudes.

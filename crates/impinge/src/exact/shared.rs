@@ -13,6 +13,7 @@ use super::filter::{self, Errors};
 use super::placement::Placement;
 use super::triangles::{Position, triangles_intersect};
 use crate::math::Sign::{self, Zero};
+use crate::math::vec3::sub;
 
 /// The two faces are of one mesh in one place; equal coordinates are one position, zeros of either sign included.
 pub(crate) fn meet_beyond_shared(one_place: &Placement, a: &Corners, b: &Corners) -> bool {
@@ -58,8 +59,8 @@ fn beyond_corner(one_place: &Placement, a: &Corners, b: &Corners, v: [f64; 3]) -
 
 /// Whether the corners of `other` but `v` are certainly all on one side of the plane of `triangle`.
 fn stays_to_one_side(triangle: &Corners, other: &Corners, v: &[f64; 3]) -> bool {
-    let (u, w) = (filter::difference(&triangle[1], &triangle[0]), filter::difference(&triangle[2], &triangle[0]));
-    let sides = signs(&u, &w, &other.map(|corner| filter::difference(&corner, v)));
+    let (u, w) = (sub(&triangle[1], &triangle[0]), sub(&triangle[2], &triangle[0]));
+    let sides = signs(&u, &w, &other.map(|corner| sub(&corner, v)));
     let mut one_side = None;
     (0..3).filter(|&i| other[i] != *v).all(|i| match sides[i] {
         None | Some(Zero) => false,
@@ -72,7 +73,7 @@ fn beyond_edge(one_place: &Placement, a: &Corners, b: &Corners, ends: [[f64; 3];
     let third = |own: &Corners| (0..3).find(|&i| !ends.contains(&own[i]));
     // Where there is no third position the face is the shared edge.
     let (Some(third_a), Some(third_b)) = (third(a), third(b)) else { return false };
-    let from_end = |corner: &[f64; 3]| filter::difference(corner, &ends[0]);
+    let from_end = |corner: &[f64; 3]| sub(corner, &ends[0]);
     let [certain] = signs(&from_end(&ends[1]), &from_end(&a[third_a]), &[from_end(&b[third_b])]);
     if certain.is_some() {
         return false;

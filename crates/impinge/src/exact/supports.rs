@@ -19,7 +19,7 @@ use super::double_double::{DoubleDouble, cross, difference, dot};
 use super::exact_points::Corners;
 use super::placement::Placement;
 use crate::math::Pose;
-use crate::math::vector::{self, Vector};
+use crate::math::vec3::{self, Vector};
 
 /// Corners this near to a plane rest on it, relative to the size of the triangles: about 2^-30. More than the rounding of a
 /// direction, and less than what tells corners apart. It decides what is proved, not whether it is true.
@@ -43,12 +43,12 @@ impl Supports {
         let edges_of = |pose: &Pose, corners: &Corners, towards: Vector| {
             let world = corners.map(|corner| DoubleDouble::world_point(pose, &corner));
             let edges = [[0, 1], [1, 2], [2, 0]].map(|[from, to]| difference(&world[to], &world[from]));
-            let size = edges.iter().map(|edge| vector::length(&rounded(edge))).fold(0.0, f64::max);
+            let size = edges.iter().map(|edge| vec3::length(&rounded(edge))).fold(0.0, f64::max);
             // How far each corner is from the plane, by the heights of the edges that lead to it.
-            let [to_1, to_2, _] = edges.each_ref().map(|edge| vector::dot(&towards, &rounded(edge)));
+            let [to_1, to_2, _] = edges.each_ref().map(|edge| vec3::dot(&towards, &rounded(edge)));
             let heights = [0.0, to_1, to_1 + to_2];
             let highest = heights.into_iter().fold(f64::NEG_INFINITY, f64::max);
-            let rests = heights.map(|height| highest - height <= RESTING * size * vector::length(&towards));
+            let rests = heights.map(|height| highest - height <= RESTING * size * vec3::length(&towards));
             let resting = [[0, 1], [1, 2], [2, 0]].map(|[from, to]| rests[from] && rests[to]);
             edges.into_iter().zip(resting).filter_map(|(edge, rests)| rests.then_some(edge))
         };
@@ -137,7 +137,7 @@ fn reach(
     let rough_gradient = rounded(&gradient);
     let (mut farthest, mut size, mut extents) = (f64::NEG_INFINITY, 0.0_f64, [0.0_f64; 3]);
     for point in points.clone() {
-        farthest = farthest.max(vector::dot(&rough_gradient, &point));
+        farthest = farthest.max(vec3::dot(&rough_gradient, &point));
         size = size.max(rough_gradient.iter().zip(&point).map(|(g, x)| (g * x).abs()).sum());
         extents = [0, 1, 2].map(|k| extents[k].max(point[k].abs()));
     }
@@ -149,7 +149,7 @@ fn reach(
     let mut most = DoubleDouble::of(f64::NEG_INFINITY);
     for point in points {
         // NaN proves nothing.
-        let is_surely_less = vector::dot(&rough_gradient, &point) < surely_less;
+        let is_surely_less = vec3::dot(&rough_gradient, &point) < surely_less;
         let is_like_last = (0..3).all(|k| point[k] == last[k] || (off_zero[k].is_some() && point[k].is_finite()));
         if !is_surely_less && !is_like_last {
             most = most.greater(&dot(&gradient, &point.map(DoubleDouble::of)));
@@ -166,12 +166,12 @@ fn perpendicular(direction: Vector, mut edges: impl Iterator<Item = [DoubleDoubl
     let Some(first) = edges.find(is_edge) else { return exact };
     let is_across = |second: &[DoubleDouble; 3]| {
         let (u, v) = (rounded(&first), rounded(second));
-        let normal = vector::cross(&u, &v);
-        vector::dot(&normal, &normal) > PARALLEL * vector::dot(&u, &u) * vector::dot(&v, &v)
+        let normal = vec3::cross(&u, &v);
+        vec3::dot(&normal, &normal) > PARALLEL * vec3::dot(&u, &u) * vec3::dot(&v, &v)
     };
     if let Some(second) = edges.find(is_across) {
         let normal = cross(&first, &second);
-        let faces_away = vector::dot(&rounded(&normal), &direction) < 0.0;
+        let faces_away = vec3::dot(&rounded(&normal), &direction) < 0.0;
         return if faces_away { normal.each_ref().map(DoubleDouble::negated) } else { normal };
     }
     let along = dot(&exact, &first).over(&dot(&first, &first));
@@ -189,7 +189,8 @@ mod tests {
 
     use super::*;
     use crate::exact::triangles_within;
-    use crate::primitive::{length, sub, triangle_triangle};
+    use crate::math::vec3::{length, sub};
+    use crate::primitive::triangle_triangle;
 
     /// The line between the nearest points, in floats.
     fn between(placement: &Placement, a: &Corners, b: &Corners) -> Vector {

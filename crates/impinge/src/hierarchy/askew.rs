@@ -10,6 +10,7 @@ use fearless_simd::Simd;
 use super::box_map::BoxMap;
 use super::lanes::overlapping_each;
 use super::wide::Node;
+use crate::math::vec3::dot;
 use crate::simd::{by_axis, load3};
 
 /// The frames whose axes are across an edge of the host's boxes and one of the guest's.
@@ -28,7 +29,6 @@ impl Askew {
     /// double precision, which rounds each product and each sum once: less than eight units of the sums' magnitude (docs/proof.md, L2b).
     pub(crate) fn new(linear: &[[f64; 3]; 3], translation: &[f64; 3], error: f64, reach: f64) -> Self {
         const ROUNDING: f64 = 8.0 * f64::EPSILON;
-        let dot = |a: &[f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let frames = by_axis!(edge => {
             let (next, last) = ((edge + 1) % 3, (edge + 2) % 3);
             // The host's edge along the one axis, crossed with the images of the guest's edges.
@@ -38,14 +38,14 @@ impl Askew {
                 direction[last] = linear[next][from];
                 direction
             });
-            let turned = across.map(|a| by_axis!(from => dot(&a, by_axis!(axis => linear[axis][from]))));
-            let moved = across.map(|a| dot(&a, *translation));
+            let turned = across.map(|a| by_axis!(from => dot(&a, &by_axis!(axis => linear[axis][from]))));
+            let moved = across.map(|a| dot(&a, translation));
             let off = across.map(|a| {
                 let a = a.map(f64::abs);
                 let largest: [f64; 3] = by_axis!(axis => {
                     linear[axis].iter().map(|x| x.abs()).sum::<f64>() * reach + translation[axis].abs()
                 });
-                dot(&a, largest.map(|size| error + ROUNDING * size))
+                dot(&a, &largest.map(|size| error + ROUNDING * size))
             });
             [BoxMap::new(&across, &[0.0; 3], &[0.0; 3], reach), BoxMap::new(&turned, &moved, &off, reach)]
         });

@@ -14,6 +14,7 @@
 
 use crate::exact::{Plane, collinear, orient3d};
 use crate::math::Sign::{Negative, Positive, Zero};
+use crate::math::vec3::{cross, dot, sub};
 
 /// No face, no point.
 const NONE: u32 = u32::MAX;
@@ -338,8 +339,8 @@ pub(super) fn line(points: &[[f64; 3]]) -> Option<[usize; 2]> {
 pub(super) fn off_line(points: &[[f64; 3]], a: usize, b: usize) -> Option<usize> {
     let (p, q) = (&points[a], &points[b]);
     let area = |s: &[f64; 3]| {
-        let (u, v): ([f64; 3], [f64; 3]) = (std::array::from_fn(|k| q[k] - p[k]), std::array::from_fn(|k| s[k] - p[k]));
-        (0..3).map(|k| (u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]).powi(2)).sum()
+        let normal = cross(&sub(q, p), &sub(s, p));
+        dot(&normal, &normal)
     };
     farthest(points, area, |s| !collinear(p, q, s))
 }

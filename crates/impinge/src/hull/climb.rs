@@ -15,6 +15,7 @@ use super::{Hull, usable};
 use crate::exact::compare_along;
 use crate::math::Sign::{Positive, Zero};
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
+use crate::math::vec3::dot;
 
 /// As many vertices take no longer to look at than a scan takes to begin.
 const FEW: usize = 128;
@@ -64,13 +65,10 @@ fn climb_to_least(hull: &Hull, direction: &[f64; 3], start: u32) -> u32 {
 /// A vertex that is farthest along a direction, and whether that is plain of no other.
 fn summit(hull: &Hull, direction: &[f64; 3], start: u32) -> (u32, bool) {
     let positions = hull.positions();
-    let value = |vertex: u32| {
-        let p = &positions[vertex as usize];
-        direction[0] * p[0] + direction[1] * p[1] + direction[2] * p[2]
-    };
+    let value = |vertex: u32| dot(direction, &positions[vertex as usize]);
     let reach = hull.reach();
     // Three roundings on the way of each product, and as many in a rival's value.
-    let size = direction[0].abs() * reach[0] + direction[1].abs() * reach[1] + direction[2].abs() * reach[2];
+    let size = dot(&direction.map(f64::abs), &reach);
     let error = 8.0 * UNIT_ROUNDOFF * size + UNDERFLOW;
     let mut budget = positions.len().max(FEW);
     let (mut at, mut height) = (start, value(start));

@@ -23,6 +23,7 @@ use rayon::prelude::*;
 
 use super::build::Surface;
 use super::order::insertion_order;
+use crate::math::vec3::{cross, dot};
 
 /// Fewer points than this are put on the hull sooner than judged.
 const LEAST_POINTS: usize = 1000;
@@ -141,7 +142,7 @@ fn outermost<T: Copy + Into<f64> + Sync>(points: &[[T; 3]], frame: &Frame, cells
             let p = frame.apply(&stored(point));
             let Place { side, square: [s, t], .. } = Place::of(&p, cells);
             let best = &mut best[(side * cells + s) * cells + t];
-            let squared = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
+            let squared = dot(&p, &p);
             if squared > best.0 {
                 *best = (squared, number);
             }
@@ -265,7 +266,7 @@ impl Walk<'_> {
 }
 
 fn determinant(u: &[f64; 3], v: &[f64; 3], w: &[f64; 3]) -> f64 {
-    (0..3).map(|k| (u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]) * w[k]).sum()
+    dot(&cross(u, v), w)
 }
 
 /// The corners of the squares of a cube map, at distance 1 along the axis of their side.

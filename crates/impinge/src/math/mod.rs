@@ -5,7 +5,7 @@ pub(crate) mod dyadic;
 mod pose;
 pub(crate) mod relative;
 mod sign;
-pub(crate) mod vector;
+pub(crate) mod vec3;
 
 pub use pose::Pose;
 pub use relative::RelativeMap;

@@ -15,6 +15,7 @@
 
 use super::Pose;
 use super::dyadic::{self, Dyadic};
+use super::vec3::dot;
 
 /// Half a unit in the last place of 1: the relative error of one rounding is below it.
 pub(crate) const UNIT_ROUNDOFF: f64 = 0.5 * f64::EPSILON;
@@ -147,7 +148,7 @@ impl RelativeMap {
         }
         let sizes = inverse.map(|row| (row[0].abs() + row[1].abs() + row[2].abs()) * INFLATE);
         let contraction = (0..3).fold(0.0_f64, |largest, i| {
-            let image = residual[i][0] * sizes[0] + residual[i][1] * sizes[1] + residual[i][2] * sizes[2];
+            let image = dot(&residual[i], &sizes);
             largest.max((image * INFLATE + UNDERFLOW) / sizes[i] * INFLATE)
         });
         // Infinite where a row of the inverse underflowed to nothing; never NaN, as all entries are within 2^64.
@@ -179,7 +180,7 @@ impl RelativeMap {
                 return None;
             }
             let d = offset.rounded;
-            map.translation[i] = y[0] * d[0] + y[1] * d[1] + y[2] * d[2];
+            map.translation[i] = dot(&y, &d);
             let error = (0..3).map(|k| weight[k] * d[k].abs()).sum::<f64>();
             map.translation_error[i] = error * INFLATE + UNDERFLOW;
         }

@@ -13,7 +13,7 @@ use super::storage::stamp::Stamp;
 use super::storage::stored_corners;
 use crate::exact::Corners;
 use crate::hierarchy::WideTree;
-use crate::primitive::Vector;
+use crate::math::vec3::Vector;
 use crate::storage::Buffer;
 
 /// A triangle mesh, judged and packed, with its hierarchy; cheap to clone, and never changing under a query.

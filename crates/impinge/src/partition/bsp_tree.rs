@@ -6,7 +6,8 @@
 
 use std::ops::ControlFlow;
 
-use super::{Cells, Holds, Items, Partition, Visitor, Work};
+use super::plane_tree::{PlaneTree, Split};
+use super::{Cells, Held, Holds, Items, Partition, Visitor, Work};
 use crate::volume::{BoundingVolume, MinMax};
 
 /// Boxes of a node that is not split.
@@ -22,9 +23,6 @@ const ACROSS: usize = 2;
 /// Splits from the root.
 const DEEPEST: usize = 48;
 
-/// Not a child.
-const LEAF: u32 = u32::MAX;
-
 /// A BSP tree over boxes that stand still, such as rooms: its planes pass between them where they can.
 ///
 /// # Complexity
@@ -39,75 +37,38 @@ const LEAF: u32 = u32::MAX;
 /// assert_eq!(tree.pairs(), [[0, 1], [1, 2]], "they share walls");
 /// ```
 #[derive(Clone, Debug, Default)]
-pub struct BspTree {
-    /// The root first.
-    nodes: Vec<Node>,
-    held: Vec<Held>,
-    items: Items,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Held {
-    bounds: MinMax,
-    key: u32,
-}
-
-/// What is wholly below the plane, and may touch it, is in the next node, what is wholly above in the one at `above`.
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    axis: usize,
-    plane: f64,
-    /// [`LEAF`] where nothing is split.
-    above: u32,
-    /// About the boxes that are kept here.
-    bounds: Option<MinMax>,
-    first: u32,
-    count: u32,
-}
+pub struct BspTree(
+    /// Boxes on one side of a plane, which may touch it, are below that side's child. Boxes across it are in the node, with
+    /// a box around them.
+    PlaneTree<Option<MinMax>>,
+);
 
 impl BspTree {
     /// The tree of these boxes, whose keys are their places.
     #[must_use]
     pub fn build(boxes: &[MinMax]) -> Self {
-        let mut tree = Self::default();
-        let mut held = Vec::with_capacity(boxes.len());
-        for (key, bounds) in boxes.iter().enumerate() {
-            tree.items.insert(key as u32, *bounds);
-            held.push(Held { bounds: *bounds, key: key as u32 });
-        }
-        if !held.is_empty() {
-            tree.subtree(held, 0);
-        }
-        tree
+        Self(PlaneTree::build(boxes, around, part))
     }
+}
 
-    fn subtree(&mut self, held: Vec<Held>, depth: usize) {
-        let split = if held.len() > CAPACITY && depth < DEEPEST { best_plane(&held) } else { None };
-        let Some((axis, plane)) = split else {
-            self.node(0, 0.0, &held);
-            return;
-        };
-        let (mut below, mut above, mut across) = (Vec::new(), Vec::new(), Vec::new());
-        for held in held {
-            match side(&held.bounds, axis, plane) {
-                Side::Below => below.push(held),
-                Side::Above => above.push(held),
-                Side::Across => across.push(held),
-            }
+/// Splits the boxes by the best plane, if there is one, and keeps those across it.
+fn part(held: Vec<Held>, depth: usize) -> (Vec<Held>, Option<Split>) {
+    let split = if held.len() > CAPACITY && depth < DEEPEST { best_plane(&held) } else { None };
+    let Some((axis, plane)) = split else { return (held, None) };
+    let (mut below, mut above, mut across) = (Vec::new(), Vec::new(), Vec::new());
+    for held in held {
+        match side(&held.bounds, axis, plane) {
+            Side::Below => below.push(held),
+            Side::Above => above.push(held),
+            Side::Across => across.push(held),
         }
-        let at = self.nodes.len();
-        self.node(axis, plane, &across);
-        self.subtree(below, depth + 1);
-        self.nodes[at].above = self.nodes.len() as u32;
-        self.subtree(above, depth + 1);
     }
+    (across, Some((axis, plane, [below, above])))
+}
 
-    fn node(&mut self, axis: usize, plane: f64, held: &[Held]) {
-        let bounds = held.iter().map(|held| held.bounds).reduce(|all, one| all.merged(&one));
-        let (first, count) = (self.held.len() as u32, held.len() as u32);
-        self.nodes.push(Node { axis, plane, above: LEAF, bounds, first, count });
-        self.held.extend_from_slice(held);
-    }
+/// Returns the least box around some boxes; `None` if there are none.
+fn around(held: &[Held]) -> Option<MinMax> {
+    held.iter().map(|held| held.bounds).reduce(|all, one| all.merged(&one))
 }
 
 /// Where a box lies to a plane.
@@ -156,7 +117,7 @@ fn best_plane(held: &[Held]) -> Option<(usize, f64)> {
 
 impl Holds for BspTree {
     fn items(&self) -> &Items {
-        &self.items
+        self.0.items()
     }
 }
 
@@ -166,25 +127,25 @@ impl Partition for BspTree {
     }
 
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {
-        let mut stack = if self.nodes.is_empty() { Vec::new() } else { vec![0_u32] };
+        let mut stack: Vec<u32> = self.0.root().into_iter().collect();
         while let Some(at) = stack.pop() {
-            let node = &self.nodes[at as usize];
+            let node = self.0.node(at);
             work.nodes += 1;
-            if node.bounds.is_some_and(|all| all.overlaps(bounds)) {
-                for held in &self.held[node.first as usize..(node.first + node.count) as usize] {
+            if node.own.is_some_and(|all| all.overlaps(bounds)) {
+                for held in self.0.held(at) {
                     work.boxes += 1;
                     if held.bounds.overlaps(bounds) {
                         visit(held.key)?;
                     }
                 }
             }
-            if node.above != LEAF {
+            if let Some([below, above]) = self.0.children(at) {
                 // What touches the plane may meet what is on either side.
                 if bounds.max()[node.axis] >= node.plane {
-                    stack.push(node.above);
+                    stack.push(above);
                 }
                 if bounds.min()[node.axis] <= node.plane {
-                    stack.push(at + 1);
+                    stack.push(below);
                 }
             }
         }

@@ -9,6 +9,13 @@ pub trait Holds {
     fn items(&self) -> &Items;
 }
 
+/// A box and its key.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Held {
+    pub(super) bounds: MinMax,
+    pub(super) key: u32,
+}
+
 /// Boxes by key.
 #[derive(Clone, Debug, Default)]
 pub struct Items {

@@ -7,7 +7,9 @@
 use std::ops::ControlFlow;
 
 use super::best::{Best, distance_squared, in_range};
-use super::{Cells, Holds, Items, Neighbour, Partition, Visitor, Work};
+use super::plane_tree::{PlaneNode, PlaneTree, Split};
+use super::{Cells, Held, Holds, Items, Neighbour, Partition, Visitor, Work};
+use crate::math::vec3::dot;
 use crate::volume::{BoundingVolume, MinMax};
 
 /// Boxes of a leaf that is not split.
@@ -18,9 +20,6 @@ const MORE_COPIES: usize = 2;
 
 /// Splits from the root. Halving ends after 32; more is for boxes on both sides.
 const DEEPEST: usize = 40;
-
-/// Not a child.
-const LEAF: u32 = u32::MAX;
 
 /// A k-d tree over boxes that stand still, and points, which are boxes without an extent: the kind for many questions of
 /// what is near to points.
@@ -39,46 +38,17 @@ const LEAF: u32 = u32::MAX;
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 #[derive(Clone, Debug, Default)]
-pub struct KdTree {
-    /// The root first.
-    nodes: Vec<Node>,
-    copies: Vec<Held>,
-    items: Items,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Held {
-    bounds: MinMax,
-    key: u32,
-}
-
-/// What is below the plane is in the next node, what is on it or above in the one at `above`.
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    axis: usize,
-    plane: f64,
-    /// [`LEAF`] for a leaf.
-    above: u32,
-    /// Copies of a leaf.
-    first: u32,
-    count: u32,
-}
+pub struct KdTree(
+    /// Boxes are copied to each leaf that they reach into. A box on a plane reaches above it only.
+    PlaneTree<()>,
+);
 
 impl KdTree {
     /// The tree of these boxes, whose keys are their places.
     #[must_use]
     pub fn build(boxes: &[MinMax]) -> Self {
-        let mut tree = Self::default();
-        let mut held = Vec::with_capacity(boxes.len());
-        for (key, bounds) in boxes.iter().enumerate() {
-            tree.items.insert(key as u32, *bounds);
-            held.push(Held { bounds: *bounds, key: key as u32 });
-        }
         let mut spare = MORE_COPIES * boxes.len();
-        if !held.is_empty() {
-            tree.subtree(held, 0, &mut spare);
-        }
-        tree
+        Self(PlaneTree::build(boxes, |_| (), |held, depth| part(held, depth, &mut spare)))
     }
 
     /// The tree of these points, whose keys are their places.
@@ -89,39 +59,23 @@ impl KdTree {
         let boxes: Result<Vec<MinMax>, _> = points.iter().map(|&point| MinMax::new(point, point)).collect();
         Ok(Self::build(&boxes?))
     }
+}
 
-    fn subtree(&mut self, mut held: Vec<Held>, depth: usize, spare: &mut usize) {
-        let at = self.nodes.len();
-        let split = if held.len() > CAPACITY && depth < DEEPEST { plane_for(&mut held) } else { None };
-        let sides = split.and_then(|(axis, plane)| {
-            let is_below = |held: &&Held| held.bounds.min()[axis] < plane;
-            let is_above = |held: &&Held| held.bounds.max()[axis] >= plane;
-            let (below, above) = (held.iter().filter(is_below).count(), held.iter().filter(is_above).count());
-            let more = below + above - held.len();
-            // Worth it where both sides are smaller, and few boxes are in both.
-            let pays = below.max(above) < held.len() && 2 * more <= held.len() && more <= *spare;
-            pays.then(|| {
-                *spare -= more;
-                let collect = |side: &dyn Fn(&&Held) -> bool| held.iter().filter(|held| side(held)).copied().collect();
-                (axis, plane, collect(&is_below), collect(&is_above))
-            })
-        });
-        let Some((axis, plane, below, above)): Option<(usize, f64, Vec<Held>, Vec<Held>)> = sides else {
-            let (first, count) = (self.copies.len() as u32, held.len() as u32);
-            self.nodes.push(Node { axis: 0, plane: 0.0, above: LEAF, first, count });
-            self.copies.extend(held);
-            return;
-        };
-        drop(held);
-        self.nodes.push(Node { axis, plane, above: LEAF, first: 0, count: 0 });
-        self.subtree(below, depth + 1, spare);
-        self.nodes[at].above = self.nodes.len() as u32;
-        self.subtree(above, depth + 1, spare);
+/// Splits the boxes if both sides are smaller and few boxes are on both. `spare` is the number of copies that the whole tree
+/// may still make.
+fn part(mut held: Vec<Held>, depth: usize, spare: &mut usize) -> (Vec<Held>, Option<Split>) {
+    let split = if held.len() > CAPACITY && depth < DEEPEST { plane_for(&mut held) } else { None };
+    let Some((axis, plane)) = split else { return (held, None) };
+    let is_below = |held: &&Held| held.bounds.min()[axis] < plane;
+    let is_above = |held: &&Held| held.bounds.max()[axis] >= plane;
+    let (below, above) = (held.iter().filter(is_below).count(), held.iter().filter(is_above).count());
+    let more = below + above - held.len();
+    if below.max(above) == held.len() || 2 * more > held.len() || more > *spare {
+        return (held, None);
     }
-
-    fn held(&self, leaf: &Node) -> &[Held] {
-        &self.copies[leaf.first as usize..(leaf.first + leaf.count) as usize]
-    }
+    *spare -= more;
+    let sides = [held.iter().filter(is_below).copied().collect(), held.iter().filter(is_above).copied().collect()];
+    (Vec::new(), Some((axis, plane, sides)))
 }
 
 /// A plane through the middle of the boxes across the axis along which their centres are spread most; none where these
@@ -142,7 +96,7 @@ fn plane_for(held: &mut [Held]) -> Option<(usize, f64)> {
 
 impl Holds for KdTree {
     fn items(&self) -> &Items {
-        &self.items
+        self.0.items()
     }
 }
 
@@ -155,24 +109,24 @@ impl Partition for KdTree {
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {
         const ALL: [[f64; 3]; 2] = [[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]];
         let (min, max) = (bounds.min(), bounds.max());
-        let mut stack = if self.nodes.is_empty() { Vec::new() } else { vec![(0_u32, ALL)] };
+        let mut stack: Vec<_> = self.0.root().map(|root| (root, ALL)).into_iter().collect();
         while let Some((at, [low, high])) = stack.pop() {
-            let node = &self.nodes[at as usize];
+            let node = self.0.node(at);
             work.nodes += 1;
-            if node.above != LEAF {
+            if let Some([below, above]) = self.0.children(at) {
                 if max[node.axis] >= node.plane {
                     let mut low = low;
                     low[node.axis] = node.plane;
-                    stack.push((node.above, [low, high]));
+                    stack.push((above, [low, high]));
                 }
                 if min[node.axis] < node.plane {
                     let mut high = high;
                     high[node.axis] = node.plane;
-                    stack.push((at + 1, [low, high]));
+                    stack.push((below, [low, high]));
                 }
                 continue;
             }
-            for held in self.held(node) {
+            for held in self.0.held(at) {
                 work.boxes += 1;
                 if held.bounds.overlaps(bounds) {
                     let own = held.bounds.min();
@@ -190,25 +144,23 @@ impl Partition for KdTree {
     /// how far the planes about them are along each axis (Arya, Mount, *Algorithms for fast vector quantization*, 1993).
     fn nearest(&self, point: [f64; 3], count: usize) -> Vec<Neighbour> {
         let mut best = Best::new(count);
-        if self.nodes.is_empty() || !in_range(&point) || count == 0 {
-            return Vec::new();
-        }
+        let Some(root) = self.0.root().filter(|_| in_range(&point) && count > 0) else { return Vec::new() };
         let mut stack = Vec::with_capacity(DEEPEST);
-        stack.push((0_u32, [0.0_f64; 3]));
+        stack.push((root, [0.0_f64; 3]));
         while let Some((mut at, away)) = stack.pop() {
-            if away[0] * away[0] + away[1] * away[1] + away[2] * away[2] > best.limit() {
+            if dot(&away, &away) > best.limit() {
                 continue;
             }
-            while self.nodes[at as usize].above != LEAF {
-                let Node { axis, plane, above, .. } = self.nodes[at as usize];
+            while let Some([below, above]) = self.0.children(at) {
+                let &PlaneNode { axis, plane, .. } = self.0.node(at);
                 let is_below = point[axis] < plane;
-                let (near, far) = if is_below { (at + 1, above) } else { (above, at + 1) };
+                let (near, far) = if is_below { (below, above) } else { (above, below) };
                 let mut beyond = away;
                 beyond[axis] = beyond[axis].max(if is_below { plane - point[axis] } else { point[axis] - plane });
                 stack.push((far, beyond));
                 at = near;
             }
-            for held in self.held(&self.nodes[at as usize]) {
+            for held in self.0.held(at) {
                 best.offer_once(held.key, distance_squared(&point, &held.bounds));
             }
         }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{Cells, Dynamic, Holds, Items, Partition, Visitor, Work};
+use super::{Cells, Changes, Dynamic, Held, Holds, Items, Move, Partition, Visitor, Work, forward_to_inner};
 use crate::volume::{BoundingVolume, MinMax};
 
 /// Boxes that a cell holds before it is split: comparing so many costs about as much as opening eight cells.
@@ -59,12 +59,6 @@ pub struct Octree(Tree<false>);
 /// ```
 #[derive(Clone, Debug)]
 pub struct LooseOctree(Tree<true>);
-
-#[derive(Clone, Copy, Debug)]
-struct Held {
-    bounds: MinMax,
-    key: u32,
-}
 
 #[derive(Clone, Debug)]
 struct Node {
@@ -215,8 +209,20 @@ impl<const LOOSE: bool> Tree<LOOSE> {
             }
         }
     }
+}
 
-    fn overlapping(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {
+impl<const LOOSE: bool> Holds for Tree<LOOSE> {
+    fn items(&self) -> &Items {
+        &self.items
+    }
+}
+
+impl<const LOOSE: bool> Partition for Tree<LOOSE> {
+    fn cells(&self) -> Cells {
+        if LOOSE { Cells::Loose } else { Cells::Disjoint }
+    }
+
+    fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {
         let mut stack = vec![0_u32];
         while let Some(at) = stack.pop() {
             let node = &self.nodes[at as usize];
@@ -238,7 +244,9 @@ impl<const LOOSE: bool> Tree<LOOSE> {
         }
         ControlFlow::Continue(())
     }
+}
 
+impl<const LOOSE: bool> Dynamic for Tree<LOOSE> {
     fn insert(&mut self, key: u32, to: MinMax) -> Option<MinMax> {
         let from = self.items.insert(key, to);
         if key as usize >= self.homes.len() {
@@ -258,49 +266,21 @@ impl<const LOOSE: bool> Tree<LOOSE> {
     }
 }
 
-/// The two kinds differ in how large their cells are, and in nothing else.
-macro_rules! is_octree {
-    ($octree:ident, $cells:expr) => {
-        impl $octree {
-            /// A tree of nothing, whose root is the least cube from the least corner of `bounds` that holds it.
-            #[must_use]
-            pub fn over(bounds: &MinMax) -> Self {
-                Self(Tree::over(bounds))
-            }
-        }
-
-        impl Holds for $octree {
-            fn items(&self) -> &Items {
-                &self.0.items
-            }
-        }
-
-        impl Partition for $octree {
-            fn cells(&self) -> Cells {
-                $cells
-            }
-
-            fn overlapping_counted(
-                &self,
-                bounds: &MinMax,
-                work: &mut Work,
-                visit: &mut Visitor<'_>,
-            ) -> ControlFlow<()> {
-                self.0.overlapping(bounds, work, visit)
-            }
-        }
-
-        impl Dynamic for $octree {
-            fn insert(&mut self, key: u32, bounds: MinMax) -> Option<MinMax> {
-                self.0.insert(key, bounds)
-            }
-
-            fn remove(&mut self, key: u32) -> Option<MinMax> {
-                self.0.remove(key)
-            }
-        }
-    };
+impl Octree {
+    /// Returns an empty tree, whose root is the least cube from the least corner of `bounds` that holds it.
+    #[must_use]
+    pub fn over(bounds: &MinMax) -> Self {
+        Self(Tree::over(bounds))
+    }
 }
 
-is_octree!(Octree, Cells::Disjoint);
-is_octree!(LooseOctree, Cells::Loose);
+impl LooseOctree {
+    /// Returns an empty tree, whose root is the least cube from the least corner of `bounds` that holds it.
+    #[must_use]
+    pub fn over(bounds: &MinMax) -> Self {
+        Self(Tree::over(bounds))
+    }
+}
+
+forward_to_inner!(Octree);
+forward_to_inner!(LooseOctree);

@@ -24,7 +24,6 @@ pub use ray::{RayCrossing, ray_triangle};
 pub use segments::closest_on_segments;
 pub use triangles::closest_on_triangles;
 
-pub(crate) use crate::math::vector::{Vector, cross, dot, length, scaled_length, sub};
 pub(crate) use closest::CLOSED_FORM_ERROR;
 pub(crate) use points::point_triangle;
 pub(crate) use products::accurate_sum_of_products;

@@ -5,7 +5,7 @@
 
 use super::closest::{ClosestPoints, Scaled};
 use super::products::accurate_cross;
-use crate::math::vector::{Vector, cross, dot, sub};
+use crate::math::vec3::{Vector, cross, dot, sub};
 
 /// The point of the segment from `segment[0]` to `segment[1]` that is nearest to `point`; either end may be both.
 ///

@@ -1,6 +1,6 @@
 //! Products of vectors in floats, one of them with twice the digits.
 
-use crate::math::vector::Vector;
+use crate::math::vec3::Vector;
 
 /// The cross product as if computed with twice the digits and rounded: each component within 2^-53 of itself and
 /// 2^-103 of the magnitudes of its two products.

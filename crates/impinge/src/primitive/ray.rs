@@ -12,7 +12,7 @@
 
 use crate::math::Sign::{self, Negative, Positive, Zero};
 use crate::math::dyadic::{self, Dyadic};
-use crate::math::vector::{Vector, cross, dot, sub};
+use crate::math::vec3::{Vector, cross, dot, sub};
 
 /// Where a ray meets a triangle first: at `origin + t direction`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,7 +10,7 @@
 use super::closest::{ClosestPoints, Scaled};
 use super::points::{along, point_segment};
 use super::products::accurate_cross;
-use crate::math::vector::{Vector, cross, dot, sub};
+use crate::math::vec3::{Vector, cross, dot, sub};
 
 /// The points of two segments that are nearest to each other; either may be a point.
 ///

@@ -9,7 +9,7 @@ use super::points::{Face, along, point_segment};
 use super::segments::inner_points;
 use crate::exact::{Crossing, Placement, crossing, triangles_intersect};
 use crate::math::Pose;
-use crate::math::vector::{Vector, dot, length, sub};
+use crate::math::vec3::{Vector, dot, length, sub};
 
 /// The points of two triangles that are nearest to each other; either may be a segment or a point.
 ///

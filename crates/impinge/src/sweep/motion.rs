@@ -6,7 +6,7 @@
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 use crate::math::arctangent::angle;
-use crate::primitive::scaled_length;
+use crate::math::vec3::scaled_length;
 
 /// The greatest Frobenius norm of RᵀR - I that passes for rigid, as for round shapes.
 const RIGID: f64 = 1e-4;

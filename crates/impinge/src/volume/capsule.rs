@@ -1,11 +1,12 @@
 //! The capsule: a segment swept by a sphere (*Notes*, 2.3 and 3; Ericson 4.5).
 
-use super::core::{Core, squared_distance, subtract};
+use super::core::Core;
 use super::min_max::{in_range, lengths_in_range};
 use super::round::sealed::Swept;
 use super::round::{self, Round};
 use super::rounding::add_up;
 use crate::input::InputError;
+use crate::math::vec3::{squared_distance, sub};
 
 /// The points within `radius` of the segment between two ends, which may be one point.
 ///
@@ -55,7 +56,7 @@ impl Capsule {
 
     /// The segment; its edge is the rounded difference of the ends, which the bounds of [`round`] count.
     pub(super) fn core(&self) -> Core {
-        Core { corner: self.ends[0], edges: [subtract(self.ends[1], self.ends[0]), [0.0; 3]], dimension: 1 }
+        Core { corner: self.ends[0], edges: [sub(&self.ends[1], &self.ends[0]), [0.0; 3]], dimension: 1 }
     }
 
     /// The capsule about a segment that holds spheres, given as centres and radii.
@@ -67,7 +68,7 @@ impl Capsule {
 }
 
 pub(super) fn length(capsule: &Capsule) -> f64 {
-    squared_distance(capsule.ends[0], capsule.ends[1]).sqrt()
+    squared_distance(&capsule.ends[0], &capsule.ends[1]).sqrt()
 }
 
 #[allow(private_interfaces, reason = "its members are for this module alone")]

@@ -6,6 +6,8 @@
 //!
 //! Source: Ericson 5.1.2 (point and segment), 5.1.9 (two segments), 5.1.4 (point and rectangle).
 
+use crate::math::vec3::{add, cross, dot, squared_distance, sub};
+
 /// The convex hull of a corner and what two edges span from there: a point where both are zero, a segment where the second
 /// is.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +28,7 @@ impl Core {
     pub(super) fn corners(&self) -> [[f64; 3]; 4] {
         let [u, v] = self.edges;
         let c = self.corner;
-        [c, add(c, u), add(c, v), add(add(c, u), v)]
+        [c, add(&c, &u), add(&c, &v), add(&add(&c, &u), &v)]
     }
 
     /// How many corners there are.
@@ -38,23 +40,23 @@ impl Core {
     /// The point of this core that is closest to `p`, rounded.
     pub(super) fn closest_to(&self, p: [f64; 3]) -> [f64; 3] {
         let [u, v] = self.edges;
-        let w = subtract(p, self.corner);
+        let w = sub(&p, &self.corner);
         match self.dimension {
             0 => self.corner,
             1 => along(self.corner, u, parameter(w, u)),
             _ => {
                 // Of the unconstrained minimum if it is inside, else of the best of the four edges.
-                let (uu, uv, vv) = (dot(u, u), dot(u, v), dot(v, v));
+                let (uu, uv, vv) = (dot(&u, &u), dot(&u, &v), dot(&v, &v));
                 let determinant = uu * vv - uv * uv;
-                let (s, t) = (vv * dot(w, u) - uv * dot(w, v), uu * dot(w, v) - uv * dot(w, u));
+                let (s, t) = (vv * dot(&w, &u) - uv * dot(&w, &v), uu * dot(&w, &v) - uv * dot(&w, &u));
                 let inside = |x: f64| x >= 0.0 && x <= determinant;
                 if determinant > 0.0 && inside(s) && inside(t) {
                     return along(along(self.corner, u, s / determinant), v, t / determinant);
                 }
                 let mut best = (f64::INFINITY, self.corner);
                 for (from, edge) in self.sides() {
-                    let q = along(from, edge, parameter(subtract(p, from), edge));
-                    let d = squared_distance(p, q);
+                    let q = along(from, edge, parameter(sub(&p, &from), edge));
+                    let d = squared_distance(&p, &q);
                     if d < best.0 {
                         best = (d, q);
                     }
@@ -69,7 +71,7 @@ impl Core {
         let [u, v] = self.edges;
         let c = self.corner;
         let count = [0, 1, 4][self.dimension];
-        [(c, u), (c, v), (add(c, v), u), (add(c, u), v)].into_iter().take(count)
+        [(c, u), (c, v), (add(&c, &v), u), (add(&c, &u), v)].into_iter().take(count)
     }
 }
 
@@ -87,7 +89,7 @@ pub(super) fn closest_points(a: &Core, b: &Core) -> ([f64; 3], [f64; 3]) {
 fn closest_of_faces(a: &Core, b: &Core) -> ([f64; 3], [f64; 3]) {
     let mut best = (f64::INFINITY, (a.corner, b.corner));
     let mut offer = |p: [f64; 3], q: [f64; 3]| {
-        let d = squared_distance(p, q);
+        let d = squared_distance(&p, &q);
         if d < best.0 {
             best = (d, (p, q));
         }
@@ -121,8 +123,8 @@ fn through((from, edge): ([f64; 3], [f64; 3]), face: &Core) -> Option<[f64; 3]> 
         return None;
     }
     let [u, v] = face.edges;
-    let normal = cross(u, v);
-    let (height, fall) = (dot(subtract(face.corner, from), normal), dot(edge, normal));
+    let normal = cross(&u, &v);
+    let (height, fall) = (dot(&sub(&face.corner, &from), &normal), dot(&edge, &normal));
     if fall == 0.0 {
         return None;
     }
@@ -131,15 +133,15 @@ fn through((from, edge): ([f64; 3], [f64; 3]), face: &Core) -> Option<[f64; 3]> 
         return None;
     }
     let x = along(from, edge, t);
-    let w = subtract(x, face.corner);
-    let area_squared = dot(normal, normal);
-    let (s, t) = (dot(cross(w, v), normal) / area_squared, dot(cross(u, w), normal) / area_squared);
+    let w = sub(&x, &face.corner);
+    let area_squared = dot(&normal, &normal);
+    let (s, t) = (dot(&cross(&w, &v), &normal) / area_squared, dot(&cross(&u, &w), &normal) / area_squared);
     ((0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)).then_some(x)
 }
 
 fn closest_of_segments((p, d): ([f64; 3], [f64; 3]), (q, e): ([f64; 3], [f64; 3])) -> ([f64; 3], [f64; 3]) {
-    let r = subtract(p, q);
-    let (a, b, c, f, g) = (dot(d, d), dot(d, e), dot(d, r), dot(e, r), dot(e, e));
+    let r = sub(&p, &q);
+    let (a, b, c, f, g) = (dot(&d, &d), dot(&d, &e), dot(&d, &r), dot(&e, &r), dot(&e, &e));
     let ratio = |x: f64, y: f64| if y > 0.0 { (x / y).clamp(0.0, 1.0) } else { 0.0 };
     let s = ratio(b * f - c * g, a * g - b * b);
     let t = ratio(b * s + f, g);
@@ -151,56 +153,11 @@ fn closest_of_segments((p, d): ([f64; 3], [f64; 3]), (q, e): ([f64; 3], [f64; 3]
 /// The parameter in [0, 1] of the point on an edge that is closest to the offset `w` from its start.
 #[inline(always)]
 fn parameter(w: [f64; 3], edge: [f64; 3]) -> f64 {
-    let squared = dot(edge, edge);
-    if squared > 0.0 { (dot(w, edge) / squared).clamp(0.0, 1.0) } else { 0.0 }
+    let squared = dot(&edge, &edge);
+    if squared > 0.0 { (dot(&w, &edge) / squared).clamp(0.0, 1.0) } else { 0.0 }
 }
 
 #[inline(always)]
 fn along(from: [f64; 3], edge: [f64; 3], t: f64) -> [f64; 3] {
     std::array::from_fn(|axis| from[axis] + t * edge[axis])
-}
-
-#[inline(always)]
-pub(super) fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|axis| a[axis] + b[axis])
-}
-
-#[inline(always)]
-pub(super) fn subtract(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|axis| a[axis] - b[axis])
-}
-
-#[inline(always)]
-pub(super) fn scale(a: [f64; 3], factor: f64) -> [f64; 3] {
-    a.map(|x| x * factor)
-}
-
-#[inline(always)]
-pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|k| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        a[i] * b[j] - a[j] * b[i]
-    })
-}
-
-#[inline(always)]
-pub(super) fn squared_distance(p: [f64; 3], q: [f64; 3]) -> f64 {
-    let d = subtract(p, q);
-    dot(d, d)
-}
-
-/// The vector of length one in this direction, rounded; none where it is too short to have one.
-pub(super) fn normalised(a: [f64; 3]) -> Option<[f64; 3]> {
-    let largest = a.into_iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
-    if largest < f64::MIN_POSITIVE || !largest.is_finite() {
-        return None;
-    }
-    let a = a.map(|x| x / largest);
-    let length = dot(a, a).sqrt();
-    Some(a.map(|x| x / length))
 }

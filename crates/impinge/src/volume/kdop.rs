@@ -2,11 +2,11 @@
 //! collision detection using bounding volume hierarchies of k-DOPs*, 1998; Ericson 4.6).
 
 use super::BoundingVolume;
-use super::core::{add, cross, dot, scale, subtract};
 use super::points::{Coordinate, judge, widen};
 use super::rounding::{LIMIT, add_down, add_up, mul_up};
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
+use crate::math::vec3::{add, cross, dot, scale, sub};
 
 /// Axes, edges and corners of the cube, in the order in which the kinds take them.
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -185,11 +185,11 @@ impl<const D: usize> Kdop<D> {
         let half_spaces: Vec<([f64; 3], f64)> = (0..D)
             .flat_map(|k| {
                 let n = Self::DIRECTIONS[k];
-                let length = dot(n, n).sqrt();
-                let at = dot(n, origin);
+                let length = dot(&n, &n).sqrt();
+                let at = dot(&n, &origin);
                 [
-                    (scale(n, 1.0 / length), (self.high[k] - at) / length),
-                    (scale(n, -1.0 / length), (at - self.low[k]) / length),
+                    (scale(&n, 1.0 / length), (self.high[k] - at) / length),
+                    (scale(&n, -1.0 / length), (at - self.low[k]) / length),
                 ]
             })
             .collect();
@@ -280,9 +280,9 @@ fn square(normal: [f64; 3], height: f64, half: f64) -> Vec<[f64; 3]> {
         let [n, u, v] = super::obb::orthonormal([normal, AXES[0], AXES[1]]);
         [u, v, n]
     };
-    let middle = scale(normal, height);
+    let middle = scale(&normal, height);
     [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
-        .map(|(s, t)| add(middle, add(scale(u, s * half), scale(v, t * half))))
+        .map(|(s, t)| add(&middle, &add(&scale(&u, s * half), &scale(&v, t * half))))
         .to_vec()
 }
 
@@ -291,12 +291,12 @@ fn clip(polygon: &[[f64; 3]], n: [f64; 3], height: f64) -> Vec<[f64; 3]> {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (at, &p) in polygon.iter().enumerate() {
         let q = polygon[(at + 1) % polygon.len()];
-        let (over_p, over_q) = (dot(n, p) - height, dot(n, q) - height);
+        let (over_p, over_q) = (dot(&n, &p) - height, dot(&n, &q) - height);
         if over_p <= 0.0 {
             kept.push(p);
         }
         if (over_p <= 0.0) != (over_q <= 0.0) {
-            kept.push(add(p, scale(subtract(q, p), over_p / (over_p - over_q))));
+            kept.push(add(&p, &scale(&sub(&q, &p), over_p / (over_p - over_q))));
         }
     }
     kept
@@ -304,7 +304,6 @@ fn clip(polygon: &[[f64; 3]], n: [f64; 3], height: f64) -> Vec<[f64; 3]> {
 
 /// The area of a convex polygon with this unit normal.
 fn area(polygon: &[[f64; 3]], normal: [f64; 3]) -> f64 {
-    let fan =
-        polygon.windows(2).skip(1).map(|pair| cross(subtract(pair[0], polygon[0]), subtract(pair[1], polygon[0])));
-    0.5 * fan.map(|product| dot(product, normal)).sum::<f64>().abs()
+    let fan = polygon.windows(2).skip(1).map(|pair| cross(&sub(&pair[0], &polygon[0]), &sub(&pair[1], &polygon[0])));
+    0.5 * fan.map(|product| dot(&product, &normal)).sum::<f64>().abs()
 }

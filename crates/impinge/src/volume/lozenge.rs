@@ -1,12 +1,13 @@
 //! The lozenge: a rectangle swept by a sphere (*Notes*, 2.3; Larsen, Gottschalk, Lin and Manocha, *Fast proximity queries
 //! with swept sphere volumes*, 1999; Ericson 4.5).
 
-use super::core::{Core, cross, dot, normalised};
+use super::core::Core;
 use super::min_max::{in_range, lengths_in_range};
 use super::round::sealed::Swept;
 use super::round::{self, Round};
 use super::rounding::add_up;
 use crate::input::InputError;
+use crate::math::vec3::{cross, dot, normalized};
 
 /// The points within `radius` of `corner + s·u + t·v` for s and t in [0, 1].
 ///
@@ -80,22 +81,23 @@ impl Lozenge {
     /// Unit vectors along the edges, and across; any that will do where an edge has no direction.
     pub(super) fn frame(&self) -> [[f64; 3]; 3] {
         let [u, v] = self.edges;
-        let first = normalised(u).or_else(|| normalised(v)).unwrap_or([1.0, 0.0, 0.0]);
+        let first = normalized(&u).or_else(|| normalized(&v)).unwrap_or([1.0, 0.0, 0.0]);
         let least = (0..3).min_by(|&i, &j| first[i].abs().total_cmp(&first[j].abs())).unwrap_or(0);
         let aside: [f64; 3] = std::array::from_fn(|axis| if axis == least { 1.0 } else { 0.0 });
-        let normal = normalised(cross(u, v)).or_else(|| normalised(cross(first, aside))).unwrap_or([0.0, 0.0, 1.0]);
-        [first, cross(normal, first), normal]
+        let normal =
+            normalized(&cross(&u, &v)).or_else(|| normalized(&cross(&first, &aside))).unwrap_or([0.0, 0.0, 1.0]);
+        [first, cross(&normal, &first), normal]
     }
 }
 
 impl Lozenge {
     pub(super) fn lengths(&self) -> [f64; 2] {
-        self.edges.map(|edge| dot(edge, edge).sqrt())
+        self.edges.map(|edge| dot(&edge, &edge).sqrt())
     }
 
     pub(super) fn area(&self) -> f64 {
-        let normal = cross(self.edges[0], self.edges[1]);
-        dot(normal, normal).sqrt()
+        let normal = cross(&self.edges[0], &self.edges[1]);
+        dot(&normal, &normal).sqrt()
     }
 
     /// The radius, and what its corners as computed may be off by.

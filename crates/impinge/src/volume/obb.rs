@@ -1,9 +1,9 @@
 //! The oriented box (*Notes*, 2.3: what principal components also give; Ericson 4.4).
 
-use super::core::{add, dot, normalised, scale, subtract};
 use super::min_max::{in_range, lengths_in_range};
 use super::rounding::{add_down, add_up, mul_down, mul_up};
 use crate::input::{InputError, InputErrorKind};
+use crate::math::vec3::{add, dot, normalized, scale, sub};
 
 /// The most by which the axes may deviate from being orthonormal: far more than rounding them takes, far less than what
 /// would loosen a box. Axes from single precision are to be orthonormalised first.
@@ -91,7 +91,7 @@ impl Obb {
         std::array::from_fn(|corner| {
             (0..3).fold(self.centre, |sum, k| {
                 let t = if corner >> k & 1 == 1 { self.half_extents[k] } else { -self.half_extents[k] };
-                add(sum, scale(self.axes[k], t))
+                add(&sum, &scale(&self.axes[k], t))
             })
         })
     }
@@ -102,13 +102,13 @@ impl Obb {
         let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
         for part in parts {
             for (range, &axis) in ranges.iter_mut().zip(&axes) {
-                let middle = dot(axis, subtract(part.centre, origin));
-                let half: f64 = (0..3).map(|k| part.half_extents[k] * dot(axis, part.generators[k]).abs()).sum();
+                let middle = dot(&axis, &sub(&part.centre, &origin));
+                let half: f64 = (0..3).map(|k| part.half_extents[k] * dot(&axis, &part.generators[k]).abs()).sum();
                 *range = [range[0].min(middle - half), range[1].max(middle + half)];
             }
         }
-        let middle = |k: usize| scale(axes[k], 0.5 * (ranges[k][0] + ranges[k][1]));
-        let centre = (0..3).map(middle).fold(origin, add);
+        let middle = |k: usize| scale(&axes[k], 0.5 * (ranges[k][0] + ranges[k][1]));
+        let centre = (0..3).map(middle).fold(origin, |sum, middle| add(&sum, &middle));
         let reach = axes.map(|axis| parts.iter().map(|part| part.reach(axis, centre)).fold(0.0, f64::max));
         Self::of_reach(centre, axes, reach)
     }
@@ -179,17 +179,17 @@ pub(super) fn orthonormal(vectors: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
         if found == 3 {
             break;
         }
-        let Some(mut axis) = normalised(candidate) else { continue };
+        let Some(mut axis) = normalized(&candidate) else { continue };
         let mut left = 1.0;
         for _ in 0..2 {
             for &other in &axes[..found] {
-                axis = subtract(axis, scale(other, dot(axis, other)));
+                axis = sub(&axis, &scale(&other, dot(&axis, &other)));
             }
-            left = dot(axis, axis);
-            axis = normalised(axis).unwrap_or([0.0; 3]);
+            left = dot(&axis, &axis);
+            axis = normalized(&axis).unwrap_or([0.0; 3]);
         }
         // What was nearly in the span of the others has no direction of its own.
-        if left > 0.5 && dot(axis, axis) > 0.5 {
+        if left > 0.5 && dot(&axis, &axis) > 0.5 {
             axes[found] = axis;
             found += 1;
         }

@@ -5,8 +5,9 @@
 //! (min n·b - max n·a) / |n|, whatever n is: the lower bound. The points are of the cores up to a known rounding: the upper
 //! bound.
 
-use super::core::{Core, closest_points, dot, subtract};
+use super::core::{Core, closest_points};
 use super::rounding::{HALF_ULP, add_down, add_up, distance_up, div_down, length_up};
+use crate::math::vec3::{dot, sub};
 
 /// How far two sets are apart: a proved interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +88,7 @@ pub trait Round: sealed::Swept + Sized {
 fn core_distance(a: &Core, b: &Core) -> (f64, f64) {
     let (p, q) = closest_points(a, b);
     let upper = add_up(distance_up(p, q), add_up(off(a), off(b)));
-    (separation(a, b, p, subtract(q, p)).max(0.0), upper)
+    (separation(a, b, p, sub(&q, &p)).max(0.0), upper)
 }
 
 /// A double not below the distance of a point to a core.
@@ -111,9 +112,9 @@ pub(super) fn off(core: &Core) -> f64 {
 fn separation(a: &Core, b: &Core, origin: [f64; 3], n: [f64; 3]) -> f64 {
     let (mut furthest, mut nearest, mut size) = (f64::NEG_INFINITY, f64::INFINITY, 0.0_f64);
     let mut project = |corner: [f64; 3]| {
-        let offset = subtract(corner, origin);
+        let offset = sub(&corner, &origin);
         size = offset.into_iter().fold(size, |largest, x| largest.max(x.abs()));
-        dot(n, offset)
+        dot(&n, &offset)
     };
     for &corner in &a.corners()[..a.count()] {
         furthest = furthest.max(project(corner));

@@ -7,6 +7,7 @@ use super::round::sealed::Swept;
 use crate::input::InputError;
 use crate::math::Sign;
 use crate::math::dyadic::Dyadic;
+use crate::math::vec3::squared_distance;
 
 /// The closed ball about `centre`; a radius of zero is a point.
 ///
@@ -67,8 +68,7 @@ impl BoundingSphere {
 pub(super) fn distance_against(p: [f64; 3], q: [f64; 3], r: f64, s: f64) -> Sign {
     /// Squares below this, 2^-900, may have lost bits to underflow.
     const TINY: f64 = f64::from_bits((1023 - 900) << 52);
-    let [x, y, z]: [f64; 3] = std::array::from_fn(|axis| q[axis] - p[axis]);
-    let squared_distance = x * x + y * y + z * z;
+    let squared_distance = squared_distance(&q, &p);
     let sum = r + s;
     let squared_sum = sum * sum;
     // Two roundings of each difference in its square, one of the square and two of the sums; three of the other side.

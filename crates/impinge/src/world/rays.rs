@@ -6,9 +6,9 @@ use super::outline::Bounds;
 use super::placed::Placed;
 use crate::convex::Surface;
 use crate::math::Pose;
+use crate::math::vec3::{cross, dot, length, sub};
 use crate::mesh;
 use crate::partition::Ray;
-use crate::primitive::{cross, dot, length, sub};
 use crate::query::{self, Proximity};
 use crate::shape::{Form, PlacedShape, Shape};
 

@@ -50,13 +50,13 @@ fn checked(rig: &Rig, tree: &SkinTree, pose: &SkinPose) -> f64 {
     let mut vertices = Vec::new();
     rig.skin().morphed(&pose.morph_weights, &mut vertices);
     for (vertex, point) in vertices.iter_mut().enumerate() {
-        *point = add(blended(&pose.palette, rig.skin().influences(vertex as u32), *point), pose.origin);
+        *point = add(&blended(&pose.palette, rig.skin().influences(vertex as u32), *point), &pose.origin);
     }
     let mut most = 0.0_f64;
     for node in 0..tree.nodes.len() as u32 {
         let (centre, radius) = tree.sphere(node, pose);
         for corner in faces_of(tree, node).into_iter().flat_map(|face| rig.skin().faces()[face as usize]) {
-            let share = length(sub(vertices[corner as usize], centre)) / radius;
+            let share = length(&sub(&vertices[corner as usize], &centre)) / radius;
             assert!(share <= 1.0, "vertex {corner} of node {node} is {share} radii from its centre");
             most = most.max(share);
         }
@@ -81,7 +81,7 @@ fn spheres_hold_in_any_pose() {
             let size = size * if joint as usize == case % 4 { 20.0 } else { 1.0 };
             let linear = [[0.0; 3]; 3].map(|row| row.map(|_| size * random(&mut state)));
             let linear = if case % 5 == 0 { [linear[0], linear[0], linear[2]] } else { linear };
-            let agreed = scale(apply(&linear, [4.5 * (1 + case % 4) as f64, 9.0, 0.0]), -1.0);
+            let agreed = scale(&apply(&linear, [4.5 * (1 + case % 4) as f64, 9.0, 0.0]), -1.0);
             (linear, if case % 2 == 0 { agreed } else { [0; 3].map(|_| 10.0 * random(&mut state)) })
         };
         let palette: Vec<(Matrix, Vector)> = (0..JOINTS).map(&mut map).collect();

@@ -7,7 +7,7 @@
 //! | top-down: the cheapest of some planes | `binned_sah.rs` | O(n log n) |
 //! | top-down: the cheapest of all planes | `sweep_sah.rs` | O(n log n) |
 //! | bottom-up: nearest neighbours joined | `ploc.rs` | O(n log n) |
-//! | insertion: one box after the other | `dynamic.rs` | O(n log n) |
+//! | insertion: one box after the other | `dynamic.rs`, `../dynamic/` | O(n log n) |
 //! | any of these, then improved by moving subtrees | `reinsertion.rs` | O(n log n) and a bounded search for each node |
 //!
 //! Which of them to take is measured in `docs/hierarchies.md`; [`Builder::Auto`] goes by it.

@@ -18,6 +18,7 @@ use super::topology::BorderEdge;
 use crate::exact::Corners;
 use crate::input::InputError;
 use crate::math::Pose;
+use crate::math::vec3::{cross, length};
 use crate::mesh::storage::positions::Positions;
 use crate::volume::{BoundingVolume, MinMax};
 
@@ -115,9 +116,7 @@ fn area_of_cap(path: &[u32], between: impl Fn(u32, u32) -> [f64; 3]) -> f64 {
         ((0..len).map(|i| (i + len - 1) % len).collect(), (0..len).map(|i| (i + 1) % len).collect());
     let ear = |before: &[usize], after: &[usize], i: usize| {
         let (u, v) = (between(path[i], path[before[i]]), between(path[i], path[after[i]]));
-        let normal: [f64; 3] =
-            std::array::from_fn(|k| u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]);
-        let area = 0.5 * normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let area = 0.5 * length(&cross(&u, &v));
         // Numbers that are not negative are ordered as their bits are.
         (Reverse(area.to_bits()), i)
     };

@@ -5,6 +5,7 @@
 
 use crate::exact::Corners;
 use crate::hierarchy::{Child, Node, WideTree};
+use crate::math::vec3::{cross, length, scale, sub};
 use crate::mesh::storage::frame::{PACKING_ERROR, PackedFrame};
 use crate::mesh::storage::leaf::Leaf;
 
@@ -99,18 +100,11 @@ impl Group {
         // Edges from the stored corners, so that those of a face as small as packing rounds have a direction.
         let edge = |to: usize| -> [f64; 3] { std::array::from_fn(|k| (corners[to][k] - corners[0][k]) * frame.scale) };
         let (u, v) = (edge(1), edge(2));
-        let normal: [f64; 3] = std::array::from_fn(|k| {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            0.5 * (u[i] * v[j] - u[j] * v[i])
-        });
-        let length = |x: &[f64; 3]| (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]).sqrt();
+        let normal = scale(&cross(&u, &v), 0.5);
         let size = length(&u) * length(&v);
         self.size += size;
         self.area += length(&normal) + 8.0 * f64::EPSILON * size;
-        let [a, b, c] = corners.map(|corner| -> [f64; 3] {
-            let packed = frame.pack(corner);
-            std::array::from_fn(|k| packed[k] - self.centre[k])
-        });
+        let [a, b, c] = corners.map(|corner| sub(&frame.pack(corner), &self.centre));
         // Means over the triangle of y and of y yᵀ, with its corners and their sum.
         let sum: [f64; 3] = std::array::from_fn(|k| a[k] + b[k] + c[k]);
         for j in 0..3 {

@@ -16,11 +16,11 @@ use super::metric::Metric;
 use super::relative_frame::RelativeFrame;
 use crate::hierarchy::{BoxLanes, BoxMap, HALF_ULP, Node};
 use crate::math::RelativeMap;
+use crate::math::vec3::{Vector, dot, length, sub};
 use crate::mesh::pairs::relation::Relation;
 use crate::mesh::pairs::sides::Sides;
 use crate::mesh::storage::frame::REACH;
 use crate::mesh::{HostChoice, PlacedMesh};
-use crate::primitive::{Vector, dot, length, sub};
 use crate::simd::{LANES, Lanes3, by_axis, dot as dot3, load3, outlined};
 use crate::volume::Aabb;
 

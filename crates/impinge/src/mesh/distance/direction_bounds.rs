@@ -17,9 +17,9 @@ use super::metric::Metric;
 use super::scene::{Scene, Valued};
 use super::slot::Slot;
 use super::support_bound::SupportBound;
+use crate::math::vec3::{Vector, dot, length, sub};
 use crate::mesh::Mesh;
 use crate::mesh::storage::packet::Packet;
-use crate::primitive::{Vector, dot, length, sub};
 use crate::simd::{ALL_LANES, LANES, load, outlined};
 
 /// Number of nodes of either mesh whose reaches are cached, a power of two.

@@ -6,8 +6,9 @@
 
 use super::metric::MetricMap;
 use super::scene::{Scene, Valued};
+use crate::math::vec3::{Vector, dot, length, sub};
 use crate::mesh::Mesh;
-use crate::primitive::{Vector, dot, length, sub, triangle_triangle};
+use crate::primitive::triangle_triangle;
 
 /// Ratio of the gap to the extent of both meshes above which they count as far apart.
 const FAR_APART: f64 = (1_u64 << 24) as f64;

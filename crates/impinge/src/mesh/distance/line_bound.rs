@@ -7,9 +7,9 @@
 //! (Ericson, 4.4.1), for the reach of a turned box along an axis; ours asks one axis, and how far they are apart on it.
 
 use super::metric::{Metric, MetricMap};
+use crate::math::vec3::{Vector, dot, sub};
 use crate::mesh::Mesh;
 use crate::mesh::storage::packet::Packet;
-use crate::primitive::{Vector, dot, sub};
 use crate::simd::by_axis;
 use crate::volume::Aabb;
 

@@ -6,9 +6,10 @@
 //! far they are from the world's origin and from their own.
 
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
+use crate::math::vec3::{Vector, length, scaled_length};
 use crate::mesh::PlacedMesh;
 use crate::mesh::storage::frame::reciprocal_power_of_two;
-use crate::primitive::{CLOSED_FORM_ERROR, Vector, accurate_sum_of_products, length, scaled_length};
+use crate::primitive::{CLOSED_FORM_ERROR, accurate_sum_of_products};
 
 /// That of meshes of 2^-900 and less.
 const LARGEST_SCALE: f64 = f64::from_bits((1023 + 900) << 52);

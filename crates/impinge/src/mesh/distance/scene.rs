@@ -3,9 +3,10 @@
 use super::bounds::Bounds;
 use super::metric::Metric;
 use crate::exact::{NearParts, Placement, Supports, parts_within};
+use crate::math::vec3::{Vector, dot, sub};
 use crate::mesh::{Mesh, PlacedMesh};
 use crate::primitive::{
-    ClosestPoints, Vector, Witness, closest_on_segments, closest_on_triangle, common_point, dot, sub, triangle_triangle,
+    ClosestPoints, Witness, closest_on_segments, closest_on_triangle, common_point, triangle_triangle,
 };
 
 /// The nearest points of two meshes, in the world.

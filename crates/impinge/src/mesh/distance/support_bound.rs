@@ -4,9 +4,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, f64x4};
 
 use crate::hierarchy::{HALF_ULP, Node};
+use crate::math::vec3::{Vector, dot};
 use crate::mesh::Mesh;
 use crate::mesh::storage::packet::Packet;
-use crate::primitive::{Vector, dot};
 use crate::simd::{LANES, by_axis, load, load3};
 
 /// How far a point of a packed frame reaches, in metric units, beyond its mesh's witness and towards the other mesh:

@@ -13,8 +13,8 @@
 use rayon::prelude::*;
 
 use crate::hierarchy::{BinaryTree, Builder, Child};
+use crate::math::vec3::{Vector, length, sub};
 use crate::mesh::Mesh;
-use crate::primitive::{Vector, length, sub};
 use crate::simd::LANES;
 use crate::volume::Aabb;
 

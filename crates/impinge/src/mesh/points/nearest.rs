@@ -8,9 +8,10 @@ use rayon::prelude::*;
 use crate::hierarchy::{Child, Node};
 use crate::input::InputError;
 use crate::math::relative::UNIT_ROUNDOFF;
+use crate::math::vec3::{Vector, length, sub};
 use crate::mesh::Mesh;
 use crate::mesh::storage::frame::reciprocal_power_of_two;
-use crate::primitive::{CLOSED_FORM_ERROR, Vector, length, point_triangle, sub};
+use crate::primitive::{CLOSED_FORM_ERROR, point_triangle};
 use crate::simd::LANES;
 
 /// The point of a mesh that is nearest to a given point.

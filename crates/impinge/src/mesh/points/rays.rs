@@ -16,9 +16,10 @@ use super::ray_packet::Line;
 use crate::hierarchy::{Child, HALF_ULP, Node};
 use crate::input::{InputError, InputErrorKind};
 use crate::math::relative::UNIT_ROUNDOFF;
+use crate::math::vec3::{Vector, dot, sub};
 use crate::mesh::Mesh;
 use crate::mesh::storage::frame::reciprocal_power_of_two;
-use crate::primitive::{RayCrossing, Vector, dot, ray_triangle, sub};
+use crate::primitive::{RayCrossing, ray_triangle};
 use crate::simd::{self, LANES, Level, bits, by_axis, dispatch, load, prefetch};
 
 /// A ray: the points `origin + t direction` with `t` zero or more, in a mesh's own frame.

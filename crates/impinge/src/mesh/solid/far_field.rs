@@ -17,6 +17,7 @@ use std::collections::BinaryHeap;
 use super::solid_angle::{AngleSum, Bounded};
 use crate::exact::PosedPoint;
 use crate::hierarchy::Child;
+use crate::math::vec3::{dot, sub};
 use crate::mesh::Mesh;
 use crate::mesh::derived::moments::{Group, pair};
 use crate::mesh::storage::frame::{PACKING_ERROR, PackedFrame};
@@ -109,8 +110,8 @@ impl Eye {
 
     /// The solid angle of a group over 4π; of infinite error where it is near.
     fn sees(&self, group: &Group) -> Bounded {
-        let v: [f64; 3] = std::array::from_fn(|k| group.centre[k] - self.at[k]);
-        let squared = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        let v = sub(&group.centre, &self.at);
+        let squared = dot(&v, &v);
         if squared == f64::INFINITY {
             return Bounded { value: 0.0, error: UNDERFLOW };
         }
@@ -121,11 +122,10 @@ impl Eye {
         if !is_far {
             return Bounded { value: 0.0, error: f64::INFINITY };
         }
-        let dot = |x: &[f64; 3]| x[0] * v[0] + x[1] * v[1] + x[2] * v[2];
         let inverse = 1.0 / squared;
         let (first, second) = (&group.first, &group.second);
         let trace = first[0][0] + first[1][1] + first[2][2];
-        let along: f64 = (0..3).map(|i| v[i] * dot(&first[i])).sum();
+        let along: f64 = (0..3).map(|i| v[i] * dot(&first[i], &v)).sum();
         // Of the second moments: the trace of the first two indices, that of the last two, and all three along v.
         let (mut traces, mut thrice) = (0.0, 0.0);
         for i in 0..3 {
@@ -138,7 +138,7 @@ impl Eye {
             let mixed = of(1, 2) * v[1] * v[2] + of(2, 0) * v[2] * v[0] + of(0, 1) * v[0] * v[1];
             thrice += v[i] * (squares + 2.0 * mixed);
         }
-        let terms = dot(&group.zeroth) + trace - 3.0 * along * inverse - 1.5 * traces * inverse
+        let terms = dot(&group.zeroth, &v) + trace - 3.0 * along * inverse - 1.5 * traces * inverse
             + 7.5 * thrice * inverse * inverse;
         let value = terms * inverse / distance;
         let q = group.radius / nearest;

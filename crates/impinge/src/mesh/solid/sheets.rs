@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use crate::exact::{Corners, PosedPoint, Spot};
 use crate::math::Sign;
+use crate::math::vec3::{cross, sub};
 use crate::mesh::Mesh;
 use crate::mesh::derived::topology::{Components, DisjointSets};
 
@@ -101,11 +102,9 @@ fn parity([a, b, c]: [u32; 3]) -> i64 {
 /// largest, or against another one if it is not seen at all there. Returns `None` if the face has
 /// no area.
 pub(super) fn turn_along_some_axis(corners: &Corners) -> Option<(usize, Sign)> {
-    let edge = |to: usize| -> [f64; 3] { std::array::from_fn(|k| corners[to][k] - corners[0][k]) };
-    let (u, v) = (edge(1), edge(2));
-    let seen = |k: usize| (u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]).abs();
+    let seen = cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0])).map(f64::abs);
     let mut axes = [0, 1, 2];
-    axes.sort_by(|&x, &y| seen(y).total_cmp(&seen(x)));
+    axes.sort_by(|&x, &y| seen[y].total_cmp(&seen[x]));
     axes.into_iter().find_map(|axis| match turn(corners, axis) {
         Sign::Zero => None,
         turn => Some((axis, turn)),

@@ -4,6 +4,7 @@ use crate::exact::{AxisRay, Corners, PosedPoint};
 use crate::math::Sign;
 use crate::math::arctangent::{ANGLE_ERROR, angle};
 use crate::math::relative::UNIT_ROUNDOFF;
+use crate::math::vec3::{cross, dot, length, sub};
 
 /// A real number in floats, and how far off it may be; infinite where nothing is known.
 #[derive(Clone, Copy)]
@@ -27,11 +28,11 @@ pub(super) struct Projected {
 
 impl Direction {
     pub(in crate::mesh) fn to(corner: &[f64; 3], point: &PosedPoint<'_>) -> Self {
-        let difference: [f64; 3] = std::array::from_fn(|k| corner[k] - point.approximate[k]);
+        let difference = sub(corner, &point.approximate);
         // Divided by the largest first, so that no square vanishes or overflows.
         let largest = difference.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let scaled = difference.map(|x| x / largest);
-        let length = (scaled[0] * scaled[0] + scaled[1] * scaled[1] + scaled[2] * scaled[2]).sqrt();
+        let length = length(&scaled);
         let unit = scaled.map(|x| x / length);
         // The error of the point turns the vector by at most twice that over its length, up to a quarter of it. Each
         // component is rounded by the difference, two quotients and the length: 6 units in all, of which the square sum of
@@ -111,14 +112,8 @@ impl AngleSum {
             return;
         }
         let [a, b, c] = corners.each_ref().map(|corner| Direction::to(corner, point));
-        let dot = |x: &Direction, y: &Direction| x.unit[0] * y.unit[0] + x.unit[1] * y.unit[1] + x.unit[2] * y.unit[2];
-        let re = 1.0 + dot(&a, &b) + dot(&b, &c) + dot(&c, &a);
-        let im: f64 = (0..3)
-            .map(|k| {
-                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-                a.unit[k] * (b.unit[i] * c.unit[j] - b.unit[j] * c.unit[i])
-            })
-            .sum();
+        let re = 1.0 + dot(&a.unit, &b.unit) + dot(&b.unit, &c.unit) + dot(&c.unit, &a.unit);
+        let im = dot(&a.unit, &cross(&b.unit, &c.unit));
         // Each of the unit vectors stands in three terms of size one, four with products of errors.
         let error = 4.0 * (a.error + b.error + c.error) + 32.0 * UNIT_ROUNDOFF;
         // The normal points away from a point that the face winds round the right way.

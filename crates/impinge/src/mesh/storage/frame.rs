@@ -4,7 +4,7 @@
 use std::ops::{Add, Mul};
 
 use crate::hierarchy::{HALF_ULP, WideTree};
-use crate::primitive::Vector;
+use crate::math::vec3::Vector;
 use crate::simd::{by_axis, prefetch_at};
 
 /// `packed = (local − origin) · scale`, with a power of two for the scale, which rounds nothing.

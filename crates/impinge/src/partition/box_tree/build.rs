@@ -1,7 +1,7 @@
 //! All boxes at once: split at the median centre along the longest axis.
 
-use super::super::{Dynamic, Partition};
-use super::{BoxTree, MinMax, NONE, Node};
+use super::super::Dynamic;
+use super::{BoxTree, MinMax};
 
 impl BoxTree {
     /// The tree of these boxes, whose keys are their places: balanced, and several times quicker than inserting them.
@@ -18,50 +18,26 @@ impl BoxTree {
         tree
     }
 
-    /// Builds the tree anew over the boxes that it holds: after most of them moved far, this makes it what it was at first.
+    /// Rebuilds the tree over its boxes. After most of them moved far, this makes the tree as good as a new one.
     pub fn rebuild(&mut self) {
-        self.nodes.clear();
-        self.free.clear();
-        self.leaves.fill(NONE);
-        self.root = None;
-        let mut leaves = Vec::with_capacity(self.len());
-        for (key, bounds) in self.items.iter() {
-            leaves.push((key, self.fattened(bounds)));
-        }
-        self.leaves.resize(leaves.last().map_or(0, |leaf| leaf.0 as usize + 1), NONE);
-        self.nodes.reserve(2 * leaves.len());
-        if !leaves.is_empty() {
-            self.root = Some(self.subtree(&mut leaves, NONE));
-        }
+        let mut leaves: Vec<_> = self.items.iter().map(|(key, bounds)| (key, self.fattened(bounds))).collect();
+        self.bvh.rebuild(&mut leaves, split_at_median);
     }
+}
 
-    /// Halving keeps it at most 32 deep, which is as deep as this calls itself.
-    fn subtree(&mut self, leaves: &mut [(u32, MinMax)], parent: u32) -> u32 {
-        let at = self.nodes.len() as u32;
-        let (key, bounds) = leaves[0];
-        self.nodes.push(Node { bounds, parent, children: [key, NONE], height: 0, shallow: 0 });
-        if leaves.len() == 1 {
-            self.leaves[key as usize] = at;
-            return at;
-        }
-        let twice_centre = |bounds: &MinMax, axis: usize| bounds.min()[axis] + bounds.max()[axis];
-        let extent = |axis: usize| {
-            let centres = leaves.iter().map(|leaf| twice_centre(&leaf.1, axis));
-            centres.clone().fold(f64::MIN, f64::max) - centres.fold(f64::MAX, f64::min)
-        };
-        let extents = [extent(0), extent(1), extent(2)];
-        let axis = (0..3).fold(0, |best, axis| if extents[axis] > extents[best] { axis } else { best });
-        let middle = leaves.len() / 2;
-        // Keys decide between equal centres, so that the tree is the same however the selection works.
-        leaves.select_nth_unstable_by(middle, |one, other| {
-            twice_centre(&one.1, axis).total_cmp(&twice_centre(&other.1, axis)).then(one.0.cmp(&other.0))
-        });
-        let (low, high) = leaves.split_at_mut(middle);
-        let children = [self.subtree(low, at), self.subtree(high, at)];
-        self.nodes[at as usize].children = children;
-        self.pull(at);
-        at
-    }
+/// Moves the half of the boxes with the least centers along the axis of the widest spread to the front.
+fn split_at_median(leaves: &mut [(u32, MinMax)]) {
+    let twice_center = |bounds: &MinMax, axis: usize| bounds.min()[axis] + bounds.max()[axis];
+    let extent = |axis: usize| {
+        let centers = leaves.iter().map(|leaf| twice_center(&leaf.1, axis));
+        centers.clone().fold(f64::MIN, f64::max) - centers.fold(f64::MAX, f64::min)
+    };
+    let extents = [extent(0), extent(1), extent(2)];
+    let axis = (0..3).fold(0, |best, axis| if extents[axis] > extents[best] { axis } else { best });
+    // Keys decide between equal centers, so that the tree is the same however the selection works.
+    leaves.select_nth_unstable_by(leaves.len() / 2, |one, other| {
+        twice_center(&one.1, axis).total_cmp(&twice_center(&other.1, axis)).then(one.0.cmp(&other.0))
+    });
 }
 
 impl FromIterator<(u32, MinMax)> for BoxTree {

@@ -1,25 +1,16 @@
-//! The dynamic bounding-volume tree: a binary tree of boxes that may overlap, with one box in each leaf.
+//! The dynamic bounding-volume tree as a partition: the boxes by their keys beside the tree over them, and a margin about
+//! each leaf.
 //!
-//! Source: Bittner, Hapala, Havran, *Incremental BVH construction for ray tracing*, 2015 (the search for a place); Kopta et
-//! al., *Fast, effective BVH updates for animated scenes*, I3D 2012 (rotations); Catto, *Dynamic bounding volume
-//! hierarchies*, GDC 2019 (fat leaves). Ours departs in that nothing is put or turned where a leaf would come to lie deeper
-//! than [`DEEPEST`], so that no sequence of moves makes it a list, and in that a search visits a bounded number of nodes.
+//! Source: Catto, *Dynamic bounding volume hierarchies*, GDC 2019 (fat leaves).
 
 mod build;
-mod candidate;
-mod insertion;
+mod moves;
 mod pairs;
 mod queries;
 
 use super::Items;
+use crate::hierarchy::{DynamicBvh, DynamicNode};
 use crate::volume::{BoundingVolume, MinMax};
-
-/// No leaf lies deeper. The way to the shallowest leaf ends after 32 steps, below 2^32 boxes, so that there always is a
-/// place.
-const DEEPEST: u16 = 48;
-
-/// Not a node.
-const NONE: u32 = u32::MAX;
 
 /// A tree of boxes that come, go and move: the kind to take where nothing is known of them.
 ///
@@ -46,36 +37,9 @@ const NONE: u32 = u32::MAX;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct BoxTree {
-    nodes: Vec<Node>,
-    /// Nodes out of use.
-    free: Vec<u32>,
-    root: Option<u32>,
-    /// The leaf of each key, [`NONE`] where there is none.
-    leaves: Vec<u32>,
+    bvh: DynamicBvh<MinMax, false>,
     items: Items,
     margin: f64,
-    /// What a search for a place has still to look at; empty between searches.
-    candidates: std::collections::BinaryHeap<candidate::Candidate>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    bounds: MinMax,
-    parent: u32,
-    /// Of an inner node; the key and [`NONE`] of a leaf.
-    children: [u32; 2],
-    /// Steps to the deepest leaf below.
-    height: u16,
-    /// Steps to the leaf below that is the least deep.
-    shallow: u16,
-}
-
-const _: () = assert!(size_of::<Node>() == 64);
-
-impl Node {
-    fn is_leaf(&self) -> bool {
-        self.children[1] == NONE
-    }
 }
 
 impl BoxTree {
@@ -95,14 +59,14 @@ impl BoxTree {
     /// Steps from the root to the deepest leaf, at most 48; zero for fewer than two boxes.
     #[must_use]
     pub fn height(&self) -> usize {
-        self.root.map_or(0, |root| usize::from(self.node(root).height))
+        self.bvh.root().map_or(0, |root| usize::from(self.node(root).height))
     }
 
     /// The area of all inner nodes over that of the root, which is what a search costs (MacDonald, Booth, *Heuristics for ray
     /// tracing using space subdivision*, 1990); zero for fewer than two boxes, or where the root has no area.
     #[must_use]
     pub fn cost(&self) -> f64 {
-        let Some(root) = self.root else { return 0.0 };
+        let Some(root) = self.bvh.root() else { return 0.0 };
         let whole = self.node(root).bounds.surface_area();
         let mut sum = 0.0;
         let mut stack = vec![root];
@@ -116,12 +80,8 @@ impl BoxTree {
         if whole > 0.0 { sum / whole } else { 0.0 }
     }
 
-    fn node(&self, node: u32) -> &Node {
-        &self.nodes[node as usize]
-    }
-
-    fn leaf_of(&self, key: u32) -> Option<u32> {
-        self.leaves.get(key as usize).copied().filter(|&leaf| leaf != NONE)
+    fn node(&self, at: u32) -> &DynamicNode<MinMax> {
+        self.bvh.node(at)
     }
 
     /// Whether leaves may be larger than their boxes.
@@ -135,15 +95,5 @@ impl BoxTree {
             return *bounds;
         }
         MinMax::from_ordered(bounds.min().map(|x| x - self.margin), bounds.max().map(|x| x + self.margin))
-    }
-
-    /// Makes bounds and heights of an inner node from its children's.
-    fn pull(&mut self, node: u32) {
-        let [one, other] = self.node(node).children;
-        let (one, other) = (*self.node(one), *self.node(other));
-        let node = &mut self.nodes[node as usize];
-        node.bounds = one.bounds.merged(&other.bounds);
-        node.height = 1 + one.height.max(other.height);
-        node.shallow = 1 + one.shallow.min(other.shallow);
     }
 }

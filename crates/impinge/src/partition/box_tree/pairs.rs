@@ -8,7 +8,7 @@ use crate::volume::BoundingVolume;
 impl BoxTree {
     pub(super) fn own_pairs(&self) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
-        let mut selves: Vec<u32> = self.root.into_iter().collect();
+        let mut selves: Vec<u32> = self.bvh.root().into_iter().collect();
         let mut waiting = Vec::new();
         while let Some(at) = selves.pop() {
             let node = self.node(at);
@@ -26,7 +26,7 @@ impl BoxTree {
     /// What [`Partition::pairs_with`](super::super::Partition::pairs_with) answers, by opening both trees at once.
     #[must_use]
     pub fn pairs_with_tree(&self, other: &Self) -> Vec<[u32; 2]> {
-        let (Some(root), Some(other_root)) = (self.root, other.root) else { return Vec::new() };
+        let (Some(root), Some(other_root)) = (self.bvh.root(), other.bvh.root()) else { return Vec::new() };
         let mut pairs = Vec::new();
         self.descend(other, &mut vec![[root, other_root]], |pair| pairs.push(pair));
         pairs.sort_unstable();
@@ -45,7 +45,7 @@ impl BoxTree {
                     let thin = !self.is_fat() && !other.is_fat();
                     let exact: [MinMax; 2] = [self.exact(a), other.exact(b)];
                     if thin || exact[0].overlaps(&exact[1]) {
-                        meet([a.children[0], b.children[0]]);
+                        meet([a.key(), b.key()]);
                     }
                 }
                 (false, is_leaf) if is_leaf || a.height >= b.height => {

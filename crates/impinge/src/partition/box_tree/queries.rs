@@ -4,39 +4,15 @@ use std::ops::ControlFlow;
 
 use super::super::best::{Best, distance_squared, in_range};
 use super::super::{Cells, Holds, Items, Neighbour, Partition, Ray, RayVisit, Visitor, Work};
-use super::{BoxTree, DEEPEST, MinMax, Node};
+use super::{BoxTree, DynamicNode, MinMax};
+use crate::hierarchy::Stack;
 use crate::volume::BoundingVolume;
-
-/// Nodes that wait in a search down from the root: one for each step, and two at the last.
-pub(super) struct Stack<T> {
-    waiting: [T; DEEPEST as usize + 2],
-    len: usize,
-}
-
-impl<T: Copy> Stack<T> {
-    #[inline]
-    pub(super) fn of(first: T) -> Self {
-        Self { waiting: [first; DEEPEST as usize + 2], len: 1 }
-    }
-
-    #[inline]
-    pub(super) fn push(&mut self, node: T) {
-        self.waiting[self.len] = node;
-        self.len += 1;
-    }
-
-    #[inline]
-    pub(super) fn pop(&mut self) -> Option<T> {
-        self.len = self.len.checked_sub(1)?;
-        Some(self.waiting[self.len])
-    }
-}
 
 impl BoxTree {
     /// The exact box of a leaf.
     #[inline]
-    pub(super) fn exact(&self, leaf: &Node) -> MinMax {
-        if self.is_fat() { *self.items.get(leaf.children[0]).unwrap_or(&leaf.bounds) } else { leaf.bounds }
+    pub(super) fn exact(&self, leaf: &DynamicNode<MinMax>) -> MinMax {
+        if self.is_fat() { *self.items.get(leaf.key()).unwrap_or(&leaf.bounds) } else { leaf.bounds }
     }
 }
 
@@ -52,36 +28,31 @@ impl Partition for BoxTree {
     }
 
     fn bounds(&self) -> Option<MinMax> {
-        self.root.map(|root| self.node(root).bounds)
+        self.bvh.root().map(|root| self.node(root).bounds)
     }
 
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {
-        let Some(root) = self.root else { return ControlFlow::Continue(()) };
-        let mut stack = Stack::of(root);
-        while let Some(at) = stack.pop() {
-            let node = self.node(at);
-            work.nodes += 1;
-            if !node.bounds.overlaps(bounds) {
-                continue;
-            }
-            if node.is_leaf() {
-                work.boxes += 1;
-                if !self.is_fat() || self.exact(node).overlaps(bounds) {
-                    visit(node.children[0])?;
+        let Work { nodes, boxes } = work;
+        self.bvh.search(
+            |around| {
+                *nodes += 1;
+                around.overlaps(bounds)
+            },
+            |leaf| {
+                *boxes += 1;
+                if !self.is_fat() || self.exact(leaf).overlaps(bounds) {
+                    visit(leaf.key())?;
                 }
-            } else {
-                stack.push(node.children[1]);
-                stack.push(node.children[0]);
-            }
-        }
-        ControlFlow::Continue(())
+                ControlFlow::Continue(())
+            },
+        )
     }
 
     /// The nearer child first, so that a reach that shrinks prunes.
     fn ray(&self, ray: &Ray, visit: &mut dyn FnMut(RayVisit) -> f64) {
         let mut reach = ray.reach();
         let enters = |node: u32| ray.enters(&self.node(node).bounds).map(|t| (t, node));
-        let Some(mut stack) = self.root.and_then(enters).map(Stack::of) else { return };
+        let Some(mut stack) = self.bvh.root().and_then(enters).map(Stack::of) else { return };
         while let Some((t, at)) = stack.pop() {
             if t > reach {
                 continue;
@@ -90,7 +61,7 @@ impl Partition for BoxTree {
             if node.is_leaf() {
                 let exact = if self.is_fat() { ray.enters(&self.exact(node)) } else { Some(t) };
                 if let Some(t) = exact.filter(|&t| t <= reach) {
-                    reach = reach.min(visit(RayVisit { key: node.children[0], t, reach }));
+                    reach = reach.min(visit(RayVisit { key: node.key(), t, reach }));
                 }
                 if reach < 0.0 {
                     return;
@@ -112,7 +83,7 @@ impl Partition for BoxTree {
     /// Depth first, the nearer child before the other.
     fn nearest(&self, point: [f64; 3], count: usize) -> Vec<Neighbour> {
         let mut best = Best::new(count);
-        let Some(root) = self.root.filter(|_| in_range(&point) && count > 0) else { return Vec::new() };
+        let Some(root) = self.bvh.root().filter(|_| in_range(&point) && count > 0) else { return Vec::new() };
         let distance = |node: u32| (distance_squared(&point, &self.node(node).bounds), node);
         let mut stack = Stack::of(distance(root));
         while let Some((near, at)) = stack.pop() {
@@ -121,7 +92,7 @@ impl Partition for BoxTree {
             }
             let node = self.node(at);
             if node.is_leaf() {
-                best.offer(node.children[0], distance_squared(&point, &self.exact(node)));
+                best.offer(node.key(), distance_squared(&point, &self.exact(node)));
                 continue;
             }
             let [one, other] = node.children.map(distance);

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::super::{BoxTree, Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visitor, Work};
+use super::super::{BoxTree, Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visitor, Work, forward_to_inner};
 use super::batched_step::{self, BatchedMoves};
 use super::cell_visits::{CellVisits, SHORT};
 use super::level::Level;
@@ -228,49 +228,5 @@ impl BatchedMoves for Single {
     }
 }
 
-/// The two kinds differ in where their cells are, and in nothing else.
-macro_rules! is_single_level {
-    ($grid:ident) => {
-        impl Holds for $grid {
-            fn items(&self) -> &Items {
-                self.0.items()
-            }
-        }
-
-        impl Partition for $grid {
-            fn cells(&self) -> Cells {
-                self.0.cells()
-            }
-
-            fn overlapping_counted(
-                &self,
-                bounds: &MinMax,
-                work: &mut Work,
-                visit: &mut Visitor<'_>,
-            ) -> ControlFlow<()> {
-                self.0.overlapping_counted(bounds, work, visit)
-            }
-
-            fn pairs(&self) -> Vec<[u32; 2]> {
-                self.0.pairs()
-            }
-        }
-
-        impl Dynamic for $grid {
-            fn insert(&mut self, key: u32, bounds: MinMax) -> Option<MinMax> {
-                self.0.insert(key, bounds)
-            }
-
-            fn remove(&mut self, key: u32) -> Option<MinMax> {
-                self.0.remove(key)
-            }
-
-            fn step(&mut self, moves: &[Move], changes: &mut Changes) {
-                self.0.step(moves, changes);
-            }
-        }
-    };
-}
-
-is_single_level!(UniformGrid);
-is_single_level!(HashedGrid);
+forward_to_inner!(UniformGrid);
+forward_to_inner!(HashedGrid);

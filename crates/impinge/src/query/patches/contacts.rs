@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use super::{Met, Region, regions_of};
 use crate::convex::{Contact, Contacts, Feature};
 use crate::exact;
+use crate::math::vec3::{cross, dot, sub};
 use crate::mesh::{PlacedMesh, Ray};
-use crate::primitive::{cross, dot, sub};
 
 /// The contacts of the regions in which two meshes meet: the vertices of either that are inside the other, over the face that is
 /// there along the normal; where there are none, the ends of the curve's pieces, as deep as the region at most.

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 use super::Met;
 use crate::exact::{Corners, Crossing, Feature, Joint, Placement, PosedPoint, Spot};
+use crate::math::vec3::sub;
 use crate::mesh::{Containment, Judge, Mesh, PlacedMesh};
-use crate::primitive::sub;
 
 /// Questions below which threads cost more than they save.
 const FEW: usize = 16;

@@ -15,8 +15,8 @@ use super::curves::{Curves, Linked, Met, met};
 use super::intersecting_pairs;
 use crate::convex::to_unit_length;
 use crate::exact::Crossing;
+use crate::math::vec3::{cross, dot, length, sub};
 use crate::mesh::PlacedMesh;
-use crate::primitive::{cross, dot, length, sub};
 pub(crate) use contacts::contacts_of_patches;
 use interior::Interior;
 

@@ -12,8 +12,8 @@
 use super::table::surface_of;
 use crate::convex::{self, Core, Surface, Swept, depth, nearest_of_hull};
 use crate::math::Pose;
+use crate::math::vec3::{Vector, cross, dot, length, sub};
 use crate::mesh::{Containment, Mesh, Options, Positions, WarmStart};
-use crate::primitive::{Vector, cross, dot, length, sub};
 use crate::query::{Proximity, of_meshes};
 use crate::shape::{Form, PlacedShape};
 

@@ -1,7 +1,7 @@
 //! The shortest translation that is beyond planes: a point of one of them, of the line of two or of all three, whichever is nearest to
 //! the origin and behind none.
 
-use crate::primitive::{Vector, cross, dot, scaled_length as length};
+use crate::math::vec3::{Vector, cross, dot, scaled_length as length};
 
 /// The shortest vector that is beyond planes, each by its normal and its height; none where no three of them tell.
 pub(super) fn shortest_beyond(planes: &[(Vector, f64)]) -> Option<Vector> {

@@ -1,11 +1,11 @@
 //! A capsule about points (Ericson 4.5; Eberly, *Geometric Tools*: capsule from a line).
 
-use super::super::core::{add, dot, scale, subtract};
 use super::super::{BoundingVolume, Capsule, round};
 use super::enclosing::{scaled_offset, unit_scale};
 use super::minimal::circle;
 use super::moments::principal_axes;
 use crate::input::InputError;
+use crate::math::vec3::{add, dot, scale, sub};
 use crate::volume::points::{Coordinate, judge, widen};
 
 /// The smallest capsule of those about the three principal axes: for each the least radius, that of the minimal circle of
@@ -47,16 +47,16 @@ fn along<T: Coordinate>(points: &[[T; 3]], axis: [f64; 3], origin: [f64; 3], sca
         .iter()
         .map(|point| {
             let offset = local(point);
-            subtract(offset, scale(axis, dot(axis, offset)))
+            sub(&offset, &scale(&axis, dot(&axis, &offset)))
         })
         .collect();
     let (centre, squared_radius) = circle(&flat);
     // Each point wants the segment to come within the radius of it; the caps reach out by what the radius leaves.
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (point, seen) in points.iter().zip(&flat) {
-        let t = dot(axis, local(point));
-        let aside = subtract(*seen, centre);
-        let cap = (squared_radius - dot(aside, aside)).max(0.0).sqrt();
+        let t = dot(&axis, &local(point));
+        let aside = sub(seen, &centre);
+        let cap = (squared_radius - dot(&aside, &aside)).max(0.0).sqrt();
         low = low.min(t + cap);
         high = high.max(t - cap);
     }
@@ -64,7 +64,7 @@ fn along<T: Coordinate>(points: &[[T; 3]], axis: [f64; 3], origin: [f64; 3], sca
         let middle = 0.5 * (low + high);
         (low, high) = (middle, middle);
     }
-    let ends = [low, high].map(|t| add(origin, scale(add(centre, scale(axis, t)), 1.0 / scale_up)));
+    let ends = [low, high].map(|t| add(&origin, &scale(&add(&centre, &scale(&axis, t)), 1.0 / scale_up)));
     let core = Capsule::from_valid(ends, 0.0).core();
     let radius = points.iter().map(|&point| round::distance_to_core(widen(point), &core)).fold(0.0, f64::max);
     Capsule::from_valid(ends, radius)

@@ -5,6 +5,7 @@ use super::super::rounding::{HALF_ULP, two_product, two_sum};
 use super::super::{BoundingSphere, MinMax};
 use crate::math::Sign;
 use crate::math::dyadic::Dyadic;
+use crate::math::vec3::dot;
 use crate::volume::points::{Coordinate, widen};
 
 /// The power of two by which the greatest extent of a box becomes at least 1 and less than 2, and 1 for a point.
@@ -33,8 +34,8 @@ pub(super) fn scaled_offset(point: [f64; 3], centre: [f64; 3], scale: f64) -> [f
 /// For an offset of points that are doubles: two roundings of each difference in its square, one of the square, two of the
 /// sums: within 5.1 half units, taken as [`SQUARE_ERROR`].
 #[inline(always)]
-pub(super) fn squared([x, y, z]: [f64; 3]) -> f64 {
-    x * x + y * y + z * z
+pub(super) fn squared(offset: [f64; 3]) -> f64 {
+    dot(&offset, &offset)
 }
 
 /// A bound on the relative error of a squared distance, its comparison included.

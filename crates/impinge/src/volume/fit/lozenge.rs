@@ -1,10 +1,11 @@
 //! A lozenge about points (Larsen, Gottschalk, Lin and Manocha 1999, section 3.3; Ericson 4.5).
 
-use super::super::core::{Core, add, dot, scale};
+use super::super::core::Core;
 use super::super::{BoundingVolume, Lozenge, round};
 use super::enclosing::{scaled_offset, unit_scale};
 use super::moments::principal_axes;
 use crate::input::InputError;
+use crate::math::vec3::{add, dot, scale};
 use crate::volume::points::{Coordinate, judge, widen};
 
 /// The smallest lozenge of those whose thickness is along a principal axis.
@@ -59,7 +60,7 @@ fn in_frame<T: Coordinate>(
 ) -> Lozenge {
     let coordinates = |&point: &[T; 3]| {
         let offset = scaled_offset(widen(point), origin, scale_up);
-        frame.map(|axis| dot(axis, offset))
+        frame.map(|axis| dot(&axis, &offset))
     };
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for point in points {
@@ -77,8 +78,8 @@ fn in_frame<T: Coordinate>(
         }
     }
     let ranges = ranges.map(|[low, high]| if low <= high { [low, high] } else { [0.5 * (low + high); 2] });
-    let place = |k: usize, t: f64| scale(frame[k], t / scale_up);
-    let corner = add(add(add(origin, place(0, ranges[0][0])), place(1, ranges[1][0])), place(2, middle));
+    let place = |k: usize, t: f64| scale(&frame[k], t / scale_up);
+    let corner = add(&add(&add(&origin, &place(0, ranges[0][0])), &place(1, ranges[1][0])), &place(2, middle));
     let edges = [0, 1].map(|k| place(k, ranges[k][1] - ranges[k][0]));
     let core = Core { corner, edges, dimension: 2 };
     let radius = points.iter().map(|&point| round::distance_to_core(widen(point), &core)).fold(0.0, f64::max);

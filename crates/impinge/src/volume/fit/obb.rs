@@ -1,12 +1,12 @@
 //! Oriented boxes about points: by principal components, and nearly of the least volume, with a proof of how nearly.
 
-use super::super::core::{cross, dot, subtract};
 use super::super::obb::{orthonormal, projection_up};
 use super::super::rounding::HALF_ULP;
 use super::super::{BoundingVolume, Kdop26, Obb};
 use super::enclosing::{scaled_offset, unit_scale};
 use super::moments::principal_axes;
 use crate::input::InputError;
+use crate::math::vec3::{cross, dot, sub};
 use crate::volume::points::{Coordinate, judge, widen};
 
 /// An oriented box that holds the points, and how small one could be at best.
@@ -113,7 +113,7 @@ impl<'a, T: Coordinate> Set<'a, T> {
         let mut extents = [([f64::INFINITY, f64::NEG_INFINITY], [[0.0; 3]; 2]); N];
         for point in self.local() {
             for ((range, ends), axis) in extents.iter_mut().zip(axes) {
-                let t = dot(axis, point);
+                let t = dot(&axis, &point);
                 if t < range[0] {
                     (range[0], ends[0]) = (t, point);
                 }
@@ -136,7 +136,7 @@ impl<'a, T: Coordinate> Set<'a, T> {
         let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let chord = |extents: &[([f64; 2], [[f64; 3]; 2])]| {
             let longest = extents.iter().max_by(|(a, _), (b, _)| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
-            longest.map_or([0.0; 3], |(_, [p, q])| subtract(*q, *p))
+            longest.map_or([0.0; 3], |(_, [p, q])| sub(q, p))
         };
         let first = chord(&self.extents(identity));
         let [first_axis, u, v] = orthonormal([first, identity[0], identity[1]]);
@@ -144,9 +144,9 @@ impl<'a, T: Coordinate> Set<'a, T> {
         let axes = orthonormal([first_axis, second, u]);
         let [([low, high], _)] = self.extents([axes[2]]);
         // What of the second chord is seen along the first.
-        let seen = dot(second, axes[1]);
+        let seen = dot(&second, &axes[1]);
         let lengths =
-            [dot(first, first).sqrt(), seen, high - low].map(|length| (length - ROUNDING).max(0.0) / self.scale);
+            [dot(&first, &first).sqrt(), seen, high - low].map(|length| (length - ROUNDING).max(0.0) / self.scale);
         (axes, lengths.into_iter().product::<f64>() / 6.0 * (1.0 - ROUNDING))
     }
 
@@ -180,7 +180,7 @@ impl<'a, T: Coordinate> Set<'a, T> {
         }
         let projections = |&point: &[T; 3]| {
             let offset = scaled_offset(widen(point), centre, self.scale);
-            axes.map(|axis| dot(axis, offset).abs())
+            axes.map(|axis| dot(&axis, &offset).abs())
         };
         let mut reach = [0.0_f64; 3];
         for point in self.points {
@@ -210,7 +210,7 @@ fn improve(points: &[[f64; 3]], mut axes: [[f64; 3]; 3]) -> ([[f64; 3]; 3], f64)
         let extent = |axis: &[f64; 3]| {
             let range = points
                 .iter()
-                .map(|&point| dot(*axis, point))
+                .map(|&point| dot(axis, &point))
                 .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], t| [a.min(t), b.max(t)]);
             range[1] - range[0]
         };
@@ -222,7 +222,7 @@ fn improve(points: &[[f64; 3]], mut axes: [[f64; 3]; 3]) -> ([[f64; 3]; 3], f64)
         let about = turn % 3;
         let (u, v) = (axes[(about + 1) % 3], axes[(about + 2) % 3]);
         let turned = orthonormal(match least_rectangle(points, u, v) {
-            Some(side) => [axes[about], side, cross(axes[about], side)],
+            Some(side) => [axes[about], side, cross(&axes[about], &side)],
             None => axes,
         });
         let next = volume(&turned);
@@ -243,7 +243,7 @@ fn improve(points: &[[f64; 3]], mut axes: [[f64; 3]; 3]) -> ([[f64; 3]; 3], f64)
 /// The direction of a side of the least rectangle about the points seen in the plane of u and v; none where they are seen
 /// as one point.
 fn least_rectangle(points: &[[f64; 3]], u: [f64; 3], v: [f64; 3]) -> Option<[f64; 3]> {
-    let hull = hull_2d(points.iter().map(|&point| [dot(u, point), dot(v, point)]).collect());
+    let hull = hull_2d(points.iter().map(|&point| [dot(&u, &point), dot(&v, &point)]).collect());
     let mut best = (f64::INFINITY, None);
     for (at, p) in hull.iter().enumerate() {
         let q = hull[(at + 1) % hull.len()];

@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use crate::input::InputError;
 use crate::math::Pose;
+use crate::math::vec3::squared_distance;
 use crate::volume::capsule::{Capsule, length};
-use crate::volume::core::{closest_points, squared_distance};
+use crate::volume::core::closest_points;
 use crate::volume::rigid::{image, stretch};
 use crate::volume::rounding::{add_up, mul_up};
 use crate::volume::{BoundingSphere, BoundingVolume, Round, fit};
@@ -20,7 +21,7 @@ impl BoundingVolume for Capsule {
         // A quick yes: the bounds below say the same of what is clearly closer, and cost more.
         let (p, q) = closest_points(&self.core(), &other.core());
         let sum = self.radius + other.radius;
-        squared_distance(p, q) <= 0.99 * sum * sum || self.meets(other)
+        squared_distance(&p, &q) <= 0.99 * sum * sum || self.meets(other)
     }
 
     fn contains(&self, point: [f64; 3]) -> bool {

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::input::InputError;
 use crate::math::Pose;
-use crate::volume::core::{add, dot, scale, subtract};
+use crate::math::vec3::{add, dot, scale, sub};
 use crate::volume::rigid::{direction, image, stretch};
 use crate::volume::rounding::{add_up, mul_up};
 use crate::volume::{BoundingSphere, BoundingVolume, Lozenge, Round, fit};
@@ -33,16 +33,16 @@ impl BoundingVolume for Lozenge {
             let frame = part.frame();
             let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
             for (centre, _) in &spheres {
-                let offset = subtract(*centre, part.corner);
+                let offset = sub(centre, &part.corner);
                 for (range, &axis) in ranges.iter_mut().zip(&frame) {
-                    let t = dot(axis, offset);
+                    let t = dot(&axis, &offset);
                     *range = [range[0].min(t), range[1].max(t)];
                 }
             }
             let middle = 0.5 * (ranges[2][0] + ranges[2][1]);
-            let offsets = [scale(frame[0], ranges[0][0]), scale(frame[1], ranges[1][0]), scale(frame[2], middle)];
-            let corner = offsets.into_iter().fold(part.corner, add);
-            let edges = [0, 1].map(|k| scale(frame[k], ranges[k][1] - ranges[k][0]));
+            let offsets = [scale(&frame[0], ranges[0][0]), scale(&frame[1], ranges[1][0]), scale(&frame[2], middle)];
+            let corner = offsets.into_iter().fold(part.corner, |sum, offset| add(&sum, &offset));
+            let edges = [0, 1].map(|k| scale(&frame[k], ranges[k][1] - ranges[k][0]));
             Self::about(corner, edges, &spheres)
         });
         let key = |lozenge: &Self| (lozenge.volume(), lozenge.corner);

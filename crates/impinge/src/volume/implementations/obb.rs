@@ -2,7 +2,7 @@
 
 use crate::input::InputError;
 use crate::math::Pose;
-use crate::volume::core::{cross, dot, subtract};
+use crate::math::vec3::{cross, dot, sub};
 use crate::volume::obb::{Generated, Obb, deviation, orthonormal};
 use crate::volume::rigid::{direction, image};
 use crate::volume::rounding::{HALF_ULP, add_up, mul_up};
@@ -21,29 +21,29 @@ impl BoundingVolume for Obb {
     /// Gottschalk, Lin and Manocha, *OBBTree*, 1996; Ericson 4.4.1. Both add a constant to the products of edges where
     /// these are nearly parallel; here each axis has its own bound.
     fn overlaps(&self, other: &Self) -> bool {
-        let between = subtract(other.centre, self.centre);
+        let between = sub(&other.centre, &self.centre);
         let sum = |v: [f64; 3]| v[0].abs() + v[1].abs() + v[2].abs();
         // Two roundings of a difference or a product, three of each dot product, its product with the half-extent, six sums:
         // twelve half units of |n|·size with components of the axes a little above 1; 24 cover this too.
         let size = sum(between) + sum(self.half_extents) + sum(other.half_extents);
         let error = 24.0 * HALF_ULP * size + f64::MIN_POSITIVE;
         let separates = |n: [f64; 3]| {
-            let reach = |part: &Self| (0..3).map(|k| part.half_extents[k] * dot(n, part.axes[k]).abs()).sum::<f64>();
-            dot(n, between).abs() - (reach(self) + reach(other)) > error * sum(n) + f64::MIN_POSITIVE
+            let reach = |part: &Self| (0..3).map(|k| part.half_extents[k] * dot(&n, &part.axes[k]).abs()).sum::<f64>();
+            dot(&n, &between).abs() - (reach(self) + reach(other)) > error * sum(n) + f64::MIN_POSITIVE
         };
         if self.axes.into_iter().chain(other.axes).any(separates) {
             return false;
         }
-        let edges = self.axes.into_iter().flat_map(|a| other.axes.map(|b| cross(a, b)));
+        let edges = self.axes.into_iter().flat_map(|a| other.axes.map(|b| cross(&a, &b)));
         !edges.into_iter().any(separates)
     }
 
     fn contains(&self, point: [f64; 3]) -> bool {
-        let offset = subtract(point, self.centre);
+        let offset = sub(&point, &self.centre);
         let size = offset[0].abs() + offset[1].abs() + offset[2].abs();
         // The skew of the axes, at most 2^-40 and its square, and eight roundings.
         let error = (2.0 * deviation(&self.axes) + 16.0 * HALF_ULP) * size + f64::MIN_POSITIVE;
-        !(0..3).any(|k| dot(self.axes[k], offset).abs() - error > self.half_extents[k])
+        !(0..3).any(|k| dot(&self.axes[k], &offset).abs() - error > self.half_extents[k])
     }
 
     /// The smaller one of the boxes with the axes of either.

@@ -6,6 +6,7 @@ use crate::hull::judge;
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 use crate::math::relative::UNIT_ROUNDOFF;
+use crate::math::vec3::{dot, squared_distance};
 use crate::volume::MinMax;
 
 /// By how much a row of a pose may be longer than 1, squared, to count as one of a rotation: 2^-40, which entries that were
@@ -38,10 +39,9 @@ impl LooseBox {
                 _ => InputErrorKind::NonFinite { what: "point", index },
             }));
         }
-        let squared = points.iter().fold(0.0, |squared: f64, point| {
-            let [x, y, z]: [f64; 3] = std::array::from_fn(|k| point[k].into() - pivot[k]);
-            squared.max(x * x + y * y + z * z)
-        });
+        let squared = points
+            .iter()
+            .fold(0.0, |squared: f64, point| squared.max(squared_distance(&point.map(Into::into), &pivot)));
         // A difference, its square, two sums and the root are off by less than 5 units; squares that vanish lose 2^-1075
         // each, so the root 2^-536.
         const LOST: f64 = f64::from_bits((1023 - 531) << 52);
@@ -61,8 +61,8 @@ impl Realign for LooseBox {
     /// half-extent on an axis is the radius times the length of the row, rounded up.
     #[inline]
     fn realign(&mut self, world_from_local: &Pose) -> MinMax {
-        let half = world_from_local.linear().map(|[x, y, z]| {
-            let squared = x * x + y * y + z * z;
+        let half = world_from_local.linear().map(|row| {
+            let squared = dot(&row, &row);
             if squared <= 1.0 + ROTATION {
                 self.radius
             } else {

@@ -1,8 +1,8 @@
 //! Which faces have to be turned so that neighbors agree on a side. `Mesh::repaired` says how the
 //! side is chosen.
 
+use crate::math::vec3::{cross, dot, sub};
 use crate::mesh::Positions;
-use crate::primitive::{cross, dot, sub};
 
 /// What orienting a mesh comes to. Both lists are ascending.
 pub(super) struct Orientation {

@@ -5,8 +5,8 @@
 
 use std::collections::HashMap;
 
+use crate::math::vec3::{length, scaled_length, sub};
 use crate::mesh::Positions;
-use crate::primitive::{scaled_length, sub};
 
 /// Positions after welding.
 pub(super) struct Welded {
@@ -59,7 +59,7 @@ impl Stayed {
                     for &(other, point) in self.cells.get(&[x, y, z]).into_iter().flatten() {
                         // In units of the tolerance, so that no square vanishes or overflows.
                         let step = [0, 1, 2].map(|k| (at[k] - point[k]) / self.tolerance);
-                        let distance = step.iter().map(|x| x * x).sum::<f64>().sqrt();
+                        let distance = length(&step);
                         if distance <= 1.0 && nearest.is_none_or(|found| (distance, other) < found) {
                             nearest = Some((distance, other));
                         }

@@ -3,7 +3,7 @@
 use impinge_testkit::generate::Rng;
 
 use super::*;
-use crate::primitive::{self, Vector};
+use crate::math::vec3::{Vector, cross, sub};
 use crate::simd::{dispatch, levels};
 
 /// Eight triangles about an anchor.
@@ -91,7 +91,7 @@ fn what_is_off_a_triangle_is_told_apart() {
         let trial = Trial::new(&mut rng);
         let lane = rng.integer(0, 7) as usize;
         let [a, b, c] = trial.corners(lane);
-        let across = primitive::cross(&primitive::sub(&b, &a), &primitive::sub(&c, &a));
+        let across = cross(&sub(&b, &a), &sub(&c, &a));
         let length = across.iter().map(|x| x * x).sum::<f64>().sqrt();
         if length > 1e-7 {
             let points = [0; LANES].map(|_| {

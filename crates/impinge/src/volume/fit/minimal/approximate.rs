@@ -3,7 +3,7 @@
 //! From a support of at most four points step to the most distant point: the new support is the subset of these five whose
 //! sphere, about the new point among others, is best. Each step makes the sphere larger; ten or so reach the end.
 
-use super::super::super::core::{add, cross, dot, scale, squared_distance, subtract};
+use crate::math::vec3::{add, cross, dot, scale, squared_distance, sub};
 
 /// A centre, and which points it rests on.
 #[derive(Clone, Debug)]
@@ -46,12 +46,12 @@ fn most_distant(points: &[[f64; 3]], centre: [f64; 3]) -> (usize, f64) {
         let (eights, rest) = chunk.as_chunks::<LANES>();
         for eight in eights {
             for (lane, &point) in lanes.iter_mut().zip(eight) {
-                let square = squared_distance(point, centre);
+                let square = squared_distance(&point, &centre);
                 *lane = if square > *lane { square } else { *lane };
             }
         }
         for (lane, &point) in lanes.iter_mut().zip(rest) {
-            let square = squared_distance(point, centre);
+            let square = squared_distance(&point, &centre);
             *lane = if square > *lane { square } else { *lane };
         }
         let greatest = lanes.into_iter().fold(-1.0, f64::max);
@@ -60,7 +60,7 @@ fn most_distant(points: &[[f64; 3]], centre: [f64; 3]) -> (usize, f64) {
         }
     }
     let from = best.0 * LANES * 16;
-    let within = points[from..].iter().position(|&point| squared_distance(point, centre) == best.1);
+    let within = points[from..].iter().position(|&point| squared_distance(&point, &centre) == best.1);
     (from + within.unwrap_or(0), best.1)
 }
 
@@ -76,7 +76,7 @@ fn best_subset(points: &[[f64; 3]], from: &[usize]) -> (Approximation, f64) {
         let chosen = others.iter().enumerate().filter(|(i, _)| subset >> i & 1 == 1).map(|(_, &index)| index);
         let support: Vec<usize> = std::iter::once(last).chain(chosen).collect();
         let Some(centre) = circumcentre(points, &support) else { continue };
-        let reach = from.iter().map(|&i| squared_distance(points[i], centre)).fold(0.0, f64::max);
+        let reach = from.iter().map(|&i| squared_distance(&points[i], &centre)).fold(0.0, f64::max);
         if reach < best.1 {
             best = (Approximation { centre, support }, reach);
         }
@@ -87,22 +87,22 @@ fn best_subset(points: &[[f64; 3]], from: &[usize]) -> (Approximation, f64) {
 /// The centre of the smallest sphere through one to four points; none where they have none.
 fn circumcentre(points: &[[f64; 3]], support: &[usize]) -> Option<[f64; 3]> {
     let anchor = points[support[0]];
-    let edge = |k: usize| subtract(points[support[k]], anchor);
+    let edge = |k: usize| sub(&points[support[k]], &anchor);
     let offset = match support.len() {
         1 => [0.0; 3],
-        2 => scale(edge(1), 0.5),
+        2 => scale(&edge(1), 0.5),
         3 => {
             let (u, v) = (edge(1), edge(2));
-            let normal = cross(u, v);
-            let numerator = cross(subtract(scale(v, dot(u, u)), scale(u, dot(v, v))), normal);
-            scale(numerator, 0.5 / dot(normal, normal))
+            let normal = cross(&u, &v);
+            let numerator = cross(&sub(&scale(&v, dot(&u, &u)), &scale(&u, dot(&v, &v))), &normal);
+            scale(&numerator, 0.5 / dot(&normal, &normal))
         }
         _ => {
             let (u, v, w) = (edge(1), edge(2), edge(3));
-            let (vw, wu, uv) = (cross(v, w), cross(w, u), cross(u, v));
-            let numerator = add(add(scale(vw, dot(u, u)), scale(wu, dot(v, v))), scale(uv, dot(w, w)));
-            scale(numerator, 0.5 / dot(u, vw))
+            let (vw, wu, uv) = (cross(&v, &w), cross(&w, &u), cross(&u, &v));
+            let numerator = add(&add(&scale(&vw, dot(&u, &u)), &scale(&wu, dot(&v, &v))), &scale(&uv, dot(&w, &w)));
+            scale(&numerator, 0.5 / dot(&u, &vw))
         }
     };
-    offset.iter().all(|x| x.is_finite()).then(|| add(anchor, offset))
+    offset.iter().all(|x| x.is_finite()).then(|| add(&anchor, &offset))
 }

@@ -1,12 +1,15 @@
-//! Nodes that the insertion of a box looks at.
+//! The queue of nodes that an insertion considers.
 
 use std::cmp::Ordering;
 
-/// A node beside or below which a box may go. The boxes above it grow by `grown` then: the least is looked at first, and of
-/// several the deepest, which is nearest to a leaf.
+/// A node beside which, or below which, a box may be inserted.
+///
+/// The greatest candidate is the one whose ancestors grow least. Among equals it is the deepest, which is nearest to a leaf.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
+    /// Sum of the areas by which the node's ancestors grow.
     pub(super) grown: f64,
+    /// Steps from the root.
     pub(super) depth: u16,
     pub(super) node: u32,
 }

@@ -1,0 +1,47 @@
+//! Public partitions that differ from each other in their constructors alone.
+
+/// Implements all traits of a partition that boxes are inserted into, for a tuple struct around another such partition.
+macro_rules! forward_to_inner {
+    ($partition:ident) => {
+        impl Holds for $partition {
+            fn items(&self) -> &Items {
+                self.0.items()
+            }
+        }
+
+        impl Partition for $partition {
+            fn cells(&self) -> Cells {
+                self.0.cells()
+            }
+
+            fn overlapping_counted(
+                &self,
+                bounds: &MinMax,
+                work: &mut Work,
+                visit: &mut Visitor<'_>,
+            ) -> ControlFlow<()> {
+                self.0.overlapping_counted(bounds, work, visit)
+            }
+
+            fn pairs(&self) -> Vec<[u32; 2]> {
+                self.0.pairs()
+            }
+        }
+
+        impl Dynamic for $partition {
+            fn insert(&mut self, key: u32, bounds: MinMax) -> Option<MinMax> {
+                self.0.insert(key, bounds)
+            }
+
+            fn remove(&mut self, key: u32) -> Option<MinMax> {
+                self.0.remove(key)
+            }
+
+            fn step(&mut self, moves: &[Move], changes: &mut Changes) {
+                self.0.step(moves, changes);
+            }
+        }
+    };
+}
+
+pub(super) use forward_to_inner;
