@@ -1,6 +1,6 @@
 //! The nearest points of two sets, and the scale at which closed forms find them.
 
-use super::Vector;
+use crate::math::vec3::Vector;
 use crate::math::vec3::length;
 
 /// The nearest points of two sets A and B, in the frame and unit of the arguments.
