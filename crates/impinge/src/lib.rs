@@ -1,4 +1,20 @@
-//! Exact, fast collision detection for triangle meshes.
+//! Exact, fast collision detection for triangle meshes and the shapes that stand in for them.
+//!
+//! The verbs are in [`query`]: whether two things intersect, where, how far apart they are, how deep they are in each other. Each takes
+//! any two of meshes, solids, shapes and compounds, with a [`Pose`] each. [`query::batch`] asks them over many poses, [`scene`] about
+//! many parts, [`sweep`] about things that move, and [`world`] about bodies from step to step.
+//!
+//! ```
+//! use impinge::{Mesh, Pose, Shape, query};
+//!
+//! let triangle = Mesh::new([[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0, 1, 2]])?;
+//! let ball = Shape::sphere([0.0; 3], 0.5)?;
+//! let above = Pose::from_translation([0.25, 0.25, 0.75])?;
+//! assert!(!query::intersects(&triangle, ball.at(above)?));
+//! let distance = query::distance(&triangle, ball.at(above)?);
+//! assert!(distance.lower <= 0.25 && 0.25 <= distance.upper);
+//! # Ok::<(), impinge::InputError>(())
+//! ```
 //!
 //! With the feature `glam` or `nalgebra` a [`Pose`] and [`Positions`] are made of the types of that crate by `TryFrom` and `From`, and
 //! turned into them.
@@ -17,7 +33,9 @@ pub mod primitive;
 pub mod query;
 pub mod scene;
 pub mod shape;
+#[doc(hidden)]
 pub mod simd;
+#[doc(hidden)]
 pub mod storage;
 pub mod sweep;
 pub mod volume;

@@ -14,6 +14,7 @@ use crate::math::vec3::{Vector, add, cross, dot, length, scale, sub, unit};
 
 /// The kinds of hit volumes, from the cheapest to ask.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum VolumeKind {
     /// A sphere.
     Sphere,

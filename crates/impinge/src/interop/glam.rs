@@ -5,7 +5,7 @@
 //! use impinge::{Mesh, Pose, query};
 //!
 //! let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
-//! let mesh = Mesh::new(corners.into(), vec![[0, 1, 2]])?;
+//! let mesh = Mesh::new(corners, vec![[0, 1, 2]])?;
 //! let turned = DAffine3::from_rotation_translation(DQuat::from_rotation_z(1.0), DVec3::new(0.0, 0.0, 2.0));
 //! assert!(!query::intersects(&mesh, mesh.at(Pose::try_from(turned)?)));
 //! # Ok::<(), impinge::InputError>(())

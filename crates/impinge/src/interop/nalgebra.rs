@@ -5,7 +5,7 @@
 //! use nalgebra::{Isometry3, Point3, Vector3};
 //!
 //! let corners = vec![Point3::new(0.0_f32, 0.0, 0.0), Point3::new(1.0, 0.0, 0.0), Point3::new(0.0, 1.0, 0.0)];
-//! let mesh = Mesh::new(corners.into(), vec![[0, 1, 2]])?;
+//! let mesh = Mesh::new(corners, vec![[0, 1, 2]])?;
 //! let turned = Isometry3::new(Vector3::new(0.0, 0.0, 2.0), Vector3::z());
 //! assert!(!query::intersects(&mesh, mesh.at(Pose::try_from(turned)?)));
 //! # Ok::<(), impinge::InputError>(())

@@ -33,7 +33,9 @@ pub(crate) use distance::{WarmStart, nearest, within};
 pub use lifecycle::aging::Aging;
 pub use lifecycle::parts::{Flaw, Parts};
 pub use lifecycle::repair::{Repair, RepairOptions};
-pub use options::{HostChoice, Interrupt, Options};
+pub use options::Interrupt;
+#[doc(hidden)]
+pub use options::{HostChoice, Options};
 pub(crate) use pairs::descent::{any_hit, collect_intersecting, faces_meet, first_hit};
 pub(crate) use pairs::self_descent::{WantedFaces, collect_self_intersecting};
 pub use placed::{PlacedMesh, SolidMesh};

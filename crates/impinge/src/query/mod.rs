@@ -11,7 +11,7 @@
 //! let ball = Shape::sphere([0.0; 3], 0.5)?.at(Pose::from_translation([1.0; 3])?)?;
 //! assert!(!query::intersects(&part, &ball)); // the surface
 //! assert!(query::intersects(part.solid(), &ball));
-//! assert!(query::distance(&part, &ball).upper <= 0.5);
+//! assert!((query::distance(&part, &ball).upper - 0.5).abs() < 1e-12);
 //! # Ok::<(), impinge::InputError>(())
 //! ```
 //!

@@ -22,6 +22,7 @@ use crate::shape::PlacedShape;
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum Placed<'a> {
     /// A mesh.
     Mesh(PlacedMesh<'a>),

@@ -16,11 +16,11 @@
 //! let [base, arm, hand] = [scene.add("base", &link, at(0.0)?)?, scene.add("arm", &link, at(1.0)?)?,
 //!     scene.add("hand", &link, at(9.0)?)?];
 //! scene.ignore(base, arm);
-//! assert_eq!(scene.pairs(Question::Intersects)?, []);
+//! assert!(scene.pairs(Question::Intersects)?.is_empty());
 //! let mut moves = scene.configurations();
 //! moves.set(hand, Poses::from(vec![at(9.0)?, at(2.0)?]))?;
 //! let found = scene.check(Question::Intersects, Stop::All, &moves, Execution::default())?;
-//! assert_eq!(found.values[0], []);
+//! assert!(found.values[0].is_empty());
 //! assert_eq!(found.values[1].iter().map(|pair| pair.parts).collect::<Vec<_>>(), [[arm, hand]]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -25,6 +25,7 @@ const TOGETHER: usize = 16;
 
 /// The phases of a step, for whoever measures them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Phase {
     /// Poses are judged, and boxes realigned to them.
     Realign,

@@ -44,6 +44,7 @@ use crate::volume::Aabb;
 /// }
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Builder {
     /// [`SweepSah`](Self::SweepSah) for up to 8,192 boxes, [`BinnedSah`](Self::BinnedSah) for up to 131,072, [`Morton`](Self::Morton)
     /// for more.
