@@ -1,4 +1,4 @@
-"""Rays at a mesh: a picture of depths from many rays in one call, and all faces that one ray meets.
+"""Rays at a mesh: a picture of depths from many rays in one call, and all faces that one ray hits.
 
 No ray slips between two faces that share an edge.
 """
@@ -23,9 +23,9 @@ for row in hits.t:
     shades = ["#*+-."[int((t - 1.6) * 10)] if np.isfinite(t) else " " for t in row]
     print("".join(shades).rstrip())
 
-print(f"{hits.hit.sum()} of {WIDTH * HEIGHT} rays meet the human, at {hits.t.min():.6f} at the nearest")
+print(f"{hits.hit.sum()} of {WIDTH * HEIGHT} rays hit the human, at {hits.t.min():.6f} at the nearest")
 
 through = human.ray_cast_all([2, 0.25, 0.0625], [-1, 0, 0])
-print(f"a ray from the side meets {len(through.t)} faces")
+print(f"a ray from the side hits {len(through.t)} faces")
 for t, face in zip(through.t, through.face, strict=True):
     print(f"face {face} at {t:.6f}")

@@ -1,4 +1,4 @@
-"""A world of bodies that the caller moves: each step says which pairs begin to touch and which cease to.
+"""A world of bodies that the caller moves: each step says which pairs start touching and which stop.
 
 The tags 0, 1, 2 and so on are the caller's own numbers. Reports are sorted by them.
 """
@@ -19,9 +19,9 @@ for frame in range(8):
     places = [[0, 0, z] for z in heights] + [[0.625, 0, 0.25 + 0.375 * frame]]
     step = world.step(bodies, impinge.pose(places))
     for a, b in world.tags(step.began):
-        print(f"frame {frame}: {a} and {b} begin to touch")
+        print(f"frame {frame}: {a} and {b} start touching")
     for a, b in world.tags(step.ended):
-        print(f"frame {frame}: {a} and {b} cease to touch")
+        print(f"frame {frame}: {a} and {b} stop touching")
 
 contacts = world.contacts()
 for (a, b), of_pair in zip(world.tags(world.pairs()), contacts, strict=True):
@@ -29,7 +29,7 @@ for (a, b), of_pair in zip(world.tags(world.pairs()), contacts, strict=True):
     print(f"{a} touches {b} in {len(of_pair)} points along ({x:.6f}, {y:.6f}, {z:.6f})")
 
 hit = world.ray_cast([0.125, 0.25, 9], [0, 0, -1])
-print(f"a ray from above meets {world.tags(hit.body)} at {hit.t:.6f}")
+print(f"a ray from above hits {world.tags(hit.body)} at {hit.t:.6f}")
 
 # A world can return to a saved state.
 saved = world.save()

@@ -1,4 +1,4 @@
-//! Rays at a mesh: a picture of depths from many rays in one call, and all faces that one ray meets.
+//! Rays at a mesh: a picture of depths from many rays in one call, and all faces that one ray hits.
 //!
 //! No ray slips between two faces that share an edge.
 
@@ -30,10 +30,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let depths: Vec<f64> = hits.iter().flatten().map(|hit| hit.t).collect();
     let nearest = depths.iter().copied().fold(f64::INFINITY, f64::min);
-    println!("{} of {} rays meet the human, at {nearest:.6} at the nearest", depths.len(), hits.len());
+    println!("{} of {} rays hit the human, at {nearest:.6} at the nearest", depths.len(), hits.len());
 
     let through = human.ray_cast_all(&Ray::new([2.0, 0.25, 0.0625], [-1.0, 0.0, 0.0])?);
-    println!("a ray from the side meets {} faces", through.len());
+    println!("a ray from the side hits {} faces", through.len());
     for hit in through {
         println!("face {} at {:.6}", hit.face, hit.t);
     }

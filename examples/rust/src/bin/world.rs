@@ -1,4 +1,4 @@
-//! A world of bodies that the caller moves: each step says which pairs begin to touch and which cease to.
+//! A world of bodies that the caller moves: each step says which pairs start touching and which stop.
 //!
 //! The tags 0, 1, 2 and so on are the caller's own numbers. Reports are sorted by them.
 
@@ -30,8 +30,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let poses = places.into_iter().map(Pose::from_translation).collect::<Result<Vec<_>, _>>()?;
         let moves: Vec<_> = bodies.iter().copied().zip(poses).collect();
         let step = world.step(&moves)?;
-        step.began.iter().for_each(|pair| println!("frame {frame}: {} and {} begin to touch", pair.tag_a, pair.tag_b));
-        step.ended.iter().for_each(|pair| println!("frame {frame}: {} and {} cease to touch", pair.tag_a, pair.tag_b));
+        step.began.iter().for_each(|pair| println!("frame {frame}: {} and {} start touching", pair.tag_a, pair.tag_b));
+        step.ended.iter().for_each(|pair| println!("frame {frame}: {} and {} stop touching", pair.tag_a, pair.tag_b));
     }
 
     for pair in world.pairs() {
@@ -42,8 +42,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 
     let ray = Ray::new([0.125, 0.25, 9.0], [0.0, 0.0, -1.0], f64::INFINITY)?;
-    let hit = world.ray_cast(&ray, |_| true).ok_or("the ray meets nothing")?;
-    println!("a ray from above meets {} at {:.6}", hit.tag, hit.t);
+    let hit = world.ray_cast(&ray, |_| true).ok_or("the ray hits nothing")?;
+    println!("a ray from above hits {} at {:.6}", hit.tag, hit.t);
 
     // A world can return to a saved state.
     let saved = world.save();
