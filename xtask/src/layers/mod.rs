@@ -15,8 +15,16 @@ use anyhow::Result;
 use crate::sources::Violation;
 
 /// The crates of the workspace from the bottom up; dev-dependencies are free.
-const CRATES: [&str; 7] =
-    ["impinge", "impinge-files", "impinge-cli", "impinge-python", "impinge-testkit", "impinge-bench", "xtask"];
+const CRATES: [&str; 8] = [
+    "impinge",
+    "impinge-files",
+    "impinge-cli",
+    "impinge-python",
+    "impinge-testkit",
+    "impinge-bench",
+    "impinge-examples",
+    "xtask",
+];
 
 /// The modules of `impinge` from the bottom up; tests are free.
 const MODULES: [&str; 19] = [
