@@ -11,7 +11,7 @@ world.insert(impinge.Shape.half_space([0, 0, 1]), kind="static", tag=0)
 heights = np.array([1.0, 2.25, 3.5])
 crates = world.insert(impinge.Shape.box([0.5, 0.5, 0.5]), impinge.pose([[0, 0, z] for z in heights]), tag=[1, 2, 3])
 balloon = world.insert(impinge.Shape.sphere(0.25), impinge.pose([0.625, 0, 0.25]), tag=4)
-bodies = np.array([*crates, balloon], np.uint64)  # handles are of this type
+bodies = [*crates, balloon]
 
 for frame in range(8):
     # The crates fall, and the balloon rises beside them.

@@ -46,6 +46,9 @@ def plain_faces(faces: ArrayLike) -> NDArray[Any]:
 
 def plain_numbers(numbers: ArrayLike, name: str, most: int) -> NDArray[np.uint64]:
     """Return (...) uint64 of whole numbers from zero to `most`; an array without entries may be of any type."""
+    if isinstance(numbers, list | tuple) and all(isinstance(number, int | np.integer) for number in numbers):
+        # NumPy makes floats of signed and unsigned integers side by side.
+        numbers = [number if isinstance(number, bool) else int(number) for number in numbers]
     array = _array(numbers, name, f"integers from 0 to {most}")
     if array.size == 0:
         return np.zeros(array.shape, np.uint64)
