@@ -265,7 +265,7 @@ impl World {
     ///
     /// # Errors
     /// [`Stale`](WorldError::Stale), [`NotAMesh`](WorldError::NotAMesh), and [`Input`](WorldError::Input) as the refit.
-    pub fn refit(&mut self, body: BodyId, positions: Positions) -> Result<Aging, WorldError> {
+    pub fn refit(&mut self, body: BodyId, positions: impl Into<Positions>) -> Result<Aging, WorldError> {
         let placed = self.resident(body)?.placed.mesh().ok_or(WorldError::NotAMesh { body })?;
         let mesh = placed.mesh.refitted(positions).map_err(|error| refused(body, error))?;
         let shape = if placed.is_solid { Shape::solid(&mesh) } else { Shape::mesh(&mesh) };

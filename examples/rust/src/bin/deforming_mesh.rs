@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut sheet = Mesh::new(vertices(0), faces)?;
     for frame in 0..8 {
-        sheet.refit(vertices(frame).into())?;
+        sheet.refit(vertices(frame))?;
         let pairs = query::intersecting_pairs(&sheet, &human);
         if pairs.is_empty() {
             println!("frame {frame}: {:.6} apart", query::distance(&sheet, &human).distance());

@@ -31,8 +31,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("pose {row}: distance {:.6}", distances[row].distance());
     }
 
-    let pairs = batch.intersecting_pairs_up_to(usize::MAX)?.values;
-    let counts: Vec<usize> = pairs.iter().map(|row| row.pairs.len()).collect();
+    let pairs = batch.intersecting_pairs()?.values;
+    let counts: Vec<usize> = pairs.iter().map(Vec::len).collect();
     let most = counts.iter().max().unwrap_or(&0);
     println!("{} pairs of faces in all, at most {most} at one pose", counts.iter().sum::<usize>());
     Ok(())

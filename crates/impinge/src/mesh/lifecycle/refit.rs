@@ -40,8 +40,8 @@ impl Mesh {
     /// # Complexity
     /// Linear, on all cores of the current rayon pool; nothing is allocated in proportion to the mesh unless there are
     /// clones, who keep the old hierarchy.
-    pub fn refit(&mut self, positions: Positions) -> Result<Aging, InputError> {
-        let (positions, frame) = self.judged(positions)?;
+    pub fn refit(&mut self, positions: impl Into<Positions>) -> Result<Aging, InputError> {
+        let (positions, frame) = self.judged(positions.into())?;
         match Arc::get_mut(&mut self.0) {
             Some(data) => data.refit(positions, frame),
             None => self.0 = Arc::new(self.0.refitted(positions, frame)),
@@ -56,8 +56,8 @@ impl Mesh {
     ///
     /// # Complexity
     /// As [`refit`](Self::refit), and the memory of another hierarchy; the faces are shared.
-    pub fn refitted(&self, positions: Positions) -> Result<Self, InputError> {
-        let (positions, frame) = self.judged(positions)?;
+    pub fn refitted(&self, positions: impl Into<Positions>) -> Result<Self, InputError> {
+        let (positions, frame) = self.judged(positions.into())?;
         Ok(Self(Arc::new(self.0.refitted(positions, frame))))
     }
 

@@ -157,6 +157,17 @@ impl<'e> Batch<'e> {
         Ok(answers.judged(|found| found.1).map(|found| found.0))
     }
 
+    /// As [`intersecting_pairs`](crate::query::intersecting_pairs); none if one of the two is no mesh. The safe answer is none.
+    ///
+    /// # Errors
+    /// As [`each`](Self::each).
+    pub fn intersecting_pairs(&self) -> Result<Answers<Vec<[u32; 2]>>, Stopped> {
+        self.each(Vec::new(), |query, a, b| match (a.mesh(), b.mesh()) {
+            (Some(a), Some(b)) => query.intersecting_pairs(a, b),
+            _ => Vec::new(),
+        })
+    }
+
     /// As [`intersecting_pairs_up_to`](crate::query::intersecting_pairs_up_to); none if one of the two is no mesh. The safe answer is
     /// none.
     ///
