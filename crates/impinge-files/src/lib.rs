@@ -32,6 +32,9 @@
 //! A broken file is a [`LoadError`] that names the place, never a panic. Memory and time stay within a multiple of the
 //! file's size, even where its counts lie. Instances of glTF, 3MF and COLLADA, and what is packed in a 3MF or by gzip, may be
 //! larger than the file, but not without limit. A file without triangles is a valid, empty one, unless it has no bytes at all.
+//!
+//! # Features
+//! - `mmap` (default) opens baked files as memory maps. Without it they are read into memory.
 
 mod baked;
 mod character_file;
@@ -41,6 +44,9 @@ mod error;
 mod format;
 mod gltf;
 mod instance;
+#[cfg(not(feature = "mmap"))]
+mod memory_copy;
+#[cfg(feature = "mmap")]
 mod memory_map;
 mod model;
 mod non_finite;

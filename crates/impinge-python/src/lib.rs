@@ -6,6 +6,7 @@ mod box_forms;
 mod boxes;
 mod character;
 mod character_pose;
+mod command;
 mod contacts;
 mod distances;
 mod errors;
@@ -41,6 +42,8 @@ mod _impinge {
     use super::character::CharacterCore;
     #[pymodule_export]
     use super::character_pose::PosedCore;
+    #[pymodule_export]
+    use super::command::run_command;
     #[pymodule_export]
     use super::distances::{distance, penetration, within};
     #[pymodule_export]

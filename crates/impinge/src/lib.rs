@@ -16,8 +16,12 @@
 //! # Ok::<(), impinge::InputError>(())
 //! ```
 //!
-//! With the feature `glam` or `nalgebra` a [`Pose`] and [`Positions`] are made of the types of that crate by `TryFrom` and `From`, and
-//! turned into them.
+//! # Features
+//! - `all-levels` (default) compiles kernels for SSE4.2 and AVX-512 too.
+//! - `mmap` (default) keeps large arrays in pages that the system is asked to make large.
+//! - `glam`, `nalgebra`: `TryFrom` and `From` convert [`Pose`] and [`Positions`] from the types of that crate, and [`Pose`] to them.
+//! - `serde`: a [`Pose`] is stored as the four rows of its matrix, and validated when it is read.
+//! - `scalar` compiles every kernel without vectors too, for tests.
 
 pub mod character;
 pub mod convex;

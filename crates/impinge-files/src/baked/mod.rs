@@ -26,10 +26,13 @@ use std::{
 
 use impinge::{Mesh, Positions, mesh::Parts, storage::SharedBytes, volume::Proxies};
 
+#[cfg(not(feature = "mmap"))]
+use crate::memory_copy::copy as bytes_of;
+#[cfg(feature = "mmap")]
+use crate::memory_map::map as bytes_of;
 use crate::{
     error::{LoadError, LoadErrorKind},
     format::Format,
-    memory_map,
     model::Model,
     unit::Unit,
 };
@@ -38,8 +41,9 @@ use header::{HEADER, Header, Section};
 
 /// A mesh with its hierarchy in a file, opened and not yet believed.
 ///
-/// The file is mapped, not read: it must not be changed while it, or a mesh from it, is in use. Where somebody shortens
-/// it, the system may end the program; where somebody writes to it, answers may be wrong and questions may panic.
+/// The file is mapped, not read: it must not be changed while it, or a mesh from it, is in use. If somebody shortens
+/// it, the system may end the program. If somebody writes to it, answers may be wrong and questions may panic. Without
+/// the feature `mmap` the file is read when it is opened, and later changes to it do not matter.
 ///
 /// ```no_run
 /// let mesh = impinge_files::Baked::open("engine.impinge")?.mesh()?;
@@ -72,7 +76,7 @@ impl Baked {
     /// Where the file cannot be mapped, is no baked file or one of another version, or is not as long as its table says.
     ///
     /// # Complexity
-    /// O(1).
+    /// O(1); linear in the size of the file without the feature `mmap`.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, LoadError> {
         let path = path.as_ref().to_owned();
         let opened = || {
@@ -81,7 +85,7 @@ impl Baked {
             if length < HEADER as u64 {
                 return Err(LoadError::truncated("bytes of a header", HEADER as u64, length));
             }
-            let bytes = memory_map::map(&file).map_err(|e| LoadError::io(&e))?;
+            let bytes = bytes_of(&file).map_err(|e| LoadError::io(&e))?;
             let header = Header::read((*bytes).as_ref())?;
             Ok((bytes, header))
         };

@@ -1,4 +1,4 @@
-//! Poses and positions from and to the types of other crates, each behind a feature of its crate's name.
+//! Poses and positions from and to the types and formats of other crates, each behind a feature of its crate's name.
 //!
 //! Numbers are taken as they are, singles widened: what a pose or a vertex is, is what the other crate's type holds, and no more
 //! is rounded but where a function says so.
@@ -7,3 +7,5 @@
 mod glam;
 #[cfg(feature = "nalgebra")]
 mod nalgebra;
+#[cfg(feature = "serde")]
+mod serde;

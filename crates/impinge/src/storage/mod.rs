@@ -5,6 +5,7 @@
 
 mod aligned;
 mod growing;
+mod map;
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -12,10 +13,10 @@ use std::ops::{Deref, Range};
 use std::sync::Arc;
 
 use bytemuck::Pod;
-use memmap2::MmapMut;
 
 pub use aligned::AlignedBytes;
 pub(crate) use growing::Growing;
+use map::Map;
 
 /// Bytes that outlive every [`Buffer`] that borrows them: a vector, a memory map.
 pub type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
@@ -23,24 +24,22 @@ pub type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
 /// Plain data in pages of its own, which the system is asked to make large: a query that jumps about in a hundred
 /// megabytes otherwise waits for the tables of small pages, and a build for each of them to be handed out.
 pub struct Pages<T> {
-    map: MmapMut,
+    map: Map,
     len: usize,
     of: PhantomData<T>,
 }
 
 impl<T: Pod> Pages<T> {
-    /// As many zeros; a vector of them where there are too few for large pages or where the system has none to give.
+    /// Returns `len` zeros. They are a vector if they are too few for large pages, if the system refuses pages, or
+    /// without the feature `mmap`.
     #[must_use]
     pub fn zeroed(len: usize) -> Buffer<T> {
         /// One large page of the usual kind.
         const LARGE: usize = 2 << 20;
         let bytes = len.saturating_mul(size_of::<T>());
         if bytes >= LARGE
-            && let Ok(map) = MmapMut::map_anon(bytes)
+            && let Some(map) = map::zeroed(bytes)
         {
-            // A wish, without which everything works and takes longer.
-            #[cfg(target_os = "linux")]
-            let _ = map.advise(memmap2::Advice::HugePage);
             return Buffer::Paged(Self { map, len, of: PhantomData });
         }
         Buffer::Owned(vec![T::zeroed(); len])
@@ -176,7 +175,8 @@ mod tests {
         for len in [0, 1, 1 << 10, 3 << 20] {
             let mut numbers = Pages::<u32>::zeroed(len);
             assert_eq!(numbers.len(), len);
-            assert_eq!(matches!(numbers, Buffer::Paged(_)), len > 1 << 19, "{len}: large ones in pages of their own");
+            let is_large = cfg!(feature = "mmap") && len > 1 << 19;
+            assert_eq!(matches!(numbers, Buffer::Paged(_)), is_large, "{len}: large ones in pages of their own");
             assert!(numbers.iter().all(|&x| x == 0));
             for (at, number) in numbers.to_mut().iter_mut().enumerate() {
                 *number = at as u32;

@@ -1,4 +1,6 @@
-//! Poses and positions as other crates have them, against what those crates make of the same points.
+//! Poses and positions as other crates have them, against what those crates make of the same points; stored poses.
+
+use std::collections::HashMap;
 
 use impinge::{InputErrorKind, Pose, Positions};
 
@@ -78,4 +80,19 @@ fn poses_of_nalgebra_map_points_as_nalgebra_does() {
 
     assert_eq!(Positions::from(vec![Point3::new(0.5_f32, 1.0, 2.0)]), Positions::F32(vec![[0.5, 1.0, 2.0]]));
     assert_eq!(Positions::from(vec![Point3::new(0.1, 1.0, 2.0)]), Positions::F64(vec![[0.1, 1.0, 2.0]]));
+}
+
+#[test]
+fn stored_poses_come_back_to_the_bit_and_are_validated() {
+    let turned = Pose::from_axis_angle([1.0, 2.0, 3.0], 0.7, [0.1, -0.0, 1e80]).expect("a pose");
+    for pose in [pose(), turned] {
+        let text = format!("pose = {}", toml::Value::try_from(pose).expect("finite numbers"));
+        let read = toml::from_str::<HashMap<String, Pose>>(&text).expect("a pose")["pose"];
+        let bits = |pose: &Pose| (pose.linear().map(|row| row.map(f64::to_bits)), pose.translation().map(f64::to_bits));
+        assert_eq!(bits(&read), bits(&pose), "{text}");
+    }
+    let flat = "pose = [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]";
+    let error = toml::from_str::<HashMap<String, Pose>>(flat).expect_err("the second row is zero");
+    let singular = Pose::new([[1.0, 0.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0]], [0.0; 3]).expect_err("singular");
+    assert!(error.to_string().contains(&singular.to_string()), "{error}");
 }

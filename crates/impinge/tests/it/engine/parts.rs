@@ -5,12 +5,11 @@ use std::sync::Arc;
 
 use impinge::hierarchy::Builder;
 use impinge::mesh::{Flaw, Parts};
-use impinge::storage::SharedBytes;
+use impinge::storage::{AlignedBytes, SharedBytes};
 use impinge::{Mesh, Positions, query};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
 use impinge_testkit::generate::solids::grid_soup;
-use memmap2::MmapMut;
 
 /// The arrays of a mesh one after the other, and where they are.
 #[derive(Clone)]
@@ -41,10 +40,9 @@ impl Stored {
     }
 
     fn borrow(&self) -> Result<Mesh, Flaw> {
-        // Pages of their own are aligned for everything.
-        let mut map = MmapMut::map_anon(self.bytes.len()).expect("memory");
-        map.copy_from_slice(&self.bytes);
-        let bytes: SharedBytes = Arc::new(map);
+        let mut copy = AlignedBytes::zeroed(self.bytes.len());
+        copy.as_mut().copy_from_slice(&self.bytes);
+        let bytes: SharedBytes = Arc::new(copy);
         Mesh::borrow(&bytes, self.is_single_precision, &self.parts)
     }
 

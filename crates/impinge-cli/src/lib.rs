@@ -1,0 +1,103 @@
+//! The `impinge` command as a library, which the program of that name and the Python package both run.
+//!
+//! The report or the JSON goes to standard output, and everything else goes to standard error.
+
+#![forbid(unsafe_code)]
+
+mod bake;
+mod body;
+mod bounds;
+mod check;
+mod console;
+mod failure;
+mod fit;
+mod hits;
+mod inspect;
+mod numerals;
+mod output;
+mod pose;
+mod progress;
+mod repair;
+mod units;
+mod world;
+
+use std::ffi::OsString;
+use std::iter;
+
+use clap::error::ErrorKind::{DisplayHelp, DisplayHelpOnMissingArgumentOrSubcommand, DisplayVersion};
+use clap::{Parser, Subcommand};
+
+use failure::Failure;
+
+/// Collision detection for triangle meshes: exact, and fast.
+#[derive(Parser)]
+#[command(name = "impinge", version, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Bake(bake::Arguments),
+    Check(check::Arguments),
+    Fit(fit::Arguments),
+    Hits(hits::Arguments),
+    Inspect(inspect::Arguments),
+    World(world::Arguments),
+}
+
+/// The answer to a question. Its value is the exit code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    Clear = 0,
+    Collision = 1,
+}
+
+/// The exit code for a question that could not be answered, and for wrong arguments.
+const NO_ANSWER: u8 = 2;
+
+/// Runs the command with the given arguments and returns its exit code.
+///
+/// The arguments do not include the name of the program. The exit code is 0 if the answer is "clear", 1 if it is
+/// "collision", and 2 if there is no answer; an error is then explained on standard error, and with `--json` on
+/// standard output too.
+///
+/// The command needs a process of its own, so call this function once: from the first call on, an interrupt (Ctrl-C)
+/// ends the process with exit code 2. Parallel work runs on the current rayon pool unless `--threads` is given.
+///
+/// ```
+/// assert_eq!(impinge_cli::run(["--version"]), 0);
+/// ```
+pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
+    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
+    // Looked up in the raw arguments: an error is reported as JSON even if the arguments cannot be parsed.
+    let json = arguments.iter().any(|argument| argument == "--json");
+    console::conclude_when_interrupted(json);
+    // The parser expects the name of the program first.
+    let answer = match Cli::try_parse_from(iter::once("impinge".into()).chain(arguments)) {
+        Ok(cli) => match cli.command {
+            Command::Bake(arguments) => bake::run(&arguments),
+            Command::Check(arguments) => check::run(&arguments),
+            Command::Fit(arguments) => fit::run(&arguments),
+            Command::Hits(arguments) => hits::run(&arguments),
+            Command::Inspect(arguments) => inspect::run(&arguments),
+            Command::World(arguments) => world::run(&arguments),
+        },
+        Err(error)
+            if matches!(error.kind(), DisplayHelp | DisplayVersion | DisplayHelpOnMissingArgumentOrSubcommand) =>
+        {
+            // If standard output is closed, nobody misses the text.
+            let _ = error.print();
+            return if error.use_stderr() { NO_ANSWER } else { 0 };
+        }
+        Err(error) => Err(Failure::from_usage(&error)),
+    };
+    match answer {
+        Ok(verdict) => verdict as u8,
+        Err(failure) => {
+            console::conclude_with_failure(&failure, json);
+            NO_ANSWER
+        }
+    }
+}
