@@ -77,9 +77,8 @@ impl<'py> FromPyObject<'_, 'py> for Question {
         let things = [weighed(&a, "a", is_solid[0])?, weighed(&b, "b", is_solid[1])?];
         let tells_status = tells_status(&on_error)?;
         let (poses_a, poses_b) = (poses::read(&pose_a, "pose_a")?, poses::read(&pose_b, "pose_b")?);
-        poses::broadcast(py, (poses_a.shape(), "pose_a"), (poses_b.shape(), "pose_b"))?;
         let batch = Batch::new(&things[0].shape, &things[1].shape, poses_a, poses_b)
-            .map_err(|error| Fault::new("shape", "pose_b", error.to_string()).raised(py))?;
+            .map_err(|error| Fault::new("shape", "pose_b", format!("{error}, those of pose_a")).raised(py))?;
         if !tells_status {
             for (poses, name) in batch.poses().into_iter().zip(["pose_a", "pose_b"]) {
                 poses::raise_first_fault(py, poses, name)?;

@@ -91,6 +91,11 @@ impl Shape {
 }
 
 impl Shape {
+    /// Reports whether the shape can stand at any pose: it is a polytope, a half-space or a mesh.
+    pub(crate) fn is_affine(&self) -> bool {
+        matches!(&self.0, Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. })
+    }
+
     /// Reports whether the shape can stand at a pose, without placing it.
     ///
     /// # Errors

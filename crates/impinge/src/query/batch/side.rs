@@ -11,17 +11,17 @@ use crate::shape::{PlacedShape, Shape};
 pub(super) struct Side {
     shape: Shape,
     poses: Poses,
-    /// Where it stands, if it has one pose.
-    alone: Option<PlacedShape>,
+    /// Where a shape stands that has one pose; none for a mesh, which is placed at no cost.
+    alone: Option<Box<PlacedShape>>,
 }
 
 impl Side {
     pub(super) fn new(shape: Shape, mut poses: Poses) -> Self {
-        poses.refuse(|pose| shape.judge(pose));
-        let alone = match (poses.len(), poses.first_fault()) {
-            (1, None) => poses.get(0).ok().and_then(|pose| shape.at(*pose).ok()),
-            _ => None,
-        };
+        if !shape.is_affine() {
+            poses.refuse(|pose| shape.judge(pose));
+        }
+        let is_alone = poses.len() == 1 && shape.as_mesh().is_none();
+        let alone = is_alone.then(|| poses.get(0).ok()).flatten().and_then(|pose| shape.at(*pose).ok().map(Box::new));
         Self { shape, poses, alone }
     }
 
@@ -36,7 +36,7 @@ impl Side {
             return Ok(PlacedMesh { mesh, world_from_mesh, is_solid }.into());
         }
         match &self.alone {
-            Some(placed) => Ok(placed.into()),
+            Some(placed) => Ok(placed.as_ref().into()),
             None => Ok(self.shape.at(world_from_mesh)?.into()),
         }
     }

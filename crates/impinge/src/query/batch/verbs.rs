@@ -69,12 +69,26 @@ impl<'e> Batch<'e> {
         let answer = |cache: &mut Cache, row: usize, interrupt: Interrupt<'_>| {
             let sources = self.broadcast.sources(row);
             match (self.sides[0].at(sources[0]), self.sides[1].at(sources[1])) {
-                (Ok(a), Ok(b)) => (ask(Query::new().with_cache(cache).with_interrupt(interrupt), a, b), Status::Ok),
-                (Err(error), _) | (_, Err(error)) => (safe.clone(), Status::of(&error)),
+                (Ok(a), Ok(b)) => ask(Query::new().with_cache(cache).with_interrupt(interrupt), a, b),
+                _ => safe.clone(),
             }
         };
-        let (values, status) = self.execution.rows(self.rows(), Cache::default, answer)?.into_iter().unzip();
-        Ok(Answers { shape: self.broadcast.shape().to_vec(), values, status })
+        let values = self.execution.rows(self.rows(), Cache::default, answer)?;
+        Ok(Answers { shape: self.broadcast.shape().to_vec(), values, status: self.status() })
+    }
+
+    /// Returns the status of each row by its poses.
+    fn status(&self) -> Vec<Status> {
+        let mut status = vec![Status::Ok; self.rows()];
+        if self.poses().iter().all(|poses| poses.first_fault().is_none()) {
+            return status;
+        }
+        for (row, status) in status.iter_mut().enumerate() {
+            let sources = self.broadcast.sources(row);
+            let fault = self.poses().into_iter().zip(sources).find_map(|(poses, at)| poses.get(at).err());
+            *status = fault.map_or(Status::Ok, Status::of);
+        }
+        status
     }
 
     /// As [`proximity`](crate::query::proximity). The safe answer is `Undecided`.
