@@ -137,8 +137,8 @@ pub(crate) fn weighed(value: &Bound<'_, PyAny>, name: &str, is_solid: bool) -> P
         let ShapeBase { shape, weight } = base.get();
         return Ok(Weighed { shape: shape.clone(), weight: *weight });
     }
-    if let Ok(base) = value.cast::<MeshBase>() {
-        let mesh = base.get().state().mesh;
+    if value.cast::<MeshBase>().is_ok() {
+        let mesh = mesh_of(value, name)?;
         let shape = if is_solid { Shape::solid(&mesh) } else { Shape::mesh(&mesh) };
         return Ok(Weighed { shape, weight: mesh.faces().len() as u64 });
     }
