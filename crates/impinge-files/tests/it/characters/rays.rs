@@ -107,13 +107,13 @@ fn rays_agree_with_distances() {
             hits += 1;
             // The point is of the border, unless the ray starts inside, and nothing was met before.
             let here = |t: f64| Shape::point(ray.at(t)).unwrap().at(Pose::IDENTITY).unwrap();
-            assert!(query::distance(&here(hit.t), &placed).upper < 1e-6, "{case} {hit:?}");
+            assert!(query::distance(here(hit.t), &placed).upper < 1e-6, "{case} {hit:?}");
             if hit.t > 0.0 {
                 let before = Shape::segment([origin, ray.at(hit.t - 1e-6)]).unwrap().at(Pose::IDENTITY).unwrap();
                 assert!(query::distance(&before, &placed).upper > 0.0, "{case} {hit:?}");
             }
             let leave = hit.t + hit.depth / dot(direction, direction).sqrt();
-            assert!(query::distance(&here(leave), &placed).upper < 1e-6, "{case} {hit:?}");
+            assert!(query::distance(here(leave), &placed).upper < 1e-6, "{case} {hit:?}");
         }
         assert!((100..2_700).contains(&hits), "{hits}");
     }

@@ -117,7 +117,7 @@ fn shapes_meshes_and_characters_strike_alike() {
         for (i, frame_a) in (0..).zip(a.frames()) {
             for (j, frame_b) in (0..).zip(b.frames()) {
                 let place = |at: u32, pose| character.parts()[at as usize].volume().placed(pose).unwrap();
-                let distance = query::distance(&place(i, frame_a.pose().unwrap()), &place(j, frame_b.pose().unwrap()));
+                let distance = query::distance(place(i, frame_a.pose().unwrap()), place(j, frame_b.pose().unwrap()));
                 let is_found = found.iter().any(|p| (p.part_a, p.part_b) == (i, j));
                 let expected = distance.proximity != Proximity::Apart;
                 assert!(is_found == expected || distance.upper < 1e-9, "{i} {j} {distance:?}");

@@ -25,7 +25,7 @@ fn brute_force(crowd: &[(Posed<'_>, PartBodies)]) -> Pairs {
         for (b, of_b) in &crowd[..at] {
             for (i, &body_a) in of_a.bodies().iter().enumerate() {
                 for (j, &body_b) in of_b.bodies().iter().enumerate() {
-                    if query::intersects(&placed(a, i), &placed(b, j)) {
+                    if query::intersects(placed(a, i), placed(b, j)) {
                         pairs.insert(ordered(body_a, body_b));
                     }
                 }

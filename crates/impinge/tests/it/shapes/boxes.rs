@@ -101,7 +101,7 @@ fn known_depths() {
     let unit = Shape::cuboid([0.5; 3]).unwrap();
     let large = Shape::cuboid([1.5; 3]).unwrap();
     let depth = |a: &Shape, pose_a, b: &Shape, pose_b| {
-        query::penetration(&a.at(pose_a).unwrap(), &b.at(pose_b).unwrap()).unwrap().upper
+        query::penetration(a.at(pose_a).unwrap(), b.at(pose_b).unwrap()).unwrap().upper
     };
     let face = depth(
         &unit,

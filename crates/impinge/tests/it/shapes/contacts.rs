@@ -107,13 +107,13 @@ fn boxes_on_boxes_have_the_corners_of_what_they_share() {
     let all = ContactOptions { most_points: usize::MAX, ..ContactOptions::default() };
     let base = unit.at(Pose::IDENTITY).unwrap();
     // In line, touching: four corners, each over a corner, which are those of one of the boxes.
-    let stacked = only(Query::new().with_contacts(all).contacts(&base, &unit.at(at([0.0, 0.0, 1.0])).unwrap()));
+    let stacked = only(Query::new().with_contacts(all).contacts(&base, unit.at(at([0.0, 0.0, 1.0])).unwrap()));
     assert_eq!(stacked.normal, [0.0, 0.0, 1.0]);
     assert_eq!(stacked.points.len(), 4);
     assert!(stacked.points.iter().all(|p| p.lower <= 0.0 && 0.0 <= p.upper && p.point_a[2] == 0.5));
     // Turned by an eighth: an octagon of crossings.
     let turned = Pose::from_axis_angle([0.0, 0.0, 1.0], std::f64::consts::FRAC_PI_4, [0.0, 0.0, 0.875]).unwrap();
-    let octagon = only(Query::new().with_contacts(all).contacts(&base, &unit.at(turned).unwrap()));
+    let octagon = only(Query::new().with_contacts(all).contacts(&base, unit.at(turned).unwrap()));
     assert_eq!(octagon.points.len(), 8, "{octagon:?}");
     for point in &octagon.points {
         assert!(matches!((point.id.feature_a, point.id.feature_b), (Feature::Edge(..), Feature::Edge(..))));
@@ -122,13 +122,13 @@ fn boxes_on_boxes_have_the_corners_of_what_they_share() {
         assert!((x.max(y) - 0.5).abs() < 1e-12 && (x.min(y) - (0.5_f64.sqrt() - 0.5)).abs() < 1e-12, "{point:?}");
     }
     // Four of them hold as far as eight do: their area is at least half of the octagon's.
-    let four = only(query::contacts(&base, &unit.at(turned).unwrap()));
+    let four = only(query::contacts(&base, unit.at(turned).unwrap()));
     assert_eq!(four.points.len(), 4);
     assert!(four.points.iter().all(|point| octagon.points.contains(point)));
     let spread = |k: usize| four.points.iter().map(|p| p.point_a[k].abs()).fold(0.0, f64::max);
     assert!(spread(0) > 0.45 && spread(1) > 0.45, "{four:?}");
     // Hanging over two sides: a corner of either box, and two crossings.
-    let over = only(query::contacts(&base, &unit.at(at([0.75, 0.75, 0.9375])).unwrap()));
+    let over = only(query::contacts(&base, unit.at(at([0.75, 0.75, 0.9375])).unwrap()));
     let kinds: Vec<_> = over.points.iter().map(|p| (p.id.feature_a, p.id.feature_b)).collect();
     let corners = kinds.iter().filter(|kind| matches!(kind, (Feature::Vertex(_), Feature::Face(_)))).count();
     let others = kinds.iter().filter(|kind| matches!(kind, (Feature::Face(_), Feature::Vertex(_)))).count();
@@ -149,7 +149,7 @@ fn crossed_edges_have_one_contact() {
     let eighth = std::f64::consts::FRAC_PI_4;
     let roof = Pose::from_axis_angle([1.0, 0.0, 0.0], eighth, [0.0; 3]).unwrap();
     let keel = Pose::from_axis_angle([0.0, 1.0, 0.0], eighth, [0.0, 0.0, 2.0_f64.sqrt() - 0.0625]).unwrap();
-    let crossed = only(query::contacts(&unit.at(roof).unwrap(), &unit.at(keel).unwrap()));
+    let crossed = only(query::contacts(unit.at(roof).unwrap(), unit.at(keel).unwrap()));
     assert!(crossed.normal[2] > 1.0 - 1e-12, "{crossed:?}");
     assert_eq!(crossed.points.len(), 1, "{crossed:?}");
     let point = crossed.points[0];
@@ -162,14 +162,14 @@ fn crossed_edges_have_one_contact() {
 fn round_shapes_lie_and_stand() {
     let base = Shape::cuboid([2.0, 2.0, 0.5]).unwrap().at(Pose::IDENTITY).unwrap();
     let pill = Shape::capsule([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 0.25).unwrap();
-    let lying = only(query::contacts(&base, &pill.at(at([0.0, 0.0, 0.625])).unwrap()));
+    let lying = only(query::contacts(&base, pill.at(at([0.0, 0.0, 0.625])).unwrap()));
     let ends: Vec<_> = lying.points.iter().map(|p| (p.id.feature_b, p.point_b)).collect();
     assert_eq!(ends.len(), 2, "{lying:?}");
     assert_eq!(ends[0], (Feature::Vertex(0), [-1.0, 0.0, 0.375]));
     assert_eq!(ends[1], (Feature::Vertex(1), [1.0, 0.0, 0.375]));
     let upright = Pose::from_axis_angle([0.0, 1.0, 0.0], std::f64::consts::FRAC_PI_2, [0.0, 0.0, 1.625]).unwrap();
-    assert_eq!(only(query::contacts(&base, &pill.at(upright).unwrap())).points.len(), 1);
-    let beside = only(query::contacts(&pill.at(Pose::IDENTITY).unwrap(), &pill.at(at([1.5, 0.0, 0.4375])).unwrap()));
+    assert_eq!(only(query::contacts(&base, pill.at(upright).unwrap())).points.len(), 1);
+    let beside = only(query::contacts(pill.at(Pose::IDENTITY).unwrap(), pill.at(at([1.5, 0.0, 0.4375])).unwrap()));
     let xs: Vec<f64> = beside.points.iter().map(|p| p.point_a[0]).collect();
     assert_eq!(xs.len(), 2, "{beside:?}");
     assert!(xs.contains(&0.5) && xs.contains(&1.0), "{beside:?}");
@@ -178,7 +178,7 @@ fn round_shapes_lie_and_stand() {
     let standing = only(
         Query::new()
             .with_contacts(ContactOptions { most_points: 8, ..ContactOptions::default() })
-            .contacts(&base, &can.at(at([0.0, 0.0, 0.9375])).unwrap()),
+            .contacts(&base, can.at(at([0.0, 0.0, 0.9375])).unwrap()),
     );
     assert_eq!(standing.points.len(), 8, "{standing:?}");
     for point in &standing.points {
@@ -186,7 +186,7 @@ fn round_shapes_lie_and_stand() {
         assert!((x.hypot(y) - 0.75).abs() < 1e-6 && (point.upper - 0.0625).abs() < 1e-6, "{point:?}");
     }
     let rolled = Pose::from_axis_angle([1.0, 0.0, 0.0], std::f64::consts::FRAC_PI_2, [0.0, 0.0, 1.1875]).unwrap();
-    let rolling = only(query::contacts(&base, &can.at(rolled).unwrap()));
+    let rolling = only(query::contacts(&base, can.at(rolled).unwrap()));
     assert_eq!(rolling.points.len(), 2, "{rolling:?}");
     assert!(rolling.points.iter().all(|p| (p.point_b[1].abs() - 0.5).abs() < 1e-9), "{rolling:?}");
     let cone = Shape::cone(0.5, 0.5).unwrap().at(at([0.0, 0.0, -0.9375])).unwrap();

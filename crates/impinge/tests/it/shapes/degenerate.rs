@@ -35,7 +35,7 @@ fn n25_no_radius_is_legal() {
     let found = query::distance(&point, &pill);
     assert!(found.lower <= 3_f64.sqrt() && 3_f64.sqrt() <= found.upper && found.upper - found.lower < 1e-12);
     let line = here(Shape::cylinder(1.0, 0.0));
-    assert!(!query::intersects(&line, &at(Shape::cone(0.0, 0.5), [0.0, 0.0, 2.0])));
+    assert!(!query::intersects(&line, at(Shape::cone(0.0, 0.5), [0.0, 0.0, 2.0])));
     let disc = here(Shape::ellipsoid([0.0, 1.0, 2.0]));
     assert!(depth(&disc, &line)[1] < 1e-9);
     let nothing = here(Shape::ellipsoid([0.0; 3]));
@@ -117,7 +117,7 @@ fn n20_round_shapes_that_stand_alike_certainly_meet() {
     let drum = &shapes[0];
     for (x, wanted) in [(1.999, Proximity::Meets), (2.0, Proximity::Undecided), (2.001, Proximity::Apart)] {
         let b = drum.at(Pose::from_translation([x, 0.0, 0.0]).unwrap()).unwrap();
-        assert_eq!(query::proximity(&drum.at(Pose::IDENTITY).unwrap(), &b), wanted, "{x}");
+        assert_eq!(query::proximity(drum.at(Pose::IDENTITY).unwrap(), &b), wanted, "{x}");
     }
 }
 

@@ -21,8 +21,8 @@ fn depths_of_refined_spheres_converge() {
         assert!((depth.lower - 0.5).abs() < wanted && (depth.upper - 0.5).abs() < wanted, "{subdivisions} {depth:?}");
         assert!(depth.normal[0] > 1.0 - wanted, "{depth:?}");
         let moved = |by: f64| sphere.at(at([1.5 + depth.normal[0] * by, depth.normal[1] * by, depth.normal[2] * by]));
-        assert!(!query::intersects(&a, &moved(depth.upper * (1.0 + 1e-9)).unwrap()), "{depth:?}");
-        assert!(query::intersects(&a, &moved(depth.lower * (1.0 - 1e-9)).unwrap()), "{depth:?}");
+        assert!(!query::intersects(&a, moved(depth.upper * (1.0 + 1e-9)).unwrap()), "{depth:?}");
+        assert!(query::intersects(&a, moved(depth.lower * (1.0 - 1e-9)).unwrap()), "{depth:?}");
         widths.push(depth.upper - depth.lower);
     }
     assert!(widths.iter().all(|&width| width < 1e-3), "{widths:?}");
@@ -39,9 +39,9 @@ fn boxes_as_meshes_are_as_deep_as_boxes() {
         place.translation = [0.25 + 0.5 * rng.unit(), 0.25 * rng.uniform(-1.0, 1.0), 0.25 * rng.uniform(-1.0, 1.0)];
         let here = |shape: &Shape| shape.at(Pose::IDENTITY).unwrap();
         let there = |shape: &Shape| shape.at(pose(&place)).unwrap();
-        let truth = query::penetration(&here(&plain), &there(&plain)).expect("they overlap");
+        let truth = query::penetration(here(&plain), there(&plain)).expect("they overlap");
         for (a, b) in [(&solid, &solid), (&solid, &plain), (&plain, &solid)] {
-            let depth = query::penetration(&here(a), &there(b)).expect("they overlap");
+            let depth = query::penetration(here(a), there(b)).expect("they overlap");
             assert!(depth.lower <= truth.upper && truth.lower <= depth.upper, "{depth:?} {truth:?}");
             // The way out of hulls, which is that of convex shapes, is among those that are tried.
             assert!(depth.upper <= truth.upper * (1.0 + 1e-6) + 1e-6, "{case} {depth:?} {truth:?}");
@@ -82,7 +82,7 @@ fn regions_of_spheres_are_discs() {
             assert!(patch.inside.iter().all(|inside| inside.len() > 8), "{:?}", patch.inside);
         }
         let solid = Shape::solid(mesh);
-        let contacts = query::contacts(&solid.at(Pose::IDENTITY).unwrap(), &solid.at(at([0.125, 0.0, 1.5])).unwrap());
+        let contacts = query::contacts(solid.at(Pose::IDENTITY).unwrap(), solid.at(at([0.125, 0.0, 1.5])).unwrap());
         assert_eq!(contacts.len(), count);
         for manifold in &contacts {
             assert_eq!(manifold.points.len(), 4);

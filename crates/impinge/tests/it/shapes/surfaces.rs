@@ -170,7 +170,7 @@ fn floors_of_triangles_have_one_normal() {
     for case in 0..6 {
         let depth = half * [0.0, 1e-3, 0.05][case % 3];
         let place = [centre[0] + 0.1 * size * rng.uniform(-1.0, 1.0), centre[1], centre[2] + half - depth];
-        let lying = query::contacts(&floor, &crate_.at(at(place)).unwrap());
+        let lying = query::contacts(&floor, crate_.at(at(place)).unwrap());
         assert_eq!(lying.len(), 1, "{lying:?}");
         assert!(lying[0].normal[2] > 1.0 - 1e-12, "{lying:?}");
         assert_eq!(lying[0].points.len(), 4, "{lying:?}");
@@ -182,7 +182,7 @@ fn floors_of_triangles_have_one_normal() {
             at.clone().fold(f64::NEG_INFINITY, f64::max) - at.fold(f64::INFINITY, f64::min)
         };
         assert!((spread(0) - 2.0 * half).abs() < 1e-9 && (spread(1) - 2.0 * half).abs() < 1e-9, "{lying:?}");
-        let rolling = query::contacts(&floor, &ball.at(at(place)).unwrap());
+        let rolling = query::contacts(&floor, ball.at(at(place)).unwrap());
         assert_eq!(rolling.len(), 1, "{rolling:?}");
         assert!(rolling[0].normal[2] > 1.0 - 1e-3, "{rolling:?}");
     }
@@ -221,6 +221,6 @@ fn half_spaces_reach_to_the_lowest_vertex() {
     // Touching to the last digit: a box on the floor, and one unit in the last place above it.
     let crate_ = Shape::mesh(&engine(&cuboid([0.0; 3], [1.0; 3])));
     let floor = Shape::half_space([0.0, 0.0, 3.0], 0.0).unwrap().at(Pose::IDENTITY).unwrap();
-    assert!(query::intersects(&floor, &crate_.at(Pose::IDENTITY).unwrap()));
-    assert!(!query::intersects(&floor, &crate_.at(at([0.0, 0.0, f64::MIN_POSITIVE])).unwrap()));
+    assert!(query::intersects(&floor, crate_.at(Pose::IDENTITY).unwrap()));
+    assert!(!query::intersects(&floor, crate_.at(at([0.0, 0.0, f64::MIN_POSITIVE])).unwrap()));
 }

@@ -66,7 +66,7 @@ fn boxes_are_as_deep_as_in_closed_form() {
     for case in 0..40 {
         let mut place = if case % 4 == 0 { Affine::IDENTITY } else { poses::rotation(&mut rng) };
         place.translation = [0.25 + 0.5 * rng.unit(), 0.25 * rng.uniform(-1.0, 1.0), 0.25 * rng.uniform(-1.0, 1.0)];
-        let truth = query::penetration(&plain.at(Pose::IDENTITY).unwrap(), &plain.at(pose(&place)).unwrap());
+        let truth = query::penetration(plain.at(Pose::IDENTITY).unwrap(), plain.at(pose(&place)).unwrap());
         let truth = truth.expect("they overlap");
         let depth = ask(&mesh, &mesh, &place);
         assert!(depth.lower <= truth.upper && truth.lower <= depth.upper, "{depth:?} {truth:?}");

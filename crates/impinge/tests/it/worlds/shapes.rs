@@ -129,7 +129,7 @@ fn contacts_are_those_of_the_shapes() {
     };
     let mut points = 0;
     for pair in world.pairs() {
-        assert_eq!(pair.manifolds, query::contacts(&placed(pair.key.a), &placed(pair.key.b)));
+        assert_eq!(pair.manifolds, query::contacts(placed(pair.key.a), placed(pair.key.b)));
         points += pair.manifolds.iter().map(|manifold| manifold.points.len()).sum::<usize>();
     }
     assert!(points > 50, "{points}");
@@ -194,7 +194,7 @@ fn queries_find_what_asking_each_body_finds() {
                 .zip(&shapes)
                 .filter(|&(&id, shape)| {
                     world.traits(id).unwrap().tag != tag
-                        && query::intersects(&placed, &shape.at(*world.pose(id).unwrap()).unwrap())
+                        && query::intersects(&placed, shape.at(*world.pose(id).unwrap()).unwrap())
                 })
                 .map(|(&id, _)| (world.traits(id).unwrap().tag, id))
                 .collect();
