@@ -29,7 +29,8 @@ class Distance:
         Nearest points in the world frame, rounded; zero if there are none: a mesh is empty, a pose bad, or one mesh
         inside the other one, a solid, without touching its surface.
     face_a, face_b : int or (...) int64 array
-        The faces that they are on; -1 if there are none, or one of the two is a shape. Among faces that are equally
+        The faces that they are on; -1 if there are none, or one of the two is no
+        mesh. Among faces that are equally
         near the least by `face_a`, then by `face_b`; if the meshes intersect two that do, which depend on how the
         hierarchies were built.
     """

@@ -100,6 +100,7 @@ class Status(IntEnum):
     SINGULAR = 4
     """The linear part of the pose has no inverse; the answer is the safe one."""
     UNDECIDED = 5
-    """Nothing was proved, as a mesh is open or meets itself there; the answer is the safe one."""
+    """Nothing was proved: round shapes touch to within rounding, or a mesh is open or meets itself there; the answer is
+    the safe one."""
     NOT_RIGID = 6
     """The pose is no rigid motion within 1e-4, which a round shape wants; the answer is the safe one."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from itertools import combinations
@@ -45,14 +46,14 @@ class SceneReport:
     @cached_property
     def pairs(self) -> tuple[tuple[str, str], ...]:
         """The p pairs of parts that were asked about, in the order of the scene."""
-        return tuple((self._parts[i], self._parts[j]) for i, j in self._numbers)
+        places = (pair for pair in combinations(range(len(self._parts)), 2) if pair not in self._ignored)
+        return tuple((self._parts[i], self._parts[j]) for i, j in places)
 
     @cached_property
     def first(self) -> int | NDArray[np.int64]:
         """The first pair found, for each configuration, as an index into `pairs`; -1 if there is none."""
-        numbers = self._numbers
         starts = zip(self._offsets[:-1].tolist(), self._offsets[1:].tolist(), strict=True)
-        first = [numbers[self._pair(start)] if start < end else -1 for start, end in starts]
+        first = [self._number(self._pair(start)) if start < end else -1 for start, end in starts]
         return np.array(first, np.int64).reshape(self._shape) if self._shape else first[0]
 
     @cached_property
@@ -60,11 +61,10 @@ class SceneReport:
         """Whether each pair was found, (..., p); None if the check stopped at the first."""
         if self._stopped_at_first:
             return None
-        numbers = self._numbers
-        meets = np.zeros((len(self._offsets) - 1, len(numbers)), bool)
+        meets = np.zeros((len(self._offsets) - 1, self._count), bool)
         rows = np.repeat(np.arange(len(meets)), np.diff(self._offsets))
-        meets[rows, [numbers[self._pair(at)] for at in range(len(self._found))]] = True
-        return meets.reshape(*self._shape, len(numbers))
+        meets[rows, [self._number(self._pair(at)) for at in range(len(self._found))]] = True
+        return meets.reshape(*self._shape, self._count)
 
     def names(self, configuration: int | tuple[int, ...] = ()) -> list[tuple[str, str]]:
         """Return the names of the pairs found in one configuration; the first alone if the check stopped there.
@@ -95,11 +95,26 @@ class SceneReport:
             raise InputError("there is no configuration", kind="shape", what="poses")
         return tuple(int(at) for at in np.unravel_index(int(np.argmax(counts)), self._shape))
 
+    @property
+    def _count(self) -> int:
+        """How many pairs were asked about."""
+        count = len(self._parts)
+        return count * (count - 1) // 2 - len(self._ignored)
+
+    def _number(self, pair: tuple[int, int]) -> int:
+        """Return the index of a pair of places into `pairs`."""
+        number = self._place(pair)
+        return number - bisect_left(self._skipped, number)
+
     @cached_property
-    def _numbers(self) -> dict[tuple[int, int], int]:
-        """The number of each pair of places that was asked about."""
-        pairs = (pair for pair in combinations(range(len(self._parts)), 2) if pair not in self._ignored)
-        return {pair: number for number, pair in enumerate(pairs)}
+    def _skipped(self) -> list[int]:
+        """The ignored pairs among all pairs."""
+        return sorted(map(self._place, self._ignored))
+
+    def _place(self, pair: tuple[int, int]) -> int:
+        """Return the index of a pair of places among all pairs, ignored ones included."""
+        i, j = pair
+        return i * (2 * len(self._parts) - i - 1) // 2 + j - i - 1
 
     def _pair(self, at: int) -> tuple[int, int]:
         i, j = self._found[at].tolist()
@@ -108,9 +123,7 @@ class SceneReport:
     def __repr__(self) -> str:
         """Return how many configurations are clear."""
         hits = np.asarray(self.intersects)
-        count = len(self._parts)
-        pairs = count * (count - 1) // 2 - len(self._ignored)
-        return f"SceneReport({hits.size} configurations, {int(hits.sum())} in collision, {pairs} pairs each)"
+        return f"SceneReport({hits.size} configurations, {int(hits.sum())} in collision, {self._count} pairs each)"
 
 
 class Scene:

@@ -49,7 +49,7 @@ pub(crate) fn within(py: Python<'_>, question: Question, clearance: f64) -> PyRe
 #[pyfunction]
 pub(crate) fn penetration(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
     const NONE: Penetration = Penetration { upper: 0.0, ..Penetration::UNKNOWN };
-    let replies = question.that_takes_long().ask(py, Search::Whole, |batch| batch.penetration())?;
+    let replies = question.that_may_take_long().ask(py, Search::Whole, |batch| batch.penetration())?;
     replies.returned(py, |values, shape| {
         let of = |value: &Option<Penetration>| value.unwrap_or(NONE);
         let numbers = |number: fn(Penetration) -> f64| array(py, values.iter().map(|v| number(of(v))).collect(), shape);

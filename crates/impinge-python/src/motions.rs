@@ -116,7 +116,9 @@ pub(crate) fn time_of_impact<'py>(py: Python<'py>, moving: Moving<'py>) -> PyRes
     // Only where a motion starts may a round shape refuse its pose: it goes on rigidly.
     for (shape, motions, lead, name) in [(&a, &motions_a, &shape_a, "motion_a"), (&b, &motions_b, &shape_b, "motion_b")]
     {
-        for (row, motion) in motions.iter().enumerate() {
+        // A mesh stands any motion.
+        let refusing = if shape.as_mesh().is_none() { motions.as_slice() } else { &[] };
+        for (row, motion) in refusing.iter().enumerate() {
             shape.at(motion.at(0.0)).map_err(|error| {
                 Fault::new(kind_and_place(&error).0, name, message(&error)).at(Broadcast::place(lead, row)).raised(py)
             })?;

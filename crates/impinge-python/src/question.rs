@@ -20,6 +20,9 @@ const MOST_BRIEF_PIECES: u128 = 1 << 10;
 /// The most rows for which other threads are not worth waking, which takes some ten microseconds.
 const MOST_BRIEF_ROWS: usize = 16;
 
+/// The most poses that are judged with the interpreter held.
+const MOST_BRIEF_POSES: usize = 64;
+
 /// Two things and the rows of poses at which they are asked about.
 pub(crate) struct Question {
     batch: Batch<'static>,
@@ -77,8 +80,11 @@ impl<'py> FromPyObject<'_, 'py> for Question {
         let things = [weighed(&a, "a", is_solid[0])?, weighed(&b, "b", is_solid[1])?];
         let tells_status = tells_status(&on_error)?;
         let (poses_a, poses_b) = (poses::read(&pose_a, "pose_a")?, poses::read(&pose_b, "pose_b")?);
-        let batch = Batch::new(&things[0].shape, &things[1].shape, poses_a, poses_b)
-            .map_err(|error| Fault::new("shape", "pose_b", format!("{error}, those of pose_a")).raised(py))?;
+        let is_short = poses_a.len().max(poses_b.len()) <= MOST_BRIEF_POSES;
+        let made = || Batch::new(&things[0].shape, &things[1].shape, poses_a, poses_b);
+        let batch = if is_short { made() } else { py.detach(made) };
+        let batch =
+            batch.map_err(|error| Fault::new("shape", "pose_b", format!("{error}, those of pose_a")).raised(py))?;
         if !tells_status {
             for (poses, name) in batch.poses().into_iter().zip(["pose_a", "pose_b"]) {
                 poses::raise_first_fault(py, poses, name)?;
@@ -143,9 +149,10 @@ impl Question {
         &self.things
     }
 
-    /// The same question, of which even one row may take long.
-    pub(crate) fn that_takes_long(self) -> Self {
-        Self { is_long: true, ..self }
+    /// The same question, of which even one row may take long if one of the two has faces or parts.
+    pub(crate) fn that_may_take_long(self) -> Self {
+        let is_long = self.things.iter().any(|thing| thing.weight > 1);
+        Self { is_long, ..self }
     }
 
     /// Asks a verb about each row, without the interpreter.

@@ -96,7 +96,7 @@ pub(crate) fn contacts_of(
     most_points: usize,
 ) -> PyResult<Bound<'_, PyAny>> {
     let options = ContactOptions { margin, most_points };
-    let replies = question.that_takes_long().ask(py, Search::Whole, move |batch| batch.contacts(options))?;
+    let replies = question.that_may_take_long().ask(py, Search::Whole, move |batch| batch.contacts(options))?;
     replies.returned(py, |values, shape| {
         let columns = contacts::columns(py, values.iter().map(Vec::as_slice))?;
         Ok((shape, columns).into_pyobject(py)?.into_any())

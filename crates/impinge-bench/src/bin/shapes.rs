@@ -132,9 +132,9 @@ fn pair(a: &Kind, b: &Kind, count: usize, repeats: usize) -> Result<[String; 9]>
         meeting += usize::from(meets);
     }
     let ours = [
-        quickest(repeats, &places, |place| query::intersects(&first, &second(place))),
-        quickest(repeats, &places, |place| query::distance(&first, &second(place)).upper),
-        quickest(repeats, &places, |place| query::penetration(&first, &second(place))),
+        quickest(repeats, &places, |place| query::intersects(&first, second(place))),
+        quickest(repeats, &places, |place| query::distance(&first, second(place)).upper),
+        quickest(repeats, &places, |place| query::penetration(&first, second(place))),
     ];
     let theirs = [
         quickest(repeats, &places, |place| parry::intersection_test(&here, shape_a, &there(place), shape_b).is_ok()),

@@ -63,12 +63,15 @@ fn separation_in_order(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
 pub(crate) fn nearness(a: &Swept<'_>, b: &Swept<'_>, clearance: f64) -> Proximity {
     let [a, b] = if a.is_before(b) { [a, b] } else { [b, a] };
     let pair = Pair::new(a, b);
-    let of_boxes = Boxes::of(&pair).map_or(Proximity::Undecided, |boxes| boxes.proximity());
-    if of_boxes == Proximity::Meets || of_boxes == Proximity::Apart && [a.radius[1], b.radius[1], clearance] == [0.0; 3]
-    {
-        return of_boxes;
-    }
-    by_iteration(&pair, [a.radius, b.radius], clearance)
+    by_boxes(&pair, [a.radius, b.radius], clearance)
+        .unwrap_or_else(|| by_iteration(&pair, [a.radius, b.radius], clearance))
+}
+
+/// Decides two boxes in closed form, if it can.
+fn by_boxes(pair: &Pair<'_>, radii: [[f64; 2]; 2], clearance: f64) -> Option<Proximity> {
+    let answer = Boxes::of(pair)?.proximity();
+    let is_plain = [radii[0][1], radii[1][1], clearance] == [0.0; 3];
+    (answer == Proximity::Meets || answer == Proximity::Apart && is_plain).then_some(answer)
 }
 
 /// [`nearness`], of any cores.
@@ -97,11 +100,14 @@ pub(crate) fn nearness_from(a: &Swept<'_>, b: &Swept<'_>, clearance: f64, known:
     /// Next to the sizes: 2^-20.
     const NOT_SMALL: f64 = 1.0 / (1 << 20) as f64;
     let is_turned = !a.is_before(b);
+    let [first, second] = if is_turned { [b, a] } else { [a, b] };
+    let pair = Pair::new(first, second);
+    if let Some(answer) = by_boxes(&pair, [first.radius, second.radius], clearance) {
+        return answer;
+    }
     if is_turned {
         *known = known.turned();
     }
-    let [first, second] = if is_turned { [b, a] } else { [a, b] };
-    let pair = Pair::new(first, second);
     pair.start_at(known.vertices);
     let radii = above(first.radius[1] + second.radius[1] + clearance);
     let is_apart = known.direction != [0.0; 3] && {

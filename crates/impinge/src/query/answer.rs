@@ -45,6 +45,8 @@ impl Distance {
 impl From<Separation> for Distance {
     fn from(found: Separation) -> Self {
         let Separation { lower, upper, points: [point_a, point_b], proximity } = found;
-        Self { lower, upper, witness: Some(Witness { point_a, point_b, faces: None }), proximity }
+        // Nothing is near an empty mesh.
+        let witness = upper.is_finite().then_some(Witness { point_a, point_b, faces: None });
+        Self { lower, upper, witness, proximity }
     }
 }

@@ -5,8 +5,8 @@ use crate::mesh::{Interrupt, Options};
 
 /// How a verb is asked.
 ///
-/// Ordinary use needs none: each function of this module is the method of the same name of `Query::new()`. A query adds what
-/// earlier answers tell ([`with_cache`](Self::with_cache)) and what may end a long search ([`with_interrupt`](Self::with_interrupt)).
+/// Ordinary use needs none: `query::intersects(a, b)` is `Query::new().intersects(a, b)`, and so are `proximity`, `within`, `nearness`,
+/// `distance`, `contacts` and `intersecting_pairs`. A query adds what earlier answers tell ([`with_cache`](Self::with_cache)) and what may end a long search ([`with_interrupt`](Self::with_interrupt)).
 ///
 /// ```
 /// use impinge::query::{self, Cache, Query};
@@ -41,8 +41,9 @@ impl<'q> Query<'q> {
     }
 
     /// Ends the verb early if the interrupt asks for it. The answer is then the safe one, which the caller has to discard
-    /// ([`Interrupt`]). Interrupted are `intersects`, `proximity`, `within`, `nearness`, `distance` and `intersecting_pairs` while
-    /// they search the faces of two meshes; other work goes on to its end.
+    /// ([`Interrupt`]). Interrupted are `intersects`, `proximity`, `within`, `nearness`, `distance`, `intersecting_pairs` and
+    /// `intersecting_pairs_up_to` while they search the faces of two meshes. Other work goes on to its end: that on shapes and
+    /// compounds, and on what lies inside a solid.
     #[must_use]
     pub fn with_interrupt(self, interrupt: Interrupt<'q>) -> Self {
         Self { options: Options { interrupt, ..self.options }, ..self }

@@ -85,7 +85,7 @@ pub fn penetration<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -
 }
 
 /// A mesh as a solid; all else as it is.
-fn solid<'p>(placed: &'p Placed<'_>) -> Placed<'p> {
+pub(super) fn solid<'p>(placed: &'p Placed<'_>) -> Placed<'p> {
     match placed.mesh() {
         Some(mesh) => Placed::Mesh(mesh.mesh.solid().at(mesh.world_from_mesh)),
         None => placed.into(),

@@ -1,5 +1,6 @@
 //! Which pairs of parts intersect, penetrate or come near.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use super::configurations::Configurations;
@@ -76,9 +77,13 @@ impl Scene {
         execution: Execution<'_>,
     ) -> Result<Answers<Vec<FoundPair>>, Stopped> {
         assert!(std::ptr::eq(self, configurations.scene()), "the configurations are of another scene");
-        let still = self.check_still(question, configurations, execution)?;
-        let check = Check { scene: self, question, configurations, still: &still };
-        let found = execution.rows(configurations.rows(), HashMap::new, |caches, row, interrupt| {
+        let rows = configurations.rows();
+        let mut check = Check { scene: self, question, configurations, standing: Vec::new(), still: Vec::new() };
+        if rows > 0 {
+            check.standing = check.still_parts();
+            check.still = check.still_pairs(execution)?;
+        }
+        let found = execution.rows(rows, HashMap::new, |caches, row, interrupt| {
             let found = check.row(row, stop, caches, interrupt);
             (found, check.status(row))
         })?;
@@ -86,51 +91,56 @@ impl Scene {
         let answers = Answers { shape: configurations.shape().to_vec(), values, status };
         Ok(answers.judged(|pairs| pairs.iter().any(|pair| pair.is_undecided)))
     }
-
-    /// Answers for the pairs of parts that have one pose in all configurations.
-    fn check_still(
-        &self,
-        question: Question,
-        configurations: &Configurations<'_>,
-        execution: Execution<'_>,
-    ) -> Result<Vec<FoundPair>, Stopped> {
-        if configurations.rows() == 0 {
-            return Ok(Vec::new());
-        }
-        let check = Check { scene: self, question, configurations, still: &[] };
-        let standing = check.standing(0, |part| configurations.is_still(part));
-        let pairs = pairs_near(self, &standing, |_, _| true);
-        let quiet = execution.without_progress();
-        let found = quiet.rows(pairs.len(), Cache::default, |cache, at, interrupt| {
-            check.pair(pairs[at], &standing, cache, interrupt)
-        })?;
-        Ok(found.into_iter().flatten().collect())
-    }
 }
 
 struct Check<'c> {
     scene: &'c Scene,
     question: Question,
     configurations: &'c Configurations<'c>,
-    /// The pairs of parts that stand still of which the answer is yes, sorted.
-    still: &'c [FoundPair],
+    /// Where the parts stand that have one pose in all configurations; the others are nowhere.
+    standing: Vec<Standing>,
+    /// The pairs of such parts of which the answer is yes, sorted.
+    still: Vec<FoundPair>,
 }
 
 impl Check<'_> {
-    /// Returns where the parts stand in a row; those that are not `wanted` are nowhere.
-    fn standing(&self, row: usize, wanted: impl Fn(PartId) -> bool) -> Vec<Standing> {
-        let clearance = if let Question::Within(clearance) = self.question { clearance } else { 0.0 };
+    /// Returns where the parts stand that have one pose in all configurations.
+    fn still_parts(&self) -> Vec<Standing> {
         let of = |part: PartId| {
-            if !wanted(part) {
-                return Standing::Nowhere;
-            }
-            let Ok(pose) = self.configurations.pose(part, row) else { return Standing::Anywhere };
-            match self.scene.shape(part).at(*pose) {
-                Ok(placed) => Standing::new(placed, clearance),
-                Err(_) => Standing::Anywhere,
+            if self.configurations.is_still(part) { self.placed(part, 0) } else { Standing::Nowhere }
+        };
+        self.scene.parts().map(of).collect()
+    }
+
+    /// Answers for the pairs of these parts.
+    fn still_pairs(&self, execution: Execution<'_>) -> Result<Vec<FoundPair>, Stopped> {
+        let standing: Vec<Cow<'_, Standing>> = self.standing.iter().map(Cow::Borrowed).collect();
+        let pairs = pairs_near(self.scene, &standing, |_, _| true);
+        let quiet = execution.without_progress();
+        let found = quiet.rows(pairs.len(), Cache::default, |cache, at, interrupt| {
+            self.pair(pairs[at], &standing, cache, interrupt)
+        })?;
+        Ok(found.into_iter().flatten().collect())
+    }
+
+    /// Returns where all parts stand in a row.
+    fn standing(&self, row: usize) -> Vec<Cow<'_, Standing>> {
+        let of = |part: PartId| {
+            if self.configurations.is_still(part) {
+                Cow::Borrowed(&self.standing[part.index()])
+            } else {
+                Cow::Owned(self.placed(part, row))
             }
         };
         self.scene.parts().map(of).collect()
+    }
+
+    /// Returns where a part stands in a row.
+    fn placed(&self, part: PartId, row: usize) -> Standing {
+        let clearance = if let Question::Within(clearance) = self.question { clearance } else { 0.0 };
+        let pose = self.configurations.pose(part, row);
+        let placed = pose.ok().and_then(|pose| self.scene.shape(part).at(*pose).ok());
+        placed.map_or(Standing::Anywhere, |placed| Standing::new(placed, clearance))
     }
 
     /// Returns the pairs of a row of which the answer is yes.
@@ -141,12 +151,16 @@ impl Check<'_> {
         caches: &mut HashMap<[PartId; 2], Cache>,
         interrupt: Interrupt<'_>,
     ) -> Vec<FoundPair> {
-        let standing = self.standing(row, |_| true);
+        let standing = self.standing(row);
         let moves = |part: PartId| !self.configurations.is_still(part);
         let pairs = pairs_near(self.scene, &standing, |a, b| moves(a) || moves(b));
         let first_still = self.still.first();
         let mut found = Vec::new();
         for pair in pairs {
+            // Whatever was found until then is discarded.
+            if interrupt.is_wanted() {
+                break;
+            }
             if stop == Stop::First && first_still.is_some_and(|still| still.parts < pair) {
                 break;
             }
@@ -158,7 +172,7 @@ impl Check<'_> {
         match stop {
             Stop::First => found.extend(first_still),
             Stop::All => {
-                found.extend(self.still);
+                found.extend(&self.still);
                 found.sort_unstable_by_key(|pair| pair.parts);
             }
         }
@@ -169,7 +183,7 @@ impl Check<'_> {
     fn pair(
         &self,
         parts: [PartId; 2],
-        standing: &[Standing],
+        standing: &[Cow<'_, Standing>],
         cache: &mut Cache,
         interrupt: Interrupt<'_>,
     ) -> Option<FoundPair> {

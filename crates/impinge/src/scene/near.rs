@@ -1,11 +1,13 @@
 //! The broad phase of a configuration: pairs of parts whose boxes are near each other.
 
+use std::borrow::Cow;
+
 use super::parts::{PartId, Scene};
 use crate::partition::ColumnSweep;
 use crate::shape::PlacedShape;
 use crate::volume::MinMax;
 
-/// Parts of which all pairs of boxes are compared one by one.
+/// Maximum number of bounded parts whose boxes are compared pair by pair. Of more the column sweep finds those that overlap.
 const FEW: usize = 24;
 
 /// A part where it stands in a configuration.
@@ -54,7 +56,7 @@ impl Standing {
 /// Returns the pairs of parts that the scene admits and whose boxes are not apart, sorted, the lesser first; of those that are wanted.
 pub(super) fn pairs_near(
     scene: &Scene,
-    standing: &[Standing],
+    standing: &[Cow<'_, Standing>],
     is_wanted: impl Fn(PartId, PartId) -> bool,
 ) -> Vec<[PartId; 2]> {
     let parts: Vec<PartId> = scene.parts().collect();

@@ -79,6 +79,9 @@ impl Broadcast {
     }
 
     /// Returns the rows of the two operands that a row of the answer takes.
+    ///
+    /// # Panics
+    /// If there is no row at all. The result means nothing if there is no such row.
     #[must_use]
     pub fn sources(&self, row: usize) -> [usize; 2] {
         if let [_] = self.shape[..] {
@@ -96,6 +99,9 @@ impl Broadcast {
     }
 
     /// Returns the place of a row along each of some leading axes.
+    ///
+    /// # Panics
+    /// If an axis has length zero, so that there is no row.
     #[must_use]
     pub fn place(shape: &[usize], row: usize) -> Vec<usize> {
         let mut place = vec![0; shape.len()];
@@ -111,7 +117,7 @@ impl Broadcast {
 impl fmt::Display for BroadcastError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [a, b] = &self.shapes;
-        write!(f, "leading axes {b:?} do not broadcast with {a:?}")
+        write!(f, "leading axes {b:?} do not broadcast with {a:?} (lengths have to be equal or 1)")
     }
 }
 

@@ -3,22 +3,27 @@
 use std::collections::TryReserveError;
 use std::error::Error;
 use std::fmt;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
 use crate::mesh::Interrupt;
 
-/// The number of blocks that rows are divided into, if that makes no block too long: enough for many threads.
+/// Number of blocks that rows are divided into, unless blocks would be too long: enough for many threads.
 const BLOCKS: usize = 64;
 
-/// The most rows of a block: what a block learns anew is then little beside what it is asked.
+/// Maximum number of rows of a block. Longer blocks learn more from row to row, but balance threads worse.
 const LONGEST_BLOCK: usize = 64;
+
+/// Number of blocks that are answered before their answers are put into one array, so that memory for a second copy of all
+/// answers is never needed.
+const WAVE: usize = 1 << 12;
 
 /// How rows are answered: on which threads, until when, and who hears how far they are.
 ///
 /// A block of consecutive rows is answered by one thread, so that a row may learn from the row before it. How many rows a block has
-/// depends on their number alone.
+/// depends on their number alone: one if there are up to 64 rows, and at most 64. On the caller's thread all rows are one block.
 ///
 /// ```
 /// use impinge::query::batch::Execution;
@@ -95,37 +100,46 @@ impl<'e> Execution<'e> {
             is_stopped.fetch_or(is_wanted, Ordering::Relaxed);
             is_wanted
         };
-        let interrupt = Interrupt::when(&is_wanted);
-        let length = count.div_ceil(BLOCKS).clamp(1, LONGEST_BLOCK);
-        let answer_block = |number: usize, answers: &mut Vec<T>| {
-            let mut state = begin();
-            let rows = number * length..((number + 1) * length).min(count);
-            let done = rows.len();
-            for row in rows {
-                if is_wanted() {
-                    return;
-                }
-                answers.push(ask(&mut state, row, interrupt));
-            }
-            if let Some(progress) = self.progress {
-                progress(done);
-            }
-        };
-        let blocks = count.div_ceil(length);
         if self.is_sequential {
-            (0..blocks).for_each(|number| answer_block(number, &mut answers));
+            self.answer_rows(0..count, &mut begin(), &ask, &is_wanted, &mut answers);
         } else {
-            let of_blocks: Vec<Vec<T>> = (0..blocks)
-                .into_par_iter()
-                .map(|number| {
-                    let mut answers = Vec::with_capacity(length);
-                    answer_block(number, &mut answers);
-                    answers
-                })
-                .collect();
-            answers.extend(of_blocks.into_iter().flatten());
+            let length = count.div_ceil(BLOCKS).clamp(1, LONGEST_BLOCK);
+            let blocks = count.div_ceil(length);
+            for first in (0..blocks).step_by(WAVE) {
+                let wave: Vec<Vec<T>> = (first..blocks.min(first + WAVE))
+                    .into_par_iter()
+                    .map(|number| {
+                        let rows = number * length..((number + 1) * length).min(count);
+                        let mut answers = Vec::with_capacity(rows.len());
+                        self.answer_rows(rows, &mut begin(), &ask, &is_wanted, &mut answers);
+                        answers
+                    })
+                    .collect();
+                answers.extend(wave.into_iter().flatten());
+            }
         }
         if is_stopped.into_inner() { Err(Stopped::Interrupted) } else { Ok(answers) }
+    }
+
+    /// Answers consecutive rows, each of which may learn from the row before it. It stops once that is wanted.
+    fn answer_rows<S, T>(
+        &self,
+        rows: Range<usize>,
+        state: &mut S,
+        ask: &impl Fn(&mut S, usize, Interrupt<'_>) -> T,
+        is_wanted: &(impl Fn() -> bool + Sync),
+        answers: &mut Vec<T>,
+    ) {
+        let count = rows.len();
+        for row in rows {
+            if is_wanted() {
+                return;
+            }
+            answers.push(ask(state, row, Interrupt::when(is_wanted)));
+        }
+        if let Some(progress) = self.progress {
+            progress(count);
+        }
     }
 }
 

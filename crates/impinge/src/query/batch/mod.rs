@@ -1,8 +1,8 @@
 //! The verbs over many poses: one answer for each row of poses, on all threads.
 //!
 //! A [`Batch`] has two things and the poses of each. Leading axes of poses broadcast as in NumPy. Every row is answered by the verb of
-//! [`query`](crate::query) at its poses, and has a [`Status`]. A row whose pose cannot be used gets the safe answer. Consecutive
-//! rows share a [`Cache`](super::Cache), so the poses of a motion take less time than the same poses shuffled.
+//! [`query`](crate::query) at its poses, and has a [`Status`]. A row whose pose cannot be used gets the safe answer. Blocks
+//! of consecutive rows share a [`Cache`](super::Cache), so the poses of a motion take less time than the same poses shuffled.
 //!
 //! ```
 //! use impinge::query::batch::{Batch, Poses};

@@ -1,5 +1,7 @@
 //! One of the two things of a batch, at its poses.
 
+use rayon::prelude::*;
+
 use super::poses::Poses;
 use crate::input::InputError;
 use crate::mesh::PlacedMesh;
@@ -11,8 +13,8 @@ use crate::shape::{PlacedShape, Shape};
 pub(super) struct Side {
     shape: Shape,
     poses: Poses,
-    /// Where a shape stands that has one pose; none for a mesh, which is placed at no cost.
-    alone: Option<Box<PlacedShape>>,
+    /// The shape at each pose, if several rows share one; absent for a mesh, which is placed at no cost.
+    placed: Option<Vec<Result<PlacedShape, InputError>>>,
 }
 
 impl Side {
@@ -20,23 +22,36 @@ impl Side {
         if !shape.is_affine() {
             poses.refuse(|pose| shape.judge(pose));
         }
-        let is_alone = poses.len() == 1 && shape.as_mesh().is_none();
-        let alone = is_alone.then(|| poses.get(0).ok()).flatten().and_then(|pose| shape.at(*pose).ok().map(Box::new));
-        Self { shape, poses, alone }
+        Self { shape, poses, placed: None }
+    }
+
+    /// Places the shape at each pose once, if there are more rows than poses.
+    pub(super) fn shared_by(self, rows: usize) -> Self {
+        if rows <= self.poses.len() || self.shape.as_mesh().is_some() {
+            return self;
+        }
+        let place = |row: usize| self.shape.at(*self.poses.get(row).map_err(Clone::clone)?);
+        let placed = (0..self.poses.len()).into_par_iter().map(place).collect();
+        Self { placed: Some(placed), ..self }
     }
 
     pub(super) fn poses(&self) -> &Poses {
         &self.poses
     }
 
+    /// Reports whether it is always decided whether the thing intersects another one of this kind.
+    pub(super) fn is_exact(&self) -> bool {
+        self.shape.is_affine() && !self.shape.as_mesh().is_some_and(|(_, is_solid)| is_solid)
+    }
+
     /// Returns the thing at the pose of a row; the error if that is faulty.
     pub(super) fn at(&self, row: usize) -> Result<Placed<'_>, InputError> {
-        let world_from_mesh = *self.poses.get(row).map_err(Clone::clone)?;
-        if let Some((mesh, is_solid)) = self.shape.as_mesh() {
-            return Ok(PlacedMesh { mesh, world_from_mesh, is_solid }.into());
+        if let Some(placed) = &self.placed {
+            return placed[row].as_ref().map(Into::into).map_err(Clone::clone);
         }
-        match &self.alone {
-            Some(placed) => Ok(placed.as_ref().into()),
+        let world_from_mesh = *self.poses.get(row).map_err(Clone::clone)?;
+        match self.shape.as_mesh() {
+            Some((mesh, is_solid)) => Ok(PlacedMesh { mesh, world_from_mesh, is_solid }.into()),
             None => Ok(self.shape.at(world_from_mesh)?.into()),
         }
     }

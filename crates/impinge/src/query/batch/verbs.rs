@@ -8,6 +8,7 @@ use super::execution::{Execution, Stopped};
 use super::poses::Poses;
 use super::side::Side;
 use crate::mesh::Interrupt;
+use crate::query::penetration::solid;
 use crate::query::{
     Cache, ContactOptions, Curves, Distance, Manifold, Penetrates, Penetration, Placed, Proximity, Query, SomePairs,
     intersection_curves, nearness, penetrates, penetration, proximity,
@@ -35,6 +36,7 @@ impl<'e> Batch<'e> {
     ) -> Result<Self, BroadcastError> {
         let sides = [Side::new(a.into(), poses_a.into()), Side::new(b.into(), poses_b.into())];
         let broadcast = Broadcast::new(sides[0].poses().shape(), sides[1].poses().shape())?;
+        let sides = sides.map(|side| side.shared_by(broadcast.rows()));
         Ok(Self { sides: Arc::new(sides), broadcast, execution: Execution::default() })
     }
 
@@ -153,7 +155,7 @@ impl<'e> Batch<'e> {
             let found = penetration(&a, &b);
             // Things that are deep in each other intersect for certain.
             let may_touch = found.is_some_and(|found| found.lower == 0.0);
-            (found, may_touch && proximity(&a, &b) == Proximity::Undecided)
+            (found, may_touch && proximity(solid(&a), solid(&b)) == Proximity::Undecided)
         })?;
         Ok(answers.judged(|found| found.1).map(|found| found.0))
     }
@@ -163,10 +165,11 @@ impl<'e> Batch<'e> {
     /// # Errors
     /// As [`each`](Self::each).
     pub fn contacts(&self, options: ContactOptions) -> Result<Answers<Vec<Manifold>>, Stopped> {
+        let is_exact = self.sides.iter().all(Side::is_exact);
         let answers = self.each((Vec::new(), false), |query, a, b| {
             let found = query.with_contacts(options).contacts(&a, &b);
-            let is_undecided = !found.is_empty() && nearness(&a, &b, options.margin) == Proximity::Undecided;
-            (found, is_undecided)
+            let may_touch = !is_exact && !found.is_empty();
+            (found, may_touch && nearness(&a, &b, options.margin.max(0.0)) == Proximity::Undecided)
         })?;
         Ok(answers.judged(|found| found.1).map(|found| found.0))
     }

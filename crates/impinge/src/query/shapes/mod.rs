@@ -28,7 +28,9 @@ pub(super) fn nearness_from(a: &PlacedShape, b: &PlacedShape, clearance: f64, kn
         && let (Form::Convex(a), Form::Convex(b)) = (part_a.form(), part_b.form())
         && clearance <= FAR
     {
-        return convex::nearness_from(&a, &b, clearance, known);
+        // As without a cache, so that the answer is the same.
+        let is_far = table::gap_of_boxes(part_a, part_b) > clearance;
+        return if is_far { Proximity::Apart } else { convex::nearness_from(&a, &b, clearance, known) };
     }
     nearness(a, b, clearance)
 }

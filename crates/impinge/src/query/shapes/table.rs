@@ -5,6 +5,7 @@
 
 use crate::convex::{self, Depth, Separation, Surface};
 use crate::mesh::{Options, PlacedMesh, WarmStart};
+use crate::query::nesting::nested;
 use crate::query::{Proximity, of_meshes};
 use crate::shape::{Form, PlacedShape};
 
@@ -90,9 +91,16 @@ fn separation_of_parts(a: &PlacedShape, b: &PlacedShape) -> Separation {
         (Form::HalfSpace(plane), Form::Surface(surface)) => plane.separation_of_surface(&surface),
         (Form::Surface(surface), Form::HalfSpace(plane)) => swapped(plane.separation_of_surface(&surface)),
         (Form::Surface(a), Form::Surface(b)) => {
-            let found = of_meshes::distance(mesh_of(&a), mesh_of(&b), &mut WarmStart::default(), &Options::default());
-            let points = found.witness.map_or([[0.0; 3]; 2], |witness| [witness.point_a, witness.point_b]);
-            Separation { lower: found.lower, upper: found.upper, points, proximity: found.proximity }
+            // The nearest points are those of the surfaces, also if one mesh lies in the other.
+            let (surface_a, surface_b) = (surface_of(&a), surface_of(&b));
+            let found = of_meshes::distance(surface_a, surface_b, &mut WarmStart::default(), &Options::default());
+            let proximity = if found.upper == 0.0 { Proximity::Meets } else { nested(mesh_of(&a), mesh_of(&b)) };
+            let [lower, upper] = match proximity {
+                Proximity::Apart => [found.lower, found.upper],
+                Proximity::Undecided => [0.0, found.upper],
+                Proximity::Meets => [0.0; 2],
+            };
+            Separation { lower, upper, points: found.points().unwrap_or([[0.0; 3]; 2]), proximity }
         }
     }
 }
@@ -144,7 +152,7 @@ fn near_pair(a: &PlacedShape, b: &PlacedShape) -> Option<[u32; 2]> {
 }
 
 /// How far apart the boxes of two parts are at least; zero where one has none.
-fn gap_of_boxes(a: &PlacedShape, b: &PlacedShape) -> f64 {
+pub(super) fn gap_of_boxes(a: &PlacedShape, b: &PlacedShape) -> f64 {
     let (Some([min_a, max_a]), Some([min_b, max_b])) = (a.bounds(), b.bounds()) else { return 0.0 };
     let gap = |k: usize| f64::max(min_b[k] - max_a[k], min_a[k] - max_b[k]).next_down();
     (0..3).map(gap).fold(0.0, f64::max)

@@ -1,6 +1,7 @@
 //! What is known from the last question changes no answer.
 
 use impinge::query::{self, Cache, Query};
+use impinge::{Pose, Shape};
 use impinge_testkit::generate::{Rng, poses};
 
 use crate::shapes::hulls::pose;
@@ -38,9 +39,32 @@ fn caches_change_no_answer() {
     }
     assert!(changes > 100, "{changes}");
     let (x, y) = (all[5].shape(), all[9].shape());
-    let [x, y] = [x, y].map(|shape| shape.at(impinge::Pose::IDENTITY).unwrap());
+    let [x, y] = [x, y].map(|shape| shape.at(Pose::IDENTITY).unwrap());
     for clearance in [f64::NAN, -1.0] {
         assert!(!Query::new().with_cache(&mut shared).within(&x, &y, clearance));
     }
     assert!(Query::new().with_cache(&mut shared).within(&x, &y, f64::INFINITY));
+}
+
+#[test]
+fn a_cache_decides_no_more_and_no_less() {
+    // Drums and boxes that touch, or are apart by units of the last place.
+    let drum = Shape::cylinder(1.0, 0.5).unwrap();
+    let (block, ball) = (Shape::cuboid([0.5, 0.5, 1.0]).unwrap(), Shape::sphere([0.0; 3], 1.0).unwrap());
+    let mut seen = [0; 3];
+    for (a, b) in [(&drum, &drum), (&drum, &block), (&block, &block), (&ball, &drum)] {
+        let here = a.at(Pose::IDENTITY).unwrap();
+        let mut cache = Cache::default();
+        for steps in [0, 1, 2, 8, 1 << 20, 1 << 40, 1, 0] {
+            for sign in [1, -1] {
+                let apart = f64::from_bits((2.0_f64.to_bits() as i64 + sign * steps) as u64);
+                let there = b.at(Pose::from_translation([0.0, 0.0, apart]).unwrap()).unwrap();
+                let cold = query::proximity(&here, &there);
+                assert_eq!(Query::new().with_cache(&mut cache).proximity(&here, &there), cold, "{apart:e}");
+                assert_eq!(Query::new().with_cache(&mut Cache::default()).proximity(&there, &here), cold, "{apart:e}");
+                seen[cold as usize] += 1;
+            }
+        }
+    }
+    assert!(seen[0] > 4 && seen.iter().sum::<i32>() == 64, "{seen:?}");
 }
