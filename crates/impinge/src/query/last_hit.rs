@@ -7,9 +7,9 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct LastHit {
     faces: Option<[u32; 2]>,
-    /// Tries in vain since the last that was not.
+    /// Number of failed tries since the last successful one.
     failures: u32,
-    /// Questions until the next try.
+    /// Number of queries to skip before the faces are tried again.
     rest: u32,
 }
 

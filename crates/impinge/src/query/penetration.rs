@@ -23,7 +23,7 @@ pub struct Penetration {
 }
 
 impl Penetration {
-    /// What is known of two things of which nothing is: a depth from zero to infinity.
+    /// The penetration of two things about which nothing is proved: a depth between zero and infinity.
     pub const UNKNOWN: Self =
         Self { lower: 0.0, upper: f64::INFINITY, normal: [0.0; 3], point_a: [0.0; 3], point_b: [0.0; 3] };
 }

@@ -15,7 +15,7 @@ use crate::query::{
 };
 use crate::shape::Shape;
 
-/// Two things and the poses at which a verb is asked about them; cheap to clone.
+/// Two things and the poses at which a verb is asked about them. It is cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Batch<'e> {
     sides: Arc<[Side; 2]>,
