@@ -95,7 +95,7 @@ impl<'py> FromPyObject<'_, 'py> for Question {
     }
 }
 
-/// Reads `on_error`: whether a pose that is none gets a status instead of raising.
+/// Reads `on_error`: whether an invalid pose gets a status instead of raising an error.
 pub(crate) fn tells_status(option: &Bound<'_, PyAny>) -> PyResult<bool> {
     match option.extract::<&str>() {
         Ok("raise") => Ok(false),

@@ -74,7 +74,7 @@ fn argument(name: &str) -> String {
 /// Returns the number of configurations.
 ///
 /// # Errors
-/// `InputError` if leading axes do not broadcast, or a pose is none and the caller does not ask for a status.
+/// `InputError` if leading axes do not broadcast, or if a pose is invalid and the caller does not ask for a status.
 fn judge(py: Python<'_>, scene: &Scene, moves: &[(PartId, Poses)], tells_status: bool) -> PyResult<usize> {
     let mut shape = Vec::new();
     let mut configurations = scene.configurations();

@@ -66,7 +66,7 @@ fn part(held: Vec<Held>, depth: usize) -> (Vec<Held>, Option<Split>) {
     (across, Some((axis, plane, [below, above])))
 }
 
-/// Returns the least box around some boxes; `None` if there are none.
+/// Returns the least box around some boxes, or `None` if the slice is empty.
 fn around(held: &[Held]) -> Option<MinMax> {
     held.iter().map(|held| held.bounds).reduce(|all, one| all.merged(&one))
 }

@@ -69,7 +69,7 @@ pub fn intersection_curves<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<Pl
     curves_of_pairs(a, b, &intersecting_pairs(a, b))
 }
 
-/// [`intersection_curves`], for pairs that are at hand already: what [`intersecting_pairs`] returned, or some of it.
+/// [`intersection_curves`], for pairs that were computed before: what [`intersecting_pairs`] returned, or some of it.
 ///
 /// # Panics
 /// Where a pair names a face that a mesh does not have.

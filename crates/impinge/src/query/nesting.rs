@@ -80,7 +80,7 @@ pub fn solid_intersection<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<Pla
     solid_intersection_of_pairs(a, b, &intersecting_pairs(a, b))
 }
 
-/// [`solid_intersection`], for pairs that are at hand already: all that [`intersecting_pairs`] returned.
+/// [`solid_intersection`], for pairs that were computed before: all that [`intersecting_pairs`] returned.
 ///
 /// # Panics
 /// Where a pair names a face that a mesh does not have.

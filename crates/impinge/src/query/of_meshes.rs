@@ -40,7 +40,12 @@ pub(super) fn nearness(
     if near_faces.is_some() { Proximity::Meets } else { nested(a, b) }
 }
 
-/// The distance of two meshes.
+/// Returns the distance of two meshes of which nothing is known from before.
+pub(super) fn distance_without_cache(a: PlacedMesh<'_>, b: PlacedMesh<'_>) -> Distance {
+    distance(a, b, &mut WarmStart::default(), &Options::default())
+}
+
+/// Returns the distance of two meshes, which `warm_start` makes faster.
 pub(super) fn distance(
     a: PlacedMesh<'_>,
     b: PlacedMesh<'_>,

@@ -31,8 +31,8 @@ pub struct SomePairs {
     pub truncated: bool,
 }
 
-/// The first `limit` of all [`intersecting_pairs`] in their order, and whether there are more: for meshes of which so many
-/// faces may meet that not all pairs fit in memory.
+/// The first `limit` of all [`intersecting_pairs`] in their order, and whether there are more. It is for meshes whose pairs may not
+/// all fit in memory.
 ///
 /// ```
 /// use impinge::{Mesh, Positions, query};
@@ -82,7 +82,7 @@ impl Query<'_> {
         let truncated = pairs.len() > limit;
         pairs.truncate(limit);
         if truncated {
-            // Whoever asks about many poses keeps as many answers: the room for what was found and not kept is not theirs.
+            // A caller with many poses keeps one answer for each. The capacity for the pairs that were dropped would add up.
             pairs.shrink_to_fit();
         }
         SomePairs { pairs, truncated }

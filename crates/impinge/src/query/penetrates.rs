@@ -40,7 +40,7 @@ pub enum Penetrates {
     Yes,
 }
 
-/// [`penetrates`](super::penetrates()) of two meshes, for pairs that are at hand already: all that
+/// [`penetrates`](super::penetrates()) of two meshes, for pairs that were computed before: all that
 /// [`intersecting_pairs`](super::intersecting_pairs) returned.
 ///
 /// # Panics

@@ -27,9 +27,9 @@ impl Standing {
             return Self::Placed(Box::new(placed), None);
         }
         let Some([min, max]) = placed.bounds() else { return Self::Nowhere };
-        // Half of the clearance on either side, and what rounding may take.
-        let wide = |x: f64, by: f64| if clearance > 0.0 { (x + by * (0.5 * clearance).next_up()).next_up() } else { x };
-        let grown = MinMax::new(min.map(|x| -wide(-x, 1.0)), max.map(|x| wide(x, 1.0)));
+        // Each of two parts grows by half of the clearance, and by what rounding may take.
+        let grow = |x: f64| if clearance > 0.0 { (x + (0.5 * clearance).next_up()).next_up() } else { x };
+        let grown = MinMax::new(min.map(|x| -grow(-x)), max.map(grow));
         Self::Placed(Box::new(placed), grown.ok())
     }
 

@@ -160,7 +160,7 @@ impl<'e> Batch<'e> {
         Ok(answers.judged(|found| found.1).map(|found| found.0))
     }
 
-    /// As [`contacts`](crate::query::contacts), with these options. The safe answer is none.
+    /// As [`contacts`](crate::query::contacts), with these options. The safe answer is an empty list.
     ///
     /// # Errors
     /// As [`each`](Self::each).
@@ -174,7 +174,8 @@ impl<'e> Batch<'e> {
         Ok(answers.judged(|found| found.1).map(|found| found.0))
     }
 
-    /// As [`intersecting_pairs`](crate::query::intersecting_pairs); none if one of the two is no mesh. The safe answer is none.
+    /// As [`intersecting_pairs`](crate::query::intersecting_pairs). The list is empty if
+    /// one of the two is not a mesh. The safe answer is an empty list.
     ///
     /// # Errors
     /// As [`each`](Self::each).
@@ -185,8 +186,8 @@ impl<'e> Batch<'e> {
         })
     }
 
-    /// As [`intersecting_pairs_up_to`](crate::query::intersecting_pairs_up_to); none if one of the two is no mesh. The safe answer is
-    /// none.
+    /// As [`intersecting_pairs_up_to`](crate::query::intersecting_pairs_up_to). The list is empty if one of the two is not a mesh. The
+    /// safe answer is an empty list.
     ///
     /// # Errors
     /// As [`each`](Self::each).
@@ -198,7 +199,8 @@ impl<'e> Batch<'e> {
         })
     }
 
-    /// As [`intersection_curves`](crate::query::intersection_curves); none if one of the two is no mesh. The safe answer is none.
+    /// As [`intersection_curves`](crate::query::intersection_curves). There are no curves if one of the two is not a mesh. The safe
+    /// answer has no curves.
     ///
     /// # Errors
     /// As [`each`](Self::each).

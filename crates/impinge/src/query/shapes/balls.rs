@@ -13,7 +13,7 @@ use super::table::surface_of;
 use crate::convex::{self, Core, Surface, Swept, depth, nearest_of_hull};
 use crate::math::Pose;
 use crate::math::vec3::{Vector, cross, dot, length, sub};
-use crate::mesh::{Containment, Mesh, Options, Positions, WarmStart};
+use crate::mesh::{Containment, Mesh, Positions};
 use crate::query::{Proximity, of_meshes};
 use crate::shape::{Form, PlacedShape};
 
@@ -214,5 +214,5 @@ fn proved_radius_in_solid(surface: &Surface<'_>, point: &Vector) -> Option<f64> 
     // A mesh of one face that is a point.
     let mesh = Mesh::new(Positions::F32(vec![[0.0; 3]]), vec![[0; 3]]).ok()?;
     let there = mesh.at(Pose::from_translation(*point).ok()?);
-    Some(of_meshes::distance(surface_of(surface), there, &mut WarmStart::default(), &Options::default()).lower)
+    Some(of_meshes::distance_without_cache(surface_of(surface), there).lower)
 }

@@ -4,7 +4,6 @@ use super::search::depth_by_search;
 use super::table::{nearness_of_parts, pairs_near, surface_of};
 pub use crate::convex::Feature;
 use crate::convex::{self, Contact, Contacts, Depth, Surface, to_unit_length as unit};
-use crate::mesh::{Options, WarmStart};
 use crate::query::placed::Placed;
 use crate::query::{ContactOptions, Proximity, Query, contacts_of_patches, of_meshes};
 use crate::shape::{Form, PlacedShape};
@@ -154,7 +153,7 @@ fn of_surfaces(a: &Surface<'_>, b: &Surface<'_>, margin: f64) -> Vec<Contacts> {
     if !found.is_empty() {
         return found;
     }
-    let distance = of_meshes::distance(a, b, &mut WarmStart::default(), &Options::default());
+    let distance = of_meshes::distance_without_cache(a, b);
     let Some(witness) = distance.witness.filter(|_| distance.lower <= margin) else { return Vec::new() };
     let Some([face_a, face_b]) = witness.faces else { return Vec::new() };
     let between: [f64; 3] = std::array::from_fn(|k| witness.point_b[k] - witness.point_a[k]);

@@ -92,8 +92,7 @@ fn separation_of_parts(a: &PlacedShape, b: &PlacedShape) -> Separation {
         (Form::Surface(surface), Form::HalfSpace(plane)) => swapped(plane.separation_of_surface(&surface)),
         (Form::Surface(a), Form::Surface(b)) => {
             // The nearest points are those of the surfaces, also if one mesh lies in the other.
-            let (surface_a, surface_b) = (surface_of(&a), surface_of(&b));
-            let found = of_meshes::distance(surface_a, surface_b, &mut WarmStart::default(), &Options::default());
+            let found = of_meshes::distance_without_cache(surface_of(&a), surface_of(&b));
             let proximity = if found.upper == 0.0 { Proximity::Meets } else { nested(mesh_of(&a), mesh_of(&b)) };
             let [lower, upper] = match proximity {
                 Proximity::Apart => [found.lower, found.upper],
