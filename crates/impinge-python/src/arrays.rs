@@ -46,7 +46,13 @@ pub(crate) fn plain_column<T: Element + Copy>(value: &Bound<'_, PyAny>) -> PyRes
 
 /// An array with these axes.
 pub(crate) fn array<'py, T: Element>(py: Python<'py>, values: Vec<T>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
-    Ok(PyArray1::from_vec(py, values).reshape(shape.to_vec())?.into_any())
+    let count = values.len();
+    let flat = PyArray1::from_vec(py, values);
+    // One axis, as of the point of a single answer, needs no second array object.
+    if shape == [count] {
+        return Ok(flat.into_any());
+    }
+    Ok(flat.reshape(shape.to_vec())?.into_any())
 }
 
 /// An array of rows of `N` with these leading axes.
