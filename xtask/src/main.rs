@@ -6,6 +6,7 @@ mod build;
 mod demo;
 mod file_length;
 mod layers;
+mod prose;
 mod python_tests;
 mod quick;
 mod slowest;
@@ -13,7 +14,7 @@ mod sources;
 mod test_run;
 mod unsafe_code;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
@@ -41,6 +42,11 @@ enum Chore {
     },
     /// Run every test, those of the Python package too, and print their counts last.
     Test,
+    /// Fail on phrases that readers stumble over, on long lines of prose, and on doc comments that begin with no verb.
+    Prose {
+        /// Show every violation below this path alone.
+        path: Option<PathBuf>,
+    },
     /// Check a human of 26,756 triangles against a torus knot of 2,000,000.
     Demo,
 }
@@ -57,6 +63,7 @@ fn main() -> Result<ExitCode> {
             println!("file-length: {} long files", found.len());
             found.iter().all(|(verdict, _)| *verdict != file_length::Verdict::TooLong)
         }
+        Chore::Prose { path } => prose_is_plain(root, path.as_deref())?,
         Chore::Quick { room } => quick::run(root, room.as_deref())?,
         Chore::Test => test_run::run(root)?,
         Chore::Demo => demo::run(root)?,
@@ -73,5 +80,21 @@ fn layers_hold(root: &Path) -> Result<bool> {
         println!("{violation}");
     }
     println!("layers: {} violations", violations.len());
+    Ok(violations.is_empty())
+}
+
+/// Prints each violation of the rules of prose, below `path` if it is given, and the thermometer.
+/// Returns `true` if there is no violation.
+fn prose_is_plain(root: &Path, path: Option<&Path>) -> Result<bool> {
+    let mut violations = prose::check(root)?;
+    violations.retain(|violation| path.is_none_or(|path| violation.file.starts_with(path)));
+    for violation in &violations {
+        println!("{violation}");
+    }
+    println!("\nIn 1,000 words of prose:");
+    for folder in prose::thermometer::FOLDERS {
+        println!("{}", prose::thermometer::measure(root, folder)?);
+    }
+    println!("prose: {} violations", violations.len());
     Ok(violations.is_empty())
 }
