@@ -39,7 +39,7 @@ fn rust_comment(line: &str) -> Option<&str> {
     }
     // A comment sign after an even number of quotes is not in a string.
     let at = line.find(" // ")?;
-    (line[..at].matches('"').count() % 2 == 0).then(|| &line[at + 4..])
+    line[..at].matches('"').count().is_multiple_of(2).then(|| &line[at + 4..])
 }
 
 /// Returns the lines that `prose` finds something in, outside of blocks of code.
