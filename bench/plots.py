@@ -18,7 +18,7 @@ mpl.rcParams.update({"font.size": 9, "axes.edgecolor": GREY, "xtick.color": "#55
 def arguments(about: str | None, name: str) -> argparse.ArgumentParser:
     """A parser that knows where the picture and the record of this name go."""
     parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--picture", type=Path, default=ROOT / "docs" / f"{name}.png")
+    parser.add_argument("--picture", type=Path, default=ROOT / "docs" / "images" / f"{name}.png")
     parser.add_argument("--record", type=Path, default=ROOT / "bench" / "record", help="folder of the dated records")
     return parser
 

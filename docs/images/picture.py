@@ -2,9 +2,9 @@
 
     python3 -m venv .venv && .venv/bin/pip install numpy pillow
     cargo build --release -p impinge-cli
-    .venv/bin/python docs/picture.py target/release/impinge
+    .venv/bin/python docs/images/picture.py target/release/impinge
 
-The curves are the command's own; the rest is a small z-buffer with smooth shading. Writes docs/picture.png.
+The curves are the command's own; the rest is a small z-buffer with smooth shading. Writes docs/images/picture.png.
 """
 
 import subprocess
@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "bench"))
 from torus_knot import torus_knot, write_ply  # noqa: E402
 
@@ -178,7 +178,7 @@ def main() -> None:
     canvas.veil(glass)
     for points in curves:
         canvas.curve(points)
-    canvas.save(ROOT / "docs" / "picture.png")
+    canvas.save(ROOT / "docs" / "images" / "picture.png")
 
 
 if __name__ == "__main__":
