@@ -10,9 +10,8 @@ use std::ops::{Add, Mul, Sub};
 
 use super::Sign;
 
-/// Number of limbs that are stored without allocating. A determinant of posed single-precision
-/// corners takes about 12: a coordinate sums products of 53 by 24 bits and takes 3 or 4, and 3 are
-/// multiplied.
+/// Number of limbs stored without allocating. A determinant of posed single-precision corners takes
+/// about 12: it multiplies 3 coordinates, each of 3 or 4 limbs (sums of products of 53 by 24 bits).
 const INLINE: usize = 16;
 
 /// A real number `m · 2^e` with integers `m` and `e`. Every finite float is such a number.
@@ -148,8 +147,7 @@ impl Dyadic {
         &self.digits()[self.low..self.high]
     }
 
-    /// Returns the limb at `position` above the exponent `from`, or zero if the number has none
-    /// there.
+    /// Returns the limb at `position` above the exponent `from`, or zero if there is none.
     fn limb(&self, from: i32, position: usize) -> u64 {
         let index = from + position as i32 - self.exponent;
         // A negative index wraps around to one beyond the end.
