@@ -388,8 +388,8 @@ mod tests {
                 let difference = float_rational(q) - truth.clone();
                 if difference < RBig::ZERO { -difference } else { difference }
             };
-            for neighbour in [quotient.next_up(), quotient.next_down()] {
-                let (own, other) = (distance(quotient), distance(neighbour));
+            for neighbor in [quotient.next_up(), quotient.next_down()] {
+                let (own, other) = (distance(quotient), distance(neighbor));
                 assert!(own < other || own == other && quotient.to_bits() & 1 == 0, "{x:e} {y:e} {z:e}");
                 ties += usize::from(own == other);
             }
