@@ -236,7 +236,7 @@ mod tests {
                 let digits = pool.install(|| DigitOrder::of(&boxes[..], &mut centers));
                 (digits, centers)
             });
-            assert_eq!(dealt.1, again.1, "threads show");
+            assert_eq!(dealt.1, again.1, "the number of threads changes the result");
             let (digits, mut centers) = dealt;
             let curve = digits.curve;
             let splits = split_all(digits, &mut centers, &mut Vec::new());

@@ -22,8 +22,8 @@ pub(crate) struct SlabMap {
     reach: f32,
 }
 
-/// Minimum squared cosine of the angle between the normals of two slabs whose difference is used:
-/// 14 degrees.
+/// Minimum squared cosine of the angle between the normals of two slabs whose difference is used.
+/// The normals are at most 14 degrees apart.
 const MIN_SQUARED_COSINE: f32 = 15.0 / 16.0;
 
 impl SlabMap {

@@ -148,7 +148,7 @@ fn every_box_is_in_one_leaf_of_bounded_depth() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
             pool.install(|| build_morton(&boxes))
         });
-        assert!(one == two, "{name}: threads show");
+        assert!(one == two, "{name}: the number of threads changes the result");
         let depth = depth_of_binary(name, &one, &boxes);
         assert!(depth <= MAX_DEPTH, "{name}: {depth} deep");
         deepest = deepest.max(depth);

@@ -173,6 +173,9 @@ mod tests {
         });
         assert!(together == alone && together.is_some(), "{together:?} and {alone:?}");
         let on = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        assert!(on(1).install(|| build(&boxes, 8)) == on(3).install(|| build(&boxes, 8)), "threads show");
+        assert!(
+            on(1).install(|| build(&boxes, 8)) == on(3).install(|| build(&boxes, 8)),
+            "the number of threads changes the result"
+        );
     }
 }

@@ -69,7 +69,7 @@ fn rows_are_split_at_the_median_of_their_widest_axis() {
             assert_eq!(expected.get_or_insert(parts.clone()), parts, "{name}, {len}");
         }
     }
-    assert!(tied > 60 * kernel_levels().len(), "{tied}: hardly a median was in both parts");
+    assert!(tied > 60 * kernel_levels().len(), "{tied}: too few medians were in both parts");
 }
 
 #[test]

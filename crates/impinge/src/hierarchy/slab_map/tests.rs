@@ -77,7 +77,7 @@ impl Trial {
             for lane in (0..LANES).filter(|&lane| outside >> lane & 1 == 1) {
                 let [low, high] = self.heights(lane);
                 let (min, max) = (exact(f64::from(self.slab.min)), exact(f64::from(self.slab.max)));
-                assert!(low > max || high < min, "{name}: box {lane} meets the slab");
+                assert!(low > max || high < min, "{name}: box {lane} intersects the slab");
                 missed += 1;
             }
         }

@@ -15,7 +15,10 @@ fn every_builder_puts_every_box_in_one_leaf_of_bounded_depth() {
         for builder in Builder::ALL {
             let name = format!("{name}, {}", builder.name());
             let tree = on_threads(1, || builder.build(&boxes));
-            assert!(tree == on_threads(2, || builder.build(&boxes)), "{name}: threads show");
+            assert!(
+                tree == on_threads(2, || builder.build(&boxes)),
+                "{name}: the number of threads changes the result"
+            );
             let depth = depth_of_binary(&name, &tree, &boxes);
             assert!(depth <= MAX_DEPTH && depth == tree.depth(), "{name}: {depth} deep");
             check_wide(&name, &tree);
