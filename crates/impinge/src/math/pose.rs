@@ -160,8 +160,8 @@ impl Pose {
         self.mirrors
     }
 
-    /// Returns the map that applies `inner` first and then `self`: `world_from_b =
-    /// world_from_a.compose(a_from_b)`.
+    /// Returns the map that applies `inner` first and then `self`:
+    /// `world_from_b = world_from_a.compose(a_from_b)`.
     ///
     /// # Accuracy
     /// Every entry is rounded. Its error is within 4.1 units of 2^-53 of the sum of the magnitudes

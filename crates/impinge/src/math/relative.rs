@@ -44,9 +44,9 @@ const INVERSE_LIMIT: f64 = (1_u128 << 64) as f64;
 
 /// An approximation of the affine map from B's frame to A's, with error bounds.
 ///
-/// For every real point `v` in B's frame, its exact image in A's frame differs from `linear · v +
-/// translation`, evaluated over the reals, by at most `linear_error · |v| + translation_error`,
-/// component by component.
+/// For every real point `v` in B's frame, its exact image in A's frame differs from
+/// `linear · v + translation`, evaluated over the reals, by at most
+/// `linear_error · |v| + translation_error`, component by component.
 ///
 /// All entries are finite, with one exception: a value beyond 2^1022 is stored as zero with an
 /// infinite error. `∞ · 0` is NaN, so a consumer must treat NaN as "unknown".
@@ -133,10 +133,10 @@ impl RelativeMap {
         })
     }
 
-    /// Computes the map by an approximate inverse `Y` of `R = R_A`. With `E = I - Y R`, `R⁻¹ = (I -
-    /// E)⁻¹ Y`, so `|R⁻¹ - Y| <= |E| |Y| + |E|² |Y| + ...`. Let `g` be the row sums of `|Y|`, and
-    /// `|E| g <= κ g` with `κ < 1`. Then row i of the terms from the second on sums to at most `κ²
-    /// / (1 - κ) g_i`. This is relative to that row, however the axes are scaled.
+    /// Computes the map by an approximate inverse `Y` of `R = R_A`. With `E = I - Y R`,
+    /// `R⁻¹ = (I - E)⁻¹ Y`, so `|R⁻¹ - Y| <= |E| |Y| + |E|² |Y| + ...`. Let `g` be the row sums of
+    /// `|Y|`, and `|E| g <= κ g` with `κ < 1`. Then row i of the terms from the second on sums to
+    /// at most `κ² / (1 - κ) g_i`. This is relative to that row, however the axes are scaled.
     ///
     /// Returns `None` if the series has no such bound, or if the error bound is not small.
     fn by_residual(world_from_a: &Pose, world_from_b: &Pose, offset: &Offset) -> Option<Self> {

@@ -5,9 +5,9 @@
 //! the first to that of the second, and `n = u × v`. The first parameter is `(w × v) · n / n²`. Its
 //! rounding error is at most 8 units of 2^-53 of `|w| / (|u| sin θ)` and of itself. The second
 //! parameter is that of the nearest point of the second line. So only the part of the first error
-//! across `v` remains, which is `sin θ` of it: 8 units of `|w|` and `|u|`, whatever θ is. If `sin
-//! θ` is below 2^-50, the normal is noise. The ends, which are always tried, are then within `|u|
-//! sin θ` of the nearest points.
+//! across `v` remains, which is `sin θ` of it: 8 units of `|w|` and `|u|`, whatever θ is.
+//! If `sin θ` is below 2^-50, the normal is noise. The ends, which are always tried, are then
+//! within `|u| sin θ` of the nearest points.
 
 use super::closest::{ClosestPoints, Scaled};
 use super::points::{along, point_segment};
