@@ -1,127 +1,129 @@
-//! The typed errors of bad input, which is judged once, where it enters the library.
+//! Typed errors for invalid input. Input is validated once, where it enters the library.
 
 use std::fmt;
 
-/// What is wrong with an input, and where; its [`Display`](fmt::Display) text says both and, where it helps, what to do.
+/// Says which input is invalid, where, and why. The [`Display`](fmt::Display) text also says what
+/// to do about it if there is a hint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InputError {
     kind: InputErrorKind,
     hint: Option<&'static str>,
 }
 
-/// The ways in which an input can be wrong; each names the vertex, face, row or entry that is at fault.
+/// The ways in which an input can be invalid. Each names the vertex, face, row or entry at fault.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum InputErrorKind {
     /// A number is NaN or infinite.
     NonFinite {
-        /// What the number belongs to: `"vertex"`, `"pose entry"`.
+        /// Noun for the value that holds the number: `"vertex"`, `"pose entry"`.
         what: &'static str,
-        /// Which one, counted from zero; for a pose the entry in row-major order.
+        /// Index of that value, counted from zero. For a pose: the entry in row-major order.
         index: usize,
     },
     /// A number is finite but outside the range for which the answers are proved.
     OutOfRange {
-        /// What the number belongs to.
+        /// Noun for the value that holds the number: `"vertex"`, `"pose entry"`.
         what: &'static str,
-        /// Which one, counted from zero.
+        /// Index of that value, counted from zero.
         index: usize,
-        /// The bound that its magnitude must stay within.
+        /// Maximum magnitude that is accepted, as text.
         limit: &'static str,
     },
     /// A face names a vertex that does not exist.
     IndexOutOfBounds {
-        /// The face, counted from zero.
+        /// Index of the face, counted from zero.
         face: usize,
-        /// The vertex that it names.
+        /// The vertex index that the face names.
         index: u32,
-        /// How many vertices there are.
+        /// Number of vertices.
         len: usize,
     },
-    /// More vertices or faces than 32-bit indices can name.
+    /// There are more vertices or faces than 32-bit indices can name.
     TooMany {
-        /// `"vertices"` or `"faces"`.
+        /// Noun for the elements: `"vertices"` or `"faces"`.
         what: &'static str,
-        /// How many were given.
+        /// Number of elements given.
         count: usize,
     },
-    /// Another number of something than there has to be.
+    /// The number of elements differs from the number that is needed.
     OtherCount {
-        /// `"vertices"`.
+        /// Noun for the elements: `"vertices"`.
         what: &'static str,
-        /// How many were given.
+        /// Number of elements given.
         count: usize,
-        /// How many there have to be.
+        /// Number of elements needed.
         expected: usize,
     },
-    /// A matrix whose last row is not 0, 0, 0, 1.
+    /// The last row of a matrix is not 0, 0, 0, 1.
     NotAffine {
         /// The last row as given.
         last_row: [f64; 4],
     },
-    /// A matrix whose linear part has no inverse, decided exactly.
+    /// The linear part of a matrix has no inverse. This is decided exactly.
     Singular,
-    /// A quaternion too short, too long or not of unit length.
+    /// A quaternion is not of unit length.
     NotUnitQuaternion {
-        /// Its length.
+        /// Length of the quaternion.
         length: f64,
     },
-    /// A rotation axis of length zero.
+    /// The length of a rotation axis is zero.
     ZeroAxis,
-    /// There is nothing to bound.
+    /// There are no elements, so there is nothing to bound.
     Empty {
-        /// What there is none of: `"points"`.
+        /// Noun for the missing elements: `"points"`.
         what: &'static str,
     },
-    /// A length that is below zero.
+    /// A length is negative.
     Negative {
-        /// What the number is: `"radius"`, `"half-extent"`.
+        /// Noun for the length: `"radius"`, `"half-extent"`.
         what: &'static str,
-        /// Which one, counted from zero.
+        /// Index of the length, counted from zero.
         index: usize,
     },
-    /// A map that changes shapes, where only a rigid motion will do.
+    /// A map changes shapes, but a rigid motion is required.
     NotRigid {
         /// The Frobenius norm of RᵀR - I for the linear part R, rounded up.
         deviation: f64,
     },
-    /// A ray without a direction.
+    /// The direction of a ray is the zero vector.
     ZeroDirection {
-        /// Which ray, counted from zero.
+        /// Index of the ray, counted from zero.
         index: usize,
     },
 }
 
 impl InputError {
-    /// An error of this kind, without a hint.
+    /// Returns an error of this kind, without a hint.
     #[must_use]
     pub fn new(kind: InputErrorKind) -> Self {
         Self { kind, hint: None }
     }
 
-    /// The same error with a hint about what to do.
+    /// Returns the same error with a hint that says what to do.
     #[must_use]
     pub fn with_hint(mut self, hint: &'static str) -> Self {
         self.hint = Some(hint);
         self
     }
 
-    /// What is wrong, for a program.
+    /// Returns the kind of error, for programs to match on.
     #[must_use]
     pub fn kind(&self) -> &InputErrorKind {
         &self.kind
     }
 
-    /// What to do about it, where that is known.
+    /// Returns the hint that says what to do, or `None` if there is none.
     #[must_use]
     pub fn hint(&self) -> Option<&'static str> {
         self.hint
     }
 
-    /// Judges three numbers that are not part of a mesh, such as a point that is asked about: row `index` of `what`.
+    /// Validates three numbers that are not part of a mesh, such as a query point. `what` and
+    /// `index` name the row in the error.
     ///
     /// # Errors
-    /// Where one is not finite, or beyond 2^300.
+    /// If a number is NaN or infinite, or its magnitude exceeds 2^300.
     pub(crate) fn judge_row(row: &[f64; 3], what: &'static str, index: usize) -> Result<(), Self> {
         const LIMIT: f64 = f64::from_bits((1023 + 300) << 52);
         if !row.iter().all(|x| x.is_finite()) {
@@ -148,7 +150,7 @@ impl fmt::Display for InputError {
                 write!(f, "{count} {what} are more than 32-bit indices can name")?
             }
             InputErrorKind::OtherCount { what, count, expected } => {
-                write!(f, "{count} {what} were given where there are {expected}")?;
+                write!(f, "{count} {what} were given, but {expected} are needed")?;
             }
             InputErrorKind::NotAffine { last_row } => {
                 write!(f, "the last row of the matrix is {last_row:?}, not [0, 0, 0, 1]")?;

@@ -1,9 +1,10 @@
-//! How trees age: a refit keeps who is whose sibling, and boxes of things that have moved apart overlap. Which subtrees
-//! have aged, and a tree in which they are replaced.
+//! Aging of trees. A refit keeps all nodes, so boxes of items that have moved apart overlap more
+//! and more. This module finds the subtrees that have aged, and replaces them.
 //!
-//! Source: Lauterbach, Yoon, Tuft, Manocha, *RT-DEFORM: interactive ray tracing of dynamic scenes using BVHs*, RT 2006, for
-//! judging a tree by its areas now and as it was built. Ours judges by the surface area heuristic, and replaces the
-//! smallest subtrees that bring the rest back to what it was.
+//! Source: Lauterbach, Yoon, Tuft, Manocha, *RT-DEFORM: interactive ray tracing of dynamic scenes
+//! using BVHs*, RT 2006, which compares the areas of a tree now and when it was built. Ours uses
+//! the surface area heuristic, and replaces the smallest subtrees that restore the cost of the
+//! rest.
 
 use std::ops::Range;
 
@@ -17,16 +18,16 @@ use crate::simd::LANES;
 /// A subtree that has aged: its nodes and its leaves.
 pub(crate) type Aged = Patch;
 
-/// A tree with subtrees replaced, its boxes and slabs still to be refitted.
+/// A tree with replaced subtrees. Its boxes and slabs are still to be refitted.
 pub(crate) struct Renewal {
     pub(crate) tree: WideTree,
-    /// What each of its leaves was: a leaf of the old tree, or of a replacement by its number among them.
+    /// The origin of each leaf.
     pub(crate) leaves: Vec<Origin>,
-    /// The old tree's node that each of its nodes was.
+    /// For each node the index of the node in the old tree, or `None` if the node is new.
     pub(crate) nodes: Vec<Option<u32>>,
 }
 
-/// Where a leaf comes from.
+/// The origin of a leaf: a leaf of the old tree, or a leaf of a replacement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Origin {
     Kept(u32),
@@ -34,9 +35,10 @@ pub(crate) enum Origin {
 }
 
 impl WideTree {
-    /// For each node the sum of the areas of all boxes below and its own over its own: what a descent that meets the node
-    /// may expect to meet, by the surface area heuristic. One where a node has no area. That of the root is the
-    /// [`sah`](super::TreeStatistics::sah) of the tree.
+    /// Returns the cost of each subtree by the surface area heuristic: the sum of the areas of its
+    /// own box and all boxes below, divided by the area of its own box. It is the number of nodes
+    /// that a descent into the subtree may expect to visit. It is 1 if a node has no area. The
+    /// root's cost is the [`sah`](super::TreeStatistics::sah) of the tree.
     pub(crate) fn subtree_costs(&self) -> Vec<f64> {
         let mut below = vec![0.0; self.nodes().len()];
         let mut costs = vec![1.0; below.len()];
@@ -49,7 +51,8 @@ impl WideTree {
         costs
     }
 
-    /// That of the root alone, added up in the order in which a refit meets the nodes.
+    /// Returns the cost of the root alone. The areas are summed in the order in which a refit
+    /// visits the nodes.
     pub(crate) fn cost(&self, leaves: usize) -> f64 {
         let (nodes, patches) = (self.nodes(), Patches::of(self, leaves));
         let of_patch = |patch: &Patch| nodes[patch.nodes.clone()].iter().rev().map(Node::area_below).sum();
@@ -57,8 +60,8 @@ impl WideTree {
         patches.cost(nodes, &of_patches)
     }
 
-    /// The smallest subtrees, in preorder, without which no cost would exceed `most` times what it was when built, if they
-    /// cost again what they did.
+    /// Returns the smallest subtrees to rebuild, in preorder. If they return to their cost when
+    /// built, `as_built`, no subtree costs more than `most` times its cost when built.
     pub(crate) fn aged_subtrees(&self, as_built: &[f64], most: f64) -> Vec<Aged> {
         let nodes = self.nodes();
         let mut below = vec![0.0; nodes.len()];
@@ -92,7 +95,7 @@ impl WideTree {
         aged
     }
 
-    /// The most nodes on a way from the root to a leaf.
+    /// Returns the maximum number of nodes on a path from the root to a leaf.
     pub(crate) fn depth(&self) -> usize {
         let mut depths = vec![1; self.nodes().len()];
         for (at, node) in self.nodes().iter().enumerate() {
@@ -103,7 +106,8 @@ impl WideTree {
         depths.into_iter().max().unwrap_or(0)
     }
 
-    /// The tree with each of `aged`, which stand in preorder and hold none of each other, replaced by a tree.
+    /// Returns the tree with each subtree of `aged` replaced by a tree. The subtrees must be in
+    /// preorder and disjoint.
     pub(crate) fn renewed(&self, aged: &[Aged], replacements: &[Self]) -> Renewal {
         let old = self.nodes();
         let mut renewed = Vec::with_capacity(old.len());
@@ -158,7 +162,8 @@ impl WideTree {
 }
 
 impl Renewal {
-    /// What each subtree cost when it was built, by what the old tree's cost; where anything below is new, what it costs now.
+    /// Returns the cost of each subtree when it was built: its cost in the old tree, `before`, or
+    /// its cost now if any node below is new.
     pub(crate) fn costs_as_built(&self, before: &[f64]) -> Vec<f64> {
         let mut costs = self.tree.subtree_costs();
         let mut is_old = vec![true; costs.len()];
@@ -176,7 +181,7 @@ impl Renewal {
 }
 
 impl Node {
-    /// The node with other references in the lanes that are in use.
+    /// Returns the node with the references in its used lanes replaced.
     fn with_children(mut self, other: impl Fn(Child) -> Child) -> Self {
         for lane in 0..self.count() {
             self.set_child(lane, other(self.child(lane)));
@@ -184,7 +189,7 @@ impl Node {
         self
     }
 
-    /// What the areas of the children's boxes add up to.
+    /// Returns the sum of the areas of the children's boxes.
     #[inline(always)]
     pub(super) fn area_below(&self) -> f64 {
         let count = self.count();
@@ -198,7 +203,7 @@ impl Node {
     }
 }
 
-/// What the children of a node add up to: leaves by their areas.
+/// Returns the sum over the children of a node: `inner` of a node, and the area of a leaf's box.
 fn sum_below(node: &Node, inner: impl Fn(u32) -> f64) -> f64 {
     let lanes: Range<usize> = 0..node.count();
     lanes

@@ -1,9 +1,13 @@
-//! Boxes that pass each other askew: long ones overlap along every edge of either and are apart along a direction across an edge
-//! of the one and an edge of the other.
+//! Boxes that are apart only along an edge-cross axis: the cross product of an edge of one box and
+//! an edge of the other. Two long boxes that pass each other often overlap along all of their own
+//! edges.
 //!
-//! Source: Gottschalk, Lin, Manocha, *OBBTree*, SIGGRAPH 1996 (Ericson, 4.4.1). There each pair of boxes has axes of its own; here
-//! all boxes of a tree have the same, so that the nine directions are three frames for a whole query, into which boxes are
-//! carried like into any other.
+//! Source: Gottschalk, Lin, Manocha, *OBBTree*, SIGGRAPH 1996 (Ericson, 4.4.1). There each pair of
+//! boxes has axes of its own. Here all boxes of a tree have the same axes, so the nine edge-cross
+//! axes form three frames for a whole query. Boxes are transformed into them as into any other
+//! frame.
+//!
+//! Tests: `askew/tests.rs`. Proof: docs/proof.md, L2b.
 
 use fearless_simd::Simd;
 
@@ -13,25 +17,28 @@ use super::wide::Node;
 use crate::math::vec3::dot;
 use crate::simd::{by_axis, load3};
 
-/// The frames whose axes are across an edge of the host's boxes and one of the guest's.
+/// The three frames whose axes are edge-cross axes of the host's and the guest's boxes.
 #[derive(Clone, Debug)]
 pub(crate) struct Askew {
-    /// For each axis of the host: what carries the host's boxes into the frame across it, and what carries the guest's.
+    /// For each axis of the host: the map of the host's boxes into its frame, and the map of the
+    /// guest's.
     frames: [[BoxMap; 2]; 3],
 }
 
 impl Askew {
-    /// For the map `linear · x + translation` from the guest into the host, known up to `error` on each axis, and boxes whose
-    /// coordinates are at most `reach` in magnitude.
+    /// Builds the frames for the map `linear · x + translation` from the guest to the host. The map
+    /// is known up to `error` on each axis. The coordinates of all boxes are at most `reach` in
+    /// magnitude.
     ///
     /// # Accuracy
-    /// A direction across two edges has the very numbers of the map. Where the guest's boxes are carried it meets the map in
-    /// double precision, which rounds each product and each sum once: less than eight units of the sums' magnitude (docs/proof.md, L2b).
+    /// The edge-cross axes consist of entries of the map, without rounding. For the guest's boxes
+    /// they are multiplied by the map in double precision. Each product and each sum is rounded
+    /// once: less than eight units of the magnitude of the sums (docs/proof.md, L2b).
     pub(crate) fn new(linear: &[[f64; 3]; 3], translation: &[f64; 3], error: f64, reach: f64) -> Self {
         const ROUNDING: f64 = 8.0 * f64::EPSILON;
         let frames = by_axis!(edge => {
             let (next, last) = ((edge + 1) % 3, (edge + 2) % 3);
-            // The host's edge along the one axis, crossed with the images of the guest's edges.
+            // The host's edge, crossed with the images of the guest's edges.
             let across: [[f64; 3]; 3] = by_axis!(from => {
                 let mut direction = [0.0; 3];
                 direction[next] = -linear[last][from];
@@ -52,8 +59,8 @@ impl Askew {
         Self { frames }
     }
 
-    /// Of the pairs of boxes that are `near`, those that are not proved apart: in byte `g` bit `h` for lane `g` of the guest's and
-    /// `h` of the host's.
+    /// Returns the pairs in `near` whose boxes are not proved apart along an edge-cross axis. Bit
+    /// `h` of byte `g` stands for lane `h` of the host and lane `g` of the guest.
     #[inline(always)]
     pub(crate) fn near<S: Simd>(&self, simd: S, host: &Node, guest: &Node, mut near: u64) -> u64 {
         for [of_host, of_guest] in &self.frames {

@@ -1,4 +1,4 @@
-//! The neutral binary tree: what every builder emits and the collapse to the wide layout reads.
+//! The neutral binary tree. Every builder emits it and the collapse to the wide layout reads it.
 
 use std::num::NonZeroU32;
 
@@ -6,36 +6,38 @@ use crate::simd::LANES;
 use crate::storage::Buffer;
 use crate::volume::Aabb;
 
-/// The most boxes that a leaf holds: one for each lane of a packet.
+/// Maximum number of boxes in a leaf: one for each lane of a packet.
 pub const LEAF_CAPACITY: usize = LANES;
 
-/// What a wide node whose children are all leaves holds at most. Builders fill it and the collapse keeps it whole, so
-/// that leaves stand side by side at one depth and a descent of two trees meets leaves with leaves.
+/// Maximum number of boxes below a wide node whose children are all leaves. Builders fill such
+/// nodes and the collapse keeps them whole. So leaves lie at one depth, and a descent of two trees
+/// pairs leaves with leaves.
 pub const NODE_OF_LEAVES: usize = LANES * LEAF_CAPACITY;
 
-/// No leaf lies deeper than this, whatever the boxes; a descent's stack is sized by it.
+/// Maximum depth of a leaf, for any boxes. It determines the size of a descent's stack.
 pub const MAX_DEPTH: usize = 64;
 
 /// A node of a [`BinaryTree`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BinaryNode<B = Aabb> {
-    /// Bounds every box below.
+    /// Encloses every box below.
     pub bounds: B,
-    /// Where the range of [`BinaryTree::order`] that is below starts.
+    /// Start of the range of [`BinaryTree::order`] that is below.
     pub first: u32,
-    /// How many boxes are below; at most [`LEAF_CAPACITY`] in a leaf.
+    /// Number of boxes below; at most [`LEAF_CAPACITY`] in a leaf.
     pub count: u32,
-    /// How many nodes further on the right child of an inner node stands; the left one is the next node.
+    /// Offset from this node to its right child, or `None` for a leaf. The left child is the next
+    /// node.
     pub right: Option<NonZeroU32>,
 }
 
-/// A binary tree in preorder over boxes `order[..]`; empty where there are no boxes. Its nodes have boxes, or `()` where
-/// only the layout is wanted.
+/// A binary tree in preorder over the boxes `order[..]`. It has no nodes if there are no boxes. Its
+/// nodes have boxes, or `()` if only the layout is needed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BinaryTree<B = Aabb> {
-    /// The root first; a left child follows its parent.
+    /// The nodes in preorder: the root is first, and a left child follows its parent.
     pub nodes: Vec<BinaryNode<B>>,
-    /// The boxes' indices, grouped so that each leaf is a range.
+    /// The indices of the boxes, grouped so that each leaf is a range.
     pub order: Buffer<u32>,
 }
 
@@ -46,10 +48,10 @@ impl<B> Default for BinaryTree<B> {
 }
 
 impl<B> BinaryTree<B> {
-    /// The boxes below a node.
+    /// Returns the indices of the boxes below a node.
     ///
     /// # Panics
-    /// Where there is no such node.
+    /// If there is no such node.
     #[must_use]
     pub fn held(&self, node: u32) -> &[u32] {
         let BinaryNode { first, count, .. } = self.nodes[node as usize];

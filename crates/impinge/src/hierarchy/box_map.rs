@@ -1,7 +1,11 @@
-//! Boxes carried from one frame into another, eight at a time, without ever shrinking.
+//! Transforms boxes from one frame to another, eight at a time. The results always enclose the
+//! images.
 //!
-//! Source: Arvo, *Transforming axis-aligned bounding boxes*, Graphics Gems 1990 (the center and half-extents form,
-//! Ericson 4.2.6), in single precision with the rounding error carried as a bound.
+//! Source: Arvo, *Transforming axis-aligned bounding boxes*, Graphics Gems 1990 (in the form with
+//! center and half-extents, Ericson 4.2.6). Ours uses single precision and adds a bound on the
+//! rounding error.
+//!
+//! Tests: `box_map/tests.rs`, against rationals. Proof: docs/proof.md, L2.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
@@ -10,7 +14,7 @@ use super::lanes::{BoxLanes, HALF_ULP};
 use super::wide::Node;
 use crate::simd::load;
 
-/// An affine map for boxes, from the guest's frame into the host's.
+/// An affine map for boxes, from the guest's frame to the host's.
 #[derive(Clone, Debug)]
 pub(crate) struct BoxMap {
     linear: [[f32; 3]; 3],
@@ -20,15 +24,21 @@ pub(crate) struct BoxMap {
 }
 
 impl BoxMap {
-    /// The map `linear · x + translation`, known up to `error` on each axis, for boxes whose coordinates are at most
-    /// `reach` in magnitude.
+    /// Builds the map `linear · x + translation` for boxes whose coordinates are at most `reach` in
+    /// magnitude. The map is known up to `error` on each axis.
     ///
     /// # Accuracy
-    /// With u = 2^-24 and S = Σ|linear|·reach + |translation| on an axis, rounding contributes at most: 3 u S for the
-    /// rounded matrix, translation and centre; 4 u S for the products and sums that make the new centre; 7 u S for the
-    /// half-extents likewise; 2 u S for the last difference and sum, and these sums
-    /// 5 u of the error itself. The slack is 20 u S and (1 + 8 u) times the error, which covers its own evaluation and,
-    /// by `UNDERFLOW`, products too small for a float. This is lemma L2 of docs/proof.md with one bound for all boxes.
+    /// With u = 2^-24 and S = Σ|linear|·reach + |translation| on an axis, rounding contributes at
+    /// most:
+    /// - 3 u S for the rounded matrix, translation and center,
+    /// - 4 u S for the products and sums of the new center,
+    /// - 7 u S for the products and sums of the half-extents,
+    /// - 2 u S for the last difference and sum,
+    /// - 5 u of the error itself, which these sums contain.
+    ///
+    /// The slack is 20 u S and (1 + 8 u) times the error. This covers its own evaluation and, by
+    /// `UNDERFLOW`, products too small for a float. It is lemma L2 of docs/proof.md with one bound
+    /// for all boxes.
     pub(crate) fn new(linear: &[[f64; 3]; 3], translation: &[f64; 3], error: &[f64; 3], reach: f64) -> Self {
         const UNDERFLOW: f64 = 1.0 / (1_u128 << 120) as f64;
         let slack = std::array::from_fn(|axis| {
@@ -44,21 +54,22 @@ impl BoxMap {
         }
     }
 
-    /// The greatest slack of the three axes, in the host's unit: what rounding may cost this frame.
+    /// Returns the largest slack of the three axes, in the host's unit: the most that rounding may
+    /// enlarge a box.
     pub(crate) fn slack(&self) -> f32 {
         self.slack.iter().copied().fold(0.0, f32::max)
     }
 
-    /// Boxes in the host's frame that hold the images of the node's boxes. Lanes that the node does not use hold
-    /// nothing that may be relied on.
+    /// Returns boxes in the host's frame that enclose the images of the node's boxes. Lanes that
+    /// the node does not use are arbitrary.
     #[inline(always)]
     pub(crate) fn apply<S: Simd>(&self, simd: S, node: &Node) -> BoxLanes {
         let half = f32x8::splat(simd, 0.5);
-        let mut centre = [half; 3];
+        let mut center = [half; 3];
         let mut extent = [half; 3];
         for axis in 0..3 {
             let (min, max) = (load(simd, &node.min[axis]), load(simd, &node.max[axis]));
-            centre[axis] = (min + max) * half;
+            center[axis] = (min + max) * half;
             extent[axis] = (max - min) * half;
         }
         let mut lanes = BoxLanes::default();
@@ -66,7 +77,7 @@ impl BoxMap {
             let mut c = f32x8::splat(simd, self.translation[axis]);
             let mut e = f32x8::splat(simd, self.slack[axis]);
             for from in 0..3 {
-                c = f32x8::splat(simd, self.linear[axis][from]).mul_add(centre[from], c);
+                c = f32x8::splat(simd, self.linear[axis][from]).mul_add(center[from], c);
                 e = f32x8::splat(simd, self.magnitude[axis][from]).mul_add(extent[from], e);
             }
             (c - e).store_slice(&mut lanes.min[axis]);

@@ -1,4 +1,4 @@
-//! What builders know of the things that they group, and what they keep of a group: that each has a box.
+//! The boxes that builders group, and the bounds that they keep of a group.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4};
@@ -6,46 +6,47 @@ use fearless_simd::{Simd, f32x4};
 use crate::simd::LANES;
 use crate::volume::Aabb;
 
-/// Twice the centre of a box, and which box it is.
+/// Twice the center of a box, and the index of the box.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C)]
-pub(crate) struct Centre {
+pub(crate) struct Center {
     pub(super) twice: [f32; 3],
     pub(super) index: u32,
 }
 
-impl Centre {
-    /// Of box `index`, in place of what is here.
+impl Center {
+    /// Overwrites this entry with box `index`.
     #[inline(always)]
     pub(super) fn set<S: Simd>(&mut self, twice: f32x4<S>, index: u32) {
         twice.store_slice(bytemuck::cast_mut::<Self, [f32; 4]>(self));
         self.index = index;
     }
 
-    /// Twice the centre, and any fourth lane.
+    /// Returns twice the center, and an arbitrary fourth lane.
     #[inline(always)]
     pub(super) fn lanes<S: Simd>(&self, simd: S) -> f32x4<S> {
         f32x4::from_slice(simd, bytemuck::cast_ref::<Self, [f32; 4]>(self))
     }
 }
 
-/// Twice the first eight of these centres, and any fourth lanes.
+/// Returns twice the first eight centers, each with an arbitrary fourth lane.
 #[inline(always)]
-pub(super) fn lanes_of_eight<S: Simd>(simd: S, centres: &[Centre]) -> [[f32x4<S>; 4]; 2] {
-    let [a, b, c, d, e, f, g, h] = &centres[..LANES] else { unreachable!("as many were taken") };
+pub(super) fn lanes_of_eight<S: Simd>(simd: S, centers: &[Center]) -> [[f32x4<S>; 4]; 2] {
+    let [a, b, c, d, e, f, g, h] = &centers[..LANES] else { unreachable!("at least eight centers were passed") };
     let (low, high) = ([a, b, c, d], [e, f, g, h]);
-    [low.map(|centre| centre.lanes(simd)), high.map(|centre| centre.lanes(simd))]
+    [low.map(|center| center.lanes(simd)), high.map(|center| center.lanes(simd))]
 }
 
-/// Things with boxes, none of which is empty.
+/// Items with boxes. No box may be empty.
 pub(crate) trait Boxes: Sync {
-    /// How many there are.
+    /// Returns the number of boxes.
     fn len(&self) -> usize;
 
-    /// Bounds of twice the centres of all of them, which may be generous.
+    /// Returns a box that encloses twice the centers of all boxes. It may be too large.
     fn twice_reach(&self) -> Aabb;
 
-    /// Twice the centres of eight boxes from number `first` on, and any fourth lanes; anything for boxes that there are not.
+    /// Returns twice the centers of eight boxes from index `first` on, each with an arbitrary
+    /// fourth lane. Indices out of range give arbitrary numbers.
     fn eight<S: Simd>(&self, simd: S, first: usize) -> [[f32x4<S>; 4]; 2];
 }
 
@@ -61,25 +62,25 @@ impl Boxes for [Aabb] {
 
     #[inline(always)]
     fn eight<S: Simd>(&self, simd: S, first: usize) -> [[f32x4<S>; 4]; 2] {
-        let mut centres = [[f32x4::splat(simd, 0.0); 4]; 2];
-        for (centre, Aabb { min, max }) in centres.as_flattened_mut().iter_mut().zip(&self[first..]) {
-            *centre = f32x4::from_slice(simd, &[min[0] + max[0], min[1] + max[1], min[2] + max[2], 0.0]);
+        let mut centers = [[f32x4::splat(simd, 0.0); 4]; 2];
+        for (center, Aabb { min, max }) in centers.as_flattened_mut().iter_mut().zip(&self[first..]) {
+            *center = f32x4::from_slice(simd, &[min[0] + max[0], min[1] + max[1], min[2] + max[2], 0.0]);
         }
-        centres
+        centers
     }
 }
 
-/// What a binary tree keeps of all that is below a node: a box, or nothing where only the layout is wanted, as a refit makes
-/// all boxes anyway.
+/// The bounds that a binary tree keeps of all that is below a node. They are a box, or `()` if only
+/// the layout is needed, because a refit computes all boxes anyway.
 pub trait Bounds: Copy + Send + Sync {
-    /// Of nothing.
+    /// The bounds of no boxes.
     const EMPTY: Self;
 
-    /// Of all that is below two nodes.
+    /// Returns the bounds of all that is below two nodes.
     #[must_use]
     fn union(self, other: Self) -> Self;
 
-    /// The box, which is empty where none is kept.
+    /// Returns the box, or the empty box if none is kept.
     fn aabb(self) -> Aabb;
 }
 

@@ -1,47 +1,51 @@
-//! The bottom of a tree: a cluster of at most some thousand boxes, split by planes through the middle of their centres, and at medians into
-//! whole nodes and whole leaves once hundreds are left.
+//! The bottom of a tree: clusters of at most some thousand boxes. A cluster is split by planes
+//! through the middle of its centers. Once hundreds are left, it is split at medians into full
+//! nodes and full leaves.
 //!
-//! Source: Ericson, *Real-Time Collision Detection*, 6.2.2 and 6.2.3, the splits at the middle and at the median. Ours departs in that it
-//! never sorts: medians are found by counting, and the last few boxes about one are told apart by their order alone, which costs no
-//! tightness that can be measured.
+//! Source: Ericson, *Real-Time Collision Detection*, 6.2.2 and 6.2.3, the splits at the middle and
+//! at the median. Ours departs in that it never sorts: medians are found by counting. The last few
+//! boxes around a median are split by their order alone, which does not measurably loosen the
+//! boxes.
 
 use std::num::NonZeroU32;
 
 use fearless_simd::Simd;
 
 use super::binary::{BinaryNode, LEAF_CAPACITY, NODE_OF_LEAVES};
-use super::boxes::{Bounds, Centre};
-use super::columns::{Columns, MOST, PLANES, Run};
+use super::boxes::{Bounds, Center};
+use super::columns::{Columns, MAX_PLANES, MAX_ROWS, Run};
 use crate::simd::LANES;
 
-/// The most boxes of a cluster.
-pub(crate) const CLUSTER: usize = MOST;
+/// Maximum number of boxes in a cluster.
+pub(crate) const MAX_CLUSTER: usize = MAX_ROWS;
 
-/// More boxes than a wide node over nodes of leaves holds are parted by planes, which find the gaps between them; medians fill what is below.
-const BY_PLANE: usize = LANES * NODE_OF_LEAVES;
+/// Runs with more boxes than this are split by planes, which find the gaps between boxes. It is the
+/// number of boxes below a wide node of nodes of leaves. Medians fill the nodes below.
+const SPLIT_BY_PLANE_ABOVE: usize = LANES * NODE_OF_LEAVES;
 
-/// One run for each level and one more.
-const MOST_LEFT: usize = PLANES as usize + (CLUSTER / LEAF_CAPACITY).ilog2() as usize + 2;
+/// Maximum number of pending runs: one for each level and one more.
+const MAX_PENDING: usize = MAX_PLANES as usize + (MAX_CLUSTER / LEAF_CAPACITY).ilog2() as usize + 2;
 
-/// Room for one cluster after another.
+/// Memory that is reused for one cluster after another.
 #[derive(Default)]
 pub(crate) struct Cluster(Columns);
 
 impl Cluster {
-    /// Groups the boxes of a cluster, of which the first is the tree's box `first`, writes their order, appends their nodes in
-    /// preorder, and returns what `bounds` keeps of them all.
+    /// Builds the subtree of a cluster, whose first box is box `first` of the tree. It writes the
+    /// order of the boxes and appends the nodes in preorder. Returns the bounds of all boxes, as
+    /// `bounds` computes them for a group.
     #[inline(always)]
     pub(crate) fn emit<S: Simd, B: Bounds>(
         &mut self,
         simd: S,
-        centres: &[Centre],
+        centers: &[Center],
         bounds: impl Fn(&[u32]) -> B,
         order: &mut [u32],
         first: u32,
         nodes: &mut Vec<BinaryNode<B>>,
     ) -> B {
         let Self(columns) = self;
-        columns.set(simd, centres);
+        columns.set(simd, centers);
         let root = nodes.len();
         let node = |Run { start, len, .. }: Run| BinaryNode {
             bounds: B::EMPTY,
@@ -49,13 +53,13 @@ impl Cluster {
             count: len as u32,
             right: None,
         };
-        // The runs to come, each with its parent where it is a right child.
-        let mut left: [(Run, Option<usize>); MOST_LEFT] = [Default::default(); MOST_LEFT];
-        left[0].0 = Run::all(centres.len());
+        // The pending runs. Each right child comes with the index of its parent.
+        let mut pending: [(Run, Option<usize>); MAX_PENDING] = [Default::default(); MAX_PENDING];
+        pending[0].0 = Run::all(centers.len());
         let mut count = 1;
         while count > 0 {
             count -= 1;
-            let (run, parent) = left[count];
+            let (run, parent) = pending[count];
             let at = nodes.len();
             if let Some(parent) = parent {
                 nodes[parent].right = NonZeroU32::new((at - parent) as u32);
@@ -70,7 +74,7 @@ impl Cluster {
                 }
                 continue;
             }
-            let by_plane = if run.len > BY_PLANE { columns.part_by_plane(simd, run) } else { None };
+            let by_plane = if run.len > SPLIT_BY_PLANE_ABOVE { columns.part_by_plane(simd, run) } else { None };
             let (low, high) = by_plane.unwrap_or_else(
                 #[inline(always)]
                 || {
@@ -78,11 +82,11 @@ impl Cluster {
                     columns.part(simd, run, run.len.div_ceil(whole).div_ceil(2) * whole)
                 },
             );
-            (left[count], left[count + 1]) = ((high, Some(at)), (low, None));
+            (pending[count], pending[count + 1]) = ((high, Some(at)), (low, None));
             count += 2;
         }
         for (index, number) in order.iter_mut().zip(columns.finished()) {
-            *index = centres[*number as usize].index;
+            *index = centers[*number as usize].index;
         }
         for at in (root..nodes.len()).rev() {
             let BinaryNode { first: start, count, right, .. } = nodes[at];

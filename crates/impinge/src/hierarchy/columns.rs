@@ -1,6 +1,9 @@
-//! The boxes of a cluster while it is halved: their centres as small integers, in columns that are read by whole vectors.
+//! The boxes of a cluster while it is split: their centers as small integers, in columns that are
+//! read in whole vectors.
 //!
-//! Each run of rows has room for two, in which it is parted (see [`parting`]).
+//! Each run of rows has room for twice its length, and is split within that room (see [`parting`]).
+//!
+//! Tests: `columns/tests.rs`, at every vector level. Benchmark: `hierarchies`.
 
 mod layout;
 mod parting;
@@ -8,25 +11,25 @@ mod parting;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8, i16x8, i16x16, i32x8};
 
-use super::boxes::{Centre, lanes_of_eight};
+use super::boxes::{Center, lanes_of_eight};
 use crate::simd::{LANES, by_axis, transposed};
-pub(super) use layout::{MOST, PLANES, Run};
-use layout::{MOST_TOGETHER, NUMBER, ROOM, SIXTEEN, WIDTH};
+pub(super) use layout::{MAX_PLANES, MAX_ROWS, Run};
+use layout::{MAX_TOGETHER, NUMBER, ROOM, SIXTEEN, WIDTH};
 use parting::{Cut, Parting};
 
-/// A coordinate beyond all others, where there is no row.
+/// A coordinate above all others. It marks places without a row.
 const BEYOND: i16 = i16::MAX;
 
-/// The greatest coordinate.
+/// Maximum coordinate of a row.
 const LAST: f32 = (BEYOND - 1) as f32;
 
-/// So many rows are put in order by comparing each with each.
-const FEW: usize = 64;
+/// Maximum number of rows that are ranked by comparing each with each. More are split by counting.
+const MAX_RANKED: usize = 64;
 
-/// The rows of one cluster after another.
+/// The rows of a cluster. The memory is reused for one cluster after another.
 pub(super) struct Columns {
     columns: Box<[[i16; ROOM]; WIDTH]>,
-    finished: Box<[i16; MOST + 2 * SIXTEEN]>,
+    finished: Box<[i16; MAX_ROWS + 2 * SIXTEEN]>,
 }
 
 impl Default for Columns {
@@ -36,29 +39,30 @@ impl Default for Columns {
 }
 
 impl Columns {
-    /// Writes the rows of these centres, of which there is one at least. Where they coincide or reach too far, all of them are in one
-    /// place.
+    /// Writes the rows of these centers; there must be at least one. If the centers coincide or
+    /// their extent overflows, all rows get the same coordinates.
     #[inline(always)]
-    pub(super) fn set<S: Simd>(&mut self, simd: S, centres: &[Centre]) {
-        let (min, max) = reach(simd, centres);
+    pub(super) fn set<S: Simd>(&mut self, simd: S, centers: &[Center]) {
+        let (min, max) = reach(simd, centers);
         let extent = max - min;
         let scale = LAST / extent[0].max(extent[1]).max(extent[2]);
         let is_cube = scale.is_finite() && (extent[0] + extent[1] + extent[2]).is_finite();
         let cells = is_cube.then_some((min, scale));
-        let (eights, rest) = centres.as_chunks::<LANES>();
+        let (eights, rest) = centers.as_chunks::<LANES>();
         for (first, eight) in (0..).step_by(LANES).zip(eights) {
             self.set_eight(simd, first, eight, cells);
         }
         if let Some(last) = rest.last() {
             let mut eight = [*last; LANES];
             eight[..rest.len()].copy_from_slice(rest);
-            self.set_eight(simd, centres.len() - rest.len(), &eight, cells);
+            self.set_eight(simd, centers.len() - rest.len(), &eight, cells);
         }
     }
 
-    /// `cells` are the least corner of their cube, and how many there are for each unit of length.
+    /// Writes eight rows. `cells` is the lower corner of the cube around the centers, and the
+    /// number of cells per unit of length.
     #[inline(always)]
-    fn set_eight<S: Simd>(&mut self, simd: S, first: usize, eight: &[Centre; LANES], cells: Option<(f32x4<S>, f32)>) {
+    fn set_eight<S: Simd>(&mut self, simd: S, first: usize, eight: &[Center; LANES], cells: Option<(f32x4<S>, f32)>) {
         let [low, high] = lanes_of_eight(simd, eight);
         let [x, y, z] = match cells {
             Some((min, scale)) => {
@@ -74,20 +78,22 @@ impl Columns {
         }
     }
 
-    /// Parts rows by a plane through the middle of the box about them, across the axis along which they spread most; `None` where all are
-    /// in one place, or enough planes were above.
+    /// Splits rows by a plane through the middle of their box, across its longest axis. Returns
+    /// `None` if all rows have the same coordinates, or if the run has been split by planes often
+    /// enough.
     #[inline(always)]
     pub(super) fn part_by_plane<S: Simd>(&mut self, simd: S, run: Run) -> Option<(Run, Run)> {
         let planes = run.planes.checked_sub(1)?;
-        let (axis, [least, greatest]) = self.widest::<MOST_TOGETHER, S>(simd, run);
+        let (axis, [least, greatest]) = self.widest::<MAX_TOGETHER, S>(simd, run);
         let pivot = least + (greatest - least) / 2 + 1;
         if pivot > greatest {
             return None;
         }
         let low = count_below(simd, self.along(axis, run), pivot);
-        // The larger part stays, so that the other lies behind what is still to be read.
+        // The larger part stays, so the smaller part goes behind all rows that are still to be
+        // read.
         let larger = low.max(run.len - low);
-        let behind = run.at + 2 * larger + (MOST_TOGETHER << planes);
+        let behind = run.at + 2 * larger + (MAX_TOGETHER << planes);
         let (low_at, high_at) = if low == larger { (run.at, behind) } else { (behind, run.at) };
         let parting = Parting { at: run.at, low: low_at, high: high_at };
         let cut = Cut { axis, from: pivot, to: pivot, wanted: 0 };
@@ -95,14 +101,14 @@ impl Columns {
         Some((Run { len: low, at: low_at, planes, ..run }, run.high(low, high_at, planes)))
     }
 
-    /// Parts more than sixteen rows: the `low` ones that come first along the axis along which they spread most stay in the first half of
-    /// their room, the others go where the other part lies, either in the order in which they are. `low` is a multiple of eight,
-    /// and half of them at least.
+    /// Splits more than sixteen rows: the first `low` rows along the longest axis of their box go
+    /// to the start of the room, the other rows behind the room of these. Both parts keep their
+    /// order. `low` must be a multiple of eight, and at least half of the rows.
     #[inline(always)]
     pub(super) fn part<S: Simd>(&mut self, simd: S, run: Run, low: usize) -> (Run, Run) {
         if run.len <= 2 * SIXTEEN {
             self.part_few::<2, S>(simd, run, low);
-        } else if run.len <= FEW {
+        } else if run.len <= MAX_RANKED {
             self.part_few::<4, S>(simd, run, low);
         } else {
             self.part_many(simd, run, low);
@@ -110,8 +116,8 @@ impl Columns {
         run.split(low)
     }
 
-    /// Is done with up to sixteen rows: the eight that come first along the axis along which they spread most, then the others,
-    /// either in the order in which they are.
+    /// Finishes up to sixteen rows: writes the eight rows that come first along the longest axis of
+    /// their box, then the others. Both groups keep their order.
     #[inline(always)]
     pub(super) fn finish<S: Simd>(&mut self, simd: S, run: Run) {
         let [rank] = self.ranks(simd, run);
@@ -121,19 +127,19 @@ impl Columns {
         let eights = [0, LANES].map(|at| i16x8::from_slice(simd, &numbers[at..][..LANES]));
         let finished = &mut self.finished[run.start..][..SIXTEEN + LANES];
         let mut count = 0;
-        // What follows those that are wanted is overwritten by the next.
+        // The next store overwrites the lanes behind the chosen rows.
         for (eight, is_wanted) in [(eights[0], low), (eights[1], high), (eights[0], !low), (eights[1], !high)] {
             eight.compress(is_wanted).store_slice(&mut finished[count..][..LANES]);
             count += is_wanted.to_bitmask().count_ones() as usize;
         }
     }
 
-    /// The numbers of the rows that it is done with, by their places.
+    /// Returns the numbers of the finished rows, in their final order.
     pub(super) fn finished(&self) -> &[i16] {
         &self.finished[..]
     }
 
-    /// Of up to sixty-four rows.
+    /// Splits up to 64 rows by their ranks.
     #[inline(always)]
     fn part_few<const SIXTEENS: usize, S: Simd>(&mut self, simd: S, run: Run, low: usize) {
         let ranks: [i16x16<S>; SIXTEENS] = self.ranks(simd, run);
@@ -148,24 +154,25 @@ impl Columns {
         }
     }
 
-    /// Of more. Either part has [`MOST_TOGETHER`] rows at least, or nothing of another run lies behind it: as it has room for twice as
-    /// many, and a vector more at the end, whole vectors disturb nobody.
+    /// Splits more rows by counting. Either part has [`MAX_TOGETHER`] rows at least, or no other
+    /// run lies behind it. As a run has room for twice its rows, and for one more vector at the
+    /// end, stores of whole vectors overwrite no other run.
     #[inline(always)]
     fn part_many<S: Simd>(&mut self, simd: S, run: Run, low: usize) {
-        let (axis, reach) = self.widest::<MOST_TOGETHER, S>(simd, run);
+        let (axis, reach) = self.widest::<MAX_TOGETHER, S>(simd, run);
         let (from, to, below) = median(simd, self.along(axis, run), reach, low, run.len);
         let cut = Cut { axis, from, to, wanted: (low - below) as u32 };
         Parting::of(run, low).put_all(simd, &mut self.columns, run.at + run.len, cut);
     }
 
-    /// How many rows come before each of so many sixteens along the axis along which they spread most, those in one place in the order
-    /// in which they are; more than there are rows, where there is none.
+    /// Returns the rank of each row along the longest axis of their box. Rows with the same
+    /// coordinate are ranked by their place. Places without a row get the number of rows.
     #[inline(always)]
     fn ranks<const SIXTEENS: usize, S: Simd>(&mut self, simd: S, run: Run) -> [i16x16<S>; SIXTEENS] {
-        const PLACES: [i16; FEW] = {
-            let mut places = [0; FEW];
+        const PLACES: [i16; MAX_RANKED] = {
+            let mut places = [0; MAX_RANKED];
             let mut place = 1;
-            while place < FEW {
+            while place < MAX_RANKED {
                 places[place] = place as i16;
                 place += 1;
             }
@@ -173,14 +180,15 @@ impl Columns {
         };
         let (axis, [least, greatest]) = self.widest::<SIXTEEN, S>(simd, run);
         let along = &self.columns[axis][run.at..][..SIXTEENS * SIXTEEN];
-        // No two are alike: the place in the lowest bits, and before it as much as there is room for.
+        // The keys differ: the lowest bits hold the place, and the upper bits as much of the
+        // coordinate as fits.
         let shift = (greatest - least).leading_zeros() - 1;
-        let mut keys = [BEYOND; FEW];
+        let mut keys = [BEYOND; MAX_RANKED];
         let mut each = [i16x16::splat(simd, 0); SIXTEENS];
         for sixteen in 0..SIXTEENS {
             let along = i16x16::from_slice(simd, &along[sixteen * SIXTEEN..][..SIXTEEN]);
             let place = i16x16::from_slice(simd, &PLACES[sixteen * SIXTEEN..][..SIXTEEN]);
-            let key = ((along - least) << shift) & !(FEW as i16 - 1) | place;
+            let key = ((along - least) << shift) & !(MAX_RANKED as i16 - 1) | place;
             key.store_slice(&mut keys[sixteen * SIXTEEN..][..SIXTEEN]);
         }
         keys[run.len..].fill(BEYOND);
@@ -197,14 +205,14 @@ impl Columns {
         ranks
     }
 
-    /// Whole vectors of coordinates.
+    /// Returns the coordinates of a run along an axis, rounded up to whole vectors.
     #[inline(always)]
     fn along(&self, axis: usize, run: Run) -> &[i16] {
         &self.columns[axis][run.at..][..run.len.next_multiple_of(SIXTEEN)]
     }
 
-    /// The axis along which rows spread most, and the least and the greatest of their coordinates; marks what comes after them, where
-    /// so many are taken together.
+    /// Returns the axis along which rows spread most, and their minimum and maximum there. Fills
+    /// the places behind the rows with [`BEYOND`], up to a multiple of `TOGETHER`.
     #[inline(always)]
     fn widest<const TOGETHER: usize, S: Simd>(&mut self, simd: S, run: Run) -> (usize, [i16; 2]) {
         let mut widest = (0, [0, -1]);
@@ -215,7 +223,7 @@ impl Columns {
             for sixteen in column.as_chunks::<SIXTEEN>().0 {
                 let sixteen = i16x16::from_slice(simd, sixteen);
                 least = least.min(sixteen);
-                // What is beyond comes round and is the least.
+                // The addition wraps `BEYOND` around to the minimum.
                 after = after.max(sixteen + 1);
             }
             let [least, greatest] = [least.reduce_min(), after.reduce_max() - 1];
@@ -226,6 +234,7 @@ impl Columns {
     }
 }
 
+/// Returns the number of coordinates below `pivot`.
 #[inline(always)]
 fn count_below<S: Simd>(simd: S, along: &[i16], pivot: i16) -> usize {
     let mut counts = i16x16::splat(simd, 0);
@@ -235,11 +244,13 @@ fn count_below<S: Simd>(simd: S, along: &[i16], pivot: i16) -> usize {
     counts.reduce_sum() as usize
 }
 
-/// An interval such that at most `low` of `len` numbers are below it and more than as many below its end, and how many are below it:
-/// so short that few are in it. Where `low` are below it, nobody looks at the end.
+/// Returns an interval around the median, and the number of coordinates below it: at most `low` of
+/// `len` are below its start, and more than `low` below its end. Few coordinates are in the
+/// interval. If exactly `low` are below its start, its end does not matter.
 #[inline(always)]
 fn median<S: Simd>(simd: S, along: &[i16], [least, greatest]: [i16; 2], low: usize, len: usize) -> (i16, i16, usize) {
-    /// This part of them is few: told apart by their order alone, which costs no tightness that can be measured.
+    /// The interval may hold this part of the coordinates, 1/64. They are split by their order
+    /// alone, which does not measurably loosen the boxes.
     const SHARE: usize = 64;
     let (mut from, mut to) = (least, greatest + 1);
     let (mut below, mut before) = (0, len);
@@ -255,23 +266,23 @@ fn median<S: Simd>(simd: S, along: &[i16], [least, greatest]: [i16; 2], low: usi
     (from, to, below)
 }
 
-/// Twice the least and the greatest of the centres, and any fourth lanes.
+/// Returns the minimum and the maximum of twice the centers, each with an arbitrary fourth lane.
 #[inline(always)]
-fn reach<S: Simd>(simd: S, centres: &[Centre]) -> (f32x4<S>, f32x4<S>) {
-    let (pairs, last) = centres.as_chunks::<2>();
-    let first = centres[0].lanes(simd);
+fn reach<S: Simd>(simd: S, centers: &[Center]) -> (f32x4<S>, f32x4<S>) {
+    let (pairs, last) = centers.as_chunks::<2>();
+    let first = centers[0].lanes(simd);
     let (mut min, mut max) = (first.combine(first), first.combine(first));
     for pair in pairs {
-        let pair = f32x8::from_slice(simd, bytemuck::cast_ref::<[Centre; 2], [f32; 8]>(pair));
+        let pair = f32x8::from_slice(simd, bytemuck::cast_ref::<[Center; 2], [f32; 8]>(pair));
         min = min.min(pair);
         max = max.max(pair);
     }
     let ((low_min, high_min), (low_max, high_max)) = (min.split(), max.split());
     let (mut min, mut max) = (low_min.min(high_min), low_max.max(high_max));
-    for centre in last {
-        let centre = centre.lanes(simd);
-        min = min.min(centre);
-        max = max.max(centre);
+    for center in last {
+        let center = center.lanes(simd);
+        min = min.min(center);
+        max = max.max(center);
     }
     (min, max)
 }

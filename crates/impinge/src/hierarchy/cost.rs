@@ -1,5 +1,6 @@
-//! What a tree costs, before it is asked and after: `T = N_V C_V + N_P C_P + N_U C_U` (Gottschalk, Lin, Manocha, *OBBTree*,
-//! SIGGRAPH 1996; Klosowski et al., TVCG 1998, added the updates), and what can be read off the tree itself.
+//! The cost of a tree: of its queries, `T = N_V C_V + N_P C_P + N_U C_U` (Gottschalk, Lin, Manocha,
+//! *OBBTree*, SIGGRAPH 1996; Klosowski et al., TVCG 1998, added the updates), and statistics of the
+//! tree itself.
 
 use std::ops::AddAssign;
 
@@ -9,14 +10,14 @@ use super::wide::{Child, Node, WideTree};
 use crate::simd::LANES;
 use crate::volume::Aabb;
 
-/// What a traversal did.
+/// Numbers of operations that a traversal performed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
-    /// N_V: tests of a pair of bounding volumes.
+    /// N_V: number of tests of two bounding volumes.
     pub volume_tests: u64,
-    /// N_P: tests of a pair of primitives.
+    /// N_P: number of tests of two primitives.
     pub primitive_tests: u64,
-    /// N_U: bounding volumes carried from one frame into the other.
+    /// N_U: number of bounding volumes transformed from one frame to the other.
     pub updates: u64,
 }
 
@@ -28,19 +29,20 @@ impl AddAssign for Counters {
     }
 }
 
-/// What one of each takes on some machine, in seconds. The benchmark `hierarchies` measures them.
+/// Duration of each operation on some machine, in seconds. The benchmark `hierarchies` measures
+/// them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Costs {
-    /// C_V: of a test of two volumes.
+    /// C_V: duration of a test of two volumes.
     pub volume_secs: f64,
-    /// C_P: of a test of two primitives.
+    /// C_P: duration of a test of two primitives.
     pub primitive_secs: f64,
-    /// C_U: of carrying a volume from one frame into the other.
+    /// C_U: duration of transforming a volume from one frame to the other.
     pub update_secs: f64,
 }
 
 impl Costs {
-    /// `N_V C_V + N_P C_P + N_U C_U`, in seconds.
+    /// Returns `N_V C_V + N_P C_P + N_U C_U`, in seconds.
     ///
     /// ```
     /// use impinge::hierarchy::{Costs, Counters};
@@ -57,31 +59,33 @@ impl Costs {
     }
 }
 
-/// What can be read off a tree. Areas are ratios, and so do not depend on the unit.
+/// Statistics of a tree. Areas are given as ratios, so they do not depend on the unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TreeStatistics {
-    /// Inner nodes.
+    /// Number of inner nodes.
     pub inner: usize,
-    /// Leaves.
+    /// Number of leaves.
     pub leaves: usize,
-    /// Steps from the root to the deepest leaf.
+    /// Number of steps from the root to the deepest leaf.
     pub depth: usize,
-    /// The expected number of nodes that something small inside the root's box meets, leaves included: the sum of all
-    /// areas over that of the root.
+    /// Expected number of nodes, leaves included, that a small object inside the root's box
+    /// overlaps: the sum of all areas divided by the area of the root. Zero if the root has no
+    /// area.
     pub sah: f64,
-    /// How much of an inner node's area two of its children have in common, taken over each pair and weighted with the
-    /// area; 0 where no children overlap.
+    /// Overlap of siblings: the areas that pairs of children have in common, summed over all inner
+    /// nodes and divided by the sum of the areas of the inner nodes. Zero if no children overlap.
     pub overlap: f64,
-    /// The share of the places for children and boxes that are taken, in inner nodes.
+    /// Share of the places for children that inner nodes use, from 0 to 1.
     pub node_fill: f64,
-    /// Likewise, in leaves.
+    /// Share of the places for boxes that leaves use, from 0 to 1.
     pub leaf_fill: f64,
-    /// Bytes that the nodes take.
+    /// Size of the nodes in bytes.
     pub bytes: usize,
 }
 
 impl BinaryTree {
-    /// Steps from the root to the deepest leaf; zero where there are no boxes.
+    /// Returns the number of steps from the root to the deepest leaf, or zero if there are no
+    /// boxes.
     #[must_use]
     pub fn depth(&self) -> usize {
         let mut deepest = 0;
@@ -95,7 +99,7 @@ impl BinaryTree {
         deepest
     }
 
-    /// What can be read off the tree.
+    /// Computes the statistics of the tree.
     #[must_use]
     pub fn statistics(&self) -> TreeStatistics {
         let mut sums = Sums::default();
@@ -113,13 +117,13 @@ impl BinaryTree {
 }
 
 impl WideTree {
-    /// What can be read off the tree; `held` gives how many boxes a leaf holds.
+    /// Computes the statistics of the tree. `held` returns the number of boxes in a leaf.
     #[must_use]
     pub fn statistics(&self, held: impl Fn(u32) -> usize) -> TreeStatistics {
         let mut sums = Sums::default();
         let mut deepest = 0;
         let root = self.nodes().first().map(Node::bounds);
-        // The nodes to come, each with its own box and depth.
+        // The nodes to visit, each with its own box and depth.
         let mut pending: Vec<(u32, Aabb, usize)> = root.iter().map(|&bounds| (0, bounds, 0)).collect();
         while let Some((at, bounds, depth)) = pending.pop() {
             let node = &self.nodes()[at as usize];
@@ -136,8 +140,9 @@ impl WideTree {
         sums.over(root.as_ref(), LANES, deepest, size_of_val(self.nodes()))
     }
 
-    /// The boxes at a level: the root's own at level 0, then those of its children, and so on; a leaf above the level
-    /// stands for what would be below it. Empty where there are no boxes.
+    /// Returns the boxes at a level: the root's own at level 0, its children's at level 1, and so
+    /// on. A leaf above the level stands for its missing descendants. Returns no boxes if the tree
+    /// is empty.
     #[must_use]
     pub fn level(&self, level: usize) -> Vec<Aabb> {
         let mut found = Vec::new();
@@ -158,7 +163,7 @@ impl WideTree {
 }
 
 impl Node {
-    /// The box of one lane.
+    /// Returns the box of one lane.
     #[inline(always)]
     pub(crate) fn lane_bounds(&self, lane: usize) -> Aabb {
         Aabb {
@@ -167,14 +172,14 @@ impl Node {
         }
     }
 
-    /// The box of all lanes; those that are not in use hold the empty one.
+    /// Returns the box of all lanes. Unused lanes hold the empty box, so they do not matter.
     #[inline(always)]
     pub(super) fn bounds(&self) -> Aabb {
         Aabb { min: self.min.map(|lanes| least(&lanes)), max: self.max.map(|lanes| -least(&lanes.map(|x| -x))) }
     }
 }
 
-/// In halves, which the vector unit compares side by side.
+/// Returns the minimum of the lanes. It compares halves, which the vector unit does side by side.
 #[inline(always)]
 fn least(lanes: &[f32; LANES]) -> f32 {
     let lesser = |a: f32, b: f32| if a < b { a } else { b };
@@ -182,7 +187,7 @@ fn least(lanes: &[f32; LANES]) -> f32 {
     lesser(lesser(four[0], four[2]), lesser(four[1], four[3]))
 }
 
-/// What statistics are made of.
+/// The sums from which the statistics are computed.
 #[derive(Default)]
 struct Sums {
     inner: usize,
@@ -235,13 +240,14 @@ mod tests {
     }
 
     #[test]
-    fn two_heaps_of_boxes_have_the_statistics_of_two_leaves() {
+    fn two_groups_of_boxes_have_the_statistics_of_two_leaves() {
         for (second, overlap) in [(3.0, 0.0), (0.5, 2.0 / 4.0)] {
             let boxes: Vec<Aabb> = [0.0, second].iter().flat_map(|&x| [unit_box_at(x); LEAF_CAPACITY]).collect();
             let binary = Builder::Median.build(&boxes);
             let (wide, leaves) = WideTree::collapse(&binary);
             let held = |leaf: u32| binary.nodes[leaves[leaf as usize] as usize].count as usize;
-            // Half the areas: of the root, which is second + 1 long, of each leaf, and of what they share.
+            // Half areas: of the root, which is second + 1 long, of each leaf, and of their
+            // intersection.
             let root = f64::from(2.0 * (second + 1.0) + 1.0);
             for (statistics, node_fill) in [(binary.statistics(), 1.0), (wide.statistics(held), 0.25)] {
                 assert_eq!((statistics.inner, statistics.leaves, statistics.depth), (1, 2, 1));
@@ -256,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn no_boxes_and_no_area_are_no_numbers_to_fear() {
+    fn empty_and_flat_trees_have_finite_statistics() {
         let (wide, _) = WideTree::collapse(&BinaryTree::<Aabb>::default());
         assert_eq!(BinaryTree::default().statistics(), TreeStatistics::default());
         assert_eq!((wide.statistics(|_| 0), wide.level(3)), (TreeStatistics::default(), Vec::new()));

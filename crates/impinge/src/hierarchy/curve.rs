@@ -1,4 +1,4 @@
-//! The Morton curve: the order in which a depth-first walk of an octree meets its cells.
+//! The Morton curve: the order in which a depth-first walk of an octree visits its cells.
 //!
 //! Source: Morton, *A computer oriented geodetic data base*, IBM 1966; Ericson, 7.3.5.
 
@@ -10,45 +10,47 @@ use fearless_simd::{Simd, f32x4, f32x8, u32x8};
 use crate::simd::{LANES, by_axis, transposed};
 use crate::volume::Aabb;
 
-/// Bits of a cell's coordinate on each axis.
+/// Number of bits of a cell's coordinate on each axis.
 const BITS: u32 = 8;
 
-/// Bits of a digit of a code, of which there are two.
+/// Number of bits of a digit. A code has two digits.
 const DIGIT_BITS: u32 = 12;
 
-/// How many digits there are to choose from.
+/// Number of values of a digit.
 pub(super) const DIGITS: usize = 1 << DIGIT_BITS;
 
-/// The place of the leading digit of a code.
+/// Index of the leading digit of a code; the other digit has index 0.
 pub(super) const LEADING: u32 = 1;
 
 /// The last cell on each axis.
 const LAST: f32 = ((1 << BITS) - 1) as f32;
 
-/// Added to a small positive number, leaves an integer in the lowest bits.
+/// Adding this to a small positive number leaves the rounded integer in the lowest bits.
 const ROUND: f32 = (1 << 23) as f32;
 
-/// A curve through the cubic cells of a cube.
+/// A Morton curve through the cubic cells of a cube.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Curve {
     origin: [f32; 3],
-    /// Cells for each unit of length.
+    /// Number of cells per unit of length.
     scale: f32,
 }
 
 impl Curve {
-    /// The curve with one cell for all that there is.
+    /// The curve with one cell for all of space.
     pub(crate) const ONE_CELL: Self = Self { origin: [0.0; 3], scale: 0.0 };
 
-    /// The curve over these bounds; none where they are a point, or so large or small that cells could not be told apart.
+    /// Returns the curve over these bounds. Returns `None` if they are a point, or so large or
+    /// small that cells cannot be distinguished.
     pub(crate) fn over(bounds: &Aabb) -> Option<Self> {
         let extent = (0..3).map(|axis| bounds.max[axis] - bounds.min[axis]).fold(0.0, f32::max);
         let scale = (1_u32 << BITS) as f32 / extent;
         (extent > 0.0 && extent.is_finite() && scale.is_finite()).then_some(Self { origin: bounds.min, scale })
     }
 
-    /// Calls `visit` with eight numbers of a range after the other, and with what is left at its end. `place` is that of the digit, the
-    /// least being 0, and `eight` are twice the centres from a number on.
+    /// Calls `visit` with consecutive groups of eight boxes of a range, and with the rest at its
+    /// end. `place` is the index of the digit to compute. `eight` returns twice the centers of
+    /// eight boxes from an index on.
     #[inline(always)]
     pub(super) fn for_each_eight<S: Simd>(
         &self,
@@ -73,7 +75,7 @@ impl Curve {
         }
     }
 
-    /// The code of one cell, by its bits one by one.
+    /// Computes the code of one cell bit by bit.
     #[cfg(test)]
     pub(super) fn code(&self, twice: [f32; 3]) -> u32 {
         let code = |axis: usize| {
@@ -84,13 +86,13 @@ impl Curve {
         code(0) | code(1) | code(2)
     }
 
-    /// Of the codes of the cells of centres.
+    /// Returns digit `place` of the codes of eight cells.
     #[inline(always)]
     fn digits<S: Simd>(&self, simd: S, place: u32, &[low, high]: &[[f32x4<S>; 4]; 2]) -> u32x8<S> {
         let twice = transposed(low, high);
         let [x, y, z] = by_axis!(axis => {
             let along = (twice[axis] - self.origin[axis]) * self.scale - 0.5;
-            // Not a number is before the first cell.
+            // NaN goes to the first cell.
             let inside = along.simd_gt(f32x8::splat(simd, 0.0)).select(along, f32x8::splat(simd, 0.0));
             let cell = inside.min(f32x8::splat(simd, LAST)) + ROUND;
             spread(cell.bitcast::<u32x8<S>>())
@@ -100,13 +102,13 @@ impl Curve {
     }
 }
 
-/// Up to eight numbers one after the other, twice the centres that they have, and digits of their codes.
+/// Up to eight consecutive boxes: twice their centers, and digits of their codes.
 pub(super) struct Eight<S: Simd> {
     pub(super) first: usize,
     pub(super) count: usize,
     twice: [[f32x4<S>; 4]; 2],
     digits: [u32; LANES],
-    /// All eight have one and the same digit, as neighbours have most often.
+    /// True if all eight have the same digit, as neighbors mostly do.
     pub(super) is_same: bool,
 }
 
@@ -122,7 +124,7 @@ impl<S: Simd> Eight<S> {
     }
 }
 
-/// The low 10 bits of each lane, each followed by two zeros.
+/// Spreads the low 10 bits of each lane: each is followed by two zeros.
 #[inline(always)]
 fn spread<S: Simd>(x: u32x8<S>) -> u32x8<S> {
     let x = x & 0x3ff;
@@ -140,15 +142,15 @@ mod tests {
     use impinge_testkit::generate::Rng;
 
     #[test]
-    fn a_code_has_the_bits_of_its_cell_by_turns() {
+    fn a_code_interleaves_the_bits_of_its_cell() {
         let mut rng = Rng::new(142);
         let bounds = Aabb { min: [-1.0, 0.0, 2.0], max: [1.0, 0.5, 3.0] };
-        // On the borders of cells, outside all of them, and not a number.
+        // On the borders of cells, outside all of them, and NaN.
         let far = [f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MAX];
         let mut coordinate = || if rng.one_in(20) { rng.choose(&far) } else { rng.integer(-600, 2_000) as f32 / 512.0 };
         let (mut seen, mut same) = ([0; 2], 0);
         for count in (0..40).chain([500]) {
-            let centres: Vec<[f32; 4]> = (0..count).map(|_| [0; 4].map(|_| coordinate())).collect();
+            let centers: Vec<[f32; 4]> = (0..count).map(|_| [0; 4].map(|_| coordinate())).collect();
             for curve in [Curve::over(&bounds).expect("a cube"), Curve::ONE_CELL] {
                 for (name, level) in kernel_levels() {
                     for (first, place) in [(0, 0), (count / 2, LEADING)] {
@@ -159,14 +161,14 @@ mod tests {
                             first..count,
                             |first| {
                                 let mut eight = [[f32x4::splat(simd, 0.0); 4]; 2];
-                                for (lanes, centre) in eight.as_flattened_mut().iter_mut().zip(&centres[first..]) {
-                                    *lanes = f32x4::from_slice(simd, centre);
+                                for (lanes, center) in eight.as_flattened_mut().iter_mut().zip(&centers[first..]) {
+                                    *lanes = f32x4::from_slice(simd, center);
                                 }
                                 eight
                             },
                             |eight| {
                                 assert_eq!(eight.first, next, "{name}");
-                                for (lane, &[x, y, z, any]) in centres[next..][..eight.count].iter().enumerate() {
+                                for (lane, &[x, y, z, any]) in centers[next..][..eight.count].iter().enumerate() {
                                     let twice = <[f32; 4]>::from(eight.twice(lane)).map(f32::to_bits);
                                     assert_eq!(twice, [x, y, z, any].map(f32::to_bits), "{name}");
                                     let code = curve.code([x, y, z]);
@@ -185,7 +187,7 @@ mod tests {
                 }
             }
         }
-        assert_eq!(seen, [DIGITS - 1; 2], "not all bits were met");
+        assert_eq!(seen, [DIGITS - 1; 2], "not all bits were seen");
         assert!(same > 100, "{same}");
     }
 }

@@ -1,7 +1,8 @@
-//! The simultaneous descent of two trees: one in its own frame, the host, and one carried into it, the guest.
+//! The simultaneous descent of two trees: the host's, and the guest's in the host's frame.
 //!
-//! Source: Gottschalk, Lin, Manocha, *OBBTree*, SIGGRAPH 1996, for descending two trees at once; ours opens both nodes
-//! together, eight boxes against eight, and carries a guest node's boxes once for the host nodes that they meet in turn.
+//! Source: Gottschalk, Lin, Manocha, *OBBTree*, SIGGRAPH 1996. Ours opens both nodes together,
+//! eight boxes against eight, and transforms a guest node once for consecutive host nodes. Tests:
+//! `tests/it/engine`. Benchmark: `headline`.
 
 use std::ops::ControlFlow;
 
@@ -21,41 +22,40 @@ use crate::simd::{
 };
 use crate::volume::Aabb;
 
-/// What happens at the leaves, which the hierarchy does not understand.
+/// The processing of leaf pairs, which the hierarchy leaves to its caller.
 pub(crate) trait LeafVisitor {
-    /// Lets the leaves of a host node that lie in `lanes` wait for a guest leaf, but for those whose boxes are proved apart from all
-    /// that it holds. At most [`APPROACHED`] come before [`meet`](Self::meet).
+    /// Queues the leaves in `lanes` of a host node against a guest leaf, except those whose boxes
+    /// are apart from its content. At most [`APPROACHED`] calls precede a [`meet`](Self::meet).
     fn approach<S: Simd>(&mut self, simd: S, guest_leaf: u32, host: &Node, lanes: u32);
 
-    /// Meets those that have waited long enough.
+    /// Processes the leaf pairs that have been queued long enough.
     fn meet<S: Simd>(&mut self, simd: S) -> ControlFlow<()>;
 
-    /// Meets a leaf with all that is below a node of the other tree that is much smaller than what holds the leaf.
+    /// Processes a leaf against all that is below a node of the other tree, which is much smaller.
     fn meet_below<S: Simd>(&mut self, simd: S, large: Large, node: u32) -> ControlFlow<()>;
 
-    /// Meets all that wait.
+    /// Processes all queued leaf pairs.
     fn finish<S: Simd>(&mut self, simd: S) -> ControlFlow<()>;
 
-    /// Asks for what says where the memory of leaves is: of those about a guest leaf and those about a host leaf, which will be
-    /// [asked for](Self::prefetch_guest) soon.
+    /// Prefetches the addresses of the data of leaves near a guest leaf and near a host leaf.
     fn prefetch_places(&self, guest_leaf: u32, host_leaf: u32);
 
-    /// Asks for the memory of a guest leaf that will be taken up soon.
+    /// Prefetches the data of a guest leaf that will be processed soon.
     fn prefetch_guest(&self, leaf: u32);
 }
 
-/// The leaf of a pair of leaf and node, of which it is the larger.
+/// The leaf of a pair of a leaf and a much smaller node.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Large {
     Guest(u32),
     Host(u32),
 }
 
-/// A node that reaches so many times as far as another is opened without it. Trees of even triangles hardly ever come to
-/// that; with 4 in place of 16 they do, and take a seventh more time for it.
+/// Ratio of extents from which the larger of two nodes is opened alone. With 4 in place of 16,
+/// trees of even triangles reach it too, and take 14 % longer.
 const MUCH_LARGER: f32 = 16.0;
 
-/// Two nodes left to open.
+/// Two nodes to open.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Task {
     guest: u32,
@@ -66,7 +66,7 @@ impl Task {
     const ROOT: Self = Self { guest: 0, host: 0 };
 }
 
-/// A guest leaf, and the leaves of a host node that it may meet.
+/// A guest leaf, and the leaves of a host node that overlap it.
 #[derive(Clone, Copy, Debug)]
 struct Approach {
     guest_leaf: u32,
@@ -74,17 +74,17 @@ struct Approach {
     host_lanes: u32,
 }
 
-/// So many approaches are made in one go: what comes of one cannot be foreseen, and nothing in between asks for it.
+/// Number of approaches per batch. No approach of a batch depends on the outcome of another.
 pub(crate) const APPROACHED: usize = 4;
 
-/// With so many of the 64 pairs of boxes of two nodes near each other they may be long ones that pass each other askew. To find out
-/// takes less than a tenth of what opening so many would.
-const CROWDED: u32 = 32;
+/// Minimum number of overlapping pairs, out of 64, for which edge-cross axes are tested. The test
+/// takes less than 10 % of the time to open 32 pairs.
+const CROSS_TEST_FROM: u32 = 32;
 
-/// Room for those that wait, all that two nodes of leaves come to, and what four at a time write after the last.
-const APPROACHES: usize = (QUEUE + LANES + 4).next_power_of_two();
+/// Room for the queued approaches, those of two more nodes, and the overhang of a store of four.
+const APPROACH_ROOM: usize = (QUEUE + LANES + 4).next_power_of_two();
 
-/// The guest node carried over last: its boxes and its slab in the host's frame.
+/// The boxes and the slab of the last transformed guest node, in the host's frame.
 struct Carried {
     node: u32,
     boxes: BoxLanes,
@@ -99,26 +99,26 @@ impl Carried {
     }
 }
 
-/// What a run keeps beside its tasks.
-struct Underway {
+/// The state of a run, except for its tasks.
+struct RunState {
     carried: Carried,
-    /// Put off until the guest leaves' memory is at hand.
-    approaches: Queue<Approach, APPROACHES>,
-    patience: usize,
-    /// None before the first crowd.
+    /// Approaches that wait for the memory of their guest leaves.
+    approaches: Queue<Approach, APPROACH_ROOM>,
+    queue_len: usize,
+    /// `None` until it is first needed.
     askew: Option<Askew>,
 }
 
-/// In which order tasks are opened, and how long.
+/// The order in which tasks are opened, and the limit on their number.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Order {
-    /// The last task comes first. `ahead` tasks are taken from the stack early, so that their memory is on its way.
+    /// Opens the last task first. `ahead` tasks are popped early, to prefetch their nodes.
     DepthFirst {
-        /// 1 finds the first pair soonest, [`QUEUE`] finds all of them soonest. At most `most` tasks are opened.
+        /// 1 finds the first pair fastest, [`QUEUE`] all pairs. Opens at most `most` tasks.
         ahead: usize,
         most: usize,
     },
-    /// The first one first, until there are this many to share out, or none.
+    /// Opens the first task first, until there are this many tasks to share, or none.
     BreadthFirstUntil(usize),
 }
 
@@ -126,29 +126,29 @@ pub(crate) enum Order {
 pub(crate) struct Descent<'a> {
     pub(crate) host: &'a [Node],
     pub(crate) guest: &'a [Node],
-    /// Carries guest boxes to the host.
+    /// Transforms guest boxes to the host's frame.
     pub(crate) boxes: &'a BoxMap,
-    /// Carries host slabs to guest boxes.
+    /// Transforms host slabs to the guest's frame.
     pub(crate) host_slabs: &'a SlabMap,
-    /// Carries guest slabs to host boxes.
+    /// Transforms guest slabs to the host's frame.
     pub(crate) guest_slabs: &'a SlabMap,
-    /// How much longer a guest's extent may be in the host's frame.
+    /// Maximum factor by which a guest's extent grows in the host's frame.
     pub(crate) stretch: f32,
-    /// Makes what tells long boxes apart that pass each other.
+    /// Builds the edge-cross frames when they are first needed.
     pub(crate) askew: &'a (dyn Fn() -> Askew + Sync),
 }
 
 impl Descent<'_> {
-    /// The task that all others come from; none where a tree is empty.
+    /// Returns the task from which all others come, or `None` if a tree is empty.
     pub(crate) fn root(&self) -> Option<Task> {
         (!self.host.is_empty() && !self.guest.is_empty()).then_some(Task::ROOT)
     }
 
-    /// Works off tasks and all that comes from them until the visitor breaks off, or until the order says so; what is
-    /// left over stays in `tasks`.
+    /// Opens tasks and all their descendants until the visitor breaks, or the order's limit is
+    /// reached. Unopened tasks stay in `tasks`.
     ///
-    /// Depth first, there are at most 64 tasks for each level of the two trees, whose depth is bounded, and those in
-    /// the queue: opening a task takes one away and adds at most 64, all deeper than it.
+    /// Depth first, there are at most 64 tasks for each level of the two trees, and those in the
+    /// queue: opening a task removes it and adds at most 64, all deeper than it.
     #[inline(always)]
     pub(crate) fn run<S: Simd, V: LeafVisitor>(
         &self,
@@ -158,10 +158,10 @@ impl Descent<'_> {
         visitor: &mut V,
     ) -> ControlFlow<()> {
         let mut queue = Queue::<_, QUEUE>::new(Task::ROOT);
-        let mut underway = Underway {
+        let mut state = RunState {
             carried: Carried { node: u32::MAX, boxes: BoxLanes::default(), slab: Slab::ALL },
             approaches: Queue::new(Approach { guest_leaf: 0, host: 0, host_lanes: 0 }),
-            patience: match order {
+            queue_len: match order {
                 Order::DepthFirst { ahead, .. } => ahead.min(QUEUE),
                 Order::BreadthFirstUntil(_) => QUEUE,
             },
@@ -185,7 +185,7 @@ impl Descent<'_> {
                         break;
                     }
                     done += 1;
-                    while queue.len() < underway.patience
+                    while queue.len() < state.queue_len
                         && let Some(task) = tasks.pop()
                     {
                         prefetch(&self.guest[task.guest as usize]);
@@ -198,29 +198,29 @@ impl Descent<'_> {
                     queue.pop()
                 }
             };
-            self.open(simd, task, visitor, &mut underway, tasks)?;
+            self.open(simd, task, visitor, &mut state, tasks)?;
         }
-        while underway.approaches.len() > 0 {
-            self.approach(simd, 1, &mut underway, visitor)?;
+        while state.approaches.len() > 0 {
+            self.approach(simd, 1, &mut state, visitor)?;
         }
         visitor.finish(simd)
     }
 
-    /// Opens two nodes: both at once, or the much larger one alone. If one of them holds leaves and the other nodes of like size, that
-    /// one stays as it is, so that leaves come to meet leaves. The tasks of one guest child are left side by side, so that it is
-    /// carried over once for all of them.
+    /// Opens two nodes: both at once, or a much larger one alone. If one holds leaves and the other
+    /// nodes of similar size, only the other is opened, so leaves are paired with leaves. The tasks
+    /// of one guest child are consecutive, so it is transformed once for all of them.
     #[inline(always)]
     fn open<S: Simd, V: LeafVisitor>(
         &self,
         simd: S,
         task: Task,
         visitor: &mut V,
-        underway: &mut Underway,
+        state: &mut RunState,
         below: &mut Vec<Task>,
     ) -> ControlFlow<()> {
         let (guest, host) = (&self.guest[task.guest as usize], &self.host[task.host as usize]);
-        self.carry(simd, task.guest, &mut underway.carried);
-        let carried = &underway.carried;
+        self.carry(simd, task.guest, &mut state.carried);
+        let carried = &state.carried;
         let [guest_lanes, host_lanes] = self.lanes_in_slabs(simd, [guest, host], carried);
         if guest_lanes == 0 || host_lanes == 0 {
             return ControlFlow::Continue(());
@@ -254,14 +254,14 @@ impl Descent<'_> {
         // A byte of host lanes for each guest lane.
         let mut near =
             overlapping_each(simd, host_boxes, &carried.boxes) & each_byte(host_lanes) & spread_to_bytes(guest_lanes);
-        if near.count_ones() >= CROWDED {
-            near = self.part(simd, underway, host, guest, near);
+        if near.count_ones() >= CROSS_TEST_FROM {
+            near = self.cull_edge_cross(simd, state, host, guest, near);
         }
         if guest.holds_leaves() && host.holds_leaves() {
             visitor.prefetch_places(guest.index(0), host.index(0));
-            queue_approaches(near, guest, task.host, &mut underway.approaches);
-            while underway.approaches.len() >= underway.patience {
-                self.approach(simd, underway.patience.min(APPROACHED), underway, visitor)?;
+            queue_approaches(near, guest, task.host, &mut state.approaches);
+            while state.approaches.len() >= state.queue_len {
+                self.approach(simd, state.queue_len.min(APPROACHED), state, visitor)?;
             }
         } else {
             push_children(near, task, [guest, host], below);
@@ -269,7 +269,7 @@ impl Descent<'_> {
         ControlFlow::Continue(())
     }
 
-    /// Carries the boxes and the slab of a guest node into the host's frame, unless it is the node that was carried last.
+    /// Transforms the boxes and the slab of a guest node, unless it is the last one transformed.
     #[inline(always)]
     fn carry<S: Simd>(&self, simd: S, node: u32, carried: &mut Carried) {
         if carried.node != node {
@@ -280,27 +280,27 @@ impl Descent<'_> {
         }
     }
 
-    /// Returns the lanes of the guest and of the host whose boxes are not proved outside the slab of the other node, nor outside
-    /// the slabs that both have in common.
+    /// Returns the lanes of the guest and of the host whose boxes are not proved outside the slab
+    /// of the other node, nor outside the difference of both slabs.
     #[inline(always)]
     fn lanes_in_slabs<S: Simd>(&self, simd: S, [guest, host]: [&Node; 2], carried: &Carried) -> [u32; 2] {
         let host_slab = self.host_slabs.carry(simd, &host.slab);
         let mut guest_lanes = lanes_in_use(guest) & !host_slab.outside(simd, guest);
         let mut host_lanes = lanes_in_use(host) & !carried.slab.outside(simd, host);
-        if let Some(slab) = self.guest_slabs.beside(&carried.slab, &host.slab) {
+        if let Some(slab) = self.guest_slabs.difference(&carried.slab, &host.slab) {
             host_lanes &= !slab.outside(simd, host);
-            if let Some(slab) = self.host_slabs.beside(&host_slab, &guest.slab) {
+            if let Some(slab) = self.host_slabs.difference(&host_slab, &guest.slab) {
                 guest_lanes &= !slab.outside(simd, guest);
             }
         }
         [guest_lanes, host_lanes]
     }
 
-    /// Of a crowd of near boxes those that do not pass each other askew.
+    /// Returns the pairs of `near` that are not proved apart along an edge-cross axis.
     #[cold]
     #[inline(never)]
-    fn part<S: Simd>(&self, simd: S, underway: &mut Underway, host: &Node, guest: &Node, near: u64) -> u64 {
-        let askew = underway.askew.get_or_insert_with(self.askew);
+    fn cull_edge_cross<S: Simd>(&self, simd: S, state: &mut RunState, host: &Node, guest: &Node, near: u64) -> u64 {
+        let askew = state.askew.get_or_insert_with(self.askew);
         outlined(
             simd,
             #[inline(always)]
@@ -308,21 +308,21 @@ impl Descent<'_> {
         )
     }
 
-    /// So many guest leaves against leaves of the host.
+    /// Processes `count` queued approaches, and prefetches the next guest leaves.
     #[inline(always)]
     fn approach<S: Simd, V: LeafVisitor>(
         &self,
         simd: S,
         count: usize,
-        underway: &mut Underway,
+        state: &mut RunState,
         visitor: &mut V,
     ) -> ControlFlow<()> {
         for _ in 0..count {
-            let Approach { guest_leaf, host, host_lanes } = underway.approaches.pop();
+            let Approach { guest_leaf, host, host_lanes } = state.approaches.pop();
             visitor.approach(simd, guest_leaf, &self.host[host as usize], host_lanes);
         }
         for ahead in 0..count {
-            if let Some(Approach { guest_leaf, .. }) = underway.approaches.ahead(ahead) {
+            if let Some(Approach { guest_leaf, .. }) = state.approaches.get(ahead) {
                 visitor.prefetch_guest(guest_leaf);
             }
         }
@@ -330,8 +330,8 @@ impl Descent<'_> {
     }
 }
 
-/// Makes tasks of the pairs of children that are near each other, of two nodes of which at least one has nodes as its children. A
-/// node of leaves stays as it is. `near` has a byte of host lanes for each guest lane.
+/// Pushes the overlapping pairs of children of two nodes as tasks. A node of leaves stays itself;
+/// at most one of the two may be one. `near` has a byte of host lanes for each guest lane.
 #[inline(always)]
 fn push_children(mut near: u64, task: Task, [guest, host]: [&Node; 2], below: &mut Vec<Task>) {
     if guest.holds_leaves() {
@@ -355,9 +355,9 @@ fn push_children(mut near: u64, task: Task, [guest, host]: [&Node; 2], below: &m
     }
 }
 
-/// Queues the guest leaves that are near leaves of a host node. `near` has a byte of host lanes for each guest lane.
+/// Queues the guest leaves that overlap leaves of a host node; `near` is as in [`push_children`].
 #[inline(always)]
-fn queue_approaches(near: u64, guest: &Node, host: u32, approaches: &mut Queue<Approach, APPROACHES>) {
+fn queue_approaches(near: u64, guest: &Node, host: u32, approaches: &mut Queue<Approach, APPROACH_ROOM>) {
     let mut any = nonzero_bytes(near);
     while any != 0 {
         let left = any.count_ones() as usize;
@@ -370,8 +370,8 @@ fn queue_approaches(near: u64, guest: &Node, host: u32, approaches: &mut Queue<A
     }
 }
 
-/// Opens the larger of two nodes alone: the children whose bits say that they are `near` the other one become tasks, or
-/// meet all below it.
+/// Opens the larger of two nodes alone. The children in `near` become tasks if they are nodes, and
+/// are processed against all of the other node if they are leaves.
 #[inline(always)]
 fn open_larger(
     node: &Node,
@@ -388,7 +388,7 @@ fn open_larger(
     ControlFlow::Continue(())
 }
 
-/// The box about eight.
+/// Returns the box around eight boxes.
 #[inline(always)]
 fn union<S: Simd>((min, max): (&Lanes3<S>, &Lanes3<S>)) -> Aabb {
     Aabb { min: by_axis!(axis => min[axis].reduce_min()), max: by_axis!(axis => max[axis].reduce_max()) }

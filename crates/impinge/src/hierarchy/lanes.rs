@@ -1,4 +1,5 @@
-//! Boxes eight at a time, tested against each other.
+//! Overlap tests of eight boxes at a time. Guarded by `box_map/tests.rs`; the verdicts are
+//! docs/proof.md, L2.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
@@ -6,10 +7,10 @@ use fearless_simd::{Simd, f32x8, mask32x8};
 use crate::simd::{LANES, by_axis, nonzero_bytes, take_four};
 use crate::volume::Aabb;
 
-/// Half a unit in the last place of single precision: the relative error of one rounding.
+/// Half a unit in the last place of 1 in single precision: the relative error of one rounding.
 pub(crate) const HALF_ULP: f64 = 1.0 / (1_u32 << 24) as f64;
 
-/// Eight boxes by axis.
+/// Eight boxes, stored by axis.
 #[derive(Clone, Debug, Default)]
 #[repr(align(64))]
 pub(crate) struct BoxLanes {
@@ -18,7 +19,7 @@ pub(crate) struct BoxLanes {
 }
 
 impl BoxLanes {
-    /// The box in one lane.
+    /// Returns the box in one lane.
     #[inline(always)]
     pub(crate) fn lane(&self, lane: usize) -> Aabb {
         Aabb { min: by_axis!(axis => self.min[axis][lane]), max: by_axis!(axis => self.max[axis][lane]) }
@@ -33,14 +34,15 @@ impl BoxLanes {
     }
 }
 
-/// The lanes whose boxes are not proved apart from `one`, as bits. A comparison with NaN proves nothing, so that a bound
-/// that overflowed costs time and never a pair.
+/// Returns the lanes whose boxes are not proved apart from `one`, as bits. A comparison with NaN
+/// proves nothing, so a bound that overflowed costs time but never loses a pair.
 #[inline(always)]
 pub(crate) fn overlapping<S: Simd>(simd: S, boxes: (&[f32x8<S>; 3], &[f32x8<S>; 3]), one: &Aabb) -> u32 {
     !apart(simd, boxes, one) & 0xff
 }
 
-/// The lanes of `boxes` that are not proved apart from each of `many`: for lane `i` of these the byte `i`.
+/// Returns the lanes of `boxes` that are not proved apart from each box of `many`: byte `k` for
+/// lane `k` of `many`.
 #[inline(always)]
 pub(crate) fn overlapping_each<S: Simd>(simd: S, boxes: (&[f32x8<S>; 3], &[f32x8<S>; 3]), many: &BoxLanes) -> u64 {
     let mut apart_from = 0;
@@ -50,9 +52,11 @@ pub(crate) fn overlapping_each<S: Simd>(simd: S, boxes: (&[f32x8<S>; 3], &[f32x8
     !apart_from
 }
 
-/// Of pairs of boxes those that are not proved apart: bit `i` of byte `k` for lane `i` of `boxes` and `k` of `many`.
+/// Returns the given pairs of boxes that are not proved apart: bit `i` of byte `k` for lane `i` of
+/// `boxes` and lane `k` of `many`.
 ///
-/// Four of `many` are looked at in one go: for pairs in which there are mostly no more of them.
+/// It processes four boxes of `many` at a time. It is for `pairs` that mostly contain at most four
+/// of them.
 #[inline(always)]
 pub(crate) fn overlapping_pairs<S: Simd>(
     simd: S,
@@ -70,7 +74,7 @@ pub(crate) fn overlapping_pairs<S: Simd>(
     pairs & !apart_from
 }
 
-/// The lanes whose boxes are proved apart from `one`, as bits.
+/// Returns the lanes whose boxes are proved apart from `one`, as bits.
 #[inline(always)]
 fn apart<S: Simd>(simd: S, boxes: (&[f32x8<S>; 3], &[f32x8<S>; 3]), one: &Aabb) -> u32 {
     let (min, max) = boxes;

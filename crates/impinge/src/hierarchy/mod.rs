@@ -1,7 +1,8 @@
-//! Bounding volume hierarchies over boxes: how they are built, laid out and descended. Nothing here knows a shape.
+//! Bounding volume hierarchies over boxes: building, memory layout and simultaneous descent. This
+//! module knows boxes only, no shapes.
 //!
-//! A builder orders the boxes and emits one neutral [`BinaryTree`]; one collapse turns it into the [`WideTree`] that
-//! every query descends.
+//! A builder orders the boxes and emits a neutral [`BinaryTree`]. The collapse turns it into the
+//! [`WideTree`] that every query descends.
 
 mod aging;
 mod area;
@@ -14,8 +15,8 @@ mod cluster;
 mod columns;
 mod cost;
 mod curve;
-mod deals;
 mod descent;
+mod digit_order;
 mod dynamic;
 mod generic;
 mod lanes;

@@ -1,10 +1,10 @@
-//! What waits for its memory: a short queue between the moment at which something is known to be needed and its turn.
+//! A short queue of items between the prefetch of their memory and their processing.
 
-/// The most tasks between the stack and their turn, and the approaches between their node's turn and theirs. Fewer
-/// hide less of the memory's latency; more push each other's lines out of the first cache.
+/// Maximum number of queued tasks, and of queued approaches. Fewer hide less memory latency. More
+/// evict each other's cache lines from the first-level cache.
 pub(crate) const QUEUE: usize = 8;
 
-/// The first to come is the first to go, of at most so many.
+/// A first-in, first-out queue with room for `ROOM` items.
 pub(super) struct Queue<T, const ROOM: usize> {
     items: [T; ROOM],
     next: usize,
@@ -12,7 +12,7 @@ pub(super) struct Queue<T, const ROOM: usize> {
 }
 
 impl<T: Copy, const ROOM: usize> Queue<T, ROOM> {
-    /// Nothing; any filler will do.
+    /// Returns an empty queue. `filler` fills the unused places and is never returned.
     pub(super) fn new(filler: T) -> Self {
         Self { items: [filler; ROOM], next: 0, len: 0 }
     }
@@ -22,14 +22,14 @@ impl<T: Copy, const ROOM: usize> Queue<T, ROOM> {
         self.len
     }
 
-    /// Only for one that is not full.
+    /// Appends an item. The queue must not be full.
     #[inline(always)]
     pub(super) fn push(&mut self, item: T) {
         self.items[(self.next + self.len) % ROOM] = item;
         self.len += 1;
     }
 
-    /// The first so many of four; only where there is room for all.
+    /// Appends the first `count` of four items. There must be room for four.
     #[inline(always)]
     pub(super) fn push_some(&mut self, four: [T; 4], count: usize) {
         for (at, item) in four.into_iter().enumerate() {
@@ -38,18 +38,18 @@ impl<T: Copy, const ROOM: usize> Queue<T, ROOM> {
         self.len += count.min(4);
     }
 
-    /// The one whose turn it is once so many before it had theirs, if it is here already.
+    /// Returns the item that `before` items precede, or `None` if there are not so many.
     #[inline(always)]
-    pub(super) fn ahead(&self, before: usize) -> Option<T> {
+    pub(super) fn get(&self, before: usize) -> Option<T> {
         (self.len > before).then(|| self.items[(self.next + before) % ROOM])
     }
 
-    /// Takes out all that is left, in order.
+    /// Removes and returns all items, in order.
     pub(super) fn drain(&mut self) -> impl Iterator<Item = T> + use<'_, T, ROOM> {
         std::iter::from_fn(|| (self.len > 0).then(|| self.pop()))
     }
 
-    /// Only for one that is not empty.
+    /// Removes and returns the first item. The queue must not be empty.
     #[inline(always)]
     pub(super) fn pop(&mut self) -> T {
         let item = self.items[self.next];
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_comes_first_goes_first() {
+    fn items_leave_in_the_order_they_came() {
         let mut queue = Queue::<_, 16>::new(0);
         let (mut pushed, mut popped) = (0, 0);
         for round in 1..100 {
@@ -77,7 +77,7 @@ mod tests {
                 pushed += (round % 6).min(4);
             }
             for before in 0..16 {
-                assert_eq!(queue.ahead(before), (before < queue.len()).then(|| popped + before + 1));
+                assert_eq!(queue.get(before), (before < queue.len()).then(|| popped + before + 1));
             }
             for _ in 0..=round % queue.len() {
                 popped += 1;

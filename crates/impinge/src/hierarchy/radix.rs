@@ -2,8 +2,8 @@
 //!
 //! Source: Knuth, *The Art of Computer Programming* 3, 5.2.5.
 
-/// Sorts elements, fewer than 2^32, by one digit below `DIGITS`, those with the same one in the order in which they came, and
-/// returns where those with each digit end.
+/// Sorts fewer than 2^32 elements by one digit below `DIGITS`. Elements with the same digit keep
+/// their order. Returns the end of the elements with each digit.
 #[inline(always)]
 pub(crate) fn scatter<const DIGITS: usize, T: Copy>(
     from: &[T],
@@ -23,7 +23,7 @@ pub(crate) fn scatter<const DIGITS: usize, T: Copy>(
     next
 }
 
-/// How many there are before each, in place of how many there are of each.
+/// Replaces the count of each digit by the number of elements with smaller digits.
 #[inline(always)]
 pub(super) fn add_up(counts: &mut [u32]) {
     let mut before = 0;

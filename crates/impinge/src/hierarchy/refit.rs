@@ -1,8 +1,11 @@
-//! Refitting: new boxes and slabs for a tree that stays as it is, from the leaves up.
+//! Refitting: computes new boxes and slabs for a tree whose nodes stay, from the leaves up.
 //!
-//! Source: van den Bergen, *Efficient collision detection of complex deformable models using AABB trees*, Journal of Graphics
-//! Tools 2(4), 1997 (Ericson, 6.6). Ours goes by patches, subtrees that one thread refits with what their leaves hold while
-//! both are in its cache; nodes stand in preorder, so that a patch is one range of nodes and one of leaves.
+//! Source: van den Bergen, *Efficient collision detection of complex deformable models using AABB
+//! trees*, Journal of Graphics Tools 2(4), 1997 (Ericson, 6.6). Ours works in patches: subtrees
+//! that one thread refits together with the items in their leaves, while both are in its cache.
+//! Nodes are in preorder, so a patch is one range of nodes and one range of leaves.
+//!
+//! Benchmark: `refit`.
 
 use std::ops::Range;
 
@@ -12,23 +15,23 @@ use fearless_simd::{Simd, f32x8, f64x4};
 use super::area::{cost, half_area};
 use super::lanes::BoxLanes;
 use super::slab::Slab;
-use super::wide::{Node, PATCH, WideTree};
+use super::wide::{MAX_PATCH_LEAVES, Node, WideTree};
 use crate::simd::{LANES, Lanes3, across3, by_axis, load3, prefetch, store3};
 use crate::volume::Aabb;
 
-/// Nodes ahead that are asked for.
-const AHEAD: usize = 2;
+/// Number of nodes by which the prefetch runs ahead.
+const PREFETCH_AHEAD: usize = 2;
 
 const LANE_NUMBERS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
-/// A subtree small enough to have slabs, whose parent is not.
+/// A subtree that is small enough to have slabs, but whose parent is not.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Patch {
     pub(crate) nodes: Range<usize>,
     pub(crate) leaves: Range<usize>,
 }
 
-/// A tree taken apart: the patches in preorder, and the nodes above them in preorder.
+/// A partition of a tree: the patches in preorder, and the nodes above them in preorder.
 #[derive(Debug, Default)]
 pub(crate) struct Patches {
     pub(crate) patches: Vec<Patch>,
@@ -36,23 +39,23 @@ pub(crate) struct Patches {
 }
 
 impl Patches {
-    /// Of a sound tree with this many leaves.
+    /// Partitions a sound tree with this many leaves.
     ///
     /// # Complexity
-    /// The nodes above the patches, times the depth.
+    /// O(number of nodes above the patches, times the depth).
     pub(crate) fn of(tree: &WideTree, leaves: usize) -> Self {
         let nodes = tree.nodes();
         let mut found = Self::default();
         let mut pending = Vec::new();
         pending.extend((!nodes.is_empty()).then_some(Patch { nodes: 0..nodes.len(), leaves: 0..leaves }));
         while let Some(subtree) = pending.pop() {
-            if subtree.leaves.len() <= PATCH {
+            if subtree.leaves.len() <= MAX_PATCH_LEAVES {
                 found.patches.push(subtree);
                 continue;
             }
             let at = subtree.nodes.start;
             found.above.push(at);
-            // The last child first, so that the first is taken next.
+            // Push the last child first, so that the first child is popped next.
             let Range { end: mut nodes_end, .. } = subtree.nodes;
             let Range { end: mut leaves_end, .. } = subtree.leaves;
             for lane in (0..nodes[at].count()).rev() {
@@ -65,7 +68,7 @@ impl Patches {
         found
     }
 
-    /// Each patch with its own nodes.
+    /// Returns each patch with its own nodes.
     pub(crate) fn split<'a>(&self, mut nodes: &'a mut [Node]) -> Vec<Work<'a>> {
         let mut before = 0;
         let mut work = Vec::with_capacity(self.patches.len());
@@ -84,7 +87,8 @@ impl Patches {
         }
     }
 
-    /// What the tree [costs](WideTree::cost), from what the areas below the nodes of each patch add up to.
+    /// Returns the [cost](WideTree::cost) of the tree, given the sum of the areas below the nodes
+    /// of each patch.
     pub(crate) fn cost(&self, nodes: &[Node], of_patches: &[f64]) -> f64 {
         let Some(root) = nodes.first() else { return 1.0 };
         let above: f64 = self.above.iter().rev().map(|&at| nodes[at].area_below()).sum();
@@ -92,7 +96,7 @@ impl Patches {
         cost(area + (of_patches.iter().sum::<f64>() + above), area)
     }
 
-    /// Whether a refit would not change a bit of the nodes above the patches.
+    /// Reports whether a refit would leave the nodes above the patches unchanged, to the bit.
     pub(crate) fn are_fitted_above(&self, nodes: &[Node]) -> bool {
         self.above
             .iter()
@@ -109,23 +113,25 @@ impl Patches {
     }
 }
 
-/// A patch to be worked on.
+/// A patch to refit, with its nodes.
 pub(crate) struct Work<'a> {
     pub(crate) patch: Patch,
     pub(crate) nodes: &'a mut [Node],
 }
 
-/// What the leaves of a patch hold, and where that is now. Leaves are counted from the patch's first.
+/// The current items in the leaves of a patch. Leaves are counted from the patch's first.
 pub(crate) trait Leaves {
-    /// Looks at what the leaves of a node hold: returns their boxes, with any boxes in the lanes beyond them, and the direction in
-    /// which it all faces, of which those of several nodes can be added up. The last leaves come first.
+    /// Reads the items of a node's leaves. Returns their boxes, with arbitrary boxes in the unused
+    /// lanes, and the direction that the items face. Directions of several nodes can be added up.
+    /// Calls start with the last leaves.
     fn fit(&mut self, leaves: Range<usize>) -> (BoxLanes, [f32; 3]);
 
-    /// The slab about what some leaves hold, all of which were looked at, and of which this is the box.
+    /// Returns the slab around the items of some leaves. All of them have been read by `fit`;
+    /// `bounds` is their box.
     fn slab(&self, leaves: Range<usize>, bounds: &Aabb, facing: [f32; 3]) -> Slab;
 }
 
-/// What is below a node of a patch.
+/// The summary of the subtree below a node of a patch.
 #[derive(Clone)]
 struct Below {
     leaves: Range<usize>,
@@ -138,15 +144,15 @@ impl Below {
 }
 
 impl Patch {
-    /// Refits the patch's own `nodes` to what its leaves hold, each node right after what is below it. Returns what the areas below
-    /// them add up to.
+    /// Refits `nodes`, the nodes of the patch, to the items in its leaves, each node right after
+    /// its descendants. Returns the sum of the areas of all nodes' children.
     #[inline(always)]
     pub(crate) fn refit<S: Simd>(&self, simd: S, nodes: &mut [Node], leaves: &mut impl Leaves) -> f64 {
         let mut area = 0.0;
-        // Children come after their parents, and their leaves stand side by side.
+        // Children come after their parents, and their leaves are consecutive.
         let mut below = vec![Below::NOTHING; nodes.len()];
         for at in (0..nodes.len()).rev() {
-            if let Some(ahead) = at.checked_sub(AHEAD) {
+            if let Some(ahead) = at.checked_sub(PREFETCH_AHEAD) {
                 prefetch(&nodes[ahead]);
             }
             let node = &mut nodes[at];
@@ -176,9 +182,10 @@ impl Patch {
 }
 
 impl Node {
-    /// Gives the lanes that are in use these boxes; returns the box about them all, and what their areas [add up](Self::area_below) to.
+    /// Sets the boxes of the used lanes. Returns the box around them all, and the [sum of their
+    /// areas](Self::area_below).
     ///
-    /// How many lanes that is differs from node to node and is not to be foreseen, so that nothing branches on it.
+    /// The number of used lanes is unpredictable, so there is no branch on it.
     #[inline(always)]
     fn fit<S: Simd>(&mut self, simd: S, boxes: &BoxLanes) -> (Aabb, f64) {
         let number = f32x8::from_slice(simd, &LANE_NUMBERS);
@@ -203,7 +210,7 @@ impl Node {
         };
         self.set_extent(&bounds);
         let edges: [(f64x4<S>, f64x4<S>); 3] = by_axis!(axis => {
-            // As long as nothing in the lanes that are not in use.
+            // Unused lanes have zero extent.
             let (from, to) = (min[axis].widen(), is_in_use.select(max[axis], min[axis]).widen());
             (to.0 - from.0, to.1 - from.1)
         });
@@ -214,7 +221,7 @@ impl Node {
     }
 }
 
-/// The first of the leaves below a node.
+/// Returns the first leaf below a node.
 fn first_leaf(nodes: &[Node], mut at: usize) -> usize {
     while !nodes[at].holds_leaves() {
         at = nodes[at].index(0) as usize;
@@ -230,17 +237,17 @@ mod tests {
     use super::*;
     use crate::simd::kernel_levels;
 
-    /// Whatever is in the lanes beyond, a node gets just the boxes of its children; and what is found out about all lanes at once is
-    /// what is found lane by lane, to the bit and at every vector level.
+    /// A node gets exactly the boxes of its children, whatever the unused lanes hold. The results
+    /// for all lanes at once equal those lane by lane, to the bit and at every vector level.
     #[test]
-    fn all_lanes_at_once_are_what_each_lane_is() {
+    fn fitting_all_lanes_at_once_equals_fitting_each_lane() {
         let mut rng = Rng::new(172);
         let mut flat = 0;
         for round in 0..2_000 {
             let count = round % LANES + 1;
             let mut boxes = BoxLanes::default();
             for lane in 0..LANES {
-                // On a grid, so that several are the least, and some without extent.
+                // On a grid, so that several boxes have the same minimum, and some have no extent.
                 let [p, q] = [0; 2].map(|_| [0; 3].map(|_| rng.integer(-4, 4) as f32 + 0.25));
                 flat += usize::from((0..3).any(|axis| p[axis] == q[axis]));
                 boxes.set_lane(lane, &Aabb::of_points([p, q]));

@@ -1,27 +1,33 @@
-//! Whether nodes are a tree at all: what every descent relies on and no builder breaks, asked of nodes that were read
-//! from somewhere.
+//! Validates the structure of trees that were read from bytes. Every descent relies on this
+//! structure. Builders always produce it.
 
 use super::binary::MAX_DEPTH;
 use super::wide::{LEAF_BIT, Node, WideTree};
 use crate::simd::LANES;
 
 impl WideTree {
-    /// Whether the nodes stand in preorder, each but the root the child of one, with children all nodes or all leaves, no
-    /// deeper than [`MAX_DEPTH`] and one more, and the leaves are `0..leaves` in that order. Says nothing about boxes and slabs.
+    /// Reports whether the nodes form a valid tree with `leaves` leaves:
+    /// - The nodes are in preorder, and each node but the root is the child of one node.
+    /// - The children of a node are all nodes or all leaves.
+    /// - No node is deeper than [`MAX_DEPTH`] and one more.
+    /// - The leaves are `0..leaves` in that order.
+    ///
+    /// It does not validate boxes and slabs.
     ///
     /// # Complexity
-    /// Linear, whatever the nodes are.
+    /// Linear, for any nodes.
     pub(crate) fn is_sound(&self, leaves: usize) -> bool {
         let nodes = self.nodes();
         if nodes.is_empty() {
             return leaves == 0;
         }
-        // The children that are still to come, each with its depth, the next one last.
+        // The children that must still come, each with its depth, the next one last.
         let mut awaited = vec![(0_u32, 0_usize)];
         let mut leaves_so_far = 0;
         for (at, node) in nodes.iter().enumerate() {
             let Some((expected, depth)) = awaited.pop() else { return false };
-            // A wide tree may be one level deeper than the binary one: a lone leaf has a node of its own.
+            // A wide tree may be one level deeper than the binary one, because a single leaf has a
+            // node of its own.
             if expected as usize != at || depth > MAX_DEPTH || !node.is_well_formed() {
                 return false;
             }
@@ -40,8 +46,8 @@ impl WideTree {
 }
 
 impl Node {
-    /// Whether lanes and references are as the collapse leaves them; without a branch on how many lanes are in use, which is not to
-    /// be foreseen.
+    /// Reports whether the lanes and references are as the collapse leaves them. The number of used
+    /// lanes is unpredictable, so there is no branch on it.
     fn is_well_formed(&self) -> bool {
         let is_leaf = |lane: usize| self.references[lane] & LEAF_BIT;
         let is_empty = |lane: usize| {
@@ -65,7 +71,7 @@ mod tests {
     use impinge_testkit::generate::Rng;
 
     #[test]
-    fn builders_make_sound_trees_and_no_change_of_what_is_not_a_box_in_use_leaves_them_sound() {
+    fn built_trees_are_sound_and_corrupted_nodes_are_not() {
         let mut rng = Rng::new(71);
         let mut boxes_not_in_use = 0;
         let boxes: Vec<Aabb> = (0..3_000)

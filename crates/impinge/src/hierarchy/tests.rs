@@ -1,4 +1,5 @@
-//! Boxes of every kind through the builder and the collapse: nothing is lost, nothing is repeated, nothing is too deep.
+//! Boxes of every kind pass through the builder and the collapse. No box is lost or repeated, and
+//! no leaf is too deep.
 
 mod builders;
 pub(super) mod maps;
@@ -7,19 +8,19 @@ use super::*;
 use crate::volume::Aabb;
 use impinge_testkit::generate::Rng;
 
-/// What bad luck or malice may ask a tree for.
+/// Returns scenes that are hard for a tree, by chance or by design.
 fn scenes() -> Vec<(&'static str, Vec<Aabb>)> {
     let mut rng = Rng::new(71);
-    let cube = |centre: [f32; 3], half: f32| Aabb { min: centre.map(|x| x - half), max: centre.map(|x| x + half) };
+    let cube = |center: [f32; 3], half: f32| Aabb { min: center.map(|x| x - half), max: center.map(|x| x + half) };
     let at = |x: f64| (x as f32).clamp(f32::MIN, f32::MAX);
     let mut random = |count: usize, spread: f64, half: f64| -> Vec<Aabb> {
         (0..count).map(|_| cube([0; 3].map(|_| at(rng.uniform(-spread, spread))), at(half))).collect()
     };
     // Each bit of the codes splits off one box, down to a cell that holds the rest.
     let chain = (0..22).flat_map(|i| (0..3).map(move |axis| (axis, 2.0_f32.powi(-i)))).map(|(axis, x)| {
-        let mut centre = [0.0; 3];
-        centre[axis] = x;
-        cube(centre, 0.0)
+        let mut center = [0.0; 3];
+        center[axis] = x;
+        cube(center, 0.0)
     });
     let chain = chain.chain(std::iter::repeat_n(cube([0.0; 3], 0.0), 100_000)).collect();
     let near = random(40_000, 2.0_f64.powi(-60), 0.0);
@@ -56,7 +57,7 @@ fn holds(outer: &Aabb, inner: &Aabb) -> bool {
     (0..3).all(|axis| outer.min[axis] <= inner.min[axis] && inner.max[axis] <= outer.max[axis])
 }
 
-/// Walks the tree from its root and returns how deep the deepest leaf lies.
+/// Walks the tree from its root and returns the depth of the deepest leaf.
 fn depth_of_binary(name: &str, tree: &BinaryTree, boxes: &[Aabb]) -> usize {
     let mut order = tree.order.to_vec();
     order.sort_unstable();
@@ -71,7 +72,7 @@ fn depth_of_binary(name: &str, tree: &BinaryTree, boxes: &[Aabb]) -> usize {
         deepest = deepest.max(depth);
         let Some(right) = node.right else {
             assert!((1..=LEAF_CAPACITY).contains(&tree.held(at).len()), "{name}");
-            // Leaves come in order, so that each box is in exactly one.
+            // Leaves are in order, so each box is in exactly one leaf.
             assert_eq!(node.first, covered, "{name}");
             covered += node.count;
             let least = tree.held(at).iter().fold(Aabb::EMPTY, |b, &index| b.union(boxes[index as usize]));
@@ -131,7 +132,7 @@ fn check_wide(name: &str, binary: &BinaryTree) {
     }
     assert!(seen_nodes.iter().all(|&count| count == 1), "{name}: every node has one parent");
     assert!(seen_leaves.iter().all(|&count| count == 1), "{name}: every leaf has one parent");
-    // Each leaf of the binary tree is a leaf here, once.
+    // Each leaf of the binary tree occurs once among the wide tree's leaves.
     let mut of_wide = leaves;
     of_wide.sort_unstable();
     let of_binary: Vec<u32> =
@@ -147,7 +148,7 @@ fn every_box_is_in_one_leaf_of_bounded_depth() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
             pool.install(|| build_morton(&boxes))
         });
-        assert!(one == two, "{name}: threads show");
+        assert!(one == two, "{name}: the number of threads changes the result");
         let depth = depth_of_binary(name, &one, &boxes);
         assert!(depth <= MAX_DEPTH, "{name}: {depth} deep");
         deepest = deepest.max(depth);
@@ -166,7 +167,7 @@ fn medians_fill_the_leaves() {
 
 #[test]
 fn nodes_of_leaves_are_full() {
-    // Boxes that lie evenly leave few lanes empty.
+    // If boxes are spread evenly, few lanes stay empty.
     let (_, boxes) = &scenes()[6];
     let (wide, leaves) = WideTree::collapse(&build_morton(boxes));
     assert!(leaves.len() * LEAF_CAPACITY < boxes.len() * 11 / 10, "{} leaves for {}", leaves.len(), boxes.len());

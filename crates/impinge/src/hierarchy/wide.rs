@@ -1,8 +1,11 @@
-//! The production tree: nodes of eight children whose boxes lie side by side for the vector unit.
+//! The production tree. Its nodes have eight children whose boxes are stored by axis for the vector
+//! unit.
 //!
-//! Source: Wald, Benthin, Boulos, *Getting rid of packets*, RT 2008; the collapse is the idea of Ericson, 6.7.2, and opens
-//! the child that holds most. Nodes are plain bytes of four cache lines in preorder, so that children
-//! come after parents and a reverse sweep refits.
+//! Source: Wald, Benthin, Boulos, *Getting rid of packets*, RT 2008. The collapse is the idea of
+//! Ericson, 6.7.2; it opens the child that holds most boxes. Nodes are plain data of four cache
+//! lines, in preorder. Children so come after their parents, and a refit is a reverse sweep.
+//!
+//! Tests: `hierarchy/tests.rs`.
 
 use super::binary::BinaryTree;
 use super::boxes::Bounds;
@@ -13,36 +16,37 @@ use crate::simd::LANES;
 use crate::storage::{Buffer, Growing};
 use crate::volume::Aabb;
 
-/// What a lane of a [`Node`] leads to.
+/// The target of a lane of a [`Node`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Child {
-    /// Another node.
+    /// The index of another node.
     Inner(u32),
-    /// A leaf, counted in the order of the tree's leaves.
+    /// The index of a leaf, in the order of the tree's leaves.
     Leaf(u32),
 }
 
-/// The most leaves of a patch, a subtree whose nodes have slabs: those of three levels. Larger ones are too curved for a
-/// slab to be thin.
-pub(super) const PATCH: usize = LANES * LANES * LANES;
+/// Maximum number of leaves of a patch, a subtree whose nodes have slabs: those of three full
+/// levels. Larger regions of a surface are too curved for a thin slab.
+pub(super) const MAX_PATCH_LEAVES: usize = LANES * LANES * LANES;
 
-/// Marks the reference to a leaf.
+/// The bit that marks the reference to a leaf.
 pub(super) const LEAF_BIT: u32 = 1 << 31;
 
-/// Eight children, all of them nodes or all of them leaves: their boxes by axis, what they lead to, and a slab about
-/// all that they hold. Lanes from `count` on hold the empty box.
+/// A node with up to eight children, either all nodes or all leaves. It holds their boxes by axis,
+/// references to them, and a slab around all of their content. Lanes from `count` on hold the empty
+/// box.
 #[derive(Clone, Copy, Debug, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C, align(64))]
 pub struct Node {
-    /// `min[axis][lane]`: the least coordinate of the child's box.
+    /// `min[axis][lane]`: the minimum coordinate of the child's box.
     pub min: [[f32; LANES]; 3],
-    /// `max[axis][lane]`: the greatest coordinate of the child's box.
+    /// `max[axis][lane]`: the maximum coordinate of the child's box.
     pub max: [[f32; LANES]; 3],
     pub(super) references: [u32; LANES],
-    /// Holds everything below.
+    /// A slab that contains all items below the node.
     pub slab: Slab,
     pub(super) count: u32,
-    /// How far all that is below reaches along the axis on which it reaches farthest.
+    /// Longest edge of the box around everything below.
     pub(crate) extent: f32,
     pub(super) reserved: u32,
 }
@@ -58,27 +62,27 @@ impl Node {
         reserved: 0,
     };
 
-    /// How many lanes are in use.
+    /// Returns the number of lanes in use.
     #[inline(always)]
     #[must_use]
     pub fn count(&self) -> usize {
         (self.count as usize).min(LANES)
     }
 
-    /// Whether the children are leaves.
+    /// Reports whether the children are leaves.
     #[inline(always)]
     #[must_use]
     pub fn holds_leaves(&self) -> bool {
         self.references[0] & LEAF_BIT != 0
     }
 
-    /// The node or the leaf that `lane` leads to.
+    /// Returns the index of the node or leaf in `lane`.
     #[inline(always)]
     pub(crate) fn index(&self, lane: usize) -> u32 {
         self.references[lane] & !LEAF_BIT
     }
 
-    /// What `lane` leads to.
+    /// Returns the child in `lane`.
     #[inline(always)]
     #[must_use]
     pub fn child(&self, lane: usize) -> Child {
@@ -92,13 +96,13 @@ impl Node {
         }
     }
 
-    /// Of what is below, whose box this is.
+    /// Sets the extent, given the box of everything below.
     #[inline(always)]
     pub(super) fn set_extent(&mut self, Aabb { min, max }: &Aabb) {
         self.extent = (0..3).fold(0.0, |extent, axis| extent.max(max[axis] - min[axis]));
     }
 
-    /// Eight leaves with these boxes.
+    /// Returns a node of eight leaves with these boxes.
     #[cfg(test)]
     pub(crate) fn of_leaves(boxes: &BoxLanes) -> Self {
         let BoxLanes { min, max } = *boxes;
@@ -124,19 +128,21 @@ impl Child {
     }
 }
 
-/// The tree that queries descend; leaves are numbered in preorder and the caller keeps what they hold.
+/// The tree that queries descend. Leaves are numbered in preorder; the caller stores their content.
 #[derive(Debug)]
 pub struct WideTree {
     nodes: Buffer<Node>,
 }
 
 impl WideTree {
-    /// Collapses a binary tree; also returns which of its nodes each leaf is.
+    /// Collapses a binary tree. Also returns, for each leaf, the index of its node in the binary
+    /// tree.
     #[must_use]
     pub fn collapse<B: Bounds>(binary: &BinaryTree<B>) -> (Self, Vec<u32>) {
         let mut collapse = Collapse {
             binary,
-            // A tenth for what builders that cut at medians make, and some more.
+            // Builders that split at medians give one wide node for ten binary nodes. Reserve some
+            // more.
             nodes: Growing::with_capacity(binary.nodes.len() / 8 + 1),
             leaves: Vec::with_capacity(binary.nodes.len() / 2 + 1),
         };
@@ -146,7 +152,7 @@ impl WideTree {
         (Self { nodes: collapse.nodes.into_buffer() }, collapse.leaves)
     }
 
-    /// The tree of these nodes, whatever they say.
+    /// Wraps nodes without validating them.
     pub(crate) fn from_nodes(nodes: Buffer<Node>) -> Self {
         Self { nodes }
     }
@@ -155,7 +161,7 @@ impl WideTree {
         self.nodes.to_mut()
     }
 
-    /// The nodes in preorder, the root first; none where there are no boxes.
+    /// Returns the nodes in preorder, the root first. There are none if there are no boxes.
     #[inline(always)]
     #[must_use]
     pub fn nodes(&self) -> &[Node] {
@@ -163,7 +169,7 @@ impl WideTree {
     }
 }
 
-/// A node of the binary tree with all below it, which follows it.
+/// A node of the binary tree and all nodes below it, which follow it.
 #[derive(Clone, Copy)]
 struct Subtree {
     root: u32,
@@ -171,7 +177,8 @@ struct Subtree {
 }
 
 impl Subtree {
-    /// A tree of which each inner node has two children has one leaf more than inner nodes.
+    /// Reports whether the subtree has at most eight leaves. If every inner node has two children,
+    /// there is one leaf more than inner nodes.
     fn fits_a_node_of_leaves(self) -> bool {
         (self.len as usize) < 2 * LANES
     }
@@ -184,8 +191,8 @@ struct Collapse<'a, B> {
 }
 
 impl<B: Bounds> Collapse<'_, B> {
-    /// Appends the wide node that stands for a binary node and all below it, and returns its index. The recursion is at
-    /// most as deep as the binary tree, whose depth is bounded.
+    /// Appends the wide node for a binary node and all below it, and returns its index. The
+    /// recursion is at most as deep as the binary tree, whose depth is bounded.
     fn node(&mut self, subtree: Subtree) -> u32 {
         let at = self.nodes.len();
         if subtree.fits_a_node_of_leaves() {
@@ -206,7 +213,8 @@ impl<B: Bounds> Collapse<'_, B> {
         at as u32
     }
 
-    /// What fits a node of leaves becomes one, even if it is a single leaf, so that two trees meet leaves with leaves.
+    /// Returns the node of leaves for a subtree that fits one. Even a single leaf becomes a node,
+    /// so that a descent of two trees pairs leaves with leaves.
     fn node_of_leaves(&mut self, Subtree { root, len }: Subtree) -> Node {
         let mut node = Node::EMPTY;
         let below = &self.binary.nodes[root as usize..][..len as usize];
@@ -221,8 +229,9 @@ impl<B: Bounds> Collapse<'_, B> {
         node
     }
 
-    /// The binary nodes that become the children: the child that holds most, and of those the first, is opened until the
-    /// lanes are full, but none that fits a node of leaves. Their order in space is kept.
+    /// Returns the binary nodes that become the children. The child that holds most boxes is opened
+    /// until all lanes are used; among equals it is the first. A child that fits a node of leaves
+    /// is not opened. The children keep their order.
     fn children(&self, subtree: Subtree) -> ([Subtree; LANES], usize) {
         let fullness = |child: Subtree| {
             if child.fits_a_node_of_leaves() { 0 } else { self.binary.nodes[child.root as usize].count }

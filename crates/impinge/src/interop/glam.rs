@@ -1,4 +1,4 @@
-//! The types of `glam`.
+//! Conversions between impinge and `glam`.
 //!
 //! ```
 //! use glam::{DAffine3, DQuat, DVec3, Vec3};
@@ -61,7 +61,8 @@ impl TryFrom<Mat4> for Pose {
 impl TryFrom<(DQuat, DVec3)> for Pose {
     type Error = InputError;
 
-    /// A rotation, then a translation; rounds as [`Pose::from_quaternion_wxyz`] does.
+    /// Builds the pose that rotates, then translates. It rounds as [`Pose::from_quaternion_wxyz`]
+    /// does.
     ///
     /// # Errors
     /// As [`Pose::from_quaternion_wxyz`].
@@ -74,7 +75,8 @@ impl TryFrom<(DQuat, DVec3)> for Pose {
 impl TryFrom<(Quat, Vec3)> for Pose {
     type Error = InputError;
 
-    /// A rotation, then a translation; rounds as [`Pose::from_quaternion_wxyz`] does.
+    /// Builds the pose that rotates, then translates. It rounds as [`Pose::from_quaternion_wxyz`]
+    /// does.
     ///
     /// # Errors
     /// As [`Pose::from_quaternion_wxyz`].

@@ -1,7 +1,8 @@
-//! Poses and positions from and to the types and formats of other crates, each behind a feature of its crate's name.
+//! Conversions of poses and positions from and to the types of other crates. Each crate has a
+//! feature of its own name.
 //!
-//! Numbers are taken as they are, singles widened: what a pose or a vertex is, is what the other crate's type holds, and no more
-//! is rounded but where a function says so.
+//! Numbers keep their values; single precision is widened to double. A conversion that rounds says
+//! so in its documentation.
 
 #[cfg(feature = "glam")]
 mod glam;

@@ -1,4 +1,4 @@
-//! The types of `nalgebra`.
+//! Conversions between impinge and `nalgebra`.
 //!
 //! ```
 //! use impinge::{Mesh, Pose, query};
@@ -99,7 +99,7 @@ impl From<Pose> for Matrix4<f64> {
 
 impl From<Pose> for Affine3<f64> {
     fn from(pose: Pose) -> Self {
-        // What a pose is was judged: invertible, with a last row of 0, 0, 0, 1.
+        // A pose has been validated: its linear part is invertible, its last row is 0, 0, 0, 1.
         Self::from_matrix_unchecked(pose.into())
     }
 }

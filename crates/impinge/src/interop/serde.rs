@@ -1,4 +1,5 @@
-//! Poses in the formats of `serde`. A pose is stored as the four rows of its matrix, and validated when it is read.
+//! Reads and writes poses in the formats of `serde`. A pose is stored as the four rows of its
+//! matrix and validated when it is read.
 //!
 //! ```
 //! use impinge::Pose;
@@ -11,8 +12,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Entries are read as exactly as the format's crate reads floats. `serde_json` needs its feature `float_roundtrip` to
-//! return the same bits.
+//! Entries are read as exactly as the format's crate reads floats. `serde_json` needs its feature
+//! `float_roundtrip` to return the same bits.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
@@ -28,7 +29,7 @@ impl Serialize for Pose {
 
 impl<'de> Deserialize<'de> for Pose {
     /// # Errors
-    /// As [`Pose::from_matrix`], as an error of the format.
+    /// As [`Pose::from_matrix`], wrapped in the error type of the format.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let rows = <[[f64; 4]; 4]>::deserialize(deserializer)?;
         Self::from_matrix(rows).map_err(D::Error::custom)

@@ -1,13 +1,16 @@
-//! Angles without the platform's mathematics library, whose bits differ: sums, products and quotients alone.
+//! Angles that are the same on every platform. The bits of the platform's arctangent differ, so
+//! this module uses only sums, products and quotients.
 
-/// What [`angle`] may be off by.
+/// Error bound of [`angle`], in radians.
 ///
-/// The quotient of the two numbers, or of their combination with a table entry, is off by at most 5 roundings of a number
-/// below 1/8, the polynomial by fewer of one below 1/16; the table, two right angles and the three sums are each off by half a
-/// unit in the last place of a number below 4, which is 2^-52. In all below 5 · 2^-52; the series leaves out less than 2^-63.
+/// The quotient of the two numbers, or of their combination with a table entry, has at most 5
+/// rounding errors of a number below 1/8. The polynomial has fewer, of a number below 1/16. The
+/// table, two right angles and the three sums each have an error of half a unit in the last place
+/// of a number below 4, which is 2^-52. In all this is below 5 · 2^-52. The terms that the series
+/// omits are below 2^-63.
 pub(crate) const ANGLE_ERROR: f64 = 6.0 * f64::EPSILON;
 
-/// `arctan(j / 8)` for the eighths from 0 to 1, to nearest.
+/// `arctan(j / 8)` for `j` from 0 to 8, rounded to nearest.
 const EIGHTHS: [f64; 9] = [
     0.0,
     0.12435499454676144,
@@ -20,21 +23,24 @@ const EIGHTHS: [f64; 9] = [
     std::f64::consts::FRAC_PI_4,
 ];
 
-/// The angle, in radians from 0 to π, between the first axis and the direction `(x, y)`, for `y` not below zero; zero for the
-/// zero vector. Neither may be so large that their sum of products with one overflows, nor NaN.
+/// Returns the angle between the first axis and the direction `(x, y)`, in radians from 0 to π. `y`
+/// must not be negative. Returns zero for the zero vector. Neither number may be NaN or so large
+/// that `x + y` overflows.
 ///
 /// # Accuracy
-/// Within [`ANGLE_ERROR`] of the angle of the given numbers.
+/// Within [`ANGLE_ERROR`] of the angle of the given numbers. The unit test compares it with
+/// rationals.
 ///
 /// # Source
-/// Range reduction by `arctan t = arctan c + arctan((t - c) / (1 + t c))` to the nearest eighth `c`, then the series.
+/// Range reduction by `arctan t = arctan c + arctan((t - c) / (1 + t c))` with `c` the nearest
+/// multiple of 1/8, then the power series.
 pub(crate) fn angle(x: f64, y: f64) -> f64 {
     use std::f64::consts::{FRAC_PI_2, PI};
     let (small, large) = if y <= x.abs() { (y, x.abs()) } else { (x.abs(), y) };
     if large == 0.0 {
         return 0.0;
     }
-    // Between 0 and 1, so the cast is to the nearest of nine entries.
+    // The quotient is between 0 and 1, so the cast selects the nearest of nine entries.
     let eighth = (8.0 * (small / large) + 0.5) as usize;
     let c = eighth as f64 / 8.0;
     let t = (small - c * large) / (large + c * small);
@@ -52,7 +58,7 @@ mod tests {
 
     use super::*;
 
-    /// `arctan(1 / n)` by its series in rationals, within 2^-100.
+    /// Returns `arctan(1 / n)` by its power series in rationals, within 2^-100.
     fn arctan_of_reciprocal(n: u32) -> RBig {
         let term = |k: u32| {
             let denominator =
@@ -63,8 +69,8 @@ mod tests {
         (0..60).map(term).fold(RBig::ZERO, |sum, x| sum + x)
     }
 
-    /// `arctan(small / large)` for a quotient of at most one, within 2^-80: reduced by `arctan t = 2 arctan(..)`-free steps to
-    /// small numbers with the addition formula about k/32, then by the series.
+    /// Returns `arctan(t)` for `t` from 0 to 1, within 2^-80. The addition formula reduces `t` by
+    /// 1/4 until it is at most 1/4; then the power series is used.
     fn arctan(t: &RBig) -> RBig {
         if *t > RBig::from_parts(1.into(), 4_u8.into()) {
             let quarter = RBig::from_parts(1.into(), 4_u8.into());
@@ -83,7 +89,7 @@ mod tests {
 
     #[test]
     fn angles_are_within_their_error() {
-        // Machin's formula.
+        // Machin's formula for π/4.
         let quarter = RBig::from(4) * arctan_of_reciprocal(5) - arctan_of_reciprocal(239);
         let exact = |x: f64| RBig::try_from(x).expect("finite");
         let bound = exact(ANGLE_ERROR);

@@ -1,28 +1,29 @@
 //! Exact sums, differences and products of floats: integers times powers of two, of any size.
 //!
-//! A number is a sign, a magnitude in 64-bit limbs and an exponent that counts whole limbs, so that addition aligns
-//! by limbs and never shifts bits. The arithmetic is the schoolbook one (Knuth, *The Art of Computer Programming*,
-//! volume 2, section 4.3.1): the numbers of one decision have a few limbs, and 120 at the very worst.
+//! A number is a sign, a magnitude in 64-bit limbs and an exponent that counts whole limbs, so
+//! addition aligns limbs and never shifts bits. The algorithms are those of Knuth, *The Art of
+//! Computer Programming*, volume 2, section 4.3.1. The numbers of one decision have a few limbs,
+//! 120 at most.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Mul, Sub};
 
 use super::Sign;
 
-/// Limbs that a number holds without allocating. A determinant of posed single-precision corners takes 12 or so: a
-/// coordinate is a sum of products of 53 by 24 bits and takes 3 or 4, and three of them are multiplied.
+/// Number of limbs stored without allocating. A determinant of posed single-precision corners takes
+/// about 12: it multiplies 3 coordinates, each of 3 or 4 limbs (sums of products of 53 by 24 bits).
 const INLINE: usize = 16;
 
-/// A real number of the form `m · 2^e` with integers `m` and `e`; every finite float is one.
+/// A real number `m · 2^e` with integers `m` and `e`. Every finite float is such a number.
 #[derive(Clone, Debug)]
 pub(crate) struct Dyadic {
     sign: Sign,
-    /// The magnitude is the sum of `limbs[i] · 2^(64 (i + exponent))`, the limbs being `low..high` of the digits; neither the
-    /// lowest nor the highest of them is zero.
+    /// The magnitude is the sum of `limbs[i] · 2^(64 (i + exponent))`. The limbs are `low..high` of
+    /// the digits. Neither the lowest nor the highest limb is zero.
     exponent: i32,
     low: usize,
     high: usize,
-    /// The digits, where they fit; else those on the heap, which are none otherwise.
+    /// Holds the digits if they fit. Otherwise `heap` holds them; it is empty if they fit.
     inline: [u64; INLINE],
     heap: Vec<u64>,
 }
@@ -32,13 +33,13 @@ impl Dyadic {
     pub(crate) const ZERO: Self =
         Self { sign: Sign::Zero, exponent: 0, low: 0, high: 0, inline: [0; INLINE], heap: Vec::new() };
 
-    /// The number that this finite float is.
+    /// Converts a finite float exactly.
     pub(crate) fn from_f64(x: f64) -> Self {
         let (negative, mantissa, exponent) = decompose(x);
         Self::from_parts(negative, u128::from(mantissa), exponent)
     }
 
-    /// The product of two finite floats, without rounding.
+    /// Returns the exact product of two finite floats.
     pub(crate) fn product(x: f64, y: f64) -> Self {
         let (x_negative, x_mantissa, x_exponent) = decompose(x);
         let (y_negative, y_mantissa, y_exponent) = decompose(y);
@@ -50,8 +51,8 @@ impl Dyadic {
         self.sign
     }
 
-    /// The float nearest to `numerator / denominator`, ties to even; infinite where that is not below 2^1022.
-    /// The denominator is not zero.
+    /// Returns the float nearest to `numerator / denominator`, ties to even, or an infinity if the
+    /// quotient is 2^1022 or more. The denominator must not be zero.
     pub(crate) fn nearest_quotient(numerator: &Self, denominator: &Self) -> f64 {
         if numerator.sign == Sign::Zero {
             return 0.0;
@@ -63,8 +64,8 @@ impl Dyadic {
         if quotient >= power_of_two(1022) {
             return if negative { f64::NEG_INFINITY } else { f64::INFINITY };
         }
-        // The estimate is a few units in the last place off at most; exact comparisons with the midpoints to its
-        // neighbours walk it to the nearest.
+        // The estimate is wrong by at most a few units in the last place. Exact comparisons with
+        // the midpoints to its neighbors move it to the nearest float.
         let twice = numerator + numerator;
         let against_midpoint = |x: f64, y: f64| {
             let product = denominator * &(&Self::from_f64(x) + &Self::from_f64(y));
@@ -106,8 +107,8 @@ impl Dyadic {
         number
     }
 
-    /// A number whose limbs are still to be filled in; it is built where it stays, as moving it would cost more than
-    /// most of the arithmetic.
+    /// Returns a number whose limbs are still zero. It is inlined, because a move would cost more
+    /// than most of the arithmetic.
     #[inline]
     fn zeros(sign: Sign, exponent: i32, len: usize) -> Self {
         let heap = if len <= INLINE { Vec::new() } else { vec![0; len] };
@@ -124,7 +125,7 @@ impl Dyadic {
         if self.heap.is_empty() { &mut self.inline } else { &mut self.heap }
     }
 
-    /// Drops the zeros at both ends of the limbs.
+    /// Drops the zero limbs at both ends.
     #[inline]
     fn trim(&mut self) {
         let (mut low, mut high) = (self.low, self.high);
@@ -146,19 +147,19 @@ impl Dyadic {
         &self.digits()[self.low..self.high]
     }
 
-    /// The limb at `position`, counted from the exponent `from`; zero where the number has none.
+    /// Returns the limb at `position` above the exponent `from`, or zero if there is none.
     fn limb(&self, from: i32, position: usize) -> u64 {
         let index = from + position as i32 - self.exponent;
-        // A negative index becomes one beyond the end.
+        // A negative index wraps around to one beyond the end.
         self.limbs().get(index as usize).copied().unwrap_or(0)
     }
 
-    /// One past the position of the highest limb.
+    /// Returns one past the position of the highest limb.
     fn top(&self) -> i32 {
         self.exponent + (self.high - self.low) as i32
     }
 
-    /// The magnitude of a number other than zero as `x · 2^e`, within 2^-52 of it.
+    /// Returns the magnitude of a nonzero number as `x · 2^e`, within a relative error of 2^-52.
     fn leading(&self) -> (f64, i32) {
         match self.limbs() {
             [.., second, first] => ((u128::from(*first) << 64 | u128::from(*second)) as f64, 64 * (self.top() - 2)),
@@ -167,7 +168,7 @@ impl Dyadic {
         }
     }
 
-    /// `self + other`, or `self - other` where `other_sign` is the opposite of that of `other`.
+    /// Returns `self + other`, or `self - other` if `other_sign` is the opposite of `other.sign`.
     fn sum(&self, other: &Self, other_sign: Sign) -> Self {
         if other_sign == Sign::Zero {
             return self.clone();
@@ -198,7 +199,7 @@ impl Dyadic {
         result
     }
 
-    /// The difference of magnitudes, of which that of `self` is not the smaller one, with this sign.
+    /// Returns `|self| - |other|` with this sign. `|self|` must not be the smaller one.
     fn difference_of_magnitudes(&self, other: &Self, sign: Sign) -> Self {
         let exponent = self.exponent.min(other.exponent);
         let len = (self.top() - exponent) as usize;
@@ -246,24 +247,24 @@ impl Mul for &Dyadic {
             }
             digits[i + y.len()] = carry;
         }
-        // A factor of zero has no limbs, which leaves none or zeros.
+        // If a factor is zero it has no limbs; `trim` then finds only zeros.
         result.trim();
         result
     }
 }
 
-/// The cross product of two vectors.
+/// Returns the exact cross product of two vectors.
 pub(crate) fn cross(u: &[Dyadic; 3], v: &[Dyadic; 3]) -> [Dyadic; 3] {
     let minor = |i: usize, j: usize| &(&u[i] * &v[j]) - &(&u[j] * &v[i]);
     [minor(1, 2), minor(2, 0), minor(0, 1)]
 }
 
-/// The inner product of two vectors.
+/// Returns the exact inner product of two vectors.
 pub(crate) fn dot(u: &[Dyadic; 3], v: &[Dyadic; 3]) -> Dyadic {
     &(&(&u[0] * &v[0]) + &(&u[1] * &v[1])) + &(&u[2] * &v[2])
 }
 
-/// Whether a finite float is negative, and integers such that its magnitude is `mantissa · 2^exponent`.
+/// Splits a finite float: whether it is negative, and its magnitude `mantissa · 2^exponent`.
 pub(crate) fn decompose(x: f64) -> (bool, u64, i32) {
     let bits = x.to_bits();
     let fraction = bits & ((1 << 52) - 1);
@@ -273,7 +274,7 @@ pub(crate) fn decompose(x: f64) -> (bool, u64, i32) {
 }
 
 fn compare_magnitudes(x: &Dyadic, y: &Dyadic) -> Ordering {
-    // Highest limbs first; where one runs out, the other has more that is not zero.
+    // Compare the highest limbs first. If one number runs out of limbs, the other is larger.
     x.top().cmp(&y.top()).then_with(|| x.limbs().iter().rev().cmp(y.limbs().iter().rev()))
 }
 
@@ -281,14 +282,14 @@ fn even_of(x: f64, y: f64) -> f64 {
     if x.to_bits() & 1 == 0 { x } else { y }
 }
 
-/// `x · 2^exponent` within a few units in the last place, for `x` within 2^±129.
+/// Returns `x · 2^exponent` within a few units in the last place, for `x` between 2^-129 and 2^129.
 fn scaled(x: f64, exponent: i32) -> f64 {
     let exponent = exponent.clamp(-1400, 1400);
     let half = exponent / 2;
     x * power_of_two(half) * power_of_two(exponent - half)
 }
 
-/// `2^exponent`, for an exponent within ±1022.
+/// Returns `2^exponent`, for an exponent from -1022 to 1022.
 fn power_of_two(exponent: i32) -> f64 {
     f64::from_bits(((exponent + 1023) as u64) << 52)
 }
@@ -387,8 +388,8 @@ mod tests {
                 let difference = float_rational(q) - truth.clone();
                 if difference < RBig::ZERO { -difference } else { difference }
             };
-            for neighbour in [quotient.next_up(), quotient.next_down()] {
-                let (own, other) = (distance(quotient), distance(neighbour));
+            for neighbor in [quotient.next_up(), quotient.next_down()] {
+                let (own, other) = (distance(quotient), distance(neighbor));
                 assert!(own < other || own == other && quotient.to_bits() & 1 == 0, "{x:e} {y:e} {z:e}");
                 ties += usize::from(own == other);
             }

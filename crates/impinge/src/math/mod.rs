@@ -1,4 +1,4 @@
-//! Poses and the small, error-bounded linear algebra that the rest stands on.
+//! Poses, exact numbers, and small linear algebra with proved error bounds.
 
 pub(crate) mod arctangent;
 pub(crate) mod dyadic;

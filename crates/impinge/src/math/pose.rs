@@ -1,4 +1,4 @@
-//! An affine map from a mesh's own frame to the world.
+//! Affine maps from a mesh's frame to the world frame.
 
 use std::ops::Mul;
 
@@ -6,21 +6,23 @@ use super::Sign;
 use super::dyadic::{self, Dyadic};
 use crate::input::{InputError, InputErrorKind};
 
-/// The largest magnitude of an entry of the linear part, 2^64. With vertices below 2^128 and translations within
-/// 2^300 it keeps every posed coordinate, and products of three of them, within the range of a double.
+/// Maximum magnitude of an entry of the linear part, 2^64. With vertices below 2^128 and
+/// translations within 2^300, every posed coordinate and every product of three of them is in the
+/// range of a double.
 const LINEAR_LIMIT: f64 = (1_u128 << 64) as f64;
 
-/// The largest magnitude of a translation entry, 2^300.
+/// Maximum magnitude of a translation entry, 2^300.
 const TRANSLATION_LIMIT: f64 = f64::from_bits((1023 + 300) << 52);
 
-/// How far the length of a quaternion may be from 1. Three decimal digits an entry pass; a quaternion that was never
-/// normalised, or an angle in its place, does not.
+/// Maximum deviation of a quaternion's length from 1. A quaternion written with three decimal
+/// digits per entry passes. One that was never normalized, or an angle in its place, does not.
 const QUATERNION_TOLERANCE: f64 = 1e-3;
 
-/// The affine map `x = linear · v + translation`, whose entries are the real numbers that the floats are.
+/// The affine map `x = linear · v + translation`. Its entries are the exact values of the floats.
 ///
-/// Any invertible map within the stated range is a pose, shears and mirrors included; nothing is made orthonormal
-/// after the fact. Two poses are equal where all their entries are, zeros of either sign being the same.
+/// Every invertible map within the stated range is a valid pose, shears and mirrors included. The
+/// matrix is never made orthonormal. Two poses are equal if all their entries are; zeros of either
+/// sign are equal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     linear: [[f64; 3]; 3],
@@ -33,12 +35,15 @@ impl Pose {
     pub const IDENTITY: Self =
         Self { linear: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3], mirrors: false };
 
-    /// The map with this linear part, rows first, and this translation.
+    /// Builds a pose from its linear part, in rows, and its translation.
     ///
     /// # Errors
-    /// [`NonFinite`](InputErrorKind::NonFinite) and [`OutOfRange`](InputErrorKind::OutOfRange) where an entry is not
-    /// finite or beyond 2^64 (linear part) or 2^300 (translation), naming it by its place in the row-major 4x4
-    /// matrix; [`Singular`](InputErrorKind::Singular) where the determinant is zero, decided exactly.
+    /// An entry is named by its index in the row-major 4x4 matrix.
+    /// - [`NonFinite`](InputErrorKind::NonFinite) if an entry is NaN or infinite.
+    /// - [`OutOfRange`](InputErrorKind::OutOfRange) if the magnitude of an entry is above 2^64
+    ///   (linear part) or 2^300 (translation).
+    /// - [`Singular`](InputErrorKind::Singular) if the determinant is zero. This is decided
+    ///   exactly.
     pub fn new(linear: [[f64; 3]; 3], translation: [f64; 3]) -> Result<Self, InputError> {
         let entries = |row: usize| [linear[row][0], linear[row][1], linear[row][2], translation[row]];
         for row in 0..3 {
@@ -59,10 +64,11 @@ impl Pose {
         }
     }
 
-    /// The map of a 4x4 matrix, rows first, that column vectors are multiplied to.
+    /// Builds a pose from a 4x4 matrix, in rows, that multiplies column vectors from the left.
     ///
     /// # Errors
-    /// As [`new`](Self::new); and [`NotAffine`](InputErrorKind::NotAffine) where the last row is not 0, 0, 0, 1.
+    /// As [`new`](Self::new). Also [`NotAffine`](InputErrorKind::NotAffine) if the last row is not
+    /// 0, 0, 0, 1.
     pub fn from_matrix(matrix: [[f64; 4]; 4]) -> Result<Self, InputError> {
         let last_row = matrix[3];
         if let Some(column) = last_row.iter().position(|entry| !entry.is_finite()) {
@@ -77,7 +83,7 @@ impl Pose {
         Self::new(rows.map(|[x, y, z, _]| [x, y, z]), rows.map(|row| row[3]))
     }
 
-    /// The map that only translates.
+    /// Builds a pose that only translates.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -85,15 +91,16 @@ impl Pose {
         Self::new(Self::IDENTITY.linear, translation)
     }
 
-    /// A rotation by a unit quaternion `[w, x, y, z]`, then a translation.
+    /// Builds a pose that rotates by a unit quaternion `[w, x, y, z]` and then translates.
     ///
     /// # Accuracy
-    /// The quaternion is normalised by dividing every entry of the matrix by its squared length, so half and quarter
-    /// turns about the axes come out exact; other entries are within 1e-15 of those of an exact rotation.
+    /// The quaternion is normalized: every entry of the matrix is divided by its squared length. So
+    /// half and quarter turns about the axes are exact. Other entries are within 1e-15 of those of
+    /// an exact rotation.
     ///
     /// # Errors
-    /// As [`new`](Self::new); and [`NotUnitQuaternion`](InputErrorKind::NotUnitQuaternion) where the length is off 1
-    /// by more than 1e-3.
+    /// As [`new`](Self::new). Also [`NotUnitQuaternion`](InputErrorKind::NotUnitQuaternion) if the
+    /// length differs from 1 by more than 1e-3.
     pub fn from_quaternion_wxyz(translation: [f64; 3], quaternion: [f64; 4]) -> Result<Self, InputError> {
         if let Some(index) = quaternion.iter().position(|entry| !entry.is_finite()) {
             return Err(InputError::new(InputErrorKind::NonFinite { what: "quaternion entry", index }));
@@ -101,19 +108,22 @@ impl Pose {
         let length = quaternion.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
         let deviation = (length - 1.0).abs();
         if deviation > QUATERNION_TOLERANCE {
-            return Err(InputError::new(InputErrorKind::NotUnitQuaternion { length }).with_hint("normalise it"));
+            return Err(InputError::new(InputErrorKind::NotUnitQuaternion { length }).with_hint("normalize it"));
         }
         Self::new(rotation(quaternion), translation)
     }
 
-    /// A rotation about an axis through the origin by an angle, right-handed, then a translation.
+    /// Builds a pose that rotates about an axis through the origin by an angle in radians,
+    /// right-handed, and then translates.
     ///
     /// # Accuracy
-    /// Uses the sine and cosine of the platform, so the last bits of the matrix may differ between platforms; whatever
-    /// matrix results is then meant exactly. For the same pose everywhere, pass a quaternion or a matrix.
+    /// The sine and cosine are those of the platform, so the last bits of the matrix may differ
+    /// between platforms. The resulting matrix is then used exactly. For the same pose everywhere,
+    /// pass a quaternion or a matrix.
     ///
     /// # Errors
-    /// As [`new`](Self::new); and [`ZeroAxis`](InputErrorKind::ZeroAxis) where the axis has no direction.
+    /// As [`new`](Self::new). Also [`ZeroAxis`](InputErrorKind::ZeroAxis) if the axis has length
+    /// zero.
     pub fn from_axis_angle(axis: [f64; 3], angle_rad: f64, translation: [f64; 3]) -> Result<Self, InputError> {
         if let Some(index) = axis.iter().position(|entry| !entry.is_finite()) {
             return Err(InputError::new(InputErrorKind::NonFinite { what: "axis entry", index }));
@@ -125,38 +135,40 @@ impl Pose {
         if largest == 0.0 {
             return Err(InputError::new(InputErrorKind::ZeroAxis));
         }
-        // Divided by the largest entry first, so that no square overflows or vanishes.
+        // Divide by the largest entry first, so that no square overflows or underflows.
         let [x, y, z] = axis.map(|entry| entry / largest);
         let (sine, cosine) = (0.5 * angle_rad).sin_cos();
         let scale = sine / (x * x + y * y + z * z).sqrt();
         Self::new(rotation([cosine, x * scale, y * scale, z * scale]), translation)
     }
 
-    /// The linear part, rows first: column vectors are multiplied from the left.
+    /// Returns the linear part, in rows. It multiplies column vectors from the left.
     #[must_use]
     pub fn linear(&self) -> &[[f64; 3]; 3] {
         &self.linear
     }
 
-    /// The translation, in world units.
+    /// Returns the translation, in world units.
     #[must_use]
     pub fn translation(&self) -> &[f64; 3] {
         &self.translation
     }
 
-    /// Whether the map turns left hands into right hands: its determinant is negative.
+    /// Reports whether the map mirrors: its determinant is negative.
     #[must_use]
     pub fn mirrors(&self) -> bool {
         self.mirrors
     }
 
-    /// The map that applies `inner` first and then `self`: `world_from_b = world_from_a.compose(a_from_b)`.
+    /// Returns the map that applies `inner` first and then `self`:
+    /// `world_from_b = world_from_a.compose(a_from_b)`.
     ///
     /// # Accuracy
-    /// Every entry is rounded, with an error within 4.1 units of 2^-53 of the sum of the magnitudes of its terms.
+    /// Every entry is rounded. Its error is within 4.1 units of 2^-53 of the sum of the magnitudes
+    /// of its terms.
     ///
     /// # Errors
-    /// As [`new`](Self::new), where the product is out of range, or singular after rounding.
+    /// As [`new`](Self::new), if the product is out of range, or singular after rounding.
     pub fn compose(&self, inner: &Self) -> Result<Self, InputError> {
         let mut linear = [[0.0; 3]; 3];
         for (row, entries) in linear.iter_mut().enumerate() {
@@ -167,7 +179,7 @@ impl Pose {
         Self::new(linear, self.apply(inner.translation))
     }
 
-    /// The map back: `a_from_world = world_from_a.inverse()`.
+    /// Returns the inverse map: `a_from_world = world_from_a.inverse()`.
     ///
     /// ```
     /// use impinge::Pose;
@@ -180,13 +192,13 @@ impl Pose {
     /// ```
     ///
     /// # Accuracy
-    /// Every entry is the float nearest to that of the exact inverse.
+    /// Every entry is the float nearest to the entry of the exact inverse.
     ///
     /// # Errors
-    /// As [`new`](Self::new), where the inverse is out of range, or singular after rounding.
+    /// As [`new`](Self::new), if the inverse is out of range, or singular after rounding.
     pub fn inverse(&self) -> Result<Self, InputError> {
         let [a, b, c] = self.linear.map(|row| row.map(Dyadic::from_f64));
-        // By Cramer's rule. These are the columns of the inverse, times the determinant.
+        // Cramer's rule. These are the columns of the inverse, times the determinant.
         let columns = [dyadic::cross(&b, &c), dyadic::cross(&c, &a), dyadic::cross(&a, &b)];
         let determinant = dyadic::dot(&a, &columns[0]);
         let back = self.translation.map(|x| Dyadic::from_f64(-x));
@@ -196,11 +208,11 @@ impl Pose {
         Self::new(linear, translation)
     }
 
-    /// Where a point of the local frame lies in the world, rounded.
+    /// Maps a point of the local frame to the world, rounded.
     ///
     /// # Accuracy
-    /// Each coordinate is within 4.1 units of 2^-53 of `Σ |linear_ij v_j| + |translation_i|`, underflow aside. The
-    /// exact predicates do not use this.
+    /// Each coordinate is within 4.1 units of 2^-53 of `Σ |linear_ij v_j| + |translation_i|`,
+    /// underflow aside. The exact predicates do not use this function.
     #[inline]
     #[must_use]
     pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
@@ -237,7 +249,7 @@ impl Mul for Pose {
     }
 }
 
-/// The rotation matrix of a quaternion of any length but zero.
+/// Returns the rotation matrix of a nonzero quaternion of any length.
 fn rotation([w, x, y, z]: [f64; 4]) -> [[f64; 3]; 3] {
     let (ww, xx, yy, zz) = (w * w, x * x, y * y, z * z);
     let squared_length = ww + xx + yy + zz;
@@ -249,7 +261,7 @@ fn rotation([w, x, y, z]: [f64; 4]) -> [[f64; 3]; 3] {
     .map(|row| row.map(|entry| entry / squared_length))
 }
 
-/// The sign of the determinant of a matrix whose entries are within 2^64.
+/// Returns the exact sign of the determinant of a matrix whose entries are within 2^64.
 fn determinant_sign(m: &[[f64; 3]; 3]) -> Sign {
     let mut determinant = 0.0;
     let mut magnitude = 0.0;
@@ -259,8 +271,8 @@ fn determinant_sign(m: &[[f64; 3]; 3]) -> Sign {
         determinant += m[0][k] * (positive - negative);
         magnitude += m[0][k].abs() * (positive.abs() + negative.abs());
     }
-    // Five roundings on the way of each term: 5.1 units of 2^-53 of the sum of magnitudes, taken as 8 for the rounding
-    // of that sum itself. Products that underflow lose 2^-1075 each, times 2^64.
+    // Each term has five roundings: 5.1 units of 2^-53 of the sum of magnitudes, taken as 8 to
+    // cover the rounding of that sum. Each product that underflows loses 2^-1075, times 2^64.
     if determinant.abs() > 4.0 * f64::EPSILON * magnitude + f64::MIN_POSITIVE {
         return if determinant > 0.0 { Sign::Positive } else { Sign::Negative };
     }

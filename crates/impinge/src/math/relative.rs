@@ -1,17 +1,21 @@
 //! The affine map from one mesh's frame to another's, in floats with proved error bounds.
 //!
-//! The map itself, `x_a = R_A⁻¹ (R_B v + t_B - t_A)`, has rational entries that floats cannot hold. Three ways lead to
-//! its approximation, the cheapest that applies being taken:
+//! The map itself, `x_a = R_A⁻¹ (R_B v + t_B - t_A)`, has rational entries that floats cannot hold.
+//! It is approximated by the fastest of three ways that applies:
 //!
 //! 1. Equal poses, or `R_A` the identity: the linear part is exact.
-//! 2. An approximate inverse with a bound of its residual (Rump, *Verification methods*, Acta Numerica 19, 2010,
-//!    section 10; here by components, so that the bounds keep to the scale of each entry).
-//! 3. For maps so sheared or scaled that this bound is loose: quotients of exact determinants, rounded once.
+//! 2. An approximate inverse with a bound on its residual (Rump, *Verification methods*, Acta
+//!    Numerica 19, 2010, section 10). Ours bounds each component, so the bounds keep to the scale
+//!    of each entry.
+//! 3. For maps so sheared or scaled that this bound is loose: quotients of exact determinants,
+//!    rounded once.
 //!
-//! Bounds are sums of products of magnitudes, evaluated in floats. A sum of up to 30 such roundings is below the true
-//! value by a factor of 1 - 2^-48 at most, and each product that underflows loses 2^-1075 at most, so a bound that is
-//! multiplied by [`INFLATE`] and increased by [`UNDERFLOW`] holds over the reals. That is done once a stage, where the
-//! operands are bounds already.
+//! Bounds are sums of products of magnitudes, evaluated in floats. A sum with up to 30 such
+//! roundings is too small by a factor of 1 - 2^-48 at most. Each product that underflows loses
+//! 2^-1075 at most. So a bound that is multiplied by [`INFLATE`] and increased by [`UNDERFLOW`]
+//! holds over the reals. Each stage does this once; its operands are bounds already.
+//!
+//! `tests/it/exact_relative_map.rs` compares the map and its bounds with rationals.
 
 use super::Pose;
 use super::dyadic::{self, Dyadic};
@@ -20,36 +24,41 @@ use super::vec3::dot;
 /// Half a unit in the last place of 1: the relative error of one rounding is below it.
 pub(crate) const UNIT_ROUNDOFF: f64 = 0.5 * f64::EPSILON;
 
-/// More than all the relative rounding errors of a bound with fewer than 60 operations; 1 + 2^-46.
+/// Factor that covers all the relative rounding errors of a bound with fewer than 60 operations: 1
+/// + 2^-46.
 pub(crate) const INFLATE: f64 = 1.0 + 64.0 * f64::EPSILON;
 
-/// More than what 32 products lose to underflow, and no subnormal number, with which processors take a hundred times as long: 2^-1000.
+/// More than 32 products lose to underflow: 2^-1000. It is not subnormal, because processors take
+/// 100 times as long with subnormal numbers.
 pub(crate) const UNDERFLOW: f64 = f64::from_bits((1023 - 1000) << 52);
 
-/// The largest error of the linear part, relative to the largest entry of the row, with which an approximate inverse is
-/// taken: 2^-40. Rigid maps have 2^-48. Looser bounds would only send more triangles to exact arithmetic, while exact
-/// quotients cost some microseconds, once a query.
+/// Maximum error of the linear part with which an approximate inverse is accepted, relative to the
+/// largest entry of the row: 2^-40. Rigid maps reach 2^-48. If it is larger, more triangles need
+/// exact arithmetic. If it is smaller, more queries compute exact quotients, which take some
+/// microseconds each.
 const ACCURACY: f64 = 4096.0 * f64::EPSILON;
 
-/// The largest magnitude, 2^64, of an entry of the approximate inverse, so that no bound comes near overflow.
+/// Maximum magnitude, 2^64, of an entry of the approximate inverse. It keeps all bounds far from
+/// overflow.
 const INVERSE_LIMIT: f64 = (1_u128 << 64) as f64;
 
-/// An approximation of the affine map from B's frame to A's, with bounds of how far it is off.
+/// An approximation of the affine map from B's frame to A's, with error bounds.
 ///
-/// For every real point `v` of B's frame, the point that it is in A's frame differs from `linear · v + translation`,
-/// evaluated over the reals, by at most `linear_error · |v| + translation_error`, component by component.
+/// For every real point `v` in B's frame, its exact image in A's frame differs from
+/// `linear · v + translation`, evaluated over the reals, by at most
+/// `linear_error · |v| + translation_error`, component by component.
 ///
-/// All entries are finite or, where a value is beyond 2^1022, zero with an infinite error; a consumer must then let
-/// NaN, which `∞ · 0` yields, count as "unknown".
+/// All entries are finite, with one exception: a value beyond 2^1022 is stored as zero with an
+/// infinite error. `∞ · 0` is NaN, so a consumer must treat NaN as "unknown".
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelativeMap {
-    /// The linear part, rows first.
+    /// The linear part, in rows.
     pub linear: [[f64; 3]; 3],
     /// The translation, in A's units.
     pub translation: [f64; 3],
-    /// Bounds of the error of each entry of [`linear`](Self::linear).
+    /// Error bounds of the entries of [`linear`](Self::linear).
     pub linear_error: [[f64; 3]; 3],
-    /// Bounds of the error of each entry of [`translation`](Self::translation).
+    /// Error bounds of the entries of [`translation`](Self::translation).
     pub translation_error: [f64; 3],
 }
 
@@ -62,13 +71,14 @@ impl RelativeMap {
         translation_error: [0.0; 3],
     };
 
-    /// The map from B's frame to A's, of which each pose gives the way to the world.
+    /// Returns the map from B's frame to A's, given the pose of each in the world.
     ///
     /// # Accuracy
-    /// Exact where the poses are equal. The linear part is exact where A's is the identity or both are the same, the
-    /// translation where A's linear part is the identity and `t_B - t_A` is a float. Otherwise the errors of the linear
-    /// part are below 2^-40 of the largest entry of their row, underflow aside, and below 1e-14 where the poses are
-    /// rigid; that of the translation is as small next to the magnitudes that sum up to it.
+    /// The map is exact if the poses are equal. Its linear part is exact if A's linear part is the
+    /// identity or both linear parts are equal. Its translation is exact if A's linear part is the
+    /// identity and `t_B - t_A` is a float. Otherwise the error of the linear part is below 2^-40
+    /// of the largest entry of its row, underflow aside, and below 1e-14 if the poses are rigid.
+    /// The error of the translation is as small relative to the magnitudes that are summed.
     #[must_use]
     pub fn a_from_b(world_from_a: &Pose, world_from_b: &Pose) -> Self {
         if world_from_a == world_from_b {
@@ -96,7 +106,7 @@ impl RelativeMap {
         map
     }
 
-    /// The point of A's frame that a point of B's is mapped to, in floats; [`image_error`](Self::image_error) bounds
+    /// Maps a point of B's frame to A's frame, in floats. [`image_error`](Self::image_error) bounds
     /// its error.
     #[must_use]
     pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
@@ -107,13 +117,14 @@ impl RelativeMap {
         })
     }
 
-    /// How far [`apply`](Self::apply) may be from the true image of any point whose coordinates are within `extent`,
-    /// the error of the map and that of its evaluation together. `extent` is not negative.
+    /// Returns the error bound of [`apply`](Self::apply) for any point whose coordinates are within
+    /// `extent` in magnitude, per coordinate. It covers the error of the map and that of its
+    /// evaluation. `extent` must not be negative.
     #[must_use]
     pub fn image_error(&self, extent: [f64; 3]) -> [f64; 3] {
         let [x, y, z] = extent;
         std::array::from_fn(|i| {
-            // Four roundings on the way of a product, one on that of the translation: 4.1 units, taken as 5.
+            // A product has four roundings, the translation one: 4.1 units, taken as 5.
             let weight = |k: usize| self.linear_error[i][k] + 5.0 * UNIT_ROUNDOFF * self.linear[i][k].abs();
             let constant = self.translation_error[i] + 5.0 * UNIT_ROUNDOFF * self.translation[i].abs();
             // The weights may underflow too, before they are multiplied by the extent.
@@ -122,12 +133,12 @@ impl RelativeMap {
         })
     }
 
-    /// By an approximate inverse `Y` of `R = R_A`. With `E = I - Y R` it is `R⁻¹ = (I - E)⁻¹ Y`, so
-    /// `|R⁻¹ - Y| <= |E| |Y| + |E|² |Y| + ...`. Let `g` be the row sums of `|Y|`, and `|E| g <= κ g` with `κ < 1`. Then
-    /// row i of the terms from the second on sums to at most `κ² / (1 - κ) g_i`: relative to that row, however the axes
-    /// are scaled.
+    /// Computes the map by an approximate inverse `Y` of `R = R_A`. With `E = I - Y R`,
+    /// `R⁻¹ = (I - E)⁻¹ Y`, so `|R⁻¹ - Y| <= |E| |Y| + |E|² |Y| + ...`. Let `g` be the row sums of
+    /// `|Y|`, and `|E| g <= κ g` with `κ < 1`. Then row i of the terms from the second on sums to
+    /// at most `κ² / (1 - κ) g_i`. This is relative to that row, however the axes are scaled.
     ///
-    /// Nothing where the series is not bounded so, or the bound of the error is not small.
+    /// Returns `None` if the series has no such bound, or if the error bound is not small.
     fn by_residual(world_from_a: &Pose, world_from_b: &Pose, offset: &Offset) -> Option<Self> {
         let r_a = world_from_a.linear();
         let r_b = world_from_b.linear();
@@ -141,7 +152,7 @@ impl RelativeMap {
                 let terms: [f64; 3] = std::array::from_fn(|k| inverse[i][k] * r_a[k][j]);
                 let unit = if i == j { 1.0 } else { 0.0 };
                 let value = unit - (terms[0] + terms[1] + terms[2]);
-                // Three roundings on the way of a product, and that of the difference, which `INFLATE` covers.
+                // A product has three roundings, and the difference one, which `INFLATE` covers.
                 let rounding = 4.0 * UNIT_ROUNDOFF * (terms[0].abs() + terms[1].abs() + terms[2].abs());
                 residual[i][j] = (value.abs() + rounding) * INFLATE + UNDERFLOW;
             }
@@ -151,7 +162,8 @@ impl RelativeMap {
             let image = dot(&residual[i], &sizes);
             largest.max((image * INFLATE + UNDERFLOW) / sizes[i] * INFLATE)
         });
-        // Infinite where a row of the inverse underflowed to nothing; never NaN, as all entries are within 2^64.
+        // The contraction is infinite if a row of the inverse underflowed to zero. It is never NaN,
+        // because all entries are within 2^64.
         if contraction > 0.5 {
             return None;
         }
@@ -167,8 +179,8 @@ impl RelativeMap {
         let mut map = Self::IDENTITY;
         for i in 0..3 {
             let y = inverse[i];
-            // The error of an entry of the inverse, with three roundings of a sum of products with it and one of the
-            // offset.
+            // The error of an entry of the inverse, plus three roundings of a sum of products with
+            // it and one of the offset.
             let weight: [f64; 3] = std::array::from_fn(|k| inverse_error[i][k] + 5.0 * UNIT_ROUNDOFF * y[k].abs());
             for j in 0..3 {
                 map.linear[i][j] = y[0] * r_b[0][j] + y[1] * r_b[1][j] + y[2] * r_b[2][j];
@@ -187,7 +199,8 @@ impl RelativeMap {
         Some(map)
     }
 
-    /// By Cramer's rule: the columns of the adjugate are cross products of the rows of `R_A`.
+    /// Computes the map by Cramer's rule. The columns of the adjugate are cross products of the
+    /// rows of `R_A`.
     fn by_quotients(world_from_a: &Pose, world_from_b: &Pose) -> Self {
         let exact = |rows: &[[f64; 3]; 3]| rows.map(|row| row.map(Dyadic::from_f64));
         let [x, y, z] = exact(world_from_a.linear());
@@ -218,7 +231,8 @@ pub(crate) struct Offset {
 }
 
 impl Offset {
-    /// Knuth's two-sum of `t_B` and `-t_A`; nothing overflows, the entries being within 2^300.
+    /// Computes `t_B - t_A` by Knuth's two-sum. Nothing overflows, because the entries are within
+    /// 2^300.
     pub(crate) fn between(world_from_a: &Pose, world_from_b: &Pose) -> Self {
         let mut offset = Self { rounded: [0.0; 3], rest: [0.0; 3] };
         for k in 0..3 {
@@ -231,7 +245,7 @@ impl Offset {
         offset
     }
 
-    /// Whether `rounded` alone is the difference.
+    /// Reports whether `rounded` alone is the exact difference.
     pub(crate) fn is_exact(&self) -> bool {
         self.rest == [0.0; 3]
     }
@@ -241,7 +255,8 @@ impl Offset {
     }
 }
 
-/// The adjugate over the determinant, in floats; not finite where the determinant vanishes.
+/// Returns the adjugate divided by the determinant, in floats. The result is not finite if the
+/// determinant vanishes.
 fn approximate_inverse(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let mut adjugate = [[0.0; 3]; 3];
     for i in 0..3 {
@@ -254,7 +269,7 @@ fn approximate_inverse(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     adjugate.map(|row| row.map(|entry| entry / determinant))
 }
 
-/// The nearest float, and more than the half unit in the last place that it may be off.
+/// Returns the nearest float, and an error bound above half a unit in its last place.
 fn rounded_quotient(numerator: &Dyadic, denominator: &Dyadic) -> (f64, f64) {
     let quotient = Dyadic::nearest_quotient(numerator, denominator);
     if quotient.is_finite() { (quotient, quotient.abs() * f64::EPSILON + UNDERFLOW) } else { (0.0, f64::INFINITY) }

@@ -1,9 +1,9 @@
-//! The sign of a real number, the only thing that exact decisions are made of.
+//! The sign of a real number. Exact decisions are made of signs only.
 
 use std::cmp::Ordering;
 use std::ops::Neg;
 
-/// Whether a real number is below, at or above zero; ordered in that way.
+/// The sign of a real number. Signs are ordered: negative, zero, positive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Sign {
     /// Below zero.
@@ -15,7 +15,7 @@ pub enum Sign {
 }
 
 impl Sign {
-    /// This sign, or the opposite one.
+    /// Returns the opposite sign if `negate` is true, otherwise this sign.
     pub(crate) fn negated_if(self, negate: bool) -> Self {
         if negate { -self } else { self }
     }
@@ -33,7 +33,7 @@ impl Neg for Sign {
     }
 }
 
-/// The sign of `x - y`, from how `x` compares to `y`.
+/// Returns the sign of `x - y`, given how `x` compares to `y`.
 impl From<Ordering> for Sign {
     fn from(ordering: Ordering) -> Self {
         match ordering {

@@ -1,5 +1,5 @@
-//! Vectors of three doubles. No operation is fused, and each adds its terms from left to right, because error bounds rely on
-//! the order.
+//! Vectors of three doubles. No operation is fused, and sums are added from left to right, because
+//! error bounds rely on the order.
 
 /// Three coordinates.
 pub(crate) type Vector = [f64; 3];
@@ -25,19 +25,20 @@ pub(crate) fn dot(a: &Vector, b: &Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Returns the cross product. Each component is within 2.1 units of 2^-53 of the magnitudes of its two products.
+/// Returns the cross product. Each component is within 2.1 units of 2^-53 of the sum of the
+/// magnitudes of its two products.
 #[inline(always)]
 pub(crate) fn cross(a: &Vector, b: &Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Returns the length of a vector whose squares neither overflow nor vanish.
+/// Returns the length of a vector whose squared components neither overflow nor underflow.
 #[inline(always)]
 pub(crate) fn length(a: &Vector) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// Returns the length of any vector.
+/// Returns the length of any vector, without overflow in between.
 #[inline]
 pub(crate) fn scaled_length(a: &Vector) -> f64 {
     let largest = largest_magnitude(a);
@@ -51,8 +52,8 @@ pub(crate) fn squared_distance(p: &Vector, q: &Vector) -> f64 {
     dot(&d, &d)
 }
 
-/// Returns the vector of length 1 in the direction of any vector, rounded; `None` if the vector is too short to have a
-/// direction, or not finite.
+/// Returns the rounded unit vector in the direction of any vector. Returns `None` if the vector is
+/// zero or subnormal, or not finite.
 pub(crate) fn normalized(a: &Vector) -> Option<Vector> {
     let largest = largest_magnitude(a);
     if largest < f64::MIN_POSITIVE || !largest.is_finite() {
@@ -63,8 +64,8 @@ pub(crate) fn normalized(a: &Vector) -> Option<Vector> {
     Some(a.map(|x| x / length))
 }
 
-/// Returns the vector of length 1 in the direction of a vector, rounded; `None` if the vector is not finite or not longer
-/// than 1e-150. It is faster than [`normalized`].
+/// Returns the rounded unit vector in the direction of a vector. Returns `None` if the vector is
+/// not finite or not longer than 1e-150. It is faster than [`normalized`].
 #[inline(always)]
 pub(crate) fn unit(a: &Vector) -> Option<Vector> {
     let length = length(a);

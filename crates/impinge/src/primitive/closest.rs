@@ -1,4 +1,4 @@
-//! The nearest points of two sets, and the scale at which closed forms find them.
+//! The nearest points of two sets, and the scaling under which closed forms find them.
 
 use crate::math::vec3::Vector;
 use crate::math::vec3::length;
@@ -6,19 +6,22 @@ use crate::math::vec3::length;
 /// The nearest points of two sets A and B, in the frame and unit of the arguments.
 ///
 /// # Accuracy
-/// The true distance of the sets is within [`error`](Self::error) of [`distance`](Self::distance), which is zero exactly
-/// where triangles have a common point and zero or positive for the others. The error is 2^-47 of the diagonal of the
-/// box that holds both sets: 15 units of 2^-53 of distances between points and 8 of each edge for the parameters,
-/// 5 of each for rounding the edges and what is between the points, twice, 46 in all, taken as 64. Coordinates of the
-/// points are rounded once more, in their last place. Tested against rationals in `tests/it/distance`: the largest error
-/// seen is a tenth of the bound.
+/// The true distance of the sets differs from [`distance`](Self::distance) by at most
+/// [`error`](Self::error). The distance of two triangles is zero exactly if they intersect; other
+/// distances are zero or positive.
 ///
-/// Any finite coordinates up to 2^500 will do; scales are taken out by a power of two.
+/// The error bound is 2^-47 of the diagonal of the box that holds both sets. In units of 2^-53: 15
+/// of distances between points and 8 of each edge for the parameters, 5 of each for rounding the
+/// edges and the differences of points, twice. This is 46 in all, taken as 64. The coordinates of
+/// the points are rounded once more, in their last place. `tests/it/distance` compares with
+/// rationals: the largest error seen is 10 % of the bound.
+///
+/// All finite coordinates up to 2^500 are accepted; a power of two is factored out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosestPoints {
-    /// The distance of the two points.
+    /// Distance of the two points.
     pub distance: f64,
-    /// More than what the distance may be off by.
+    /// Error bound of the distance.
     pub error: f64,
     /// A point of A.
     pub point_a: Vector,
@@ -26,11 +29,12 @@ pub struct ClosestPoints {
     pub point_b: Vector,
 }
 
-/// More than the error of a closed form, in units of the diagonal of the box that holds its arguments; [`ClosestPoints`]
-/// says why.
+/// Error bound of a closed form, relative to the diagonal of the box that holds its arguments.
+/// [`ClosestPoints`] derives it.
 pub(crate) const CLOSED_FORM_ERROR: f64 = 1.0 / (1_u64 << 47) as f64;
 
-/// Points brought to about one unit by a power of two, which rounds nothing but what is far below the rest.
+/// Points scaled by a power of two, so that the largest coordinate is about 1. This is exact,
+/// except for coordinates that underflow because they are far below the largest.
 pub(super) struct Scaled<const N: usize> {
     pub(super) points: [Vector; N],
     back: f64,
@@ -40,7 +44,8 @@ pub(super) struct Scaled<const N: usize> {
 impl<const N: usize> Scaled<N> {
     pub(super) fn new(points: [Vector; N]) -> Self {
         let largest = points.iter().flatten().fold(0.0_f64, |largest, x| largest.max(x.abs()));
-        // Exponents of normal numbers; zeros and the subnormal are brought up by as much as there is room for.
+        // The exponent of the largest coordinate. The clamp keeps both powers of two normal; zero
+        // and subnormal coordinates are scaled up by 2^1000.
         let exponent = ((largest.to_bits() >> 52) as i64 - 1023).clamp(-1000, 1000);
         let power = |exponent: i64| f64::from_bits(((1023 + exponent) as u64) << 52);
         let points = points.map(|point| point.map(|x| x * power(-exponent)));
@@ -53,12 +58,12 @@ impl<const N: usize> Scaled<N> {
         Self { points, back: power(exponent), diagonal: length(&[side(0), side(1), side(2)]) }
     }
 
-    /// The bound of the error in the scaled unit.
+    /// Returns the error bound in the scaled unit.
     pub(super) fn error(&self) -> f64 {
         CLOSED_FORM_ERROR * self.diagonal
     }
 
-    /// In the unit of the arguments.
+    /// Converts a result from the scaled unit to the unit of the arguments.
     pub(super) fn back(&self, squared: f64, on_a: Vector, on_b: Vector) -> ClosestPoints {
         let back = |point: Vector| point.map(|x| x * self.back);
         ClosestPoints {

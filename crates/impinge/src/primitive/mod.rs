@@ -1,15 +1,21 @@
-//! Closed forms between points, segments, triangles and rays, in double precision with a proved bound of their error.
+//! Closed forms for points, segments, triangles and rays, in double precision with a proved error
+//! bound.
 //!
-//! A closed form returns witnesses: points of the two sets, and their distance. Three facts make the distance right
-//! for every input, needles and points among them, where the formulas of textbooks lose half of the digits:
+//! A closed form returns witnesses: one point of each set, and their distance. Three facts keep the
+//! distance accurate for every input, including needles and points, for which textbook formulas
+//! lose half of the digits:
 //!
-//! - The value is that of points in the sets, so it is never below the truth by more than its own rounding.
-//! - Where a plane or a pair of lines is ill-conditioned, so is only the place along the flat direction. One parameter
-//!   comes from cross products, the other from a projection at the first, which leaves an error *across* the flat
-//!   direction of a few units of 2^-53 of the sizes, whatever the angle. The one cross product that is divided by is
-//!   computed with twice the digits.
-//! - Where the parameters fall outside, a part of the boundary is nearer than the error, and parts of the boundary are
-//!   always tried. So no parameter is ever clamped to where it does not belong.
+//! - The result is the distance of points in the sets, so it is never below the truth by more than
+//!   its own rounding error.
+//! - If a plane or a pair of lines is ill-conditioned, only the position along the flat direction
+//!   is uncertain. One parameter comes from cross products, the other from a projection at the
+//!   first. So the error *across* the flat direction is a few units of 2^-53 of the sizes, whatever
+//!   the angle. The one cross product that is used as a divisor is computed with twice the digits.
+//! - If the parameters fall outside their ranges, a part of the boundary is as near within the
+//!   error bound. All parts of the boundary are always tried. So no parameter is ever clamped to a
+//!   wrong place.
+//!
+//! Tests: `tests/it/distance/primitives.rs` and `rays.rs`. Benchmarks: `distance` and `rays`.
 
 mod closest;
 mod points;

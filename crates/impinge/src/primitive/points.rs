@@ -1,16 +1,18 @@
-//! The point of a segment and of a triangle that is nearest to a point.
+//! The nearest point of a segment or a triangle to a point.
 //!
-//! Source: Ericson, *Real-Time Collision Detection*, 5.1.2 and 5.1.5; ours departs in how the foot within a face is
-//! found (see the head of `primitive`), and in that edges are always tried.
+//! Source: Ericson, *Real-Time Collision Detection*, 5.1.2 and 5.1.5. Ours differs in two ways: in
+//! how the foot within a face is found (see the head of `primitive`), and in that edges are always
+//! tried.
 
 use super::closest::{ClosestPoints, Scaled};
 use super::products::accurate_cross;
 use crate::math::vec3::{Vector, cross, dot, sub};
 
-/// The point of the segment from `segment[0]` to `segment[1]` that is nearest to `point`; either end may be both.
+/// Returns the point of the segment from `segment[0]` to `segment[1]` that is nearest to `point`.
+/// The segment may have length zero.
 ///
 /// # Accuracy
-/// As [`ClosestPoints`] says.
+/// As for [`ClosestPoints`].
 ///
 /// ```
 /// use impinge::primitive::closest_on_segment;
@@ -26,10 +28,11 @@ pub fn closest_on_segment(point: &Vector, segment: &[Vector; 2]) -> ClosestPoint
     scaled.back(squared, p, along(&a, &sub(&b, &a), t))
 }
 
-/// The point of a triangle that is nearest to `point`; the triangle may be a segment or a point.
+/// Returns the point of a triangle that is nearest to `point`. The triangle may degenerate to a
+/// segment or a point.
 ///
 /// # Accuracy
-/// As [`ClosestPoints`] says.
+/// As for [`ClosestPoints`].
 ///
 /// ```
 /// use impinge::primitive::closest_on_triangle;
@@ -46,30 +49,30 @@ pub fn closest_on_triangle(point: &Vector, triangle: &[Vector; 3]) -> ClosestPoi
     scaled.back(squared, p, foot)
 }
 
-/// The square of the distance of a point from a segment, and the parameter of the nearest point, in [0, 1]. The
-/// arguments are the point and the far end, relative to the near end.
+/// Returns the squared distance of a point from a segment, and the parameter of the nearest point,
+/// from 0 to 1. `point` and `edge` are the point and the far end, both relative to the near end.
 #[inline(always)]
 pub(super) fn point_segment(point: &Vector, edge: &Vector) -> (f64, f64) {
     let squared = dot(edge, edge);
     let along = dot(point, edge);
-    // Written so that the quotient of zeros, NaN, is zero.
+    // Written so that 0 / 0, which is NaN, gives zero.
     let t = if along > 0.0 && squared > 0.0 { (along / squared).min(1.0) } else { 0.0 };
     let rest: Vector = std::array::from_fn(|k| point[k] - t * edge[k]);
     (dot(&rest, &rest), t)
 }
 
-/// `from + t edge`.
+/// Returns `from + t edge`.
 #[inline(always)]
 pub(super) fn along(from: &Vector, edge: &Vector, t: f64) -> Vector {
     std::array::from_fn(|k| from[k] + t * edge[k])
 }
 
-/// A face with what is needed for the feet of points on it.
+/// A face with the quantities needed to find the feet of points on it.
 pub(super) struct Face {
     corner: Vector,
     edges: [Vector; 2],
     normal: Vector,
-    /// The square of the normal; where it vanishes the face has no area that could be told from none.
+    /// Squared length of the normal. If it is zero, the face has no area within rounding.
     squared: f64,
     second_squared: f64,
 }
@@ -83,7 +86,8 @@ impl Face {
         Self { corner: *a, edges, normal, squared, second_squared: dot(&edges[1], &edges[1]) }
     }
 
-    /// The square of the distance of a point from the plane and its foot, where that is inside the face.
+    /// Returns the squared distance of a point from the plane, and its foot. Returns `None` if the
+    /// foot is outside the face.
     #[inline(always)]
     pub(super) fn foot(&self, point: &Vector) -> Option<(f64, Vector)> {
         let from = sub(point, &self.corner);
@@ -91,7 +95,7 @@ impl Face {
         let s = dot(&cross(&from, v), &self.normal) / self.squared;
         let rest: Vector = std::array::from_fn(|k| from[k] - s * u[k]);
         let t = dot(&rest, v) / self.second_squared;
-        // NaN, of a face without area, is not inside.
+        // A face without area gives NaN, which fails the comparison.
         if !(s >= 0.0 && t >= 0.0 && s + t <= 1.0) {
             return None;
         }
@@ -100,8 +104,8 @@ impl Face {
     }
 }
 
-/// The square of the distance of a point from a triangle, and the nearest point, of coordinates whose fourth powers
-/// neither overflow nor vanish.
+/// Returns the squared distance of a point from a triangle, and the nearest point. The fourth
+/// powers of the coordinates must neither overflow nor underflow.
 #[inline]
 pub(crate) fn point_triangle(point: &Vector, triangle: &[Vector; 3]) -> (f64, Vector) {
     let mut nearest = Face::new(triangle).foot(point).unwrap_or((f64::INFINITY, triangle[0]));

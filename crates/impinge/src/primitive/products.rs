@@ -1,22 +1,25 @@
-//! Products of vectors in floats, one of them with twice the digits.
+//! Products of vectors in floats, some with twice the digits.
 
 use crate::math::vec3::Vector;
 
-/// The cross product as if computed with twice the digits and rounded: each component within 2^-53 of itself and
-/// 2^-103 of the magnitudes of its two products.
+/// Returns the cross product as if computed with twice the digits and then rounded. The error of
+/// each component is within 2^-53 of itself plus 2^-103 of the sum of the magnitudes of its two
+/// products.
 ///
 /// # Source
-/// Dekker, *A floating-point technique for extending the available precision*, Numerische Mathematik 18, 1971, for the
-/// error of a product; Knuth, TAOCP 2, 4.2.2, for that of a sum. Without fused multiply-add, whose result would be
-/// the same and whose speed would depend on the processor.
+/// Dekker, *A floating-point technique for extending the available precision*, Numerische
+/// Mathematik 18, 1971, for the error of a product; Knuth, TAOCP 2, 4.2.2, for that of a sum. It
+/// uses no fused multiply-add: the result would be the same, but the speed would depend on the
+/// processor.
 #[inline]
 pub(crate) fn accurate_cross(a: &Vector, b: &Vector) -> Vector {
     let minor = |i: usize, j: usize| difference_of_products(a[i], b[j], a[j], b[i]);
     [minor(1, 2), minor(2, 0), minor(0, 1)]
 }
 
-/// `a b - c d`. The two products and their difference are sums of two floats each, exactly, underflow aside; the errors
-/// are added up in one float, which rounds terms of 2^-53 of the products three times.
+/// Returns `a b - c d`. The two products and their difference are exact sums of two floats each,
+/// underflow aside. The errors are added up in one float, which rounds terms of 2^-53 of the
+/// products three times.
 #[inline(always)]
 fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let (p, p_rest) = two_product(a, b);
@@ -27,11 +30,12 @@ fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     sum + (sum_rest + (p_rest + q_rest))
 }
 
-/// The sum of products, as if computed with twice the digits and rounded: within 2^-53 of itself and 2^-98 of the sum of
-/// magnitudes, for at most eight products.
+/// Returns the sum of products as if computed with twice the digits and then rounded. For at most
+/// eight products the error is within 2^-53 of the sum plus 2^-98 of the sum of magnitudes.
 ///
 /// # Source
-/// Ogita, Rump, Oishi, *Accurate sum and dot product*, SIAM Journal on Scientific Computing 26, 2005, algorithm 5.3.
+/// Ogita, Rump, Oishi, *Accurate sum and dot product*, SIAM Journal on Scientific Computing 26,
+/// 2005, algorithm 5.3.
 pub(crate) fn accurate_sum_of_products(factors: &[(f64, f64)]) -> f64 {
     let (mut sum, mut rest) = (0.0, 0.0);
     for &(a, b) in factors {
@@ -52,7 +56,7 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
     (product, ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low)
 }
 
-/// Two halves of 26 bits.
+/// Splits a float into two halves of 26 bits each.
 #[inline(always)]
 fn split(a: f64) -> (f64, f64) {
     const HALF_OF_THE_BITS: f64 = ((1_u64 << 27) + 1) as f64;

@@ -1,33 +1,41 @@
-//! Where a ray meets a closed triangle, decided exactly.
+//! The exact intersection of a ray and a closed triangle.
 //!
-//! Source: the signs are those of Plücker coordinates, as in Woop, Benthin, Wald, *Watertight Ray/Triangle
-//! Intersection*, JCGT 2(1), 2013; ours departs in that they are the true ones, by exact arithmetic where doubles leave
-//! them open, so that rays through edges and corners, edge-on triangles and triangles without area are decided too.
+//! Source: the signs are those of Plücker coordinates, as in Woop, Benthin, Wald, *Watertight
+//! Ray/Triangle Intersection*, JCGT 2(1), 2013. Ours departs in that they are the true signs: exact
+//! arithmetic decides if doubles leave them undecided. So rays through edges and corners, edge-on
+//! triangles and triangles without area are decided too.
 //!
-//! Let `s_ab = d · (a - o) × (b - o)` for the edge from `a` to `b`: on which side of it the ray's line passes. Both faces
-//! of an edge see the same number, up to its sign, so that no line passes between them. The line meets the triangle
-//! where the three signs do not contradict each other; the ray does where `t = N / D` is not negative, with `D` the sum
-//! of the three and `N = (b - a) × (c - a) · (a - o)`. Where all three are zero, the line and the triangle are in one
-//! plane, or the triangle has no area; what they have in common is then spanned by what the edges have.
+//! Let `s_ab = d · (a - o) × (b - o)` for the edge from `a` to `b`: it says on which side of the
+//! edge the ray's line passes. Both faces of an edge see the same number, up to its sign, so no
+//! line passes between them. The line intersects the triangle if the three signs do not contradict
+//! each other. The ray does if also `t = N / D` is not negative, with `D` the sum of the three and
+//! `N = (b - a) × (c - a) · (a - o)`. If all three are zero, the line and the triangle are in one
+//! plane, or the triangle has no area. Their intersection is then spanned by the intersections of
+//! the line with the edges.
+//!
+//! Tests: `tests/it/distance/rays.rs`. Benchmark: `rays`.
 
 use crate::math::Sign::{self, Negative, Positive, Zero};
 use crate::math::dyadic::{self, Dyadic};
 use crate::math::vec3::{Vector, cross, dot, sub};
 
-/// Where a ray meets a triangle first: at `origin + t direction`.
+/// The first point that a ray and a triangle have in common: `origin + t direction`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayCrossing {
-    /// Not negative; in units of the direction's length. Within 2^-40 of itself of the true one, zero where that is zero;
-    /// the largest float where it is beyond 2^1022.
+    /// Ray parameter, zero or positive, in units of the direction's length. Its relative error is
+    /// at most 2^-40. It is zero if the true parameter is zero, and the largest float if that is
+    /// beyond 2^1022.
     pub t: f64,
-    /// More than what `t` may be off by.
+    /// Error bound of `t`.
     pub error: f64,
 }
 
-/// Where the ray from `origin` in `direction`, which is not zero, meets the closed triangle first, if it does.
+/// Returns the first point that the ray from `origin` in `direction` has in common with the closed
+/// triangle. Returns `None` if there is none. `direction` must not be zero.
 ///
-/// Whether it does is the truth about the real ray and the real triangle, whose numbers are at most 2^300 in magnitude;
-/// a triangle may be a segment or a point, and edge-on it is met in its first point.
+/// The decision is exact for the real ray and the real triangle. All numbers must be at most 2^300
+/// in magnitude. The triangle may degenerate to a segment or a point. If the ray lies in its plane,
+/// the result is the first common point.
 ///
 /// ```
 /// use impinge::primitive::ray_triangle;
@@ -65,7 +73,7 @@ pub fn ray_triangle(origin: &Vector, direction: &Vector, triangle: &[Vector; 3])
     let over_error = ROUNDING * permanent(&edges[0], &edges[1], &corners[0]) + UNDERFLOW;
     let under_error = ROUNDING * permanent(&edges[0], &edges[1], direction) + UNDERFLOW;
     let relative = over_error / over.abs() + under_error / under.abs();
-    // NaN and infinity, of parts that are zero, are not below.
+    // If a part is zero, the error is NaN or infinite and fails the comparison.
     let t = over / under;
     if relative < LARGEST_T_ERROR && t.is_finite() {
         return (t > 0.0).then_some(RayCrossing { t, error: t * 2.0 * relative });
@@ -74,12 +82,12 @@ pub fn ray_triangle(origin: &Vector, direction: &Vector, triangle: &[Vector; 3])
 }
 
 impl RayCrossing {
-    /// A parameter rounded to the nearest float.
+    /// Wraps a parameter that was rounded to the nearest float.
     fn nearest(t: f64) -> Self {
         Self { t: t.min(f64::MAX), error: t * f64::EPSILON + f64::from_bits(1) }
     }
 
-    /// How two crossings of one ray compare by their true parameters.
+    /// Compares two crossings of one ray by their true parameters.
     pub(crate) fn compare(
         &self,
         other: &Self,
@@ -100,18 +108,20 @@ impl RayCrossing {
     }
 }
 
-/// More than the relative rounding of a determinant of three differences: three of them, two of a product, one of a
-/// minor, one more product and two sums, 9 units of 2^-53, and what the bound itself is rounded by.
+/// Relative error bound of a determinant of three differences. Its roundings are three of the
+/// differences, two of a product, one of a minor, one more product and two sums: 9 units of 2^-53.
+/// The rest covers the rounding of the bound itself.
 const ROUNDING: f64 = 12.0 * (f64::EPSILON / 2.0);
 
-/// More than what products too small for a float lose, numbers being at most 2^300: 2^-1074 · 12 · 2^302.
+/// More than products lose to underflow if all numbers are at most 2^300: 2^-1074 · 12 · 2^302.
 const UNDERFLOW: f64 = f64::from_bits((1023 - 760) << 52);
 
-/// Parameters that floats leave in more doubt than this, of themselves, are computed exactly and rounded: 2^-40. Twice
-/// the sum of the relative errors of both parts covers their product and three roundings.
+/// Maximum relative error of a parameter computed in floats. Parameters with a larger error are
+/// computed exactly and rounded: 2^-40. Twice the sum of the relative errors of numerator and
+/// denominator covers their product and three roundings.
 const LARGEST_T_ERROR: f64 = 0.5 / (1_u64 << 40) as f64;
 
-/// The sum of the magnitudes of the six products of a determinant.
+/// Returns the sum of the magnitudes of the six products of a determinant.
 #[inline(always)]
 fn permanent(u: &Vector, v: &Vector, w: &Vector) -> f64 {
     let [a, b, c] = [0, 1, 2].map(|k| {
@@ -121,6 +131,8 @@ fn permanent(u: &Vector, v: &Vector, w: &Vector) -> f64 {
     a + b + c
 }
 
+/// Returns the sign of a determinant from its rounded value and its [`permanent`], or `None` if
+/// rounding leaves it undecided.
 #[inline(always)]
 fn certain_sign(value: f64, size: f64) -> Option<Sign> {
     let error = ROUNDING * size + UNDERFLOW;
@@ -133,11 +145,12 @@ fn certain_sign(value: f64, size: f64) -> Option<Sign> {
     }
 }
 
+/// Reports whether one sign is negative and the other positive.
 fn contradict(one: Sign, other: Sign) -> bool {
     one != Zero && one == -other
 }
 
-/// A ray and a triangle in exact numbers, the origin of the ray being that of space.
+/// A ray and a triangle in exact numbers, relative to the ray's origin.
 struct ExactRay {
     direction: [Dyadic; 3],
     corners: [[Dyadic; 3]; 3],
@@ -152,12 +165,13 @@ impl ExactRay {
         }
     }
 
-    /// On which side of edge `i` the line passes.
+    /// Returns the side of edge `i` on which the line passes.
     fn side(&self, i: usize) -> Sign {
         dyadic::dot(&self.direction, &dyadic::cross(&self.corners[i], &self.corners[(i + 1) % 3])).sign()
     }
 
-    /// The parameter of a line that meets the triangle, as numerator and positive denominator.
+    /// Returns the parameter at which the line intersects the triangle, as numerator and positive
+    /// denominator.
     fn quotient(&self) -> Option<(Dyadic, Dyadic)> {
         let [a, b, c] = &self.corners;
         let edge = |to: &[Dyadic; 3]| [0, 1, 2].map(|k| &to[k] - &a[k]);
@@ -170,41 +184,45 @@ impl ExactRay {
         }
     }
 
-    /// The parameter, rounded to nearest, of a line that passes through the triangle, if it is not negative.
+    /// Returns the parameter at which the line intersects the triangle, rounded to nearest, or
+    /// `None` if it is negative.
     fn crossing(&self) -> Option<f64> {
         let (over, under) = self.quotient()?;
         (over.sign() != Negative).then(|| Dyadic::nearest_quotient(&over, &under))
     }
 
-    /// The same for a line in one plane with the triangle.
+    /// Returns the first parameter of a ray that lies in one plane with the triangle, rounded to
+    /// nearest.
     fn first_in_plane(&self) -> Option<f64> {
         let (over, under) = self.first_quotient_in_plane()?;
         Some(Dyadic::nearest_quotient(&over, &under))
     }
 
-    /// The least parameter, zero or more, of points that the ray and the edges' hull have in common, where all edges are in one
-    /// plane with the line: what the line has in common with the edges spans what it has in common with the triangle.
+    /// Returns the smallest parameter, zero or more, of points that the ray and the triangle have
+    /// in common. All edges must be in one plane with the line. The line's intersections with the
+    /// edges span its intersection with the triangle.
     fn first_quotient_in_plane(&self) -> Option<(Dyadic, Dyadic)> {
         let squared = dyadic::dot(&self.direction, &self.direction);
-        // Places along the line, times `squared`, and to its side.
+        // Positions along the line, times `squared`, and offsets to its side.
         let places = self.corners.each_ref().map(|corner| dyadic::dot(corner, &self.direction));
         let offsets = self.corners.each_ref().map(|corner| dyadic::cross(&self.direction, corner));
         let is_on = offsets.each_ref().map(|offset| offset.iter().all(|x| x.sign() == Zero));
-        let mut met: Vec<(Dyadic, Dyadic)> = Vec::new();
+        let mut crossings: Vec<(Dyadic, Dyadic)> = Vec::new();
         for i in 0..3 {
             let j = (i + 1) % 3;
             if is_on[i] {
-                met.push((places[i].clone(), squared.clone()));
+                crossings.push((places[i].clone(), squared.clone()));
             }
-            // Offsets of one plane are parallel: on both sides of the line where their product is negative.
+            // Offsets in one plane are parallel, so the ends are on both sides of the line if their
+            // product is negative.
             let product = dyadic::dot(&offsets[i], &offsets[j]);
             if product.sign() == Negative {
-                // The edge from i crosses at λ = |offset_i| / (|offset_i| + |offset_j|), in terms of their squares and
-                // product.
+                // The edge from i crosses at λ = |offset_i| / (|offset_i| + |offset_j|), expressed
+                // in their squares and product.
                 let weight = dyadic::dot(&offsets[i], &offsets[i]);
                 let sum = &weight - &product;
                 let place = &(&places[i] * &sum) + &(&weight * &(&places[j] - &places[i]));
-                met.push((place, &sum * &squared));
+                crossings.push((place, &sum * &squared));
             }
         }
         let ahead = |(over, _): &&(Dyadic, Dyadic)| over.sign() != Negative;
@@ -214,11 +232,11 @@ impl ExactRay {
             }
             best
         };
-        let first = met.iter().find(ahead)?.clone();
-        if met.iter().any(|(over, _)| over.sign() == Negative) {
-            // From behind the origin to before it: the origin is in the triangle.
+        let first = crossings.iter().find(ahead)?.clone();
+        if crossings.iter().any(|(over, _)| over.sign() == Negative) {
+            // The triangle reaches from behind the origin to before it, so it contains the origin.
             return Some((Dyadic::ZERO, squared));
         }
-        Some(met.iter().filter(ahead).fold(first, nearest))
+        Some(crossings.iter().filter(ahead).fold(first, nearest))
     }
 }

@@ -1,8 +1,9 @@
-//! The points of two triangles that are nearest to each other.
+//! The nearest points of two triangles.
 //!
-//! Source: Ericson, *Real-Time Collision Detection*, 5.1.10: triangles without a common point are nearest in two edges, or
-//! in a corner and a face. Whether they have a common point is decided exactly, by `exact`, and only where the
-//! witnesses' direction does not prove that they have none.
+//! Source: Ericson, *Real-Time Collision Detection*, 5.1.10: triangles without a common point are
+//! nearest at two edges, or at a corner and a face. `exact` decides whether they have a common
+//! point. It is called only if the direction between the witnesses does not prove that they have
+//! none.
 
 use super::closest::{ClosestPoints, Scaled};
 use super::points::{Face, along, point_segment};
@@ -11,14 +12,15 @@ use crate::exact::{Crossing, Placement, crossing, triangles_intersect};
 use crate::math::Pose;
 use crate::math::vec3::{Vector, dot, length, sub};
 
-/// The points of two triangles that are nearest to each other; either may be a segment or a point.
+/// Returns the nearest points of two triangles. Either triangle may degenerate to a segment or a
+/// point.
 ///
-/// Swapping the triangles changes no bit of the distance and swaps the points, but for the common point of triangles that
-/// intersect, which may be another.
+/// Swapping the triangles changes no bit of the distance and swaps the points. One exception: the
+/// common point of intersecting triangles may be another one.
 ///
 /// # Accuracy
-/// As [`ClosestPoints`] says. The distance is zero exactly where the triangles intersect; the points are then one
-/// common point, rounded.
+/// As for [`ClosestPoints`]. The distance is zero exactly if the triangles intersect. Both points
+/// are then the same common point, rounded.
 ///
 /// ```
 /// use impinge::primitive::closest_on_triangles;
@@ -35,21 +37,22 @@ pub fn closest_on_triangles(a: &[Vector; 3], b: &[Vector; 3]) -> ClosestPoints {
     let (a_scaled, b_scaled) = ([p, q, r], [s, t, u]);
     let witness = triangle_triangle(&a_scaled, &b_scaled);
     let closest = scaled.back(witness.squared, witness.on_a, witness.on_b);
-    let doubt = scaled.error();
-    if separation(&a_scaled, &b_scaled, &witness) > doubt {
+    let error_bound = scaled.error();
+    if separation(&a_scaled, &b_scaled, &witness) > error_bound {
         return closest;
     }
     let placement = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
     if !triangles_intersect(&placement, a, b) {
-        // Points that rounding brought together are still apart.
+        // Rounding may make the points equal although the triangles are apart.
         return ClosestPoints { distance: closest.distance.max(f64::MIN_POSITIVE), ..closest };
     }
     let common = common_point(&placement, a, b).unwrap_or(closest.point_a);
     ClosestPoints { distance: 0.0, error: 0.0, point_a: common, point_b: common }
 }
 
-/// A point that two intersecting triangles have in common, in the world, rounded; none where they share a part of one
-/// plane or have no area, where closed forms find one.
+/// Returns a common point of two intersecting triangles, in the world frame, rounded. Returns
+/// `None` if the triangles overlap in one plane or have no area; closed forms find a common point
+/// of such triangles.
 pub(crate) fn common_point(placement: &Placement, a: &[Vector; 3], b: &[Vector; 3]) -> Option<Vector> {
     match crossing(placement, a, b) {
         Crossing::Point(end) | Crossing::Segment(end, _) => Some(end.point),
@@ -57,18 +60,18 @@ pub(crate) fn common_point(placement: &Placement, a: &[Vector; 3], b: &[Vector; 
     }
 }
 
-/// The nearest points that edges and corners of two triangles have.
+/// The nearest points among the edges, corners and faces of two triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Witness {
-    /// The square of the distance.
+    /// Squared distance of the two points.
     pub(crate) squared: f64,
     pub(crate) on_a: Vector,
     pub(crate) on_b: Vector,
 }
 
-/// The nearest points that edges and corners of two triangles have, which are those of the triangles where these have
-/// no common point. Coordinates are such that their fourth powers do not overflow. Swapping the triangles swaps the
-/// points and changes no bit.
+/// Returns the nearest points of two triangles' edges, corners and faces. They are the nearest
+/// points of the triangles if these do not intersect. The fourth powers of the coordinates must not
+/// overflow. Swapping the triangles swaps the points and changes no bit.
 pub(crate) fn triangle_triangle(a: &[Vector; 3], b: &[Vector; 3]) -> Witness {
     // The features are tried in an order that depends on the first triangle.
     if a.as_flattened() <= b.as_flattened() {
@@ -79,7 +82,8 @@ pub(crate) fn triangle_triangle(a: &[Vector; 3], b: &[Vector; 3]) -> Witness {
     }
 }
 
-/// Which parts of the triangles the nearest points are on, with what it takes to find them.
+/// The features of the triangles that hold the nearest points, with the parameters to compute the
+/// points.
 #[derive(Clone, Copy)]
 enum Parts {
     CornerOfA { corner: usize, edge: usize, t: f64 },
@@ -93,12 +97,14 @@ fn ordered(a: &[Vector; 3], b: &[Vector; 3]) -> Witness {
     nearest_corners(a, b).unwrap_or_else(|| nearest_of_all(a, b))
 }
 
-/// The nearest corners, where both triangles lie behind the planes through them across what is between them, so that
-/// nothing is nearer: the case of all the faces about two vertices, and a tenth of the work.
+/// Returns the nearest pair of corners if no other points of the triangles are nearer. That is
+/// certain if both triangles lie behind the two planes through these corners, perpendicular to the
+/// line between them. It holds for all the faces around two vertices, and takes 10 % of the work of
+/// [`nearest_of_all`].
 ///
 /// # Accuracy
-/// An edge that rounding puts on the wrong side leans over its plane by 4 units of 2^-53 at most, and comes nearer by no more
-/// than that of its length.
+/// An edge that rounding puts on the wrong side leans over its plane by at most 4 units of 2^-53,
+/// and comes nearer by at most that part of its length.
 fn nearest_corners(a: &[Vector; 3], b: &[Vector; 3]) -> Option<Witness> {
     let mut least = (f64::INFINITY, 0, 0);
     for i in 0..3 {
@@ -118,7 +124,7 @@ fn nearest_corners(a: &[Vector; 3], b: &[Vector; 3]) -> Option<Witness> {
     (is_behind(0) && is_behind(1) && is_behind(2)).then_some(Witness { squared, on_a, on_b })
 }
 
-/// The nearest points of all edges, corners and faces.
+/// Returns the nearest points among all edges, corners and faces.
 fn nearest_of_all(a: &[Vector; 3], b: &[Vector; 3]) -> Witness {
     let edges = |corners: &[Vector; 3]| [0, 1, 2].map(|i| sub(&corners[(i + 1) % 3], &corners[i]));
     let (edges_a, edges_b) = (edges(a), edges(b));
@@ -161,12 +167,12 @@ fn nearest_of_all(a: &[Vector; 3], b: &[Vector; 3]) -> Witness {
     Witness { squared: least, on_a, on_b }
 }
 
-/// How far apart the triangles are along the line through the witnesses, at least, before rounding; negative where
-/// that line does not separate them, and where there is none.
+/// Returns a lower bound, before rounding, of the distance of the triangles along the line through
+/// the witnesses. Returns -1 if that line does not separate them, or if the witnesses are equal.
 ///
 /// # Accuracy
-/// Within 12 units of 2^-53 of the diagonal of the box that holds both: differences of corners are rounded once, products
-/// and sums three times, the length and the quotient twice more.
+/// Within 12 units of 2^-53 of the diagonal of the box that holds both triangles. Differences of
+/// corners are rounded once, products and sums three times, the length and the quotient twice more.
 pub(crate) fn separation(a: &[Vector; 3], b: &[Vector; 3], witness: &Witness) -> f64 {
     let direction = sub(&witness.on_b, &witness.on_a);
     let size = length(&direction);
@@ -176,7 +182,7 @@ pub(crate) fn separation(a: &[Vector; 3], b: &[Vector; 3], witness: &Witness) ->
             gap = gap.min(dot(&direction, &sub(q, p)));
         }
     }
-    // NaN where there is no direction; written so that it separates nothing.
+    // Equal witnesses give NaN. The comparison is written so that NaN separates nothing.
     let separation = gap / size;
     if separation > 0.0 { separation } else { -1.0 }
 }
@@ -206,9 +212,9 @@ mod tests {
             let Some(nearest) = nearest_corners(&a, &b) else { continue };
             found[usize::from(is_on_grid)] += 1;
             let all = nearest_of_all(&a, &b);
-            let doubt = Scaled::new([a[0], a[1], a[2], b[0], b[1], b[2]]).diagonal * CLOSED_FORM_ERROR;
+            let error_bound = Scaled::new([a[0], a[1], a[2], b[0], b[1], b[2]]).diagonal * CLOSED_FORM_ERROR;
             let off = nearest.squared.sqrt() - all.squared.sqrt();
-            assert!(off.abs() <= 4.0 * doubt, "{a:?} {b:?}: {off:e}");
+            assert!(off.abs() <= 4.0 * error_bound, "{a:?} {b:?}: {off:e}");
         }
         assert!(found.iter().all(|&found| found > 5_000), "{found:?}");
     }

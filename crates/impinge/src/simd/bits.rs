@@ -1,29 +1,29 @@
-//! Sets of lanes, and of pairs of lanes, as bits: of eight lanes the bits of a byte, of pairs those of eight bytes.
+//! Sets of lanes as the bits of a byte, and sets of pairs of lanes as the bits of eight bytes.
 
 /// A one in each byte.
 const EACH_BYTE: u64 = 0x0101_0101_0101_0101;
 
-/// A one in each byte that has any bit set.
+/// Returns a one in each byte that has any bit set, and zero in the other bytes.
 #[inline(always)]
 pub(crate) fn nonzero_bytes(bytes: u64) -> u64 {
     const LOW_BITS: u64 = 0x7f * EACH_BYTE;
     ((((bytes & LOW_BITS) + LOW_BITS) | bytes) >> 7) & EACH_BYTE
 }
 
-/// All bits of the bytes whose places are set in `lanes`.
+/// Returns the bytes 0xff at each index whose bit is set in `lanes`, and zero bytes elsewhere.
 #[inline(always)]
 pub(crate) fn spread_to_bytes(lanes: u32) -> u64 {
     const OWN_BIT: u64 = 0x8040_2010_0804_0201;
     nonzero_bytes(each_byte(lanes) & OWN_BIT) * 0xff
 }
 
-/// The lanes in each byte.
+/// Returns eight copies of the byte `lanes`.
 #[inline(always)]
 pub(crate) fn each_byte(lanes: u32) -> u64 {
     EACH_BYTE * u64::from(lanes)
 }
 
-/// The bits that are set in any byte.
+/// Returns the bitwise or of the eight bytes.
 #[inline(always)]
 pub(crate) fn any_byte(bytes: u64) -> u32 {
     let half = bytes | bytes >> 32;
@@ -31,7 +31,7 @@ pub(crate) fn any_byte(bytes: u64) -> u32 {
     (quarter | quarter >> 8) as u32 & 0xff
 }
 
-/// The positions of the bits that are set, from the lowest.
+/// Returns the positions of the bits that are set, the lowest first.
 #[inline(always)]
 pub(crate) fn bits(mut set: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -43,10 +43,12 @@ pub(crate) fn bits(mut set: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Takes the lowest four bits away, and returns where they are; where there are fewer, anything below 64 follows.
+/// Removes the lowest four bits from `set` and returns their positions. If fewer bits are set, the
+/// remaining entries are any number below 64.
 ///
-/// A loop over bits ends where no processor can foresee it. Lists that take on four at a time, of which only so many
-/// [count](extend_some), hardly ever need another four.
+/// A loop over single bits ends unpredictably, so the processor mispredicts its exit. A list that
+/// appends four positions at once, and [keeps](extend_some) only the valid ones, rarely loops
+/// twice.
 #[inline(always)]
 pub(crate) fn take_four(set: &mut u64) -> [usize; 4] {
     [0; 4].map(|_| {
@@ -56,7 +58,7 @@ pub(crate) fn take_four(set: &mut u64) -> [usize; 4] {
     })
 }
 
-/// Appends the first `count` of four, or all where that is more.
+/// Appends the first `count` of the four elements, or all four if `count` is larger.
 #[inline(always)]
 pub(crate) fn extend_some<T: Copy>(list: &mut Vec<T>, four: [T; 4], count: usize) {
     let end = list.len() + count;
@@ -71,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lists_take_on_each_bit_once() {
+    fn lists_get_each_bit_once() {
         let mut rng = Rng::new(9);
         for count in [0, 1, 3, 4, 5, 8, 20, 64] {
             let mut set = (0..count).fold(0, |set, _| set | 1_u64 << rng.integer(0, 63));

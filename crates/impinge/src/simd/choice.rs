@@ -1,22 +1,23 @@
-//! Lanes brought to other places, which are only known when they are asked for.
+//! Permutations of eight lanes that are known only at run time.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, f32x8, u32x8};
 
 use super::{LANES, load};
 
-/// For each of eight places the lane that comes there: the low three bits of its byte, the first place's the lowest.
+/// A source lane for each of the eight places of a vector: the low three bits of one byte each. The
+/// lowest byte belongs to the first place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Choice(pub(crate) u64);
 
 impl Choice {
-    /// Of these lanes.
+    /// Builds a permutation from the source lane of each place.
     #[inline(always)]
     pub(crate) fn new(lanes: [usize; LANES]) -> Self {
         Self(u64::from_le_bytes(lanes.map(|lane| lane as u8)))
     }
 
-    /// What is chosen of eight lanes.
+    /// Returns the permuted lanes.
     #[inline(always)]
     pub(crate) fn of<S: Simd>(self, simd: S, lanes: &[f32; LANES]) -> f32x8<S> {
         match simd.level() {
@@ -28,7 +29,7 @@ impl Choice {
         }
     }
 
-    /// Likewise of numbers that are whole.
+    /// Returns the permuted lanes of integers.
     #[inline(always)]
     pub(crate) fn of_numbers<S: Simd>(self, simd: S, lanes: &[u32; LANES]) -> u32x8<S> {
         match simd.level() {
@@ -44,7 +45,7 @@ impl Choice {
     }
 }
 
-/// One instruction, which the portable vectors have no name for.
+/// One instruction that the portable vectors have no name for.
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use std::arch::x86_64::{__m256, _mm_cvtsi64_si128, _mm256_cvtepu8_epi32, _mm256_permutevar8x32_ps};
@@ -82,7 +83,7 @@ mod tests {
                 let chosen: [f32; LANES] =
                     dispatch_every!(level, simd => Choice(u64::from_le_bytes(bytes)).of(simd, &lanes).into());
                 assert_eq!(chosen, bytes.map(|byte| f32::from(byte % 8)), "{name}");
-                // As floats these are not numbers, and those that a processor may quieten.
+                // As floats these bits are signaling NaNs, which a processor may quiet.
                 let numbers = lanes.map(|lane: f32| 0x7f80_0001 + lane as u32);
                 let chosen: [u32; LANES] =
                     dispatch_every!(level, simd => Choice(u64::from_le_bytes(bytes)).of_numbers(simd, &numbers).into());

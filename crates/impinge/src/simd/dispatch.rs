@@ -74,7 +74,8 @@ macro_rules! dispatch_widest {
     }};
 }
 
-/// Runs a kernel with the vector unit of a level that [`kernel_levels`](super::kernel_levels) returns.
+/// Runs a kernel with the vector unit of a level that [`kernel_levels`](super::kernel_levels)
+/// returns.
 #[cfg(test)]
 macro_rules! dispatch_every {
     ($level:expr, $simd:pat => $op:expr) => {{

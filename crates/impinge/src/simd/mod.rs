@@ -1,8 +1,9 @@
 //! The vector units of the processor, found at run time.
 //!
-//! Kernels are written once over [`fearless_simd`]'s lanes and compiled for every [`Level`]; the best one that the
-//! processor has is chosen when a query starts. No answer depends on the level: lanes only ever *reject* or
-//! *confirm* within proved bounds, and what they leave open is decided exactly.
+//! Kernels are written once over [`fearless_simd`]'s lanes and compiled for several [`Level`]s. The
+//! best level that the processor has is chosen when a query starts. No answer depends on the level:
+//! lanes only *reject* or *confirm* within proved bounds, and what they leave undecided is decided
+//! exactly.
 
 mod bits;
 mod choice;
@@ -11,8 +12,8 @@ mod prefetch;
 mod rows;
 mod vectors;
 
-/// `[body, body, body]` with `axis` 0, 1, 2. A closure would do, but one that the compiler leaves out of line loses the
-/// vector unit of its caller.
+/// Expands to `[body, body, body]` with `axis` 0, 1 and 2. This is a macro because a closure that
+/// the compiler does not inline loses the vector unit of its caller.
 macro_rules! by_axis {
     ($axis:ident => $body:expr) => {
         [
@@ -45,24 +46,26 @@ pub(crate) use vectors::{Lanes3, across, across3, cross, dot, load, load3, store
 
 pub use fearless_simd::Level;
 
-/// Runs a kernel, which must be inlined into here (`#[inline(always)] || …`), as a function of its own with the vector
-/// unit of `simd`: for large kernels that are called from several places, of which each would hold a copy otherwise.
-/// One function of all kernels at once is a megabyte at the scalar level and takes minutes to compile.
+/// Runs a kernel as a function of its own with the vector unit of `simd`. The kernel must be
+/// inlined into this function (`#[inline(always)] || …`). Use it for large kernels with several
+/// callers, each of which would otherwise contain a copy. One function for all kernels together
+/// would be a megabyte at the scalar level and take minutes to compile.
 #[inline(never)]
 pub(crate) fn outlined<S: fearless_simd::Simd, R>(simd: S, kernel: impl FnOnce() -> R) -> R {
     simd.vectorize(kernel)
 }
 
-/// Lanes that the boxes of a node and the triangles of a packet fill: one 256-bit vector of single precision,
-/// which narrower levels split and wider ones do not gain from (a 512-bit compare costs two 256-bit ones there).
+/// Number of boxes in a node and of triangles in a packet: the lanes of one 256-bit vector of
+/// single precision. Narrower levels split such a vector. Wider vectors do not gain: with AVX-512
+/// one 512-bit comparison costs as much as two 256-bit ones.
 pub const LANES: usize = 8;
 
-/// The bits of all lanes.
+/// The set of all lanes.
 pub(crate) const ALL_LANES: u32 = (1 << LANES) - 1;
 
-/// The level that queries use unless told otherwise: the widest that this processor has, but not AVX-512, whose compares
-/// of 256 bits into mask registers made the same descent 1.1 to 1.3 times slower than AVX2 where both were measured (Zen 4
-/// and Zen 5).
+/// Returns the level that queries use by default: the widest of this processor except AVX-512.
+/// AVX-512 compares 256-bit vectors into mask registers, which made the same descent 1.1 to 1.3
+/// times slower than AVX2 on both processors measured (Zen 4 and Zen 5).
 #[must_use]
 pub fn best_level() -> Level {
     let widest = Level::new();
@@ -73,15 +76,16 @@ pub fn best_level() -> Level {
     widest
 }
 
-/// The widest level that this processor has, AVX-512 too: for kernels that bring lanes together, which it has an instruction for.
+/// Returns the widest level of this processor, AVX-512 included. It is for kernels that compress
+/// lanes, for which AVX-512 has an instruction.
 #[must_use]
 pub(crate) fn widest_level() -> Level {
     Level::new()
 }
 
-/// Returns every level that this processor can run and that queries are compiled for, with its name,
-/// the narrowest first. Tests ask each of them the same questions. Scalar arithmetic is one of them
-/// if the feature `scalar` is on, and SSE4.2 if `all-levels` is.
+/// Returns every level that this processor can run and that queries are compiled for, with its
+/// name, the narrowest first. Tests ask each level the same questions. Scalar arithmetic is
+/// included if the feature `scalar` is on, and SSE4.2 if `all-levels` is on.
 #[must_use]
 pub fn levels() -> Vec<(&'static str, Level)> {
     let best = Level::new();

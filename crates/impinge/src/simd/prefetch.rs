@@ -1,29 +1,32 @@
-//! Asking for memory before it is needed: the descent knows its next pairs well before it reaches them.
+//! Prefetches memory before it is needed: a descent knows its next pairs well before it reaches
+//! them.
 
-/// What is brought from memory in one piece.
+/// Number of bytes in a cache line.
 pub(crate) const CACHE_LINE: usize = 64;
 
-/// Asks the processor to bring every cache line of `target` closer; changes nothing that a program can observe.
+/// Asks the processor to load every cache line of `target` into its caches. A program cannot
+/// observe any other effect.
 ///
-/// Worth 1.4 times on descents whose trees outgrow the caches; a no-op where the target has no such instruction.
+/// Prefetching makes descents 1.4 times faster if their trees exceed the caches. On processors
+/// other than x86-64 it does nothing.
 #[inline(always)]
 pub(crate) fn prefetch<T>(target: &T) {
-    ask_for(std::ptr::from_ref(target));
+    prefetch_lines(std::ptr::from_ref(target));
 }
 
-/// As [`prefetch`], of an element, which need not be there.
+/// Prefetches element `at` of a slice. The index may be out of range.
 #[inline(always)]
 pub(crate) fn prefetch_at<T>(elements: &[T], at: usize) {
-    ask_for(elements.as_ptr().wrapping_add(at));
+    prefetch_lines(elements.as_ptr().wrapping_add(at));
 }
 
 #[inline(always)]
-fn ask_for<T>(target: *const T) {
+fn prefetch_lines<T>(target: *const T) {
     #[cfg(target_arch = "x86_64")]
     {
-        let ask = |offset: usize| {
-            // SAFETY: a prefetch is a hint that cannot fault, whatever the address. SSE, which has the instruction, is part
-            // of every x86-64 processor.
+        let prefetch_line = |offset: usize| {
+            // SAFETY: a prefetch is a hint that cannot fault, whatever the address. SSE, which has
+            // the instruction, is part of every x86-64 processor.
             #[allow(unsafe_code)]
             unsafe {
                 use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
@@ -31,11 +34,12 @@ fn ask_for<T>(target: *const T) {
             }
         };
         for offset in (0..size_of::<T>()).step_by(CACHE_LINE) {
-            ask(offset);
+            prefetch_line(offset);
         }
-        // What is most of a line long and not aligned to lines often ends in the next.
+        // A value not aligned to lines, whose last part exceeds half a line, often ends in one more
+        // line.
         if size_of::<T>() % CACHE_LINE > CACHE_LINE / 2 && align_of::<T>() < CACHE_LINE {
-            ask(size_of::<T>() - 1);
+            prefetch_line(size_of::<T>() - 1);
         }
     }
     #[cfg(not(target_arch = "x86_64"))]

@@ -1,40 +1,41 @@
-//! Rows of a table by their numbers. One comparison proves that all of the numbers are in range.
+//! Rows of a table, read by index. One comparison proves that all indices are in range.
 //!
-//! The numbers may lie in a memory map that another process writes to. So they are read once, into
-//! an array that nobody else can change, and compared and used there.
+//! The indices may lie in a memory map that another process writes to. So they are read once, into
+//! an array that nobody else can change, and then compared and used from there.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x8};
 
 use super::LANES;
 
-/// Rows of three numbers, which are read four numbers at a time: any fourth comes along.
+/// A table of rows of three numbers. A row is read as four numbers; the fourth is arbitrary.
 #[derive(Clone, Copy)]
 pub(crate) struct Rows<'a, T> {
     rows: &'a [[T; 3]],
-    /// The last row, which no number follows, and one that does.
+    /// The last row, which no number follows in the table, and a fourth number.
     last: [T; 4],
 }
 
-/// Numbers of rows, all of them before the last one.
+/// Row indices, all of them before the last row.
 pub(crate) struct Inside<'a, T, const N: usize> {
     rows: &'a [[T; 3]],
     at: [u32; N],
 }
 
 impl<'a, T: Copy + Default> Rows<'a, T> {
+    /// Wraps a table. An empty table gets one row of zeros.
     pub(crate) fn of(rows: &'a [[T; 3]]) -> Self {
         let [x, y, z] = rows.last().copied().unwrap_or_default();
         Self { rows, last: [x, y, z, T::default()] }
     }
 
-    /// The rows.
+    /// Returns all rows.
     #[inline(always)]
     pub(crate) fn all(&self) -> &'a [[T; 3]] {
         self.rows
     }
 
-    /// Returns the row of a number, or the last row if the number is too large.
+    /// Returns row `at`, or the last row if `at` is out of range.
     #[inline(always)]
     pub(crate) fn row(&self, at: u32) -> &[T; 4] {
         let first = 3 * at as usize;
@@ -42,34 +43,34 @@ impl<'a, T: Copy + Default> Rows<'a, T> {
         row.unwrap_or(&self.last)
     }
 
-    /// Returns the rows of these numbers, or `None` unless each number is before the last row. They
-    /// nearly always are, and then no row needs a comparison of its own. There must be a multiple of
-    /// eight numbers.
+    /// Returns the rows at these indices, or `None` unless each index is before the last row.
+    /// Nearly always they are, and then no row needs a comparison of its own. The number of indices
+    /// must be a multiple of eight.
     #[inline(always)]
     pub(crate) fn inside<S: Simd, const N: usize>(&self, simd: S, at: &[u32; N]) -> Option<Inside<'a, T, N>> {
         const { assert!(N.is_multiple_of(LANES)) };
-        // SAFETY: a reference to plain numbers can be read. The read is volatile so that the compiler
-        // reads each number once, not again after the comparison.
+        // SAFETY: a reference to plain numbers can be read. The read is volatile so that the
+        // compiler reads each number once, not again after the comparison.
         #[allow(unsafe_code)]
         let at = unsafe { std::ptr::read_volatile(at) };
         let mut greatest = u32x8::splat(simd, 0);
         for eight in at.as_chunks::<LANES>().0 {
             greatest = greatest.max(u32x8::from_slice(simd, eight));
         }
-        // A number and one may be more than an index can be.
+        // An index plus one could overflow.
         let inside = (greatest.reduce_max() as usize) < self.rows.len().saturating_sub(1);
         inside.then_some(Inside { rows: self.rows, at })
     }
 }
 
 impl<'a, T, const N: usize> Inside<'a, T, N> {
-    /// The row of one of the numbers.
+    /// Returns the row of one of the indices.
     #[inline(always)]
     pub(crate) fn row(&self, index: usize) -> &'a [T; 4] {
         let row = self.at[index] as usize;
-        // SAFETY: another row follows this one (`Rows::inside`, and nobody else can change the
-        // numbers that it compared), so that three numbers from its first on, and a fourth, are of
-        // the slice; an array is aligned as its elements are.
+        // SAFETY: `Rows::inside` proved that another row follows this one, and nobody else can
+        // change the indices that it compared. So the three numbers of this row and one more lie in
+        // the slice. An array has the alignment of its elements.
         #[allow(unsafe_code)]
         unsafe {
             &*self.rows.as_ptr().add(row).cast::<[T; 4]>()

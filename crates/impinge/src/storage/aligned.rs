@@ -1,22 +1,23 @@
-//! Bytes that are aligned for whatever may lie in them.
+//! Bytes that are aligned for every element type.
 
 use bytemuck::{Pod, Zeroable};
 
 use super::{Buffer, Pages};
 
-/// Aligned for whatever is put there.
+/// A cache line. Its alignment suits every element type.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 struct Line([u8; 64]);
 
-/// Bytes that are aligned for whatever may lie in them: a copy of what somebody else keeps, and may change.
+/// Bytes that are aligned for every element type. They hold a copy of memory that belongs to
+/// somebody else and may change.
 pub struct AlignedBytes {
     lines: Buffer<Line>,
     len: usize,
 }
 
 impl AlignedBytes {
-    /// As many zeros.
+    /// Returns `len` zeros.
     #[must_use]
     pub fn zeroed(len: usize) -> Self {
         Self { lines: Pages::zeroed(len.div_ceil(size_of::<Line>())), len }

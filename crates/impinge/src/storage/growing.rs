@@ -1,4 +1,4 @@
-//! Elements in large pages of which nobody knows beforehand how many there will be.
+//! A buffer in large pages for elements whose number is not known beforehand.
 
 use std::ops::{Index, IndexMut};
 
@@ -13,7 +13,8 @@ pub(crate) struct Growing<T> {
 }
 
 impl<T: Pod> Growing<T> {
-    /// Room for so many; more are moved once there are more. Room that is never used costs nothing where pages are large.
+    /// Builds an empty buffer with room for `capacity` elements. If more are pushed, all of them
+    /// are moved to a larger buffer. Unused room costs nothing if pages are large.
     pub(crate) fn with_capacity(capacity: usize) -> Self {
         Self { buffer: Pages::zeroed(capacity.max(1)), len: 0 }
     }
@@ -56,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_pushed_is_there_in_its_order_and_nothing_else() {
+    fn pushed_elements_are_kept_in_order() {
         for (capacity, len) in [(0, 0), (0, 1), (3, 2), (1, 1000), (300_000, 600_000), (700_000, 600_001)] {
             let mut growing = Growing::<u64>::with_capacity(capacity);
             (0..len as u64).for_each(|element| growing.push(element));

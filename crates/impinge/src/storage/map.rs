@@ -1,4 +1,4 @@
-//! Memory in pages of its own, which needs the feature `mmap`.
+//! Memory in pages of its own. This needs the feature `mmap`.
 
 #[cfg(not(feature = "mmap"))]
 pub(super) use absent::{Map, zeroed};
@@ -9,7 +9,8 @@ pub(super) use present::{Map, zeroed};
 mod present {
     pub(in super::super) use memmap2::MmapMut as Map;
 
-    /// Returns `bytes` zeros in pages that the system is asked to make large, or `None` if it refuses.
+    /// Returns `bytes` zeros in pages that the system is asked to make large, or `None` if it
+    /// refuses.
     pub(in super::super) fn zeroed(bytes: usize) -> Option<Map> {
         let map = Map::map_anon(bytes).ok()?;
         // If the system declines large pages, everything works and takes longer.
@@ -23,7 +24,7 @@ mod present {
 mod absent {
     use std::ops::{Deref, DerefMut};
 
-    /// A type without values: there are no such pages.
+    /// A type without values: without the feature there are no such pages.
     pub(in super::super) enum Map {}
 
     pub(in super::super) fn zeroed(_bytes: usize) -> Option<Map> {

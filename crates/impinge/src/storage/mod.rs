@@ -1,7 +1,7 @@
 //! Plain data that is either owned or borrowed from bytes that somebody else keeps alive.
 //!
-//! Nodes and packed triangles live behind [`Buffer`], so that a baked file in a memory map, or memory shared between
-//! processes, serves a query without a copy.
+//! Nodes and packed triangles live behind [`Buffer`], so that a baked file in a memory map, or
+//! memory shared between processes, serves a query without a copy.
 
 mod aligned;
 mod growing;
@@ -21,8 +21,9 @@ use map::Map;
 /// Bytes that outlive every [`Buffer`] that borrows them: a vector, a memory map.
 pub type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
 
-/// Plain data in pages of its own, which the system is asked to make large: a query that jumps about in a hundred
-/// megabytes otherwise waits for the tables of small pages, and a build for each of them to be handed out.
+/// Plain data in pages of its own, which the system is asked to make large. With small pages, a
+/// query that jumps about in 100 MB waits for page tables, and a build waits for each page to be
+/// handed out.
 pub struct Pages<T> {
     map: Map,
     len: usize,
@@ -30,8 +31,8 @@ pub struct Pages<T> {
 }
 
 impl<T: Pod> Pages<T> {
-    /// Returns `len` zeros. They are a vector if they are too few for large pages, if the system refuses pages, or
-    /// without the feature `mmap`.
+    /// Returns `len` zeros. They are a vector if they are too few for large pages, if the system
+    /// refuses pages, or without the feature `mmap`.
     #[must_use]
     pub fn zeroed(len: usize) -> Buffer<T> {
         /// One large page of the usual kind.
@@ -45,7 +46,7 @@ impl<T: Pod> Pages<T> {
         Buffer::Owned(vec![T::zeroed(); len])
     }
 
-    /// A copy of these elements.
+    /// Returns a copy of these elements.
     pub(crate) fn copied(elements: &[T]) -> Buffer<T> {
         let mut copy = Self::zeroed(elements.len());
         copy.to_mut().copy_from_slice(elements);
@@ -59,17 +60,17 @@ impl<T: Pod> Pages<T> {
 
 /// A slice of plain data, owned or borrowed from [`SharedBytes`].
 pub enum Buffer<T> {
-    /// Built here.
+    /// Elements owned in a vector.
     Owned(Vec<T>),
-    /// Built here, and large.
+    /// Elements owned in large pages.
     Paged(Pages<T>),
-    /// A range of somebody else's bytes, checked for length and alignment when it was made.
+    /// A range of shared bytes. Its length and alignment were checked when it was made.
     Borrowed(SharedBytes, Range<usize>),
 }
 
 impl<T: Pod> Buffer<T> {
-    /// The elements that the bytes of `range` are, or `None` where the range lies outside, is not a whole number of
-    /// elements, or is not aligned for them.
+    /// Borrows the elements in the bytes of `range`. Returns `None` if the range is out of bounds,
+    /// is not a whole number of elements, or is not aligned for them.
     #[must_use]
     pub fn borrow(bytes: SharedBytes, range: Range<usize>) -> Option<Self> {
         let slice = (*bytes).as_ref().get(range.clone())?;
@@ -79,7 +80,7 @@ impl<T: Pod> Buffer<T> {
 }
 
 impl<T: Pod> Buffer<T> {
-    /// The elements to be changed; a copy of them if they were borrowed.
+    /// Returns the elements for writing. Borrowed elements are copied first.
     #[inline(always)]
     pub fn to_mut(&mut self) -> &mut [T] {
         if let Self::Borrowed(..) = self {
@@ -100,7 +101,7 @@ impl<T: Pod> Buffer<T> {
         *self = Self::Owned(self.to_vec());
     }
 
-    /// The first elements, of which there are as many at least.
+    /// Returns the first `to` elements. There must be at least `to`.
     fn shortened(mut self, to: usize) -> Self {
         match &mut self {
             Self::Owned(elements) => elements.truncate(to),
@@ -125,7 +126,7 @@ impl<T: Pod> Deref for Buffer<T> {
 }
 
 impl<T: Pod> Clone for Buffer<T> {
-    /// A copy, but for what is borrowed.
+    /// Copies owned elements. Borrowed bytes are shared, not copied.
     fn clone(&self) -> Self {
         match self {
             Self::Owned(elements) => Self::Owned(elements.clone()),
@@ -161,7 +162,8 @@ mod tests {
     fn borrowed_and_owned_read_the_same() {
         let numbers: Vec<u32> = (0..16).collect();
         let bytes: SharedBytes = Arc::new(bytemuck::cast_slice::<u32, u8>(&numbers).to_vec());
-        // A vector of bytes is aligned by chance alone: start at the first address that suits four bytes.
+        // A byte vector is aligned by chance only, so start at the first address that suits four
+        // bytes.
         let start = (*bytes).as_ref().as_ptr().align_offset(4);
         let end = start + 8;
         let borrowed = Buffer::<u32>::borrow(bytes.clone(), start..end).expect("aligned and in range");
@@ -186,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn changing_what_is_borrowed_changes_a_copy() {
+    fn writing_to_borrowed_elements_changes_a_copy() {
         let bytes: SharedBytes = Arc::new(vec![7_u8; 16]);
         let mut borrowed = Buffer::<u8>::borrow(bytes.clone(), 0..16).expect("in range");
         borrowed.to_mut()[3] = 1;

@@ -1,4 +1,5 @@
-//! Segments that cross, which are the boxes that a direction across both has least room for, carried exactly.
+//! Crossing segments, exactly transformed. They are the boxes for which an edge-cross axis has the
+//! least room.
 
 use crate::simd::dispatch_every;
 use dashu_ratio::Relaxed;
@@ -9,8 +10,8 @@ use super::super::tests::maps::{any_linear, coarse, exact};
 use super::*;
 use crate::simd::{LANES, kernel_levels};
 
-/// A map, and eight boxes on either side: thin ones along an axis, of which each of the guest's is carried so that it passes the
-/// host's of its lane by a gap.
+/// A map, and eight boxes of the host and eight of the guest, each thin and along an axis. Box `i`
+/// of the guest passes box `i` of the host at a distance of `gap`.
 struct Trial {
     linear: [[f64; 3]; 3],
     translation: [f64; 3],
@@ -32,7 +33,7 @@ impl Trial {
         for lane in 0..LANES {
             let along = [0; 2].map(|_| rng.integer(0, 2) as usize);
             let place = [0; 3].map(|_| coarse(rng) as f32);
-            // Somewhere within the map's error, and a gap off along the direction across both.
+            // Within the map's error, and a gap away along the edge-cross axis.
             let across = cross(along[0], &linear.map(|row| row[along[1]]));
             let length = across.iter().map(|x| x * x).sum::<f64>().sqrt();
             for axis in 0..3 {
@@ -50,9 +51,9 @@ impl Trial {
         Self { linear, translation, error, host: Node::of_leaves(&host), guest: Node::of_leaves(&guest) }
     }
 
-    /// The lanes whose boxes are said to pass each other.
+    /// Returns the number of lanes whose boxes are proved apart, summed over all vector levels.
     fn apart(&self) -> usize {
-        // The translation may carry boxes out of reach of one.
+        // The translation may move boxes beyond a reach of 1.
         let askew = Askew::new(&self.linear, &self.translation, self.error, 8.0);
         let apart = |(_, level)| {
             let near = dispatch_every!(level, simd => askew.near(simd, &self.host, &self.guest, u64::MAX));
@@ -62,7 +63,7 @@ impl Trial {
     }
 }
 
-/// The axis crossed with a vector.
+/// Returns the unit vector of an axis crossed with a vector.
 fn cross(axis: usize, v: &[f64; 3]) -> [f64; 3] {
     let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut product = [0.0; 3];
@@ -71,7 +72,7 @@ fn cross(axis: usize, v: &[f64; 3]) -> [f64; 3] {
     product
 }
 
-/// The numbers of single precision next to one, or itself twice.
+/// Returns the single-precision numbers just below and above `x`, or `x` twice.
 fn around(x: &Relaxed) -> [f32; 2] {
     let near = x.to_f64_fast() as f32;
     let (mut low, mut high) = (near, near);
@@ -85,19 +86,19 @@ fn around(x: &Relaxed) -> [f32; 2] {
 }
 
 #[test]
-fn what_meets_is_never_apart() {
+fn intersecting_boxes_are_never_culled() {
     let mut rng = Rng::new(311);
     for _ in 0..2_000 {
         assert_eq!(Trial::new(&mut rng, 0.0, 0.1).apart(), 0);
     }
 }
 
-/// A gap of a thousandth is more than errors of a hundred thousandth and rounding.
+/// A gap of 1e-3 exceeds errors of 1e-5 and rounding.
 #[test]
-fn what_passes_by_is_apart() {
+fn crossing_boxes_with_a_gap_are_culled() {
     let mut rng = Rng::new(312);
     let found: usize = (0..500).map(|_| Trial::new(&mut rng, 1e-3, 1e-5).apart()).sum();
     let all = 500 * LANES * kernel_levels().len();
-    // The others are parallel, or nearly so.
+    // The other pairs are parallel, or nearly so.
     assert!(found * 10 > all * 8, "{found} of {all}");
 }

@@ -1,4 +1,4 @@
-//! Carried boxes against exact rational images.
+//! Transformed boxes against exact rational images.
 
 use crate::simd::dispatch_every;
 use bytemuck::Zeroable;
@@ -23,8 +23,8 @@ struct Trial {
 }
 
 impl Trial {
-    /// Asserts at one level that each box holds its image under every map within the error, and returns how much of
-    /// the slack rounding took, in units of u S.
+    /// Asserts at one vector level that each box encloses its image under every map within the
+    /// error. Returns the part of the slack that rounding took, in units of u S.
     fn taken(&self, level: Level) -> f64 {
         let map = BoxMap::new(&self.linear, &self.translation, &self.error, REACH);
         let node = &self.node;
@@ -59,13 +59,13 @@ impl Trial {
     }
 }
 
-/// A number that single precision rounds by nearly as much as it can round any.
+/// Returns a number whose rounding error in single precision is nearly the largest possible.
 fn near_tie(rng: &mut Rng) -> f64 {
     let units = rng.integer(0, 8) as f64 + 0.5 + rng.choose(&[-1.0, 0.0, 1.0]) / 1024.0;
     rng.choose(&[-1.0, 1.0]) * (1.0 + units * 2.0 * HALF_ULP)
 }
 
-/// A coordinate of a box, at most [`REACH`].
+/// Returns a coordinate of a box, at most [`REACH`] in magnitude.
 fn coordinate(rng: &mut Rng) -> f32 {
     let x = match rng.integer(0, 5) {
         0 => rng.choose(&[0.0, 1.0]),
@@ -110,7 +110,7 @@ fn carried_boxes_hold_the_exact_images() {
     for round in 0..600 {
         let mut trial = trial(&mut rng);
         match round % 4 {
-            // A rotation far out or near.
+            // A rotation, far from the origin or near it.
             0 => {
                 trial.linear = rotation(&mut rng).linear;
                 let far = 2.0_f64.powi(rng.integer(-30, 40) as i32);
@@ -121,7 +121,7 @@ fn carried_boxes_hold_the_exact_images() {
                 trial.linear = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
                 trial.linear[0][1] = near_tie(&mut rng) * 2.0_f64.powi(rng.integer(-60, 60) as i32);
             }
-            // Axes scaled each by its own power of two, below what single precision can hold too.
+            // Each axis scaled by its own power of two, also below the range of single precision.
             2 => {
                 let scales = [0; 3].map(|_| 2.0_f64.powi(rng.integer(-60, 60) as i32));
                 trial.linear = trial.linear.map(|row| std::array::from_fn(|k| row[k] * scales[k]));
@@ -132,7 +132,7 @@ fn carried_boxes_hold_the_exact_images() {
                 trial.translation = trial.translation.map(|x| x * scale);
             }
         }
-        // From nothing to far more than the image.
+        // From zero to far more than the image.
         for axis in 0..3 {
             let size = trial.linear[axis].iter().map(|x| x.abs()).sum::<f64>() + trial.translation[axis].abs();
             trial.error[axis] = match rng.integer(0, 3) {
@@ -144,13 +144,14 @@ fn carried_boxes_hold_the_exact_images() {
     }
 }
 
-/// The bound of rounding is neither broken nor idle: an input bred to be rounded badly takes a third of it.
+/// The rounding bound is neither broken nor far too large: an input bred for bad rounding takes a
+/// third of it.
 #[test]
-fn rounding_takes_no_more_than_its_share() {
+fn rounding_error_stays_within_its_bound() {
     // The best of 60 seeds.
     let mut rng = Rng::new(38);
     let mut best = trial(&mut rng);
-    // Bred at the one level that every processor has.
+    // Bred at the one vector level that every processor has.
     let mut most = best.taken(Level::fallback());
     for _ in 0..3_000 {
         let mut bred = best.clone();
@@ -174,9 +175,9 @@ fn rounding_takes_no_more_than_its_share() {
     assert!((5.5..=16.0).contains(&worst), "{worst} u S");
 }
 
-/// Whichever pairs are asked for, and of boxes with faces in common.
+/// For any choice of pairs, and for boxes with common faces.
 #[test]
-fn pairs_overlap_where_each_against_all_does() {
+fn chosen_pairs_overlap_as_all_pairs_do() {
     let mut rng = Rng::new(91);
     let boxes = |rng: &mut Rng| {
         let mut node = Node::zeroed();
@@ -188,7 +189,7 @@ fn pairs_overlap_where_each_against_all_does() {
         }
         BoxLanes { min: node.min, max: node.max }
     };
-    let mut met = 0;
+    let mut overlapping = 0;
     for _ in 0..300 {
         let (one, many) = (boxes(&mut rng), boxes(&mut rng));
         let rows = (0..rng.integer(0, 8)).fold(0, |rows, _| rows | 0xff << (8 * rng.integer(0, 7)));
@@ -199,8 +200,8 @@ fn pairs_overlap_where_each_against_all_does() {
                 [overlapping_each(simd, one, &many), overlapping_pairs(simd, one, &many, pairs)]
             });
             assert_eq!(some, each & pairs, "{name}");
-            met += some.count_ones();
+            overlapping += some.count_ones();
         }
     }
-    assert!(met > 1000, "{met}");
+    assert!(overlapping > 1000, "{overlapping}");
 }

@@ -1,4 +1,4 @@
-//! Bins: boxes dealt out along each axis by their centres, and what it costs to part them by a plane between two bins.
+//! Bins: boxes grouped along each axis by their centers, and the costs of planes between two bins.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8, f64x4, i32x4, mask32x8};
@@ -7,10 +7,11 @@ use super::item::{Item, Reach};
 use crate::simd::{LANES, by_axis, transposed};
 use crate::volume::Aabb;
 
-/// Bins on each axis: with 32, trees are a few thousandths cheaper and take half as long again to build.
+/// Number of bins on each axis. With 32, trees cost a few tenths of a percent less and take 1.5
+/// times as long to build.
 const BINS: usize = 16;
 
-/// Where the bins are, of twice the centres.
+/// The placement of the bins, in coordinates of twice the centers.
 pub(super) struct Grid {
     origin: [f32; 4],
     scale: [f32; 4],
@@ -24,49 +25,51 @@ pub(super) struct Plane {
 }
 
 impl Grid {
-    /// Over the box of twice the centres.
-    pub(super) fn over(twice_centres: &Aabb) -> Self {
+    /// Builds the grid over the box of twice the centers.
+    pub(super) fn over(twice_centers: &Aabb) -> Self {
         let (mut origin, mut scale) = ([0.0; 4], [0.0; 4]);
         for axis in 0..3 {
-            let extent = twice_centres.max[axis] - twice_centres.min[axis];
-            origin[axis] = twice_centres.min[axis];
+            let extent = twice_centers.max[axis] - twice_centers.min[axis];
+            origin[axis] = twice_centers.min[axis];
             scale[axis] = if extent > 0.0 { BINS as f32 / extent } else { 0.0 };
         }
         Self { origin, scale }
     }
 
-    /// In which bin of each axis a box is.
+    /// Returns the bin of a box on each axis.
     #[inline(always)]
     fn bins<S: Simd>(&self, simd: S, item: &Item) -> [usize; 3] {
         let along =
-            (item.twice_centres(simd) - f32x4::from_slice(simd, &self.origin)) * f32x4::from_slice(simd, &self.scale);
-        // What is not a number is in the first bin: any is a legal one.
+            (item.twice_centers(simd) - f32x4::from_slice(simd, &self.origin)) * f32x4::from_slice(simd, &self.scale);
+        // NaN goes to the first bin; any bin is valid.
         let zero = f32x4::splat(simd, 0.0);
         let inside = along.simd_gt(zero).select(along, zero).min((BINS - 1) as f32);
         let bins: [i32; 4] = inside.to_int::<i32x4<S>>().into();
         by_axis!(axis => bins[axis] as usize % BINS)
     }
 
-    /// Whether a box is above a plane, as its [bin](Self::bins) says, in all lanes.
+    /// Reports, in all lanes, whether a box is above a plane. The result agrees with
+    /// [`bins`](Self::bins).
     #[inline(always)]
     pub(super) fn is_above<S: Simd>(&self, simd: S, item: &Item, Plane { axis, bin }: Plane) -> mask32x8<S> {
-        let along = (f32x8::splat(simd, item.twice_centre(axis)) - self.origin[axis]) * self.scale[axis];
+        let along = (f32x8::splat(simd, item.twice_center(axis)) - self.origin[axis]) * self.scale[axis];
         along.simd_ge(bin as f32)
     }
 }
 
-/// What each bin of each axis holds.
+/// The content of each bin of each axis.
 pub(super) struct Bins {
     reach: [[Reach; BINS]; 3],
     counts: [[u32; BINS]; 3],
 }
 
 impl Bins {
-    /// Of boxes dealt out.
+    /// Sorts boxes into bins.
     #[inline(always)]
     pub(super) fn of<S: Simd>(simd: S, items: &[Item], grid: &Grid) -> Self {
         let mut bins = Self { reach: [[Reach::NOTHING; BINS]; 3], counts: [[0; BINS]; 3] };
-        // From four places in turn, as neighbours are often in one bin, where each waits for the last.
+        // From four places in turn: neighbors are often in one bin, and each update of a bin waits
+        // for the last.
         let quarter = items.len() / 4;
         for at in 0..quarter {
             for first in [0, quarter, 2 * quarter, 3 * quarter] {
@@ -88,7 +91,7 @@ impl Bins {
         }
     }
 
-    /// Of the boxes of both.
+    /// Returns the bins of both sets of boxes together.
     pub(super) fn merged(mut self, other: Self) -> Self {
         for axis in 0..3 {
             for bin in 0..BINS {
@@ -99,8 +102,9 @@ impl Bins {
         self
     }
 
-    /// The plane at which it costs least to part them into leaves of at most `capacity`: of those that cost the same, the first; none
-    /// where no cost of a plane with boxes on either side is a number.
+    /// Returns the plane of least cost for leaves of at most `capacity` boxes; among equals it is
+    /// the first. Returns `None` if every plane has all boxes on one side, or a cost that is
+    /// infinite or NaN.
     #[inline(always)]
     pub(super) fn cheapest<S: Simd>(&self, simd: S, capacity: usize) -> Option<Plane> {
         let (mut least, mut cheapest) = (f64::INFINITY, None);
@@ -115,7 +119,7 @@ impl Bins {
         cheapest
     }
 
-    /// By the bin that a plane is below: infinite where all boxes are on one side.
+    /// Returns the cost of the plane below each bin. It is infinite if all boxes are on one side.
     #[inline(always)]
     fn costs<S: Simd>(&self, simd: S, axis: usize, capacity: usize) -> [f64; BINS] {
         let (reach, counts) = (&self.reach[axis], &self.counts[axis]);
@@ -137,7 +141,7 @@ impl Bins {
     }
 }
 
-/// What is on one side of each plane.
+/// The boxes on one side of each plane.
 struct Sides {
     reach: [Reach; BINS],
     counts: [u32; BINS],
@@ -146,7 +150,8 @@ struct Sides {
 impl Sides {
     const NOTHING: Self = Self { reach: [Reach::NOTHING; BINS], counts: [0; BINS] };
 
-    /// Half the surface of each times the leaves that it fills; infinite where there is nothing.
+    /// Returns the cost of each side: half its surface area times the number of leaves that it
+    /// fills. It is infinite if the side is empty.
     #[inline(always)]
     fn costs<S: Simd>(&self, simd: S, capacity: usize) -> [f64; BINS] {
         let mut costs = [f64::INFINITY; BINS];
@@ -155,7 +160,8 @@ impl Sides {
             for (first, area) in [first, first + 4].into_iter().zip(areas) {
                 let [a, b, c, d] = [0, 1, 2, 3].map(|lane| f64::from(self.counts[first + lane]));
                 let counts = f64x4::from_slice(simd, &[a, b, c, d]);
-                // Exact, as a quotient that is not whole is farther from any whole number than it is rounded.
+                // Exact: a quotient that is not an integer is farther from every integer than its
+                // rounding error.
                 let leaves = (counts / f64x4::splat(simd, capacity as f64)).ceil();
                 let is_any = counts.simd_gt(f64x4::splat(simd, 0.0));
                 let cost = is_any.select(area * leaves, f64x4::splat(simd, f64::INFINITY));
@@ -166,7 +172,8 @@ impl Sides {
     }
 }
 
-/// Of eight, as [`half_area`](super::super::area::half_area) has them.
+/// Returns half the surface areas of eight boxes, as [`half_area`](super::super::area::half_area)
+/// computes them.
 #[inline(always)]
 fn half_areas<S: Simd>(simd: S, reach: &[Reach]) -> [f64x4<S>; 2] {
     let [a, b, c, d, e, f, g, h] = std::array::from_fn(
@@ -192,24 +199,24 @@ pub(super) mod tests {
 
     use super::*;
     use crate::hierarchy::area::half_area;
-    use crate::hierarchy::build::item::twice_centre_bounds;
+    use crate::hierarchy::build::item::twice_center_bounds;
     use crate::hierarchy::build::top_down::leaves;
     use crate::simd::kernel_levels;
 
-    /// The bin of a box along an axis, one operation after the other.
-    fn plain_bin(bounds: &Aabb, twice_centres: &Aabb, axis: usize) -> usize {
-        let extent = twice_centres.max[axis] - twice_centres.min[axis];
+    /// Returns the bin of a box along an axis, computed one operation at a time.
+    fn plain_bin(bounds: &Aabb, twice_centers: &Aabb, axis: usize) -> usize {
+        let extent = twice_centers.max[axis] - twice_centers.min[axis];
         let scale = if extent > 0.0 { BINS as f32 / extent } else { 0.0 };
-        let twice_centre = bounds.min[axis] + bounds.max[axis];
+        let twice_center = bounds.min[axis] + bounds.max[axis];
         // A float cast saturates, and takes NaN to zero.
-        (((twice_centre - twice_centres.min[axis]) * scale) as usize).min(BINS - 1)
+        (((twice_center - twice_centers.min[axis]) * scale) as usize).min(BINS - 1)
     }
 
-    /// The first of the cheapest planes, each priced by looking at all boxes.
-    fn plain_cheapest(boxes: &[Aabb], twice_centres: &Aabb, capacity: usize) -> Option<Plane> {
+    /// Returns the first of the planes of least cost. Each cost is computed from all boxes.
+    fn plain_cheapest(boxes: &[Aabb], twice_centers: &Aabb, capacity: usize) -> Option<Plane> {
         let mut cheapest: Option<(f64, Plane)> = None;
         for (axis, bin) in (0..3).flat_map(|axis| (1..BINS).map(move |bin| (axis, bin))) {
-            let is_below = |bounds: &&Aabb| plain_bin(bounds, twice_centres, axis) < bin;
+            let is_below = |bounds: &&Aabb| plain_bin(bounds, twice_centers, axis) < bin;
             let (below, above): (Vec<&Aabb>, Vec<&Aabb>) = boxes.iter().partition(is_below);
             if below.is_empty() || above.is_empty() {
                 continue;
@@ -226,8 +233,9 @@ pub(super) mod tests {
         cheapest.map(|(_, plane)| plane)
     }
 
-    /// Boxes on a small grid, most of whose planes cost the same; by chance; so large that twice a centre may be infinite; and so small
-    /// that the scale is, and the first bin no number.
+    /// Returns boxes of four kinds: on a small grid, so that most planes have the same cost;
+    /// random; so large that twice a center may be infinite; and so small that the scale is
+    /// infinite and the first bin is NaN.
     pub(in crate::hierarchy::build) fn some_boxes(rng: &mut Rng, kind: u32) -> Vec<Aabb> {
         let scale = [1.0, 1.0, 1e38, 1e-44][kind as usize];
         let count = rng.integer(1, 70) as usize;
@@ -240,15 +248,15 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_cheapest_plane_is_that_of_looking_at_all_boxes_for_each() {
+    fn the_cheapest_plane_equals_that_of_brute_force() {
         let mut rng = Rng::new(401);
         let (mut planes, mut none) = ([0; 3], 0);
         for round in 0..400 {
             let boxes = some_boxes(&mut rng, round % 4);
             let items = Item::all(&boxes);
-            let twice_centres = twice_centre_bounds(&items);
-            let (grid, capacity) = (Grid::over(&twice_centres), rng.integer(1, 8) as usize);
-            let expected = plain_cheapest(&boxes, &twice_centres, capacity);
+            let twice_centers = twice_center_bounds(&items);
+            let (grid, capacity) = (Grid::over(&twice_centers), rng.integer(1, 8) as usize);
+            let expected = plain_cheapest(&boxes, &twice_centers, capacity);
             match expected {
                 Some(plane) => planes[plane.axis] += 1,
                 None => none += 1,
@@ -271,19 +279,19 @@ pub(super) mod tests {
         for round in 0..80 {
             let boxes = some_boxes(&mut rng, round % 4);
             let items = Item::all(&boxes);
-            let twice_centres = twice_centre_bounds(&items);
-            let grid = Grid::over(&twice_centres);
+            let twice_centers = twice_center_bounds(&items);
+            let grid = Grid::over(&twice_centers);
             for (item, bounds) in items.iter().zip(&boxes) {
-                let expected = [0, 1, 2].map(|axis| plain_bin(bounds, &twice_centres, axis));
+                let expected = [0, 1, 2].map(|axis| plain_bin(bounds, &twice_centers, axis));
                 expected.iter().for_each(|&bin| seen[bin] += 1);
                 for (name, level) in kernel_levels() {
                     let bins = dispatch_every!(level, simd => grid.bins(simd, item));
-                    assert_eq!(bins, expected, "{name}: {bounds:?} of {twice_centres:?}");
+                    assert_eq!(bins, expected, "{name}: {bounds:?} of {twice_centers:?}");
                     for (axis, bin) in (0..3).flat_map(|axis| (1..BINS).map(move |bin| (axis, bin))) {
                         let plane = Plane { axis, bin };
                         let lanes = dispatch_every!(level, simd => grid.is_above(simd, item, plane).to_bitmask());
                         let above = if bins[axis] >= bin { 0xff } else { 0 };
-                        assert_eq!(lanes, above, "{name}: {bounds:?} at {plane:?} of {twice_centres:?}");
+                        assert_eq!(lanes, above, "{name}: {bounds:?} at {plane:?} of {twice_centers:?}");
                     }
                 }
             }

@@ -1,4 +1,5 @@
-//! Builds a tree by insertion: boxes are inserted one at a time into a dynamic bounding volume hierarchy.
+//! Builds a tree by insertion: boxes are inserted one at a time into a dynamic bounding volume
+//! hierarchy.
 
 use std::ops::ControlFlow;
 
@@ -16,9 +17,9 @@ use crate::volume::Aabb;
 /// let mut tree = DynamicTree::new();
 /// let boxes = [0.0_f32, 1.0, 5.0].map(|x| tree.insert(Aabb { min: [x, 0.0, 0.0], max: [x + 2.0, 1.0, 1.0] }));
 /// tree.remove(boxes[1]);
-/// let mut met = Vec::new();
-/// tree.for_each_overlapping(&Aabb { min: [1.0; 3], max: [2.0; 3] }, |number| met.push(number));
-/// assert_eq!(met, [boxes[0]]);
+/// let mut found = Vec::new();
+/// tree.for_each_overlapping(&Aabb { min: [1.0; 3], max: [2.0; 3] }, |number| found.push(number));
+/// assert_eq!(found, [boxes[0]]);
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct DynamicTree {
@@ -52,7 +53,8 @@ impl DynamicTree {
         self.bvh.leaf_of(number).map(|leaf| &self.bvh.node(leaf).bounds)
     }
 
-    /// Inserts a box, which must not be empty, and returns its number: the number that was freed last, or else the next.
+    /// Inserts a box, which must not be empty, and returns its number: the number that was freed
+    /// last, or else the next.
     ///
     /// # Complexity
     /// A bounded number of steps.
@@ -73,8 +75,8 @@ impl DynamicTree {
         Some(bounds)
     }
 
-    /// Gives a box other bounds, moves it to its best place, and returns its bounds before; `None` if there is no box with
-    /// this number.
+    /// Gives a box other bounds, moves it to its best place, and returns its bounds before; `None`
+    /// if there is no box with this number.
     ///
     /// # Complexity
     /// A bounded number of steps.
@@ -85,7 +87,8 @@ impl DynamicTree {
         Some(before)
     }
 
-    /// Calls `visit` with the number of each box that has a point in common with `region`, in no particular order.
+    /// Calls `visit` with the number of each box that has a point in common with `region`, in no
+    /// particular order.
     pub fn for_each_overlapping(&self, region: &Aabb, mut visit: impl FnMut(u32)) {
         let _ = self.bvh.search(
             |bounds| bounds.overlaps(region),
@@ -96,7 +99,8 @@ impl DynamicTree {
         );
     }
 
-    /// Returns the neutral tree of the boxes, with at most `capacity` boxes in a leaf. Its order lists their numbers.
+    /// Returns the neutral tree of the boxes, with at most `capacity` boxes in a leaf. Its order
+    /// lists their numbers.
     #[must_use]
     pub fn to_binary(&self, capacity: usize) -> BinaryTree {
         let Some(root) = self.bvh.root() else { return BinaryTree::default() };

@@ -1,5 +1,5 @@
-//! A binary tree whose subtrees can be moved: what builders other than top-down ones work on, and how it becomes the
-//! neutral tree, with full leaves and no deeper than allowed.
+//! A binary tree whose subtrees can be moved. All builders but the top-down ones work on it. It is
+//! then converted to the neutral tree, with full leaves and a bounded depth.
 
 use std::num::NonZeroU32;
 
@@ -9,10 +9,10 @@ use super::median;
 use super::top_down::HALVE_FROM_DEPTH;
 use crate::volume::Aabb;
 
-/// No node: the parent of the root.
+/// The index of no node: the parent of the root.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// A node that knows its parent.
+/// A node with a reference to its parent.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LinkedNode {
     pub(super) bounds: Aabb,
@@ -20,16 +20,16 @@ pub(super) struct LinkedNode {
     pub(super) below: Below,
 }
 
-/// What is below a node.
+/// The content of a node.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Below {
     /// Two nodes.
     Pair([u32; 2]),
-    /// A range of boxes, in the order that the tree came with.
+    /// A range of boxes, in the order passed to [`Linked::to_binary`].
     Boxes { first: u32, count: u32 },
 }
 
-/// A tree in no particular order; its root is `root`.
+/// A tree whose nodes are in no particular order.
 #[derive(Clone, Debug)]
 pub(super) struct Linked {
     pub(super) nodes: Vec<LinkedNode>,
@@ -37,7 +37,7 @@ pub(super) struct Linked {
 }
 
 impl Linked {
-    /// The other child of the node's parent.
+    /// Returns the other child of the node's parent, or `None` for the root.
     pub(super) fn sibling(&self, node: u32) -> Option<u32> {
         match self.nodes.get(self.nodes[node as usize].parent as usize)?.below {
             Below::Pair([left, right]) => Some(if left == node { right } else { left }),
@@ -45,7 +45,7 @@ impl Linked {
         }
     }
 
-    /// Puts `new` where its parent has `old`.
+    /// Replaces the child `old` of `parent` by `new`.
     pub(super) fn replace_child(&mut self, parent: u32, old: u32, new: u32) {
         if let Below::Pair(children) = &mut self.nodes[parent as usize].below {
             for child in children {
@@ -57,7 +57,7 @@ impl Linked {
         self.nodes[new as usize].parent = parent;
     }
 
-    /// All nodes below the root and itself, parents before children, left before right.
+    /// Returns all nodes: parents before children, left before right.
     pub(super) fn preorder(&self) -> Vec<u32> {
         let mut found = Vec::with_capacity(self.nodes.len());
         let mut pending = vec![self.root];
@@ -70,13 +70,14 @@ impl Linked {
         found
     }
 
-    /// The neutral tree. Subtrees of at most `capacity` boxes become leaves; those that would reach below
-    /// [`MAX_DEPTH`] are built anew at medians. `order` is what the ranges of boxes refer to, and `bounds_of` gives the
-    /// box of each of its entries.
+    /// Converts the tree to the neutral tree. Subtrees of at most `capacity` boxes become leaves.
+    /// Subtrees that would exceed [`MAX_DEPTH`] are rebuilt by medians. The ranges of boxes refer
+    /// to `order`; `bounds_of` returns the box of each of its entries.
     pub(super) fn to_binary(&self, order: &[u32], capacity: usize, bounds_of: impl Fn(u32) -> Aabb) -> BinaryTree {
         let sizes = self.sizes(capacity);
         let (mut nodes, mut ordered) = (Vec::<BinaryNode>::new(), Vec::with_capacity(order.len()));
-        // The nodes to come, each with its depth and, where it is a right child, where its parent now stands.
+        // The nodes to convert, each with its depth. Each right child also has the new index of its
+        // parent.
         let mut pending: Vec<(u32, usize, Option<usize>)> = vec![(self.root, 0, None)];
         while let Some((at, depth, parent)) = pending.pop() {
             let here = nodes.len();
@@ -100,7 +101,7 @@ impl Linked {
         BinaryTree { nodes, order: ordered.into() }
     }
 
-    /// The boxes below a node.
+    /// Returns the boxes below a node.
     fn held(&self, root: u32, order: &[u32], bounds_of: impl Fn(u32) -> Aabb) -> Vec<Item> {
         let mut items = Vec::new();
         let mut pending = vec![root];
@@ -116,7 +117,7 @@ impl Linked {
         items
     }
 
-    /// How much is below each node, once what fits a leaf is one.
+    /// Returns the size of each subtree. Subtrees that fit a leaf have height zero.
     fn sizes(&self, capacity: usize) -> Vec<Size> {
         let mut sizes = vec![Size { count: 0, height: 0 }; self.nodes.len()];
         for &at in self.preorder().iter().rev() {

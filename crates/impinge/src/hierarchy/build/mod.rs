@@ -1,16 +1,16 @@
-//! Builders: from boxes to the neutral binary tree, each by another strategy, all behind one enum.
+//! Builders: strategies that turn boxes into the neutral binary tree, all behind one enum.
 //!
 //! | strategy | file | complexity |
 //! |---|---|---|
 //! | linear: along a space-filling curve | `../morton.rs` | O(n log n) |
 //! | top-down: halves of equal number | `median.rs` | O(n log n) |
-//! | top-down: the cheapest of some planes | `binned_sah.rs` | O(n log n) |
-//! | top-down: the cheapest of all planes | `sweep_sah.rs` | O(n log n) |
-//! | bottom-up: nearest neighbours joined | `ploc.rs` | O(n log n) |
+//! | top-down: the plane of least cost among some | `binned_sah.rs` | O(n log n) |
+//! | top-down: the plane of least cost among all | `sweep_sah.rs` | O(n log n) |
+//! | bottom-up: nearest neighbors are joined | `ploc.rs` | O(n log n) |
 //! | insertion: one box after the other | `dynamic.rs`, `../dynamic/` | O(n log n) |
 //! | any of these, then improved by moving subtrees | `reinsertion.rs` | O(n log n) and a bounded search for each node |
 //!
-//! Which of them to take is measured in `docs/hierarchies.md`; [`Builder::Auto`] goes by it.
+//! `docs/hierarchies.md` compares their measurements. [`Builder::Auto`] follows them.
 
 mod binned_sah;
 mod bins;
@@ -30,8 +30,10 @@ use super::binary::{BinaryTree, LEAF_CAPACITY};
 use super::morton::build_morton;
 use crate::volume::Aabb;
 
-/// How a tree is built. No answer depends on it: only how long it takes to build, and to ask. Of answers that are equally right it may be
-/// another one: which faces that meet [`distance`](crate::query::distance) names, and the winding number of an open mesh within its error.
+/// A strategy for building a tree. It determines the time to build and to query, and no answer
+/// depends on it. There are two exceptions. If several answers are equally right, another one may
+/// be returned: the faces that [`distance`](crate::query::distance) names for intersecting meshes.
+/// The winding number of an open mesh may differ within its error.
 ///
 /// ```
 /// use impinge::hierarchy::{Builder, MAX_DEPTH};
@@ -46,39 +48,41 @@ use crate::volume::Aabb;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Builder {
-    /// [`SweepSah`](Self::SweepSah) for up to 8,192 boxes, [`BinnedSah`](Self::BinnedSah) for up to 131,072, [`Morton`](Self::Morton)
-    /// for more.
+    /// [`SweepSah`](Self::SweepSah) for up to 8,192 boxes, [`BinnedSah`](Self::BinnedSah) for up to
+    /// 131,072, [`Morton`](Self::Morton) for more.
     #[default]
     Auto,
-    /// Along a space-filling curve: the fastest build.
+    /// Splits along a space-filling curve. The fastest build.
     Morton,
-    /// Top-down, halved at the median of the widest axis: the fullest leaves and the least depth.
+    /// Splits top-down at the median of the widest axis. It has the fullest leaves and the smallest
+    /// depth.
     Median,
-    /// Top-down, at the cheapest of a few planes by surface area.
+    /// Splits top-down at the plane of least cost by surface area, among a few planes.
     BinnedSah,
-    /// Top-down, at the cheapest of all planes by surface area.
+    /// Splits top-down at the plane of least cost by surface area, among all planes.
     SweepSah,
-    /// Bottom-up, nearest neighbours joined.
+    /// Joins nearest neighbors bottom-up.
     Ploc,
-    /// One box after the other, as a [`DynamicTree`] takes them.
+    /// Inserts one box after the other, as a [`DynamicTree`] does.
     Insertion,
-    /// [`Ploc`](Self::Ploc), then improved by [`optimise`]: the slowest build.
+    /// [`Ploc`](Self::Ploc), then improved by [`optimise`]. The slowest build.
     Reinsertion,
 }
 
-/// Up to so many boxes `Auto` sweeps, which takes some 6 ms for as many.
-const MOST_SWEPT: usize = 1 << 13;
+/// Maximum number of boxes for which `Auto` takes `SweepSah`. The build then takes about 6 ms.
+const MAX_SWEPT: usize = 1 << 13;
 
-/// Up to so many it goes by the surface area in bins, which takes some 40 ms for as many: the tree answers up to three times as soon as
-/// one along a curve where triangles are uneven, as those of machines and rooms are. Many more are waited for.
-const MOST_BINNED: usize = 1 << 17;
+/// Maximum number of boxes for which `Auto` takes `BinnedSah`. The build then takes about 40 ms. If
+/// triangles are uneven, as those of machines and rooms are, the tree answers up to 3 times faster
+/// than a Morton tree. For more boxes the build takes too long.
+const MAX_BINNED: usize = 1 << 17;
 
 impl Builder {
-    /// Every strategy, which leaves out `Auto`.
+    /// Every strategy. `Auto` is not included, because it selects one of them.
     pub const ALL: [Self; 7] =
         [Self::Morton, Self::Median, Self::BinnedSah, Self::SweepSah, Self::Ploc, Self::Insertion, Self::Reinsertion];
 
-    /// What reports and options call it.
+    /// Returns the name of the strategy in reports and options.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -93,13 +97,13 @@ impl Builder {
         }
     }
 
-    /// The builder that is called so.
+    /// Returns the strategy with this name, or `None` if there is none.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().chain([Self::Auto]).find(|builder| builder.name() == name)
     }
 
-    /// The strategy for so many boxes.
+    /// Returns the strategy for this number of boxes. It resolves `Auto`.
     ///
     /// ```
     /// use impinge::hierarchy::Builder;
@@ -112,24 +116,26 @@ impl Builder {
     #[must_use]
     pub fn strategy(self, boxes: usize) -> Self {
         match self {
-            Self::Auto if boxes <= MOST_SWEPT => Self::SweepSah,
-            Self::Auto if boxes <= MOST_BINNED => Self::BinnedSah,
+            Self::Auto if boxes <= MAX_SWEPT => Self::SweepSah,
+            Self::Auto if boxes <= MAX_BINNED => Self::BinnedSah,
             Self::Auto => Self::Morton,
             chosen => chosen,
         }
     }
 
-    /// The tree of these boxes, none of which may be empty or not finite; the same for any number of threads.
+    /// Builds the tree of these boxes. No box may be empty or infinite. The tree is the same for
+    /// any number of threads.
     ///
     /// # Complexity
-    /// O(n log n), depth at most [`MAX_DEPTH`](super::MAX_DEPTH), for any input: equal, nested or sorted boxes included.
+    /// O(n log n), depth at most [`MAX_DEPTH`](super::MAX_DEPTH), for any input: equal, nested or
+    /// sorted boxes included.
     #[must_use]
     pub fn build(self, boxes: &[Aabb]) -> BinaryTree {
         self.build_with_leaves_of(LEAF_CAPACITY, boxes)
     }
 
-    /// As [`build`](Self::build), with at most `capacity` boxes in a leaf, which is brought between one and
-    /// [`LEAF_CAPACITY`].
+    /// Builds the tree as [`build`](Self::build) does, with at most `capacity` boxes in a leaf.
+    /// `capacity` is clamped to 1 to [`LEAF_CAPACITY`].
     #[must_use]
     pub fn build_with_leaves_of(self, capacity: usize, boxes: &[Aabb]) -> BinaryTree {
         let capacity = capacity.clamp(1, LEAF_CAPACITY);

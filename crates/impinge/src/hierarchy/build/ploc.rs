@@ -1,10 +1,12 @@
-//! Bottom-up: clusters that are each other's nearest neighbours are joined, until one is left.
+//! A bottom-up builder. It joins pairs of clusters that are each other's nearest neighbors, until
+//! one cluster is left.
 //!
-//! Source: Meister, Bittner, *Parallel locally-ordered clustering for bounding volume hierarchy construction*, TVCG 2018.
-//! Neighbours are sought among those next along a space-filling curve, whose order the default builder provides. Ours
-//! departs in two ways, without which equal or nested boxes would be joined one pair a round: ties go to the neighbour
-//! whose place differs in the lowest bits, so that places 2i and 2i + 1 choose each other; and a round that joins too few
-//! joins all of those instead.
+//! Source: Meister, Bittner, *Parallel locally-ordered clustering for bounding volume hierarchy
+//! construction*, TVCG 2018. It searches neighbors among those next along a space-filling curve, in
+//! the order of the default builder. Ours departs in two ways, without which a round would join
+//! only one pair of equal or nested boxes. Ties go to the neighbor whose place differs in the
+//! lowest bits, so that places 2i and 2i + 1 choose each other. If a round would join too few
+//! clusters, it joins all places 2i and 2i + 1 instead.
 
 use rayon::prelude::*;
 
@@ -14,16 +16,17 @@ use super::super::morton::build_morton;
 use super::linked::{Below, Linked, LinkedNode, NONE};
 use crate::volume::Aabb;
 
-/// Neighbours looked at on either side: twice as many make trees a hundredth cheaper and take nearly twice as long.
+/// Number of neighbors compared on either side. With twice as many, trees cost 1 % less and take
+/// nearly twice as long to build.
 const RADIUS: usize = 14;
 
-/// A round joins at least one cluster in this many, so that there are O(log n) rounds.
-const LEAST_JOINED: usize = 16;
+/// Maximum number of clusters per join in a round. It bounds the number of rounds by O(log n).
+const MAX_CLUSTERS_PER_JOIN: usize = 16;
 
-/// Clusters that one thread looks after.
+/// Minimum number of clusters per task.
 const CHUNK: usize = 1 << 10;
 
-/// The tree of these boxes, of which there is at least one.
+/// Builds the tree of these boxes; there must be at least one.
 pub(super) fn build(boxes: &[Aabb], capacity: usize) -> BinaryTree {
     let order = build_morton(boxes).order;
     let leaves = order.iter().zip(0..).map(|(&index, first)| LinkedNode {
@@ -37,7 +40,7 @@ pub(super) fn build(boxes: &[Aabb], capacity: usize) -> BinaryTree {
     while clusters.len() > 1 {
         let mut partners = partners(&clusters);
         let joined = (0..clusters.len()).filter(|&at| partners[partners[at]] == at).count() / 2;
-        if joined * LEAST_JOINED < clusters.len() {
+        if joined * MAX_CLUSTERS_PER_JOIN < clusters.len() {
             partners = (0..clusters.len()).map(|at| if at ^ 1 < clusters.len() { at ^ 1 } else { at }).collect();
         }
         clusters = join(&clusters, &partners, &mut nodes);
@@ -53,7 +56,7 @@ struct Cluster {
     node: u32,
 }
 
-/// For each cluster the place of that which it makes the smallest box with.
+/// Returns for each cluster the place of the cluster with which it has the smallest common box.
 fn partners(clusters: &[Cluster]) -> Vec<usize> {
     let nearest = |at: usize| {
         let mut best = (f64::INFINITY, usize::MAX, at);
@@ -70,7 +73,8 @@ fn partners(clusters: &[Cluster]) -> Vec<usize> {
     (0..clusters.len()).into_par_iter().with_min_len(CHUNK).map(nearest).collect()
 }
 
-/// The clusters of the next round, in order; those that chose each other are one, which is a new node.
+/// Returns the clusters of the next round, in order. Clusters that chose each other become one,
+/// which is a new node.
 fn join(clusters: &[Cluster], partners: &[usize], nodes: &mut Vec<LinkedNode>) -> Vec<Cluster> {
     let mut joined = Vec::with_capacity(clusters.len());
     for (at, cluster) in clusters.iter().enumerate() {

@@ -1,10 +1,13 @@
-//! An optimiser: each subtree in turn is looked for a better place, and those that gain most are moved there.
+//! An optimizer: it searches a better place for each subtree, and moves the subtrees that gain
+//! most.
 //!
-//! Source: Meister, Bittner, *Parallel reinsertion for bounding volume hierarchy optimization*, Eurographics 2018. All
-//! searches of a round run at once on the same tree; then the moves are made in the order of what they gain, and one
-//! whose path touches that of an earlier one waits for the next round. Paths are disjoint, so each move gains exactly what
-//! was found and no two can make a circle. Ours departs in bounding each search, since among boxes that all overlap it
-//! would visit the whole tree, and in moving the leaves of the tree whole.
+//! Source: Meister, Bittner, *Parallel reinsertion for bounding volume hierarchy optimization*,
+//! Eurographics 2018. All searches of a round run in parallel on the same tree. Then the moves are
+//! made in the order of their gains. A move whose path touches the path of an earlier move waits
+//! for the next round. So paths are disjoint, each move gains exactly the gain that was found, and
+//! no two moves can form a cycle. Ours departs in two ways. Each search is bounded, because among
+//! boxes that all overlap it would visit the whole tree. And the leaves of the tree are moved
+//! whole.
 
 use std::cmp::Reverse;
 
@@ -15,17 +18,18 @@ use super::super::binary::{BinaryNode, BinaryTree, LEAF_CAPACITY};
 use super::linked::{Below, Linked, LinkedNode, NONE};
 use crate::volume::Aabb;
 
-/// Rounds at most. The first gains about half of what can be had.
-const MOST_ROUNDS: usize = 8;
+/// Maximum number of rounds. The first round makes about half of the possible gain.
+const MAX_ROUNDS: usize = 8;
 
-/// A round that gains less than this part of the cost is the last.
-const LEAST_GAIN: f64 = 2e-3;
+/// Minimum gain of a round, relative to the cost. A round that gains less is the last.
+const MIN_GAIN: f64 = 2e-3;
 
-/// Nodes that a search visits at most: past these it seldom finds anything better.
-const MOST_VISITED: usize = 512;
+/// Maximum number of nodes that a search visits. Beyond it, a search seldom finds a better place.
+const MAX_VISITED: usize = 512;
 
-/// The tree with subtrees moved to where the surface area of its inner boxes is less, and never more than before. The same
-/// for any number of threads. Leaves that come to stand side by side are joined where `capacity` boxes hold both.
+/// Moves subtrees to reduce the sum of the surface areas of the inner boxes, which never increases.
+/// The result is the same for any number of threads. Sibling leaves are joined if together they
+/// hold at most `capacity` boxes.
 ///
 /// # Complexity
 /// A search of bounded length for each node, a bounded number of times, and O(n log n).
@@ -35,16 +39,16 @@ pub fn optimise(tree: &BinaryTree, boxes: &[Aabb], capacity: usize) -> BinaryTre
         return tree.clone();
     }
     let mut linked = linked(tree);
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let cost = cost(&linked);
-        if improve(&mut linked) <= LEAST_GAIN * cost {
+        if improve(&mut linked) <= MIN_GAIN * cost {
             break;
         }
     }
     linked.to_binary(&tree.order, capacity.clamp(1, LEAF_CAPACITY), |index| boxes[index as usize])
 }
 
-/// The same tree with parents.
+/// Converts a tree to one with parents.
 fn linked(tree: &BinaryTree) -> Linked {
     let node = |node: &BinaryNode, at: u32| {
         let below = match node.right {
@@ -64,13 +68,13 @@ fn linked(tree: &BinaryTree) -> Linked {
     Linked { nodes, root: 0 }
 }
 
-/// Half the area of all inner boxes: what a move may lessen.
+/// Returns half the surface area of all inner boxes, which moves reduce.
 fn cost(tree: &Linked) -> f64 {
     let is_inner = |node: &&LinkedNode| matches!(node.below, Below::Pair(_));
     tree.nodes.iter().filter(is_inner).map(|node| half_area(&node.bounds)).sum()
 }
 
-/// A subtree, where it should go, and where the way there turns downward.
+/// A move of the subtree `node` beside `target`. `pivot` is their lowest common ancestor.
 #[derive(Clone, Copy)]
 struct Move {
     gain: f64,
@@ -79,7 +83,7 @@ struct Move {
     pivot: u32,
 }
 
-/// One round; returns what it gained.
+/// Runs one round and returns its gain.
 fn improve(tree: &mut Linked) -> f64 {
     let shared = &*tree;
     let found = (0..tree.nodes.len() as u32).into_par_iter().with_min_len(64);
@@ -89,11 +93,11 @@ fn improve(tree: &mut Linked) -> f64 {
 
     let mut taken = vec![false; tree.nodes.len()];
     let mut gained = 0.0;
-    let mut way = Vec::new();
+    let mut changed = Vec::new();
     for step in moves {
-        tree.way(&step, &mut way);
-        if way.iter().all(|&node| !taken[node as usize]) {
-            way.iter().for_each(|&node| taken[node as usize] = true);
+        tree.changed_nodes(&step, &mut changed);
+        if changed.iter().all(|&node| !taken[node as usize]) {
+            changed.iter().for_each(|&node| taken[node as usize] = true);
             tree.make(&step);
             gained += step.gain;
         }
@@ -106,11 +110,11 @@ fn improve(tree: &mut Linked) -> f64 {
     gained
 }
 
-/// Where a subtree would gain most; none where it is best off where it is.
+/// Returns the move of a subtree with the largest gain, or `None` if no move gains.
 ///
-/// Taking it away removes its parent and shrinks the boxes above; putting it beside `target` makes a new parent there and
-/// grows the boxes above that. Those above both stay as they are, so the search climbs from the subtree and, at each
-/// pivot, goes down on the other side.
+/// Removing the subtree removes its parent and shrinks the boxes above. Inserting it beside
+/// `target` adds a parent there and grows the boxes above. The boxes above both places stay the
+/// same. So the search climbs from the subtree and, at each pivot, descends on the other side.
 fn best_move(tree: &Linked, node: u32, pending: &mut Vec<(u32, f64)>) -> Option<Move> {
     let nodes = &tree.nodes;
     let parent = nodes[node as usize].parent;
@@ -122,16 +126,16 @@ fn best_move(tree: &Linked, node: u32, pending: &mut Vec<(u32, f64)>) -> Option<
     let mut best = Move { gain: 0.0, node, target: NONE, pivot: NONE };
     let mut visited = 0;
     let mut saved = half_area(&nodes[parent as usize].bounds);
-    // What is left below the pivot once the subtree is gone.
+    // The box that is left below the pivot once the subtree is removed.
     let mut rest = Aabb::EMPTY;
     let (mut from, mut pivot) = (node, parent);
-    while pivot != NONE && visited < MOST_VISITED {
+    while pivot != NONE && visited < MAX_VISITED {
         let other = tree.sibling(from)?;
         pending.clear();
         pending.push((other, saved));
         while let Some((at, saved)) = pending.pop() {
             visited += 1;
-            if saved - own_area <= best.gain || visited >= MOST_VISITED {
+            if saved - own_area <= best.gain || visited >= MAX_VISITED {
                 continue;
             }
             let LinkedNode { bounds, below, .. } = nodes[at as usize];
@@ -154,25 +158,25 @@ fn best_move(tree: &Linked, node: u32, pending: &mut Vec<(u32, f64)>) -> Option<
 }
 
 impl Linked {
-    /// All nodes whose links or boxes a move changes.
-    fn way(&self, step: &Move, way: &mut Vec<u32>) {
-        way.clear();
+    /// Collects all nodes whose links or boxes a move changes.
+    fn changed_nodes(&self, step: &Move, changed: &mut Vec<u32>) {
+        changed.clear();
         let parent = self.nodes[step.node as usize].parent;
-        way.extend([step.node, step.target]);
-        way.extend(self.sibling(step.node));
-        way.push(self.nodes[parent as usize].parent);
+        changed.extend([step.node, step.target]);
+        changed.extend(self.sibling(step.node));
+        changed.push(self.nodes[parent as usize].parent);
         for end in [step.node, step.target] {
             let mut at = end;
             while at != step.pivot && at != NONE {
                 at = self.nodes[at as usize].parent;
-                way.push(at);
+                changed.push(at);
             }
         }
-        way.retain(|&node| node != NONE);
+        changed.retain(|&node| node != NONE);
     }
 
-    /// Takes the subtree from its parent, which its sibling replaces, and puts it beside the target, with the same parent
-    /// node above both. Boxes are left as they are.
+    /// Makes a move: the sibling of the subtree replaces their parent, and the parent is reused
+    /// above the target and the subtree. Boxes are not updated.
     fn make(&mut self, step: &Move) {
         let Move { node, target, .. } = *step;
         let parent = self.nodes[node as usize].parent;

@@ -1,8 +1,10 @@
-//! Top-down by surface area, at the cheapest of all planes between two neighbouring centres, on any axis.
+//! A top-down builder by surface area. It splits at the plane of least cost among all planes
+//! between two neighboring centers, on any axis.
 //!
-//! Source: MacDonald, Booth, *Heuristics for ray tracing using space subdivision*, 1990; sorted once for each axis, and
-//! divided stably after that (Wald, Havran, *On building fast kd-trees for ray tracing, and on doing that in O(N log N)*,
-//! RT 2006). A side is priced by the leaves that it fills, as in `binned_sah.rs`.
+//! Source: MacDonald, Booth, *Heuristics for ray tracing using space subdivision*, 1990. The boxes
+//! are sorted once for each axis, and divided stably after that (Wald, Havran, *On building fast
+//! kd-trees for ray tracing, and on doing that in O(N log N)*, RT 2006). The cost of a side is its
+//! area times the number of leaves that it fills, as in `binned_sah.rs`.
 
 use rayon::prelude::*;
 
@@ -12,12 +14,12 @@ use super::item::key;
 use super::top_down::{self, Choice, Range};
 use crate::volume::Aabb;
 
-/// The tree of these boxes, of which there is at least one.
+/// Builds the tree of these boxes; there must be at least one.
 pub(super) fn build(boxes: &[Aabb], capacity: usize) -> BinaryTree {
     let count = boxes.len();
     let mut orders: [Vec<u32>; 3] = std::array::from_fn(|axis| {
         let mut keys: Vec<u64> =
-            boxes.par_iter().enumerate().map(|(at, bounds)| key(twice_centre(bounds, axis), at as u32)).collect();
+            boxes.par_iter().enumerate().map(|(at, bounds)| key(twice_center(bounds, axis), at as u32)).collect();
         keys.par_sort_unstable();
         keys.into_iter().map(|key| key as u32).collect()
     });
@@ -29,13 +31,13 @@ pub(super) fn build(boxes: &[Aabb], capacity: usize) -> BinaryTree {
     BinaryTree { nodes, order: order.into() }
 }
 
-/// Twice the middle of a box on an axis.
+/// Returns twice the center of a box on an axis.
 #[inline(always)]
-fn twice_centre(bounds: &Aabb, axis: usize) -> f32 {
+fn twice_center(bounds: &Aabb, axis: usize) -> f32 {
     bounds.min[axis] + bounds.max[axis]
 }
 
-/// The same boxes in the order of their centres on each axis, and room to work in.
+/// The same boxes in the order of their centers on each axis, and scratch memory.
 struct Sorted<'a> {
     boxes: &'a [Aabb],
     capacity: usize,
@@ -73,11 +75,13 @@ impl Range for Sorted<'_> {
 }
 
 impl Sorted<'_> {
-    /// The axis and the number of boxes on the near side of the cheapest plane; none where no cost is a number.
+    /// Returns the axis and the number of boxes below the plane of least cost, or `None` if all
+    /// costs are infinite or NaN.
     fn cheapest(&mut self) -> Option<(usize, usize)> {
         let count = self.len();
         let mut best = None;
-        // Of planes that cost the same, as all do where boxes are equal, the one nearest to the middle.
+        // Among planes of equal cost, as all are if the boxes are equal, choose the one nearest to
+        // the middle.
         let mut least = (f64::INFINITY, usize::MAX);
         for axis in 0..3 {
             let order = &*self.orders[axis];
@@ -104,15 +108,16 @@ impl Sorted<'_> {
     fn widest(&self) -> usize {
         let extent = |axis: usize| {
             let order = &*self.orders[axis];
-            let at = |index: u32| f64::from(twice_centre(&self.boxes[index as usize], axis));
+            let at = |index: u32| f64::from(twice_center(&self.boxes[index as usize], axis));
             at(order[order.len() - 1]) - at(order[0])
         };
         (1..3).fold(0, |widest, axis| if extent(axis) > extent(widest) { axis } else { widest })
     }
 
-    /// Brings the two other orders in line with the first `middle` boxes of one axis, keeping them sorted.
+    /// Divides the orders of the two other axes like the order of `axis`: its first `middle` boxes
+    /// come first. The parts stay sorted.
     fn divide(&mut self, axis: usize, middle: usize) {
-        let rank = |index: u32| key(twice_centre(&self.boxes[index as usize], axis), index);
+        let rank = |index: u32| key(twice_center(&self.boxes[index as usize], axis), index);
         let pivot = rank(self.orders[axis][middle]);
         for other in (0..3).filter(|&other| other != axis) {
             let order = &mut *self.orders[other];

@@ -1,56 +1,61 @@
-//! What all top-down builders share: ranges are split until they fit a leaf, on all cores, and after a stated depth they
-//! are halved whatever their builder would like, so that no input makes a deep tree.
+//! The common part of all top-down builders. Ranges are split until they fit a leaf, on all cores.
+//! From a fixed depth on they are halved, whatever the builder chooses, so that no input makes a
+//! deep tree.
 
 use std::num::NonZeroU32;
 
 use super::super::binary::{BinaryNode, MAX_DEPTH};
 use crate::volume::Aabb;
 
-/// Depth from which ranges are halved: as there are fewer than 2^32 boxes, 32 halvings leave single ones.
+/// Depth from which ranges are halved. There are fewer than 2^32 boxes, so 32 halvings leave single
+/// boxes.
 pub(super) const HALVE_FROM_DEPTH: usize = MAX_DEPTH - u32::BITS as usize;
 
-/// Ranges longer than this are built as two tasks; below it, waking a thread costs more than it saves.
+/// Maximum length of a range that is built as one task. For shorter ranges, waking a thread costs
+/// more than it saves.
 const SPLIT_TASKS_ABOVE: usize = 1 << 13;
 
-/// Who chooses where a range is split.
+/// The rule that determines where a range is split.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Choice {
-    /// The builder.
+    /// The builder's own rule.
     Builder,
-    /// Nobody: it is halved.
+    /// Halves of equal size.
     Halves,
 }
 
-/// Boxes that become a subtree. Splitting rearranges what it borrows, so that at the end the boxes stand in the order of
-/// the leaves.
+/// Boxes that become a subtree. Splitting rearranges the borrowed boxes, so that they finally are
+/// in the order of the leaves.
 pub(super) trait Range: Sized + Send {
-    /// How many boxes there are; at least one.
+    /// Returns the number of boxes, which is at least one.
     fn len(&self) -> usize;
-    /// The box of all of them.
+    /// Returns the box around all boxes.
     fn bounds(&self) -> Aabb;
-    /// Two parts, neither of them empty; called for more boxes than a leaf holds. Where halves are asked for, neither is
-    /// more than half of the leaves, rounded up.
+    /// Splits the range into two nonempty parts. It is called for more boxes than a leaf holds.
+    /// With [`Choice::Halves`], no part exceeds half of the leaves, rounded up.
     fn split(self, choice: Choice) -> (Self, Self);
 }
 
-/// The nodes of a tree over a range, in preorder, with at most `capacity` boxes in a leaf.
+/// Returns the nodes of a tree over a range, in preorder, with at most `capacity` boxes in a leaf.
 pub(super) fn nodes<R: Range>(range: R, capacity: usize) -> Vec<BinaryNode> {
     nodes_from(range, capacity, 0, 0)
 }
 
-/// As [`nodes`], for a subtree at a depth whose first box is number `first` of its tree.
+/// Returns the nodes as [`nodes`] does, for a subtree at `depth` whose first box is box `first` of
+/// its tree.
 pub(super) fn nodes_from<R: Range>(range: R, capacity: usize, first: usize, depth: usize) -> Vec<BinaryNode> {
     let mut blocks = Vec::new();
     Subtree { capacity }.in_tasks(range, first, depth, &mut blocks);
     blocks.concat()
 }
 
-/// Where `count` boxes are halved in whole leaves.
+/// Returns the number of boxes in the first half if `count` boxes are halved in whole leaves.
 pub(super) fn middle(count: usize, capacity: usize) -> usize {
     count.div_ceil(capacity).div_ceil(2) * capacity
 }
 
-/// How many leaves `count` boxes fill: what a subtree costs to meet, since the boxes of a leaf are met all at once.
+/// Returns the number of leaves that `count` boxes fill. It is the cost factor of a subtree,
+/// because the boxes of a leaf are processed together.
 pub(super) fn leaves(count: usize, capacity: usize) -> f64 {
     count.div_ceil(capacity) as f64
 }
@@ -60,7 +65,8 @@ struct Subtree {
 }
 
 impl Subtree {
-    /// Appends the nodes in blocks, large ranges as two tasks; returns the bounds and how many nodes there are.
+    /// Appends the nodes in blocks. Large ranges become two tasks. Returns the bounds and the
+    /// number of nodes.
     fn in_tasks<R: Range>(
         &self,
         range: R,

@@ -1,22 +1,25 @@
-//! A run of rows becomes two, in the room that it has.
+//! Splits a run of rows into two, within the room that the run has.
 //!
-//! Source: Polychroniou, Raghavan, Ross, *Rethinking SIMD vectorization for in-memory databases*, SIGMOD 2015: what a vector holds of
-//! either part is brought together and stored as a whole. Ours parts in place: one of the parts begins where the run does, and is never
-//! ahead of what is read.
+//! Source: Polychroniou, Raghavan, Ross, *Rethinking SIMD vectorization for in-memory databases*,
+//! SIGMOD 2015: the lanes of a vector that belong to one part are compressed and stored as a whole
+//! vector. Ours splits in place: one of the parts starts where the run does, and its end never
+//! passes the rows that are still to be read.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, i16x8, i16x32};
 
 use super::layout::{ROOM, Run, SIXTEEN, WIDTH};
 
-/// Where the next rows are, and where those of either part go, which is never before they were read.
+/// The place of the next rows to read, and the places where the rows of either part go. These
+/// places are never ahead of the unread rows of the run.
 pub(super) struct Parting {
     pub(super) at: usize,
     pub(super) low: usize,
     pub(super) high: usize,
 }
 
-/// Which rows are of the low part: those below the interval `from..to` along an axis, and the first `wanted` of those in it.
+/// Selects the rows of the low part: the rows below the interval `from..to` along an axis, and the
+/// first `wanted` rows in it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cut {
     pub(super) axis: usize,
@@ -26,16 +29,17 @@ pub(super) struct Cut {
 }
 
 impl Parting {
-    /// Of a run whose low part is half of it at least.
+    /// Starts to split a run whose low part is at least half of it.
     pub(super) fn of(run: Run, low: usize) -> Self {
         Self { at: run.at, low: run.at, high: run.split(low).1.at }
     }
 
-    /// Puts all rows up to `end`, as many together as one instruction or shuffle brings together: what comes after them, up to
-    /// [`MOST_TOGETHER`](super::layout::MOST_TOGETHER), is beyond the interval, and either part has room for as many more.
+    /// Moves all rows up to `end`, as many at a time as one instruction or shuffle can compress.
+    /// The places behind them, up to [`MAX_TOGETHER`](super::layout::MAX_TOGETHER), must hold
+    /// coordinates beyond the interval. Either part must have room for as many more.
     #[inline(always)]
     pub(super) fn put_all<S: Simd>(self, simd: S, columns: &mut [[i16; ROOM]; WIDTH], end: usize, cut: Cut) {
-        // Only 512 bits have the instruction, elsewhere bytes of 128 bits are shuffled.
+        // Only vectors of 512 bits have the instruction. On others, bytes of 128 bits are shuffled.
         if <S::i16s as SimdBase<S>>::LEN > SIXTEEN {
             self.put_each::<i16x32<S>, S>(simd, columns, end, cut);
         } else {
@@ -60,14 +64,14 @@ impl Parting {
                 wanted -= between.count_ones();
             } else {
                 is_low = V::Mask::from_bitmask(simd, below.to_bitmask() | first_bits(between, wanted));
-                // The others between are of the other part.
+                // The other rows in the interval belong to the high part.
                 (wanted, to) = (0, from);
             }
             self.put::<V, S>(simd, columns, is_low);
         }
     }
 
-    /// Puts the next rows where those of their part go.
+    /// Moves the next rows to their parts.
     #[inline(always)]
     pub(super) fn put<V: SimdInt<S, Element = i16>, S: Simd>(
         &mut self,
@@ -87,7 +91,7 @@ impl Parting {
     }
 }
 
-/// At most so many bits, the lowest ones.
+/// Returns the lowest `count` bits that are set. There must be at least `count`.
 #[inline(always)]
 fn first_bits(bits: u64, count: u32) -> u64 {
     let mut others = bits;

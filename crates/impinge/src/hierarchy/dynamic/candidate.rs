@@ -4,7 +4,8 @@ use std::cmp::Ordering;
 
 /// A node beside which, or below which, a box may be inserted.
 ///
-/// The greatest candidate is the one whose ancestors grow least. Among equals it is the deepest, which is nearest to a leaf.
+/// The greatest candidate is the one whose ancestors grow least. Among equals it is the deepest,
+/// which is nearest to a leaf.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
     /// Sum of the areas by which the node's ancestors grow.

@@ -3,8 +3,8 @@
 use super::{DynamicBvh, DynamicNode, Enclosable, NONE};
 
 impl<B: Enclosable, const THOROUGH: bool> DynamicBvh<B, THOROUGH> {
-    /// Replaces the tree by a balanced one over these boxes and their keys. `split` reorders at least two boxes so that the
-    /// first half of them, rounded down, goes to one side.
+    /// Replaces the tree by a balanced one over these boxes and their keys. `split` reorders at
+    /// least two boxes so that the first half of them, rounded down, goes to one side.
     ///
     /// # Complexity
     /// O(n log n) if `split` is linear.

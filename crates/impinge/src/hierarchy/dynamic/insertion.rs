@@ -1,17 +1,19 @@
-//! Inserts, removes and moves boxes: the search for the place where the tree grows least, and rotations on the way up.
+//! Inserts, removes and moves boxes: the search for the place where the tree grows least, and
+//! rotations on the way up.
 
 use super::candidate::Candidate;
-use super::{DEEPEST, DynamicBvh, DynamicNode, Enclosable, NONE};
+use super::{DynamicBvh, DynamicNode, Enclosable, MAX_LEAF_DEPTH, NONE};
 
-/// Maximum number of nodes that a search visits. The first few dozen lead down to a leaf. Rotations mostly repair what the
-/// search misses.
-const MOST_VISITED: usize = 96;
+/// Maximum number of nodes that a search visits. The first few dozen lead down to a leaf. Rotations
+/// mostly repair what the search misses.
+const MAX_VISITED: usize = 96;
 
 impl<B: Enclosable, const THOROUGH: bool> DynamicBvh<B, THOROUGH> {
     /// Inserts a box under a key that no other box has.
     ///
     /// # Complexity
-    /// O(1), apart from the memory for the key: at most about 100 nodes are visited and 48 refitted.
+    /// O(1), apart from the memory for the key: at most about 100 nodes are visited and 48
+    /// refitted.
     pub(crate) fn insert(&mut self, key: u32, bounds: B) {
         if key as usize >= self.leaves.len() {
             self.leaves.resize(key as usize + 1, NONE);
@@ -101,13 +103,14 @@ impl<B: Enclosable, const THOROUGH: bool> DynamicBvh<B, THOROUGH> {
         children[usize::from(children[1] == old)] = new;
     }
 
-    /// Returns the node beside which the sum of all areas grows least, among the visited nodes that have room below.
+    /// Returns the node beside which the sum of all areas grows least, among the visited nodes that
+    /// have room below.
     fn best_place(&mut self, root: u32, bounds: &B) -> Option<u32> {
         let own = bounds.area();
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.push(Candidate { grown: 0.0, depth: 0, node: root });
         let (mut best, mut place) = (f64::INFINITY, None);
-        for _ in 0..MOST_VISITED {
+        for _ in 0..MAX_VISITED {
             let Some(Candidate { grown, depth, node: at }) = candidates.pop() else { break };
             // Any place below adds a joint that is at least as large as the box itself.
             if grown + own >= best {
@@ -115,7 +118,7 @@ impl<B: Enclosable, const THOROUGH: bool> DynamicBvh<B, THOROUGH> {
             }
             let node = self.node(at);
             let joint = node.bounds.enclosing(bounds).area();
-            if grown + joint < best && depth + 1 + node.height <= DEEPEST {
+            if grown + joint < best && depth + 1 + node.height <= MAX_LEAF_DEPTH {
                 (best, place) = (grown + joint, Some(at));
             }
             if !node.is_leaf() {
@@ -139,7 +142,8 @@ impl<B: Enclosable, const THOROUGH: bool> DynamicBvh<B, THOROUGH> {
         at
     }
 
-    /// Refits and rotates the nodes from here up: to the root if the rotations are thorough, else until a node does not change.
+    /// Refits and rotates the nodes from here up: to the root if the rotations are thorough, else
+    /// until a node does not change.
     fn refit_up(&mut self, from: u32) {
         let mut depth = if THOROUGH { self.depth(from) } else { 0 };
         let mut at = from;
@@ -147,7 +151,7 @@ impl<B: Enclosable, const THOROUGH: bool> DynamicBvh<B, THOROUGH> {
             let before = *self.node(at);
             self.pull(at);
             // A thorough rotation may raise the subtree as far as no leaf lies too deep.
-            self.rotate(at, if THOROUGH { DEEPEST - depth } else { self.node(at).height });
+            self.rotate(at, if THOROUGH { MAX_LEAF_DEPTH - depth } else { self.node(at).height });
             let after = self.node(at);
             let is_same = (after.bounds, after.height, after.shallow) == (before.bounds, before.height, before.shallow);
             if is_same && !THOROUGH {
@@ -164,9 +168,9 @@ impl<B: Enclosable, const THOROUGH: bool> DynamicBvh<B, THOROUGH> {
         std::iter::successors(parent(&at), parent).filter(|&at| at != NONE).count() as u16
     }
 
-    /// Swaps a child with a child of the other child, if that makes the other child smaller and the subtree no higher than
-    /// `highest`. The swap that saves the most area is made. Among equals it is the one that makes the subtree lowest, so
-    /// that equal boxes do not form a list.
+    /// Swaps a child with a child of the other child, if that makes the other child smaller and the
+    /// subtree no higher than `highest`. The swap that saves the most area is made. Among equals it
+    /// is the one that makes the subtree lowest, so that equal boxes do not form a list.
     fn rotate(&mut self, at: u32, highest: u16) {
         let node = *self.node(at);
         let (mut most, mut lowest, mut best) = (0.0, node.height, None);

@@ -1,10 +1,12 @@
-//! The dynamic bounding volume hierarchy: a binary tree with one box in each leaf, into which boxes are inserted and from
-//! which they are removed. The insertion builder and the dynamic tree of the partitions share it.
+//! The dynamic bounding volume hierarchy: a binary tree with one box in each leaf, into which boxes
+//! are inserted and from which they are removed. The insertion builder and the dynamic tree of the
+//! partitions share it.
 //!
-//! Source: Bittner, Hapala, Havran, *Incremental BVH construction for ray tracing*, 2015 (the search for a place); Kopta et
-//! al., *Fast, effective BVH updates for animated scenes*, I3D 2012 (rotations). This tree departs from them in two bounds,
-//! which keep any sequence of changes near-linear: a search visits a bounded number of nodes, and no box is inserted where
-//! a leaf would lie deeper than [`DEEPEST`].
+//! Source: Bittner, Hapala, Havran, *Incremental BVH construction for ray tracing*, 2015 (the
+//! search for a place); Kopta et al., *Fast, effective BVH updates for animated scenes*, I3D 2012
+//! (rotations). This tree departs from them in two bounds, which keep any sequence of changes
+//! near-linear: a search visits a bounded number of nodes, and no box is inserted where a leaf
+//! would lie deeper than [`MAX_LEAF_DEPTH`].
 
 mod candidate;
 mod halves;
@@ -18,9 +20,9 @@ use crate::volume::{Aabb, BoundingVolume, MinMax};
 
 pub(crate) use search::Stack;
 
-/// Maximum depth of a leaf, in steps from the root. The way to the shallowest leaf ends after 32 steps for fewer than 2^32
-/// boxes, so an insertion always finds a place.
-const DEEPEST: u16 = 48;
+/// Maximum depth of a leaf, in steps from the root. The way to the shallowest leaf ends after 32
+/// steps for fewer than 2^32 boxes, so an insertion always finds a place.
+const MAX_LEAF_DEPTH: u16 = 48;
 
 /// The number of no node.
 const NONE: u32 = u32::MAX;
@@ -58,12 +60,12 @@ impl Enclosable for MinMax {
     }
 }
 
-/// A tree over boxes with keys, which the caller chooses. Keys are dense numbers below 2^32 - 1, because memory grows with
-/// the greatest.
+/// A tree over boxes with keys, which the caller chooses. Keys are dense numbers below 2^32 - 1,
+/// because memory grows with the greatest.
 ///
-/// With `THOROUGH`, a change rotates all nodes above it, and a rotation may make the tree higher. The trees of two meshes then
-/// cost 7 % and 8 % less by surface area. Without it, a change stops at the first node that stays the same, so small moves
-/// touch few nodes.
+/// With `THOROUGH`, a change rotates all nodes above it, and a rotation may make the tree higher.
+/// The trees of two meshes then cost 7 % and 8 % less by surface area. Without it, a change stops
+/// at the first node that stays the same, so small moves touch few nodes.
 #[derive(Clone, Debug)]
 pub(crate) struct DynamicBvh<B, const THOROUGH: bool> {
     nodes: Vec<DynamicNode<B>>,
@@ -174,7 +176,7 @@ impl<B: Enclosable, const THOROUGH: bool> DynamicBvh<B, THOROUGH> {
             return;
         };
         assert_eq!(self.node(root).parent, NONE);
-        assert!(self.node(root).height <= DEEPEST);
+        assert!(self.node(root).height <= MAX_LEAF_DEPTH);
         let (mut stack, mut leaves) = (vec![root], 0);
         while let Some(at) = stack.pop() {
             let node = self.node(at);

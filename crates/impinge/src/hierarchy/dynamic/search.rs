@@ -2,19 +2,20 @@
 
 use std::ops::ControlFlow;
 
-use super::{DEEPEST, DynamicBvh, DynamicNode, Enclosable};
+use super::{DynamicBvh, DynamicNode, Enclosable, MAX_LEAF_DEPTH};
 
-/// The nodes that a search has still to visit: one for each step from the root, and two at the last step.
+/// The nodes that a search has still to visit: one for each step from the root, and two at the last
+/// step.
 #[derive(Debug)]
 pub(crate) struct Stack<T> {
-    waiting: [T; DEEPEST as usize + 2],
+    waiting: [T; MAX_LEAF_DEPTH as usize + 2],
     len: usize,
 }
 
 impl<T: Copy> Stack<T> {
     #[inline]
     pub(crate) fn of(first: T) -> Self {
-        Self { waiting: [first; DEEPEST as usize + 2], len: 1 }
+        Self { waiting: [first; MAX_LEAF_DEPTH as usize + 2], len: 1 }
     }
 
     #[inline]

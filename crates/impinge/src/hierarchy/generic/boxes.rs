@@ -1,10 +1,10 @@
-//! The axis-aligned box in single precision as a node's volume, side by side for the vector unit.
+//! Single-precision axis-aligned boxes as node volumes, stored by axis for the vector unit.
 
 use super::volume::NodeVolume;
 use crate::math::Pose;
 use crate::volume::Aabb;
 
-/// Boxes by axis.
+/// Boxes, stored by axis.
 #[derive(Clone, Copy, Debug)]
 pub struct AabbLanes<const N: usize> {
     min: [[f32; N]; 3],
@@ -24,28 +24,30 @@ impl NodeVolume for Aabb {
         self.union(*other)
     }
 
-    /// The box of the image, by its centre and half-extents (Arvo, *Graphics Gems*, 1990).
+    /// Returns the box around the image, from its center and half-extents (Arvo, *Graphics Gems*,
+    /// 1990).
     ///
     /// # Accuracy
-    /// On an axis, with u = 2^-53 and S = Σ|linear|·reach + |translation|: centre and half-extents of single precision
-    /// corners are off by u S at most, three products and three sums each by 6 u S together, and the final sum and
-    /// difference by 2 u S. 2^-48 S is twice as much as all of that; rounding to single precision is outward.
+    /// On an axis, with u = 2^-53 and S = Σ|linear|·reach + |translation|: the center and the
+    /// half-extents of single-precision corners have an error of at most u S. Three products and
+    /// three sums of each have 6 u S together, and the final sum and difference 2 u S. 2^-48 S is
+    /// twice as much as all of that. Rounding to single precision is outward.
     #[inline(always)]
     fn moved(&self, world_from_local: &Pose) -> Option<Self> {
         const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
         let (mut min, mut max) = ([0.0; 3], [0.0; 3]);
         for axis in 0..3 {
             let translation = world_from_local.translation()[axis];
-            let (mut centre, mut half, mut size) = (translation, 0.0, translation.abs());
+            let (mut center, mut half, mut size) = (translation, 0.0, translation.abs());
             for from in 0..3 {
                 let (low, high) = (f64::from(self.min[from]), f64::from(self.max[from]));
                 let entry = world_from_local.linear()[axis][from];
-                centre += entry * (0.5 * (low + high));
+                center += entry * (0.5 * (low + high));
                 half += entry.abs() * (0.5 * (high - low));
                 size += entry.abs() * low.abs().max(high.abs());
             }
             half += ROUNDING * size;
-            (min[axis], max[axis]) = (centre - half, centre + half);
+            (min[axis], max[axis]) = (center - half, center + half);
         }
         let bounds = outward(min, max);
         (0..3).all(|axis| bounds.min[axis].is_finite() && bounds.max[axis].is_finite()).then_some(bounds)
@@ -82,10 +84,11 @@ impl NodeVolume for Aabb {
     }
 }
 
-/// The least box in single precision that holds one in double precision, but for a step where the corner is exact.
+/// Returns the smallest single-precision box that contains a double-precision box.
 #[inline(always)]
 fn outward(min: [f64; 3], max: [f64; 3]) -> Aabb {
-    // A float that is the corner itself is kept, which keeps boxes on a grid from touching their neighbours.
+    // A corner that is a single-precision number is kept, so that boxes on a grid do not touch
+    // their neighbors.
     let down = |x: f64| if f64::from(x as f32) > x { (x as f32).next_down() } else { x as f32 };
     let up = |x: f64| if f64::from(x as f32) < x { (x as f32).next_up() } else { x as f32 };
     Aabb { min: [down(min[0]), down(min[1]), down(min[2])], max: [up(max[0]), up(max[1]), up(max[2])] }

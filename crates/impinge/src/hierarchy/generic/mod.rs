@@ -1,5 +1,6 @@
-//! A small tree over any volume and of any degree, by which the questions of which volume, which degree and which
-//! enclosure to take are answered by measurement; queries use [`WideTree`](super::WideTree), which is what won.
+//! A small tree over any volume and of any degree. It serves to measure volumes, degrees and
+//! enclosures; the benchmark `hierarchies` does. Queries use [`WideTree`](super::WideTree), which
+//! was the fastest.
 
 mod boxes;
 mod traverse;
@@ -11,14 +12,14 @@ use super::area::half_area;
 use super::binary::BinaryTree;
 use super::wide::Child;
 
-/// What the volume of an inner node encloses (*Notes on Real Time Collision Detection*, 3: a parent need not enclose its
-/// children's volumes, only what they hold).
+/// The content that the volume of an inner node encloses (*Notes on Real Time Collision Detection*,
+/// 3: a parent need not enclose its children's volumes, only their items).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Enclosure {
-    /// What its children hold: tight, and fitted anew at each level.
+    /// The items below. Tight, and fitted anew at each level.
     Wrapped,
-    /// Its children's volumes: looser, unless the volume is a box or another one whose merge loses nothing, and
-    /// cheap to build and to refit.
+    /// The volumes of the children. Faster to build and to refit. Looser, unless merging loses
+    /// nothing, as for boxes.
     Layered,
 }
 
@@ -42,15 +43,15 @@ pub enum Enclosure {
 /// ```
 #[derive(Clone, Debug)]
 pub struct GenericTree<V: NodeVolume, const DEGREE: usize> {
-    /// The root first; empty where there are no items.
+    /// The root first. There are no nodes if there are no items.
     nodes: Vec<GenericNode<V, DEGREE>>,
-    /// The range of `order` that each leaf holds.
+    /// For each leaf the start and the length of its range of `order`.
     leaves: Vec<[u32; 2]>,
     order: Vec<u32>,
     root: Option<V>,
 }
 
-/// Children side by side; lanes from `count` on repeat the first one.
+/// The children of a node, with volumes side by side. Lanes from `count` on are unused.
 #[derive(Clone, Debug)]
 struct GenericNode<V: NodeVolume, const DEGREE: usize> {
     volumes: V::Lanes<DEGREE>,
@@ -59,12 +60,14 @@ struct GenericNode<V: NodeVolume, const DEGREE: usize> {
 }
 
 impl<V: NodeVolume, const DEGREE: usize> GenericTree<V, DEGREE> {
-    /// Opens the binary tree's nodes, those of the largest boxes first, until each has `DEGREE` children, and fits volumes
-    /// to the points that `points_of` appends for an item. None where a volume cannot be fitted to its points, of which
-    /// each item needs at least one.
+    /// Builds the tree from a binary tree. It opens the nodes of the binary tree, the largest boxes
+    /// first, until each node has `DEGREE` children. It fits the volumes to the points that
+    /// `points_of` appends for an item; each item needs at least one point. Returns `None` if no
+    /// volume can be fitted to some points.
     ///
     /// # Complexity
-    /// O(n) fits of the points of an item; wrapped, of O(n log n) points in all.
+    /// O(n) fits of the points of an item. With [`Enclosure::Wrapped`] the fits process O(n log n)
+    /// points in all.
     #[must_use]
     pub fn new(binary: &BinaryTree, points_of: impl Fn(u32, &mut Vec<[f64; 3]>), enclosure: Enclosure) -> Option<Self> {
         const { assert!(2 <= DEGREE && DEGREE <= 32) };
@@ -76,13 +79,13 @@ impl<V: NodeVolume, const DEGREE: usize> GenericTree<V, DEGREE> {
         Some(opening.tree)
     }
 
-    /// Bytes that the nodes take.
+    /// Returns the size of the nodes in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
         size_of_val(&self.nodes[..])
     }
 
-    /// How many nodes with children there are.
+    /// Returns the number of nodes with children.
     #[must_use]
     pub fn inner_count(&self) -> usize {
         self.nodes.len()
@@ -99,13 +102,14 @@ struct Opening<'a, V: NodeVolume, P, const DEGREE: usize> {
     points_of: P,
     enclosure: Enclosure,
     tree: GenericTree<V, DEGREE>,
-    /// Of the items of one volume.
+    /// The points of the items of one volume.
     points: Vec<[f64; 3]>,
 }
 
 impl<V: NodeVolume, P: Fn(u32, &mut Vec<[f64; 3]>), const DEGREE: usize> Opening<'_, V, P, DEGREE> {
-    /// Appends what stands for a node of the binary tree and all below it, and gives its volume. The recursion is at most
-    /// as deep as the binary tree, whose depth is bounded. The root is a node even where it is a leaf.
+    /// Appends the node for a node of the binary tree and all below it, and returns its volume. The
+    /// recursion is at most as deep as the binary tree, whose depth is bounded. The root becomes a
+    /// node even if it is a leaf.
     fn node(&mut self, root: u32) -> Option<(Child, V)> {
         let (opened, count) = self.children(root);
         let at = self.tree.nodes.len();
@@ -138,7 +142,7 @@ impl<V: NodeVolume, P: Fn(u32, &mut Vec<[f64; 3]>), const DEGREE: usize> Opening
         Some((Child::Leaf(self.tree.leaves.len() as u32 - 1), volume))
     }
 
-    /// The volume of all points below a node.
+    /// Fits a volume to all points below a node.
     fn fitted(&mut self, node: u32) -> Option<V> {
         self.points.clear();
         for &item in self.binary.held(node) {
@@ -147,7 +151,8 @@ impl<V: NodeVolume, P: Fn(u32, &mut Vec<[f64; 3]>), const DEGREE: usize> Opening
         V::of_points(&self.points)
     }
 
-    /// The binary nodes that become the children: the largest is opened until there are enough.
+    /// Returns the binary nodes that become the children. The largest is opened until there are
+    /// enough.
     fn children(&self, root: u32) -> ([u32; DEGREE], usize) {
         let nodes = &self.binary.nodes;
         let mut lanes = [root; DEGREE];

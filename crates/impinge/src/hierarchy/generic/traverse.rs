@@ -1,4 +1,4 @@
-//! Simultaneous descent of two generic trees, or of one with itself, counting what it does.
+//! The simultaneous descent of two generic trees, or of one with itself. It counts its operations.
 
 use super::volume::NodeVolume;
 use super::{GenericNode, GenericTree};
@@ -7,8 +7,8 @@ use crate::hierarchy::wide::Child;
 use crate::math::Pose;
 use crate::simd::{best_level, bits, dispatch};
 
-/// Two subtrees whose volumes overlap; that of the guest is carried into the host's frame. Without a bound it overlaps
-/// whatever it is asked about.
+/// Two subtrees whose volumes overlap. The guest's volume is in the host's frame. `None` is an
+/// unbounded volume, which overlaps everything.
 #[derive(Clone, Copy)]
 struct Task<V> {
     host: Child,
@@ -18,8 +18,9 @@ struct Task<V> {
 }
 
 impl<V: NodeVolume, const DEGREE: usize> GenericTree<V, DEGREE> {
-    /// Shows all pairs of an item of this tree and an item of the guest that lie in leaves whose volumes overlap once the
-    /// guest's are carried by the pose: each pair once, in no particular order. What has a point in common is among them.
+    /// Visits all pairs of an item of this tree and an item of the guest whose leaves have
+    /// overlapping volumes, with the guest transformed by the pose. Each pair is visited once, in
+    /// no particular order. All pairs of items with a common point are among them.
     pub fn pairs(&self, guest: &Self, self_from_guest: &Pose, visit: impl FnMut(u32, u32)) -> Counters {
         let mut descent = Descent { host: self, guest, pose: self_from_guest, visit, work: Counters::default() };
         dispatch!(best_level(), simd => {
@@ -29,8 +30,8 @@ impl<V: NodeVolume, const DEGREE: usize> GenericTree<V, DEGREE> {
         descent.work
     }
 
-    /// Shows all pairs of different items that lie in leaves whose volumes overlap, or in the same leaf: each pair once,
-    /// in no particular order of pairs or within them.
+    /// Visits all pairs of different items in the same leaf, or in two leaves with overlapping
+    /// volumes. Each pair is visited once, in no particular order of pairs or within them.
     pub fn self_pairs(&self, mut visit: impl FnMut(u32, u32)) -> Counters {
         let mut within = vec![0_u32; usize::from(!self.nodes.is_empty())];
         let mut work = Counters::default();
@@ -75,7 +76,7 @@ struct Descent<'a, V: NodeVolume, F, const DEGREE: usize> {
     work: Counters,
 }
 
-/// The guest node carried last, and its volumes in the host's frame.
+/// The last transformed guest node, and its volumes in the host's frame.
 struct Carried<V, const DEGREE: usize> {
     node: u32,
     volumes: [Option<V>; DEGREE],
@@ -97,13 +98,13 @@ impl<V: NodeVolume, F: FnMut(u32, u32), const DEGREE: usize> Descent<'_, V, F, D
         self.finish(&mut tasks, &|volume: &V| volume.moved(pose));
     }
 
-    /// Works off tasks, the last one first; `carry` takes a guest's volume into the host's frame.
+    /// Processes tasks, the last one first. `carry` transforms a guest volume to the host's frame.
     #[inline(always)]
     fn finish(&mut self, tasks: &mut Vec<Task<V>>, carry: &impl Fn(&V) -> Option<V>) {
         let mut carried = Carried { node: u32::MAX, volumes: [None; DEGREE] };
         while let Some(task) = tasks.pop() {
             match (task.host, task.guest) {
-                (Child::Leaf(host), Child::Leaf(guest)) => self.meet(host, guest),
+                (Child::Leaf(host), Child::Leaf(guest)) => self.visit_leaves(host, guest),
                 (Child::Inner(host), Child::Leaf(_)) => {
                     let node = &self.host.nodes[host as usize];
                     for lane in self.overlapping(node, task.guest_volume.as_ref()) {
@@ -121,8 +122,9 @@ impl<V: NodeVolume, F: FnMut(u32, u32), const DEGREE: usize> Descent<'_, V, F, D
         }
     }
 
-    /// The children of a guest node against those of the host's, or against a host leaf. Tasks of one guest child are left
-    /// side by side, so that its own children are carried once for all of them.
+    /// Pairs the children of a guest node with the children of a host node, or with a host leaf.
+    /// The tasks of one guest child are consecutive, so that its own children are transformed once
+    /// for all of them.
     #[inline(always)]
     fn open_guest(
         &mut self,
@@ -164,7 +166,7 @@ impl<V: NodeVolume, F: FnMut(u32, u32), const DEGREE: usize> Descent<'_, V, F, D
         self.work.updates += node.count as u64;
     }
 
-    /// The lanes in use that are not proved apart from a volume.
+    /// Returns the used lanes that are not proved apart from a volume. `None` overlaps all.
     #[inline(always)]
     fn overlapping(
         &mut self,
@@ -175,7 +177,7 @@ impl<V: NodeVolume, F: FnMut(u32, u32), const DEGREE: usize> Descent<'_, V, F, D
         bits(volume.map_or(u32::MAX, |volume| V::overlapping(&node.volumes, volume)) & low_bits(node.count))
     }
 
-    fn meet(&mut self, host: u32, guest: u32) {
+    fn visit_leaves(&mut self, host: u32, guest: u32) {
         let (host, guest) = (self.host.held(host), self.guest.held(guest));
         self.work.primitive_tests += (host.len() * guest.len()) as u64;
         for &a in host {
@@ -184,7 +186,7 @@ impl<V: NodeVolume, F: FnMut(u32, u32), const DEGREE: usize> Descent<'_, V, F, D
     }
 }
 
-/// The lowest `count` bits, of at most 32.
+/// Returns the lowest `count` bits set, at most 32.
 #[inline(always)]
 fn low_bits(count: usize) -> u32 {
     ((1_u64 << count.min(32)) - 1) as u32

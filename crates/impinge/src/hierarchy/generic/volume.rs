@@ -1,38 +1,41 @@
-//! What a tree asks of its volumes.
+//! The interface between a tree and its volumes.
 
 use std::fmt::Debug;
 
 use crate::math::Pose;
 use crate::volume::BoundingVolume;
 
-/// A bounding volume as a node of a [`GenericTree`](super::GenericTree) has it. None of its answers may be wrong in the
-/// other direction: a volume may be too large, and two may be said to overlap that do not, for all that rounding does.
+/// A bounding volume for the nodes of a [`GenericTree`](super::GenericTree). Rounding may only err
+/// in one direction: a volume may be too large, and an overlap may be reported of volumes that do
+/// not overlap.
 pub trait NodeVolume: Copy + Debug + Send + Sync {
-    /// Several volumes as one node keeps them.
+    /// The volumes of one node, side by side.
     type Lanes<const N: usize>: Clone + Debug + Send + Sync;
 
-    /// A volume that holds these points; none where there are none, or it cannot be bounded.
+    /// Returns a volume that contains these points. Returns `None` if there are no points, or if no
+    /// volume can bound them.
     fn of_points(points: &[[f64; 3]]) -> Option<Self>;
 
-    /// A volume that holds both volumes.
+    /// Returns a volume that contains both volumes.
     #[must_use]
     fn merged(&self, other: &Self) -> Self;
 
-    /// A volume that holds the image of this one; none where that cannot be bounded, and so overlaps everything.
+    /// Returns a volume that contains the image of this one. Returns `None` if the image cannot be
+    /// bounded, and so overlaps everything.
     fn moved(&self, world_from_local: &Pose) -> Option<Self>;
 
-    /// Lays volumes side by side. Lanes without a volume may hold anything.
+    /// Stores volumes side by side. Lanes without a volume are arbitrary.
     fn lanes<const N: usize>(volumes: [Option<Self>; N]) -> Self::Lanes<N>;
 
-    /// The volume in a lane that has one.
+    /// Returns the volume in a lane that has one.
     fn lane<const N: usize>(lanes: &Self::Lanes<N>, lane: usize) -> Option<Self>;
 
-    /// The lanes whose volumes are not proved apart from another one, as bits; those of lanes without a volume may be
-    /// anything.
+    /// Returns the lanes whose volumes are not proved apart from `other`, as bits. The bits of
+    /// lanes without a volume are arbitrary.
     fn overlapping<const N: usize>(lanes: &Self::Lanes<N>, other: &Self) -> u32;
 }
 
-/// Any volume, one after the other; those of single precision boxes lie side by side in `boxes.rs`.
+/// Any volume, one lane at a time. Boxes in single precision are stored by axis in `boxes.rs`.
 impl<V: BoundingVolume> NodeVolume for V {
     type Lanes<const N: usize> = [Option<V>; N];
 

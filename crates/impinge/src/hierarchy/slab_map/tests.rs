@@ -1,4 +1,4 @@
-//! Carried slabs against exact rational heights.
+//! Transformed slabs against exact rational heights.
 
 use crate::simd::dispatch_every;
 use bytemuck::Zeroable;
@@ -9,7 +9,8 @@ use super::super::tests::maps::{any_linear, coarse, exact};
 use super::*;
 use crate::simd::{LANES, kernel_levels};
 
-/// A map, boxes in its source, and a slab in its target that ends where the image of one box begins, or nearly so.
+/// A map, boxes in its source, and a slab in its target that ends at the image of one box, or near
+/// it.
 struct Trial {
     linear: [[f64; 3]; 3],
     translation: [f64; 3],
@@ -37,14 +38,15 @@ impl Trial {
         let normal = [0; 3].map(|_| coarse(rng) as f32);
         let mut trial = Self { linear, translation, error, node, slab: Slab { normal, min: 0.0, max: 0.0 } };
         let [low, high] = trial.heights(0).map(|height| height.to_f64_fast());
-        // Above the box, below it, or through it.
+        // Above the box, or below it.
         let (low, high) = if rng.one_in(2) { (high + gap * size, high + size) } else { (low - size, low - gap * size) };
         trial.slab.min = low as f32;
         trial.slab.max = high as f32;
         trial
     }
 
-    /// The least and the greatest height of the images of one box under every map within the error.
+    /// Returns the minimum and the maximum height of one box's images under all maps within the
+    /// error.
     fn heights(&self, lane: usize) -> [Relaxed; 2] {
         let normal = self.slab.normal.map(|x| exact(f64::from(x)));
         let (mut low, mut high) = (Relaxed::ZERO, Relaxed::ZERO);
@@ -65,7 +67,8 @@ impl Trial {
         [low, high]
     }
 
-    /// The boxes that the slab is said to miss, which is asserted to be true.
+    /// Returns the number of boxes reported outside the slab, over all vector levels. Asserts that
+    /// they are.
     fn missed(&self) -> usize {
         let map = SlabMap::new(&self.linear, &self.translation, &self.error, 1.0);
         let mut missed = 0;
@@ -74,7 +77,7 @@ impl Trial {
             for lane in (0..LANES).filter(|&lane| outside >> lane & 1 == 1) {
                 let [low, high] = self.heights(lane);
                 let (min, max) = (exact(f64::from(self.slab.min)), exact(f64::from(self.slab.max)));
-                assert!(low > max || high < min, "{name}: box {lane} meets the slab");
+                assert!(low > max || high < min, "{name}: box {lane} intersects the slab");
                 missed += 1;
             }
         }
@@ -83,11 +86,12 @@ impl Trial {
 }
 
 #[test]
-fn what_is_said_to_be_outside_is() {
+fn boxes_reported_outside_are_outside() {
     let mut rng = Rng::new(131);
     let (mut touching, mut clear) = (0, 0);
     for round in 0..3_000 {
-        // Where the slab touches a box, or misses it by less than single precision tells, the box is the first of eight.
+        // In these cases the slab touches box 0, or passes it by less than single precision can
+        // resolve.
         let gap = [0.0, 1e-9, 1e-7, 1e-6, 1e-2][round % 5];
         let trial = Trial::new(&mut rng, gap);
         let missed = trial.missed();
@@ -98,7 +102,7 @@ fn what_is_said_to_be_outside_is() {
 
 #[test]
 fn the_slack_is_small() {
-    // Boxes of a thousandth that a slab clears by a hundred thousandth are told apart.
+    // Boxes of size 1e-3 are proved outside a slab that is 1e-5 away.
     let map = SlabMap::new(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], &[0.0; 3], &[0.0; 3], 1.0);
     let mut node = Node::zeroed();
     for axis in 0..3 {
@@ -114,7 +118,7 @@ fn the_slack_is_small() {
 }
 
 #[test]
-fn what_overflows_proves_nothing() {
+fn overflow_proves_nothing() {
     let map = SlabMap::new(&[[1e30; 3]; 3], &[1e38; 3], &[f64::INFINITY; 3], 1.0);
     let slab = Slab { normal: [1.0; 3], min: -1.0, max: 1.0 };
     for (name, level) in kernel_levels() {
@@ -123,8 +127,8 @@ fn what_overflows_proves_nothing() {
 }
 
 #[test]
-fn what_is_beyond_single_precision_is_not_taken_for_far_away() {
-    // Nearly along the planes, so that the origin is lifted by 10, out of reach of single precision's factors alone.
+fn maps_beyond_single_precision_prove_nothing() {
+    // Nearly along the planes, so the origin is lifted by 10. The factors exceed single precision.
     let map = SlabMap::new(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], &[1e39, 0.0, 0.0], &[0.0; 3], 1.0);
     let slab = Slab { normal: [1e-38, 1.0, 0.0], min: 9.0, max: 11.0 };
     for (name, level) in kernel_levels() {
@@ -133,12 +137,13 @@ fn what_is_beyond_single_precision_is_not_taken_for_far_away() {
     }
 }
 
-/// The map that changes nothing, for boxes in the unit cube.
+/// Returns the identity map, for boxes in the unit cube.
 fn identity() -> SlabMap {
     SlabMap::new(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], &[0.0; 3], &[0.0; 3], 1.0)
 }
 
-/// The thinnest slab across a normal that holds a point, on one side of it by `thickness`.
+/// Returns a slab with this normal that contains a point near one of its planes, and extends from
+/// it by `thickness`.
 fn slab_at(point: [f32; 3], normal: [f32; 3], thickness: f32) -> Slab {
     let height: f64 = (0..3).map(|axis| f64::from(normal[axis]) * f64::from(point[axis])).sum();
     let nearest = height as f32;
@@ -152,7 +157,7 @@ fn slab_at(point: [f32; 3], normal: [f32; 3], thickness: f32) -> Slab {
 }
 
 #[test]
-fn what_lies_in_two_slabs_is_not_said_to_lie_outside_of_both() {
+fn points_in_both_slabs_are_in_the_difference_slab() {
     let mut rng = Rng::new(132);
     let (mut facing, mut missed) = (0, 0);
     for _ in 0..4_000 {
@@ -164,7 +169,7 @@ fn what_lies_in_two_slabs_is_not_said_to_lie_outside_of_both() {
                 (node.min[axis][lane], node.max[axis][lane]) = (p.min(q), p.max(q));
             }
         }
-        // A corner of a box: no point of it lies farther out.
+        // A corner of a box: no other point of the box lies farther out.
         let lane = rng.integer(0, LANES as i64 - 1) as usize;
         let point: [f32; 3] =
             std::array::from_fn(|axis| if rng.one_in(2) { node.min[axis][lane] } else { node.max[axis][lane] });
@@ -179,10 +184,10 @@ fn what_lies_in_two_slabs_is_not_said_to_lie_outside_of_both() {
         let thickness = |rng: &mut Rng| (rng.choose(&[1.0, -1.0]) * 2.0_f64.powi(-(rng.integer(0, 20) as i32))) as f32;
         let carried = slab_at(point, normal, thickness(&mut rng));
         let own = slab_at(point, other, thickness(&mut rng));
-        let Some(beside) = identity().beside(&carried, &own) else { continue };
+        let Some(difference) = identity().difference(&carried, &own) else { continue };
         facing += 1;
         for (name, level) in kernel_levels() {
-            let outside = dispatch_every!(level, simd => beside.outside(simd, &node));
+            let outside = dispatch_every!(level, simd => difference.outside(simd, &node));
             assert_eq!(outside >> lane & 1, 0, "{name}: {point:?} in {carried:?} and {own:?}");
             missed += outside.count_ones();
         }
@@ -191,7 +196,7 @@ fn what_lies_in_two_slabs_is_not_said_to_lie_outside_of_both() {
 }
 
 #[test]
-fn slabs_that_face_the_same_way_are_told_apart_where_boxes_lie_in_both() {
+fn difference_slabs_cull_boxes_that_lie_in_both_slabs() {
     let normal = [0.6, 0.5, 0.6];
     let mut node = Node::zeroed();
     for axis in 0..3 {
@@ -199,11 +204,11 @@ fn slabs_that_face_the_same_way_are_told_apart_where_boxes_lie_in_both() {
     }
     let own = Slab { normal, min: 8e-3, max: 8.1e-3 };
     let carried = Slab { normal: [0.6, 0.503, 0.599], min: 8.2e-3, max: 8.3e-3 };
-    let beside = identity().beside(&carried, &own).expect("they face the same way");
+    let difference = identity().difference(&carried, &own).expect("they face the same way");
     for (name, level) in kernel_levels() {
-        let outside = dispatch_every!(level, simd => [own, carried, beside].map(|slab| slab.outside(simd, &node)));
+        let outside = dispatch_every!(level, simd => [own, carried, difference].map(|slab| slab.outside(simd, &node)));
         assert_eq!(outside, [0, 0, 0xff], "{name}");
     }
-    assert_eq!(identity().beside(&carried, &Slab::ALL), None);
-    assert_eq!(identity().beside(&Slab { normal: [0.6, -0.5, 0.6], ..carried }, &own), None);
+    assert_eq!(identity().difference(&carried, &Slab::ALL), None);
+    assert_eq!(identity().difference(&Slab { normal: [0.6, -0.5, 0.6], ..carried }, &own), None);
 }

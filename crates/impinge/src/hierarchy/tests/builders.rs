@@ -10,12 +10,15 @@ fn on_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
 #[test]
 fn every_builder_puts_every_box_in_one_leaf_of_bounded_depth() {
     for (name, boxes) in scenes() {
-        // Spread over the whole scene, and few enough for seven builders to take turns.
+        // From the whole scene, and few enough for seven builders.
         let boxes: Vec<Aabb> = boxes.iter().copied().step_by(boxes.len().div_ceil(25_000).max(1)).collect();
         for builder in Builder::ALL {
             let name = format!("{name}, {}", builder.name());
             let tree = on_threads(1, || builder.build(&boxes));
-            assert!(tree == on_threads(2, || builder.build(&boxes)), "{name}: threads show");
+            assert!(
+                tree == on_threads(2, || builder.build(&boxes)),
+                "{name}: the number of threads changes the result"
+            );
             let depth = depth_of_binary(&name, &tree, &boxes);
             assert!(depth <= MAX_DEPTH && depth == tree.depth(), "{name}: {depth} deep");
             check_wide(&name, &tree);
@@ -24,7 +27,7 @@ fn every_builder_puts_every_box_in_one_leaf_of_bounded_depth() {
 }
 
 #[test]
-fn leaves_of_any_capacity_are_legal() {
+fn leaves_of_any_capacity_are_valid() {
     let boxes = scenes().into_iter().filter(|(_, boxes)| boxes.len() == 513 || boxes.len() == 70_000);
     for (name, boxes) in boxes {
         for builder in Builder::ALL {
@@ -40,8 +43,9 @@ fn leaves_of_any_capacity_are_legal() {
 }
 
 #[test]
-fn a_chain_is_halved_where_it_grows_too_deep() {
-    // Each box is a thousandth of the last, so that by area one is split off after the other, past the allowed depth.
+fn a_chain_is_halved_if_it_grows_too_deep() {
+    // Each box is smaller than the last, so that by area one box after the other is split off,
+    // beyond the allowed depth.
     let boxes: Vec<Aabb> = (0..1_000)
         .map(|i| {
             let x = 0.9_f32.powi(i % 700);
@@ -59,7 +63,7 @@ fn a_chain_is_halved_where_it_grows_too_deep() {
 }
 
 #[test]
-fn a_better_builder_makes_a_cheaper_tree() {
+fn better_builders_make_trees_of_lower_cost() {
     let (_, boxes) = scenes().into_iter().find(|(name, _)| *name == "random").expect("the scene");
     let sah = |builder: Builder| builder.build(&boxes).statistics().sah;
     let [median, binned, sweep, ploc, insertion, reinsertion] = [
@@ -80,7 +84,7 @@ fn a_better_builder_makes_a_cheaper_tree() {
 }
 
 #[test]
-fn moving_subtrees_never_makes_a_tree_dearer() {
+fn reinsertion_never_increases_the_cost() {
     let cost = |tree: &BinaryTree| -> f64 {
         tree.nodes.iter().filter(|node| node.right.is_some()).map(|node| half_area(&node.bounds)).sum()
     };
@@ -99,21 +103,21 @@ fn moving_subtrees_never_makes_a_tree_dearer() {
     assert!(improved >= 4, "only {improved} trees became better by a twentieth");
 }
 
-/// Boxes on a small grid, many of them equal, flat or points.
+/// Returns boxes on a small grid, many of them equal, flat or points.
 fn grid_box(rng: &mut Rng) -> Aabb {
     let min = [0; 3].map(|_| rng.integer(0, 12) as f32);
     Aabb { min, max: min.map(|x| x + rng.integer(0, 3) as f32) }
 }
 
 #[test]
-fn boxes_come_and_go() {
+fn inserted_and_removed_boxes_match_a_plain_list() {
     let mut rng = Rng::new(5);
     let mut tree = DynamicTree::new();
     let mut plain: Vec<Option<Aabb>> = Vec::new();
     let mut found_in_all = 0;
     for step in 0..6_000 {
         let alive: Vec<u32> = (0..plain.len() as u32).filter(|&number| plain[number as usize].is_some()).collect();
-        // It grows, then shrinks to nothing, and grows again.
+        // The tree grows, then shrinks to nothing, and grows again.
         let grows = !(1_500..4_000).contains(&step);
         let inserts = if grows { !rng.one_in(4) } else { rng.one_in(4) };
         if alive.is_empty() || inserts {
@@ -149,7 +153,7 @@ fn boxes_come_and_go() {
     assert!(found_in_all > 500, "{found_in_all}");
 }
 
-/// Its neutral tree holds the boxes that there are, under their numbers.
+/// Checks that the neutral tree holds the current boxes under their numbers.
 fn check_dynamic(tree: &DynamicTree, plain: &[Option<Aabb>]) {
     let binary = tree.to_binary(LEAF_CAPACITY);
     let numbers: Vec<u32> = (0..plain.len() as u32).filter(|&i| plain[i as usize].is_some()).collect();
@@ -161,8 +165,8 @@ fn check_dynamic(tree: &DynamicTree, plain: &[Option<Aabb>]) {
 }
 
 #[test]
-fn equal_boxes_are_no_trap() {
-    // A builder that is quadratic where all boxes are alike would be at it for minutes.
+fn equal_boxes_are_built_quickly() {
+    // A builder that is quadratic for equal boxes would take minutes.
     let boxes = vec![Aabb { min: [0.25; 3], max: [0.5; 3] }; 250_000];
     for builder in Builder::ALL {
         let tree = builder.build(&boxes);

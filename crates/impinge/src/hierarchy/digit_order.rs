@@ -1,7 +1,8 @@
-//! Boxes dealt out along a curve: sorted by one digit of their codes after the other, from the leading one on.
+//! A lazy radix sort of boxes along a Morton curve, from the leading digit of their codes on.
 //!
-//! Source: Knuth, *The Art of Computer Programming* 3, 5.2.5. Ours deals a range out by the next digit when a builder gets there,
-//! and is done with it before the next: so that what is dealt is in the cache, and what few are left is never sorted.
+//! Source: Knuth, *The Art of Computer Programming* 3, 5.2.5. Ours sorts a range by its next digit
+//! when a builder reaches it, and finishes that range before the next. So the sorted range is in
+//! the cache, and small ranges are never sorted.
 
 use std::slice::IterMut;
 use std::sync::Arc;
@@ -10,31 +11,33 @@ use bytemuck::Zeroable;
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
-use super::boxes::{Boxes, Centre, lanes_of_eight};
+use super::boxes::{Boxes, Center, lanes_of_eight};
 use super::curve::{Curve, DIGITS, Eight, LEADING};
 use super::radix::add_up;
 use crate::simd::{LANES, dispatch_widest, widest_level};
 use crate::volume::Aabb;
 
-/// How a range of centres lies on a curve: all of one cell of it, and in the order of their next digit.
+/// The order of a range of centers: all are in one cell of a curve, and they are sorted by their
+/// digit `place`.
 #[derive(Clone, Debug)]
-pub(super) struct Deals {
+pub(super) struct DigitOrder {
     curve: Curve,
-    /// Of the digit.
+    /// Index of the digit by which the range is sorted.
     place: u32,
-    /// Where those with each digit end.
+    /// For each digit the end of its centers, counted from the start of the range that was sorted.
     ends: Arc<[u32; DIGITS]>,
-    /// The digits that there are, from the first to the last.
+    /// The first and the last digit that occurs in the range.
     first: usize,
     last: usize,
 }
 
-impl Deals {
-    /// Writes the centres of all boxes, of which there is one at least, dealt out along a curve. Each thread deals out a share.
-    pub(super) fn of<B: Boxes + ?Sized>(boxes: &B, centres: &mut [Centre]) -> Self {
+impl DigitOrder {
+    /// Writes the centers of all boxes, sorted by their leading digit along a curve over all of
+    /// them. There must be at least one box. Each thread sorts a share.
+    pub(super) fn of<B: Boxes + ?Sized>(boxes: &B, centers: &mut [Center]) -> Self {
         let curve = Curve::over(&boxes.twice_reach()).unwrap_or(Curve::ONE_CELL);
-        let share = centres.len().div_ceil(rayon::current_num_threads());
-        let shares: Vec<_> = (0..centres.len()).step_by(share).map(|at| at..centres.len().min(at + share)).collect();
+        let share = centers.len().div_ceil(rayon::current_num_threads());
+        let shares: Vec<_> = (0..centers.len()).step_by(share).map(|at| at..centers.len().min(at + share)).collect();
         let counts: Vec<[u32; DIGITS]> = shares
             .par_iter()
             .map(|share| {
@@ -51,8 +54,8 @@ impl Deals {
                 counts
             })
             .collect();
-        let mut places: Vec<Vec<IterMut<'_, Centre>>> = counts.iter().map(|_| Vec::with_capacity(DIGITS)).collect();
-        let (mut left, mut ends, mut end) = (centres, [0; DIGITS], 0);
+        let mut places: Vec<Vec<IterMut<'_, Center>>> = counts.iter().map(|_| Vec::with_capacity(DIGITS)).collect();
+        let (mut left, mut ends, mut end) = (centers, [0; DIGITS], 0);
         for digit in 0..DIGITS {
             for (counts, places) in counts.iter().zip(&mut places) {
                 let (place, after) = left.split_at_mut(counts[digit] as usize);
@@ -71,7 +74,7 @@ impl Deals {
                 #[inline(always)]
                 |eight| {
                     if eight.is_same {
-                        // At hand, and not where the centres could be for all that is known.
+                        // A local iterator cannot alias the centers, so it stays in registers.
                         let mut place = std::mem::take(&mut places[eight.digit(0)]);
                         for lane in 0..LANES {
                             put(&mut place, eight, lane);
@@ -99,30 +102,31 @@ impl Deals {
         Self { curve, place, ends: Arc::new(ends), first, last }
     }
 
-    /// Deals out by the next digit what is of one cell until it is of several: along a curve of its own where it is of one cell to
-    /// the last digit. `None` where it is in one point, or reaches so far that there is no curve.
-    pub(super) fn parted(mut self, centres: &mut [Centre], spare: &mut Vec<Centre>) -> Option<Self> {
+    /// Sorts a range that lies in one cell by its next digit, until it lies in several cells. If
+    /// the digits run out, it continues along a new curve over the range. Returns `None` if all
+    /// centers coincide, or if their extent is too large for a curve.
+    pub(super) fn refined(mut self, centers: &mut [Center], spare: &mut Vec<Center>) -> Option<Self> {
         while self.first == self.last {
             if let Some(place) = self.place.checked_sub(1) {
-                self = Self::again(self.curve, place, centres, spare);
+                self = Self::sorted_by(self.curve, place, centers, spare);
                 continue;
             }
-            let bounds = centres
+            let bounds = centers
                 .iter()
-                .fold(Aabb::EMPTY, |bounds, &Centre { twice, .. }| bounds.union(Aabb { min: twice, max: twice }));
-            let own = Self::again(Curve::over(&bounds)?, LEADING, centres, spare);
+                .fold(Aabb::EMPTY, |bounds, &Center { twice, .. }| bounds.union(Aabb { min: twice, max: twice }));
+            let own = Self::sorted_by(Curve::over(&bounds)?, LEADING, centers, spare);
             return (own.first < own.last).then_some(own);
         }
         Some(self)
     }
 
-    /// Deals out by a digit, those with the same one in the order in which they come.
-    fn again(curve: Curve, place: u32, centres: &mut [Centre], spare: &mut Vec<Centre>) -> Self {
+    /// Sorts the centers by a digit. Centers with the same digit keep their order.
+    fn sorted_by(curve: Curve, place: u32, centers: &mut [Center], spare: &mut Vec<Center>) -> Self {
         spare.clear();
-        spare.extend_from_slice(centres);
-        // Eight are read at a time.
-        spare.extend([Centre::zeroed(); LANES]);
-        let (all, mut next) = (0..centres.len(), [0; DIGITS]);
+        spare.extend_from_slice(centers);
+        // Eight centers are read at a time.
+        spare.extend([Center::zeroed(); LANES]);
+        let (all, mut next) = (0..centers.len(), [0; DIGITS]);
         dispatch_widest!(widest_level(), simd => {
             curve.for_each_eight(
                 simd,
@@ -145,13 +149,13 @@ impl Deals {
                     let from = &spare[eight.first..][..eight.count];
                     if eight.is_same {
                         let next = &mut next[eight.digit(0)];
-                        centres[*next as usize..][..LANES].copy_from_slice(from);
+                        centers[*next as usize..][..LANES].copy_from_slice(from);
                         *next += LANES as u32;
                         return;
                     }
-                    for (lane, centre) in from.iter().enumerate() {
+                    for (lane, center) in from.iter().enumerate() {
                         let next = &mut next[eight.digit(lane)];
-                        centres[*next as usize] = *centre;
+                        centers[*next as usize] = *center;
                         *next += 1;
                     }
                 },
@@ -160,7 +164,8 @@ impl Deals {
         Self::with_ends(curve, place, next)
     }
 
-    /// Where the cells of the curve split what is of several: how many come before, and how the two parts lie.
+    /// Splits a range at a boundary of the curve's cells. Returns the number of centers in the
+    /// first part, and the order of both parts. The range must lie in several cells.
     pub(super) fn split(self) -> (usize, Self, Self) {
         let ends = &self.ends;
         let top_bit = 1 << (self.first ^ self.last).ilog2();
@@ -175,15 +180,16 @@ impl Deals {
     }
 }
 
-/// Writes one of them where the next one belongs.
+/// Writes one of eight centers at the next place of its digit.
 #[inline(always)]
-fn put<S: Simd>(place: &mut IterMut<'_, Centre>, eight: &Eight<S>, lane: usize) {
-    if let Some(centre) = place.next() {
-        centre.set(eight.twice(lane), (eight.first + lane) as u32);
+fn put<S: Simd>(place: &mut IterMut<'_, Center>, eight: &Eight<S>, lane: usize) {
+    if let Some(center) = place.next() {
+        center.set(eight.twice(lane), (eight.first + lane) as u32);
     }
 }
 
-/// One after the other, a count would wait for itself where neighbours have the same digit.
+/// Counts eight digits. If neighbors have the same digit, eight single increments would wait for
+/// each other.
 #[inline(always)]
 fn count<S: Simd>(counts: &mut [u32; DIGITS], eight: &Eight<S>) {
     if eight.is_same {
@@ -200,52 +206,53 @@ mod tests {
     use super::*;
     use impinge_testkit::generate::Rng;
 
-    /// Splits down to single cells, and counts the splits.
-    fn split_all(deals: Deals, centres: &mut [Centre], spare: &mut Vec<Centre>) -> usize {
-        if centres.len() < 2 {
+    /// Splits a range down to single cells and returns the number of splits.
+    fn split_all(digits: DigitOrder, centers: &mut [Center], spare: &mut Vec<Center>) -> usize {
+        if centers.len() < 2 {
             return 0;
         }
-        let Some(deals) = deals.parted(centres, spare) else { return 0 };
-        let (middle, low, high) = deals.split();
-        let (low_centres, high_centres) = centres.split_at_mut(middle);
-        assert!(!low_centres.is_empty() && !high_centres.is_empty());
-        1 + split_all(low, low_centres, spare) + split_all(high, high_centres, spare)
+        let Some(digits) = digits.refined(centers, spare) else { return 0 };
+        let (middle, low, high) = digits.split();
+        let (low_centers, high_centers) = centers.split_at_mut(middle);
+        assert!(!low_centers.is_empty() && !high_centers.is_empty());
+        1 + split_all(low, low_centers, spare) + split_all(high, high_centers, spare)
     }
 
     #[test]
-    fn what_is_split_to_the_end_lies_along_the_curve() {
+    fn boxes_split_down_to_cells_lie_along_the_curve() {
         let mut rng = Rng::new(143);
         let mut shared = 0;
         for (len, spread) in [(1, 1), (2, 1), (300, 3), (5_000, 4), (5_000, 1_024), (20_000, 40), (70_000, 100_000)] {
-            // In the middle of cells, and on the borders between two; a small crowd in a corner of a large cube, too.
+            // In the middle of cells, on the borders between two, and crowded in a corner of a
+            // large cube.
             let mut boxes: Vec<Aabb> = (0..len)
                 .map(|_| [0; 3].map(|_| rng.integer(0, spread) as f32))
-                .map(|centre| Aabb { min: centre, max: centre })
+                .map(|center| Aabb { min: center, max: center })
                 .collect();
             boxes.push(Aabb { min: [4_096.0; 3], max: [4_096.0; 3] });
             let [dealt, again] = [1, 3].map(|threads| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-                let mut centres = vec![Centre::zeroed(); boxes.len()];
-                let deals = pool.install(|| Deals::of(&boxes[..], &mut centres));
-                (deals, centres)
+                let mut centers = vec![Center::zeroed(); boxes.len()];
+                let digits = pool.install(|| DigitOrder::of(&boxes[..], &mut centers));
+                (digits, centers)
             });
-            assert_eq!(dealt.1, again.1, "threads show");
-            let (deals, mut centres) = dealt;
-            let curve = deals.curve;
-            let splits = split_all(deals, &mut centres, &mut Vec::new());
-            let mut numbers: Vec<u32> = centres.iter().map(|centre| centre.index).collect();
-            for pair in centres.windows(2) {
-                let [before, after] = [pair[0], pair[1]].map(|centre| curve.code(centre.twice));
+            assert_eq!(dealt.1, again.1, "the number of threads changes the result");
+            let (digits, mut centers) = dealt;
+            let curve = digits.curve;
+            let splits = split_all(digits, &mut centers, &mut Vec::new());
+            let mut numbers: Vec<u32> = centers.iter().map(|center| center.index).collect();
+            for pair in centers.windows(2) {
+                let [before, after] = [pair[0], pair[1]].map(|center| curve.code(center.twice));
                 assert!(before <= after, "{len}, {spread}");
-                // Those in one place stay in the order in which they came.
+                // Centers that coincide keep their order.
                 assert!(pair[0].twice != pair[1].twice || pair[0].index < pair[1].index, "{len}, {spread}");
                 shared += usize::from(before == after && pair[0].twice != pair[1].twice);
             }
-            let places = centres.chunk_by(|a, b| a.twice == b.twice).count();
-            assert_eq!(splits, places - 1, "{len}, {spread}: each place is parted from the others");
+            let places = centers.chunk_by(|a, b| a.twice == b.twice).count();
+            assert_eq!(splits, places - 1, "{len}, {spread}: each place is split from the others");
             numbers.sort_unstable();
             assert!(numbers.iter().enumerate().all(|(at, &number)| at == number as usize), "{len}, {spread}");
         }
-        assert!(shared > 100, "{shared}: hardly a cell had to have a curve of its own");
+        assert!(shared > 100, "{shared}: too few cells needed a curve of their own");
     }
 }
