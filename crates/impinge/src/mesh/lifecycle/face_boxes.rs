@@ -39,11 +39,11 @@ impl<C: StoredCorners> Boxes for FaceBoxes<C> {
         let Self(stored) = self;
         let faces = &stored.faces().all()[first..];
         match faces.first_chunk::<LANES>() {
-            Some(faces) => stored.twice_centres(simd, faces),
+            Some(faces) => stored.twice_centers(simd, faces),
             None => {
                 let mut padded = [faces[0]; LANES];
                 padded[..faces.len()].copy_from_slice(faces);
-                stored.twice_centres(simd, &padded)
+                stored.twice_centers(simd, &padded)
             }
         }
     }

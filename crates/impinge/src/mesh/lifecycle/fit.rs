@@ -13,7 +13,7 @@ use crate::mesh::storage::faces::VertexRows;
 use crate::mesh::storage::frame::{PACKING_ERROR, outward};
 use crate::mesh::storage::leaf::Leaf;
 use crate::mesh::storage::stored_corners::StoredCorners;
-use crate::mesh::storage::triangles::{CornerLanes, facing, heights, load_corners, store_corners};
+use crate::mesh::storage::triangles::{CornerLanes, doubled_area_vectors, heights, load_corners, store_corners};
 use crate::simd::{LANES, Lanes3, by_axis, prefetch_at};
 use crate::volume::Aabb;
 
@@ -25,7 +25,7 @@ const LEAVES_AHEAD: usize = 6 * LANES;
 const FACES_AHEAD: usize = 3 * LANES;
 
 /// Of the lanes whose vertices are asked for: those of neighbours are most often in the same line of the cache.
-const EVERY_OTHER: [usize; 4] = [0, 2, 4, 6];
+const PREFETCHED_LANES: [usize; 4] = [0, 2, 4, 6];
 
 /// The leaves of a patch, and the corners of those that were looked at, about one of them.
 pub(super) struct Fitting<'a, S: Simd, C: StoredCorners> {
@@ -34,9 +34,9 @@ pub(super) struct Fitting<'a, S: Simd, C: StoredCorners> {
     leaves: &'a [Leaf],
     corners: &'a mut [CornerLanes],
     /// What they are about, in the mesh's own frame and in the packed one.
-    place: [f64; 3],
-    packed_place: [f64; 3],
-    /// The vertices of the leaves at hand and of those that are next, each in the place that its number tells.
+    origin: [f64; 3],
+    packed_origin: [f64; 3],
+    /// The vertices of the leaves at hand and of those that are next, each in the origin that its number tells.
     ahead: [VertexRows; 2 * LANES],
     /// Of the leaves at hand; those of others where there are less than eight.
     extremes: [C::Extremes<S>; LANES],
@@ -48,10 +48,10 @@ impl<'a, S: Simd, C: StoredCorners> Fitting<'a, S, C> {
     pub(in crate::mesh) fn new(simd: S, stored: C, leaves: &'a [Leaf], corners: &'a mut [CornerLanes]) -> Self {
         let mut rows = [[0; 4]; LANES];
         stored.faces().look_up(simd, &leaves[0], &mut rows);
-        let place = stored.vertex(rows[0][0]);
-        let packed_place = stored.frame().pack(place);
+        let origin = stored.vertex(rows[0][0]);
+        let packed_origin = stored.frame().pack(origin);
         let (ahead, extremes) = ([rows; 2 * LANES], [stored.extremes_of(&stored.gather(simd, &rows)); LANES]);
-        let mut fitting = Self { simd, stored, leaves, corners, place, packed_place, ahead, extremes };
+        let mut fitting = Self { simd, stored, leaves, corners, origin, packed_origin, ahead, extremes };
         // One thing after the other for all that come first, as nothing was asked for yet.
         let last = |count: usize| leaves.len().saturating_sub(count)..leaves.len();
         last(LEAVES_AHEAD).for_each(|leaf| prefetch_at(leaves, leaf));
@@ -70,7 +70,7 @@ impl<'a, S: Simd, C: StoredCorners> Fitting<'a, S, C> {
         }
         let rows = &mut self.ahead[leaf % (2 * LANES)];
         self.stored.faces().look_up(self.simd, &self.leaves[leaf], rows);
-        for lane in EVERY_OTHER {
+        for lane in PREFETCHED_LANES {
             for corner in 0..2 {
                 self.stored.prefetch_vertex(rows[lane][corner]);
             }
@@ -88,7 +88,7 @@ impl<S: Simd, C: StoredCorners> Leaves for Fitting<'_, S, C> {
     #[inline(always)]
     fn fit(&mut self, at: Range<usize>) -> (BoxLanes, [f32; 3]) {
         // Of its own here, so that it need not be looked up again after each leaf.
-        let (simd, stored, place) = (self.simd, self.stored, self.place);
+        let (simd, stored, origin) = (self.simd, self.stored, self.origin);
         let mut area: Lanes3<S> = [f32x8::splat(simd, 0.0); 3];
         for (lane, at) in at.enumerate() {
             if let Some(ahead) = at.checked_sub(LANES) {
@@ -96,10 +96,10 @@ impl<S: Simd, C: StoredCorners> Leaves for Fitting<'_, S, C> {
             }
             let gathered = stored.gather(simd, &self.ahead[at % (2 * LANES)]);
             self.extremes[lane] = stored.extremes_of(&gathered);
-            let corners = stored.about(simd, &gathered, place);
+            let corners = stored.about(simd, &gathered, origin);
             store_corners(&corners, &mut self.corners[at]);
-            let facing = facing(&corners);
-            area = by_axis!(axis => area[axis] + facing[axis]);
+            let vectors = doubled_area_vectors(&corners);
+            area = by_axis!(axis => area[axis] + vectors[axis]);
         }
         let bounds = stored.bounds(&stored.extremes(&self.extremes));
         (bounds, by_axis!(axis => sum(area[axis])))
@@ -108,8 +108,8 @@ impl<S: Simd, C: StoredCorners> Leaves for Fitting<'_, S, C> {
     /// Across the direction in which the triangles face.
     ///
     /// # Accuracy
-    /// With u = 2^-24 and r the greatest coordinate of the node's corners about the place, a height is off by 3 (u r +
-    /// [`PACKING_ERROR`]) for its corner, and 8 u r for its three products and two sums; that of the place, of at most 3, by less than
+    /// With u = 2^-24 and r the greatest coordinate of the node's corners about the origin, a height is off by 3 (u r +
+    /// [`PACKING_ERROR`]) for its corner, and 8 u r for its three products and two sums; that of the origin, of at most 3, by less than
     /// 4 [`PACKING_ERROR`] in double precision, and their sum is rounded outward.
     #[inline(always)]
     fn slab(&self, leaves: Range<usize>, bounds: &Aabb, facing: [f32; 3]) -> Slab {
@@ -127,12 +127,12 @@ impl<S: Simd, C: StoredCorners> Leaves for Fitting<'_, S, C> {
         }
         let radius = (0..3).fold(0.0_f64, |radius, axis| {
             let (low, high) = (f64::from(bounds.min[axis]), f64::from(bounds.max[axis]));
-            radius.max(self.packed_place[axis] - low).max(high - self.packed_place[axis])
+            radius.max(self.packed_origin[axis] - low).max(high - self.packed_origin[axis])
         });
         let error = 12.0 * HALF_ULP * radius + 8.0 * PACKING_ERROR;
         let [x, y, z] = normal.map(f64::from);
-        let place = x * self.packed_place[0] + y * self.packed_place[1] + z * self.packed_place[2];
-        let (min, max) = (f64::from(min.reduce_min()) + place, f64::from(max.reduce_max()) + place);
+        let origin = x * self.packed_origin[0] + y * self.packed_origin[1] + z * self.packed_origin[2];
+        let (min, max) = (f64::from(min.reduce_min()) + origin, f64::from(max.reduce_max()) + origin);
         Slab { normal, min: -outward((error - min) as f32), max: outward((max + error) as f32) }
     }
 }

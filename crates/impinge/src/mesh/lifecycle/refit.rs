@@ -41,7 +41,7 @@ impl Mesh {
     /// Linear, on all cores of the current rayon pool; nothing is allocated in proportion to the mesh unless there are
     /// clones, who keep the old hierarchy.
     pub fn refit(&mut self, positions: impl Into<Positions>) -> Result<Aging, InputError> {
-        let (positions, frame) = self.judged(positions.into())?;
+        let (positions, frame) = self.validated(positions.into())?;
         match Arc::get_mut(&mut self.0) {
             Some(data) => data.refit(positions, frame),
             None => self.0 = Arc::new(self.0.refitted(positions, frame)),
@@ -57,11 +57,11 @@ impl Mesh {
     /// # Complexity
     /// As [`refit`](Self::refit), and the memory of another hierarchy; the faces are shared.
     pub fn refitted(&self, positions: impl Into<Positions>) -> Result<Self, InputError> {
-        let (positions, frame) = self.judged(positions.into())?;
+        let (positions, frame) = self.validated(positions.into())?;
         Ok(Self(Arc::new(self.0.refitted(positions, frame))))
     }
 
-    fn judged(&self, positions: Positions) -> Result<(Positions, PackedFrame), InputError> {
+    fn validated(&self, positions: Positions) -> Result<(Positions, PackedFrame), InputError> {
         let extremes = validate_moved(positions.slice(), self.0.vertices.slice().len())?;
         // Before the tree is no longer as it was built.
         self.0.costs_as_built();
@@ -88,7 +88,7 @@ impl Data {
         self.vertices = Vertices::Given(positions);
         self.topology.take();
         self.far_field.take();
-        self.made.clear();
+        self.packet_cache.clear();
         self.frame = frame;
         let moved = Moved { vertices: self.vertices.slice(), faces: &self.faces, frame: &self.frame };
         self.cost = moved.fit(&mut self.tree, &self.leaves).into();

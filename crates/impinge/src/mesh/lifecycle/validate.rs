@@ -8,10 +8,10 @@ use crate::mesh::storage::positions::{Vertex, VertexSlice};
 use crate::simd::{CACHE_LINE, prefetch_at};
 
 /// Coordinates stay below this magnitude, which every finite single precision number does: the range of the proofs.
-const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
+const COORDINATE_LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 
 /// Lanes of leaves are numbered with 32 bits; there are at most as many leaves as faces, each of eight lanes.
-const MOST_FACES: usize = 1 << 29;
+const MAX_FACES: usize = 1 << 29;
 
 /// Vertices, or indices of faces, that are one task.
 const CHUNK: usize = 1 << 10;
@@ -22,7 +22,7 @@ pub(in crate::mesh) fn validate(vertices: VertexSlice<'_>, faces: &[[u32; 3]]) -
     if vertices.len() > u32::MAX as usize {
         return too_many("vertices", vertices.len());
     }
-    if faces.len() >= MOST_FACES {
+    if faces.len() >= MAX_FACES {
         return too_many("faces", faces.len());
     }
     let extremes = validate_vertices(vertices)?;
@@ -64,10 +64,10 @@ pub(super) fn validate_moved(vertices: VertexSlice<'_>, expected: usize) -> Resu
 /// The least and the greatest coordinates, where all vertices are good, and the first that is not elsewhere: in one pass, as
 /// what it takes is to read them.
 fn extremes<V: Vertex>(vertices: &[V], of_chunk: impl Fn(&[V]) -> Extremes + Sync) -> Result<Extremes, usize> {
-    let are_good = |extremes: &Extremes| extremes.are_below(LIMIT);
+    let are_good = |extremes: &Extremes| extremes.are_below(COORDINATE_LIMIT);
     let both = |a: Extremes, b: Extremes| Some(a.union(b));
     let validated = vertices.par_chunks(CHUNK).map(|chunk| Some(of_chunk(chunk)).filter(are_good));
-    let is_bad = |vertex: &V| !vertex.widened().iter().all(|x| x.abs() < LIMIT);
+    let is_bad = |vertex: &V| !vertex.widened().iter().all(|x| x.abs() < COORDINATE_LIMIT);
     validated.try_reduce(|| Extremes::NONE, both).ok_or_else(|| first(vertices, is_bad).unwrap_or_default())
 }
 

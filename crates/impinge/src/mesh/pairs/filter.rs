@@ -3,24 +3,24 @@
 
 mod across;
 mod candidates;
-mod judge;
+mod classify;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::relation::{CornerError, GROWN, Relation};
+use super::relation::{CornerError, ERROR_GROWTH, Relation};
 use crate::hierarchy::{BoxLanes, HALF_ULP, overlapping_pairs};
 use crate::mesh::storage::packet::Packet;
 use crate::mesh::storage::triangles::Triangles;
 use crate::simd::{LANES, Lanes3, by_axis, dot, each_byte, load, load3, outlined, spread_to_bytes, store3, sub};
 use crate::volume::Aabb;
-use across::{CROWDED, near_across};
+use across::{MIN_CROWDED_PAIRS, near_along_edge_cross};
 
 pub(crate) use candidates::{Candidates, LeafFaces, Verdicts};
 
 /// How a guest packet lies to a host's.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Facing {
+pub(crate) struct SlabTest {
     /// What moves the guest to the host's anchor.
     offset: [f32; 3],
     /// What the corners may be off by, then.
@@ -41,12 +41,12 @@ pub(crate) struct Guest {
     /// All bits of the byte of each lane that holds a triangle.
     lanes_in_use: u64,
     /// The anchor's image in the host's packed frame.
-    anchor: [f64; 3],
+    local_origin: [f64; 3],
     /// What the corners may be off by once they are moved to a host anchor, but for the part that grows with the
     /// host's radius.
     error: f32,
     /// A direction in the host's frame, and the least and greatest height of the corners along it.
-    across: [f32; 3],
+    normal: [f32; 3],
     heights: [f32; 2],
     /// Bounds of the packet in the host's packed frame.
     pub(crate) bounds: Aabb,
@@ -59,16 +59,16 @@ impl Guest {
         boxes: BoxLanes { min: [[0.0; LANES]; 3], max: [[0.0; LANES]; 3] },
         width: [0.0; LANES],
         lanes_in_use: 0,
-        anchor: [0.0; 3],
+        local_origin: [0.0; 3],
         error: f32::INFINITY,
-        across: [0.0; 3],
+        normal: [0.0; 3],
         heights: [f32::NEG_INFINITY, f32::INFINITY],
         bounds: Aabb::EMPTY,
     };
 
     /// Turns a packet; `back` relates the meshes the other way round.
     #[inline(always)]
-    pub(crate) fn take_up<S: Simd>(&mut self, simd: S, packet: &Packet<'_>, relation: &Relation, back: &Relation) {
+    pub(crate) fn set_packet<S: Simd>(&mut self, simd: S, packet: &Packet<'_>, relation: &Relation, back: &Relation) {
         outlined(
             simd,
             #[inline(always)]
@@ -92,16 +92,16 @@ impl Guest {
         store3(&max, &mut self.boxes.max);
         width(&min, &max).store_slice(&mut self.width);
         self.lanes_in_use = u64::MAX >> (u64::BITS - LANES as u32 * packet.lanes_in_use().count_ones()).min(63);
-        self.anchor = relation.apply(packet.anchor);
+        self.local_origin = relation.apply(packet.anchor);
         let CornerError { per_radius, constant, of_bounds } = relation.corner_error;
         self.error = per_radius * packet.radius + constant;
-        self.across = back.turn_back(packet.normal());
-        let (low, high) = heights(simd, &corners, self.across);
+        self.normal = back.turn_back(packet.normal());
+        let (low, high) = heights(simd, &corners, self.normal);
         self.heights = [low.reduce_min(), high.reduce_max()];
-        let slack = self.error * GROWN + of_bounds;
+        let slack = self.error * ERROR_GROWTH + of_bounds;
         self.bounds = Aabb {
-            min: by_axis!(axis => self.anchor[axis] as f32 + (min[axis].reduce_min() - slack)),
-            max: by_axis!(axis => self.anchor[axis] as f32 + (max[axis].reduce_max() + slack)),
+            min: by_axis!(axis => self.local_origin[axis] as f32 + (min[axis].reduce_min() - slack)),
+            max: by_axis!(axis => self.local_origin[axis] as f32 + (max[axis].reduce_max() + slack)),
         };
     }
 
@@ -112,8 +112,8 @@ impl Guest {
     }
 
     /// Where the corners are about, in the host's packed frame.
-    pub(in crate::mesh) fn anchor(&self) -> [f64; 3] {
-        self.anchor
+    pub(in crate::mesh) fn local_origin(&self) -> [f64; 3] {
+        self.local_origin
     }
 
     /// What anchor and corners may be off by together.
@@ -127,36 +127,36 @@ impl Guest {
     /// on, the processor works ahead on the next ones. Only surfaces that lie along each other have few whose first slab holds
     /// anything of the other.
     #[inline(always)]
-    pub(crate) fn face<S: Simd>(&self, simd: S, host: &Packet<'_>, lanes: u32) -> Facing {
-        let offset: [f32; 3] = by_axis!(axis => (self.anchor[axis] - host.anchor[axis]) as f32);
+    pub(crate) fn test_slabs<S: Simd>(&self, simd: S, host: &Packet<'_>, lanes: u32) -> SlabTest {
+        let offset: [f32; 3] = by_axis!(axis => (self.local_origin[axis] - host.anchor[axis]) as f32);
         // Of the host's corners: their own rounding, and two of sums with an offset of up to the host's radius.
         let error = self.error + 4.0 * HALF_ULP as f32 * host.radius;
         let guest_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &self.corners[corner]));
         let guest_lanes = !outside(simd, &guest_corners, offset, host.normal(), host.heights, error) & lanes;
         if guest_lanes == 0 {
-            return Facing::default();
+            return SlabTest::default();
         }
         let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.corners[corner]));
         let back = by_axis!(axis => -offset[axis]);
-        let host_lanes = host.lanes_in_use() & !outside(simd, &host_corners, back, self.across, self.heights, error);
+        let host_lanes = host.lanes_in_use() & !outside(simd, &host_corners, back, self.normal, self.heights, error);
         let pairs = each_byte(host_lanes) & spread_to_bytes(guest_lanes) & self.lanes_in_use;
-        Facing { offset, error, pairs }
+        SlabTest { offset, error, pairs }
     }
 
     /// Takes on the pairs of triangles of a host leaf and this one that face each other and whose boxes overlap, 64 at most.
     #[inline(always)]
-    pub(crate) fn meet<S: Simd>(
+    pub(crate) fn push_candidates<S: Simd>(
         &self,
         simd: S,
         host: &Triangles,
-        facing: &Facing,
+        slab_test: &SlabTest,
         faces: &LeafFaces<'_>,
         candidates: &mut Candidates,
     ) {
         outlined(
             simd,
             #[inline(always)]
-            || self.select(simd, host, facing, faces, candidates),
+            || self.select(simd, host, slab_test, faces, candidates),
         );
     }
 
@@ -165,7 +165,7 @@ impl Guest {
         &self,
         simd: S,
         host: &Triangles,
-        &Facing { offset, error, pairs }: &Facing,
+        &SlabTest { offset, error, pairs }: &SlabTest,
         faces: &LeafFaces<'_>,
         candidates: &mut Candidates,
     ) {
@@ -173,7 +173,7 @@ impl Guest {
         let offset: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, offset[axis]));
         let (host_min, host_max) = bounds(&host_corners);
         // About the guest's anchor, as its boxes lie in memory, from where one at a time is asked for.
-        let slack = f32x8::splat(simd, error * GROWN);
+        let slack = f32x8::splat(simd, error * ERROR_GROWTH);
         let min = by_axis!(axis => host_min[axis] - offset[axis] - slack);
         let max = by_axis!(axis => host_max[axis] - offset[axis] + slack);
         let mut near = overlapping_pairs(simd, (&min, &max), &self.boxes, pairs);
@@ -182,11 +182,11 @@ impl Guest {
         }
         let host_width: [f32; LANES] = width(&host_min, &host_max).into();
         let error = f32x8::splat(simd, error);
-        if near.count_ones() >= CROWDED {
+        if near.count_ones() >= MIN_CROWDED_PAIRS {
             let guest_corners: [Lanes3<S>; 3] = by_axis!(corner => {
                 by_axis!(axis => load(simd, &self.corners[corner][axis]) + offset[axis])
             });
-            near &= near_across(&host_corners, &guest_corners, error);
+            near &= near_along_edge_cross(&host_corners, &guest_corners, error);
         }
         let leaves = candidates::LeafTriangles {
             host: (&host.corners, &host_width),

@@ -19,7 +19,7 @@ use crate::simd::LANES;
 use crate::volume::Aabb;
 
 /// A corner with fewer faces than this is no hub: all their pairs take less than a millisecond.
-const LEAST_FACES: usize = 128;
+const MIN_HUB_FACES: usize = 128;
 
 /// More than the rounding of a direction and of the height of an arc.
 const ROUNDING: f64 = 1e-12;
@@ -63,7 +63,7 @@ impl Hubs {
         let mut number_of = vec![HubSet::NONE; first_at.len()];
         let mut vertices = Vec::new();
         for vertex in 0..first_at.len() as u32 {
-            if mesh.faces_at(vertex).len() >= LEAST_FACES {
+            if mesh.faces_at(vertex).len() >= MIN_HUB_FACES {
                 number_of[vertex as usize] = vertices.len() as u32;
                 vertices.push(vertex);
             }
@@ -103,12 +103,12 @@ impl Hubs {
 
     /// The pairs of faces that share a hub and of which `meet` says that they meet beyond it, the lesser first. It is asked once
     /// for all copies of two faces.
-    pub(in crate::mesh) fn collect(&self, mesh: &Mesh, meet: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
+    pub(in crate::mesh) fn collect(&self, mesh: &Mesh, intersect: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
         let hubs = (0_u32..).zip(&self.vertices);
         hubs.flat_map(|(hub, &vertex)| {
             // Of several common hubs the first one reports a pair.
             let is_first = |[one, other]: [u32; 2]| self.of_face(one).first_common(self.of_face(other)) == Some(hub);
-            Star::at(mesh, vertex).collect(|pair| is_first(pair) && meet(pair))
+            Star::at(mesh, vertex).collect(|pair| is_first(pair) && intersect(pair))
         })
         .collect()
     }
@@ -150,7 +150,7 @@ impl Star {
     }
 
     /// Each leaf asks the tree for the leaves from itself on.
-    fn collect(&self, meet: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
+    fn collect(&self, intersect: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
         let nodes = &self.tree.nodes;
         let leaves = (0..nodes.len() as u32).into_par_iter().filter(|&node| nodes[node as usize].right.is_none());
         leaves
@@ -165,7 +165,7 @@ impl Star {
                     }
                     match at.right {
                         Some(right) => stack.extend([node + right.get(), node + 1]),
-                        None => self.meet_leaves([leaf, node], &meet, &mut found),
+                        None => self.compare_leaves([leaf, node], &intersect, &mut found),
                     }
                 }
                 found
@@ -173,14 +173,14 @@ impl Star {
             .collect()
     }
 
-    fn meet_leaves(&self, [leaf, other]: [u32; 2], meet: impl Fn([u32; 2]) -> bool, found: &mut Vec<[u32; 2]>) {
+    fn compare_leaves(&self, [leaf, other]: [u32; 2], intersect: impl Fn([u32; 2]) -> bool, found: &mut Vec<[u32; 2]>) {
         let (own, others) = (self.tree.held(leaf), self.tree.held(other));
         for (number, &one) in own.iter().enumerate() {
             let others = if leaf == other { &others[number + 1..] } else { others };
             for &other in others {
                 let [one, other] = [one, other].map(|at| at as usize);
                 let (copies, other_copies) = (&self.copies[one], &self.copies[other]);
-                if self.arcs[one].overlaps(&self.arcs[other]) && meet([copies[0], other_copies[0]]) {
+                if self.arcs[one].overlaps(&self.arcs[other]) && intersect([copies[0], other_copies[0]]) {
                     let pairs = copies.iter().flat_map(|&a| other_copies.iter().map(move |&b| [a.min(b), a.max(b)]));
                     found.extend(pairs);
                 }
@@ -267,7 +267,7 @@ mod tests {
 
     /// Half of the pairs of these stars meet; all else of them only touch at their hubs.
     #[test]
-    fn stars_have_the_pairs_of_all_pairs() {
+    fn stars_have_the_pairs_of_brute_force() {
         let mut rng = Rng::new(32);
         let mut reported = 0;
         for (round, scale) in [1.0, 1e-30, 1e30, 1.0].into_iter().enumerate() {
@@ -289,7 +289,7 @@ mod tests {
 
     /// Narrow faces round a corner, flat and as a cone, of which none meet but in shared edges.
     #[test]
-    fn fans_have_none() {
+    fn fans_have_no_pairs() {
         for height in [0.0, 0.7] {
             let mut fan = solids::fan(4000);
             fan.vertices.iter_mut().skip(1).for_each(|vertex| vertex[2] = height);
@@ -303,7 +303,7 @@ mod tests {
 
     /// Copies of a face share all that they have.
     #[test]
-    fn piles_have_none() {
+    fn piles_of_copies_have_no_pairs() {
         let vertices = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh::new(Positions::F32(vertices), vec![[0, 1, 2]; 3000]).expect("a mesh");
         assert_eq!(Hubs::of(&mesh).vertices.len(), 3);

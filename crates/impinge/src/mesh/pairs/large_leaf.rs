@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::filter::{Facing, Guest};
+use super::filter::{SlabTest, Guest};
 use super::relation::Relation;
 use crate::hierarchy::{BoxLanes, Child, HALF_ULP, Node, Slab, lanes_in_use, overlapping};
 use crate::mesh::storage::frame::REACH;
@@ -45,8 +45,8 @@ impl LargeLeaf {
     #[inline(always)]
     pub(in crate::mesh) fn new<S: Simd>(simd: S, packet: &Packet<'_>, relation: &Relation, back: &Relation) -> Self {
         let mut guest = Guest::EMPTY;
-        guest.take_up(simd, packet, relation, back);
-        let bounds = Bounds::new(simd, &guest.corners(simd), guest.anchor(), guest.corner_error());
+        guest.set_packet(simd, packet, relation, back);
+        let bounds = Bounds::new(simd, &guest.corners(simd), guest.local_origin(), guest.corner_error());
         Self { guest, bounds, in_use: packet.lanes_in_use() }
     }
 
@@ -60,7 +60,7 @@ impl LargeLeaf {
         simd: S,
         (nodes, packets): (&[Node], Packets<'_>),
         below: u32,
-        mut meet: impl FnMut(&Guest, &Packet<'_>, &Facing) -> ControlFlow<()>,
+        mut visit: impl FnMut(&Guest, &Packet<'_>, &SlabTest) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let mut tasks = vec![(below, self.in_use)];
         while let Some((at, lanes)) = tasks.pop() {
@@ -76,9 +76,9 @@ impl LargeLeaf {
                     Child::Inner(inner) => tasks.push((inner, lanes)),
                     Child::Leaf(leaf) => {
                         let packet = packets.get(simd, leaf);
-                        let facing = self.guest.face(simd, &packet, lanes);
-                        if facing.pairs != 0 {
-                            meet(&self.guest, &packet, &facing)?;
+                        let slab_test = self.guest.test_slabs(simd, &packet, lanes);
+                        if slab_test.pairs != 0 {
+                            visit(&self.guest, &packet, &slab_test)?;
                         }
                     }
                 }
@@ -89,21 +89,21 @@ impl LargeLeaf {
 }
 
 impl Bounds {
-    /// Of triangles whose corners about an anchor may be off by `error` on each axis with it.
+    /// Of triangles whose corners about an local_origin may be off by `error` on each axis with it.
     ///
     /// # Accuracy
-    /// With u = 2^-24, R for the largest coordinate of anchor and corners, and n for an axis, whatever its numbers say: a sum of
-    /// anchor and corner takes 2 u R, a height 5 u Σ|n| R, the difference that widens it 2 u of itself. A slab is widened by
+    /// With u = 2^-24, R for the largest coordinate of local_origin and corners, and n for an axis, whatever its numbers say: a sum of
+    /// local_origin and corner takes 2 u R, a height 5 u Σ|n| R, the difference that widens it 2 u of itself. A slab is widened by
     /// 16 u Σ|n| R for that, by what the corners may be off by along it, and by 32 u Σ|n|·reach for the rounding of a box's heights
     /// where it is tested (docs/proof.md, L2a). What is not a number proves nothing there.
     #[inline(always)]
-    fn new<S: Simd>(simd: S, about: &[Lanes3<S>; 3], anchor: [f64; 3], error: f64) -> Self {
-        let anchor: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, anchor[axis] as f32));
-        let corners: [Lanes3<S>; 3] = by_axis!(corner => by_axis!(axis => about[corner][axis] + anchor[axis]));
+    fn new<S: Simd>(simd: S, about: &[Lanes3<S>; 3], local_origin: [f64; 3], error: f64) -> Self {
+        let local_origin: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, local_origin[axis] as f32));
+        let corners: [Lanes3<S>; 3] = by_axis!(corner => by_axis!(axis => about[corner][axis] + local_origin[axis]));
         let mut largest = f32x8::splat(simd, 0.0);
         for axis in 0..3 {
             let [p, q, r] = by_axis!(corner => corners[corner][axis].abs());
-            largest = largest.max(anchor[axis].abs()).max(p.max(q).max(r));
+            largest = largest.max(local_origin[axis].abs()).max(p.max(q).max(r));
         }
         let widening = error + HALF_ULP * (32.0 * REACH + 16.0 * f64::from(largest.reduce_max()));
         let slack = f32x8::splat(simd, (widening * (1.0 + 8.0 * HALF_ULP)) as f32);

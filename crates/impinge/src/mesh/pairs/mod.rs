@@ -10,11 +10,11 @@
 
 pub(super) mod descent;
 pub(super) mod filter;
+pub(super) mod guest_cache;
 pub(super) mod hubs;
 pub(super) mod large_leaf;
 pub(super) mod leaf_pairs;
 pub(super) mod relation;
 pub(super) mod self_descent;
 pub(super) mod sides;
-pub(super) mod taken_up;
 pub(super) mod world_box;

@@ -8,7 +8,7 @@ use crate::mesh::{HostChoice, PlacedMesh};
 use crate::simd::by_axis;
 
 /// Least error that the filter assumes; the head of its file says why.
-const LEAST_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
+const MIN_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// Boxes carried by maps that stretch or move by more than this are not compared: nothing may overflow unnoticed.
 const LARGEST_FOR_BOXES: f64 = (1_u128 << 100) as f64;
@@ -130,7 +130,7 @@ impl Relation {
 }
 
 /// Pays for the rounding of sums with an error that is larger than what it is added to.
-pub(crate) const GROWN: f32 = 1.0 + 1e-5;
+pub(crate) const ERROR_GROWTH: f32 = 1.0 + 1e-5;
 
 /// How far off the corners of a packet may be once they are turned into the host's frame and moved to a host's anchor,
 /// in the host's unit.
@@ -142,14 +142,14 @@ pub(crate) struct CornerError {
     pub(crate) per_radius: f32,
     /// Of double precision: the map's, packing's, and those of the anchor's image with its five roundings.
     pub(crate) constant: f32,
-    /// What bounds of the packet need beyond [`GROWN`] times this: the anchor and two sums in single precision.
+    /// What bounds of the packet need beyond [`ERROR_GROWTH`] times this: the anchor and two sums in single precision.
     pub(crate) of_bounds: f32,
 }
 
 impl CornerError {
     fn new(translation: &[f64; 3], map_error: f64, stretch: f64) -> Self {
         let reach = stretch * REACH + translation.iter().fold(0.0, |most, x| x.abs().max(most));
-        let constant = map_error + PACKING_ERROR * (1.0 + 2.0 * stretch + 2.0 * reach) + LEAST_ERROR;
+        let constant = map_error + PACKING_ERROR * (1.0 + 2.0 * stretch + 2.0 * reach) + MIN_ERROR;
         let up = |x: f64| (x as f32).next_up();
         Self {
             per_radius: up(9.0 * HALF_ULP * stretch),

@@ -34,7 +34,7 @@ struct Lane {
 const TASKS_PER_THREAD: usize = 64;
 
 /// Pairs of faces that are decided, for each face, before hubs are looked for. Most meshes take about ten.
-const PATIENCE: usize = 32;
+const MAX_DECISIONS_PER_FACE: usize = 32;
 
 /// Of which faces the pairs are wanted.
 #[derive(Clone, Copy)]
@@ -63,14 +63,14 @@ pub(crate) fn collect_self_intersecting(mesh: &Mesh, wanted: WantedFaces<'_>) ->
 /// The pairs, but those of faces that share a hub. Where hubs are not known yet it gives up, and returns nothing, after many
 /// more pairs than most meshes without hubs take.
 fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>) -> Option<Vec<[u32; 2]>> {
-    let holds = wanted.nodes_with(mesh);
+    let has_wanted = wanted.nodes_with(mesh);
     let decided = AtomicUsize::new(0);
-    let most_decided = if hubs.is_some() { usize::MAX } else { PATIENCE * mesh.faces().len() };
+    let max_decided = if hubs.is_some() { usize::MAX } else { MAX_DECISIONS_PER_FACE * mesh.faces().len() };
     let worker = || Worker {
         mesh,
         nodes: mesh.0.tree.nodes(),
         wanted,
-        holds: &holds,
+        has_wanted: &has_wanted,
         hubs,
         one_place: Placement::new(&Pose::IDENTITY, &Pose::IDENTITY),
         found: Vec::new(),
@@ -81,7 +81,7 @@ fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>) -> Option<
     let enough = TASKS_PER_THREAD * rayon::current_num_threads();
     while !tasks.is_empty() && tasks.len() < enough {
         for task in std::mem::take(&mut tasks) {
-            first.open(task, &mut tasks);
+            first.expand(task, &mut tasks);
         }
     }
     let shared: Option<Vec<Vec<[u32; 2]>>> = tasks
@@ -90,9 +90,9 @@ fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>) -> Option<
             let mut worker = worker();
             let mut stack = vec![task];
             while let Some(task) = stack.pop() {
-                worker.open(task, &mut stack);
+                worker.expand(task, &mut stack);
                 let more = std::mem::take(&mut worker.decided);
-                if decided.fetch_add(more, Ordering::Relaxed) > most_decided {
+                if decided.fetch_add(more, Ordering::Relaxed) > max_decided {
                     return None;
                 }
             }
@@ -114,18 +114,18 @@ impl WantedFaces<'_> {
     /// For each node whether a wanted face is below; none are named where all are wanted.
     fn nodes_with(self, mesh: &Mesh) -> Vec<bool> {
         let nodes = mesh.0.tree.nodes();
-        let mut holds = match self {
+        let mut has_wanted = match self {
             Self::All => Vec::new(),
             Self::WithMarked(_) => vec![false; nodes.len()],
         };
         // Children come after their parents.
-        for index in (0..holds.len()).rev() {
-            holds[index] = (0..nodes[index].count()).any(|lane| match nodes[index].child(lane) {
-                Child::Inner(node) => holds[node as usize],
+        for index in (0..has_wanted.len()).rev() {
+            has_wanted[index] = (0..nodes[index].count()).any(|lane| match nodes[index].child(lane) {
+                Child::Inner(node) => has_wanted[node as usize],
                 Child::Leaf(leaf) => mesh.leaf_faces(leaf).any(|face| self.includes(face)),
             });
         }
-        holds
+        has_wanted
     }
 }
 
@@ -134,7 +134,7 @@ struct Worker<'m> {
     nodes: &'m [Node],
     wanted: WantedFaces<'m>,
     /// For each node whether a wanted face is below; empty where all are.
-    holds: &'m [bool],
+    has_wanted: &'m [bool],
     /// Pairs of faces that share one are left out.
     hubs: Option<&'m Hubs>,
     one_place: Placement,
@@ -154,13 +154,13 @@ struct Face {
 impl Worker<'_> {
     /// Opens a task: appends what is below it, or meets the faces. Depth first, the tasks that wait are at most 64 for
     /// each level, as each adds at most 8 · 8, all deeper than it.
-    fn open(&mut self, task: Task, below: &mut Vec<Task>) {
+    fn expand(&mut self, task: Task, below: &mut Vec<Task>) {
         match task {
             Task::Within(Child::Leaf(leaf)) => {
                 let faces = self.faces(leaf);
                 for (number, face) in faces.iter().enumerate() {
                     for other in &faces[number + 1..] {
-                        self.meet(face, other);
+                        self.test_faces(face, other);
                     }
                 }
             }
@@ -170,7 +170,7 @@ impl Worker<'_> {
                         let common = hubs.of_child(lane.node, lane.lane);
                         common.first_common(common).is_some()
                     });
-                    if !is_of_one_hub && self.holds_wanted(self.child(lane)) {
+                    if !is_of_one_hub && self.is_wanted(self.child(lane)) {
                         below.push(Task::Within(self.child(lane)));
                     }
                     for other in lanes(&self.nodes[node as usize], node).skip(usize::from(lane.lane) + 1) {
@@ -183,7 +183,7 @@ impl Worker<'_> {
                     let others = self.faces(other);
                     for face in self.faces(leaf) {
                         for other in &others {
-                            self.meet(&face, other);
+                            self.test_faces(&face, other);
                         }
                     }
                 }
@@ -216,16 +216,16 @@ impl Worker<'_> {
         });
         if !share_a_hub
             && self.overlap(one, other)
-            && (self.holds_wanted(self.child(one)) || self.holds_wanted(self.child(other)))
+            && (self.is_wanted(self.child(one)) || self.is_wanted(self.child(other)))
         {
             below.push(Task::Between(one, other));
         }
     }
 
-    fn holds_wanted(&self, child: Child) -> bool {
+    fn is_wanted(&self, child: Child) -> bool {
         match (child, self.wanted) {
             (_, WantedFaces::All) => true,
-            (Child::Inner(node), _) => self.holds[node as usize],
+            (Child::Inner(node), _) => self.has_wanted[node as usize],
             (Child::Leaf(leaf), wanted) => self.mesh.leaf_faces(leaf).any(|face| wanted.includes(face)),
         }
     }
@@ -250,7 +250,7 @@ impl Worker<'_> {
         self.mesh.leaf_faces(leaf).map(face).collect()
     }
 
-    fn meet(&mut self, one: &Face, other: &Face) {
+    fn test_faces(&mut self, one: &Face, other: &Face) {
         let near = (0..3).all(|axis| one.min[axis] <= other.max[axis] && other.min[axis] <= one.max[axis]);
         let wanted = self.wanted.includes(one.number) || self.wanted.includes(other.number);
         let share_a_hub = |hubs: &Hubs| hubs.of_face(one.number).first_common(hubs.of_face(other.number)).is_some();

@@ -8,7 +8,7 @@ use crate::mesh::PlacedMesh;
 /// Whether the boxes about two meshes are apart on an axis of the world, which proves that no points of theirs coincide.
 ///
 /// # Accuracy
-/// A coordinate of a centre's image takes four roundings of terms of at most the sum of their magnitudes; reaches are sums of
+/// A coordinate of a center's image takes four roundings of terms of at most the sum of their magnitudes; reaches are sums of
 /// positive numbers. What is not a number proves nothing.
 #[inline]
 pub(in crate::mesh) fn are_apart(a: &PlacedMesh<'_>, b: &PlacedMesh<'_>) -> bool {
@@ -18,9 +18,9 @@ pub(in crate::mesh) fn are_apart(a: &PlacedMesh<'_>, b: &PlacedMesh<'_>) -> bool
 
 /// Where a mesh can be on an axis of the world.
 struct Interval {
-    centre: f64,
+    center: f64,
     reach: f64,
-    /// What sums up to the centre, by its magnitude.
+    /// What sums up to the center, by its magnitude.
     terms: f64,
 }
 
@@ -31,7 +31,7 @@ impl Interval {
         let (row, [x, y, z], [u, v, w]) = (pose.linear()[k], mesh.frame.origin, mesh.half_extents);
         let at = [row[0] * x, row[1] * y, row[2] * z, pose.translation()[k]];
         Self {
-            centre: (at[0] + at[1]) + (at[2] + at[3]),
+            center: (at[0] + at[1]) + (at[2] + at[3]),
             reach: row[0].abs() * u + row[1].abs() * v + row[2].abs() * w,
             terms: (at[0].abs() + at[1].abs()) + (at[2].abs() + at[3].abs()),
         }
@@ -40,7 +40,7 @@ impl Interval {
     #[inline(always)]
     fn is_apart(&self, other: &Self) -> bool {
         let rounding = 8.0 * UNIT_ROUNDOFF * (self.terms + other.terms) + UNDERFLOW;
-        (self.centre - other.centre).abs() > (self.reach + other.reach) * (1.0 + 1e-12) + rounding
+        (self.center - other.center).abs() > (self.reach + other.reach) * (1.0 + 1e-12) + rounding
     }
 }
 
@@ -54,20 +54,20 @@ mod tests {
     use crate::mesh::{Mesh, Options, Positions, first_hit};
 
     #[test]
-    fn what_touches_is_not_apart_and_what_is_hardly_apart_is() {
+    fn touching_boxes_are_not_apart_and_a_small_gap_is_found() {
         let plain = solids::cuboid([-1.0, -2.0, 3.0], [2.0, 1.0, 4.0]);
         let mesh = Mesh::new(Positions::F64(plain.vertices), plain.faces).expect("a mesh");
         for shift in [[3.0, 0.5, 0.25], [0.0, -3.0, 1.0], [-1.0, 1.0, 1.0]] {
-            for (share, meet) in [(1.0, true), (1.0 + 1e-6, false)] {
+            for (share, touch) in [(1.0, true), (1.0 + 1e-6, false)] {
                 let there = mesh.at(Pose::from_translation(shift.map(|x| x * share)).expect("a pose"));
-                assert_eq!(first_hit((&mesh).into(), there, &Options::default()).is_some(), meet);
-                assert_eq!(are_apart(&(&mesh).into(), &there), !meet, "{shift:?} times {share}");
+                assert_eq!(first_hit((&mesh).into(), there, &Options::default()).is_some(), touch);
+                assert_eq!(are_apart(&(&mesh).into(), &there), !touch, "{shift:?} times {share}");
             }
         }
     }
 
     #[test]
-    fn what_shares_a_corner_far_out_is_not_apart() {
+    fn meshes_that_share_a_point_far_from_the_origin_are_not_apart() {
         // A point, and a segment that ends in it and lies behind it on an axis of the world: the two intervals touch, and are
         // some roundings of their place long.
         let mut rng = Rng::new(12);
@@ -86,6 +86,6 @@ mod tests {
             let beyond = degenerate(vec![[0, 1, 2].map(|k| end[k] + (1 << 12) as f64 * step.copysign(row[k])); 2]);
             apart += usize::from(are_apart(&beyond.at(pose), &segment.at(pose)));
         }
-        assert!(apart > 390, "{apart} of 400 are told apart");
+        assert!(apart > 390, "{apart} of 400 are apart");
     }
 }

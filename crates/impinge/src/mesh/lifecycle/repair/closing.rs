@@ -11,12 +11,12 @@ use crate::mesh::derived::topology::Topology;
 
 /// Maximum number of open edges for which a tolerance is searched. A mesh with more of them is no
 /// cracked solid, and each step of the search takes some microseconds an edge.
-const MOST_OPEN_EDGES: usize = 1 << 17;
+const MAX_OPEN_EDGES: usize = 1 << 17;
 
 /// See [`Mesh::closing_tolerance`].
 pub(super) fn closing_tolerance(mesh: &Mesh) -> Option<f64> {
     let open = open_edges(mesh.faces(), &mesh.topology().first_at);
-    if open.is_empty() || open.len() > MOST_OPEN_EDGES {
+    if open.is_empty() || open.len() > MAX_OPEN_EDGES {
         return None;
     }
     let mut vertices: Vec<u32> = open.iter().flatten().copied().collect();

@@ -7,15 +7,15 @@ use crate::Positions;
 use crate::mesh::Containment;
 
 fn mesh(vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Mesh {
-    Mesh::new(Positions::F64(vertices), faces).expect("a legal mesh")
+    Mesh::new(Positions::F64(vertices), faces).expect("a valid mesh")
 }
 
 fn oriented(mesh: &Mesh) -> (Mesh, Repair) {
-    mesh.repaired(RepairOptions { weld: 0.0, orient: true }).expect("a legal tolerance")
+    mesh.repaired(RepairOptions { weld: 0.0, orient: true }).expect("a valid tolerance")
 }
 
 fn welded(mesh: &Mesh, weld: f64) -> (Mesh, Repair) {
-    mesh.repaired(RepairOptions { weld, orient: false }).expect("a legal tolerance")
+    mesh.repaired(RepairOptions { weld, orient: false }).expect("a valid tolerance")
 }
 
 /// Turns some faces, each with this chance in a hundred.

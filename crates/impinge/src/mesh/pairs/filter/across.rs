@@ -11,11 +11,11 @@ use crate::hierarchy::HALF_ULP;
 use crate::simd::{LANES, Lanes3, by_axis, cross, dot, sub};
 
 /// With so many of the 64 pairs of triangles of two packets near each other these are worth a direction of their own.
-pub(super) const CROWDED: u32 = 32;
+pub(super) const MIN_CROWDED_PAIRS: u32 = 32;
 
 /// The lanes whose triangles are proved apart, where corners may be off by `error`.
 #[inline(always)]
-pub(super) fn apart_across<S: Simd>(host: &[Lanes3<S>; 3], guest: &[Lanes3<S>; 3], error: f32x8<S>) -> u32 {
+pub(super) fn apart_along_edge_cross<S: Simd>(host: &[Lanes3<S>; 3], guest: &[Lanes3<S>; 3], error: f32x8<S>) -> u32 {
     let across = cross(&longest_edge(host), &longest_edge(guest));
     let [host_low, host_high] = reached(host, &across, error);
     let [guest_low, guest_high] = reached(guest, &across, error);
@@ -26,7 +26,7 @@ pub(super) fn apart_across<S: Simd>(host: &[Lanes3<S>; 3], guest: &[Lanes3<S>; 3
 /// For lane `i` of the guest's the byte `i`: the host's lanes whose triangles are not proved apart from it along one direction for
 /// all, across the longest edges of the first two, as long triangles of a leaf mostly lie alike.
 #[inline(always)]
-pub(super) fn near_across<S: Simd>(host: &[Lanes3<S>; 3], guest: &[Lanes3<S>; 3], error: f32x8<S>) -> u64 {
+pub(super) fn near_along_edge_cross<S: Simd>(host: &[Lanes3<S>; 3], guest: &[Lanes3<S>; 3], error: f32x8<S>) -> u64 {
     let across = cross(&longest_edge(host), &longest_edge(guest));
     let across = by_axis!(axis => f32x8::splat(error.token(), across[axis][0]));
     let [host_low, host_high] = reached(host, &across, error);
@@ -79,7 +79,7 @@ mod tests {
 
     /// Eight slivers along x, and eight along y across all of them, one at each height: only those of one height meet.
     #[test]
-    fn of_a_crowd_those_are_near_that_touch() {
+    fn only_touching_slivers_of_a_crowd_are_near() {
         let (mut host, mut guest) = ([[[0.0; LANES]; 3]; 3], [[[0.0; LANES]; 3]; 3]);
         for lane in 0..LANES {
             let height = lane as f32;
@@ -96,7 +96,7 @@ mod tests {
             let (near, apart) = dispatch!(level, simd => {
                 let [host, guest] = [&host, &guest].map(|side| by_axis!(corner => load3(simd, &side[corner])));
                 let error = f32x8::splat(simd, 1e-5);
-                (near_across(&host, &guest, error), apart_across(&host, &guest, error))
+                (near_along_edge_cross(&host, &guest, error), apart_along_edge_cross(&host, &guest, error))
             });
             assert_eq!((near, apart), (0x8040_2010_0804_0201, 0), "{name}");
         }

@@ -7,20 +7,20 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, u32x8};
 
-use super::judge::{Triangle, judge};
+use super::classify::{Triangle, classify};
 use crate::mesh::pairs::sides::Sides;
 use crate::mesh::storage::triangles::CornerLanes;
 use crate::simd::{ALL_LANES, Choice, LANES, Lanes3, by_axis, outlined};
 
 /// All pairs of triangles of two leaves.
-const MOST_OF_LEAVES: usize = LANES * LANES;
+const MAX_PAIRS_OF_LEAVES: usize = LANES * LANES;
 
 /// Room for some pairs of leaves as they mostly are, for another of which all triangles are near each other, and for what is written
 /// after the last candidate.
-const ROOM: usize = 24 + MOST_OF_LEAVES + LANES;
+const CAPACITY: usize = 24 + MAX_PAIRS_OF_LEAVES + LANES;
 
 /// A number of each candidate.
-type Row<T> = [T; ROOM];
+type Row<T> = [T; CAPACITY];
 
 /// A triangle of each candidate.
 #[derive(Debug, bytemuck::Zeroable)]
@@ -55,8 +55,8 @@ struct Rows {
 /// Of up to eight candidates the lanes of those that are proved to meet, and of those that are left open.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Verdicts {
-    pub(crate) meet: u32,
-    pub(crate) open: u32,
+    pub(crate) intersecting: u32,
+    pub(crate) undecided: u32,
     faces: [[u32; LANES]; 2],
 }
 
@@ -87,7 +87,7 @@ pub(super) struct LeafTriangles<'a, S: Simd> {
 
 impl Candidates {
     /// None yet.
-    pub(crate) const NONE: Self = Self { rows: None, count: 0 };
+    pub(crate) const EMPTY: Self = Self { rows: None, count: 0 };
 
     /// How many there are.
     pub(crate) fn count(&self) -> usize {
@@ -97,7 +97,7 @@ impl Candidates {
     /// Whether there is room for whatever two leaves come to.
     #[inline(always)]
     pub(crate) fn has_room(&self) -> bool {
-        self.count + MOST_OF_LEAVES + LANES <= ROOM
+        self.count + MAX_PAIRS_OF_LEAVES + LANES <= CAPACITY
     }
 
     /// Takes the lowest bits away, eight where there are so many, and takes these pairs on. There must be [room](Self::has_room) for
@@ -117,14 +117,14 @@ impl Candidates {
         let ((host, host_width), (guest, guest_width)) = (leaves.host, leaves.guest);
         for corner in 0..3 {
             for axis in 0..3 {
-                put(of_host.of(simd, &host[corner][axis]), &mut rows.host.corners[corner][axis], at);
+                store(of_host.of(simd, &host[corner][axis]), &mut rows.host.corners[corner][axis], at);
                 let moved = of_guest.of(simd, &guest[corner][axis]) + leaves.offset[axis];
-                put(moved, &mut rows.guest.corners[corner][axis], at);
+                store(moved, &mut rows.guest.corners[corner][axis], at);
             }
         }
-        put(of_host.of(simd, host_width), &mut rows.host.width, at);
-        put(of_guest.of(simd, guest_width), &mut rows.guest.width, at);
-        put(leaves.error, &mut rows.error, at);
+        store(of_host.of(simd, host_width), &mut rows.host.width, at);
+        store(of_guest.of(simd, guest_width), &mut rows.guest.width, at);
+        store(leaves.error, &mut rows.error, at);
         let LeafFaces { host, guest, sides } = leaves.faces;
         let [hosts, guests] = sides.host_guest(rows.faces.each_mut());
         of_host.of_numbers(simd, host).store_slice(&mut hosts[at..at + LANES]);
@@ -134,35 +134,35 @@ impl Candidates {
 
     /// Judges eight candidates from one on, or those that there are.
     #[inline(always)]
-    pub(crate) fn judge<S: Simd>(&self, simd: S, at: usize) -> Verdicts {
+    pub(crate) fn classify<S: Simd>(&self, simd: S, at: usize) -> Verdicts {
         let Some(rows) = &self.rows else { return Verdicts::default() };
         outlined(
             simd,
             #[inline(always)]
             || {
                 let error = row(simd, &rows.error, at);
-                let [meet, open] = judge(&rows.host.triangles(simd, at), &rows.guest.triangles(simd, at), error);
+                let [intersecting, undecided] = classify(&rows.host.triangles(simd, at), &rows.guest.triangles(simd, at), error);
                 let there = ALL_LANES >> LANES.saturating_sub(self.count.saturating_sub(at));
                 let faces = rows.faces.each_ref().map(
                     #[inline(always)]
                     |row| u32x8::from_slice(simd, &row[at..at + LANES]).into(),
                 );
-                Verdicts { meet: meet & there, open: open & there, faces }
+                Verdicts { intersecting: intersecting & there, undecided: undecided & there, faces }
             },
         )
     }
 
     /// Forgets the first so many, or all, so that less than eight are left.
     #[inline(always)]
-    pub(crate) fn forget(&mut self, first: usize) {
+    pub(crate) fn remove_first(&mut self, count: usize) {
         let Some(rows) = &mut self.rows else { return };
         for side in [&mut rows.host, &mut rows.guest] {
-            side.corners.as_flattened_mut().iter_mut().for_each(|row| row.copy_within(first..first + LANES, 0));
-            side.width.copy_within(first..first + LANES, 0);
+            side.corners.as_flattened_mut().iter_mut().for_each(|row| row.copy_within(count..count + LANES, 0));
+            side.width.copy_within(count..count + LANES, 0);
         }
-        rows.error.copy_within(first..first + LANES, 0);
-        rows.faces.iter_mut().for_each(|row| row.copy_within(first..first + LANES, 0));
-        self.count = self.count.saturating_sub(first);
+        rows.error.copy_within(count..count + LANES, 0);
+        rows.faces.iter_mut().for_each(|row| row.copy_within(count..count + LANES, 0));
+        self.count = self.count.saturating_sub(count);
     }
 }
 
@@ -177,7 +177,7 @@ impl Side {
 }
 
 #[inline(always)]
-fn put<S: Simd>(lanes: f32x8<S>, row: &mut Row<f32>, at: usize) {
+fn store<S: Simd>(lanes: f32x8<S>, row: &mut Row<f32>, at: usize) {
     lanes.store_slice(&mut row[at..at + LANES]);
 }
 

@@ -43,11 +43,11 @@ impl Side8 {
     fn new(corners: &[[Point; 3]], stray: Option<Point>, pose: Affine) -> Self {
         let vertices: Vec<Point> = corners.iter().flatten().copied().chain(stray).collect();
         let faces: Vec<_> = (0..corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        Self { mesh: Mesh::new(Positions::F64(vertices), faces).expect("a legal mesh"), pose }
+        Self { mesh: Mesh::new(Positions::F64(vertices), faces).expect("a valid mesh"), pose }
     }
 
     fn world_from_mesh(&self) -> Pose {
-        Pose::new(self.pose.linear, self.pose.translation).expect("a legal pose")
+        Pose::new(self.pose.linear, self.pose.translation).expect("a valid pose")
     }
 
     fn packet(&self) -> Packet<'_> {
@@ -89,20 +89,20 @@ fn packed_exactly(host: &Side8, pose: &Affine, point: &Point) -> [RBig; 3] {
 #[test]
 fn corners_and_bounds_are_within_their_error() {
     let mut rng = Rng::new(81);
-    let (mut worst, mut met) = (0.0_f64, 0);
+    let (mut worst, mut near_corners) = (0.0_f64, 0);
     for _ in 0..400 {
         // The host is a small packet of a larger mesh, or not; the guest has any scale.
         let (host_size, guest_size) = (power_of_two(&mut rng, -20, 0), power_of_two(&mut rng, -20, 0));
         let (host_scale, guest_scale) = (power_of_two(&mut rng, -30, 30), power_of_two(&mut rng, -30, 30));
         let world = if rng.one_in(3) { large_integer_map(&mut rng) } else { rotation(&mut rng) };
         let turn = if rng.one_in(2) { rotation(&mut rng).linear } else { Affine::IDENTITY.linear };
-        let centre = unit_point(&mut rng);
+        let center = unit_point(&mut rng);
         let count = rng.integer(1, 8) as usize;
         let triangles = |rng: &mut Rng, size: f64, scale: f64| -> Vec<[Point; 3]> {
             let near = |rng: &mut Rng| unit_point(rng).map(|x| x * size);
             let corner = |rng: &mut Rng| {
                 let step = near(rng);
-                std::array::from_fn(|axis| (centre[axis] + step[axis]) / scale)
+                std::array::from_fn(|axis| (center[axis] + step[axis]) / scale)
             };
             (0..count).map(|_| [0; 3].map(|_| corner(rng))).collect()
         };
@@ -130,9 +130,9 @@ fn corners_and_bounds_are_within_their_error() {
             let anchor = host.packet().anchor;
             let mut moved = [[[0.0_f32; LANES]; 3]; 3];
             dispatch!(level, simd => {
-                taken.take_up(simd, &guest.packet(), &relation, &back);
+                taken.set_packet(simd, &guest.packet(), &relation, &back);
                 let offset: Lanes3<_> = by_axis!(axis => {
-                    f32x8::splat(simd, (taken.anchor[axis] - anchor[axis]) as f32)
+                    f32x8::splat(simd, (taken.local_origin[axis] - anchor[axis]) as f32)
                 });
                 for corner in 0..3 {
                     for axis in 0..3 {
@@ -142,8 +142,8 @@ fn corners_and_bounds_are_within_their_error() {
                 }
             });
             let radii = host.packet().radius + guest.packet().radius * relation.stretch as f32;
-            let near = (0..3).all(|axis| (taken.anchor[axis] - anchor[axis]).abs() < f64::from(radii));
-            met += usize::from(near);
+            let near = (0..3).all(|axis| (taken.local_origin[axis] - anchor[axis]).abs() < f64::from(radii));
+            near_corners += usize::from(near);
             for (lane, corners) in exact_guest.iter().enumerate() {
                 for (corner, point) in corners.iter().enumerate() {
                     for axis in 0..3 {
@@ -169,7 +169,7 @@ fn corners_and_bounds_are_within_their_error() {
             }
         }
     }
-    assert!(met > 150 * levels().len(), "{met}");
+    assert!(near_corners > 150 * levels().len(), "{near_corners}");
     // One unit for each rounding would not do.
     assert!((1.2..9.0).contains(&worst), "{worst}");
 }

@@ -6,10 +6,10 @@ use super::*;
 use crate::math::vec3::{Vector, cross, sub};
 use crate::simd::{dispatch, levels};
 
-/// Eight triangles about an anchor.
+/// Eight triangles about an local_origin.
 struct Trial {
     about: [[[f32; LANES]; 3]; 3],
-    anchor: Vector,
+    local_origin: Vector,
     error: f64,
 }
 
@@ -30,12 +30,12 @@ impl Trial {
                 }
             }
         }
-        let anchor = [0; 3].map(|_| if kind == 0 { 0.25 } else { rng.uniform(-0.5, 0.5) });
-        Self { about, anchor, error: [0.0, 1e-5][rng.integer(0, 1) as usize] }
+        let local_origin = [0; 3].map(|_| if kind == 0 { 0.25 } else { rng.uniform(-0.5, 0.5) });
+        Self { about, local_origin, error: [0.0, 1e-5][rng.integer(0, 1) as usize] }
     }
 
     fn corners(&self, lane: usize) -> [Vector; 3] {
-        self.about.map(|corner| std::array::from_fn(|axis| self.anchor[axis] + f64::from(corner[axis][lane])))
+        self.about.map(|corner| std::array::from_fn(|axis| self.local_origin[axis] + f64::from(corner[axis][lane])))
     }
 
     /// Any point of a triangle, or a corner of it, moved by the error.
@@ -65,7 +65,7 @@ impl Trial {
         let near = |level| {
             dispatch!(level, simd => {
                 let about = by_axis!(corner => load3(simd, &self.about[corner]));
-                Bounds::new(simd, &about, self.anchor, self.error).near(simd, lane, &node)
+                Bounds::new(simd, &about, self.local_origin, self.error).near(simd, lane, &node)
             })
         };
         levels().into_iter().map(|(_, level)| near(level)).collect()
@@ -84,7 +84,7 @@ fn every_point_of_a_triangle_is_near_it() {
 }
 
 #[test]
-fn what_is_off_a_triangle_is_told_apart() {
+fn boxes_off_a_triangle_are_pruned() {
     let mut rng = Rng::new(3022);
     let (mut all, mut near) = (0, 0);
     for _ in 0..3_000 {
@@ -104,11 +104,11 @@ fn what_is_off_a_triangle_is_told_apart() {
             }
         }
     }
-    assert!(all > 15_000 * levels().len() && near < all / 100, "{near} of {all} are not told apart");
+    assert!(all > 15_000 * levels().len() && near < all / 100, "{near} of {all} are not pruned");
 }
 
 #[test]
-fn what_is_not_a_number_proves_nothing() {
+fn nan_and_infinity_prune_nothing() {
     let mut trial = Trial::new(&mut Rng::new(3023));
     trial.error = f64::INFINITY;
     assert!(trial.near(3, &[[9.0; 3]; LANES]).iter().all(|&near| near == 0xff));

@@ -2,7 +2,7 @@
 
 use impinge_testkit::generate::Rng;
 
-use super::super::judge::{Triangle, bound};
+use super::super::classify::{Triangle, bound};
 use super::super::*;
 use super::{Point, exact, power_of_two, unit_point};
 use crate::simd::{Level, cross, dispatch, levels};

@@ -20,7 +20,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 
-use super::across::apart_across;
+use super::across::apart_along_edge_cross;
 use crate::hierarchy::HALF_ULP;
 use crate::simd::{ALL_LANES, Lanes3, by_axis, cross, dot, sub};
 
@@ -41,7 +41,7 @@ impl<S: Simd> Triangle<S> {
 
 /// Judges eight pairs of triangles whose boxes overlap: the lanes of those that meet, and of those that are left open.
 #[inline(always)]
-pub(super) fn judge<S: Simd>(host: &Triangle<S>, guest: &Triangle<S>, error: f32x8<S>) -> [u32; 2] {
+pub(super) fn classify<S: Simd>(host: &Triangle<S>, guest: &Triangle<S>, error: f32x8<S>) -> [u32; 2] {
     let margin = error * 4.0;
     let (x, z) = (host.width + margin, guest.width + margin);
     // Corners of boxes that overlap when grown by the error are no farther apart than both widths and that.
@@ -71,15 +71,15 @@ pub(super) fn judge<S: Simd>(host: &Triangle<S>, guest: &Triangle<S>, error: f32
     let edge_bound = bound(error, x, z, y);
     let start = dot(&cross(&sub(&host_rest[0], &host_first), &sub(&guest_rest[0], &guest_first)), &between);
     let end = dot(&cross(&sub(&host_rest[1], &host_first), &sub(&guest_rest[1], &guest_first)), &between);
-    let meets = certain & start.simd_gt(edge_bound) & end.simd_lt(-edge_bound);
+    let intersects = certain & start.simd_gt(edge_bound) & end.simd_lt(-edge_bound);
     let misses = certain & (start.simd_lt(-edge_bound) | end.simd_gt(edge_bound));
-    let meets = meets.to_bitmask() as u32 & near;
+    let intersects = intersects.to_bitmask() as u32 & near;
     let misses = misses.to_bitmask() as u32;
-    let open = near & !meets & !misses;
-    if open == 0 {
-        return [meets, 0];
+    let undecided = near & !intersects & !misses;
+    if undecided == 0 {
+        return [intersects, 0];
     }
-    [meets, open & !apart_across(&host.corners, &guest.corners, error)]
+    [intersects, undecided & !apart_along_edge_cross(&host.corners, &guest.corners, error)]
 }
 
 /// The bound of a determinant's error; see the head of this file.
