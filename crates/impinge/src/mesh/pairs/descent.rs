@@ -1,11 +1,13 @@
-//! The one descent of two meshes: from their roots to the triangles that meet, each pair filtered in bulk and, where
-//! the filter leaves it open, decided exactly.
+//! The simultaneous descent of two meshes, from their roots to the triangles that intersect. Pairs
+//! of triangles are filtered in bulk, and undecided ones are decided exactly.
+//!
+//! Guarded by the tests in `engine/laws.rs` and `engine/ways.rs`, and by the benchmark `headline`.
 
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::leaf_pairs::{Deciding, CACHED_GUEST_LEAVES, LeafPairs, Question, Wanted, keep_smallest};
+use super::leaf_pairs::{CACHED_GUEST_LEAVES, Deciding, LeafPairs, Question, Wanted, keep_smallest};
 use super::relation::Relations;
 use super::world_box;
 use crate::exact::{Placement, triangles_intersect};
@@ -13,25 +15,30 @@ use crate::hierarchy::{Descent, Order, QUEUE, Task};
 use crate::mesh::{Options, PlacedMesh};
 use crate::simd::{Level, dispatch};
 
-/// Nodes that are opened before the query is asked whether to go on: about 100 microseconds.
+/// Number of node pairs that are opened between two checks of the interrupt: about 100
+/// microseconds.
 const TASKS_PER_INTERRUPT_CHECK: usize = 1 << 10;
 
-/// Tasks for each thread that the upper levels are opened into before threads share them out; more even out their
-/// sizes, fewer start sooner.
+/// Number of tasks per thread into which the upper levels are split before threads share them. More
+/// tasks balance the load better, fewer let threads start sooner.
 const TASKS_PER_THREAD: usize = 64;
 
-/// Below this many tasks no threads are woken: less work than this is done sooner than shared.
+/// Minimum number of tasks for which threads are used. Less work than this is finished sooner on
+/// one thread.
 const MIN_SHARED_TASKS: usize = 256;
 
-/// Room for the tasks of most searches for a first pair, a kilobyte: more grow, which takes as long as opening one.
+/// Initial capacity of the task stack in a search for a first pair: 1 KiB, which is enough for most
+/// searches. Growing it takes as long as opening a node pair.
 const FIRST_HIT_STACK_CAPACITY: usize = 128;
 
-/// Two faces that intersect, of the first mesh and of the second, of those that do any; none where no two do.
+/// Returns any two faces that intersect, of the first and of the second mesh, or `None` if the
+/// surfaces are disjoint. Which pair it is may differ between vector units. If the query is
+/// interrupted, the pair may not intersect.
 pub(crate) fn any_hit(a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) -> Option<[u32; 2]> {
     search(a, b, Wanted { limit: 1, deciding: Deciding::Last, ..Wanted::ALL }, options).first().copied()
 }
 
-/// Whether two faces intersect; faces that there are not do not.
+/// Reports whether two faces intersect. Returns `false` if either face index is out of range.
 pub(crate) fn faces_meet(a: PlacedMesh<'_>, b: PlacedMesh<'_>, [face_a, face_b]: [u32; 2]) -> bool {
     (face_a as usize) < a.mesh.faces().len()
         && (face_b as usize) < b.mesh.faces().len()
@@ -42,13 +49,15 @@ pub(crate) fn faces_meet(a: PlacedMesh<'_>, b: PlacedMesh<'_>, [face_a, face_b]:
         )
 }
 
-/// Two faces that intersect, the first in the order of the descent; none where no two do.
+/// Returns the first two faces that intersect in the order of the descent, or `None` if the
+/// surfaces are disjoint. If the query is interrupted, the pair may not intersect.
 pub(crate) fn first_hit(a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) -> Option<[u32; 2]> {
     search(a, b, Wanted { limit: 1, deciding: Deciding::AtOnce, ..Wanted::ALL }, options).first().copied()
 }
 
-/// Pairs of faces (of a, of b) that intersect, each once, in no particular order: all of them, or the least `kept` where
-/// there are more. There is never room for many more than are kept.
+/// Returns pairs of faces (of a, of b) that intersect, without duplicates, in no particular order:
+/// all of them, or the `kept` smallest if there are more. The memory is bounded by a small multiple
+/// of `kept` per thread.
 pub(crate) fn collect_intersecting(
     a: PlacedMesh<'_>,
     b: PlacedMesh<'_>,
@@ -58,6 +67,7 @@ pub(crate) fn collect_intersecting(
     search(a, b, Wanted { kept, ..Wanted::ALL }, options)
 }
 
+/// Runs the descent, and returns the pairs that are wanted.
 fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Options<'_>) -> Vec<[u32; 2]> {
     if world_box::are_apart(&a, &b) {
         return Vec::new();
@@ -79,7 +89,8 @@ fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Option
 
     let question = Question { host, guest, relation, back, placement: &placement, sides, wanted };
     if wanted.limit < usize::MAX {
-        // Whoever wants the first pairs only wants them before others are looked at: no pair waits for another.
+        // A search for the first pairs wants each pair to be decided before others are looked at,
+        // so nothing is queued.
         let mut pairs = question.pairs(1);
         let mut tasks = Vec::with_capacity(FIRST_HIT_STACK_CAPACITY);
         tasks.push(root);
@@ -121,7 +132,7 @@ fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Option
     first.found
 }
 
-/// Works off all tasks, depth first, unless it is interrupted; then it breaks off.
+/// Processes all tasks depth first. Returns `Break` if the query was interrupted.
 fn run_tasks(
     options: &Options<'_>,
     descent: &Descent<'_>,
@@ -140,7 +151,7 @@ fn run_tasks(
     }
 }
 
-/// The descent, compiled once for each vector unit.
+/// Runs the descent at a vector level. It is compiled once per vector unit.
 #[inline(never)]
 fn run_descent(level: Level, descent: &Descent<'_>, order: Order, tasks: &mut Vec<Task>, pairs: &mut LeafPairs<'_>) {
     let stopped = dispatch!(level, simd => descent.run(simd, order, tasks, pairs)).is_break();

@@ -1,5 +1,8 @@
-//! Packets of triangles against packets in single precision: which pairs of triangles are near each other, and of these, which
-//! are proved apart, proved to meet, or left open (docs/proof.md, L4).
+//! Compares packets of triangles with packets in single precision. It finds the pairs of triangles
+//! whose boxes overlap, and classifies them: apart, intersecting or undecided (docs/proof.md, L4).
+//!
+//! Guarded by the tests in `filter/tests.rs`, by `engine/triangle_pairs.rs` and `engine/laws.rs`,
+//! and by the benchmark `headline`.
 
 mod across;
 mod candidates;
@@ -18,42 +21,48 @@ use across::{MIN_CROWDED_PAIRS, near_along_edge_cross};
 
 pub(crate) use candidates::{Candidates, LeafFaces, Verdicts};
 
-/// How a guest packet lies to a host's.
+/// Result of testing a guest packet and a host packet against the slabs of each other.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SlabTest {
-    /// What moves the guest to the host's anchor.
+    /// Vector from the local origin of the host packet to that of the guest packet, in the packed
+    /// frame of the host. Adding it to guest corners makes them relative to the host's local
+    /// origin.
     offset: [f32; 3],
-    /// What the corners may be off by, then.
+    /// Error bound of the corners of both packets together, relative to the host's local origin.
     error: f32,
-    /// The pairs of triangles of which each reaches into the slab of the other's packet: bit `h` of byte `g` for lane `h` of the
-    /// host's and `g` of the guest's.
+    /// The pairs of triangles that both reach into the slab of the other packet. Bit `h` of byte
+    /// `g` is the pair of host lane `h` and guest lane `g`.
     pub(crate) pairs: u64,
 }
 
-/// A guest packet, turned into the host's orientation but not moved: each host packet has its own anchor.
+/// A guest packet, mapped by the linear part of a relation into the host's packed frame but not
+/// translated, as each host packet has its own local origin.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct Guest {
+    /// Corners relative to `local_origin`, `[corner][axis][lane]`.
     corners: [[[f32; LANES]; 3]; 3],
+    /// Box of each triangle, relative to `local_origin`.
     boxes: BoxLanes,
-    /// The greatest extent of each triangle's box.
+    /// Maximum extent of each triangle's box.
     width: [f32; LANES],
     /// All bits of the byte of each lane that holds a triangle.
     lanes_in_use: u64,
-    /// The anchor's image in the host's packed frame.
+    /// Image of the packet's local origin in the packed frame of the host.
     local_origin: [f64; 3],
-    /// What the corners may be off by once they are moved to a host anchor, but for the part that grows with the
-    /// host's radius.
+    /// Error bound of the corners once they are moved to a host's local origin, without the part
+    /// that grows with the radius of the host packet.
     error: f32,
-    /// A direction in the host's frame, and the least and greatest height of the corners along it.
+    /// Normal of the packet's slab in the host's frame.
     normal: [f32; 3],
+    /// Minimum and maximum height of the corners above `local_origin` along `normal`.
     heights: [f32; 2],
-    /// Bounds of the packet in the host's packed frame.
+    /// Bounds of the packet in the packed frame of the host, rounded outward.
     pub(crate) bounds: Aabb,
 }
 
 impl Guest {
-    /// No triangles.
+    /// A packet without triangles.
     pub(crate) const EMPTY: Self = Self {
         corners: [[[0.0; LANES]; 3]; 3],
         boxes: BoxLanes { min: [[0.0; LANES]; 3], max: [[0.0; LANES]; 3] },
@@ -66,7 +75,8 @@ impl Guest {
         bounds: Aabb::EMPTY,
     };
 
-    /// Turns a packet; `back` relates the meshes the other way round.
+    /// Sets this to a guest packet, mapped by the linear part of `relation`. `back` maps the other
+    /// way, from the host to the guest.
     #[inline(always)]
     pub(crate) fn set_packet<S: Simd>(&mut self, simd: S, packet: &Packet<'_>, relation: &Relation, back: &Relation) {
         outlined(
@@ -105,31 +115,35 @@ impl Guest {
         };
     }
 
-    /// The corners about [`anchor`](Self::anchor), in the host's orientation.
+    /// Returns the corners relative to [`local_origin`](Self::local_origin), in the orientation of
+    /// the host.
     #[inline(always)]
     pub(in crate::mesh) fn corners<S: Simd>(&self, simd: S) -> [Lanes3<S>; 3] {
         by_axis!(corner => load3(simd, &self.corners[corner]))
     }
 
-    /// Where the corners are about, in the host's packed frame.
+    /// Returns the local origin of the corners, in the packed frame of the host.
     pub(in crate::mesh) fn local_origin(&self) -> [f64; 3] {
         self.local_origin
     }
 
-    /// What anchor and corners may be off by together.
+    /// Returns the error bound of a corner plus the local origin.
     pub(super) fn corner_error(&self) -> f64 {
         f64::from(self.error)
     }
 
-    /// How the packet, its triangles in `lanes`, lies to a host's.
+    /// Tests this packet, restricted to the triangles in `lanes`, and a host packet against the
+    /// slabs of each other.
     ///
-    /// Whether a pair goes on from here to [`meet`](Self::meet), as half do, cannot be foreseen: asked of many pairs before any goes
-    /// on, the processor works ahead on the next ones. Only surfaces that lie along each other have few whose first slab holds
-    /// anything of the other.
+    /// About half of all packet pairs pass and go on to [`push_candidates`](Self::push_candidates),
+    /// which the processor cannot predict. Test many pairs before any of them goes on, so that it
+    /// can overlap the tests. The early return after the first slab is rare, unless the surfaces
+    /// lie along each other.
     #[inline(always)]
     pub(crate) fn test_slabs<S: Simd>(&self, simd: S, host: &Packet<'_>, lanes: u32) -> SlabTest {
         let offset: [f32; 3] = by_axis!(axis => (self.local_origin[axis] - host.anchor[axis]) as f32);
-        // Of the host's corners: their own rounding, and two of sums with an offset of up to the host's radius.
+        // Error of the host's corners: their own rounding, and that of two sums with an offset of
+        // up to the radius of the host packet.
         let error = self.error + 4.0 * HALF_ULP as f32 * host.radius;
         let guest_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &self.corners[corner]));
         let guest_lanes = !outside(simd, &guest_corners, offset, host.normal(), host.heights, error) & lanes;
@@ -143,7 +157,8 @@ impl Guest {
         SlabTest { offset, error, pairs }
     }
 
-    /// Takes on the pairs of triangles of a host leaf and this one that face each other and whose boxes overlap, 64 at most.
+    /// Appends to `candidates` the pairs of triangles that passed the slab test and whose boxes
+    /// overlap, at most 64.
     #[inline(always)]
     pub(crate) fn push_candidates<S: Simd>(
         &self,
@@ -172,7 +187,8 @@ impl Guest {
         let host_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &host.corners[corner]));
         let offset: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, offset[axis]));
         let (host_min, host_max) = bounds(&host_corners);
-        // About the guest's anchor, as its boxes lie in memory, from where one at a time is asked for.
+        // Boxes of the host are moved to the guest's local origin, as the boxes of the guest are
+        // read from memory one at a time.
         let slack = f32x8::splat(simd, error * ERROR_GROWTH);
         let min = by_axis!(axis => host_min[axis] - offset[axis] - slack);
         let max = by_axis!(axis => host_max[axis] - offset[axis] + slack);
@@ -201,11 +217,12 @@ impl Guest {
     }
 }
 
-/// The lanes whose corners, moved by `offset`, are proved outside the slab of `heights` along `normal`, when the corners
-/// of either side may be off by `error`.
+/// Returns the lanes whose corners, moved by `offset`, are proved outside the slab of `heights`
+/// along `normal`, if the corners of both sides have errors of at most `error`.
 ///
-/// The corners that matter are no larger than the radius that `error` allows nine and four roundings for, so that
-/// the five roundings of a height, and the seven of the offset's, which is no larger, are less than twice the error.
+/// The corners that matter are no larger than the radius for which `error` allows nine and four
+/// roundings. A height has five roundings, and the height of the offset, which is no larger, has
+/// seven. Together they are less than twice the error.
 #[inline(always)]
 fn outside<S: Simd>(
     simd: S,
@@ -224,7 +241,7 @@ fn outside<S: Simd>(
     (above | below).to_bitmask() as u32
 }
 
-/// The least and the greatest height of the corners of each triangle along a direction.
+/// Returns the minimum and maximum height of the corners of each triangle along a direction.
 #[inline(always)]
 fn heights<S: Simd>(simd: S, corners: &[Lanes3<S>; 3], normal: [f32; 3]) -> (f32x8<S>, f32x8<S>) {
     let normal: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, normal[axis]));
@@ -232,13 +249,14 @@ fn heights<S: Simd>(simd: S, corners: &[Lanes3<S>; 3], normal: [f32; 3]) -> (f32
     (p.min(q).min(r), p.max(q).max(r))
 }
 
+/// Returns the minimum and maximum coordinates of each triangle.
 #[inline(always)]
 fn bounds<S: Simd>(corners: &[Lanes3<S>; 3]) -> (Lanes3<S>, Lanes3<S>) {
     let [p, q, r] = corners;
     (by_axis!(axis => p[axis].min(q[axis]).min(r[axis])), by_axis!(axis => p[axis].max(q[axis]).max(r[axis])))
 }
 
-/// The greatest extent of a box.
+/// Returns the maximum extent of a box.
 #[inline(always)]
 fn width<S: Simd>(min: &Lanes3<S>, max: &Lanes3<S>) -> f32x8<S> {
     let [x, y, z] = sub(max, min);

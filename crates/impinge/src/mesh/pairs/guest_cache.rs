@@ -1,4 +1,7 @@
-//! Guest leaves taken up: turned once for the host leaves that they meet in turn, and kept for those that they meet later.
+//! A cache of guest leaves in the host's frame. A guest leaf is mapped once for all host leaves
+//! that it is compared with in turn, and kept in case it comes again later.
+//!
+//! Guarded by the test below and by those in `engine/ways.rs`.
 
 use fearless_simd::Simd;
 
@@ -7,32 +10,35 @@ use super::relation::Relation;
 use crate::mesh::storage::packet::Packets;
 use crate::volume::Aabb;
 
-/// A guest leaf and what it holds, turned.
+/// A guest leaf with its packet, mapped into the frame of the host.
 #[derive(Clone)]
 struct CachedGuest {
+    /// Number of the leaf.
     leaf: u32,
-    /// How many pairs wait for it.
+    /// Number of queued pairs that refer to the slot.
     pending: u32,
     guest: Guest,
 }
 
-/// Leaves in slots, each in its own, which its number tells, unless another that is awaited is there.
+/// A direct-mapped cache. A leaf is in the slot that its number selects, or in the next free slot
+/// if queued pairs refer to that one.
 pub(super) struct GuestCache {
-    /// None before the first leaf: capacity searches meet none.
+    /// Empty before the first leaf, as most searches reach none.
     slots: Vec<CachedGuest>,
+    /// Number of slots, a power of two.
     capacity: usize,
-    /// Where the one taken up last is.
+    /// Slot of the leaf that was loaded last.
     last_slot: usize,
 }
 
 impl GuestCache {
-    /// At capacity so many are kept, a power of two.
+    /// Returns an empty cache with this number of slots, which must be a power of two.
     pub(in crate::mesh) fn new(capacity: usize) -> Self {
         Self { slots: Vec::new(), capacity, last_slot: 0 }
     }
 
-    /// Takes up a leaf, if that is not done, and returns its bounds in the host's frame. There must be a slot for which no pair
-    /// waits.
+    /// Loads a leaf unless it is cached, and returns its bounds in the packed frame of the host.
+    /// There must be a slot without pending pairs.
     #[inline(always)]
     pub(super) fn load<S: Simd>(
         &mut self,
@@ -45,7 +51,7 @@ impl GuestCache {
         if self.slots.is_empty() {
             self.slots = vec![CachedGuest { leaf: u32::MAX, pending: 0, guest: Guest::EMPTY }; self.capacity];
         }
-        // A division would take as long as half of what is saved.
+        // A mask, as a division would cost half of the time that the cache saves.
         let mask = self.capacity - 1;
         self.last_slot = leaf as usize & mask;
         if self.slots[self.last_slot].leaf != leaf {
@@ -59,14 +65,15 @@ impl GuestCache {
         self.slots[self.last_slot].guest.bounds
     }
 
-    /// Lets so many pairs wait for the leaf taken up last; returns its slot.
+    /// Adds pending pairs to the leaf that was loaded last, and returns its slot.
     #[inline(always)]
     pub(super) fn add_pending(&mut self, pairs: u32) -> u32 {
         self.slots[self.last_slot].pending += pairs;
         self.last_slot as u32
     }
 
-    /// The leaf in a slot for which a pair has waited. It stays there until the next one is taken up.
+    /// Removes one pending pair from a slot, and returns its leaf. The leaf stays there at least
+    /// until the next one is loaded.
     #[inline(always)]
     pub(super) fn take_pending(&mut self, slot: usize) -> &Guest {
         let slot = &mut self.slots[slot];
@@ -74,7 +81,7 @@ impl GuestCache {
         &slot.guest
     }
 
-    /// The leaf in a slot, and its number.
+    /// Returns the number of the leaf in a slot, and its packet.
     #[inline(always)]
     pub(in crate::mesh) fn get(&self, slot: usize) -> (u32, &Guest) {
         let slot = &self.slots[slot];
@@ -116,7 +123,7 @@ mod tests {
             displaced += u32::from(guests.last_slot != leaf as usize % 4);
             for _ in 0..rng.integer(0, 2) {
                 queue.push_back((guests.add_pending(1) as usize, leaf));
-                // At capacity three wait when another is taken up.
+                // At most three pairs are pending when another leaf is loaded.
                 if queue.len() > 3 {
                     let (slot, leaf) = queue.pop_front().expect("four wait");
                     assert_eq!(guests.take_pending(slot).bounds, bounds[leaf as usize]);
@@ -124,6 +131,6 @@ mod tests {
                 }
             }
         }
-        assert!(displaced > 2_000, "{displaced} were taken up elsewhere, as what is awaited was in their slot");
+        assert!(displaced > 2_000, "{displaced} were loaded into another slot, as their own had pending pairs");
     }
 }

@@ -1,78 +1,90 @@
-//! Pairs of leaves that the descent comes to: put off until their memory is at hand, filtered in bulk, and what the filter
-//! leaves undecided decided exactly.
+//! Pairs of leaves that the descent reaches. They are queued until their memory is prefetched, and
+//! filtered in bulk. Undecided pairs of faces are decided exactly (docs/proof.md, L9).
+//!
+//! Guarded by the tests in `engine/ways.rs` and `engine/laws.rs`, and by the benchmark `headline`.
 
 use std::ops::ControlFlow;
 
 use fearless_simd::Simd;
 
-use super::filter::{Candidates, SlabTest, LeafFaces, Verdicts};
+use super::filter::{Candidates, LeafFaces, SlabTest, Verdicts};
+use super::guest_cache::GuestCache;
 use super::large_leaf::LargeLeaf;
 use super::relation::Relation;
 use super::sides::Sides;
-use super::guest_cache::GuestCache;
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{APPROACHED, Large, LeafVisitor, Node, overlapping};
 use crate::mesh::Mesh;
 use crate::mesh::storage::packet::Packets;
 use crate::simd::{ALL_LANES, LANES, bits, extend_some, load3, outlined, take_four};
 
-/// So many pairs of leaves wait for the host leaf's memory, at min_count: fewer hide less of its latency.
+/// Minimum number of queued leaf pairs that are left when a batch is processed. Queuing gives the
+/// prefetch of the host leaf time to finish; fewer hide less of its latency.
 const MIN_QUEUED_LEAF_PAIRS: usize = 4;
 
-/// So many pairs of leaves are met in one go: with 4 there is less for the processor to work ahead on.
+/// Number of leaf pairs per batch. A batch of four leaves the processor less work to overlap.
 const LEAF_PAIRS_PER_BATCH: usize = 8;
 
-/// Room for all that wait, for what comes of guest leaves that are taken up in one go, and for what is written after the last, as four are noted at a time.
-const QUEUE_CAPACITY: usize = (MIN_QUEUED_LEAF_PAIRS + LEAF_PAIRS_PER_BATCH + APPROACHED * LANES + 4).next_power_of_two();
+/// Capacity of the queue: a batch and the pairs that stay queued, all pairs of the guest leaves
+/// that come in one go, and four that may be written after the last pair.
+const QUEUE_CAPACITY: usize =
+    (MIN_QUEUED_LEAF_PAIRS + LEAF_PAIRS_PER_BATCH + APPROACHED * LANES + 4).next_power_of_two();
 
-/// Guest leaves that are kept taken up; a power of two, more than wait. More than half of all come again while they are; twice as
-/// many would fill the first cache and hardly save more.
+/// Number of guest leaves that are cached in the host's frame. It is a power of two and exceeds the
+/// number of guest leaves that can be queued. More than half of all guest leaves come again while
+/// they are cached; twice as many would fill the L1 cache and save hardly more.
 pub(in crate::mesh) const CACHED_GUEST_LEAVES: usize = 32;
 
-/// With more pairs put off than this, they are decided. One takes as long as some leaves to meet, any of which may hold a pair that
-/// the filter is sure of; where surfaces touch, none does, and looking on is in vain.
+/// Maximum number of undecided pairs that are put off before they are decided exactly. A decision
+/// costs as much as filtering some leaf pairs, any of which may hold a pair that the filter proves
+/// intersecting. If the surfaces only touch, none does, and waiting longer is wasted.
 const MAX_UNDECIDED_PAIRS: usize = 8;
 
-/// Half of the pairs that there is always room for, 256 KiB: less would save nothing.
-const MIN_TRIM_LENGTH: usize = 1 << 14;
+/// Half of the minimum length at which the list of found pairs is trimmed to those that are kept.
+/// Twice this number of pairs are 256 KiB; a smaller value would save nothing.
+const HALF_MIN_TRIM_LENGTH: usize = 1 << 14;
 
-/// When pairs that the filter leaves undecided are decided.
+/// When pairs that the filter leaves undecided are decided exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Deciding {
-    /// At once: where only some pairs are wanted, they are the first ones in the order of the descent, which is the same for
-    /// every vector unit.
+    /// At once. If only some pairs are wanted, they are then the first ones in the order of the
+    /// descent, which is the same for every vector unit.
     AtOnce,
-    /// Once nothing else is left, or too many wait: their faces and vertices are asked for meanwhile, and the filter may be sure of
-    /// another pair; of which, differs between vector units.
+    /// When nothing else is left, or too many are undecided. Meanwhile their faces and vertices are
+    /// prefetched, and the filter may prove another pair intersecting. Which pair is found first
+    /// differs between vector units.
     Last,
 }
 
-/// Which of the pairs that meet are wanted.
+/// Which of the intersecting pairs are wanted.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wanted {
-    /// With so many the descent is over.
+    /// Number of found pairs at which the descent ends.
     pub(in crate::mesh) limit: usize,
-    /// How many of the min_count are kept, of those found.
+    /// Maximum number of pairs that are kept: the smallest ones of those found.
     pub(in crate::mesh) kept: usize,
+    /// When undecided pairs are decided.
     pub(super) deciding: Deciding,
 }
 
 impl Wanted {
+    /// All pairs.
     pub(in crate::mesh) const ALL: Self = Self { limit: usize::MAX, kept: usize::MAX, deciding: Deciding::Last };
 }
 
-/// A guest leaf taken up, by its place among them, and a host leaf that it will meet.
+/// A pair of leaves in the queue: the slot of the guest leaf in the cache, and the host leaf.
 #[derive(Clone, Copy, Debug, Default)]
 struct LeafPair {
     guest: u32,
     host_leaf: u32,
 }
 
-/// Two meshes, how they lie to each other, and which of their pairs are wanted.
+/// Two meshes, the maps between them, and the pairs that are wanted.
 #[derive(Clone, Copy)]
 pub(super) struct Question<'a> {
     pub(in crate::mesh) host: &'a Mesh,
     pub(in crate::mesh) guest: &'a Mesh,
+    /// Map from guest to host, and back.
     pub(in crate::mesh) relation: &'a Relation,
     pub(in crate::mesh) back: &'a Relation,
     pub(in crate::mesh) placement: &'a Placement,
@@ -82,7 +94,8 @@ pub(super) struct Question<'a> {
 }
 
 impl Question<'_> {
-    /// No pairs so far; at most so many guest leaves are kept, a power of two, and no more pairs wait.
+    /// Returns an empty queue that caches up to `cached_guests` guest leaves, which must be a power
+    /// of two. If that is less than the usual queue length, no more pairs are queued.
     pub(in crate::mesh) fn pairs(&self, cached_guests: usize) -> LeafPairs<'_> {
         LeafPairs {
             question: *self,
@@ -103,49 +116,49 @@ impl Question<'_> {
     }
 }
 
-/// Leaf pairs of two meshes, filtered and decided.
+/// A queue of leaf pairs of two meshes, and the pairs of faces found so far.
 pub(super) struct LeafPairs<'a> {
     question: Question<'a>,
     host_packets: Packets<'a>,
     guest_packets: Packets<'a>,
     guests: GuestCache,
-    /// With so many put off the oldest are met.
+    /// Queue length at which the oldest pairs are processed.
     process_at: usize,
-    /// So many of them, where there are.
+    /// Number of pairs that are processed as one batch, if there are enough.
     batch_size: usize,
-    /// Those that are, the oldest at `next`.
+    /// The queued pairs as a ring buffer, with the oldest at `oldest`.
     queue: [LeafPair; QUEUE_CAPACITY],
     oldest: usize,
     queue_len: usize,
-    /// Of so many of these the host leaf's memory is on its way.
+    /// Number of queued pairs whose host leaf has already been prefetched.
     prefetched: usize,
     candidates: Candidates,
-    /// Pairs that the filter left undecided, where they are decided last; few more than [`MAX_UNDECIDED_PAIRS`].
+    /// Undecided pairs of faces, if they are decided last; few more than [`MAX_UNDECIDED_PAIRS`].
     undecided: Vec<[u32; 2]>,
     pub(in crate::mesh) found: Vec<[u32; 2]>,
-    /// The pairs to keep are found already, but for pairs of faces of the first mesh up to this number.
+    /// Maximum face of the first mesh in a pair that can still be kept.
     last_face: u32,
 }
 
 impl LeafPairs<'_> {
-    /// Meets the pairs that have waited longest.
+    /// Processes the oldest pairs of the queue as one batch.
     #[inline(always)]
     fn process_oldest<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
-        let mut slab_test = [(LeafPair::default(), SlabTest::default()); LEAF_PAIRS_PER_BATCH];
+        let mut tested = [(LeafPair::default(), SlabTest::default()); LEAF_PAIRS_PER_BATCH];
         let left = outlined(
             simd,
             #[inline(always)]
-            || self.test_oldest(simd, &mut slab_test),
+            || self.test_oldest(simd, &mut tested),
         );
-        // Most of these have triangles that are near each other, whose faces are looked up then.
-        for (LeafPair { guest, host_leaf }, _) in &slab_test[..left] {
+        // Most of these pairs have triangles near each other, so their faces are needed next.
+        for (LeafPair { guest, host_leaf }, _) in &tested[..left] {
             self.host_packets.prefetch_leaf(*host_leaf);
             self.guest_packets.prefetch_leaf(self.guests.get(*guest as usize).0);
         }
-        // What the pairs before these came to was written a while ago, and is at hand.
+        // Earlier candidates were written a while ago, so reading them does not stall.
         self.classify(simd, LANES)?;
         let sides = self.question.sides;
-        for (LeafPair { guest, host_leaf }, slab_test) in &slab_test[..left] {
+        for (LeafPair { guest, host_leaf }, slab_test) in &tested[..left] {
             let (guest_leaf, guest) = self.guests.get(*guest as usize);
             let host = self.host_packets.get(simd, *host_leaf);
             let faces = LeafFaces { host: &host.leaf.faces, guest: &self.guest_packets.leaf(guest_leaf).faces, sides };
@@ -155,18 +168,19 @@ impl LeafPairs<'_> {
         ControlFlow::Continue(())
     }
 
-    /// Finds out how the oldest pairs face each other; returns how many may meet.
+    /// Tests the packets of the oldest pairs against the slabs of each other. Writes those that may
+    /// intersect to `tested`, and returns their number.
     #[inline(always)]
-    fn test_oldest<S: Simd>(&mut self, simd: S, slab_test: &mut [(LeafPair, SlabTest); LEAF_PAIRS_PER_BATCH]) -> usize {
+    fn test_oldest<S: Simd>(&mut self, simd: S, tested: &mut [(LeafPair, SlabTest); LEAF_PAIRS_PER_BATCH]) -> usize {
         let count = self.queue_len.min(self.batch_size);
         let mut left = 0;
         for at in 0..count {
             let pair = self.queue[(self.oldest + at) % QUEUE_CAPACITY];
             let guest = self.guests.take_pending(pair.guest as usize);
             let host = self.host_packets.get(simd, pair.host_leaf);
-            let met = guest.test_slabs(simd, &host, ALL_LANES);
-            slab_test[left] = (pair, met);
-            left += usize::from(met.pairs != 0);
+            let slab_test = guest.test_slabs(simd, &host, ALL_LANES);
+            tested[left] = (pair, slab_test);
+            left += usize::from(slab_test.pairs != 0);
         }
         self.oldest = (self.oldest + count) % QUEUE_CAPACITY;
         self.queue_len -= count;
@@ -174,7 +188,7 @@ impl LeafPairs<'_> {
         left
     }
 
-    /// The host leaves among these whose pairs with a guest leaf may be kept.
+    /// Returns those of `lanes` whose pairs with a guest leaf may still be kept.
     #[cold]
     fn lanes_to_keep(&self, guest_leaf: u32, host: &Node, lanes: u32) -> u32 {
         let may_be_kept =
@@ -186,7 +200,7 @@ impl LeafPairs<'_> {
         kept.fold(0, |kept, lane| kept | 1 << lane)
     }
 
-    /// Judges candidates where no pair waits for another, or where there is little room.
+    /// Classifies candidates if nothing is queued by design, or if there is little room left.
     #[inline(always)]
     fn classify_if_full<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
         if self.batch_size == 1 {
@@ -198,7 +212,8 @@ impl LeafPairs<'_> {
         }
     }
 
-    /// Judges candidates, eight at a time, while there are so many at min_count, and keeps what meets.
+    /// Classifies candidates, eight at a time, as long as at least `min_count` are left, and
+    /// records the intersecting pairs.
     #[inline(always)]
     fn classify<S: Simd>(&mut self, simd: S, min_count: usize) -> ControlFlow<()> {
         let count = self.candidates.count();
@@ -215,11 +230,12 @@ impl LeafPairs<'_> {
         ControlFlow::Continue(())
     }
 
-    /// Decides what the filter left undecided of candidates, and keeps what meets.
+    /// Records intersecting pairs of up to eight candidates, and decides or puts off undecided
+    /// ones.
     #[inline(never)]
     fn record(&mut self, verdicts: &Verdicts) -> ControlFlow<()> {
         let (mut intersecting, mut undecided) = (u64::from(verdicts.intersecting), u64::from(verdicts.undecided));
-        // Where some are undecided, all are taken in order: see `Deciding::AtOnce`.
+        // If some pairs are undecided, all are recorded in order: see `Deciding::AtOnce`.
         while undecided != 0 {
             let lowest = (intersecting | undecided) & (intersecting | undecided).wrapping_neg();
             let pair = verdicts.faces(lowest.trailing_zeros() as usize);
@@ -241,7 +257,7 @@ impl LeafPairs<'_> {
             extend_some(&mut self.found, take_four(&mut intersecting).map(|lane| verdicts.faces(lane)), left);
         }
         let kept = self.question.wanted.kept;
-        if self.found.len() / 2 > kept.max(MIN_TRIM_LENGTH) {
+        if self.found.len() / 2 > kept.max(HALF_MIN_TRIM_LENGTH) {
             keep_smallest(&mut self.found, kept);
             if self.found.len() == kept {
                 self.last_face = self.found.iter().map(|pair| pair[0]).max().unwrap_or(u32::MAX);
@@ -250,7 +266,8 @@ impl LeafPairs<'_> {
         self.continue_or_stop(MAX_UNDECIDED_PAIRS)
     }
 
-    /// Breaks off where enough is found; before that, decides what was put off where that is more than so many pairs.
+    /// Decides the pairs that were put off if there are more than `max_undecided` of them. Returns
+    /// `Break` if enough pairs are found.
     #[inline(always)]
     fn continue_or_stop(&mut self, max_undecided: usize) -> ControlFlow<()> {
         if self.found.len() < self.question.wanted.limit && self.undecided.len() > max_undecided {
@@ -259,7 +276,7 @@ impl LeafPairs<'_> {
         if self.found.len() < self.question.wanted.limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
-    /// Decides the pairs that were put off, until enough meet.
+    /// Decides the pairs that were put off, until enough pairs are found.
     #[cold]
     fn decide_undecided(&mut self) {
         let [a, b] = self.packets();
@@ -276,13 +293,13 @@ impl LeafPairs<'_> {
         }
     }
 
-    /// The packets of the first mesh and of the second.
+    /// Returns the packets of the first mesh and of the second.
     #[inline(always)]
     fn packets(&self) -> [Packets<'_>; 2] {
         self.question.sides.first_second([self.host_packets, self.guest_packets])
     }
 
-    /// Whether two faces, of the first mesh and of the second, meet.
+    /// Decides exactly whether two faces, of the first mesh and of the second, intersect.
     #[cold]
     fn decide(&self, [face_a, face_b]: [u32; 2]) -> bool {
         let Question { host, guest, placement, sides, .. } = self.question;
@@ -373,7 +390,7 @@ impl LeafVisitor for LeafPairs<'_> {
     }
 }
 
-/// Leaves the min_count pairs, so many where there are more.
+/// Removes all but the `kept` smallest pairs, which are left in no particular order.
 pub(super) fn keep_smallest(pairs: &mut Vec<[u32; 2]>, kept: usize) {
     if pairs.len() > kept {
         pairs.select_nth_unstable(kept);

@@ -1,26 +1,29 @@
-//! Where a mesh can be in the world, axis by axis: what tells most bodies apart before anything else is made.
+//! The bounds of a mesh on the axes of the world. They prove most distant meshes apart before
+//! anything else is computed.
 //!
-//! Source: Arvo, *Transforming axis-aligned bounding boxes*, Graphics Gems, 1990 (Ericson, 4.2.6); ours bounds its rounding.
+//! Source: Arvo, *Transforming axis-aligned bounding boxes*, Graphics Gems, 1990 (Ericson, 4.2.6);
+//! ours bounds its rounding.
 
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
 use crate::mesh::PlacedMesh;
 
-/// Whether the boxes about two meshes are apart on an axis of the world, which proves that no points of theirs coincide.
+/// Reports whether the boxes of two meshes are proved apart on an axis of the world, so that the
+/// meshes have no common point.
 ///
 /// # Accuracy
-/// A coordinate of a center's image takes four roundings of terms of at most the sum of their magnitudes; reaches are sums of
-/// positive numbers. What is not a number proves nothing.
+/// A coordinate of a center's image takes four roundings of terms of at most the sum of their
+/// magnitudes; extents are sums of positive numbers. If a number is NaN, nothing is proved.
 #[inline]
 pub(in crate::mesh) fn are_apart(a: &PlacedMesh<'_>, b: &PlacedMesh<'_>) -> bool {
     let [on_a, on_b] = [a, b].map(|placed| [0, 1, 2].map(|k| Interval::of(placed, k)));
     (0..3).any(|k| on_a[k].is_apart(&on_b[k]))
 }
 
-/// Where a mesh can be on an axis of the world.
+/// The interval of a mesh on an axis of the world.
 struct Interval {
     center: f64,
     reach: f64,
-    /// What sums up to the center, by its magnitude.
+    /// Sum of the magnitudes of the terms of `center`, which bounds its rounding.
     terms: f64,
 }
 
@@ -68,8 +71,8 @@ mod tests {
 
     #[test]
     fn meshes_that_share_a_point_far_from_the_origin_are_not_apart() {
-        // A point, and a segment that ends in it and lies behind it on an axis of the world: the two intervals touch, and are
-        // some roundings of their place long.
+        // A point, and a segment that ends in it and lies behind it on an axis of the world. The
+        // two intervals touch. They are only a few rounding errors of their position long.
         let mut rng = Rng::new(12);
         let step = 1.0 / f64::from(1 << 20);
         let degenerate = |corners: Vec<[f64; 3]>| Mesh::new(Positions::F64(corners), vec![[0, 1, 1]]).expect("a mesh");

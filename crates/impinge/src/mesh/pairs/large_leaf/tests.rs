@@ -1,4 +1,4 @@
-//! What holds a triangle holds all of its points, and little else.
+//! The bounds of a triangle hold all of its points, and little else.
 
 use impinge_testkit::generate::Rng;
 
@@ -6,7 +6,7 @@ use super::*;
 use crate::math::vec3::{Vector, cross, sub};
 use crate::simd::{dispatch, levels};
 
-/// Eight triangles about an local_origin.
+/// Eight triangles relative to a local origin.
 struct Trial {
     about: [[[f32; LANES]; 3]; 3],
     local_origin: Vector,
@@ -14,7 +14,7 @@ struct Trial {
 }
 
 impl Trial {
-    /// On a grid, by chance, or slivers.
+    /// Makes triangles on a grid, at random, or slivers.
     fn new(rng: &mut Rng) -> Self {
         let kind = rng.integer(0, 2);
         let mut about = [[[0.0; LANES]; 3]; 3];
@@ -38,7 +38,7 @@ impl Trial {
         self.about.map(|corner| std::array::from_fn(|axis| self.local_origin[axis] + f64::from(corner[axis][lane])))
     }
 
-    /// Any point of a triangle, or a corner of it, moved by the error.
+    /// Returns a random point of a triangle or a corner of it, moved by the error.
     fn point(&self, lane: usize, rng: &mut Rng) -> Vector {
         let corners = self.corners(lane);
         let mut point = corners[rng.integer(0, 2) as usize];
@@ -52,7 +52,7 @@ impl Trial {
         point.map(|x| x + [-1.0, 1.0][rng.integer(0, 1) as usize] * self.error)
     }
 
-    /// Which of the boxes about these points are near each triangle, the same at every level but for rounding.
+    /// Returns the boxes around `points` that are near a triangle, as bits, for each vector level.
     fn near(&self, lane: usize, points: &[Vector; LANES]) -> Vec<u32> {
         let mut boxes = BoxLanes::default();
         for (at, point) in points.iter().enumerate() {

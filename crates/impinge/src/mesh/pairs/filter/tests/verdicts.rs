@@ -1,4 +1,4 @@
-//! Whether what the filter says of pairs of triangles is true.
+//! Verdicts of the filter compared with the exact decision.
 
 use std::collections::HashMap;
 
@@ -12,7 +12,7 @@ use crate::exact::{Placement, triangles_intersect};
 use crate::mesh::pairs::sides::Sides;
 use crate::simd::{Level, dispatch, levels};
 
-/// A triangle made to meet or just miss `host`, by `gap`.
+/// Returns a triangle that intersects `host` or just misses it, by about `gap`.
 fn close_to(rng: &mut Rng, host: &[Point; 3], gap: f64) -> [Point; 3] {
     let [p, q, r] = host;
     let edge = along(p, q, rng.unit());
@@ -52,13 +52,14 @@ fn close_to(rng: &mut Rng, host: &[Point; 3], gap: f64) -> [Point; 3] {
 enum Kind {
     Generic,
     Close,
-    /// Of other sizes by up to 2^50, and close.
+    /// Close, with sizes that differ by up to 2^50.
     Sized,
-    /// Slivers that pass each other, closely or not.
+    /// Slivers that pass each other, at a small distance or a large one.
     Slivers,
 }
 
-/// A triangle of length one or two along a direction through a point, so thin that single precision does not know its plane.
+/// Returns a triangle of length one or two along a direction through a point, so thin that single
+/// precision does not determine its plane.
 fn sliver(rng: &mut Rng, through: &Point, direction: &Point) -> [Point; 3] {
     let end: Point = std::array::from_fn(|axis| through[axis] + direction[axis]);
     let other = along(&end, through, rng.uniform(1.5, 3.0));
@@ -74,7 +75,7 @@ enum Verdict {
     Undecided,
 }
 
-/// Takes on what is near of two packets.
+/// Adds the near pairs of two packets to the candidates.
 fn push_pairs(level: Level, host: &Side8, guest: &Side8, sides: Sides, candidates: &mut Candidates) {
     let (relation, back) = (relate(host, guest), relate(guest, host));
     dispatch!(level, simd => {
@@ -87,7 +88,8 @@ fn push_pairs(level: Level, host: &Side8, guest: &Side8, sides: Sides, candidate
     });
 }
 
-/// Judges candidates, eight at a time, while there are so many at least, and says of which faces each is.
+/// Classifies candidates, eight at a time, as long as at least `min_count` are left. Returns the
+/// faces and the verdict of each.
 fn classify_all(level: Level, candidates: &mut Candidates, min_count: usize) -> Vec<([usize; 2], Verdict)> {
     let mut classified = Vec::new();
     while candidates.count() - classified.len() >= min_count {
@@ -109,7 +111,7 @@ fn classify_all(level: Level, candidates: &mut Candidates, min_count: usize) -> 
     classified
 }
 
-/// Counts of pairs that were proved to meet, proved apart, and left undecided.
+/// Numbers of pairs that were proved to intersect, proved apart, and left undecided.
 #[derive(Clone, Copy, Debug, Default)]
 struct Outcomes {
     intersecting: usize,
@@ -117,10 +119,10 @@ struct Outcomes {
     undecided: usize,
 }
 
-/// Two packets.
+/// Returns two packets.
 fn packets(rng: &mut Rng, kind: Kind) -> (Side8, Side8) {
     let (hosts, guests) = (rng.integer(1, 8) as usize, rng.integer(1, 8) as usize);
-    // Slivers of a packet lie alike, or not.
+    // Slivers of one packet are parallel in some cases.
     let (same, common) = (rng.one_in(2), [0; 2].map(|_| unit_point(rng)));
     let direction = |rng: &mut Rng, side: usize| {
         let turn = if same { 0.0 } else { rng.choose(&[0.01, 1.0]) };
@@ -151,7 +153,7 @@ fn packets(rng: &mut Rng, kind: Kind) -> (Side8, Side8) {
                 let gap = if rng.one_in(8) { 0.0 } else { power_of_two(rng, -54, -4) };
                 let host = &host[i % hosts];
                 let near = close_to(rng, host, gap);
-                // About its first corner, which is close in half of the cases.
+                // Scaled about its first corner, which is close in half of the cases.
                 let size = if rng.one_in(4) { size.sqrt() } else { size };
                 near.map(|corner| along(&near[0], &corner, size))
             }
@@ -163,7 +165,7 @@ fn packets(rng: &mut Rng, kind: Kind) -> (Side8, Side8) {
             *x = f64::from(*x as f32);
         }
     }
-    // A map of both changes no answer, nor does a power of two that the pose takes back.
+    // A map of both meshes changes no answer, nor does a power of two that the pose takes back.
     let common = match rng.integer(0, 3) {
         0 => large_integer_map(rng),
         1 => rotation(rng),
@@ -202,7 +204,8 @@ fn classify_packets(kind: Kind, seed: u64, count: usize) -> Outcomes {
             let mut candidates = Candidates::EMPTY;
             push_pairs(level, &host, &guest, Sides::FIRST_HOSTS, &mut candidates);
             let count = candidates.count();
-            let classified: HashMap<[usize; 2], Verdict> = classify_all(level, &mut candidates, 1).into_iter().collect();
+            let classified: HashMap<[usize; 2], Verdict> =
+                classify_all(level, &mut candidates, 1).into_iter().collect();
             assert_eq!((classified.len(), candidates.count()), (count, 0), "{name}: a pair came twice");
             assert!(classified.keys().all(|&[h, g]| h < hosts && g < guests), "{name}: a lane without a triangle");
             for [h, g] in (0..hosts).flat_map(|h| (0..guests).map(move |g| [h, g])) {
@@ -216,7 +219,7 @@ fn classify_packets(kind: Kind, seed: u64, count: usize) -> Outcomes {
                 *(if intersects { &mut outcomes.intersecting } else { &mut outcomes.apart }) += 1;
                 asked += 1;
                 if asked % 101 == 0 {
-                    // An oracle that shares nothing with the engine.
+                    // An oracle that shares no code with the engine.
                     let (a, b) = (host.mesh.corners(h as u32), guest.mesh.corners(g as u32));
                     assert_eq!(truth, oracle::triangles_meet(&a, &host.pose, &b, &guest.pose));
                 }
@@ -231,7 +234,10 @@ fn generic_pairs_are_decided_correctly() {
     let Outcomes { intersecting, apart, undecided } = classify_packets(Kind::Generic, 84, 800);
     let total = intersecting + apart + undecided;
     assert!(undecided * 50 < total, "{undecided} of {total} are undecided");
-    assert!(intersecting * 10 > total && apart * 3 > total, "{intersecting} intersect and {apart} are apart of {total}");
+    assert!(
+        intersecting * 10 > total && apart * 3 > total,
+        "{intersecting} intersect and {apart} are apart of {total}"
+    );
 }
 
 #[test]
@@ -239,7 +245,10 @@ fn close_pairs_are_never_wrong() {
     for (kind, seed, rare) in [(Kind::Close, 85, 20), (Kind::Sized, 86, 200)] {
         let Outcomes { intersecting, apart, undecided } = classify_packets(kind, seed, 1_500);
         let total = intersecting + apart + undecided;
-        assert!(intersecting * rare > total && apart * 10 > total && undecided * 20 > total, "{kind:?}: {intersecting} {apart} {undecided}");
+        assert!(
+            intersecting * rare > total && apart * 10 > total && undecided * 20 > total,
+            "{kind:?}: {intersecting} {apart} {undecided}"
+        );
     }
 }
 
@@ -247,10 +256,14 @@ fn close_pairs_are_never_wrong() {
 fn slivers_that_pass_each_other_are_apart() {
     let Outcomes { intersecting, apart, undecided } = classify_packets(Kind::Slivers, 87, 1_500);
     let total = intersecting + apart + undecided;
-    assert!(undecided * 6 < total && undecided * 100 > total, "{intersecting} intersect, {apart} are apart and {undecided} are undecided");
+    assert!(
+        undecided * 6 < total && undecided * 100 > total,
+        "{intersecting} intersect, {apart} are apart and {undecided} are undecided"
+    );
 }
 
-/// Candidates of many packets, in vectors of whichever, and those of each packet alone, as either mesh.
+/// Candidates of many packets in shared vectors get the same verdicts as those of each packet
+/// alone, whichever mesh is the host.
 #[test]
 fn other_candidates_of_a_batch_change_no_verdict() {
     let mut rng = Rng::new(88);
