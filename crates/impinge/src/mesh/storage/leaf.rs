@@ -59,7 +59,7 @@ mod tests {
 
     /// Only a sound leaf is equal to the leaf that is made from its faces.
     #[test]
-    fn sound_leaves_are_what_leaves_of_their_faces_are() {
+    fn a_leaf_is_sound_if_it_equals_the_leaf_of_its_faces() {
         let mut rng = Rng::new(171);
         let (mut sound, mut unsound) = (BTreeSet::new(), 0);
         for _ in 0..20_000 {

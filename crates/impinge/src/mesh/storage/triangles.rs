@@ -275,7 +275,9 @@ pub(in crate::mesh) mod tests {
                     );
                     let local_origin = match &corners {
                         Corners::Single(stored) => frame.pack(stored.origin_in_mesh_frame(triangles.local_origin)),
-                        Corners::SingleWidened(stored) => frame.pack(stored.origin_in_mesh_frame(triangles.local_origin)),
+                        Corners::SingleWidened(stored) => {
+                            frame.pack(stored.origin_in_mesh_frame(triangles.local_origin))
+                        }
                         Corners::Double(stored) => frame.pack(stored.origin_in_mesh_frame(triangles.local_origin)),
                     };
                     let ([x, y, z], [low, high]) = triangles.slab();
