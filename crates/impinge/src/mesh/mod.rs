@@ -1,20 +1,21 @@
-//! Triangle meshes: validated once, packed, with their hierarchy, and the one descent of two meshes.
+//! Triangle meshes: validated once, packed for SIMD, with a bounding volume hierarchy, and the
+//! simultaneous descent of two meshes.
 //!
-//! The module is a house of rooms. Each room needs only the rooms before it in this list:
+//! Each folder uses only the folders before it in this list:
 //!
 //! - `storage` holds the arrays: positions, faces, the packed frame, leaves and packets.
-//! - `derived` holds the values that are computed from the arrays when a query first needs them:
-//!   connectivity, the reach of the border, the moments of the faces below each node.
-//! - `triangle_mesh` has [`Mesh`], which owns all of these, and `placed` has a mesh with its pose.
-//! - `report` describes a mesh: its health, its hierarchy, the simpler volumes that may stand for it.
-//! - `lifecycle` makes and changes meshes: validation, building, refitting, rebuilding, repairing,
-//!   storing.
+//! - `derived` holds the values that are computed when a query first needs them: connectivity, the
+//!   distance up to which the border matters, the moments of the faces below each node.
+//! - `triangle_mesh` defines [`Mesh`], which owns all of these, and `placed` a mesh with its pose.
+//! - `report` describes a mesh: its health, its hierarchy, and simpler volumes that can replace it.
+//! - `lifecycle` makes and changes meshes: it validates, builds, refits, rebuilds, repairs and
+//!   stores.
 //! - `points` answers queries of points and rays.
-//! - `pairs` finds the pairs of faces that intersect: of two meshes, and of a mesh and itself.
-//! - `solid` takes meshes as solids: winding numbers, and the sides of faces.
+//! - `pairs` finds pairs of intersecting faces, of two meshes and within one mesh.
+//! - `solid` treats meshes as solids: winding numbers, and the sides of faces.
 //! - `distance` finds the nearest points of two meshes.
 //!
-//! `options` says how a query runs, and what may end it early.
+//! `options` sets how a query runs and when it is interrupted.
 
 mod derived;
 mod distance;

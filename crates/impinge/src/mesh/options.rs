@@ -1,17 +1,18 @@
-//! How a query of two meshes runs.
+//! Options of a query of two meshes.
 
 use std::fmt;
 
 use crate::simd::{self, Level};
 
-/// How a query runs. Level and host change no answer: they are for measuring and for tests that say so.
+/// Options of a query. `level` and `host` change no answer: they exist for measurements and for
+/// tests that compare all of them.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'i> {
     /// The vector unit to use.
     pub level: Level,
-    /// In whose frame boxes and triangles are compared.
+    /// Which mesh is the host, in whose frame boxes and triangles are compared.
     pub host: HostChoice,
-    /// What may end the query before its time.
+    /// A function that can end the query early.
     pub interrupt: Interrupt<'i>,
 }
 
@@ -21,23 +22,24 @@ impl Default for Options<'_> {
     }
 }
 
-/// In whose frame two meshes are compared.
+/// Which of two meshes is the host, in whose frame both are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HostChoice {
-    /// The one in which rounding costs less, relative to the mesh carried into it (*Notes on Real Time Collision
-    /// Detection*, 2.2).
+    /// The mesh in whose frame the rounding error is smaller, relative to the size of the mesh that
+    /// is carried into it (*Notes on Real Time Collision Detection*, 2.2).
     SmallerError,
-    /// Always the first mesh's.
+    /// Always the first mesh.
     First,
-    /// Always the second mesh's.
+    /// Always the second mesh.
     Second,
 }
 
-/// A function that may end a long query early.
+/// A function that can end a long query early.
 ///
-/// The query calls it about every 100 microseconds. Once it returns true the query ends soon, with a safe answer: the
-/// surfaces intersect, they are within any clearance, and the lower bound of their distance is zero. A list of pairs has
-/// the pairs found so far. The caller has to discard such an answer.
+/// The query calls it about every 100 microseconds. If it returns `true`, the query ends soon with
+/// a conservative answer: the surfaces intersect, they are within any clearance, and the lower
+/// bound of their distance is zero. A list of pairs holds the pairs found so far. The caller must
+/// discard such an answer.
 ///
 /// ```
 /// use std::time::{Duration, Instant};
@@ -57,16 +59,17 @@ pub enum HostChoice {
 pub struct Interrupt<'i>(Option<&'i (dyn Fn() -> bool + Sync)>);
 
 impl<'i> Interrupt<'i> {
-    /// Lets the work go on to its end.
+    /// Never ends a query early.
     pub const NEVER: Self = Self(None);
 
-    /// Ends the work once `is_wanted` returns true. Several threads may call it at once.
+    /// Returns an interrupt that ends a query once `is_wanted` returns `true`. Several threads may
+    /// call it at once.
     #[must_use]
     pub fn when(is_wanted: &'i (dyn Fn() -> bool + Sync)) -> Self {
         Self(Some(is_wanted))
     }
 
-    /// Reports whether to give up.
+    /// Reports whether the query must end now.
     #[inline]
     pub(crate) fn is_wanted(self) -> bool {
         self.0.is_some_and(|is_wanted| is_wanted())

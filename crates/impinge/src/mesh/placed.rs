@@ -3,18 +3,20 @@
 use super::triangle_mesh::Mesh;
 use crate::math::Pose;
 
-/// A mesh, as its surface or as a solid, and where it stands in the world.
+/// A mesh with its pose in the world, taken as a surface or as a solid.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedMesh<'a> {
     /// The mesh.
     pub mesh: &'a Mesh,
-    /// Maps the mesh's own frame to the world.
+    /// Maps the mesh frame to the world frame.
     pub world_from_mesh: Pose,
-    /// Whether the mesh is a solid: its surface and all points that it winds round more than half.
+    /// Whether the mesh is a solid: its surface and all points whose winding number is above one
+    /// half.
     pub is_solid: bool,
 }
 
-/// A mesh taken as a solid: its surface and all points that it winds round more than half ([`Mesh::solid`]).
+/// A mesh taken as a solid: its surface and all points whose winding number is above one half. See
+/// [`Mesh::solid`].
 #[derive(Clone, Copy, Debug)]
 pub struct SolidMesh<'a>(pub(crate) &'a Mesh);
 
@@ -25,7 +27,8 @@ impl Mesh {
         PlacedMesh { mesh: self, world_from_mesh, is_solid: false }
     }
 
-    /// Returns the mesh as a solid, for a query: what lies wholly inside it intersects it too.
+    /// Returns the mesh as a solid, for a query. A shape that lies wholly inside a solid intersects
+    /// it.
     ///
     /// ```
     /// use impinge::{Mesh, Pose, Positions, query};
@@ -53,14 +56,14 @@ impl<'a> SolidMesh<'a> {
 }
 
 impl<'a> From<&'a Mesh> for PlacedMesh<'a> {
-    /// The surface of the mesh where its own frame is the world.
+    /// Returns the surface of the mesh with the identity as its pose.
     fn from(mesh: &'a Mesh) -> Self {
         mesh.at(Pose::IDENTITY)
     }
 }
 
 impl<'a> From<SolidMesh<'a>> for PlacedMesh<'a> {
-    /// The solid where its own frame is the world.
+    /// Returns the solid with the identity as its pose.
     fn from(solid: SolidMesh<'a>) -> Self {
         solid.at(Pose::IDENTITY)
     }

@@ -1,4 +1,4 @@
-//! The triangle mesh: its arrays, its hierarchy, and the values that queries derive and keep.
+//! The triangle mesh: its arrays, its hierarchy, and the values that queries derive and cache.
 
 use std::sync::{Arc, OnceLock};
 
@@ -7,7 +7,7 @@ use super::derived::moments::FarField;
 use super::derived::topology::{Components, Topology};
 use super::storage::frame::PackedFrame;
 use super::storage::leaf::Leaf;
-use super::storage::packet::{Made, Packets};
+use super::storage::packet::{PacketCache, Packets};
 use super::storage::positions::{Positions, Vertices};
 use super::storage::stamp::Stamp;
 use super::storage::stored_corners;
@@ -16,10 +16,11 @@ use crate::hierarchy::WideTree;
 use crate::math::vec3::Vector;
 use crate::storage::Buffer;
 
-/// A triangle mesh, judged and packed, with its hierarchy; cheap to clone, and never changing under a query.
+/// A validated triangle mesh with its hierarchy. It is cheap to clone, as clones share all data,
+/// and it never changes during a query.
 ///
-/// A mesh is its surface: the union of its closed triangles. A triangle without area is the segment or the point that
-/// it spans, and counts like any other. Face `i` is row `i` of what was given.
+/// A mesh is its surface: the union of its closed triangles. A triangle without area is the segment
+/// or the point that its corners span, and counts like any other. Face `i` is row `i` of the input.
 ///
 /// ```
 /// use impinge::{Mesh, Positions, query};
@@ -32,98 +33,105 @@ use crate::storage::Buffer;
 #[derive(Clone, Debug)]
 pub struct Mesh(pub(super) Arc<Data>);
 
+/// The data of a mesh, which its clones share.
 #[derive(Debug)]
 pub(super) struct Data {
+    /// Changes when the vertices move, so that caches can detect it.
     pub(super) stamp: Stamp,
     pub(super) vertices: Vertices,
-    /// Shared by all meshes that were refitted from one.
+    /// The faces, shared by all meshes that were refitted from one mesh.
     pub(super) faces: Arc<Buffer<[u32; 3]>>,
+    /// Maps the mesh frame to the packed frame.
     pub(super) frame: PackedFrame,
-    /// About the frame's origin.
+    /// Bounds of the distance of the mesh from the origin of `frame` on each axis, in the mesh
+    /// frame and its unit, rounded up.
     pub(super) half_extents: Vector,
     pub(super) tree: WideTree,
-    /// Likewise.
+    /// The leaves, shared by all meshes that were refitted from one mesh.
     pub(super) leaves: Arc<Buffer<Leaf>>,
-    /// The packets of leaves that were met.
-    pub(super) made: Made,
-    /// What the tree costs, noted when it is refitted or first asked for.
+    /// The packets that queries have made so far.
+    pub(super) packet_cache: PacketCache,
+    /// Expected cost of a query of the tree; stored by a refit or computed when first needed.
     pub(super) cost: OnceLock<f64>,
-    /// What each subtree cost when it was built, noted when it is first refitted.
+    /// Cost of each subtree when it was built; computed before the first refit.
     pub(super) costs_as_built: OnceLock<Arc<[f64]>>,
-    /// Made when a question about solids first needs it.
+    /// How the faces are connected; computed when first needed.
     pub(super) topology: OnceLock<Topology>,
-    /// Made when a winding number first needs it.
+    /// Moments of the faces below each node; computed when a winding number first needs them.
     pub(super) far_field: OnceLock<FarField>,
-    /// Made when a question first depends on how faces are connected along edges.
+    /// Components of the faces that are connected along edges; computed when first needed.
     pub(super) sheets: OnceLock<Components>,
-    /// Made when a question first asks where the mesh is far enough from its border.
+    /// Boxes about the border, and the distance beyond which it does not matter; computed when
+    /// first needed.
     pub(super) cap: OnceLock<Cap>,
 }
 
 impl Mesh {
-    /// The positions, in the mesh's own frame.
+    /// Returns the vertex positions, in the mesh frame.
     #[inline]
     #[must_use]
     pub fn positions(&self) -> &Positions {
         self.0.vertices.positions()
     }
 
-    /// The faces as given.
+    /// Returns the faces as given: three vertex indices each.
     #[inline]
     #[must_use]
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.0.faces
     }
 
-    /// The corners of a face, in the mesh's own frame.
+    /// Returns the corners of a face, in the mesh frame.
     ///
     /// # Panics
-    /// Where there is no such face.
+    /// If `face` is not below the number of faces.
     #[inline]
     #[must_use]
     pub fn corners(&self, face: u32) -> Corners {
         self.0.faces[face as usize].map(|vertex| self.0.vertices.get(vertex as usize))
     }
 
-    /// How the faces hang together.
+    /// Returns how the faces are connected, computed at the first call.
     pub(crate) fn topology(&self) -> &Topology {
         let slot = &self.0.topology;
-        // Not while the slot is locked: a thread that waits for its sorting may take up a task that needs the slot too.
+        // Computed before the slot is locked. A thread that waits for the parallel sort may run
+        // another task that needs the slot, which would be a deadlock.
         if slot.get().is_none() {
             let _ = slot.set(Topology::of(self.positions(), &self.0.faces));
         }
         slot.get_or_init(|| Topology::of(self.positions(), &self.0.faces))
     }
 
-    /// The faces at a vertex, which is the first at its position, ascending; one that has it twice comes twice.
+    /// Returns the faces at a vertex, ascending. The vertex must be the first one at its position.
+    /// A face that has it twice is listed twice.
     ///
     /// # Complexity
-    /// O(n) the first time, then constant.
+    /// O(n) at the first call, then constant.
     pub(crate) fn faces_at(&self, vertex: u32) -> &[u32] {
         self.topology().faces_at(self.faces(), vertex)
     }
 
-    /// The packets of its leaves.
+    /// Returns access to the packets of the leaves.
     pub(crate) fn packets(&self) -> Packets<'_> {
         let data = &*self.0;
         let corners = stored_corners::Corners::of(data.vertices.slice(), &data.faces, data.frame);
-        Packets::new(&data.leaves, &data.made, corners)
+        Packets::new(&data.leaves, &data.packet_cache, corners)
     }
 
-    /// What one leaf holds.
+    /// Returns a leaf, which names its faces.
     #[inline(always)]
     pub(crate) fn leaf(&self, leaf: u32) -> &Leaf {
         &self.0.leaves[leaf as usize]
     }
 
-    /// The moments of the faces below each node.
+    /// Returns the moments of the faces below each node, computed at the first call.
     pub(crate) fn far_field(&self) -> &FarField {
         let data = &*self.0;
         data.far_field.get_or_init(|| FarField::of(&data.tree, &data.leaves, &data.frame, |face| self.corners(face)))
     }
 
-    /// Bytes that the mesh and its hierarchy hold, with what questions have added to be asked again: 40 bytes a triangle where they
-    /// met every leaf.
+    /// Returns the number of bytes of the mesh, its hierarchy and its packets. A packet is made
+    /// when a query first reaches its leaf. All packets together take 40 bytes per triangle.
     #[must_use]
     pub fn memory(&self) -> usize {
         let data = &*self.0;
@@ -131,7 +139,7 @@ impl Mesh {
             + size_of_val(&data.faces[..])
             + size_of_val(data.tree.nodes())
             + size_of_val(&data.leaves[..])
-            + data.made.memory()
+            + data.packet_cache.memory()
     }
 }
 
@@ -145,7 +153,7 @@ impl Data {
     ) -> Self {
         let (cost, costs_as_built, topology, far_field) = Default::default();
         let (sheets, cap) = Default::default();
-        let (stamp, made) = (Stamp::new(), Made::none(leaves.len()));
+        let (stamp, packet_cache) = (Stamp::new(), PacketCache::new(leaves.len()));
         let half_extents = frame.half_extents(&tree);
         Self {
             stamp,
@@ -155,7 +163,7 @@ impl Data {
             half_extents,
             tree,
             leaves,
-            made,
+            packet_cache,
             cost,
             costs_as_built,
             topology,

@@ -1,7 +1,8 @@
-//! How a mesh's hierarchy has aged by being refitted, and two ways to make it young again.
+//! Measures how refits have degraded a hierarchy, and rebuilds it as a whole or in part.
 //!
-//! A refit keeps every answer and the hierarchy's layout. Where neighbours have moved apart, the boxes above them overlap
-//! others, and queries look where nothing is. The expected cost of a descent, by the surface area heuristic, tells how much.
+//! A refit keeps every answer correct and keeps the layout of the hierarchy. But if neighboring
+//! faces have moved apart, the boxes above them grow and overlap others, and queries visit more
+//! nodes. The expected cost of a query by the surface area heuristic measures this.
 
 use std::sync::Arc;
 
@@ -16,29 +17,30 @@ use crate::mesh::triangle_mesh::{Data, Mesh};
 use crate::storage::{Buffer, Pages};
 use crate::volume::Aabb;
 
-/// How a hierarchy has aged since it was built. Both costs are the expected number of nodes that something small in the
-/// root's box meets, so that they do not depend on the mesh's size.
+/// How a hierarchy has degraded since it was built. Each cost is the expected number of nodes that
+/// a small object in the root's box overlaps, so it does not depend on the size of the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aging {
-    /// What it costs as it is.
+    /// Cost of the hierarchy as it is.
     pub cost: f64,
-    /// What it cost when it was built, or last rebuilt.
+    /// Cost when the hierarchy was built or last rebuilt.
     pub cost_when_built: f64,
 }
 
 impl Aging {
-    /// Beyond this ratio of the costs a rebuild is worth its time for those who ask the mesh more than once between
-    /// moves. Less makes rebuilds that gain little, more leaves queries slower than they need be: `docs/hierarchies.md` has the
-    /// measurement.
+    /// Ratio of the costs above which a rebuild pays, if the mesh is queried more than once between
+    /// moves. A smaller value causes rebuilds that gain little; a larger one leaves queries slower
+    /// than necessary. The measurement is in `docs/hierarchies.md`.
     pub const WORTH_REBUILDING: f64 = 1.5;
 
-    /// How many times what it cost when built it costs now; one for a new one, and less where moving made it better.
+    /// Returns the cost now divided by the cost when built: 1 for a new hierarchy, and less than 1
+    /// if moving the vertices has improved it.
     #[must_use]
     pub fn ratio(&self) -> f64 {
         self.cost / self.cost_when_built
     }
 
-    /// Whether the ratio is beyond [`WORTH_REBUILDING`](Self::WORTH_REBUILDING).
+    /// Reports whether the ratio is above [`WORTH_REBUILDING`](Self::WORTH_REBUILDING).
     #[must_use]
     pub fn is_worth_rebuilding(&self) -> bool {
         self.ratio() > Self::WORTH_REBUILDING
@@ -46,15 +48,15 @@ impl Aging {
 }
 
 impl Mesh {
-    /// How the hierarchy has aged; what [`refit`](Self::refit) returned.
+    /// Returns how the hierarchy has aged, as the last [`refit`](Self::refit) did.
     #[must_use]
     pub fn aging(&self) -> Aging {
         let data = &*self.0;
         Aging { cost: data.cost(), cost_when_built: data.costs_as_built().first().copied().unwrap_or(1.0) }
     }
 
-    /// Builds the hierarchy anew from where the vertices are. Whoever holds a clone keeps the old one; no answer depends on
-    /// it.
+    /// Builds the hierarchy again for the current vertices. Clones of the mesh keep the old one. No
+    /// answer depends on it.
     ///
     /// ```
     /// # use impinge::{Mesh, Positions, hierarchy::Builder};
@@ -75,10 +77,11 @@ impl Mesh {
         self.with_vertices(|vertices, old| Data::new(vertices, old.faces.clone(), old.frame, tree, Arc::new(leaves)));
     }
 
-    /// Builds anew the smallest subtrees whose cost exceeds [`WORTH_REBUILDING`](Aging::WORTH_REBUILDING) times what it was
-    /// when built, and leaves the others as they are: less work than [`rebuild`](Self::rebuild) where a part of the mesh has
-    /// moved. What stays goes on aging from where it was; what holds anything new ages from now on. Returns how many faces
-    /// were built anew.
+    /// Rebuilds the smallest subtrees whose cost exceeds
+    /// [`WORTH_REBUILDING`](Aging::WORTH_REBUILDING) times their cost when built, and keeps the
+    /// others. If only a part of the mesh has moved, this is less work than
+    /// [`rebuild`](Self::rebuild). Kept subtrees continue to age from their old cost. Subtrees with
+    /// rebuilt parts age from now on. Returns the number of faces in rebuilt subtrees.
     ///
     /// # Complexity
     /// A refit, and O(k log k) for subtrees of k faces.
@@ -105,7 +108,7 @@ impl Mesh {
         });
         let cost = data.moved().fit(&mut renewal.tree, &leaves);
         let mut costs = renewal.costs_as_built(data.costs_as_built());
-        // Of the root, below which something is new.
+        // The cost of the root, which has a rebuilt part below it.
         costs[0] = cost;
         let tree = renewal.tree;
         let faces = layouts.iter().flatten().map(|leaf| leaf.held().len()).sum();
@@ -117,7 +120,7 @@ impl Mesh {
         faces
     }
 
-    /// Puts another hierarchy over the same vertices.
+    /// Replaces the data of the mesh by the result of `data`, which gets the same vertices.
     fn with_vertices(&mut self, data: impl FnOnce(Vertices, &Data) -> Data) {
         let vertices = match Arc::get_mut(&mut self.0) {
             Some(old) => std::mem::replace(&mut old.vertices, Vertices::Given(Positions::F32(Vec::new()))),
@@ -128,7 +131,8 @@ impl Mesh {
 }
 
 impl Data {
-    /// What each subtree cost when it was built: as it is, unless it was noted before a refit.
+    /// Returns the cost of each subtree when it was built. If no refit has stored it, this is the
+    /// current cost.
     pub(in crate::mesh) fn costs_as_built(&self) -> &Arc<[f64]> {
         self.costs_as_built.get_or_init(|| {
             let mut costs = self.tree.subtree_costs();
@@ -137,15 +141,17 @@ impl Data {
         })
     }
 
+    /// Returns the cost of the tree, computed at the first call.
     fn cost(&self) -> f64 {
         *self.cost.get_or_init(|| self.tree.cost(self.leaves.len()))
     }
 
+    /// Returns the vertices, faces and frame, for fitting a tree.
     fn moved(&self) -> Moved<'_> {
         Moved { vertices: self.vertices.slice(), faces: &self.faces, frame: &self.frame }
     }
 
-    /// A new tree of the faces below an aged one, and the layouts of its leaves.
+    /// Builds a new tree of the faces below an aged subtree. Returns it with its leaves.
     fn rebuilt_subtree(&self, aged: &Aged) -> (WideTree, Vec<Leaf>) {
         let faces: Vec<u32> = self.leaves[aged.leaves.clone()].iter().flat_map(|leaf| leaf.held()).copied().collect();
         let boxes: Vec<Aabb> = faces.par_iter().map(|&face| self.face_bounds(face)).collect();
@@ -156,7 +162,7 @@ impl Data {
         (tree, layouts)
     }
 
-    /// The box of a face in the packed frame, as a builder is given it.
+    /// Returns the box of a face in the packed frame, rounded to nearest, as builders expect it.
     fn face_bounds(&self, face: u32) -> Aabb {
         let corners = self.faces[face as usize].map(|vertex| self.frame.pack(self.vertices.get(vertex as usize)));
         Aabb::of_points(corners.map(|corner| corner.map(|x| x as f32)))

@@ -1,4 +1,8 @@
-//! Building: a builder lays the faces out, and what a refit does fits all to the vertices.
+//! Builds a mesh: a builder lays out the faces, and the code of a refit fits the boxes and slabs to
+//! the vertices.
+//!
+//! Guarded by `a_refit_to_where_it_was_changes_no_bit` in `engine/moving.rs` and by the benchmark
+//! `headline`.
 
 use std::sync::Arc;
 
@@ -17,7 +21,8 @@ use crate::mesh::triangle_mesh::{Data, Mesh};
 use crate::storage::{Buffer, Pages};
 
 impl Mesh {
-    /// Judges, packs and builds. Vectors are taken without copying them; slices and arrays are copied.
+    /// Validates the arrays and builds the hierarchy. Vectors are moved into the mesh without a
+    /// copy; slices and arrays are copied.
     ///
     /// ```
     /// use impinge::{Mesh, query};
@@ -28,12 +33,13 @@ impl Mesh {
     /// # Ok::<(), impinge::InputError>(())
     /// ```
     ///
-    /// Double precision positions that are all representable in single precision are stored so, which changes no
-    /// answer.
+    /// Double precision positions that single precision represents exactly are stored in single
+    /// precision, which changes no answer.
     ///
     /// # Errors
-    /// A coordinate that is not finite or not below 2^128 in magnitude; an index without a vertex; more vertices or
-    /// faces than can be numbered. Nothing is repaired and nothing is dropped.
+    /// If a coordinate is not finite or not below 2^128 in magnitude, if a face names a vertex that
+    /// does not exist, or if there are more vertices or faces than 32-bit indices can name. Nothing
+    /// is repaired and nothing is dropped.
     ///
     /// # Complexity
     /// O(n log n), on all cores of the current rayon pool.
@@ -41,7 +47,8 @@ impl Mesh {
         Self::with_builder(positions, faces, Builder::default())
     }
 
-    /// As [`new`](Self::new), with the hierarchy built by another strategy, which changes no answer.
+    /// Builds a mesh as [`new`](Self::new) does, with the hierarchy from another builder, which
+    /// changes no answer.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -61,7 +68,7 @@ impl Mesh {
     }
 }
 
-/// The tree of the faces and its leaves.
+/// Builds the tree of the faces. Returns it with its leaves.
 pub(in crate::mesh) fn built(
     vertices: VertexSlice<'_>,
     faces: &[[u32; 3]],
@@ -76,20 +83,21 @@ pub(in crate::mesh) fn built(
     }
 }
 
+/// Builds the tree for one kind of stored vertices.
 fn built_from(moved: &Moved<'_>, stored: impl StoredCorners, builder: Builder) -> (WideTree, Buffer<Leaf>) {
     let boxes = FaceBoxes(stored);
     match builder.strategy(moved.faces.len()) {
-        // The one that looks at centres alone.
+        // The only builder that uses nothing but the centers of boxes.
         Builder::Morton => fitted(moved, &tree_along_curve(&boxes, no_bounds)),
         strategy => fitted(moved, &strategy.build(&boxes.listed())),
     }
 }
 
-/// Keeps nothing of the boxes of a group. It is a function rather than a closure, so that all kinds
-/// of vertices share one builder, which is compiled once.
+/// Stores nothing about the boxes of a group. It is a function rather than a closure, so that all
+/// kinds of vertices share one builder, which is compiled once.
 fn no_bounds(_: &[u32]) {}
 
-/// The wide tree and its leaves, laid out as the binary tree says.
+/// Returns the wide tree and its leaves in the layout of the binary tree, fitted to the vertices.
 fn fitted<B: Bounds>(moved: &Moved<'_>, binary: &BinaryTree<B>) -> (WideTree, Buffer<Leaf>) {
     let (mut tree, places) = WideTree::collapse(binary);
     let mut leaves = Pages::zeroed(places.len());

@@ -1,4 +1,5 @@
-//! The boxes of a mesh's faces, as a builder asks for them: made from the vertices and never kept.
+//! The boxes of faces as a builder reads them. They are computed from the vertices and never
+//! stored.
 
 use fearless_simd::{Simd, f32x4};
 use rayon::prelude::*;
@@ -8,14 +9,15 @@ use crate::mesh::storage::stored_corners::StoredCorners;
 use crate::simd::LANES;
 use crate::volume::Aabb;
 
-/// Faces that are one task.
+/// Number of faces per task.
 const CHUNK: usize = 1 << 14;
 
-/// Faces over vertices.
+/// The faces of a mesh, as a source of boxes.
 pub(super) struct FaceBoxes<C>(pub(in crate::mesh) C);
 
 impl<C: StoredCorners> FaceBoxes<C> {
-    /// The boxes one by one in the packed frame, up to rounding: a builder lays out what a refit gives its bounds.
+    /// Returns the box of each face in the packed frame, rounded to nearest. A builder only lays
+    /// out the faces; exact bounds come from fitting.
     pub(in crate::mesh) fn listed(&self) -> Vec<Aabb> {
         let Self(stored) = self;
         let packed = |vertex: u32| stored.frame().pack(stored.vertex(vertex)).map(|x| x as f32);
@@ -39,11 +41,11 @@ impl<C: StoredCorners> Boxes for FaceBoxes<C> {
         let Self(stored) = self;
         let faces = &stored.faces().all()[first..];
         match faces.first_chunk::<LANES>() {
-            Some(faces) => stored.twice_centres(simd, faces),
+            Some(faces) => stored.twice_centers(simd, faces),
             None => {
                 let mut padded = [faces[0]; LANES];
                 padded[..faces.len()].copy_from_slice(faces);
-                stored.twice_centres(simd, &padded)
+                stored.twice_centers(simd, &padded)
             }
         }
     }

@@ -1,7 +1,12 @@
-//! Fitting nodes to where the corners below them are: boxes and slabs in the packed frame, outward (docs/proof.md, L1, L2a and L26).
+//! Fits nodes to the corners below them: computes their boxes and slabs in the packed frame,
+//! rounded outward (docs/proof.md, L1, L2a and L26).
 //!
-//! All leaves of a node are taken side by side, and their corners kept in single precision about one corner of the patch while the
-//! nodes above are fitted.
+//! All leaves of a node are processed together. Their corners are kept in single precision,
+//! relative to one corner of the patch, until the nodes above are fitted. A patch is a subtree that
+//! one thread refits.
+//!
+//! Guarded by the tests below, by `a_refit_to_where_it_was_changes_no_bit` in `engine/moving.rs`,
+//! and by the benchmark `refit`.
 
 use std::ops::Range;
 
@@ -13,46 +18,51 @@ use crate::mesh::storage::faces::VertexRows;
 use crate::mesh::storage::frame::{PACKING_ERROR, outward};
 use crate::mesh::storage::leaf::Leaf;
 use crate::mesh::storage::stored_corners::StoredCorners;
-use crate::mesh::storage::triangles::{CornerLanes, facing, heights, load_corners, store_corners};
+use crate::mesh::storage::triangles::{CornerLanes, doubled_area_vectors, heights, load_corners, store_corners};
 use crate::simd::{LANES, Lanes3, by_axis, prefetch_at};
 use crate::volume::Aabb;
 
-/// All corners at one point.
+/// Corners that are all at one point.
 pub(super) const NO_CORNERS: CornerLanes = [[[0.0; LANES]; 3]; 3];
 
-/// How long before their turn leaves are asked for, and their faces; they are looked up one node before it.
+/// Number of leaves by which leaves, and their faces, are prefetched before they are processed.
+/// Vertices are looked up one node ahead.
 const LEAVES_AHEAD: usize = 6 * LANES;
 const FACES_AHEAD: usize = 3 * LANES;
 
-/// Of the lanes whose vertices are asked for: those of neighbours are most often in the same line of the cache.
-const EVERY_OTHER: [usize; 4] = [0, 2, 4, 6];
+/// Lanes whose vertices are prefetched. The vertices of neighboring lanes are most often in the
+/// same cache line.
+const PREFETCHED_LANES: [usize; 4] = [0, 2, 4, 6];
 
-/// The leaves of a patch, and the corners of those that were looked at, about one of them.
+/// The leaves of a patch, and the corners of the leaves processed so far, relative to one corner.
 pub(super) struct Fitting<'a, S: Simd, C: StoredCorners> {
     simd: S,
     stored: C,
     leaves: &'a [Leaf],
     corners: &'a mut [CornerLanes],
-    /// What they are about, in the mesh's own frame and in the packed one.
-    place: [f64; 3],
-    packed_place: [f64; 3],
-    /// The vertices of the leaves at hand and of those that are next, each in the place that its number tells.
+    /// Local origin of `corners`, in the mesh frame and in the packed frame.
+    origin: [f64; 3],
+    packed_origin: [f64; 3],
+    /// Vertex indices of the current leaves and of the next ones. The slot of a leaf is its number
+    /// modulo the length.
     ahead: [VertexRows; 2 * LANES],
-    /// Of the leaves at hand; those of others where there are less than eight.
+    /// Extremes of the current leaves. If a node has less than eight leaves, other entries are of
+    /// earlier leaves.
     extremes: [C::Extremes<S>; LANES],
 }
 
 impl<'a, S: Simd, C: StoredCorners> Fitting<'a, S, C> {
-    /// Of one leaf at least; `corners` is room for as many.
+    /// Prepares fitting for at least one leaf. `corners` must have room for as many leaves.
     #[inline(always)]
     pub(in crate::mesh) fn new(simd: S, stored: C, leaves: &'a [Leaf], corners: &'a mut [CornerLanes]) -> Self {
         let mut rows = [[0; 4]; LANES];
         stored.faces().look_up(simd, &leaves[0], &mut rows);
-        let place = stored.vertex(rows[0][0]);
-        let packed_place = stored.frame().pack(place);
+        let origin = stored.vertex(rows[0][0]);
+        let packed_origin = stored.frame().pack(origin);
         let (ahead, extremes) = ([rows; 2 * LANES], [stored.extremes_of(&stored.gather(simd, &rows)); LANES]);
-        let mut fitting = Self { simd, stored, leaves, corners, place, packed_place, ahead, extremes };
-        // One thing after the other for all that come first, as nothing was asked for yet.
+        let mut fitting = Self { simd, stored, leaves, corners, origin, packed_origin, ahead, extremes };
+        // Nothing has been prefetched yet, so the first leaves, faces and vertices are requested in
+        // turn.
         let last = |count: usize| leaves.len().saturating_sub(count)..leaves.len();
         last(LEAVES_AHEAD).for_each(|leaf| prefetch_at(leaves, leaf));
         last(FACES_AHEAD).for_each(|leaf| fitting.prefetch_faces(leaf));
@@ -60,8 +70,8 @@ impl<'a, S: Simd, C: StoredCorners> Fitting<'a, S, C> {
         fitting
     }
 
-    /// Looks up the vertices of a leaf and asks for them; and for what is needed to look up others, as leaves lie in order, but their
-    /// faces anywhere.
+    /// Looks up and prefetches the vertices of a leaf. Also prefetches the leaves and faces that
+    /// the next calls need: leaves are stored in order, but their faces may be anywhere.
     #[inline(always)]
     fn look_ahead(&mut self, leaf: usize) {
         prefetch_at(self.leaves, leaf.wrapping_sub(LEAVES_AHEAD - LANES));
@@ -70,13 +80,14 @@ impl<'a, S: Simd, C: StoredCorners> Fitting<'a, S, C> {
         }
         let rows = &mut self.ahead[leaf % (2 * LANES)];
         self.stored.faces().look_up(self.simd, &self.leaves[leaf], rows);
-        for lane in EVERY_OTHER {
+        for lane in PREFETCHED_LANES {
             for corner in 0..2 {
                 self.stored.prefetch_vertex(rows[lane][corner]);
             }
         }
     }
 
+    /// Prefetches the vertex indices of the faces of a leaf.
     #[inline(always)]
     fn prefetch_faces(&self, leaf: usize) {
         self.leaves[leaf].faces.iter().for_each(|&face| self.stored.faces().prefetch(face));
@@ -84,11 +95,12 @@ impl<'a, S: Simd, C: StoredCorners> Fitting<'a, S, C> {
 }
 
 impl<S: Simd, C: StoredCorners> Leaves for Fitting<'_, S, C> {
-    /// No operation is fused, so that the bits are the same on every vector unit.
+    /// Computes the boxes of leaves and the sum of their area vectors. No operation is fused, so
+    /// that the bits are the same on every vector unit.
     #[inline(always)]
     fn fit(&mut self, at: Range<usize>) -> (BoxLanes, [f32; 3]) {
-        // Of its own here, so that it need not be looked up again after each leaf.
-        let (simd, stored, place) = (self.simd, self.stored, self.place);
+        // Local copies, so that they are not loaded again after each leaf.
+        let (simd, stored, origin) = (self.simd, self.stored, self.origin);
         let mut area: Lanes3<S> = [f32x8::splat(simd, 0.0); 3];
         for (lane, at) in at.enumerate() {
             if let Some(ahead) = at.checked_sub(LANES) {
@@ -96,21 +108,24 @@ impl<S: Simd, C: StoredCorners> Leaves for Fitting<'_, S, C> {
             }
             let gathered = stored.gather(simd, &self.ahead[at % (2 * LANES)]);
             self.extremes[lane] = stored.extremes_of(&gathered);
-            let corners = stored.about(simd, &gathered, place);
+            let corners = stored.about(simd, &gathered, origin);
             store_corners(&corners, &mut self.corners[at]);
-            let facing = facing(&corners);
-            area = by_axis!(axis => area[axis] + facing[axis]);
+            let vectors = doubled_area_vectors(&corners);
+            area = by_axis!(axis => area[axis] + vectors[axis]);
         }
         let bounds = stored.bounds(&stored.extremes(&self.extremes));
         (bounds, by_axis!(axis => sum(area[axis])))
     }
 
-    /// Across the direction in which the triangles face.
+    /// Computes the slab of leaves, perpendicular to the direction `facing` in which their
+    /// triangles face.
     ///
     /// # Accuracy
-    /// With u = 2^-24 and r the greatest coordinate of the node's corners about the place, a height is off by 3 (u r +
-    /// [`PACKING_ERROR`]) for its corner, and 8 u r for its three products and two sums; that of the place, of at most 3, by less than
-    /// 4 [`PACKING_ERROR`] in double precision, and their sum is rounded outward.
+    /// Let u = 2^-24, and r the largest coordinate of the node's corners relative to the local
+    /// origin. The error of a height is 3 (u r + [`PACKING_ERROR`]) for its corner, and 8 u r for
+    /// its three products and two sums. The height of the local origin is at most 3. Its error is
+    /// less than 4 [`PACKING_ERROR`] in double precision, and the sum of both heights is rounded
+    /// outward.
     #[inline(always)]
     fn slab(&self, leaves: Range<usize>, bounds: &Aabb, facing: [f32; 3]) -> Slab {
         let simd = self.simd;
@@ -127,17 +142,17 @@ impl<S: Simd, C: StoredCorners> Leaves for Fitting<'_, S, C> {
         }
         let radius = (0..3).fold(0.0_f64, |radius, axis| {
             let (low, high) = (f64::from(bounds.min[axis]), f64::from(bounds.max[axis]));
-            radius.max(self.packed_place[axis] - low).max(high - self.packed_place[axis])
+            radius.max(self.packed_origin[axis] - low).max(high - self.packed_origin[axis])
         });
         let error = 12.0 * HALF_ULP * radius + 8.0 * PACKING_ERROR;
         let [x, y, z] = normal.map(f64::from);
-        let place = x * self.packed_place[0] + y * self.packed_place[1] + z * self.packed_place[2];
-        let (min, max) = (f64::from(min.reduce_min()) + place, f64::from(max.reduce_max()) + place);
+        let origin = x * self.packed_origin[0] + y * self.packed_origin[1] + z * self.packed_origin[2];
+        let (min, max) = (f64::from(min.reduce_min()) + origin, f64::from(max.reduce_max()) + origin);
         Slab { normal, min: -outward((error - min) as f32), max: outward((max + error) as f32) }
     }
 }
 
-/// Of all lanes, in an order that is the same on every vector unit.
+/// Returns the sum of all lanes, in an order that is the same on every vector unit.
 #[inline(always)]
 fn sum<S: Simd>(lanes: f32x8<S>) -> f32 {
     let (low, high) = lanes.split();
@@ -157,7 +172,8 @@ mod tests {
     use crate::simd::levels;
     use crate::volume::Aabb;
 
-    /// A hundred triangles that all face up, in both precisions and at a scale that single precision alone is not enough for.
+    /// Returns meshes of a hundred triangles that all face up, in both precisions and at a scale
+    /// for which single precision is not enough.
     fn meshes(rng: &mut Rng, bumps: f64) -> Vec<Mesh> {
         let vertices: Vec<[f64; 3]> = (0..300)
             .map(|_| [rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0), bumps * rng.uniform(-1.0, 1.0)])
@@ -173,7 +189,7 @@ mod tests {
         kinds(&vertices).into_iter().map(build).collect()
     }
 
-    /// Slabs about many leaves hold all corners, whichever way the leaves face.
+    /// Slabs of many leaves hold all corners, whichever way the leaves face.
     #[test]
     fn slabs_hold_what_their_leaves_hold() {
         let mut rng = Rng::new(152);
@@ -193,7 +209,8 @@ mod tests {
         assert!(thin > 200, "{thin} of 600 are thin");
     }
 
-    /// A leaf's box is that of its faces in the packed frame, outward, and a node has the same bits at every vector level.
+    /// The box of a leaf is that of its faces in the packed frame, rounded outward. A node has the
+    /// same bits at every vector level.
     #[test]
     fn boxes_are_those_of_the_faces_at_every_vector_level() {
         let mut rng = Rng::new(153);

@@ -1,4 +1,4 @@
-//! How meshes come to be and change.
+//! Builds, changes and stores meshes.
 //!
 //! `validate` checks input arrays. `face_boxes` gives a builder the boxes of the faces, `fit`
 //! computes the boxes and slabs of nodes, and `moved` fits a whole tree to vertices. `build` makes

@@ -1,4 +1,4 @@
-//! Fits a tree to vertices: the part that a build, a refit and the validation of stored arrays share.
+//! Fits a tree to vertices. A build, a refit and the validation of stored arrays share this code.
 
 use rayon::prelude::*;
 
@@ -11,7 +11,7 @@ use crate::mesh::storage::stored_corners::Corners;
 use crate::mesh::storage::triangles::CornerLanes;
 use crate::simd::{Level, best_level, dispatch};
 
-/// Where everything is now.
+/// The vertices, faces and frame to which a tree is fitted.
 #[derive(Clone, Copy)]
 pub(super) struct Moved<'a> {
     pub(in crate::mesh) vertices: VertexSlice<'a>,
@@ -20,7 +20,8 @@ pub(super) struct Moved<'a> {
 }
 
 impl Moved<'_> {
-    /// Gives the nodes of a sound tree over these leaves all their numbers, and returns what it [costs](WideTree::cost).
+    /// Computes the boxes and slabs of all nodes of a sound tree over these leaves, and returns its
+    /// [cost](WideTree::cost).
     pub(in crate::mesh) fn fit(&self, tree: &mut WideTree, leaves: &[Leaf]) -> f64 {
         let patches = Patches::of(tree, leaves.len());
         let nodes = tree.nodes_mut();
@@ -33,7 +34,8 @@ impl Moved<'_> {
         patches.cost(nodes, &areas)
     }
 
-    /// Likewise of one patch of it; returns what the areas below its nodes add up to. `corners` is room that is used again.
+    /// Computes the boxes and slabs of one patch, and returns the sum of the areas below its nodes.
+    /// `corners` is a buffer that calls reuse.
     pub(super) fn fit_patch(
         &self,
         level: Level,

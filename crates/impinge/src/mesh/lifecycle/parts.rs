@@ -1,4 +1,5 @@
-//! The arrays that a mesh consists of, to be stored somewhere, and a mesh over such arrays that somebody else keeps.
+//! Lends the arrays of a mesh, so that they can be stored, and makes a mesh that borrows such
+//! arrays.
 
 use std::fmt;
 use std::ops::Range;
@@ -20,54 +21,57 @@ use crate::mesh::triangle_mesh::{Data, Mesh};
 use crate::simd::best_level;
 use crate::storage::{Buffer, SharedBytes};
 
-/// One of something for each array that a mesh consists of.
+/// One value for each array of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parts<T> {
-    /// How the packed frame lies in the mesh's own.
+    /// The map from the mesh frame to the packed frame.
     pub frame: T,
-    /// Three numbers a vertex, of the precision that goes with them.
+    /// Positions: three numbers per vertex, in single or double precision. The precision is not
+    /// stored in the array.
     pub positions: T,
-    /// Three vertices a face, 32 bits each.
+    /// Faces: three 32-bit vertex indices per face.
     pub faces: T,
-    /// The nodes of the hierarchy.
+    /// Nodes of the hierarchy.
     pub nodes: T,
-    /// Its leaves.
+    /// Leaves of the hierarchy.
     pub leaves: T,
 }
 
-/// Why arrays are not a mesh.
+/// Reason why arrays are not a valid mesh.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Flaw {
-    /// An array lies outside the bytes, is not a whole number of elements, or is not aligned for them.
+    /// An array lies outside the bytes, is not a whole number of elements, or is not aligned for
+    /// them.
     Shape {
-        /// Which array, by the name of its field in [`Parts`].
+        /// The array, by the name of its field in [`Parts`].
         part: &'static str,
     },
-    /// The vertices or the faces would be refused by [`Mesh::new`].
+    /// The vertices or the faces are invalid: [`Mesh::new`] would return this error.
     Input(InputError),
     /// The frame is not that of the vertices.
     Frame,
-    /// The nodes are no tree over the leaves, or too deep.
+    /// The nodes do not form a tree over the leaves, or the tree is too deep.
     Tree,
-    /// A leaf holds a face that there is not, or that another one holds.
+    /// A leaf holds a face that does not exist, or a face is held by no leaf or by two.
     Faces,
-    /// A box, slab or leaf is not what it is for these vertices.
+    /// A box or slab differs from that of the vertices.
     Bounds {
-        /// The node from which on it was found.
+        /// The first node of the subtree in which the difference was found, or 0 for the nodes
+        /// above all such subtrees.
         node: usize,
     },
 }
 
 impl Mesh {
-    /// The version of the form that [`parts`](Self::parts) have, which is one on all machines whose numbers are
-    /// little-endian: it changes whenever a build makes other bits of the same arrays.
+    /// Version of the layout of [`parts`](Self::parts). It is the same on all little-endian
+    /// machines. It changes whenever a build makes other bits from the same arrays.
     pub const PARTS_VERSION: u32 = 4;
 
-    /// No array needs a larger alignment, in bytes.
+    /// Maximum alignment that an array needs, in bytes.
     pub const PARTS_ALIGNMENT: usize = align_of::<Node>();
 
-    /// The arrays that the mesh consists of, as they are in memory.
+    /// Returns the arrays of the mesh as bytes, as they are in memory.
     #[must_use]
     pub fn parts(&self) -> Parts<&[u8]> {
         let data = &*self.0;
@@ -80,22 +84,25 @@ impl Mesh {
         }
     }
 
-    /// Whether the vertices are kept in single precision: four bytes a coordinate, else eight.
+    /// Reports whether the vertices are stored in single precision, in four bytes per coordinate
+    /// instead of eight.
     #[must_use]
     pub fn is_single_precision(&self) -> bool {
         matches!(self.0.vertices.slice(), VertexSlice::F32(_))
     }
 
-    /// A mesh over arrays in somebody's bytes, which are not copied, nor looked at except for the frame's.
+    /// Returns a mesh that borrows its arrays from shared bytes. They are not copied, and only the
+    /// array of the frame is read.
     ///
-    /// The bytes are believed: where they are not what [`parts`](Self::parts) gave, answers may be wrong, and questions may panic
-    /// or go on without end. Nothing is ever read or written outside them. [`validate`](Self::validate) removes all doubt.
+    /// The content of the bytes is trusted. If it is not what [`parts`](Self::parts) returned,
+    /// answers may be wrong, and queries may panic or never end. Nothing outside the bytes is ever
+    /// read or written. Call [`validate`](Self::validate) for bytes that you do not trust.
     ///
     /// # Errors
-    /// An array that does not fit.
+    /// If an array does not fit, as described at [`Flaw::Shape`].
     ///
     /// # Complexity
-    /// Nothing is read; a list of empty places for packets is made, 8 bytes for 64 triangles.
+    /// Constant time but for a list of empty slots for packets: 8 bytes for 64 triangles.
     pub fn borrow(bytes: &SharedBytes, is_single_precision: bool, parts: &Parts<Range<usize>>) -> Result<Self, Flaw> {
         let vertices = if is_single_precision {
             Vertices::BorrowedF32(part(bytes, &parts.positions, "positions")?, OnceLock::new())
@@ -110,19 +117,21 @@ impl Mesh {
         Ok(Self(Arc::new(Data::new(vertices, faces, frame, tree, leaves))))
     }
 
-    /// Whether the mesh is one: its vertices and faces are such as [`new`](Self::new) takes, its nodes are a tree of bounded depth,
-    /// each face is in one leaf, and all boxes and slabs are to the bit those that a [`refit`](Self::refit) to the same
-    /// vertices would make. A mesh that was not [borrowed](Self::borrow) always is.
+    /// Checks that the mesh is valid: [`new`](Self::new) would accept its vertices and faces, its
+    /// nodes are a tree of bounded depth, and each face is in exactly one leaf. All boxes and slabs
+    /// must be equal, bit by bit, to those that a [`refit`](Self::refit) to the same vertices would
+    /// compute. A mesh that was not [borrowed](Self::borrow) is always valid.
     ///
     /// # Errors
-    /// What is wrong first.
+    /// The first flaw that is found.
     ///
     /// # Complexity
-    /// Linear whatever the arrays hold, on all cores of the current rayon pool; hardly more than a refit.
+    /// Linear for any content of the arrays, on all cores of the current rayon pool; little more
+    /// than a refit.
     pub fn validate(&self) -> Result<(), Flaw> {
         let data = &*self.0;
         let extremes = validate(data.vertices.slice(), &data.faces).map_err(Flaw::Input)?;
-        // Bits, as zeros compare equal whatever their sign.
+        // Bits are compared, as zeros of either sign are equal.
         let frame = PackedFrame::over(&extremes);
         if bytemuck::bytes_of(&frame) != bytemuck::bytes_of(&data.frame) {
             return Err(Flaw::Frame);
@@ -144,7 +153,8 @@ impl Mesh {
 }
 
 impl Data {
-    /// Whether a refit would not change a bit of a patch. `refitted` and `corners` are room that is used again.
+    /// Reports whether a refit would change no bit of a patch. `refitted` and `corners` are buffers
+    /// that calls reuse.
     fn is_fitted(
         &self,
         moved: &Moved<'_>,
@@ -160,19 +170,22 @@ impl Data {
     }
 }
 
+/// Returns a part of the bytes as an array, or the flaw that it does not fit.
 fn part<T: bytemuck::Pod>(bytes: &SharedBytes, range: &Range<usize>, part: &'static str) -> Result<Buffer<T>, Flaw> {
     Buffer::borrow(bytes.clone(), range.clone()).ok_or(Flaw::Shape { part })
 }
 
-/// Each of this many faces is in one leaf, which has no other.
+/// Checks that each of `faces` faces is in exactly one leaf, and that the leaf has it once.
 fn each_face_once(leaves: &[Leaf], faces: usize) -> Result<(), Flaw> {
-    // A byte each, which is only ever written: threads that set bits of one number wait for each other, and one for itself.
+    // One byte per face, which is only written. Bits would make threads wait for each other, and a
+    // thread for its own writes.
     let mut seen: Vec<AtomicBool> = (0..faces).map(|_| AtomicBool::new(false)).collect();
     let see = |&face: &u32| seen.get(face as usize).map(|seen| seen.store(true, Ordering::Relaxed)).is_some();
-    // All lanes, as those that are not in use repeat the first.
+    // All lanes, as unused lanes repeat the first face.
     let count = |leaf: &Leaf| (leaf.is_sound() && leaf.faces.iter().all(see)).then(|| leaf.count());
     let held: Option<usize> = leaves.par_iter().with_min_len(CHUNK).map(count).sum();
-    // As many as there are, and each of them, is none twice.
+    // If the leaves hold as many faces as there are, and each face is seen, then none is held
+    // twice.
     let are_seen = |seen: &mut [AtomicBool]| seen.iter_mut().fold(true, |all, seen| all & *seen.get_mut());
     let is_each = held == Some(faces) && seen.par_chunks_mut(CHUNK).all(are_seen);
     if is_each { Ok(()) } else { Err(Flaw::Faces) }
@@ -181,13 +194,16 @@ fn each_face_once(leaves: &[Leaf], faces: usize) -> Result<(), Flaw> {
 impl fmt::Display for Flaw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Shape { part } => write!(f, "the array of {part} does not fit"),
+            Self::Shape { part } => write!(
+                f,
+                "the array of {part} lies outside the bytes, is misaligned, or is not a whole number of elements"
+            ),
             Self::Input(error) => error.fmt(f),
             Self::Frame => write!(f, "the packed frame is not that of the vertices"),
-            Self::Tree => write!(f, "the nodes are not a tree over the leaves"),
-            Self::Faces => write!(f, "the leaves do not hold each face once"),
+            Self::Tree => write!(f, "the nodes are not a tree of bounded depth over the leaves"),
+            Self::Faces => write!(f, "the leaves do not hold each face exactly once"),
             Self::Bounds { node } => {
-                write!(f, "boxes or slabs below node {node} are not those of the vertices")
+                write!(f, "boxes or slabs of node {node} or below it are not those of the vertices")
             }
         }
     }

@@ -1,8 +1,11 @@
-//! Refitting: the same faces where their vertices are now, without building anew.
+//! Refits a mesh: keeps its faces and the layout of its hierarchy, and moves the vertices.
 //!
-//! Of a hierarchy only the *layout* is chosen: which node is whose child, and which face is in which lane. All its numbers, the
-//! boxes, slabs and anchors, follow from the layout and the vertices, by the same operations in a build and here, so that
-//! a refit to the vertices that a mesh was built from changes not one bit (docs/proof.md, L26).
+//! A builder only chooses the *layout* of a hierarchy: the children of each node, and the lane of
+//! each face. All numbers, such as boxes, slabs and local origins, follow from the layout and the
+//! vertices. A build and a refit compute them by the same operations. So a refit to the vertices
+//! that a mesh was built from changes no bit (docs/proof.md, L26).
+//!
+//! Guarded by the tests in `engine/moving.rs` and by the benchmark `refit`.
 
 use std::sync::Arc;
 
@@ -17,8 +20,9 @@ use crate::mesh::storage::stamp::Stamp;
 use crate::mesh::triangle_mesh::{Data, Mesh};
 
 impl Mesh {
-    /// Moves the vertices, of which there are as many as before; faces keep their numbers. Whoever holds a clone keeps
-    /// the mesh as it was. Returns how the hierarchy has aged, which costs time and never an answer.
+    /// Moves the vertices. Faces and their numbers are kept, and so is the number of vertices.
+    /// Clones of the mesh keep the old vertices. Returns how the hierarchy has aged, which affects
+    /// the time of queries but no answer.
     ///
     /// ```
     /// use impinge::{Mesh, Positions};
@@ -34,14 +38,14 @@ impl Mesh {
     /// ```
     ///
     /// # Errors
-    /// Another number of vertices, a coordinate that is not finite or not below 2^128 in magnitude. The mesh is then what
-    /// it was.
+    /// If the number of vertices differs, or if a coordinate is not finite or not below 2^128 in
+    /// magnitude. The mesh is then unchanged.
     ///
     /// # Complexity
-    /// Linear, on all cores of the current rayon pool; nothing is allocated in proportion to the mesh unless there are
-    /// clones, who keep the old hierarchy.
+    /// Linear, on all cores of the current rayon pool. Nothing is allocated in proportion to the
+    /// mesh, unless clones exist, which keep the old hierarchy.
     pub fn refit(&mut self, positions: impl Into<Positions>) -> Result<Aging, InputError> {
-        let (positions, frame) = self.judged(positions.into())?;
+        let (positions, frame) = self.validated(positions.into())?;
         match Arc::get_mut(&mut self.0) {
             Some(data) => data.refit(positions, frame),
             None => self.0 = Arc::new(self.0.refitted(positions, frame)),
@@ -49,21 +53,22 @@ impl Mesh {
         Ok(self.aging())
     }
 
-    /// A mesh of the same faces with its vertices moved; this one stays where it is.
+    /// Returns a mesh with the same faces and moved vertices. This mesh is unchanged.
     ///
     /// # Errors
     /// As [`refit`](Self::refit).
     ///
     /// # Complexity
-    /// As [`refit`](Self::refit), and the memory of another hierarchy; the faces are shared.
+    /// As [`refit`](Self::refit), and the memory of another hierarchy. The faces are shared.
     pub fn refitted(&self, positions: impl Into<Positions>) -> Result<Self, InputError> {
-        let (positions, frame) = self.judged(positions.into())?;
+        let (positions, frame) = self.validated(positions.into())?;
         Ok(Self(Arc::new(self.0.refitted(positions, frame))))
     }
 
-    fn judged(&self, positions: Positions) -> Result<(Positions, PackedFrame), InputError> {
+    /// Validates new vertices. Returns them as they are stored, with their packed frame.
+    fn validated(&self, positions: Positions) -> Result<(Positions, PackedFrame), InputError> {
         let extremes = validate_moved(positions.slice(), self.0.vertices.slice().len())?;
-        // Before the tree is no longer as it was built.
+        // Stored before the tree changes.
         self.0.costs_as_built();
         Ok((positions.narrowed(), PackedFrame::over(&extremes)))
     }
@@ -83,12 +88,13 @@ impl Data {
         data
     }
 
+    /// Moves the vertices, fits the tree to them, and removes cached values that depend on them.
     fn fit(&mut self, positions: Positions, frame: PackedFrame) {
         self.stamp = Stamp::new();
         self.vertices = Vertices::Given(positions);
         self.topology.take();
         self.far_field.take();
-        self.made.clear();
+        self.packet_cache.clear();
         self.frame = frame;
         let moved = Moved { vertices: self.vertices.slice(), faces: &self.faces, frame: &self.frame };
         self.cost = moved.fit(&mut self.tree, &self.leaves).into();

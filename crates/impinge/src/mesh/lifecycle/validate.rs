@@ -1,4 +1,5 @@
-//! The door: arrays are validated once, so that no query can fail.
+//! Validates arrays once, when they enter the library, so that no query can fail (docs/proof.md,
+//! L0).
 
 use rayon::prelude::*;
 
@@ -7,27 +8,31 @@ use crate::mesh::storage::frame::Extremes;
 use crate::mesh::storage::positions::{Vertex, VertexSlice};
 use crate::simd::{CACHE_LINE, prefetch_at};
 
-/// Coordinates stay below this magnitude, which every finite single precision number does: the range of the proofs.
-const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
+/// Exclusive limit for the magnitude of a coordinate: 2^128, the range of the proofs. Every finite
+/// single precision number is below it.
+const COORDINATE_LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 
-/// Lanes of leaves are numbered with 32 bits; there are at most as many leaves as faces, each of eight lanes.
-const MOST_FACES: usize = 1 << 29;
+/// Exclusive limit for the number of faces. Lanes of leaves are numbered with 32 bits, and there
+/// may be as many leaves as faces, with eight lanes each.
+const MAX_FACES: usize = 1 << 29;
 
-/// Vertices, or indices of faces, that are one task.
+/// Number of vertices, or of indices of faces, per task.
 const CHUNK: usize = 1 << 10;
 
-/// Judges a mesh, and returns the extremes of its vertices.
+/// Validates the vertices and faces of a mesh. Returns the minimum and maximum coordinates of the
+/// vertices.
 pub(in crate::mesh) fn validate(vertices: VertexSlice<'_>, faces: &[[u32; 3]]) -> Result<Extremes, InputError> {
     let too_many = |what, count| Err(InputError::new(InputErrorKind::TooMany { what, count }));
     if vertices.len() > u32::MAX as usize {
         return too_many("vertices", vertices.len());
     }
-    if faces.len() >= MOST_FACES {
+    if faces.len() >= MAX_FACES {
         return too_many("faces", faces.len());
     }
     let extremes = validate_vertices(vertices)?;
     let len = vertices.len();
-    // All in a row and not face by face, so that vectors of them are compared at once.
+    // Indices are compared in one sequence and not face by face, so that the compiler vectorizes
+    // it.
     let indices = faces.as_flattened();
     if let Some(lost) = first(indices, |&index| index >= len as u32) {
         let (face, index) = (lost / 3, indices[lost]);
@@ -36,7 +41,7 @@ pub(in crate::mesh) fn validate(vertices: VertexSlice<'_>, faces: &[[u32; 3]]) -
     Ok(extremes)
 }
 
-/// Judges coordinates.
+/// Validates coordinates.
 fn validate_vertices(vertices: VertexSlice<'_>) -> Result<Extremes, InputError> {
     let validated = match vertices {
         VertexSlice::F32(vertices) => extremes(vertices, Extremes::of),
@@ -52,7 +57,7 @@ fn validate_vertices(vertices: VertexSlice<'_>) -> Result<Extremes, InputError> 
     })
 }
 
-/// Judges where the vertices of a mesh, of which there are `expected`, have moved.
+/// Validates the moved vertices of a mesh that must have `expected` vertices.
 pub(super) fn validate_moved(vertices: VertexSlice<'_>, expected: usize) -> Result<Extremes, InputError> {
     if vertices.len() != expected {
         let (what, count) = ("vertices", vertices.len());
@@ -61,24 +66,24 @@ pub(super) fn validate_moved(vertices: VertexSlice<'_>, expected: usize) -> Resu
     validate_vertices(vertices)
 }
 
-/// The least and the greatest coordinates, where all vertices are good, and the first that is not elsewhere: in one pass, as
-/// what it takes is to read them.
+/// Returns the minimum and maximum coordinates if all vertices are valid, else the index of the
+/// first invalid vertex. One pass does both, as reading the vertices is most of the cost.
 fn extremes<V: Vertex>(vertices: &[V], of_chunk: impl Fn(&[V]) -> Extremes + Sync) -> Result<Extremes, usize> {
-    let are_good = |extremes: &Extremes| extremes.are_below(LIMIT);
+    let are_good = |extremes: &Extremes| extremes.are_below(COORDINATE_LIMIT);
     let both = |a: Extremes, b: Extremes| Some(a.union(b));
     let validated = vertices.par_chunks(CHUNK).map(|chunk| Some(of_chunk(chunk)).filter(are_good));
-    let is_bad = |vertex: &V| !vertex.widened().iter().all(|x| x.abs() < LIMIT);
+    let is_bad = |vertex: &V| !vertex.widened().iter().all(|x| x.abs() < COORDINATE_LIMIT);
     validated.try_reduce(|| Extremes::NONE, both).ok_or_else(|| first(vertices, is_bad).unwrap_or_default())
 }
 
-/// The first that is bad.
+/// Returns the index of the first invalid element.
 fn first<T: Sync>(elements: &[T], is_bad: impl Fn(&T) -> bool + Sync) -> Option<usize> {
     let chunk = elements.par_chunks(CHUNK).position_first(|chunk| !all(chunk, |one| !is_bad(one)))?;
     elements[chunk * CHUNK..].iter().position(is_bad).map(|at| chunk * CHUNK + at)
 }
 
-/// Whether all are good, without a branch for each, as nearly all are. What comes after them is asked for, sooner than the processor
-/// does by itself.
+/// Reports whether all elements are valid. There is no branch per element, as nearly all are valid.
+/// The elements after these are prefetched earlier than the processor does by itself.
 #[inline(always)]
 fn all<T>(elements: &[T], is_good: impl Fn(&T) -> bool) -> bool {
     (0..elements.len()).step_by(CACHE_LINE / size_of::<T>()).for_each(|at| prefetch_at(elements, elements.len() + at));
@@ -89,9 +94,10 @@ fn all<T>(elements: &[T], is_good: impl Fn(&T) -> bool) -> bool {
 mod tests {
     use super::*;
 
-    /// Whichever corner of whichever face it is, in the first chunk or a later one, and the first of several.
+    /// Whichever index is out of bounds, in the first chunk or a later one, the first of several is
+    /// named.
     #[test]
-    fn the_first_index_out_of_bounds_is_named() {
+    fn the_first_index_out_of_bounds_is_reported() {
         let vertices = [[0.0_f32; 3]; 5];
         let vertices = VertexSlice::F32(&vertices);
         let faces = vec![[0, 4, 2]; CHUNK];

@@ -1,11 +1,13 @@
-//! The one descent of two meshes: from their roots to the triangles that meet, each pair filtered in bulk and, where
-//! the filter leaves it open, decided exactly.
+//! The simultaneous descent of two meshes, from their roots to the triangles that intersect. Pairs
+//! of triangles are filtered in bulk, and undecided ones are decided exactly.
+//!
+//! Guarded by the tests in `engine/laws.rs` and `engine/ways.rs`, and by the benchmark `headline`.
 
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::leaf_pairs::{Deciding, KEPT, LeafPairs, Question, Wanted, keep_least};
+use super::leaf_pairs::{CACHED_GUEST_LEAVES, Deciding, LeafPairs, Question, Wanted, keep_smallest};
 use super::relation::Relations;
 use super::world_box;
 use crate::exact::{Placement, triangles_intersect};
@@ -13,25 +15,30 @@ use crate::hierarchy::{Descent, Order, QUEUE, Task};
 use crate::mesh::{Options, PlacedMesh};
 use crate::simd::{Level, dispatch};
 
-/// Nodes that are opened before the query is asked whether to go on: about 100 microseconds.
-const TASKS_AT_A_TIME: usize = 1 << 10;
+/// Number of node pairs that are opened between two checks of the interrupt: about 100
+/// microseconds.
+const TASKS_PER_INTERRUPT_CHECK: usize = 1 << 10;
 
-/// Tasks for each thread that the upper levels are opened into before threads share them out; more even out their
-/// sizes, fewer start sooner.
+/// Number of tasks per thread into which the upper levels are split before threads share them. More
+/// tasks balance the load better, fewer let threads start sooner.
 const TASKS_PER_THREAD: usize = 64;
 
-/// Below this many tasks no threads are woken: less work than this is done sooner than shared.
-const LEAST_SHARED_TASKS: usize = 256;
+/// Minimum number of tasks for which threads are used. Less work than this is finished sooner on
+/// one thread.
+const MIN_SHARED_TASKS: usize = 256;
 
-/// Room for the tasks of most searches for a first pair, a kilobyte: more grow, which takes as long as opening one.
-const TASKS_OF_A_FIRST_HIT: usize = 128;
+/// Initial capacity of the task stack in a search for a first pair: 1 KiB, which is enough for most
+/// searches. Growing it takes as long as opening a node pair.
+const FIRST_HIT_STACK_CAPACITY: usize = 128;
 
-/// Two faces that intersect, of the first mesh and of the second, of those that do any; none where no two do.
+/// Returns any two faces that intersect, of the first and of the second mesh, or `None` if the
+/// surfaces are disjoint. Which pair it is may differ between vector units. If the query is
+/// interrupted, the pair may not intersect.
 pub(crate) fn any_hit(a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) -> Option<[u32; 2]> {
-    found(a, b, Wanted { limit: 1, deciding: Deciding::Last, ..Wanted::ALL }, options).first().copied()
+    search(a, b, Wanted { limit: 1, deciding: Deciding::Last, ..Wanted::ALL }, options).first().copied()
 }
 
-/// Whether two faces intersect; faces that there are not do not.
+/// Reports whether two faces intersect. Returns `false` if either face index is out of range.
 pub(crate) fn faces_meet(a: PlacedMesh<'_>, b: PlacedMesh<'_>, [face_a, face_b]: [u32; 2]) -> bool {
     (face_a as usize) < a.mesh.faces().len()
         && (face_b as usize) < b.mesh.faces().len()
@@ -42,23 +49,26 @@ pub(crate) fn faces_meet(a: PlacedMesh<'_>, b: PlacedMesh<'_>, [face_a, face_b]:
         )
 }
 
-/// Two faces that intersect, the first in the order of the descent; none where no two do.
+/// Returns the first two faces that intersect in the order of the descent, or `None` if the
+/// surfaces are disjoint. If the query is interrupted, the pair may not intersect.
 pub(crate) fn first_hit(a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) -> Option<[u32; 2]> {
-    found(a, b, Wanted { limit: 1, deciding: Deciding::AtOnce, ..Wanted::ALL }, options).first().copied()
+    search(a, b, Wanted { limit: 1, deciding: Deciding::AtOnce, ..Wanted::ALL }, options).first().copied()
 }
 
-/// Pairs of faces (of a, of b) that intersect, each once, in no particular order: all of them, or the least `kept` where
-/// there are more. There is never room for many more than are kept.
+/// Returns pairs of faces (of a, of b) that intersect, without duplicates, in no particular order:
+/// all of them, or the `kept` smallest if there are more. The memory is bounded by a small multiple
+/// of `kept` per thread.
 pub(crate) fn collect_intersecting(
     a: PlacedMesh<'_>,
     b: PlacedMesh<'_>,
     kept: usize,
     options: &Options<'_>,
 ) -> Vec<[u32; 2]> {
-    found(a, b, Wanted { kept, ..Wanted::ALL }, options)
+    search(a, b, Wanted { kept, ..Wanted::ALL }, options)
 }
 
-fn found(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Options<'_>) -> Vec<[u32; 2]> {
+/// Runs the descent, and returns the pairs that are wanted.
+fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Options<'_>) -> Vec<[u32; 2]> {
     if world_box::are_apart(&a, &b) {
         return Vec::new();
     }
@@ -79,33 +89,34 @@ fn found(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Options
 
     let question = Question { host, guest, relation, back, placement: &placement, sides, wanted };
     if wanted.limit < usize::MAX {
-        // Whoever wants the first pairs only wants them before others are looked at: no pair waits for another.
+        // A search for the first pairs wants each pair to be decided before others are looked at,
+        // so nothing is queued.
         let mut pairs = question.pairs(1);
-        let mut tasks = Vec::with_capacity(TASKS_OF_A_FIRST_HIT);
+        let mut tasks = Vec::with_capacity(FIRST_HIT_STACK_CAPACITY);
         tasks.push(root);
-        if work_off(options, &descent, 1, &mut tasks, &mut pairs).is_break() {
+        if run_tasks(options, &descent, 1, &mut tasks, &mut pairs).is_break() {
             return vec![[0, 0]];
         }
         return pairs.found;
     }
 
-    let mut first = question.pairs(KEPT);
+    let mut first = question.pairs(CACHED_GUEST_LEAVES);
     let mut tasks = vec![root];
     let threads = rayon::current_num_threads();
     if threads > 1 {
-        let enough = LEAST_SHARED_TASKS.max(TASKS_PER_THREAD * threads);
-        work(options.level, &descent, Order::BreadthFirstUntil(enough), &mut tasks, &mut first);
+        let enough = MIN_SHARED_TASKS.max(TASKS_PER_THREAD * threads);
+        run_descent(options.level, &descent, Order::BreadthFirstUntil(enough), &mut tasks, &mut first);
         if tasks.len() >= enough {
             let chunk = tasks.len().div_ceil(TASKS_PER_THREAD * threads);
             let shared = tasks.par_chunks(chunk).map(|tasks| {
-                let mut pairs = question.pairs(KEPT);
-                let _ = work_off(options, &descent, QUEUE, &mut tasks.to_vec(), &mut pairs);
+                let mut pairs = question.pairs(CACHED_GUEST_LEAVES);
+                let _ = run_tasks(options, &descent, QUEUE, &mut tasks.to_vec(), &mut pairs);
                 pairs.found
             });
             if wanted.kept < usize::MAX {
                 let shared = shared.reduce(Vec::new, |mut some, others| {
                     some.extend(others);
-                    keep_least(&mut some, wanted.kept);
+                    keep_smallest(&mut some, wanted.kept);
                     some
                 });
                 first.found.extend(shared);
@@ -116,13 +127,13 @@ fn found(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Options
             tasks.clear();
         }
     }
-    let _ = work_off(options, &descent, QUEUE, &mut tasks, &mut first);
-    keep_least(&mut first.found, wanted.kept);
+    let _ = run_tasks(options, &descent, QUEUE, &mut tasks, &mut first);
+    keep_smallest(&mut first.found, wanted.kept);
     first.found
 }
 
-/// Works off all tasks, depth first, unless it is interrupted; then it breaks off.
-fn work_off(
+/// Processes all tasks depth first. Returns `Break` if the query was interrupted.
+fn run_tasks(
     options: &Options<'_>,
     descent: &Descent<'_>,
     ahead: usize,
@@ -130,7 +141,7 @@ fn work_off(
     pairs: &mut LeafPairs<'_>,
 ) -> ControlFlow<()> {
     loop {
-        work(options.level, descent, Order::DepthFirst { ahead, most: TASKS_AT_A_TIME }, tasks, pairs);
+        run_descent(options.level, descent, Order::DepthFirst { ahead, most: TASKS_PER_INTERRUPT_CHECK }, tasks, pairs);
         if tasks.is_empty() {
             return ControlFlow::Continue(());
         }
@@ -140,9 +151,9 @@ fn work_off(
     }
 }
 
-/// The descent, compiled once for each vector unit.
+/// Runs the descent at a vector level. It is compiled once per vector unit.
 #[inline(never)]
-fn work(level: Level, descent: &Descent<'_>, order: Order, tasks: &mut Vec<Task>, pairs: &mut LeafPairs<'_>) {
+fn run_descent(level: Level, descent: &Descent<'_>, order: Order, tasks: &mut Vec<Task>, pairs: &mut LeafPairs<'_>) {
     let stopped = dispatch!(level, simd => descent.run(simd, order, tasks, pairs)).is_break();
     if stopped {
         tasks.clear();

@@ -1,12 +1,14 @@
-//! Pairs of faces at hubs. A hub is a corner that very many faces share, such as the middle of a fan.
+//! Pairs of faces at hubs. A hub is a corner that very many faces share, such as the middle of a
+//! fan.
 //!
-//! The boxes of all faces at one corner overlap there, so a hierarchy over boxes tells no two of them apart. Their
-//! *directions* do. Two faces at a corner meet beyond it only along a common direction from it, and the directions of a face
-//! are an arc between those of its other two corners. So the faces at a hub get a hierarchy of their own, over the boxes of
-//! their arcs on the unit sphere, and a descent of the mesh leaves out parts all of whose faces are at one hub.
+//! The boxes of all faces at one corner overlap there, so a hierarchy over boxes cannot separate
+//! them. Their *directions* can. Two faces at a corner intersect beyond it only along a common
+//! direction from it, and the directions of a face are an arc between those of its other two
+//! corners. So the faces at a hub get a hierarchy of their own, over the boxes of their arcs on the
+//! unit sphere. The descent of the mesh skips parts whose faces all share a hub.
 //!
-//! Directions are in the frame of the mesh, without a unit. Their boxes are widened by more than the rounding, so that no pair is lost
-//! (docs/proof.md, L18).
+//! Directions are unit vectors in the mesh frame. Their boxes are enlarged by more than the
+//! rounding error, so no pair is lost (docs/proof.md, L18).
 //!
 //! Guarded by the tests below and by the benchmark `solids`, "fan with itself".
 
@@ -18,13 +20,14 @@ use crate::mesh::Mesh;
 use crate::simd::LANES;
 use crate::volume::Aabb;
 
-/// A corner with fewer faces than this is no hub: all their pairs take less than a millisecond.
-const LEAST_FACES: usize = 128;
+/// Minimum number of faces at a hub. All pairs of fewer faces take less than a millisecond.
+const MIN_HUB_FACES: usize = 128;
 
-/// More than the rounding of a direction and of the height of an arc.
+/// Bound for the rounding errors of a direction and of the height of an arc, in units of the
+/// sphere's radius.
 const ROUNDING: f64 = 1e-12;
 
-/// Up to three hubs, by number; the rest is [`NONE`](Self::NONE).
+/// Up to three hubs, by number; unused entries are [`NONE`](Self::NONE).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct HubSet([u32; 3]);
 
@@ -40,30 +43,34 @@ impl HubSet {
         Self(self.0.map(|hub| if other.contains(hub) { hub } else { Self::NONE }))
     }
 
-    /// The hub with the least number that both have.
+    /// Returns the hub with the smallest number that both sets have, or `None`.
     pub(super) fn first_common(self, other: Self) -> Option<u32> {
         self.intersection(other).0.into_iter().filter(|&hub| hub != Self::NONE).min()
     }
 }
 
-/// The hubs of a mesh, and which of them all faces of a part have.
+/// The hubs of a mesh, and the hubs that all faces of a part share.
 #[derive(Debug)]
 pub(super) struct Hubs {
     /// The first vertex at the position of each hub.
     vertices: Vec<u32>,
+    /// Hubs of each face.
     of_face: Vec<HubSet>,
+    /// Hubs that all faces below a child share, for each node and lane.
     of_children: Vec<[HubSet; LANES]>,
 }
 
 impl Hubs {
+    /// Finds the hubs of a mesh.
+    ///
     /// # Complexity
-    /// O(n log n) the first time that the topology of a mesh is asked for, then O(n).
+    /// O(n log n) if the topology of the mesh is not known yet, then O(n).
     pub(in crate::mesh) fn of(mesh: &Mesh) -> Self {
         let first_at = &mesh.topology().first_at;
         let mut number_of = vec![HubSet::NONE; first_at.len()];
         let mut vertices = Vec::new();
         for vertex in 0..first_at.len() as u32 {
-            if mesh.faces_at(vertex).len() >= LEAST_FACES {
+            if mesh.faces_at(vertex).len() >= MIN_HUB_FACES {
                 number_of[vertex as usize] = vertices.len() as u32;
                 vertices.push(vertex);
             }
@@ -92,38 +99,41 @@ impl Hubs {
         Self { vertices, of_face, of_children }
     }
 
+    /// Returns the hubs of a face.
     pub(in crate::mesh) fn of_face(&self, face: u32) -> HubSet {
         self.of_face[face as usize]
     }
 
-    /// What all faces below a child of a node have in common.
+    /// Returns the hubs that all faces below a child of a node share.
     pub(super) fn of_child(&self, node: u32, lane: u8) -> HubSet {
         self.of_children[node as usize][usize::from(lane)]
     }
 
-    /// The pairs of faces that share a hub and of which `meet` says that they meet beyond it, the lesser first. It is asked once
-    /// for all copies of two faces.
-    pub(in crate::mesh) fn collect(&self, mesh: &Mesh, meet: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
+    /// Returns the pairs of faces that share a hub and for which `meet` returns `true`, the smaller
+    /// index first. `meet` is called once for all copies of two faces.
+    pub(in crate::mesh) fn collect(&self, mesh: &Mesh, intersect: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
         let hubs = (0_u32..).zip(&self.vertices);
         hubs.flat_map(|(hub, &vertex)| {
-            // Of several common hubs the first one reports a pair.
+            // If faces share several hubs, the first one reports the pair.
             let is_first = |[one, other]: [u32; 2]| self.of_face(one).first_common(self.of_face(other)) == Some(hub);
-            Star::at(mesh, vertex).collect(|pair| is_first(pair) && meet(pair))
+            Star::at(mesh, vertex).collect(|pair| is_first(pair) && intersect(pair))
         })
         .collect()
     }
 }
 
-/// The faces at a corner, by their arcs.
+/// The faces at a corner, in a hierarchy over their arcs.
 struct Star {
-    /// Copies of a face together, ascending: they share all that they have, and so do not meet beyond it.
+    /// Faces grouped by their corners, ascending. Copies of a face share all corners, so they do
+    /// not intersect beyond them.
     copies: Vec<Vec<u32>>,
-    /// Of each, with its copies.
+    /// Box of the arc of each group.
     arcs: Vec<Aabb>,
     tree: BinaryTree,
 }
 
 impl Star {
+    /// Builds the hierarchy of the faces at a vertex, which must be the first one at its position.
     fn at(mesh: &Mesh, vertex: u32) -> Self {
         let hub = mesh.positions().get(vertex as usize);
         let first_at = &mesh.topology().first_at;
@@ -149,8 +159,9 @@ impl Star {
         Self { copies, arcs, tree }
     }
 
-    /// Each leaf asks the tree for the leaves from itself on.
-    fn collect(&self, meet: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
+    /// Returns the pairs of faces whose arcs overlap and that intersect. Each leaf is compared with
+    /// itself and the leaves after it.
+    fn collect(&self, intersect: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
         let nodes = &self.tree.nodes;
         let leaves = (0..nodes.len() as u32).into_par_iter().filter(|&node| nodes[node as usize].right.is_none());
         leaves
@@ -165,7 +176,7 @@ impl Star {
                     }
                     match at.right {
                         Some(right) => stack.extend([node + right.get(), node + 1]),
-                        None => self.meet_leaves([leaf, node], &meet, &mut found),
+                        None => self.compare_leaves([leaf, node], &intersect, &mut found),
                     }
                 }
                 found
@@ -173,14 +184,15 @@ impl Star {
             .collect()
     }
 
-    fn meet_leaves(&self, [leaf, other]: [u32; 2], meet: impl Fn([u32; 2]) -> bool, found: &mut Vec<[u32; 2]>) {
+    /// Appends the intersecting pairs of two leaves, or of one leaf with itself.
+    fn compare_leaves(&self, [leaf, other]: [u32; 2], intersect: impl Fn([u32; 2]) -> bool, found: &mut Vec<[u32; 2]>) {
         let (own, others) = (self.tree.held(leaf), self.tree.held(other));
         for (number, &one) in own.iter().enumerate() {
             let others = if leaf == other { &others[number + 1..] } else { others };
             for &other in others {
                 let [one, other] = [one, other].map(|at| at as usize);
                 let (copies, other_copies) = (&self.copies[one], &self.copies[other]);
-                if self.arcs[one].overlaps(&self.arcs[other]) && meet([copies[0], other_copies[0]]) {
+                if self.arcs[one].overlaps(&self.arcs[other]) && intersect([copies[0], other_copies[0]]) {
                     let pairs = copies.iter().flat_map(|&a| other_copies.iter().map(move |&b| [a.min(b), a.max(b)]));
                     found.extend(pairs);
                 }
@@ -189,7 +201,8 @@ impl Star {
     }
 }
 
-/// Bounds of the directions from a hub into a face; none where the face is the hub itself.
+/// Returns bounds of the directions from a hub into a face, or `None` if the face is the hub
+/// itself.
 fn arc(hub: &Vector, corners: &[Vector; 3]) -> Option<Aabb> {
     let direction = |corner: &Vector| {
         let difference = sub(corner, hub);
@@ -228,7 +241,8 @@ mod tests {
         Mesh::new(Positions::F64(vertices), faces).expect("a mesh")
     }
 
-    /// Faces with corners of a lattice about a corner that most of them share, and about another one.
+    /// Returns faces with corners on a lattice around a corner that most of them share, and around
+    /// another one.
     fn star(rng: &mut Rng, faces: u32, scale: f64) -> impinge_testkit::Mesh {
         let mut mesh = impinge_testkit::Mesh { vertices: vec![[0.0; 3], [2.0 * scale, scale, 0.0]], faces: Vec::new() };
         for face in 0..faces {
@@ -245,7 +259,7 @@ mod tests {
                 first + 1
             };
             mesh.faces.push(if face % 2 == 0 { [hub, first, second] } else { [first, second, hub] });
-            // Copies, turned and not.
+            // Copies, turned and not turned.
             if face % 13 == 0 {
                 mesh.faces.push([second, hub, first]);
             }
@@ -265,9 +279,9 @@ mod tests {
             .collect()
     }
 
-    /// Half of the pairs of these stars meet; all else of them only touch at their hubs.
+    /// Half of the pairs of these stars intersect; all others only touch at their hubs.
     #[test]
-    fn stars_have_the_pairs_of_all_pairs() {
+    fn stars_have_the_pairs_of_brute_force() {
         let mut rng = Rng::new(32);
         let mut reported = 0;
         for (round, scale) in [1.0, 1e-30, 1e30, 1.0].into_iter().enumerate() {
@@ -287,9 +301,9 @@ mod tests {
         assert!(reported > 100_000, "{reported}");
     }
 
-    /// Narrow faces round a corner, flat and as a cone, of which none meet but in shared edges.
+    /// Narrow faces around a corner, flat and as a cone, that intersect only in shared edges.
     #[test]
-    fn fans_have_none() {
+    fn fans_have_no_pairs() {
         for height in [0.0, 0.7] {
             let mut fan = solids::fan(4000);
             fan.vertices.iter_mut().skip(1).for_each(|vertex| vertex[2] = height);
@@ -301,16 +315,16 @@ mod tests {
         }
     }
 
-    /// Copies of a face share all that they have.
+    /// Copies of a face share all corners.
     #[test]
-    fn piles_have_none() {
+    fn piles_of_copies_have_no_pairs() {
         let vertices = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh::new(Positions::F32(vertices), vec![[0, 1, 2]; 3000]).expect("a mesh");
         assert_eq!(Hubs::of(&mesh).vertices.len(), 3);
         assert_eq!(collect_self_intersecting(&mesh, WantedFaces::All), Vec::<[u32; 2]>::new());
     }
 
-    /// Every direction into a face is in the bounds, and those of a narrow face are narrow.
+    /// Every direction into a face is in the bounds, and the bounds of a narrow face are narrow.
     #[test]
     fn arcs_hold_every_direction() {
         let mut rng = Rng::new(5);

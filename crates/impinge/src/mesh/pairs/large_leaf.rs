@@ -1,38 +1,44 @@
-//! A leaf of triangles that are much larger than what they meet: each of them goes down the other mesh's tree on its own.
+//! A leaf whose triangles are much larger than the other mesh's nodes: each triangle descends the
+//! other mesh's tree on its own.
 //!
-//! A long triangle that lies askew fills a small part of its box, so that a tree of boxes sends it to nearly everything; the
-//! triangle itself passes few boxes by. Source: Akenine-Möller, *Fast 3D triangle-box overlap testing*, JGT 2001 (Ericson,
-//! 5.2.9): thirteen axes, of which the ten that are not the boxes' own become slabs, each tested against eight boxes.
+//! A long oblique triangle fills a small part of its box, so a tree of boxes compares it with
+//! nearly everything. The triangle itself overlaps few boxes. Source: Akenine-Möller, *Fast 3D
+//! triangle-box overlap testing*, JGT 2001 (Ericson, 5.2.9): thirteen axes, of which the ten that
+//! are not those of the boxes become slabs. Each slab is tested against eight boxes.
+//!
+//! Guarded by the tests in `large_leaf/tests.rs`, by `triangles_much_larger_than_what_they_meet` in
+//! `engine/laws.rs`, and by the scene `slivers` of `bench/rivals.py`.
 
 use std::ops::ControlFlow;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::filter::{Facing, Guest};
+use super::filter::{Guest, SlabTest};
 use super::relation::Relation;
 use crate::hierarchy::{BoxLanes, Child, HALF_ULP, Node, Slab, lanes_in_use, overlapping};
 use crate::mesh::storage::frame::REACH;
 use crate::mesh::storage::packet::{Packet, Packets};
 use crate::simd::{LANES, Lanes3, bits, by_axis, cross, dot, load3, store3, sub};
 
-/// The axes that a triangle's own shape brings: its normal, and each edge across each axis of the boxes.
+/// Number of axes of a triangle itself: its normal, and the cross product of each edge with each
+/// axis of the boxes.
 const OWN_AXES: usize = 10;
 
-/// A packet of large triangles in the other mesh's packed frame.
+/// A packet of large triangles in the packed frame of the other mesh.
 pub(super) struct LargeLeaf {
     guest: Guest,
     bounds: Bounds,
     in_use: u32,
 }
 
-/// What holds each triangle.
+/// A box and slabs that bound each triangle.
 struct Bounds {
     boxes: BoxLanes,
     slabs: [SlabLanes; OWN_AXES],
 }
 
-/// A slab in each lane.
+/// One slab per lane.
 #[derive(Clone, Copy, Default)]
 struct SlabLanes {
     normal: [[f32; LANES]; 3],
@@ -41,26 +47,28 @@ struct SlabLanes {
 }
 
 impl LargeLeaf {
-    /// A packet carried by `relation`; `back` relates the meshes the other way round.
+    /// Carries a packet into the other frame by `relation`; `back` maps the other way.
     #[inline(always)]
     pub(in crate::mesh) fn new<S: Simd>(simd: S, packet: &Packet<'_>, relation: &Relation, back: &Relation) -> Self {
         let mut guest = Guest::EMPTY;
-        guest.take_up(simd, packet, relation, back);
-        let bounds = Bounds::new(simd, &guest.corners(simd), guest.anchor(), guest.corner_error());
+        guest.set_packet(simd, packet, relation, back);
+        let bounds = Bounds::new(simd, &guest.corners(simd), guest.local_origin(), guest.corner_error());
         Self { guest, bounds, in_use: packet.lanes_in_use() }
     }
 
-    /// Meets all that is below a node: `meet` gets the large leaf as a guest, each packet that it faces, and how.
+    /// Calls `visit` for each packet below a node that may intersect this one. It gets the large
+    /// leaf as a guest, the other packet, and the result of their slab test.
     ///
     /// # Complexity
-    /// At most one visit to each node below; for a triangle that is long and thin, to those near it.
+    /// At most one visit to each node below. For a long and thin triangle, only nodes near it are
+    /// visited.
     #[inline(always)]
     pub(in crate::mesh) fn descend<S: Simd>(
         &self,
         simd: S,
         (nodes, packets): (&[Node], Packets<'_>),
         below: u32,
-        mut meet: impl FnMut(&Guest, &Packet<'_>, &Facing) -> ControlFlow<()>,
+        mut visit: impl FnMut(&Guest, &Packet<'_>, &SlabTest) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let mut tasks = vec![(below, self.in_use)];
         while let Some((at, lanes)) = tasks.pop() {
@@ -76,9 +84,9 @@ impl LargeLeaf {
                     Child::Inner(inner) => tasks.push((inner, lanes)),
                     Child::Leaf(leaf) => {
                         let packet = packets.get(simd, leaf);
-                        let facing = self.guest.face(simd, &packet, lanes);
-                        if facing.pairs != 0 {
-                            meet(&self.guest, &packet, &facing)?;
+                        let slab_test = self.guest.test_slabs(simd, &packet, lanes);
+                        if slab_test.pairs != 0 {
+                            visit(&self.guest, &packet, &slab_test)?;
                         }
                     }
                 }
@@ -89,21 +97,24 @@ impl LargeLeaf {
 }
 
 impl Bounds {
-    /// Of triangles whose corners about an anchor may be off by `error` on each axis with it.
+    /// Computes the bounds of triangles with corners `about` relative to a local origin, whose sums
+    /// have an error of at most `error` on each axis.
     ///
     /// # Accuracy
-    /// With u = 2^-24, R for the largest coordinate of anchor and corners, and n for an axis, whatever its numbers say: a sum of
-    /// anchor and corner takes 2 u R, a height 5 u Σ|n| R, the difference that widens it 2 u of itself. A slab is widened by
-    /// 16 u Σ|n| R for that, by what the corners may be off by along it, and by 32 u Σ|n|·reach for the rounding of a box's heights
-    /// where it is tested (docs/proof.md, L2a). What is not a number proves nothing there.
+    /// Let u = 2^-24, R the largest coordinate of the local origin and the corners, and n an axis
+    /// of any length. The sum of local origin and corner has an error of at most 2 u R, a height 5
+    /// u Σ|n| R, and the difference that widens it 2 u of itself. For these, a slab is widened by
+    /// 16 u Σ|n| R. It is also widened by the error of the corners along it, and by 32 u Σ|n|·reach
+    /// for the rounding of a box's heights when it is tested (docs/proof.md, L2a). A NaN proves
+    /// nothing there.
     #[inline(always)]
-    fn new<S: Simd>(simd: S, about: &[Lanes3<S>; 3], anchor: [f64; 3], error: f64) -> Self {
-        let anchor: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, anchor[axis] as f32));
-        let corners: [Lanes3<S>; 3] = by_axis!(corner => by_axis!(axis => about[corner][axis] + anchor[axis]));
+    fn new<S: Simd>(simd: S, about: &[Lanes3<S>; 3], local_origin: [f64; 3], error: f64) -> Self {
+        let local_origin: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, local_origin[axis] as f32));
+        let corners: [Lanes3<S>; 3] = by_axis!(corner => by_axis!(axis => about[corner][axis] + local_origin[axis]));
         let mut largest = f32x8::splat(simd, 0.0);
         for axis in 0..3 {
             let [p, q, r] = by_axis!(corner => corners[corner][axis].abs());
-            largest = largest.max(anchor[axis].abs()).max(p.max(q).max(r));
+            largest = largest.max(local_origin[axis].abs()).max(p.max(q).max(r));
         }
         let widening = error + HALF_ULP * (32.0 * REACH + 16.0 * f64::from(largest.reduce_max()));
         let slack = f32x8::splat(simd, (widening * (1.0 + 8.0 * HALF_ULP)) as f32);
@@ -127,7 +138,7 @@ impl Bounds {
         Self { boxes, slabs }
     }
 
-    /// The children whose boxes are not proved apart from one triangle, as bits.
+    /// Returns the children whose boxes are not proved apart from one triangle, as bits.
     #[inline(always)]
     fn near<S: Simd>(&self, simd: S, lane: usize, node: &Node) -> u32 {
         let boxes = (&load3(simd, &node.min), &load3(simd, &node.max));
@@ -143,7 +154,8 @@ impl Bounds {
 }
 
 impl SlabLanes {
-    /// About these corners along an axis, wider by `slack` times the sum of what the axis has.
+    /// Sets the slabs to those of the corners along an axis, widened by `slack` times the sum of
+    /// magnitudes of the normal.
     #[inline(always)]
     fn set<S: Simd>(&mut self, axis: &Lanes3<S>, corners: &[Lanes3<S>; 3], slack: f32x8<S>) {
         let normal = scaled(axis);
@@ -154,13 +166,15 @@ impl SlabLanes {
         (p.max(q).max(r) + slack).store_slice(&mut self.max);
     }
 
+    /// Returns the slab in one lane.
     #[inline(always)]
     fn lane(&self, lane: usize) -> Slab {
         Slab { normal: by_axis!(axis => self.normal[axis][lane]), min: self.min[lane], max: self.max[lane] }
     }
 }
 
-/// Vectors of which the largest component is one, but for rounding; zero where there is none.
+/// Returns vectors scaled so that the largest component is 1 up to rounding. A zero vector stays
+/// zero.
 #[inline(always)]
 fn scaled<S: Simd>(vectors: &Lanes3<S>) -> Lanes3<S> {
     let [x, y, z] = by_axis!(axis => vectors[axis].abs());

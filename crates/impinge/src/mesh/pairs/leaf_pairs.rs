@@ -1,78 +1,90 @@
-//! Pairs of leaves that the descent comes to: put off until their memory is at hand, filtered in bulk, and what the filter
-//! leaves open decided exactly.
+//! Pairs of leaves that the descent reaches. They are queued until their memory is prefetched, and
+//! filtered in bulk. Undecided pairs of faces are decided exactly (docs/proof.md, L9).
+//!
+//! Guarded by the tests in `engine/ways.rs` and `engine/laws.rs`, and by the benchmark `headline`.
 
 use std::ops::ControlFlow;
 
 use fearless_simd::Simd;
 
-use super::filter::{Candidates, Facing, LeafFaces, Verdicts};
+use super::filter::{Candidates, LeafFaces, SlabTest, Verdicts};
+use super::guest_cache::GuestCache;
 use super::large_leaf::LargeLeaf;
 use super::relation::Relation;
 use super::sides::Sides;
-use super::taken_up::Guests;
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{APPROACHED, Large, LeafVisitor, Node, overlapping};
 use crate::mesh::Mesh;
 use crate::mesh::storage::packet::Packets;
 use crate::simd::{ALL_LANES, LANES, bits, extend_some, load3, outlined, take_four};
 
-/// So many pairs of leaves wait for the host leaf's memory, at least: fewer hide less of its latency.
-const WAITING: usize = 4;
+/// Minimum number of queued leaf pairs that are left when a batch is processed. Queuing gives the
+/// prefetch of the host leaf time to finish; fewer hide less of its latency.
+const MIN_QUEUED_LEAF_PAIRS: usize = 4;
 
-/// So many pairs of leaves are met in one go: with 4 there is less for the processor to work ahead on.
-const AT_ONCE: usize = 8;
+/// Number of leaf pairs per batch. A batch of four leaves the processor less work to overlap.
+const LEAF_PAIRS_PER_BATCH: usize = 8;
 
-/// Room for all that wait, for what comes of guest leaves that are taken up in one go, and for what is written after the last, as four are noted at a time.
-const ROOM: usize = (WAITING + AT_ONCE + APPROACHED * LANES + 4).next_power_of_two();
+/// Capacity of the queue: a batch and the pairs that stay queued, all pairs of the guest leaves
+/// that come in one go, and four that may be written after the last pair.
+const QUEUE_CAPACITY: usize =
+    (MIN_QUEUED_LEAF_PAIRS + LEAF_PAIRS_PER_BATCH + APPROACHED * LANES + 4).next_power_of_two();
 
-/// Guest leaves that are kept taken up; a power of two, more than wait. More than half of all come again while they are; twice as
-/// many would fill the first cache and hardly save more.
-pub(in crate::mesh) const KEPT: usize = 32;
+/// Number of guest leaves that are cached in the host's frame. It is a power of two and exceeds the
+/// number of guest leaves that can be queued. More than half of all guest leaves come again while
+/// they are cached; twice as many would fill the L1 cache and save hardly more.
+pub(in crate::mesh) const CACHED_GUEST_LEAVES: usize = 32;
 
-/// With more pairs put off than this, they are decided. One takes as long as some leaves to meet, any of which may hold a pair that
-/// the filter is sure of; where surfaces touch, none does, and looking on is in vain.
-const MOST_OPEN: usize = 8;
+/// Maximum number of undecided pairs that are put off before they are decided exactly. A decision
+/// costs as much as filtering some leaf pairs, any of which may hold a pair that the filter proves
+/// intersecting. If the surfaces only touch, none does, and waiting longer is wasted.
+const MAX_UNDECIDED_PAIRS: usize = 8;
 
-/// Half of the pairs that there is always room for, 256 KiB: less would save nothing.
-const LEAST_ROOM: usize = 1 << 14;
+/// Half of the minimum length at which the list of found pairs is trimmed to those that are kept.
+/// Twice this number of pairs are 256 KiB; a smaller value would save nothing.
+const HALF_MIN_TRIM_LENGTH: usize = 1 << 14;
 
-/// When pairs that the filter leaves open are decided.
+/// When pairs that the filter leaves undecided are decided exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Deciding {
-    /// At once: where only some pairs are wanted, they are the first ones in the order of the descent, which is the same for
-    /// every vector unit.
+    /// At once. If only some pairs are wanted, they are then the first ones in the order of the
+    /// descent, which is the same for every vector unit.
     AtOnce,
-    /// Once nothing else is left, or too many wait: their faces and vertices are asked for meanwhile, and the filter may be sure of
-    /// another pair; of which, differs between vector units.
+    /// When nothing else is left, or too many are undecided. Meanwhile their faces and vertices are
+    /// prefetched, and the filter may prove another pair intersecting. Which pair is found first
+    /// differs between vector units.
     Last,
 }
 
-/// Which of the pairs that meet are wanted.
+/// Which of the intersecting pairs are wanted.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wanted {
-    /// With so many the descent is over.
+    /// Number of found pairs at which the descent ends.
     pub(in crate::mesh) limit: usize,
-    /// How many of the least are kept, of those found.
+    /// Maximum number of pairs that are kept: the smallest ones of those found.
     pub(in crate::mesh) kept: usize,
+    /// When undecided pairs are decided.
     pub(super) deciding: Deciding,
 }
 
 impl Wanted {
+    /// All pairs.
     pub(in crate::mesh) const ALL: Self = Self { limit: usize::MAX, kept: usize::MAX, deciding: Deciding::Last };
 }
 
-/// A guest leaf taken up, by its place among them, and a host leaf that it will meet.
+/// A pair of leaves in the queue: the slot of the guest leaf in the cache, and the host leaf.
 #[derive(Clone, Copy, Debug, Default)]
-struct Meeting {
+struct LeafPair {
     guest: u32,
     host_leaf: u32,
 }
 
-/// Two meshes, how they lie to each other, and which of their pairs are wanted.
+/// Two meshes, the maps between them, and the pairs that are wanted.
 #[derive(Clone, Copy)]
 pub(super) struct Question<'a> {
     pub(in crate::mesh) host: &'a Mesh,
     pub(in crate::mesh) guest: &'a Mesh,
+    /// Map from guest to host, and back.
     pub(in crate::mesh) relation: &'a Relation,
     pub(in crate::mesh) back: &'a Relation,
     pub(in crate::mesh) placement: &'a Placement,
@@ -82,101 +94,103 @@ pub(super) struct Question<'a> {
 }
 
 impl Question<'_> {
-    /// No pairs so far; at most so many guest leaves are kept, a power of two, and no more pairs wait.
-    pub(in crate::mesh) fn pairs(&self, kept: usize) -> LeafPairs<'_> {
+    /// Returns an empty queue that caches up to `cached_guests` guest leaves, which must be a power
+    /// of two. If that is less than the usual queue length, no more pairs are queued.
+    pub(in crate::mesh) fn pairs(&self, cached_guests: usize) -> LeafPairs<'_> {
         LeafPairs {
             question: *self,
             host_packets: self.host.packets(),
             guest_packets: self.guest.packets(),
-            patience: kept.min(WAITING + AT_ONCE),
-            at_once: kept.min(AT_ONCE),
-            guests: Guests::new(kept),
-            waiting: [Meeting::default(); ROOM],
-            next: 0,
-            count: 0,
-            asked_for: 0,
-            candidates: Candidates::NONE,
-            open: Vec::new(),
+            process_at: cached_guests.min(MIN_QUEUED_LEAF_PAIRS + LEAF_PAIRS_PER_BATCH),
+            batch_size: cached_guests.min(LEAF_PAIRS_PER_BATCH),
+            guests: GuestCache::new(cached_guests),
+            queue: [LeafPair::default(); QUEUE_CAPACITY],
+            oldest: 0,
+            queue_len: 0,
+            prefetched: 0,
+            candidates: Candidates::EMPTY,
+            undecided: Vec::new(),
             found: Vec::new(),
             last_face: u32::MAX,
         }
     }
 }
 
-/// Leaf pairs of two meshes, filtered and decided.
+/// A queue of leaf pairs of two meshes, and the pairs of faces found so far.
 pub(super) struct LeafPairs<'a> {
     question: Question<'a>,
     host_packets: Packets<'a>,
     guest_packets: Packets<'a>,
-    guests: Guests,
-    /// With so many put off the oldest are met.
-    patience: usize,
-    /// So many of them, where there are.
-    at_once: usize,
-    /// Those that are, the oldest at `next`.
-    waiting: [Meeting; ROOM],
-    next: usize,
-    count: usize,
-    /// Of so many of these the host leaf's memory is on its way.
-    asked_for: usize,
+    guests: GuestCache,
+    /// Queue length at which the oldest pairs are processed.
+    process_at: usize,
+    /// Number of pairs that are processed as one batch, if there are enough.
+    batch_size: usize,
+    /// The queued pairs as a ring buffer, with the oldest at `oldest`.
+    queue: [LeafPair; QUEUE_CAPACITY],
+    oldest: usize,
+    queue_len: usize,
+    /// Number of queued pairs whose host leaf has already been prefetched.
+    prefetched: usize,
     candidates: Candidates,
-    /// Pairs that the filter left open, where they are decided last; few more than [`MOST_OPEN`].
-    open: Vec<[u32; 2]>,
+    /// Undecided pairs of faces, if they are decided last; few more than [`MAX_UNDECIDED_PAIRS`].
+    undecided: Vec<[u32; 2]>,
     pub(in crate::mesh) found: Vec<[u32; 2]>,
-    /// The pairs to keep are found already, but for pairs of faces of the first mesh up to this number.
+    /// Maximum face of the first mesh in a pair that can still be kept.
     last_face: u32,
 }
 
 impl LeafPairs<'_> {
-    /// Meets the pairs that have waited longest.
+    /// Processes the oldest pairs of the queue as one batch.
     #[inline(always)]
-    fn meet_oldest<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
-        let mut facing = [(Meeting::default(), Facing::default()); AT_ONCE];
+    fn process_oldest<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
+        let mut tested = [(LeafPair::default(), SlabTest::default()); LEAF_PAIRS_PER_BATCH];
         let left = outlined(
             simd,
             #[inline(always)]
-            || self.face_oldest(simd, &mut facing),
+            || self.test_oldest(simd, &mut tested),
         );
-        // Most of these have triangles that are near each other, whose faces are looked up then.
-        for (Meeting { guest, host_leaf }, _) in &facing[..left] {
+        // Most of these pairs have triangles near each other, so their faces are needed next.
+        for (LeafPair { guest, host_leaf }, _) in &tested[..left] {
             self.host_packets.prefetch_leaf(*host_leaf);
-            self.guest_packets.prefetch_leaf(self.guests.at(*guest as usize).0);
+            self.guest_packets.prefetch_leaf(self.guests.get(*guest as usize).0);
         }
-        // What the pairs before these came to was written a while ago, and is at hand.
-        self.judge(simd, LANES)?;
+        // Earlier candidates were written a while ago, so reading them does not stall.
+        self.classify(simd, LANES)?;
         let sides = self.question.sides;
-        for (Meeting { guest, host_leaf }, facing) in &facing[..left] {
-            let (guest_leaf, guest) = self.guests.at(*guest as usize);
+        for (LeafPair { guest, host_leaf }, slab_test) in &tested[..left] {
+            let (guest_leaf, guest) = self.guests.get(*guest as usize);
             let host = self.host_packets.get(simd, *host_leaf);
             let faces = LeafFaces { host: &host.leaf.faces, guest: &self.guest_packets.leaf(guest_leaf).faces, sides };
-            guest.meet(simd, &host, facing, &faces, &mut self.candidates);
-            self.judge_in_time(simd)?;
+            guest.push_candidates(simd, &host, slab_test, &faces, &mut self.candidates);
+            self.classify_if_full(simd)?;
         }
         ControlFlow::Continue(())
     }
 
-    /// Finds out how the oldest pairs face each other; returns how many may meet.
+    /// Tests the packets of the oldest pairs against the slabs of each other. Writes those that may
+    /// intersect to `tested`, and returns their number.
     #[inline(always)]
-    fn face_oldest<S: Simd>(&mut self, simd: S, facing: &mut [(Meeting, Facing); AT_ONCE]) -> usize {
-        let count = self.count.min(self.at_once);
+    fn test_oldest<S: Simd>(&mut self, simd: S, tested: &mut [(LeafPair, SlabTest); LEAF_PAIRS_PER_BATCH]) -> usize {
+        let count = self.queue_len.min(self.batch_size);
         let mut left = 0;
         for at in 0..count {
-            let meeting = self.waiting[(self.next + at) % ROOM];
-            let guest = self.guests.awaited(meeting.guest as usize);
-            let host = self.host_packets.get(simd, meeting.host_leaf);
-            let met = guest.face(simd, &host, ALL_LANES);
-            facing[left] = (meeting, met);
-            left += usize::from(met.pairs != 0);
+            let pair = self.queue[(self.oldest + at) % QUEUE_CAPACITY];
+            let guest = self.guests.take_pending(pair.guest as usize);
+            let host = self.host_packets.get(simd, pair.host_leaf);
+            let slab_test = guest.test_slabs(simd, &host, ALL_LANES);
+            tested[left] = (pair, slab_test);
+            left += usize::from(slab_test.pairs != 0);
         }
-        self.next = (self.next + count) % ROOM;
-        self.count -= count;
-        self.asked_for -= count;
+        self.oldest = (self.oldest + count) % QUEUE_CAPACITY;
+        self.queue_len -= count;
+        self.prefetched -= count;
         left
     }
 
-    /// The host leaves among these whose pairs with a guest leaf may be kept.
+    /// Returns those of `lanes` whose pairs with a guest leaf may still be kept.
     #[cold]
-    fn to_be_kept(&self, guest_leaf: u32, host: &Node, lanes: u32) -> u32 {
+    fn lanes_to_keep(&self, guest_leaf: u32, host: &Node, lanes: u32) -> u32 {
         let may_be_kept =
             |packets: &Packets<'_>, leaf: u32| packets.leaf(leaf).faces.iter().any(|&face| face <= self.last_face);
         if self.question.sides == Sides::SECOND_HOSTS {
@@ -186,89 +200,92 @@ impl LeafPairs<'_> {
         kept.fold(0, |kept, lane| kept | 1 << lane)
     }
 
-    /// Judges candidates where no pair waits for another, or where there is little room.
+    /// Classifies candidates if nothing is queued by design, or if there is little room left.
     #[inline(always)]
-    fn judge_in_time<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
-        if self.at_once == 1 {
-            self.judge(simd, 1)
+    fn classify_if_full<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
+        if self.batch_size == 1 {
+            self.classify(simd, 1)
         } else if !self.candidates.has_room() {
-            self.judge(simd, LANES)
+            self.classify(simd, LANES)
         } else {
             ControlFlow::Continue(())
         }
     }
 
-    /// Judges candidates, eight at a time, while there are so many at least, and keeps what meets.
+    /// Classifies candidates, eight at a time, as long as at least `min_count` are left, and
+    /// records the intersecting pairs.
     #[inline(always)]
-    fn judge<S: Simd>(&mut self, simd: S, least: usize) -> ControlFlow<()> {
+    fn classify<S: Simd>(&mut self, simd: S, min_count: usize) -> ControlFlow<()> {
         let count = self.candidates.count();
-        if count < least {
+        if count < min_count {
             return ControlFlow::Continue(());
         }
-        let mut judged = 0;
-        while count.saturating_sub(judged) >= least {
-            let verdicts = self.candidates.judge(simd, judged);
-            self.keep(&verdicts)?;
-            judged += LANES;
+        let mut classified = 0;
+        while count.saturating_sub(classified) >= min_count {
+            let verdicts = self.candidates.classify(simd, classified);
+            self.record(&verdicts)?;
+            classified += LANES;
         }
-        self.candidates.forget(judged);
+        self.candidates.remove_first(classified);
         ControlFlow::Continue(())
     }
 
-    /// Decides what the filter left open of candidates, and keeps what meets.
+    /// Records intersecting pairs of up to eight candidates, and decides or puts off undecided
+    /// ones.
     #[inline(never)]
-    fn keep(&mut self, verdicts: &Verdicts) -> ControlFlow<()> {
-        let (mut meet, mut open) = (u64::from(verdicts.meet), u64::from(verdicts.open));
-        // Where some are open, all are taken in order: see `Deciding::AtOnce`.
-        while open != 0 {
-            let lowest = (meet | open) & (meet | open).wrapping_neg();
+    fn record(&mut self, verdicts: &Verdicts) -> ControlFlow<()> {
+        let (mut intersecting, mut undecided) = (u64::from(verdicts.intersecting), u64::from(verdicts.undecided));
+        // If some pairs are undecided, all are recorded in order: see `Deciding::AtOnce`.
+        while undecided != 0 {
+            let lowest = (intersecting | undecided) & (intersecting | undecided).wrapping_neg();
             let pair = verdicts.faces(lowest.trailing_zeros() as usize);
-            if meet & lowest != 0 {
+            if intersecting & lowest != 0 {
                 self.found.push(pair);
             } else if self.question.wanted.deciding == Deciding::Last {
-                self.open.push(pair);
+                self.undecided.push(pair);
                 let [a, b] = self.packets();
                 a.prefetch_face(pair[0]);
                 b.prefetch_face(pair[1]);
             } else if self.decide(pair) {
                 self.found.push(pair);
             }
-            meet &= !lowest;
-            open &= !lowest;
+            intersecting &= !lowest;
+            undecided &= !lowest;
         }
-        while meet != 0 {
-            let left = meet.count_ones() as usize;
-            extend_some(&mut self.found, take_four(&mut meet).map(|lane| verdicts.faces(lane)), left);
+        while intersecting != 0 {
+            let left = intersecting.count_ones() as usize;
+            extend_some(&mut self.found, take_four(&mut intersecting).map(|lane| verdicts.faces(lane)), left);
         }
         let kept = self.question.wanted.kept;
-        if self.found.len() / 2 > kept.max(LEAST_ROOM) {
-            keep_least(&mut self.found, kept);
+        if self.found.len() / 2 > kept.max(HALF_MIN_TRIM_LENGTH) {
+            keep_smallest(&mut self.found, kept);
             if self.found.len() == kept {
                 self.last_face = self.found.iter().map(|pair| pair[0]).max().unwrap_or(u32::MAX);
             }
         }
-        self.go_on(MOST_OPEN)
+        self.continue_or_stop(MAX_UNDECIDED_PAIRS)
     }
 
-    /// Breaks off where enough is found; before that, decides what was put off where that is more than so many pairs.
+    /// Decides the pairs that were put off if there are more than `max_undecided` of them. Returns
+    /// `Break` if enough pairs are found.
     #[inline(always)]
-    fn go_on(&mut self, most: usize) -> ControlFlow<()> {
-        if self.found.len() < self.question.wanted.limit && self.open.len() > most {
-            self.decide_open();
+    fn continue_or_stop(&mut self, max_undecided: usize) -> ControlFlow<()> {
+        if self.found.len() < self.question.wanted.limit && self.undecided.len() > max_undecided {
+            self.decide_undecided();
         }
         if self.found.len() < self.question.wanted.limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
-    /// Decides the pairs that were put off, until enough meet.
+    /// Decides the pairs that were put off, until enough pairs are found.
     #[cold]
-    fn decide_open(&mut self) {
+    fn decide_undecided(&mut self) {
         let [a, b] = self.packets();
-        for &[face_a, face_b] in &self.open {
+        for &[face_a, face_b] in &self.undecided {
             a.prefetch_vertices(face_a);
             b.prefetch_vertices(face_b);
         }
         while self.found.len() < self.question.wanted.limit
-            && let Some(pair) = self.open.pop()
+            && let Some(pair) = self.undecided.pop()
         {
             if self.decide(pair) {
                 self.found.push(pair);
@@ -276,13 +293,13 @@ impl LeafPairs<'_> {
         }
     }
 
-    /// The packets of the first mesh and of the second.
+    /// Returns the packets of the first mesh and of the second.
     #[inline(always)]
     fn packets(&self) -> [Packets<'_>; 2] {
         self.question.sides.first_second([self.host_packets, self.guest_packets])
     }
 
-    /// Whether two faces, of the first mesh and of the second, meet.
+    /// Decides exactly whether two faces, of the first mesh and of the second, intersect.
     #[cold]
     fn decide(&self, [face_a, face_b]: [u32; 2]) -> bool {
         let Question { host, guest, placement, sides, .. } = self.question;
@@ -295,18 +312,18 @@ impl LeafVisitor for LeafPairs<'_> {
     #[inline(always)]
     fn approach<S: Simd>(&mut self, simd: S, guest_leaf: u32, host: &Node, lanes: u32) {
         let Question { relation, back, .. } = self.question;
-        let bounds = self.guests.take_up(simd, guest_leaf, &self.guest_packets, relation, back);
+        let bounds = self.guests.load(simd, guest_leaf, &self.guest_packets, relation, back);
         let mut near = lanes & overlapping(simd, (&load3(simd, &host.min), &load3(simd, &host.max)), &bounds);
         if self.last_face < u32::MAX {
-            near = self.to_be_kept(guest_leaf, host, near);
+            near = self.lanes_to_keep(guest_leaf, host, near);
         }
-        let guest = self.guests.await_last(near.count_ones());
-        let mut end = self.next + self.count;
-        self.count += near.count_ones() as usize;
+        let guest = self.guests.add_pending(near.count_ones());
+        let mut end = self.oldest + self.queue_len;
+        self.queue_len += near.count_ones() as usize;
         let mut left = u64::from(near);
         while left != 0 {
             for (at, lane) in take_four(&mut left).into_iter().enumerate() {
-                self.waiting[(end + at) % ROOM] = Meeting { guest, host_leaf: host.index(lane % LANES) };
+                self.queue[(end + at) % QUEUE_CAPACITY] = LeafPair { guest, host_leaf: host.index(lane % LANES) };
             }
             end += 4;
         }
@@ -314,12 +331,12 @@ impl LeafVisitor for LeafPairs<'_> {
 
     #[inline(always)]
     fn meet<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
-        for at in self.asked_for..self.count {
-            self.host_packets.prefetch(self.waiting[(self.next + at) % ROOM].host_leaf);
+        for at in self.prefetched..self.queue_len {
+            self.host_packets.prefetch(self.queue[(self.oldest + at) % QUEUE_CAPACITY].host_leaf);
         }
-        self.asked_for = self.count;
-        while self.count >= self.patience {
-            self.meet_oldest(simd)?;
+        self.prefetched = self.queue_len;
+        while self.queue_len >= self.process_at {
+            self.process_oldest(simd)?;
         }
         ControlFlow::Continue(())
     }
@@ -342,10 +359,10 @@ impl LeafVisitor for LeafPairs<'_> {
                     other,
                     node,
                     #[inline(always)]
-                    |guest, host, facing| {
+                    |guest, host, slab_test| {
                         let faces = LeafFaces { host: &host.leaf.faces, guest: &own.leaf.faces, sides };
-                        guest.meet(simd, host, facing, &faces, &mut self.candidates);
-                        self.judge_in_time(simd)
+                        guest.push_candidates(simd, host, slab_test, &faces, &mut self.candidates);
+                        self.classify_if_full(simd)
                     },
                 )
             },
@@ -354,11 +371,11 @@ impl LeafVisitor for LeafPairs<'_> {
 
     #[inline(always)]
     fn finish<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
-        while self.count > 0 {
-            self.meet_oldest(simd)?;
+        while self.queue_len > 0 {
+            self.process_oldest(simd)?;
         }
-        self.judge(simd, 1)?;
-        self.go_on(0)
+        self.classify(simd, 1)?;
+        self.continue_or_stop(0)
     }
 
     #[inline(always)]
@@ -373,8 +390,8 @@ impl LeafVisitor for LeafPairs<'_> {
     }
 }
 
-/// Leaves the least pairs, so many where there are more.
-pub(super) fn keep_least(pairs: &mut Vec<[u32; 2]>, kept: usize) {
+/// Removes all but the `kept` smallest pairs, which are left in no particular order.
+pub(super) fn keep_smallest(pairs: &mut Vec<[u32; 2]>, kept: usize) {
     if pairs.len() > kept {
         pairs.select_nth_unstable(kept);
         pairs.truncate(kept);

@@ -1,4 +1,5 @@
-//! How one mesh's packed frame lies in the other's: the map that the descent and the filter carry boxes and corners by.
+//! The map from one mesh's packed frame to the other's, by which the descent and the filter carry
+//! boxes and corners, with bounds of its error (docs/proof.md, L3).
 
 use super::sides::Sides;
 use crate::hierarchy::{Askew, BoxMap, HALF_ULP, SlabMap};
@@ -7,28 +8,31 @@ use crate::mesh::storage::frame::{PACKING_ERROR, PackedFrame, REACH};
 use crate::mesh::{HostChoice, PlacedMesh};
 use crate::simd::by_axis;
 
-/// Least error that the filter assumes; the head of its file says why.
-const LEAST_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
+/// Minimum corner error that the filter assumes, in the unit of the packed frame. The head of
+/// `filter/classify.rs` gives the reason.
+const MIN_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Boxes carried by maps that stretch or move by more than this are not compared: nothing may overflow unnoticed.
+/// Maximum stretch or translation of a map for which boxes are compared. Beyond it every box
+/// overlaps, so no overflow goes unnoticed.
 const LARGEST_FOR_BOXES: f64 = (1_u128 << 100) as f64;
 
-/// Triangles carried by maps that stretch or move by more than this are left to the exact stage: determinants are cubic
-/// in their size, and the cube of four times this is a single precision number with room for their sums.
+/// Maximum stretch or translation of a map for which the filter classifies triangles. Beyond it all
+/// pairs are left to the exact decision. Determinants are cubic in the size of triangles, and the
+/// cube of four times this leaves room in single precision for their sums.
 const LARGEST_FOR_TRIANGLES: f64 = (1_u64 << 36) as f64;
 
-/// How two meshes lie to each other.
+/// The maps between the packed frames of two meshes, in both directions.
 pub(crate) struct Relations {
-    /// Of the guest to the host.
+    /// Maps the packed frame of the guest to that of the host.
     pub(crate) relation: Relation,
-    /// Of the host to the guest.
+    /// Maps the packed frame of the host to that of the guest.
     pub(crate) back: Relation,
     /// Which mesh is the host.
     pub(crate) sides: Sides,
 }
 
 impl Relations {
-    /// The relations by the frame that the choice names.
+    /// Computes both maps, and chooses the host by `choice`.
     pub(crate) fn new(a: PlacedMesh<'_>, b: PlacedMesh<'_>, a_from_b: &RelativeMap, choice: HostChoice) -> Self {
         let (frame_a, frame_b) = (&a.mesh.0.frame, &b.mesh.0.frame);
         let by_a = Relation::new(a_from_b, frame_a, frame_b);
@@ -37,7 +41,8 @@ impl Relations {
             HostChoice::First => Sides::FIRST_HOSTS,
             HostChoice::Second => Sides::SECOND_HOSTS,
             HostChoice::SmallerError => {
-                // The error in units of the guest, whose boxes it blurs: a stretch of one unit of the guest is one unit.
+                // The error in units of the guest, whose boxes it enlarges. The stretch converts it
+                // to them.
                 let blur = |relation: &Relation| f64::from(relation.boxes.slack()) / relation.stretch;
                 let is_b_better = blur(&by_b) / frame_a.scale < blur(&by_a) / frame_b.scale;
                 if is_b_better { Sides::SECOND_HOSTS } else { Sides::FIRST_HOSTS }
@@ -48,28 +53,38 @@ impl Relations {
     }
 }
 
-/// The map from the guest's packed frame into the host's, in double precision, and how far it may be off.
+/// The map from the guest's packed frame to the host's, in double precision, with bounds of its
+/// error.
 #[derive(Clone, Debug)]
 pub(crate) struct Relation {
     pub(crate) linear: [[f64; 3]; 3],
     pub(crate) translation: [f64; 3],
-    /// How far the image of a packed point may be off on an axis, before it is rounded; infinite where nothing is known.
+    /// Error bound of the image of a packed point on any axis, before it is rounded. It is infinite
+    /// if nothing is known.
     pub(crate) error: f64,
-    /// The greatest sum of magnitudes in a row: no image of a vector is larger than this times the vector.
+    /// Maximum sum of magnitudes in a row, rounded up: an image of a vector is at most this times
+    /// the vector's largest component.
     pub(crate) stretch: f64,
-    /// What the corners of a guest packet of radius r may be off by: `per_radius · r + constant`.
+    /// Error bound of the corners of a guest packet in the host's frame.
     pub(crate) corner_error: CornerError,
+    /// Carries boxes from the packed frame of the guest to that of the host.
     pub(crate) boxes: BoxMap,
+    /// Carries slabs of the host to the packed frame of the guest.
     pub(crate) slabs: SlabMap,
 }
 
 impl Relation {
+    /// Computes the map between two packed frames.
+    ///
     /// # Accuracy
-    /// The relative map brings its own bound. The two changes of frame add five roundings of terms of at most
-    /// |linear|·|guest origin| + |translation| + |host origin| on an axis; scales are powers of two and round nothing.
+    /// The relative map has error bounds of its own. The two changes of frame add five roundings of
+    /// terms of at most |linear|·|guest origin| + |translation| + |host origin| on an axis. Scales
+    /// are powers of two and round nothing.
     pub(crate) fn new(host_from_guest: &RelativeMap, host: &PackedFrame, guest: &PackedFrame) -> Self {
+        /// Bound for the roundings of the changes of frame, relative to their terms: eight for the
+        /// five that occur.
         const ROUNDING: f64 = 8.0 * (f64::EPSILON / 2.0);
-        /// Makes up for the evaluation of the bounds themselves.
+        /// Covers the rounding of the bounds themselves.
         const OUTWARD: f64 = 1.0 + 1e-12;
         let local = host_from_guest;
         let ratio = host.scale / guest.scale;
@@ -89,7 +104,7 @@ impl Relation {
                 per_unit += row_error[from];
             }
             let total = ((ROUNDING * terms + carried) * host.scale + per_unit * ratio * REACH) * OUTWARD;
-            // Of an entry that is beyond range nothing is known, and infinity times zero is not a number.
+            // Nothing is known about an entry that overflowed; infinity times zero is NaN.
             error[axis] = if total.is_nan() { f64::INFINITY } else { total };
         }
         let stretch = linear.iter().map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max) * OUTWARD;
@@ -105,13 +120,13 @@ impl Relation {
         Self { linear, translation, error, stretch, corner_error, boxes, slabs }
     }
 
-    /// What tells long boxes apart that pass each other.
+    /// Returns the test along edge-cross axes, which proves long boxes apart that pass each other.
     pub(crate) fn askew(&self) -> Askew {
         Askew::new(&self.linear, &self.translation, self.error, REACH)
     }
 
-    /// A direction of the host's frame in the guest's, such that what lies between two planes across the one lies
-    /// between two planes across the other; nearly so, which is enough for a direction.
+    /// Returns the normal in the guest's frame of planes whose normal in the host's frame is
+    /// `normal`. It is rounded, which is harmless, as a slab may have any direction.
     #[inline(always)]
     pub(crate) fn turn_back(&self, normal: [f32; 3]) -> [f32; 3] {
         let [x, y, z] = normal;
@@ -119,7 +134,7 @@ impl Relation {
         by_axis!(axis => (f64::from(x) * along_x[axis] + f64::from(y) * along_y[axis] + f64::from(z) * along_z[axis]) as f32)
     }
 
-    /// The image of a packed point, to nearest.
+    /// Returns the image of a packed point, rounded to nearest.
     #[inline(always)]
     pub(crate) fn apply(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         by_axis!(axis => {
@@ -129,27 +144,32 @@ impl Relation {
     }
 }
 
-/// Pays for the rounding of sums with an error that is larger than what it is added to.
-pub(crate) const GROWN: f32 = 1.0 + 1e-5;
+/// Factor by which an error bound is enlarged before it is added to a smaller number, to cover the
+/// rounding of the sum.
+pub(crate) const ERROR_GROWTH: f32 = 1.0 + 1e-5;
 
-/// How far off the corners of a packet may be once they are turned into the host's frame and moved to a host's anchor,
-/// in the host's unit.
+/// Error bound of the corners of a guest packet after they are mapped into the host's frame and
+/// moved to the local origin of a host packet, in the host's unit. For a guest packet of radius r
+/// it is `per_radius · r + constant`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CornerError {
-    /// The part that grows with the guest packet's radius. Of single precision: the packed corner's rounding, the
-    /// matrix's, three of the sum, and two of the sum with an offset; a host packet is only met where the bounds
-    /// overlap, which keeps the offset below both radii.
+    /// Error per unit of the guest packet's radius, from single precision. It covers the rounding
+    /// of the packed corner, of the matrix, three of the sum, and two of the sum with an offset.
+    /// The offset is below both radii, as packets are only compared if their bounds overlap.
     pub(crate) per_radius: f32,
-    /// Of double precision: the map's, packing's, and those of the anchor's image with its five roundings.
+    /// Constant part of the error, from double precision: of the map, of packing, and of the image
+    /// of the local origin with its five roundings.
     pub(crate) constant: f32,
-    /// What bounds of the packet need beyond [`GROWN`] times this: the anchor and two sums in single precision.
+    /// Additional error of the bounds of a packet, beyond [`ERROR_GROWTH`] times the error of its
+    /// corners: of the local origin and two sums in single precision.
     pub(crate) of_bounds: f32,
 }
 
 impl CornerError {
+    /// Computes the bounds for a map with this translation, error and stretch.
     fn new(translation: &[f64; 3], map_error: f64, stretch: f64) -> Self {
         let reach = stretch * REACH + translation.iter().fold(0.0, |most, x| x.abs().max(most));
-        let constant = map_error + PACKING_ERROR * (1.0 + 2.0 * stretch + 2.0 * reach) + LEAST_ERROR;
+        let constant = map_error + PACKING_ERROR * (1.0 + 2.0 * stretch + 2.0 * reach) + MIN_ERROR;
         let up = |x: f64| (x as f32).next_up();
         Self {
             per_radius: up(9.0 * HALF_ULP * stretch),

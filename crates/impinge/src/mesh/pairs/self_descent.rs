@@ -1,8 +1,12 @@
-//! The descent of one mesh with itself: each pair of its faces whose boxes overlap, once.
+//! The descent of one mesh with itself: every unordered pair of its faces whose boxes overlap,
+//! once.
 //!
-//! The simultaneous descent of two trees would show every pair of neighbours twice and every face with itself; here a
-//! node meets itself, its children in pairs, and so every unordered pair of leaves is met at most once. Both are in one
-//! frame, so no box is carried and none grows.
+//! The simultaneous descent of two trees would find every pair of neighbors twice and every face
+//! with itself. Here a node is compared with itself by comparing its children in pairs, so every
+//! unordered pair of leaves is found at most once. Both sides are in one frame, so no box is
+//! carried and none grows (docs/proof.md, L18).
+//!
+//! Guarded by the tests in `solids/self_intersection.rs` and by the benchmark `solids`.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -14,39 +18,42 @@ use crate::hierarchy::{Child, Node};
 use crate::math::Pose;
 use crate::mesh::Mesh;
 
-/// What is left to open.
+/// Work that is left.
 #[derive(Clone, Copy)]
 enum Task {
-    /// A child with itself.
+    /// Compare a child with itself.
     Within(Child),
-    /// Two children with each other.
+    /// Compare two children with each other.
     Between(Lane, Lane),
 }
 
-/// A child by its place, where its box is too.
+/// A child of a node, by the node and the lane that holds its box.
 #[derive(Clone, Copy)]
 struct Lane {
     node: u32,
     lane: u8,
 }
 
-/// Tasks for each thread that the upper levels are opened into before threads share them out.
+/// Number of tasks per thread into which the upper levels are split before threads share them.
 const TASKS_PER_THREAD: usize = 64;
 
-/// Pairs of faces that are decided, for each face, before hubs are looked for. Most meshes take about ten.
-const PATIENCE: usize = 32;
+/// Maximum number of exactly decided pairs per face before the descent stops to look for hubs. Most
+/// meshes need about ten. If it is smaller, hubs are looked for in more meshes without any; if it
+/// is larger, more time is lost in meshes with hubs.
+const MAX_DECISIONS_PER_FACE: usize = 32;
 
-/// Of which faces the pairs are wanted.
+/// Faces whose pairs are wanted.
 #[derive(Clone, Copy)]
 pub(crate) enum WantedFaces<'w> {
-    /// Any.
+    /// All faces.
     All,
-    /// At least one of the two is marked, by its number.
+    /// Faces that are marked, by face index. At least one of the two faces of a pair must be
+    /// marked.
     WithMarked(&'w [bool]),
 }
 
-/// The pairs of faces, the lesser first, that meet in more than the hull of the positions that they share; in no
-/// particular order.
+/// Returns the pairs of faces that have more in common than the hull of their shared positions. The
+/// smaller index comes first, and pairs are in no particular order.
 pub(crate) fn collect_self_intersecting(mesh: &Mesh, wanted: WantedFaces<'_>) -> Vec<[u32; 2]> {
     if let Some(found) = descend(mesh, wanted, None) {
         return found;
@@ -60,17 +67,17 @@ pub(crate) fn collect_self_intersecting(mesh: &Mesh, wanted: WantedFaces<'_>) ->
     found
 }
 
-/// The pairs, but those of faces that share a hub. Where hubs are not known yet it gives up, and returns nothing, after many
-/// more pairs than most meshes without hubs take.
+/// Returns the pairs, without those of faces that share a hub. If `hubs` is `None`, it stops and
+/// returns `None` once it has decided many more pairs than most meshes without hubs need.
 fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>) -> Option<Vec<[u32; 2]>> {
-    let holds = wanted.nodes_with(mesh);
+    let has_wanted = wanted.nodes_with(mesh);
     let decided = AtomicUsize::new(0);
-    let most_decided = if hubs.is_some() { usize::MAX } else { PATIENCE * mesh.faces().len() };
+    let max_decided = if hubs.is_some() { usize::MAX } else { MAX_DECISIONS_PER_FACE * mesh.faces().len() };
     let worker = || Worker {
         mesh,
         nodes: mesh.0.tree.nodes(),
         wanted,
-        holds: &holds,
+        has_wanted: &has_wanted,
         hubs,
         one_place: Placement::new(&Pose::IDENTITY, &Pose::IDENTITY),
         found: Vec::new(),
@@ -81,7 +88,7 @@ fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>) -> Option<
     let enough = TASKS_PER_THREAD * rayon::current_num_threads();
     while !tasks.is_empty() && tasks.len() < enough {
         for task in std::mem::take(&mut tasks) {
-            first.open(task, &mut tasks);
+            first.expand(task, &mut tasks);
         }
     }
     let shared: Option<Vec<Vec<[u32; 2]>>> = tasks
@@ -90,9 +97,9 @@ fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>) -> Option<
             let mut worker = worker();
             let mut stack = vec![task];
             while let Some(task) = stack.pop() {
-                worker.open(task, &mut stack);
+                worker.expand(task, &mut stack);
                 let more = std::mem::take(&mut worker.decided);
-                if decided.fetch_add(more, Ordering::Relaxed) > most_decided {
+                if decided.fetch_add(more, Ordering::Relaxed) > max_decided {
                     return None;
                 }
             }
@@ -104,6 +111,7 @@ fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>) -> Option<
 }
 
 impl WantedFaces<'_> {
+    /// Reports whether the pairs of a face are wanted.
     fn includes(self, face: u32) -> bool {
         match self {
             Self::All => true,
@@ -111,39 +119,41 @@ impl WantedFaces<'_> {
         }
     }
 
-    /// For each node whether a wanted face is below; none are named where all are wanted.
+    /// Returns for each node whether a wanted face is below. The list is empty if all faces are
+    /// wanted.
     fn nodes_with(self, mesh: &Mesh) -> Vec<bool> {
         let nodes = mesh.0.tree.nodes();
-        let mut holds = match self {
+        let mut has_wanted = match self {
             Self::All => Vec::new(),
             Self::WithMarked(_) => vec![false; nodes.len()],
         };
         // Children come after their parents.
-        for index in (0..holds.len()).rev() {
-            holds[index] = (0..nodes[index].count()).any(|lane| match nodes[index].child(lane) {
-                Child::Inner(node) => holds[node as usize],
+        for index in (0..has_wanted.len()).rev() {
+            has_wanted[index] = (0..nodes[index].count()).any(|lane| match nodes[index].child(lane) {
+                Child::Inner(node) => has_wanted[node as usize],
                 Child::Leaf(leaf) => mesh.leaf_faces(leaf).any(|face| self.includes(face)),
             });
         }
-        holds
+        has_wanted
     }
 }
 
+/// The state of one thread.
 struct Worker<'m> {
     mesh: &'m Mesh,
     nodes: &'m [Node],
     wanted: WantedFaces<'m>,
-    /// For each node whether a wanted face is below; empty where all are.
-    holds: &'m [bool],
-    /// Pairs of faces that share one are left out.
+    /// For each node whether a wanted face is below; empty if all faces are wanted.
+    has_wanted: &'m [bool],
+    /// Hubs, if they are known. Pairs of faces that share a hub are left out.
     hubs: Option<&'m Hubs>,
     one_place: Placement,
     found: Vec<[u32; 2]>,
-    /// Pairs of faces that were decided.
+    /// Number of pairs of faces that were decided exactly.
     decided: usize,
 }
 
-/// A face with its corners and their least and greatest coordinates.
+/// A face with its corners and its box.
 struct Face {
     number: u32,
     corners: Corners,
@@ -152,15 +162,15 @@ struct Face {
 }
 
 impl Worker<'_> {
-    /// Opens a task: appends what is below it, or meets the faces. Depth first, the tasks that wait are at most 64 for
-    /// each level, as each adds at most 8 · 8, all deeper than it.
-    fn open(&mut self, task: Task, below: &mut Vec<Task>) {
+    /// Processes a task: appends the tasks below it, or tests its faces. Depth first, at most 64
+    /// tasks per level are waiting, as each task adds at most 8 · 8 tasks, all deeper than it.
+    fn expand(&mut self, task: Task, below: &mut Vec<Task>) {
         match task {
             Task::Within(Child::Leaf(leaf)) => {
                 let faces = self.faces(leaf);
                 for (number, face) in faces.iter().enumerate() {
                     for other in &faces[number + 1..] {
-                        self.meet(face, other);
+                        self.test_faces(face, other);
                     }
                 }
             }
@@ -170,7 +180,7 @@ impl Worker<'_> {
                         let common = hubs.of_child(lane.node, lane.lane);
                         common.first_common(common).is_some()
                     });
-                    if !is_of_one_hub && self.holds_wanted(self.child(lane)) {
+                    if !is_of_one_hub && self.is_wanted(self.child(lane)) {
                         below.push(Task::Within(self.child(lane)));
                     }
                     for other in lanes(&self.nodes[node as usize], node).skip(usize::from(lane.lane) + 1) {
@@ -183,7 +193,7 @@ impl Worker<'_> {
                     let others = self.faces(other);
                     for face in self.faces(leaf) {
                         for other in &others {
-                            self.meet(&face, other);
+                            self.test_faces(&face, other);
                         }
                     }
                 }
@@ -192,7 +202,8 @@ impl Worker<'_> {
                 (Child::Inner(node), Child::Inner(_)) => {
                     for lane in lanes(&self.nodes[node as usize], node) {
                         if self.overlap(lane, other) {
-                            // The other one is opened against this child; its lanes are not all tried for each that misses.
+                            // The other child is opened against this one only, so its lanes are not
+                            // tested for children that miss its box.
                             if let Child::Inner(node) = self.child(other) {
                                 self.push_with_each(lane, node, below);
                             }
@@ -203,12 +214,15 @@ impl Worker<'_> {
         }
     }
 
+    /// Appends tasks for a child and each child of another node that may intersect it.
     fn push_with_each(&self, one: Lane, node: u32, below: &mut Vec<Task>) {
         for lane in lanes(&self.nodes[node as usize], node) {
             self.push_between(one, lane, below);
         }
     }
 
+    /// Appends a task for two children, if their boxes overlap, a wanted face is below one of them,
+    /// and not all their faces share a hub.
     fn push_between(&self, one: Lane, other: Lane, below: &mut Vec<Task>) {
         let share_a_hub = self.hubs.is_some_and(|hubs| {
             let [one, other] = [one, other].map(|Lane { node, lane }| hubs.of_child(node, lane));
@@ -216,16 +230,17 @@ impl Worker<'_> {
         });
         if !share_a_hub
             && self.overlap(one, other)
-            && (self.holds_wanted(self.child(one)) || self.holds_wanted(self.child(other)))
+            && (self.is_wanted(self.child(one)) || self.is_wanted(self.child(other)))
         {
             below.push(Task::Between(one, other));
         }
     }
 
-    fn holds_wanted(&self, child: Child) -> bool {
+    /// Reports whether a wanted face is below a child.
+    fn is_wanted(&self, child: Child) -> bool {
         match (child, self.wanted) {
             (_, WantedFaces::All) => true,
-            (Child::Inner(node), _) => self.holds[node as usize],
+            (Child::Inner(node), _) => self.has_wanted[node as usize],
             (Child::Leaf(leaf), wanted) => self.mesh.leaf_faces(leaf).any(|face| wanted.includes(face)),
         }
     }
@@ -234,12 +249,14 @@ impl Worker<'_> {
         self.nodes[node as usize].child(usize::from(lane))
     }
 
+    /// Reports whether the boxes of two children overlap.
     fn overlap(&self, one: Lane, other: Lane) -> bool {
         let (a, b) = (&self.nodes[one.node as usize], &self.nodes[other.node as usize]);
         let (i, j) = (usize::from(one.lane), usize::from(other.lane));
         (0..3).all(|axis| a.min[axis][i] <= b.max[axis][j] && b.min[axis][j] <= a.max[axis][i])
     }
 
+    /// Returns the faces of a leaf with their boxes.
     fn faces(&self, leaf: u32) -> Vec<Face> {
         let face = |number| {
             let corners = self.mesh.corners(number);
@@ -250,7 +267,9 @@ impl Worker<'_> {
         self.mesh.leaf_faces(leaf).map(face).collect()
     }
 
-    fn meet(&mut self, one: &Face, other: &Face) {
+    /// Decides whether two faces intersect beyond their shared positions, unless their boxes are
+    /// apart, neither is wanted, or they share a hub.
+    fn test_faces(&mut self, one: &Face, other: &Face) {
         let near = (0..3).all(|axis| one.min[axis] <= other.max[axis] && other.min[axis] <= one.max[axis]);
         let wanted = self.wanted.includes(one.number) || self.wanted.includes(other.number);
         let share_a_hub = |hubs: &Hubs| hubs.of_face(one.number).first_common(hubs.of_face(other.number)).is_some();
@@ -264,6 +283,7 @@ impl Worker<'_> {
     }
 }
 
+/// Returns the children of a node.
 fn lanes(node: &Node, index: u32) -> impl Iterator<Item = Lane> + use<> {
     (0..node.count() as u8).map(move |lane| Lane { node: index, lane })
 }

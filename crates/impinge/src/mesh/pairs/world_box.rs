@@ -1,26 +1,29 @@
-//! Where a mesh can be in the world, axis by axis: what tells most bodies apart before anything else is made.
+//! The bounds of a mesh on the axes of the world. They prove most distant meshes apart before
+//! anything else is computed.
 //!
-//! Source: Arvo, *Transforming axis-aligned bounding boxes*, Graphics Gems, 1990 (Ericson, 4.2.6); ours bounds its rounding.
+//! Source: Arvo, *Transforming axis-aligned bounding boxes*, Graphics Gems, 1990 (Ericson, 4.2.6);
+//! ours bounds its rounding.
 
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
 use crate::mesh::PlacedMesh;
 
-/// Whether the boxes about two meshes are apart on an axis of the world, which proves that no points of theirs coincide.
+/// Reports whether the boxes of two meshes are proved apart on an axis of the world, so that the
+/// meshes have no common point.
 ///
 /// # Accuracy
-/// A coordinate of a centre's image takes four roundings of terms of at most the sum of their magnitudes; reaches are sums of
-/// positive numbers. What is not a number proves nothing.
+/// A coordinate of a center's image takes four roundings of terms of at most the sum of their
+/// magnitudes; extents are sums of positive numbers. If a number is NaN, nothing is proved.
 #[inline]
 pub(in crate::mesh) fn are_apart(a: &PlacedMesh<'_>, b: &PlacedMesh<'_>) -> bool {
     let [on_a, on_b] = [a, b].map(|placed| [0, 1, 2].map(|k| Interval::of(placed, k)));
     (0..3).any(|k| on_a[k].is_apart(&on_b[k]))
 }
 
-/// Where a mesh can be on an axis of the world.
+/// The interval of a mesh on an axis of the world.
 struct Interval {
-    centre: f64,
+    center: f64,
     reach: f64,
-    /// What sums up to the centre, by its magnitude.
+    /// Sum of the magnitudes of the terms of `center`, which bounds its rounding.
     terms: f64,
 }
 
@@ -31,7 +34,7 @@ impl Interval {
         let (row, [x, y, z], [u, v, w]) = (pose.linear()[k], mesh.frame.origin, mesh.half_extents);
         let at = [row[0] * x, row[1] * y, row[2] * z, pose.translation()[k]];
         Self {
-            centre: (at[0] + at[1]) + (at[2] + at[3]),
+            center: (at[0] + at[1]) + (at[2] + at[3]),
             reach: row[0].abs() * u + row[1].abs() * v + row[2].abs() * w,
             terms: (at[0].abs() + at[1].abs()) + (at[2].abs() + at[3].abs()),
         }
@@ -40,7 +43,7 @@ impl Interval {
     #[inline(always)]
     fn is_apart(&self, other: &Self) -> bool {
         let rounding = 8.0 * UNIT_ROUNDOFF * (self.terms + other.terms) + UNDERFLOW;
-        (self.centre - other.centre).abs() > (self.reach + other.reach) * (1.0 + 1e-12) + rounding
+        (self.center - other.center).abs() > (self.reach + other.reach) * (1.0 + 1e-12) + rounding
     }
 }
 
@@ -54,22 +57,22 @@ mod tests {
     use crate::mesh::{Mesh, Options, Positions, first_hit};
 
     #[test]
-    fn what_touches_is_not_apart_and_what_is_hardly_apart_is() {
+    fn touching_boxes_are_not_apart_and_a_small_gap_is_found() {
         let plain = solids::cuboid([-1.0, -2.0, 3.0], [2.0, 1.0, 4.0]);
         let mesh = Mesh::new(Positions::F64(plain.vertices), plain.faces).expect("a mesh");
         for shift in [[3.0, 0.5, 0.25], [0.0, -3.0, 1.0], [-1.0, 1.0, 1.0]] {
-            for (share, meet) in [(1.0, true), (1.0 + 1e-6, false)] {
+            for (share, touch) in [(1.0, true), (1.0 + 1e-6, false)] {
                 let there = mesh.at(Pose::from_translation(shift.map(|x| x * share)).expect("a pose"));
-                assert_eq!(first_hit((&mesh).into(), there, &Options::default()).is_some(), meet);
-                assert_eq!(are_apart(&(&mesh).into(), &there), !meet, "{shift:?} times {share}");
+                assert_eq!(first_hit((&mesh).into(), there, &Options::default()).is_some(), touch);
+                assert_eq!(are_apart(&(&mesh).into(), &there), !touch, "{shift:?} times {share}");
             }
         }
     }
 
     #[test]
-    fn what_shares_a_corner_far_out_is_not_apart() {
-        // A point, and a segment that ends in it and lies behind it on an axis of the world: the two intervals touch, and are
-        // some roundings of their place long.
+    fn meshes_that_share_a_point_far_from_the_origin_are_not_apart() {
+        // A point, and a segment that ends in it and lies behind it on an axis of the world. The
+        // two intervals touch. They are only a few rounding errors of their position long.
         let mut rng = Rng::new(12);
         let step = 1.0 / f64::from(1 << 20);
         let degenerate = |corners: Vec<[f64; 3]>| Mesh::new(Positions::F64(corners), vec![[0, 1, 1]]).expect("a mesh");
@@ -86,6 +89,6 @@ mod tests {
             let beyond = degenerate(vec![[0, 1, 2].map(|k| end[k] + (1 << 12) as f64 * step.copysign(row[k])); 2]);
             apart += usize::from(are_apart(&beyond.at(pose), &segment.at(pose)));
         }
-        assert!(apart > 390, "{apart} of 400 are told apart");
+        assert!(apart > 390, "{apart} of 400 are apart");
     }
 }

@@ -1,4 +1,4 @@
-//! Eight triangles side by side, from the rows in which their vertices are stored.
+//! Loads eight triangles into SIMD lanes, from the rows in which their vertices are stored.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8, f64x4};
@@ -6,7 +6,9 @@ use fearless_simd::{Simd, f32x4, f32x8, f64x4};
 use super::frame::PackedFrame;
 use crate::simd::{LANES, Lanes3, by_axis, transposed};
 
-/// The corners of eight triangles, by the places of their [rows](super::faces::VertexRows).
+/// Returns the corners of eight triangles, `[corner][axis]` with one triangle per lane. `row(4 *
+/// lane + corner)` returns a vertex, in the order of [`VertexRows`](super::faces::VertexRows). Its
+/// fourth number is ignored.
 #[inline(always)]
 pub(super) fn corners_of<S: Simd>(row: impl Fn(usize) -> f32x4<S>) -> [Lanes3<S>; 3] {
     by_axis!(k => {
@@ -16,9 +18,10 @@ pub(super) fn corners_of<S: Simd>(row: impl Fn(usize) -> f32x4<S>) -> [Lanes3<S>
     })
 }
 
-/// Twice the centres of the boxes of eight triangles, by the places of their corners.
+/// Returns twice the box centers of eight faces, one vector per face. `row(3 * face + corner)`
+/// returns a vertex. The fourth lanes have no meaning.
 #[inline(always)]
-pub(super) fn twice_centres_of<S: Simd>(row: impl Fn(usize) -> f32x4<S>) -> [[f32x4<S>; 4]; 2] {
+pub(super) fn twice_centers_of<S: Simd>(row: impl Fn(usize) -> f32x4<S>) -> [[f32x4<S>; 4]; 2] {
     let twice = [twice_of(&row, 0), twice_of(&row, 1), twice_of(&row, 2), twice_of(&row, 3)];
     [twice, [twice_of(&row, 4), twice_of(&row, 5), twice_of(&row, 6), twice_of(&row, 7)]]
 }
@@ -29,9 +32,11 @@ fn twice_of<S: Simd>(row: &impl Fn(usize) -> f32x4<S>, face: usize) -> f32x4<S> 
     p.min(q).min(r) + p.max(q).max(r)
 }
 
-/// Likewise in the packed frame.
+/// Returns twice the box centers of eight faces in the packed frame, one vector per face, for
+/// vertices given in the mesh frame. `row(3 * face + corner)` returns a vertex. The fourth lanes
+/// have no meaning.
 #[inline(always)]
-pub(super) fn twice_packed_centres_of<'a, S: Simd, T: Copy + Into<f64> + 'a>(
+pub(super) fn twice_packed_centers_of<'a, S: Simd, T: Copy + Into<f64> + 'a>(
     simd: S,
     frame: &PackedFrame,
     row: impl Fn(usize) -> &'a [T; 4],
@@ -60,7 +65,9 @@ fn widened<S: Simd, T: Copy + Into<f64>>(simd: S, &[x, y, z, any]: &[T; 4]) -> f
     f64x4::from_slice(simd, &[x.into(), y.into(), z.into(), any.into()])
 }
 
-/// The corners of eight triangles in double precision, by the places of their [rows](super::faces::VertexRows).
+/// Returns the corners of eight triangles in double precision, `[corner][lane]`. `row(4 * lane +
+/// corner)` returns a vertex, in the order of [`VertexRows`](super::faces::VertexRows). The fourth
+/// lanes have no meaning.
 #[inline(always)]
 pub(super) fn widened_rows<'a, S: Simd, T: Copy + Into<f64> + 'a>(
     simd: S,

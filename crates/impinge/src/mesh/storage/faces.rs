@@ -1,14 +1,14 @@
-//! Faces, of which those of a leaf are looked up together.
+//! Faces by their vertex indices; all faces of a leaf are looked up together.
 
 use fearless_simd::Simd;
 
 use super::leaf::Leaf;
 use crate::simd::{LANES, Rows, prefetch_at};
 
-/// The vertices of each of eight triangles, and any fourth number.
+/// The vertex indices of eight triangles. The fourth number of each row has no meaning.
 pub(in crate::mesh) type VertexRows = [[u32; 4]; LANES];
 
-/// Faces by their vertices.
+/// The faces of a mesh by their vertex indices.
 #[derive(Clone, Copy)]
 pub(in crate::mesh) struct Faces<'a>(Rows<'a, u32>);
 
@@ -17,19 +17,19 @@ impl<'a> Faces<'a> {
         Self(Rows::of(faces))
     }
 
-    /// All of them.
+    /// Returns the vertex indices of all faces.
     #[inline(always)]
     pub(in crate::mesh) fn all(&self) -> &[[u32; 3]] {
         self.0.all()
     }
 
-    /// Asks for a face.
+    /// Prefetches the vertex indices of a face.
     #[inline(always)]
     pub(in crate::mesh) fn prefetch(&self, face: u32) {
         prefetch_at(self.0.all(), face as usize);
     }
 
-    /// Looks up the vertices of a leaf's faces.
+    /// Writes the vertex indices of all faces of a leaf to `rows`, one row per lane.
     #[inline(always)]
     pub(in crate::mesh) fn look_up<S: Simd>(&self, simd: S, leaf: &Leaf, rows: &mut VertexRows) {
         if let Some(inside) = self.0.inside(simd, &leaf.faces) {

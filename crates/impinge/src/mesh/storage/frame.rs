@@ -1,5 +1,8 @@
-//! The frame in which a mesh's boxes and packets are kept: near the origin and about one unit large, whatever the
-//! mesh's own unit is and however far out it lies, so that single precision serves meshes of every size alike.
+//! The packed frame, in which the boxes and packets of a mesh are stored. In it the mesh is near
+//! the origin and about one unit large, whatever its own unit and position. So single precision is
+//! equally accurate for meshes of every size.
+//!
+//! Guarded by the tests below and, for the whole engine, by the tests in `engine/laws.rs`.
 
 use std::ops::{Add, Mul};
 
@@ -7,7 +10,8 @@ use crate::hierarchy::{HALF_ULP, WideTree};
 use crate::math::vec3::Vector;
 use crate::simd::{by_axis, prefetch_at};
 
-/// `packed = (local − origin) · scale`, with a power of two for the scale, which rounds nothing.
+/// The map `packed = (local − origin) · scale` from the mesh frame. The scale is a power of two, so
+/// multiplying by it rounds nothing.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C)]
 pub(crate) struct PackedFrame {
@@ -15,28 +19,33 @@ pub(crate) struct PackedFrame {
     pub(crate) scale: f64,
 }
 
-/// No packed coordinate is larger in magnitude: one, and what rounding may add to it.
+/// Maximum magnitude of a packed coordinate: one, and a margin for rounding.
 pub(crate) const REACH: f64 = 1.0 + 1e-6;
 
-/// What a packed coordinate in double precision may be off by: two roundings of numbers of at most [`REACH`], a
-/// subtraction's relative error and, for differences too small to keep, the least subnormal number.
+/// Error bound of a packed coordinate in double precision. It covers two roundings of numbers of at
+/// most [`REACH`], the relative error of a subtraction, and, for differences below the range of
+/// doubles, the smallest subnormal number.
 pub(crate) const PACKING_ERROR: f64 = 1.0 / (1_u64 << 51) as f64;
 
-/// No bound of a box is nearer to zero: far less than [`PACKING_ERROR`], and so much that its products with what is in the map of a
-/// pose are not subnormal, as all would be that a flat mesh has to offer: such a product takes seventy times as long on a Xeon.
-const LEAST_BOUND: f32 = 1.0 / (1_u64 << 60) as f32;
+/// Minimum magnitude of a bound of a box. It is far below [`PACKING_ERROR`], so boxes hardly grow.
+/// It is large enough that its products with the entries of a pose's map are not subnormal: those
+/// take 70 times as long on a Xeon, and all bounds of a flat mesh along its normal would give such
+/// products.
+const MIN_BOUND: f32 = 1.0 / (1_u64 << 60) as f32;
 
-/// A float above a packed coordinate that was rounded to this one: the next, or the least bound.
+/// Returns a float above every packed coordinate that was rounded to `rounded`: the next float up,
+/// or [`MIN_BOUND`] if `rounded` is smaller than that in magnitude.
 #[inline(always)]
 pub(in crate::mesh) fn outward(rounded: f32) -> f32 {
-    // A negative float's bits grow the wrong way.
+    // The bits of a negative float decrease when the float increases.
     let bits = rounded.to_bits().cast_signed();
     let next = f32::from_bits(bits.wrapping_add(bits >> 31 | 1).cast_unsigned());
-    if rounded.abs() < LEAST_BOUND { LEAST_BOUND } else { next }
+    if rounded.abs() < MIN_BOUND { MIN_BOUND } else { next }
 }
 
 impl PackedFrame {
-    /// A frame in which all vertices between these extremes are at most [`REACH`] in magnitude.
+    /// Returns the frame in which all vertices between these extremes are at most [`REACH`] in
+    /// magnitude. Without vertices it is the identity.
     pub(in crate::mesh) fn over(extremes: &Extremes) -> Self {
         let Extremes { min, max } = extremes;
         if *extremes == Extremes::NONE {
@@ -47,18 +56,21 @@ impl PackedFrame {
         Self { origin, scale: reciprocal_power_of_two(extent) }
     }
 
+    /// Maps a point of the mesh frame to the packed frame, with an error of at most
+    /// [`PACKING_ERROR`] for vertices.
     #[inline(always)]
     pub(crate) fn pack(&self, vertex: [f64; 3]) -> [f64; 3] {
         by_axis!(axis => (vertex[axis] - self.origin[axis]) * self.scale)
     }
 
-    /// Where a packed point is in the mesh's own frame, to nearest.
+    /// Maps a packed point to the mesh frame, rounded to nearest.
     #[inline(always)]
     pub(super) fn unpack(&self, packed: [f64; 3]) -> [f64; 3] {
         by_axis!(axis => packed[axis] / self.scale + self.origin[axis])
     }
 
-    /// How far from the origin of its frame a mesh reaches on each axis, in its own unit and frame.
+    /// Returns the maximum distance of the mesh from `origin` on each axis, in the mesh frame and
+    /// its unit. It is rounded up, and zero for an empty tree.
     pub(in crate::mesh) fn half_extents(&self, tree: &WideTree) -> Vector {
         let Some(root) = tree.nodes().first() else { return [0.0; 3] };
         [0, 1, 2].map(|k| {
@@ -69,7 +81,7 @@ impl PackedFrame {
     }
 }
 
-/// The least and the greatest coordinates of vertices, in the mesh's own frame.
+/// The minimum and maximum coordinates of some vertices, in the mesh frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::mesh) struct Extremes {
     min: [f64; 3],
@@ -77,46 +89,50 @@ pub(in crate::mesh) struct Extremes {
 }
 
 impl Extremes {
-    /// Of no vertices.
+    /// The extremes of no vertices.
     pub(in crate::mesh) const NONE: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
 
-    /// Of vertices; not finite where a coordinate is not.
+    /// Returns the extremes of vertices. They are NaN if a coordinate is NaN or infinite.
     pub(in crate::mesh) fn of<T>(vertices: &[[T; 3]]) -> Self
     where
         T: Copy + PartialOrd + From<f32> + Into<f64> + Add<Output = T> + Mul<Output = T>,
     {
-        /// Coordinates of four vertices, that the compiler takes side by side.
-        const TOGETHER: usize = 12;
-        /// Bytes before their turn in which they are asked for: sooner than the processor does by itself, and across its pages.
-        const AHEAD: usize = 2048;
-        let mut min = [T::from(f32::INFINITY); TOGETHER];
-        let mut max = [T::from(f32::NEG_INFINITY); TOGETHER];
-        // Not a number where a coordinate was not finite.
-        let mut zero = [T::from(0.0); TOGETHER];
+        /// Number of coordinates per step: those of four vertices, so that the compiler vectorizes
+        /// the step.
+        const COORDINATES_PER_STEP: usize = 12;
+        /// Prefetch distance in bytes. The processor prefetches later by itself, and not across its
+        /// pages.
+        const PREFETCH_BYTES: usize = 2048;
+        let mut min = [T::from(f32::INFINITY); COORDINATES_PER_STEP];
+        let mut max = [T::from(f32::NEG_INFINITY); COORDINATES_PER_STEP];
+        // NaN in a lane if one of its coordinates is not finite, else zero.
+        let mut zero = [T::from(0.0); COORDINATES_PER_STEP];
         let mut take = |lane: usize, x: T| {
             min[lane] = if x < min[lane] { x } else { min[lane] };
             max[lane] = if x > max[lane] { x } else { max[lane] };
             zero[lane] = zero[lane] + x * T::from(0.0);
         };
-        let (together, rest) = vertices.as_flattened().as_chunks::<TOGETHER>();
+        let (together, rest) = vertices.as_flattened().as_chunks::<COORDINATES_PER_STEP>();
         for (at, coordinates) in together.iter().enumerate() {
-            prefetch_at(together, at + AHEAD / size_of_val(coordinates));
-            (0..TOGETHER).for_each(|lane| take(lane, coordinates[lane]));
+            prefetch_at(together, at + PREFETCH_BYTES / size_of_val(coordinates));
+            (0..COORDINATES_PER_STEP).for_each(|lane| take(lane, coordinates[lane]));
         }
         rest.iter().enumerate().for_each(|(lane, &x)| take(lane, x));
         let zero: f64 = zero.into_iter().fold(T::from(0.0), Add::add).into();
-        let Self { min, max } = (0..TOGETHER / 3).fold(Self::NONE, |all, vertex| {
-            let of_vertex = |bound: &[T; TOGETHER]| by_axis!(axis => bound[3 * vertex + axis].into());
+        let Self { min, max } = (0..COORDINATES_PER_STEP / 3).fold(Self::NONE, |all, vertex| {
+            let of_vertex = |bound: &[T; COORDINATES_PER_STEP]| by_axis!(axis => bound[3 * vertex + axis].into());
             all.union(Self { min: of_vertex(&min), max: of_vertex(&max) })
         });
         Self { min: min.map(|x| x + zero), max: max.map(|x| x + zero) }
     }
 
-    /// Whether all coordinates between them are below `limit` in magnitude.
+    /// Reports whether all coordinates are below `limit` in magnitude; `false` if an extreme is
+    /// NaN.
     pub(in crate::mesh) fn are_below(&self, limit: f64) -> bool {
         self.min.iter().all(|&x| x > -limit) && self.max.iter().all(|&x| x < limit)
     }
 
+    /// Returns the extremes of both sets of vertices.
     pub(in crate::mesh) fn union(self, Self { min, max }: Self) -> Self {
         let lesser = |a: f64, b: f64| if a < b { a } else { b };
         let greater = |a: f64, b: f64| if a > b { a } else { b };
@@ -127,8 +143,8 @@ impl Extremes {
     }
 }
 
-/// The power of two that takes `extent` into (1/2, 1], as far as powers of two go in double precision with room for
-/// products; one for zero.
+/// Returns the power of two that scales `extent` into (1/2, 1], and 1 for zero. Its exponent is
+/// limited to ±900, so that products with it stay in the range of double precision.
 pub(in crate::mesh) fn reciprocal_power_of_two(extent: f64) -> f64 {
     const EXPONENT_LIMIT: i32 = 900;
     if extent == 0.0 {
@@ -169,16 +185,17 @@ mod tests {
         for x in (-120..1).flat_map(|power| [1.0, 1.1, 1.9].map(|x| x * 2.0_f32.powi(power))) {
             for x in [x, -x, 0.0, -0.0, x.next_down(), -x.next_down(), f32::from_bits(1), -f32::from_bits(1)] {
                 let beyond = outward(x);
-                // What was rounded to it is at most half way to the next.
+                // A number that was rounded to `x` is at most half way to the next float.
                 assert!(beyond >= x.next_up() && beyond.abs() > 2.0_f32.powi(-61), "{x} to {beyond}");
                 near_zero += usize::from(beyond > x.next_up());
-                assert!(beyond == x.next_up() || x.abs() < LEAST_BOUND && beyond == LEAST_BOUND, "{x} to {beyond}");
+                assert!(beyond == x.next_up() || x.abs() < MIN_BOUND && beyond == MIN_BOUND, "{x} to {beyond}");
             }
         }
         assert!(near_zero > 1_000, "{near_zero} were near zero");
     }
 
-    /// Extremes of so many vertices that some are taken side by side and some are left over, and which of them are below a limit.
+    /// Vertex counts with and without a remainder after whole steps, and every vertex at and beyond
+    /// a limit.
     #[test]
     fn extremes_are_those_of_each_vertex() {
         let mut rng = Rng::new(154);

@@ -1,5 +1,10 @@
-//! Packets: what a leaf holds, as a question asks for it. They are made when a leaf is first met, some neighbours at a time, and
-//! kept until the mesh moves: most of a large mesh is never met, and what a build and a refit would write else is mostly packets.
+//! Packets: up to eight triangles of a leaf in SoA layout. A packet is made when a query first
+//! reaches its leaf, together with some neighbors, and cached until the mesh moves. Most leaves of
+//! a large mesh are never reached, and packets would be most of the memory that a build or a refit
+//! writes.
+//!
+//! Guarded by the tests of `triangles`, by `a_refit_forgets_what_questions_kept` in the tests
+//! `engine/moving.rs`, and by the benchmark `headline`.
 
 use std::ops::Deref;
 
@@ -11,11 +16,11 @@ use super::stored_corners::{Corners, StoredCorners};
 use super::triangles::{self, Triangles};
 use crate::simd::{LANES, outlined, prefetch};
 
-/// What a leaf holds.
+/// A leaf with its packed triangles.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Packet<'a> {
     pub(crate) leaf: &'a Leaf,
-    /// The anchor of the triangles, in the packed frame.
+    /// Local origin of the triangles, in the packed frame.
     pub(crate) anchor: [f64; 3],
     triangles: &'a Triangles,
 }
@@ -29,59 +34,61 @@ impl Deref for Packet<'_> {
     }
 }
 
-/// Leaves whose packets are made together: fewer waste less of what is made, and more less memory for keeping track.
-const TOGETHER: usize = LANES;
+/// Number of neighboring leaves whose packets are made together. If it is smaller, fewer packets
+/// are made that no query needs; if it is larger, less memory keeps track of them.
+const LEAVES_PER_BLOCK: usize = LANES;
 
-/// What was made so far.
+/// The packets that queries have made so far, in blocks of neighboring leaves.
 #[derive(Debug)]
-pub(in crate::mesh) struct Made(Box<[OnceBox<[Triangles; TOGETHER]>]>);
+pub(in crate::mesh) struct PacketCache(Box<[OnceBox<[Triangles; LEAVES_PER_BLOCK]>]>);
 
-impl Made {
-    /// Nothing of so many leaves.
-    pub(in crate::mesh) fn none(leaves: usize) -> Self {
-        Self((0..leaves.div_ceil(TOGETHER)).map(|_| OnceBox::new()).collect())
+impl PacketCache {
+    /// Returns an empty cache for this number of leaves.
+    pub(in crate::mesh) fn new(leaves: usize) -> Self {
+        Self((0..leaves.div_ceil(LEAVES_PER_BLOCK)).map(|_| OnceBox::new()).collect())
     }
 
-    /// Nothing any more.
+    /// Removes all packets.
     pub(in crate::mesh) fn clear(&mut self) {
         for slot in &mut self.0 {
             *slot = OnceBox::new();
         }
     }
 
-    /// Bytes.
+    /// Returns the memory of the cache in bytes.
     pub(in crate::mesh) fn memory(&self) -> usize {
         let made = self.0.iter().filter_map(OnceBox::get).map(size_of_val).sum::<usize>();
         size_of_val(&self.0[..]) + made
     }
 }
 
-/// The packets of a mesh.
+/// Access to the packets of a mesh, which makes missing ones.
 #[derive(Clone, Copy)]
 pub(crate) struct Packets<'a> {
     leaves: &'a [Leaf],
-    made: &'a [OnceBox<[Triangles; TOGETHER]>],
+    blocks: &'a [OnceBox<[Triangles; LEAVES_PER_BLOCK]>],
     corners: Corners<'a>,
 }
 
 impl<'a> Packets<'a> {
-    /// The packets of these leaves.
-    pub(in crate::mesh) fn new(leaves: &'a [Leaf], made: &'a Made, corners: Corners<'a>) -> Self {
-        Self { leaves, made: &made.0, corners }
+    /// Returns access to the packets of these leaves, cached in `cache`.
+    pub(in crate::mesh) fn new(leaves: &'a [Leaf], cache: &'a PacketCache, corners: Corners<'a>) -> Self {
+        Self { leaves, blocks: &cache.0, corners }
     }
 
+    /// Returns a leaf, which names its faces.
     #[inline(always)]
     pub(crate) fn leaf(&self, leaf: u32) -> &'a Leaf {
         &self.leaves[leaf as usize]
     }
 
-    /// Asks for which faces a leaf holds.
+    /// Prefetches a leaf, which names its faces.
     #[inline(always)]
     pub(crate) fn prefetch_leaf(&self, leaf: u32) {
         prefetch(&self.leaves[leaf as usize]);
     }
 
-    /// Asks for a face.
+    /// Prefetches the vertex indices of a face.
     #[inline(always)]
     pub(crate) fn prefetch_face(&self, face: u32) {
         match &self.corners {
@@ -91,7 +98,7 @@ impl<'a> Packets<'a> {
         }
     }
 
-    /// Asks for the vertices of a face.
+    /// Prefetches the vertices of a face, whose indices should be in the cache by now.
     #[inline(always)]
     pub(crate) fn prefetch_vertices(&self, face: u32) {
         match &self.corners {
@@ -101,44 +108,46 @@ impl<'a> Packets<'a> {
         }
     }
 
-    /// Asks for what says where the packet of a leaf is, and those of its neighbours.
+    /// Prefetches the pointer to the block that holds the packet of a leaf.
     #[inline(always)]
     pub(crate) fn prefetch_place(&self, leaf: u32) {
-        prefetch(&self.made[leaf as usize / TOGETHER]);
+        prefetch(&self.blocks[leaf as usize / LEAVES_PER_BLOCK]);
     }
 
-    /// Asks for the packet of a leaf, where that is made.
+    /// Prefetches the packet of a leaf, if it has been made.
     #[inline(always)]
     pub(crate) fn prefetch(&self, leaf: u32) {
         let leaf = leaf as usize;
-        if let Some(made) = self.made[leaf / TOGETHER].get() {
-            prefetch(&made[leaf % TOGETHER]);
+        if let Some(block) = self.blocks[leaf / LEAVES_PER_BLOCK].get() {
+            prefetch(&block[leaf % LEAVES_PER_BLOCK]);
         }
     }
 
-    /// The packet of a leaf.
+    /// Returns the packet of a leaf, made first if necessary.
     #[inline(always)]
     pub(crate) fn get<S: Simd>(&self, simd: S, leaf: u32) -> Packet<'a> {
         let at = leaf as usize;
-        let made = match self.made[at / TOGETHER].get() {
-            Some(made) => made,
-            None => self.make(simd, at / TOGETHER),
+        let block = match self.blocks[at / LEAVES_PER_BLOCK].get() {
+            Some(block) => block,
+            None => self.make(simd, at / LEAVES_PER_BLOCK),
         };
-        let triangles = &made[at % TOGETHER];
+        let triangles = &block[at % LEAVES_PER_BLOCK];
         let anchor = match &self.corners {
-            Corners::Single(stored) => stored.frame().pack(stored.place(triangles.anchor)),
-            Corners::SingleWidened(stored) => stored.frame().pack(stored.place(triangles.anchor)),
-            Corners::Double(stored) => stored.frame().pack(stored.place(triangles.anchor)),
+            Corners::Single(stored) => stored.frame().pack(stored.origin_in_mesh_frame(triangles.local_origin)),
+            Corners::SingleWidened(stored) => stored.frame().pack(stored.origin_in_mesh_frame(triangles.local_origin)),
+            Corners::Double(stored) => stored.frame().pack(stored.origin_in_mesh_frame(triangles.local_origin)),
         };
         Packet { leaf: self.leaf(leaf), anchor, triangles }
     }
 
+    /// Makes the packets of a block of leaves. If two threads make the same block, one result is
+    /// kept; both have the same bits.
     #[cold]
     #[inline(never)]
-    fn make<S: Simd>(&self, simd: S, slot: usize) -> &'a [Triangles; TOGETHER] {
-        let end = self.leaves.len().min((slot + 1) * TOGETHER);
-        let leaves = &self.leaves[slot * TOGETHER..end];
-        self.made[slot].get_or_init(|| {
+    fn make<S: Simd>(&self, simd: S, slot: usize) -> &'a [Triangles; LEAVES_PER_BLOCK] {
+        let end = self.leaves.len().min((slot + 1) * LEAVES_PER_BLOCK);
+        let leaves = &self.leaves[slot * LEAVES_PER_BLOCK..end];
+        self.blocks[slot].get_or_init(|| {
             outlined(
                 simd,
                 #[inline(always)]

@@ -1,16 +1,17 @@
-//! The vertices of a mesh, kept in the precision that they were given in.
+//! The vertices of a mesh, stored in single or double precision.
 
 use std::sync::OnceLock;
 
 use crate::simd::by_axis;
 use crate::storage::Buffer;
 
-/// Vertex positions in the mesh's own frame and unit; a stored coordinate is the real number that its float is.
+/// Vertex positions, in the mesh frame and its unit. A coordinate is exactly the real number that
+/// its float represents.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Positions {
-    /// Single precision, kept as given.
+    /// Positions in single precision, stored as given.
     F32(Vec<[f32; 3]>),
-    /// Double precision, kept as given.
+    /// Positions in double precision, stored as given.
     F64(Vec<[f64; 3]>),
 }
 
@@ -50,27 +51,27 @@ impl<const N: usize> From<[[f64; 3]; N]> for Positions {
     }
 }
 
-/// Vertices as a mesh keeps them: as they were given, or in bytes that somebody else keeps.
+/// The vertices of a mesh: owned, or borrowed from shared bytes.
 #[derive(Debug)]
 pub(in crate::mesh) enum Vertices {
-    /// Owned.
+    /// Owned positions.
     Given(Positions),
-    /// Borrowed, and a copy for those who ask for [`Positions`].
+    /// Borrowed single precision positions, and a copy as [`Positions`], made when first requested.
     BorrowedF32(Buffer<[f32; 3]>, OnceLock<Positions>),
-    /// Likewise.
+    /// Borrowed double precision positions, and a copy as [`Positions`], made when first requested.
     BorrowedF64(Buffer<[f64; 3]>, OnceLock<Positions>),
 }
 
-/// Vertices, whoever keeps them.
+/// A view of vertices, owned or borrowed.
 #[derive(Clone, Copy)]
 pub(in crate::mesh) enum VertexSlice<'a> {
     F32(&'a [[f32; 3]]),
     F64(&'a [[f64; 3]]),
 }
 
-/// A vertex in either precision.
+/// A vertex in single or double precision.
 pub(in crate::mesh) trait Vertex: Copy + Sync {
-    /// The same point in double precision.
+    /// Returns the same point in double precision, without rounding.
     fn widened(self) -> [f64; 3];
 }
 
@@ -89,6 +90,7 @@ impl Vertex for [f64; 3] {
 }
 
 impl Vertices {
+    /// Returns a vertex in double precision, without rounding.
     #[inline(always)]
     pub(in crate::mesh) fn get(&self, index: usize) -> [f64; 3] {
         match self {
@@ -106,7 +108,7 @@ impl Vertices {
         }
     }
 
-    /// The vertices as they were given; a copy, made once, where they are borrowed.
+    /// Returns the vertices as [`Positions`]. Borrowed vertices are copied at the first call.
     pub(in crate::mesh) fn positions(&self) -> &Positions {
         match self {
             Self::Given(positions) => positions,
@@ -131,7 +133,7 @@ impl<'a> VertexSlice<'a> {
         }
     }
 
-    /// The numbers as bytes.
+    /// Returns the coordinates as bytes.
     pub(in crate::mesh) fn into_bytes(self) -> &'a [u8] {
         match self {
             Self::F32(vertices) => bytemuck::cast_slice(vertices),
@@ -148,7 +150,7 @@ impl Positions {
         }
     }
 
-    /// How many vertices there are.
+    /// Returns the number of vertices.
     #[must_use]
     pub fn len(&self) -> usize {
         match self {
@@ -157,16 +159,16 @@ impl Positions {
         }
     }
 
-    /// Whether there are none.
+    /// Reports whether there are no vertices.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Vertex `index` in double precision, which holds either kind without rounding.
+    /// Returns the vertex `index` in double precision, without rounding.
     ///
     /// # Panics
-    /// Where `index` is not below [`len`](Self::len).
+    /// If `index` is not below [`len`](Self::len).
     #[inline(always)]
     #[must_use]
     pub fn get(&self, index: usize) -> [f64; 3] {
@@ -176,7 +178,8 @@ impl Positions {
         }
     }
 
-    /// The same positions in single precision where that holds every coordinate exactly, unchanged otherwise.
+    /// Returns the same positions in single precision if that represents every coordinate exactly,
+    /// else unchanged.
     pub(in crate::mesh) fn narrowed(self) -> Self {
         let exact = |x: f64| f64::from(x as f32) == x;
         match self {

@@ -1,13 +1,17 @@
-//! The corners of a leaf's triangles: gathered from where the vertices are stored, and taken to about an anchor of their own in
-//! the packed frame.
+//! Gathers the corners of a leaf's triangles from the stored vertices, and maps them to the packed
+//! frame, relative to a local origin.
 //!
-//! Vertices in single precision are taken there in single precision, rounded once: a difference of two of them, times a power of
-//! two. What is stored in double precision, or so small or large that such a product could be lost, goes by double precision.
+//! Vertices in single precision are mapped in single precision with one rounding: the difference of
+//! two of them, times a power of two. Double precision is used if vertices are stored in it, or if
+//! that product could leave the range of single precision (docs/proof.md, L4).
+//!
+//! Guarded by `triangles_are_where_their_corners_are` in `triangles.rs`, the tests of
+//! `lifecycle/fit.rs`, and the benchmark `headline`.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8, f64x4};
 
-use super::eight_triangles::{corners_of, twice_centres_of, twice_packed_centres_of, widened_rows};
+use super::eight_triangles::{corners_of, twice_centers_of, twice_packed_centers_of, widened_rows};
 use super::faces::{Faces, VertexRows};
 use super::frame::{PackedFrame, REACH, outward};
 use super::positions::{Vertex, VertexSlice};
@@ -15,17 +19,20 @@ use crate::hierarchy::BoxLanes;
 use crate::simd::{LANES, Lanes3, Rows, across, by_axis, prefetch_at, transposed};
 use crate::volume::Aabb;
 
-/// Faces over vertices, and how these get to the packed frame.
+/// The faces and vertices of a mesh, by the way in which corners are mapped to the packed frame.
 #[derive(Clone, Copy)]
 pub(in crate::mesh) enum Corners<'a> {
     Single(Singles<'a>),
+    /// Single precision vertices whose scale is unsafe for single precision arithmetic.
     SingleWidened(Doubles<'a, f32>),
     Double(Doubles<'a, f64>),
 }
 
 impl<'a> Corners<'a> {
+    /// Chooses the way of mapping from the precision of the vertices and the scale of the frame.
     pub(in crate::mesh) fn of(vertices: VertexSlice<'a>, faces: &'a [[u32; 3]], frame: PackedFrame) -> Self {
-        /// Beyond this and below its reciprocal, products of scale and coordinates may leave single precision.
+        /// Maximum scale for single precision, and the reciprocal of the minimum. Beyond them
+        /// products of scale and coordinates may overflow or underflow.
         const LARGEST_SCALE: f64 = (1_u128 << 100) as f64;
         let faces = Faces::of(faces);
         match vertices {
@@ -38,65 +45,71 @@ impl<'a> Corners<'a> {
     }
 }
 
-/// Coordinates of eight points, or leaves, by axis.
+/// Coordinates of eight points, `[axis][lane]`. There is one point per leaf or per triangle.
 pub(in crate::mesh) type Points<T> = [[T; LANES]; 3];
 
-/// What gathers corners.
+/// Access to corners, and their map to the packed frame.
 ///
-/// Corners are kept about an anchor, which is kept in single precision: of the mesh's own frame where the vertices are, of the packed
-/// frame else. What stands for it is its [`place`](Self::place) in the mesh's own frame, rounded as vertices are.
+/// Corners are stored relative to a local origin in single precision. It is in the mesh frame for
+/// single precision vertices, else in the packed frame.
 pub(in crate::mesh) trait StoredCorners: Copy + Sync {
-    /// Corners of up to eight triangles as they are stored.
+    /// Corners of up to eight triangles, as they are stored.
     type Gathered<S: Simd>: Copy;
 
-    /// The least and the greatest coordinates of them, not yet of all together.
+    /// Minimum and maximum coordinates of gathered corners, not yet reduced over all lanes.
     type Extremes<S: Simd>: Copy;
 
     fn frame(&self) -> &PackedFrame;
 
     fn faces(&self) -> &Faces<'_>;
 
-    /// Asks for a vertex.
     fn prefetch_vertex(&self, vertex: u32);
 
-    /// Asks for the vertices of a face.
+    /// Prefetches the vertices of a face.
     #[inline(always)]
     fn prefetch_vertices(&self, face: u32) {
         self.faces().all()[face as usize].iter().for_each(|&vertex| self.prefetch_vertex(vertex));
     }
 
-    /// The corners of these triangles.
+    /// Returns the corners of eight triangles.
     fn gather<S: Simd>(&self, simd: S, triangles: &VertexRows) -> Self::Gathered<S>;
 
-    /// Where a vertex is, in the mesh's own frame.
+    /// Returns a vertex, in the mesh frame.
     fn vertex(&self, vertex: u32) -> [f64; 3];
 
-    /// The least and the greatest coordinates of a leaf's corners.
+    /// Returns the minimum and maximum coordinates of a leaf's corners.
     fn extremes_of<S: Simd>(&self, gathered: &Self::Gathered<S>) -> Self::Extremes<S>;
 
-    /// Those of eight leaves side by side.
+    /// Returns the minimum and maximum coordinates of eight leaves side by side, in the mesh frame.
     fn extremes<S: Simd>(&self, each: &[Self::Extremes<S>; LANES]) -> [Points<f64>; 2];
 
-    /// Anchors amid corners with these extremes and these bounds in the packed frame.
-    fn anchors(&self, extremes: &[Points<f64>; 2], bounds: &BoxLanes) -> Points<f32>;
+    /// Returns local origins amid eight leaves, given their extremes and their packed bounds.
+    fn local_origins(&self, extremes: &[Points<f64>; 2], bounds: &BoxLanes) -> Points<f32>;
 
-    /// Where the anchor is in the mesh's own frame, in the vertices' precision.
-    fn place(&self, anchor: [f32; 3]) -> [f64; 3];
+    /// Returns a local origin in the mesh frame, rounded to the precision of the vertices.
+    fn origin_in_mesh_frame(&self, local_origin: [f32; 3]) -> [f64; 3];
 
-    /// The corners about a place, `[corner][axis]`, in the packed frame.
+    /// Returns the corners relative to `origin`, which is in the mesh frame, as `[corner][axis]` in
+    /// the unit of the packed frame.
     ///
-    /// A corner is at the place [as packed](PackedFrame::pack) and what is said here, up to one rounding to single precision and
-    /// [`PACKING_ERROR`](super::frame::PACKING_ERROR), which is four units of 2^-53: one goes to the place, two to a difference of up
-    /// to twice the frame's reach.
-    fn about<S: Simd>(&self, simd: S, gathered: &Self::Gathered<S>, place: [f64; 3]) -> [Lanes3<S>; 3];
+    /// # Accuracy
+    /// A corner is the returned value plus `origin` [as packed](PackedFrame::pack). Its error is at
+    /// most one rounding to single precision and [`PACKING_ERROR`](super::frame::PACKING_ERROR),
+    /// which is four units of 2^-53: one is for the packed origin, and two for a difference of up
+    /// to twice the reach.
+    fn about<S: Simd>(&self, simd: S, gathered: &Self::Gathered<S>, origin: [f64; 3]) -> [Lanes3<S>; 3];
 
-    /// Twice the centres of the boxes of eight faces and any fourth lanes, up to rounding: in the vertices' own frame or the packed one.
-    fn twice_centres<S: Simd>(&self, simd: S, faces: &[[u32; 3]; LANES]) -> [[f32x4<S>; 4]; 2];
+    /// Returns twice the box centers of eight faces, one vector per face, up to rounding. They are
+    /// in the mesh or packed frame, as the implementation chooses. The fourth lanes have no
+    /// meaning.
+    fn twice_centers<S: Simd>(&self, simd: S, faces: &[[u32; 3]; LANES]) -> [[f32x4<S>; 4]; 2];
 
-    /// Bounds of twice the centres of all faces, which may be generous.
+    /// Returns bounds of twice the box centers of all faces, in the same frame as
+    /// [`twice_centers`](Self::twice_centers). They may be larger than necessary.
     fn twice_reach(&self) -> Aabb;
 
-    /// What lies between extremes in the packed frame, rounded to nearest and then outward (docs/proof.md, L1).
+    /// Returns the boxes between extremes in the packed frame, rounded to nearest and then outward
+    /// (docs/proof.md, L1).
     #[inline(always)]
     fn bounds(&self, [least, greatest]: &[Points<f64>; 2]) -> BoxLanes {
         let PackedFrame { origin, scale } = *self.frame();
@@ -111,7 +124,7 @@ pub(in crate::mesh) trait StoredCorners: Copy + Sync {
     }
 }
 
-/// Vertices in single precision.
+/// Vertices in single precision, mapped to the packed frame in single precision.
 #[derive(Clone, Copy)]
 pub(in crate::mesh) struct Singles<'a> {
     vertices: Rows<'a, f32>,
@@ -122,7 +135,7 @@ pub(in crate::mesh) struct Singles<'a> {
 impl StoredCorners for Singles<'_> {
     type Gathered<S: Simd> = [Lanes3<S>; 3];
 
-    /// Of the triangles in each lane.
+    /// Extremes of the triangle in each lane.
     type Extremes<S: Simd> = [Lanes3<S>; 2];
 
     #[inline(always)]
@@ -193,39 +206,39 @@ impl StoredCorners for Singles<'_> {
     }
 
     #[inline(always)]
-    fn anchors(&self, [least, greatest]: &[Points<f64>; 2], _: &BoxLanes) -> Points<f32> {
-        let mut anchors = [[0.0; LANES]; 3];
+    fn local_origins(&self, [least, greatest]: &[Points<f64>; 2], _: &BoxLanes) -> Points<f32> {
+        let mut local_origins = [[0.0; LANES]; 3];
         for axis in 0..3 {
             for lane in 0..LANES {
-                // Which zero is the least of both differs between vector units.
-                anchors[axis][lane] = (0.5 * (least[axis][lane] + greatest[axis][lane])) as f32 + 0.0;
+                // Adding zero makes -0.0 positive: vector units differ in the minimum of two zeros.
+                local_origins[axis][lane] = (0.5 * (least[axis][lane] + greatest[axis][lane])) as f32 + 0.0;
             }
         }
-        anchors
+        local_origins
     }
 
     #[inline(always)]
-    fn place(&self, anchor: [f32; 3]) -> [f64; 3] {
-        anchor.widened()
+    fn origin_in_mesh_frame(&self, local_origin: [f32; 3]) -> [f64; 3] {
+        local_origin.widened()
     }
 
     #[inline(always)]
-    fn about<S: Simd>(&self, simd: S, gathered: &[Lanes3<S>; 3], place: [f64; 3]) -> [Lanes3<S>; 3] {
+    fn about<S: Simd>(&self, simd: S, gathered: &[Lanes3<S>; 3], origin: [f64; 3]) -> [Lanes3<S>; 3] {
         let scale = f32x8::splat(simd, self.frame.scale as f32);
-        let place: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, place[axis] as f32));
-        by_axis!(corner => by_axis!(axis => (gathered[corner][axis] - place[axis]) * scale))
+        let origin: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, origin[axis] as f32));
+        by_axis!(corner => by_axis!(axis => (gathered[corner][axis] - origin[axis]) * scale))
     }
 
     #[inline(always)]
-    fn twice_centres<S: Simd>(&self, simd: S, faces: &[[u32; 3]; LANES]) -> [[f32x4<S>; 4]; 2] {
+    fn twice_centers<S: Simd>(&self, simd: S, faces: &[[u32; 3]; LANES]) -> [[f32x4<S>; 4]; 2] {
         let vertices: &[u32; 3 * LANES] = bytemuck::cast_ref(faces);
         if let Some(inside) = self.vertices.inside(simd, vertices) {
-            twice_centres_of(
+            twice_centers_of(
                 #[inline(always)]
                 |at| f32x4::from_slice(simd, inside.row(at)),
             )
         } else {
-            twice_centres_of(
+            twice_centers_of(
                 #[inline(always)]
                 |at| f32x4::from_slice(simd, self.vertices.row(vertices[at])),
             )
@@ -238,13 +251,14 @@ impl StoredCorners for Singles<'_> {
     }
 }
 
-/// Vertices that are taken to the packed frame in double precision.
+/// Vertices in either precision, mapped to the packed frame in double precision.
 #[derive(Clone, Copy)]
 pub(in crate::mesh) struct Doubles<'a, T> {
     vertices: Rows<'a, T>,
     faces: Faces<'a>,
     frame: PackedFrame,
-    /// The packed frame's, in the mesh's own frame: a power of two, by which to multiply is to divide by the scale, only sooner.
+    /// The unit of the packed frame in the unit of the mesh: 1 / scale. As both are powers of two,
+    /// multiplying by it equals dividing by the scale, and is faster.
     unit: f64,
 }
 
@@ -255,10 +269,10 @@ impl<'a, T> Doubles<'a, T> {
 }
 
 impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
-    /// A vertex each, and any fourth number.
+    /// One vertex per vector, `[corner][lane]`. Its fourth lane has no meaning.
     type Gathered<S: Simd> = [[f64x4<S>; LANES]; 3];
 
-    /// As a vertex is.
+    /// Extremes of the whole leaf by axis. The fourth lane has no meaning.
     type Extremes<S: Simd> = [f64x4<S>; 2];
 
     #[inline(always)]
@@ -306,7 +320,7 @@ impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
             let [p, q, r] = by_axis!(corner => gathered[corner][lane]);
             (least[lane], greatest[lane]) = (p.min(q).min(r), p.max(q).max(r));
         }
-        // By halves, as in a row each would wait for the one before.
+        // Reduced by halves: in a sequence each operation would wait for the previous one.
         for half in [4, 2, 1] {
             for lane in 0..half {
                 least[lane] = least[lane].min(least[lane + half]);
@@ -329,30 +343,30 @@ impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
     }
 
     #[inline(always)]
-    fn anchors(&self, _: &[Points<f64>; 2], bounds: &BoxLanes) -> Points<f32> {
-        let mut anchors = [[0.0; LANES]; 3];
+    fn local_origins(&self, _: &[Points<f64>; 2], bounds: &BoxLanes) -> Points<f32> {
+        let mut local_origins = [[0.0; LANES]; 3];
         for axis in 0..3 {
             for lane in 0..LANES {
-                anchors[axis][lane] = 0.5 * (bounds.min[axis][lane] + bounds.max[axis][lane]);
+                local_origins[axis][lane] = 0.5 * (bounds.min[axis][lane] + bounds.max[axis][lane]);
             }
         }
-        anchors
+        local_origins
     }
 
     #[inline(always)]
-    fn place(&self, anchor: [f32; 3]) -> [f64; 3] {
-        let anchor = anchor.widened();
-        by_axis!(axis => anchor[axis] * self.unit + self.frame.origin[axis])
+    fn origin_in_mesh_frame(&self, local_origin: [f32; 3]) -> [f64; 3] {
+        let local_origin = local_origin.widened();
+        by_axis!(axis => local_origin[axis] * self.unit + self.frame.origin[axis])
     }
 
     #[inline(always)]
     fn about<S: Simd>(&self, simd: S, gathered: &[[f64x4<S>; LANES]; 3], [x, y, z]: [f64; 3]) -> [Lanes3<S>; 3] {
-        let (place, scale) = (f64x4::from_slice(simd, &[x, y, z, 0.0]), f64x4::splat(simd, self.frame.scale));
+        let (origin, scale) = (f64x4::from_slice(simd, &[x, y, z, 0.0]), f64x4::splat(simd, self.frame.scale));
         by_axis!(corner => {
             let (mut low, mut high) = ([f32x4::splat(simd, 0.0); 4], [f32x4::splat(simd, 0.0); 4]);
             for lane in 0..4 {
                 let rows = [gathered[corner][lane], gathered[corner][lane + 4]];
-                let both: f32x8<S> = ((rows[0] - place) * scale).narrow((rows[1] - place) * scale);
+                let both: f32x8<S> = ((rows[0] - origin) * scale).narrow((rows[1] - origin) * scale);
                 (low[lane], high[lane]) = both.split();
             }
             transposed(low, high)
@@ -360,17 +374,17 @@ impl<T: Copy + Default + Into<f64> + Sync> StoredCorners for Doubles<'_, T> {
     }
 
     #[inline(always)]
-    fn twice_centres<S: Simd>(&self, simd: S, faces: &[[u32; 3]; LANES]) -> [[f32x4<S>; 4]; 2] {
+    fn twice_centers<S: Simd>(&self, simd: S, faces: &[[u32; 3]; LANES]) -> [[f32x4<S>; 4]; 2] {
         let vertices: &[u32; 3 * LANES] = bytemuck::cast_ref(faces);
         if let Some(inside) = self.vertices.inside(simd, vertices) {
-            twice_packed_centres_of(
+            twice_packed_centers_of(
                 simd,
                 &self.frame,
                 #[inline(always)]
                 |at| inside.row(at),
             )
         } else {
-            twice_packed_centres_of(
+            twice_packed_centers_of(
                 simd,
                 &self.frame,
                 #[inline(always)]

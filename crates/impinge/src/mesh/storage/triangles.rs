@@ -1,5 +1,8 @@
-//! The triangles of one leaf side by side for the vector unit, in single precision about an anchor of their own, for rejecting
-//! and confirming in bulk; and a slab about them. What they leave open is decided on the stored vertices.
+//! The packed triangles of a leaf: single precision corners relative to a local origin, in SoA
+//! layout, and a slab that bounds them. The filter uses them to prove pairs of triangles apart or
+//! intersecting in bulk. Undecided pairs are decided exactly from the stored vertices.
+//!
+//! Guarded by `triangles_are_where_their_corners_are` below and by the benchmark `headline`.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
@@ -10,47 +13,55 @@ use super::stored_corners::{Points, StoredCorners};
 use crate::hierarchy::HALF_ULP;
 use crate::simd::{LANES, Lanes3, across, by_axis, load3, store3, sub};
 
-/// `[corner][axis][lane]`.
+/// Coordinates of the corners of eight triangles, `[corner][axis][lane]`.
 pub(crate) type CornerLanes = [[[f32; LANES]; 3]; 3];
 
 /// Up to eight triangles; unused lanes repeat the first one.
 ///
-/// A corner is `anchor + corners[..]` in the packed frame, up to `HALF_ULP · radius` for its rounding to single precision and
-/// [`PACKING_ERROR`] for the arithmetic before that (docs/proof.md, L4).
+/// In the packed frame, a corner is the local origin plus its entry of `corners`. The error is at
+/// most `HALF_ULP · radius` for the rounding to single precision, plus [`PACKING_ERROR`] for the
+/// arithmetic before that (docs/proof.md, L4).
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C, align(64))]
 pub(crate) struct Triangles {
-    /// A point amid the triangles, as [`StoredCorners`] keeps it.
-    pub(in crate::mesh) anchor: [f32; 3],
-    /// No coordinate of the corners about the anchor, in the packed frame, is larger in magnitude.
+    /// Local origin: a point in the middle of the triangles, in the frame that [`StoredCorners`]
+    /// chooses.
+    pub(in crate::mesh) local_origin: [f32; 3],
+    /// Maximum magnitude of the coordinates in `corners`, rounded up; in the unit of the packed
+    /// frame.
     pub(crate) radius: f32,
-    /// The slab about the corners: their least and greatest height about the anchor along [`normal`](Self::normal).
+    /// Minimum and maximum height of the corners above the local origin along
+    /// [`normal`](Self::normal). Rounded outward, without the errors of the corners themselves.
     pub(crate) heights: [f32; 2],
-    /// In units of [`NORMAL_STEP`].
+    /// Direction of the slab, in units of [`NORMAL_STEP`].
     normal: [i16; 3],
+    /// Number of lanes in use.
     count: u16,
-    /// Relative to the anchor.
+    /// Corners relative to the local origin, in the unit of the packed frame.
     pub(crate) corners: CornerLanes,
 }
 
-/// The unit of a normal.
+/// Unit of the components of a normal. It is a power of two, so they convert to `f32` without
+/// rounding.
 const NORMAL_STEP: f32 = 1.0 / (1 << 14) as f32;
 
 impl Triangles {
-    /// The bits of the lanes that hold a triangle.
+    /// Returns the lanes that hold a triangle, as bits.
     #[inline(always)]
     pub(crate) fn lanes_in_use(&self) -> u32 {
         (1 << usize::from(self.count).min(LANES)) - 1
     }
 
-    /// The direction of the slab about the corners, mostly that in which the triangles face; no component is larger than
-    /// one in magnitude, and none is rounded.
+    /// Returns the direction of the slab that bounds the corners, which is near the average
+    /// direction in which the triangles face. No component is larger than 1 in magnitude, and none
+    /// is rounded. It is zero if the triangles have no area.
     #[inline(always)]
     pub(crate) fn normal(&self) -> [f32; 3] {
         by_axis!(axis => f32::from(self.normal[axis]) * NORMAL_STEP)
     }
 
-    /// The normal, and the least and greatest height along it of all triangles, about the anchor, outward.
+    /// Returns the normal and the minimum and maximum height of all triangles along it, relative to
+    /// the local origin in the packed frame. The heights include all errors of the corners.
     #[inline(always)]
     pub(crate) fn slab(&self) -> ([f64; 3], [f64; 2]) {
         let [low, high] = self.heights.map(f64::from);
@@ -59,10 +70,11 @@ impl Triangles {
     }
 }
 
-/// The triangles of up to eight leaves, and zeros in the places after them: each step is taken for all of them before the next, as
-/// every number of a leaf waits for the one before, and one vector holds it for eight.
+/// Packs the triangles of up to eight leaves; the packets after the last leaf are zero. Each step
+/// is done for all leaves before the next step starts. Within one leaf every step waits for the
+/// previous one, and one vector holds a number of all eight leaves.
 ///
-/// No operation is fused, so that the bits are the same on every vector unit.
+/// No operation is fused, so the bits are the same on every vector unit.
 #[inline(always)]
 pub(in crate::mesh) fn of_leaves<S: Simd>(
     simd: S,
@@ -84,24 +96,24 @@ pub(in crate::mesh) fn of_leaves<S: Simd>(
         extremes[lane] = stored.extremes_of(&gathered[lane]);
     }
     let extremes = stored.extremes(&extremes);
-    let anchors = stored.anchors(&extremes, &stored.bounds(&extremes));
-    let mut places = [[0.0; LANES]; 3];
+    let local_origins = stored.local_origins(&extremes, &stored.bounds(&extremes));
+    let mut origins = [[0.0; LANES]; 3];
     let mut areas = [[f32x8::splat(simd, 0.0); LANES]; 3];
     let mut made: Box<[Triangles; LANES]> = bytemuck::zeroed_box();
     for (lane, leaf) in leaves.iter().enumerate() {
         let triangles = &mut made[lane];
-        triangles.anchor = by_axis!(axis => anchors[axis][lane]);
+        triangles.local_origin = by_axis!(axis => local_origins[axis][lane]);
         triangles.count = leaf.count() as u16;
-        let place = stored.place(triangles.anchor);
-        let corners = stored.about(simd, &gathered[lane], place);
+        let origin = stored.origin_in_mesh_frame(triangles.local_origin);
+        let corners = stored.about(simd, &gathered[lane], origin);
         store_corners(&corners, &mut triangles.corners);
-        let facing = facing(&corners);
+        let vectors = doubled_area_vectors(&corners);
         for axis in 0..3 {
-            places[axis][lane] = place[axis];
-            areas[axis][lane] = facing[axis];
+            origins[axis][lane] = origin[axis];
+            areas[axis][lane] = vectors[axis];
         }
     }
-    let radii = radii(&extremes, &places, stored.frame().scale);
+    let radii = radii(&extremes, &origins, stored.frame().scale);
     let areas: Lanes3<S> = by_axis!(axis => across(
         &areas[axis],
         #[inline(always)]
@@ -113,22 +125,23 @@ pub(in crate::mesh) fn of_leaves<S: Simd>(
         triangles.normal = by_axis!(axis => normals[axis][lane] as i16);
         let corners = load_corners(simd, &triangles.corners);
         let [low, high] = heights(simd, &corners, triangles.normal());
-        // Five roundings of sums of three products of at most the radius.
+        // Covers five roundings of a sum of three products of at most the radius.
         let error = 20.0 * HALF_ULP as f32 * triangles.radius + f32::MIN_POSITIVE;
         triangles.heights = [low.reduce_min() - error, high.reduce_max() + error];
     }
     made
 }
 
-/// How far corners with these extremes reach about these places on any axis, rounded outward: differences of extremes are rounded
-/// as those of corners are, and then once more where these are in single precision.
+/// Returns the maximum distance of corners with these extremes from an origin on any axis, for each
+/// leaf. It is in the unit of the packed frame, and rounded up. Differences of extremes are rounded
+/// like those of corners, and then once more if corners are in single precision.
 #[inline(always)]
-fn radii([least, greatest]: &[Points<f64>; 2], places: &Points<f64>, scale: f64) -> [f32; LANES] {
+fn radii([least, greatest]: &[Points<f64>; 2], origins: &Points<f64>, scale: f64) -> [f32; LANES] {
     let mut radii = [0.0; LANES];
     for lane in 0..LANES {
         let mut reach = 0.0_f64;
         for axis in 0..3 {
-            let (below, above) = (places[axis][lane] - least[axis][lane], greatest[axis][lane] - places[axis][lane]);
+            let (below, above) = (origins[axis][lane] - least[axis][lane], greatest[axis][lane] - origins[axis][lane]);
             reach = reach.max(below).max(above);
         }
         radii[lane] = ((reach * scale) as f32).next_up();
@@ -136,8 +149,8 @@ fn radii([least, greatest]: &[Points<f64>; 2], places: &Points<f64>, scale: f64)
     radii
 }
 
-/// The directions of these vectors in units of [`NORMAL_STEP`], so long that the largest component is about one; zero where
-/// there is none.
+/// Returns the directions of vectors in units of [`NORMAL_STEP`], scaled so that the largest
+/// component is about one. A vector that is zero or not finite gives zero.
 #[inline(always)]
 fn normals<S: Simd>(vectors: &Lanes3<S>) -> Points<i32> {
     let mut normals = [[0; LANES]; 3];
@@ -153,14 +166,16 @@ fn normals<S: Simd>(vectors: &Lanes3<S>) -> Points<i32> {
     normals
 }
 
-/// Twice the area of each triangle, as a vector in the direction in which it faces; not fused.
+/// Returns twice the area of each triangle as a vector in the direction in which it faces. No
+/// operation is fused.
 #[inline(always)]
-pub(in crate::mesh) fn facing<S: Simd>(corners: &[Lanes3<S>; 3]) -> Lanes3<S> {
+pub(in crate::mesh) fn doubled_area_vectors<S: Simd>(corners: &[Lanes3<S>; 3]) -> Lanes3<S> {
     let (e, f) = (sub(&corners[1], &corners[0]), sub(&corners[2], &corners[0]));
     [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]]
 }
 
-/// The least and the greatest height of the corners of each triangle along a direction, not fused.
+/// Returns the minimum and maximum height of the corners of each triangle along a direction. No
+/// operation is fused.
 #[inline(always)]
 pub(in crate::mesh) fn heights<S: Simd>(simd: S, corners: &[Lanes3<S>; 3], normal: [f32; 3]) -> [f32x8<S>; 2] {
     let normal: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, normal[axis]));
@@ -195,7 +210,8 @@ pub(in crate::mesh) mod tests {
     use crate::simd::dispatch;
     use crate::simd::levels;
 
-    /// Where positions are, in both precisions, and of a scale at which single precision is not enough.
+    /// Returns the same positions in the three kinds of storage: double precision, single
+    /// precision, and single precision at a scale that needs double precision arithmetic.
     pub(in crate::mesh) fn kinds(vertices: &[[f64; 3]]) -> [Positions; 3] {
         let single = |scale: f64| Positions::F32(vertices.iter().map(|v| v.map(|x| (scale * x) as f32)).collect());
         [Positions::F64(vertices.to_vec()), single(1.0), single(2.0_f64.powi(-110))]
@@ -208,16 +224,17 @@ pub(in crate::mesh) mod tests {
         })
     }
 
-    /// Leaves of all sizes beside each other: corners, radius and slab are within what is said of them, at every vector level the same.
+    /// Packs leaves of all sizes together. Corners, radius and slab are within their documented
+    /// bounds, and equal at every vector level.
     #[test]
     fn triangles_are_where_their_corners_are() {
         let mut rng = Rng::new(151);
         let mut ways = [0; 3];
         for round in 0..300 {
             let beside = rng.integer(1, 8) as usize;
-            let (centre, size) = ([0; 3].map(|_| rng.uniform(-9.0, 9.0)), 2.0_f64.powi(-(round % 20)));
+            let (center, size) = ([0; 3].map(|_| rng.uniform(-9.0, 9.0)), 2.0_f64.powi(-(round % 20)));
             let mut vertices: Vec<[f64; 3]> =
-                (0..24 * 8).map(|_| std::array::from_fn(|axis| centre[axis] + rng.uniform(-size, size))).collect();
+                (0..24 * 8).map(|_| std::array::from_fn(|axis| center[axis] + rng.uniform(-size, size))).collect();
             vertices.extend([[-10.0; 3], [10.0; 3]]);
             let faces: Vec<[u32; 3]> = (0..64).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
             let held: Vec<Vec<u32>> =
@@ -256,17 +273,19 @@ pub(in crate::mesh) mod tests {
                         normal.iter().any(|x| x.abs() > 0.99) && normal.iter().all(|x| x.abs() <= 1.0),
                         "{normal:?}"
                     );
-                    let anchor = match &corners {
-                        Corners::Single(stored) => frame.pack(stored.place(triangles.anchor)),
-                        Corners::SingleWidened(stored) => frame.pack(stored.place(triangles.anchor)),
-                        Corners::Double(stored) => frame.pack(stored.place(triangles.anchor)),
+                    let local_origin = match &corners {
+                        Corners::Single(stored) => frame.pack(stored.origin_in_mesh_frame(triangles.local_origin)),
+                        Corners::SingleWidened(stored) => {
+                            frame.pack(stored.origin_in_mesh_frame(triangles.local_origin))
+                        }
+                        Corners::Double(stored) => frame.pack(stored.origin_in_mesh_frame(triangles.local_origin)),
                     };
                     let ([x, y, z], [low, high]) = triangles.slab();
                     for lane in 0..LANES {
                         for corner in 0..3 {
                             let vertex = faces[leaf.faces[lane] as usize][corner];
                             let exact = frame.pack(positions.get(vertex as usize));
-                            let about: [f64; 3] = std::array::from_fn(|axis| exact[axis] - anchor[axis]);
+                            let about: [f64; 3] = std::array::from_fn(|axis| exact[axis] - local_origin[axis]);
                             for axis in 0..3 {
                                 let relative = triangles.corners[corner][axis][lane];
                                 assert!(relative.abs() <= triangles.radius);

@@ -1,7 +1,8 @@
-//! A tolerance at which welding closes a cracked mesh.
+//! Finds a tolerance at which welding closes a cracked mesh.
 //!
 //! An edge is open if an odd number of faces have it. Each power of ten is first tried with the
-//! vertices of open edges alone, and then with all vertices: others may draw some of them away.
+//! vertices of open edges alone, and then with all vertices, as other vertices may attract some of
+//! them.
 
 use std::collections::HashMap;
 
@@ -9,14 +10,14 @@ use super::weld::{Stayed, welded};
 use crate::mesh::Mesh;
 use crate::mesh::derived::topology::Topology;
 
-/// Maximum number of open edges for which a tolerance is searched. A mesh with more of them is no
-/// cracked solid, and each step of the search takes some microseconds an edge.
-const MOST_OPEN_EDGES: usize = 1 << 17;
+/// Maximum number of open edges for which a tolerance is searched. A mesh with more of them is not
+/// a cracked solid, and each step of the search takes some microseconds per edge.
+const MAX_OPEN_EDGES: usize = 1 << 17;
 
-/// See [`Mesh::closing_tolerance`].
+/// Returns the tolerance of [`Mesh::closing_tolerance`].
 pub(super) fn closing_tolerance(mesh: &Mesh) -> Option<f64> {
     let open = open_edges(mesh.faces(), &mesh.topology().first_at);
-    if open.is_empty() || open.len() > MOST_OPEN_EDGES {
+    if open.is_empty() || open.len() > MAX_OPEN_EDGES {
         return None;
     }
     let mut vertices: Vec<u32> = open.iter().flatten().copied().collect();
@@ -43,19 +44,20 @@ pub(super) fn closing_tolerance(mesh: &Mesh) -> Option<f64> {
         .find(|&tolerance| tolerance > 0.0 && closes_alone(tolerance) && closes(tolerance))
 }
 
-/// Returns the floating-point number nearest to a power of ten, zero if it is too small for one.
-/// `powi` rounds otherwise, and differently on other machines.
+/// Returns the floating-point number nearest to a power of ten, or zero if it is too small. `powi`
+/// rounds differently, and not the same on all machines.
 fn power_of_ten(power: i32) -> f64 {
     format!("1e{power}").parse().unwrap_or(0.0)
 }
 
-/// Returns the open edges of some faces, between the names of their vertices.
+/// Returns the open edges of some faces. A vertex is replaced by its name: the first vertex at its
+/// position.
 fn open_edges(faces: &[[u32; 3]], names: &[u32]) -> Vec<[u32; 2]> {
     let named = faces.iter().map(|face| face.map(|vertex| names[vertex as usize]));
     odd_edges(named.flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]))
 }
 
-/// Returns the edges that are there an odd number of times, in either direction, and that have two
+/// Returns the edges that occur an odd number of times, in either direction, and that have two
 /// different ends.
 fn odd_edges(edges: impl Iterator<Item = [u32; 2]>) -> Vec<[u32; 2]> {
     let mut edges: Vec<[u32; 2]> = edges.filter(|[p, q]| p != q).map(|[p, q]| [p.min(q), p.max(q)]).collect();

@@ -1,7 +1,8 @@
-//! Repair on request: vertices welded within a tolerance, and faces turned to agree on a side.
+//! Repairs a mesh on request: welds vertices within a tolerance, and turns faces so that neighbors
+//! agree on a side.
 //!
-//! Nothing is removed and nothing is renumbered, so answers about the repaired mesh name the faces
-//! and vertices that were given.
+//! Nothing is removed and nothing is renumbered, so answers about the repaired mesh use the face
+//! and vertex numbers of the input.
 
 mod closing;
 mod orient;
@@ -13,49 +14,50 @@ use crate::mesh::derived::topology::Topology;
 use crate::mesh::report::health::{degenerate_faces, duplicate_faces};
 use orient::{Orientation, orientation};
 
-/// What [`Mesh::repaired`] changes.
+/// Options of [`Mesh::repaired`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RepairOptions {
-    /// How far a vertex may be moved to meet another one, in the unit of the mesh. Zero moves none.
+    /// Maximum distance by which a vertex may be moved to an earlier one, in the unit of the mesh.
+    /// If it is zero, no vertex is moved.
     pub weld: f64,
     /// Whether faces are turned so that neighbors agree on a side.
     pub orient: bool,
 }
 
-/// What [`Mesh::repaired`] changed, and what it found and left. All lists are ascending.
+/// The changes that [`Mesh::repaired`] made, and the defects that it left. All lists are ascending.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Repair {
     /// Vertices that were moved to the position of an earlier one.
     pub welded_vertices: Vec<u32>,
-    /// The greatest distance by which a vertex was moved, rounded to nearest.
+    /// Maximum distance by which a vertex was moved, in the unit of the mesh, rounded to nearest.
     pub greatest_move: f64,
     /// Faces whose second and third corner were swapped.
     pub turned_faces: Vec<u32>,
-    /// Faces of sheets that have only one side, as a Möbius strip has. They are left as they were.
+    /// Faces of sheets that have only one side, such as a Möbius strip. They are unchanged.
     pub one_sided_faces: Vec<u32>,
-    /// Faces without area after the repair. They are left.
+    /// Faces without area after the repair. They are not removed.
     pub degenerate_faces: Vec<u32>,
-    /// Faces with the same three points as an earlier one after the repair. They are left.
+    /// Faces with the same three points as an earlier face after the repair. They are not removed.
     pub duplicate_faces: Vec<u32>,
 }
 
 impl Mesh {
-    /// Returns this mesh, repaired, and what was changed.
+    /// Returns this mesh repaired, and a report of the changes.
     ///
-    /// **Welding.** In ascending order each vertex is moved to the nearest of the vertices before it
-    /// that have stayed, if that is within the tolerance. So no vertex is moved farther than the
-    /// tolerance, and vertices that have stayed are farther apart. Distances are rounded. Faces that
-    /// become segments or points are reported and left.
+    /// **Welding.** In ascending order each vertex is moved to the nearest earlier vertex that has
+    /// stayed, if that is within the tolerance. So no vertex is moved farther than the tolerance,
+    /// and vertices that have stayed are farther apart. Distances are rounded. Faces that become
+    /// segments or points are reported and kept.
     ///
     /// **Orienting.** Faces are linked across each edge that exactly two of them have, first by the
-    /// numbers of its vertices and then by their positions. Linked faces form a sheet. In each sheet
-    /// all faces get the same side:
+    /// numbers of its vertices and then by their positions. Linked faces form a sheet. In each
+    /// sheet all faces get the same side:
     /// 1. the side that at least three quarters of its area have already;
     /// 2. or else, if the sheet is closed, the side with which it encloses a positive volume;
     /// 3. or else the side that most of its area has.
     ///
     /// If all closed sheets together then enclose a negative volume, all of them are turned. So
-    /// cavities stay cavities, and a mesh that was inside out no longer is. Areas and volumes are
+    /// cavities stay cavities, and a mesh that was inside out is corrected. Areas and volumes are
     /// rounded.
     ///
     /// ```
@@ -72,7 +74,7 @@ impl Mesh {
     /// ```
     ///
     /// # Errors
-    /// The tolerance is negative, NaN or infinite.
+    /// If the tolerance is negative, NaN or infinite.
     ///
     /// # Complexity
     /// O(n log n), and a build if something was changed.
@@ -113,10 +115,10 @@ impl Mesh {
         Ok((mesh, repair))
     }
 
-    /// Returns a tolerance at which [welding](Self::repaired) closes every open edge: the least that
-    /// does of 10^-16, 10^-15, up to 10^-4 of the size of the mesh, rounded up to a power of ten.
-    /// Returns `None` if none of these does, if no edge is open, or if there are more than 131,072
-    /// open edges.
+    /// Returns the smallest tolerance at which [welding](Self::repaired) closes every open edge.
+    /// The candidates are 10^-16, 10^-15, up to 10^-4 of the size of the mesh, where the size is
+    /// its largest extent, rounded up to a power of ten. Returns `None` if no candidate closes all
+    /// edges, if no edge is open, or if more than 131,072 edges are open.
     ///
     /// An edge is open if an odd number of faces have it.
     ///

@@ -1,46 +1,47 @@
-//! Which faces have to be turned so that neighbors agree on a side. `Mesh::repaired` says how the
-//! side is chosen.
+//! Finds the faces to turn so that neighbors agree on a side.
+//! `Mesh::repaired` documents how the side is chosen.
 
 use crate::math::vec3::{cross, dot, sub};
 use crate::mesh::Positions;
 
-/// What orienting a mesh comes to. Both lists are ascending.
+/// Result of orienting a mesh. Both lists are ascending.
 pub(super) struct Orientation {
-    /// Faces to be turned.
+    /// Faces to turn.
     pub(super) turned: Vec<u32>,
     /// Faces of sheets with only one side.
     pub(super) one_sided: Vec<u32>,
 }
 
-/// A face's share in an edge.
+/// An edge of a face.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Share {
-    /// Its ends, the lesser first.
+    /// Ends of the edge, the smaller one first.
     edge: [u32; 2],
     face: u32,
-    /// Whether the face runs through it from the lesser end to the greater.
+    /// Whether the face traverses the edge from the smaller end to the larger one.
     is_forward: bool,
 }
 
-/// Returns 1 if true, else -1: the sign with which a face or an edge counts.
+/// Returns 1 if `is_positive`, else -1: the sign with which a face or an edge counts.
 fn sign(is_positive: bool) -> i64 {
     if is_positive { 1 } else { -1 }
 }
 
-/// A sheet, seen with its root face as given.
+/// A sheet, with sides relative to its root face as given.
 #[derive(Clone, Copy, Default)]
 struct Sheet {
-    /// Twice the area of faces that agree with the root, and of those that do not.
+    /// Twice the area of the faces that agree with the root, and of the other faces.
     areas: [f64; 2],
-    /// Six times the volume that it encloses.
+    /// Six times the volume that the sheet encloses.
     volume: f64,
     is_open: bool,
     is_one_sided: bool,
-    /// Whether the faces that agree with the root are to be turned, and the others not.
+    /// Whether the faces that agree with the root are turned, and not the others.
     is_turned: bool,
 }
 
-/// Chooses the side of each face. `names` holds for each vertex the first one at its position.
+/// Chooses the side of each face. `names` contains for each vertex the first vertex at its
+/// position.
 pub(super) fn orientation(positions: &Positions, faces: &[[u32; 3]], names: &[u32]) -> Orientation {
     let mut links = Links::new(faces.len());
     let left = links.join_pairs(shares(faces));
@@ -49,8 +50,9 @@ pub(super) fn orientation(positions: &Positions, faces: &[[u32; 3]], names: &[u3
         Share { edge: [p.min(q), p.max(q)], is_forward: share.is_forward == (p < q), ..share }
     });
     let mut renamed: Vec<Share> = renamed.filter(|share| share.edge[0] != share.edge[1]).collect();
-    // A face with two corners at one position runs through an edge and back. If both are left, they link nothing.
-    // If one is left, the other is linked to a neighbor already.
+    // A face with two corners at one position traverses an edge in both directions. If both
+    // traversals are left, they link nothing. If one is left, the other is linked to a neighbor
+    // already.
     let has_three_corners = |face: u32| {
         let [a, b, c] = faces[face as usize].map(|vertex| names[vertex as usize]);
         a != b && b != c && c != a
@@ -66,7 +68,8 @@ pub(super) fn orientation(positions: &Positions, faces: &[[u32; 3]], names: &[u3
         let (root, _) = links.root(face);
         sheets[root as usize].is_one_sided = true;
     }
-    // Where its volume is measured from matters little, and less the nearer it is.
+    // The point from which volumes are measured matters little; a near one gives smaller rounding
+    // errors.
     let origin = faces.first().map_or([0.0; 3], |face| positions.get(face[0] as usize));
     for (face, corners) in (0..).zip(faces) {
         let (root, agrees) = links.root(face);
@@ -76,7 +79,8 @@ pub(super) fn orientation(positions: &Positions, faces: &[[u32; 3]], names: &[u3
         sheet.areas[usize::from(!agrees)] += dot(&normal, &normal).sqrt();
         sheet.volume += sign(agrees) as f64 * dot(&p, &cross(&q, &r));
     }
-    // What is left of the edges is open where a sheet does not pass it as often one way as the other.
+    // A sheet is open at a remaining edge if it does not traverse it equally often in both
+    // directions.
     let mut nets: Vec<([u32; 2], u32, i64)> = left
         .iter()
         .map(|share| {
@@ -105,6 +109,7 @@ pub(super) fn orientation(positions: &Positions, faces: &[[u32; 3]], names: &[u3
     orientation
 }
 
+/// Chooses the side of each sheet.
 fn choose_sides(sheets: &mut [Sheet]) {
     for sheet in sheets.iter_mut() {
         let [agreeing, other] = sheet.areas;
@@ -137,13 +142,13 @@ fn shares(faces: &[[u32; 3]]) -> Vec<Share> {
     shares
 }
 
-/// Disjoint sets of faces, with for each face whether it agrees with the root of its set on a side
-/// (Tarjan and van Leeuwen, *Worst-case Analysis of Set Union Algorithms*, JACM 31(2), 1984; the
-/// parity along each path is ours).
+/// Disjoint sets of faces. For each face it is known whether it agrees on a side with the root of
+/// its set (Tarjan and van Leeuwen, *Worst-case Analysis of Set Union Algorithms*, JACM 31(2),
+/// 1984; the parity along each path is ours).
 struct Links {
-    /// For each face one nearer to the root, and whether they agree.
+    /// For each face, a face nearer to the root, and whether both agree.
     above: Vec<(u32, bool)>,
-    /// Faces where two ways round an edge contradict each other.
+    /// Faces at which two paths of links contradict each other.
     twisted: Vec<u32>,
 }
 
@@ -152,6 +157,7 @@ impl Links {
         Self { above: (0..faces as u32).map(|face| (face, true)).collect(), twisted: Vec::new() }
     }
 
+    /// Returns the root of a face, and whether the face agrees with it.
     fn root(&mut self, mut face: u32) -> (u32, bool) {
         let mut agrees = true;
         while self.above[face as usize].0 != face {
@@ -178,7 +184,8 @@ impl Links {
         self.above[root_a.max(root_b) as usize] = (root_a.min(root_b), roots_agree);
     }
 
-    /// Links the faces of each edge that exactly two have, and returns the shares in all others.
+    /// Links the faces of each edge that exactly two faces have, and returns the edges of faces
+    /// that were not linked.
     fn join_pairs(&mut self, mut shares: Vec<Share>) -> Vec<Share> {
         shares.sort_unstable();
         let mut left = Vec::new();

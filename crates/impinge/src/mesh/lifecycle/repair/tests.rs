@@ -1,4 +1,4 @@
-//! Repairs of solids that were broken on purpose, which have to give the solids back.
+//! Repairs solids that were damaged on purpose. The repair must restore them.
 
 use impinge_testkit::generate::{Rng, bricks, solids};
 
@@ -7,23 +7,24 @@ use crate::Positions;
 use crate::mesh::Containment;
 
 fn mesh(vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Mesh {
-    Mesh::new(Positions::F64(vertices), faces).expect("a legal mesh")
+    Mesh::new(Positions::F64(vertices), faces).expect("a valid mesh")
 }
 
 fn oriented(mesh: &Mesh) -> (Mesh, Repair) {
-    mesh.repaired(RepairOptions { weld: 0.0, orient: true }).expect("a legal tolerance")
+    mesh.repaired(RepairOptions { weld: 0.0, orient: true }).expect("a valid tolerance")
 }
 
 fn welded(mesh: &Mesh, weld: f64) -> (Mesh, Repair) {
-    mesh.repaired(RepairOptions { weld, orient: false }).expect("a legal tolerance")
+    mesh.repaired(RepairOptions { weld, orient: false }).expect("a valid tolerance")
 }
 
-/// Turns some faces, each with this chance in a hundred.
+/// Turns random faces, each with a chance of `percent` in a hundred.
 fn turn(rng: &mut Rng, faces: &mut [[u32; 3]], percent: i64) {
     faces.iter_mut().filter(|_| rng.integer(0, 99) < percent).for_each(|face| face.swap(1, 2));
 }
 
-/// A brick of the lattice, hollow or not. Its outer surface and that of its hollow are closed.
+/// Returns a brick of the lattice, hollow or not. Its outer surface and that of its cavity are
+/// closed.
 fn hollow_brick(rng: &mut Rng) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let outer = bricks::Brick::new([0; 3], [4, 5, 6]);
     let inner = bricks::Brick::new([1; 3], [2, 3, 4]).turned();
@@ -111,8 +112,8 @@ fn bodies_with_vertices_of_their_own_may_share_a_wall() {
 }
 
 #[test]
-fn one_sided_sheets_are_told_and_left() {
-    // Five quadrilaterals in a ring, the last of which meets the first upside down.
+fn one_sided_sheets_are_reported_and_kept() {
+    // Five quadrilaterals in a ring; the last one joins the first upside down.
     let vertices: Vec<[f64; 3]> = (0..10)
         .map(|i| {
             let (angle, half) =
@@ -137,7 +138,7 @@ fn cracks_are_welded_and_nothing_moves_too_far() {
     let mut rng = Rng::new(4705);
     for _ in 0..200 {
         let cube = solids::cuboid([0.0; 3], [1.0; 3]);
-        // Each face with corners of its own, which are off by less than half a tolerance.
+        // Each face has corners of its own, displaced by less than half of the tolerance.
         let tolerance = 10.0_f64.powi(rng.integer(-12, -5) as i32);
         let off = |rng: &mut Rng, x: f64| x + tolerance * rng.uniform(-0.25, 0.25);
         let vertices: Vec<[f64; 3]> =
@@ -163,11 +164,11 @@ fn cracks_are_welded_and_nothing_moves_too_far() {
 }
 
 #[test]
-fn welding_is_what_comparing_all_pairs_gives() {
+fn welding_equals_brute_force() {
     let mut rng = Rng::new(4706);
     let mut moved = 0;
     for round in 0..300 {
-        // On a grid, so that many distances are the tolerance, or equal.
+        // On a grid, so that many distances are equal, or equal to the tolerance.
         let step = [1.0, 1e-300, 1e30, 1.0 / 3.0][round % 4];
         let vertices: Vec<[f64; 3]> = (0..60).map(|_| [0; 3].map(|_| step * rng.integer(-4, 4) as f64)).collect();
         let tolerance = step * [1.0, 1.5, 2.0][round % 3];
@@ -176,7 +177,7 @@ fn welding_is_what_comparing_all_pairs_gives() {
         let mut stayed: Vec<[f64; 3]> = Vec::new();
         for (vertex, at) in vertices.iter().enumerate() {
             let distance = |to: &[f64; 3]| (0..3).map(|k| ((at[k] - to[k]) / tolerance).powi(2)).sum::<f64>().sqrt();
-            // The first of equally near ones.
+            // The first of equally near vertices.
             let nearest = stayed.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).copied();
             let expected = nearest.filter(|to| distance(to) <= 1.0).unwrap_or(*at);
             if expected == *at && !stayed.contains(at) {
@@ -190,7 +191,7 @@ fn welding_is_what_comparing_all_pairs_gives() {
 }
 
 #[test]
-fn tolerances_of_any_size_take_no_time() {
+fn tolerances_of_any_size_are_fast() {
     let vertices: Vec<[f64; 3]> = (0..30_000).map(|i| [f64::from(i) * 1e-30, 1e38, -1e-38]).collect();
     let faces = (0..10_000).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
     let line = mesh(vertices, faces);
@@ -203,7 +204,7 @@ fn tolerances_of_any_size_take_no_time() {
 }
 
 #[test]
-fn what_is_left_is_reported() {
+fn remaining_defects_are_reported() {
     let vertices = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1e-9, 0.0]];
     let (_, repair) = welded(&mesh(vertices, vec![[0, 1, 2], [2, 0, 3], [0, 1, 3]]), 1e-6);
     assert_eq!((repair.welded_vertices, repair.greatest_move), (vec![3], 1e-9));
@@ -212,7 +213,8 @@ fn what_is_left_is_reported() {
 
 #[test]
 fn a_needle_in_a_closed_sheet_does_not_open_it() {
-    // Three vertices at one position, and a face between two of them. Seen by numbers only one of its sides has a neighbor.
+    // Three vertices at one position, and a face between two of them. By vertex numbers only one of
+    // its sides has a neighbor.
     let [o, x, y, z] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let outward = [[0, 5, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3], [2, 1, 4]];
     let inside_out = outward.map(|[a, b, c]| [a, c, b]);
@@ -224,9 +226,10 @@ fn a_needle_in_a_closed_sheet_does_not_open_it() {
 }
 
 #[test]
-fn a_tolerance_that_closes_no_crack_is_not_named() {
+fn a_tolerance_that_closes_no_crack_is_not_returned() {
     let near = |x: f64| [x * 1e-6, 0.0, 0.0];
-    // A tetrahedron with a crack of 0.9e-6 at one corner, and a vertex of another one that draws one side away.
+    // A tetrahedron with a crack of 0.9e-6 at one corner, and a vertex of another one that attracts
+    // one side of the crack.
     let vertices = vec![
         near(1.4),
         [5.0, 5.0, 5.0],

@@ -1,7 +1,7 @@
-//! Vertices that are moved to an earlier one within a tolerance.
+//! Moves vertices to earlier ones within a tolerance.
 //!
-//! Space is divided into cells whose edge is the tolerance. Vertices that stay are farther apart than
-//! that, so a cell and its neighbors hold a bounded number of them.
+//! Space is divided into cells whose edge is the tolerance. Vertices that stay are farther apart
+//! than that, so a cell and its neighbors contain a bounded number of them.
 
 use std::collections::HashMap;
 
@@ -13,10 +13,12 @@ pub(super) struct Welded {
     pub(super) positions: Positions,
     /// The vertices that were moved, ascending.
     pub(super) moved: Vec<u32>,
+    /// Maximum distance by which a vertex was moved, in the unit of the mesh.
     pub(super) greatest_move: f64,
 }
 
-/// Moves each vertex to the nearest earlier one that has stayed, if it is within the tolerance.
+/// Moves each vertex to the nearest earlier vertex that has stayed, if that is within the
+/// tolerance.
 pub(super) fn welded(positions: &Positions, tolerance: f64) -> Welded {
     let mut positions = positions.clone();
     let (mut moved, mut greatest_move) = (Vec::new(), 0.0_f64);
@@ -37,7 +39,7 @@ pub(super) fn welded(positions: &Positions, tolerance: f64) -> Welded {
     Welded { positions, moved, greatest_move }
 }
 
-/// Vertices that have stayed, by the cell that they are in.
+/// Vertices that have stayed, by the cell that contains them.
 pub(super) struct Stayed {
     tolerance: f64,
     cells: HashMap<[i64; 3], Vec<(u32, [f64; 3])>>,
@@ -48,8 +50,8 @@ impl Stayed {
         Self { tolerance, cells: HashMap::new() }
     }
 
-    /// Returns the nearest vertex that has stayed, the first of equally near ones. If none is within
-    /// the tolerance, this vertex stays.
+    /// Returns the nearest vertex that has stayed, and the first of equally near ones. If none is
+    /// within the tolerance, it adds this vertex to those that stay and returns `None`.
     pub(super) fn nearest_or_insert(&mut self, vertex: u32, at: [f64; 3]) -> Option<u32> {
         let places = at.map(|x| Place::of(x, self.tolerance));
         let mut nearest: Option<(f64, u32)> = None;
@@ -57,7 +59,7 @@ impl Stayed {
             for y in places[1].neighbors() {
                 for z in places[2].neighbors() {
                     for &(other, point) in self.cells.get(&[x, y, z]).into_iter().flatten() {
-                        // In units of the tolerance, so that no square vanishes or overflows.
+                        // In units of the tolerance, so that no square underflows or overflows.
                         let step = [0, 1, 2].map(|k| (at[k] - point[k]) / self.tolerance);
                         let distance = length(&step);
                         if distance <= 1.0 && nearest.is_none_or(|found| (distance, other) < found) {
@@ -74,32 +76,34 @@ impl Stayed {
     }
 }
 
-/// Where a coordinate is on the grid.
+/// Position of a coordinate on the grid.
 #[derive(Clone, Copy)]
 enum Place {
-    /// The number of its cell.
+    /// Number of the cell of the coordinate.
     Cell(i64),
-    /// Where neighboring floating-point numbers are farther apart than the tolerance, the bits of
-    /// the number.
+    /// Bits of the coordinate, if neighboring floating-point numbers are farther apart than the
+    /// tolerance.
     Alone(i64),
 }
 
 impl Place {
+    /// Returns the position of a coordinate.
     fn of(x: f64, tolerance: f64) -> Self {
-        /// From here on neighboring numbers differ by at least two.
+        /// Magnitude from which neighboring numbers differ by at least two cells.
         const SPARSE: f64 = (1_u64 << 54) as f64;
         let cell = (x / tolerance).floor();
         // Adding zero turns the negative zero into the positive one.
         if cell.abs() < SPARSE { Self::Cell(cell as i64) } else { Self::Alone((x + 0.0).to_bits().cast_signed()) }
     }
 
+    /// Returns the cell as a key of the map.
     fn cell(self) -> i64 {
         match self {
             Self::Cell(cell) | Self::Alone(cell) => cell,
         }
     }
 
-    /// The cells in which a number within the tolerance may be.
+    /// Returns the cells that may contain a number within the tolerance.
     fn neighbors(self) -> std::ops::RangeInclusive<i64> {
         match self {
             Self::Cell(cell) => cell - 1..=cell + 1,

@@ -1,8 +1,13 @@
-//! Long thin triangles that pass each other, proved apart along the direction across their longest edges.
+//! Proves long thin triangles apart along the cross product of their longest edges.
 //!
-//! The plane of a sliver is hardly known in single precision: the determinants of the filter are off by the square of its length,
-//! and are themselves as small as its width. Its edges are known well, and two that pass each other do so along the direction
-//! across both (Gottschalk, Lin, Manocha, *OBBTree*, SIGGRAPH 1996; Ericson, 5.2.3).
+//! Single precision hardly determines the plane of a sliver. The determinants of the filter have
+//! errors of the order of its squared length, and their values are as small as its width. But its
+//! edges are known well. Two slivers that pass each other are apart along the direction
+//! perpendicular to both edges (Gottschalk, Lin, Manocha, *OBBTree*, SIGGRAPH 1996; Ericson,
+//! 5.2.3).
+//!
+//! Guarded by `slivers_that_pass_each_other_are_apart` in the tests of the filter, and by the scene
+//! `rods` of `bench/rivals.py`.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
@@ -10,12 +15,13 @@ use fearless_simd::{Simd, f32x8};
 use crate::hierarchy::HALF_ULP;
 use crate::simd::{LANES, Lanes3, by_axis, cross, dot, sub};
 
-/// With so many of the 64 pairs of triangles of two packets near each other these are worth a direction of their own.
-pub(super) const CROWDED: u32 = 32;
+/// Minimum number of near pairs, of the 64 pairs of triangles of two packets, for which one
+/// direction for all pairs is tested first. If fewer are near, the test costs more than it saves.
+pub(super) const MIN_CROWDED_PAIRS: u32 = 32;
 
-/// The lanes whose triangles are proved apart, where corners may be off by `error`.
+/// Returns the lanes whose triangles are proved apart, if corners have errors of at most `error`.
 #[inline(always)]
-pub(super) fn apart_across<S: Simd>(host: &[Lanes3<S>; 3], guest: &[Lanes3<S>; 3], error: f32x8<S>) -> u32 {
+pub(super) fn apart_along_edge_cross<S: Simd>(host: &[Lanes3<S>; 3], guest: &[Lanes3<S>; 3], error: f32x8<S>) -> u32 {
     let across = cross(&longest_edge(host), &longest_edge(guest));
     let [host_low, host_high] = reached(host, &across, error);
     let [guest_low, guest_high] = reached(guest, &across, error);
@@ -23,10 +29,11 @@ pub(super) fn apart_across<S: Simd>(host: &[Lanes3<S>; 3], guest: &[Lanes3<S>; 3
     apart.to_bitmask() as u32
 }
 
-/// For lane `i` of the guest's the byte `i`: the host's lanes whose triangles are not proved apart from it along one direction for
-/// all, across the longest edges of the first two, as long triangles of a leaf mostly lie alike.
+/// Returns for each guest lane `i`, in byte `i`, the host lanes whose triangles are not proved
+/// apart from it. All are tested along one direction, the cross product of the longest edges of the
+/// first triangle of each packet, as the long triangles of a leaf are mostly parallel.
 #[inline(always)]
-pub(super) fn near_across<S: Simd>(host: &[Lanes3<S>; 3], guest: &[Lanes3<S>; 3], error: f32x8<S>) -> u64 {
+pub(super) fn near_along_edge_cross<S: Simd>(host: &[Lanes3<S>; 3], guest: &[Lanes3<S>; 3], error: f32x8<S>) -> u64 {
     let across = cross(&longest_edge(host), &longest_edge(guest));
     let across = by_axis!(axis => f32x8::splat(error.token(), across[axis][0]));
     let [host_low, host_high] = reached(host, &across, error);
@@ -41,8 +48,9 @@ pub(super) fn near_across<S: Simd>(host: &[Lanes3<S>; 3], guest: &[Lanes3<S>; 3]
     !apart
 }
 
-/// How far each triangle reaches along a direction, at least and at most, outward: any direction will do. A height has four
-/// roundings of products with the largest coordinate, and its last sum one more.
+/// Returns the minimum and maximum height of each triangle along a direction, rounded outward. The
+/// direction may be any vector. A height has four roundings of products with the largest
+/// coordinate, and one more of its last sum.
 #[inline(always)]
 fn reached<S: Simd>(corners: &[Lanes3<S>; 3], direction: &Lanes3<S>, error: f32x8<S>) -> [f32x8<S>; 2] {
     let mut largest = f32x8::splat(error.token(), 0.0);
@@ -58,6 +66,7 @@ fn reached<S: Simd>(corners: &[Lanes3<S>; 3], direction: &Lanes3<S>, error: f32x
     [p.min(q).min(r) - slack, p.max(q).max(r) + slack]
 }
 
+/// Returns the longest edge of each triangle.
 #[inline(always)]
 fn longest_edge<S: Simd>([p, q, r]: &[Lanes3<S>; 3]) -> Lanes3<S> {
     let [mut longest, second, third] = [sub(q, p), sub(r, q), sub(p, r)];
@@ -73,13 +82,13 @@ fn longest_edge<S: Simd>([p, q, r]: &[Lanes3<S>; 3]) -> Lanes3<S> {
 
 #[cfg(test)]
 mod tests {
-
     use super::*;
     use crate::simd::{dispatch, levels, load3};
 
-    /// Eight slivers along x, and eight along y across all of them, one at each height: only those of one height meet.
+    /// Eight slivers along x, and eight along y that cross all of them, one of each at every
+    /// height. Only slivers of the same height intersect.
     #[test]
-    fn of_a_crowd_those_are_near_that_touch() {
+    fn only_touching_slivers_of_a_crowd_are_near() {
         let (mut host, mut guest) = ([[[0.0; LANES]; 3]; 3], [[[0.0; LANES]; 3]; 3]);
         for lane in 0..LANES {
             let height = lane as f32;
@@ -96,7 +105,7 @@ mod tests {
             let (near, apart) = dispatch!(level, simd => {
                 let [host, guest] = [&host, &guest].map(|side| by_axis!(corner => load3(simd, &side[corner])));
                 let error = f32x8::splat(simd, 1e-5);
-                (near_across(&host, &guest, error), apart_across(&host, &guest, error))
+                (near_along_edge_cross(&host, &guest, error), apart_along_edge_cross(&host, &guest, error))
             });
             assert_eq!((near, apart), (0x8040_2010_0804_0201, 0), "{name}");
         }

@@ -1,4 +1,5 @@
-//! The filter against exact arithmetic: how far its corners are off here, determinants and verdicts in files of their own.
+//! The filter compared with exact arithmetic. The errors of corners are tested here, determinants
+//! and verdicts in files of their own.
 
 mod determinants;
 mod verdicts;
@@ -31,7 +32,7 @@ fn along(p: &Point, q: &Point, weight: f64) -> Point {
     std::array::from_fn(|axis| p[axis] + (q[axis] - p[axis]) * weight)
 }
 
-/// Up to eight triangles in their own frame, and their pose.
+/// Up to eight triangles in the mesh frame, and their pose.
 #[derive(Debug)]
 struct Side8 {
     mesh: Mesh,
@@ -39,15 +40,16 @@ struct Side8 {
 }
 
 impl Side8 {
-    /// Triangles that the pose takes to `corners`; `stray` is a vertex of no face that widens the packed frame.
+    /// Makes triangles that the pose maps to `corners`. `stray` is a vertex without a face that
+    /// enlarges the packed frame.
     fn new(corners: &[[Point; 3]], stray: Option<Point>, pose: Affine) -> Self {
         let vertices: Vec<Point> = corners.iter().flatten().copied().chain(stray).collect();
         let faces: Vec<_> = (0..corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        Self { mesh: Mesh::new(Positions::F64(vertices), faces).expect("a legal mesh"), pose }
+        Self { mesh: Mesh::new(Positions::F64(vertices), faces).expect("a valid mesh"), pose }
     }
 
     fn world_from_mesh(&self) -> Pose {
-        Pose::new(self.pose.linear, self.pose.translation).expect("a legal pose")
+        Pose::new(self.pose.linear, self.pose.translation).expect("a valid pose")
     }
 
     fn packet(&self) -> Packet<'_> {
@@ -64,7 +66,7 @@ fn relate(host: &Side8, guest: &Side8) -> Relation {
     Relation::new(&map, &host.mesh.0.frame, &guest.mesh.0.frame)
 }
 
-/// A point's exact place in the host's packed frame.
+/// Returns the exact image of a point in the packed frame of the host.
 fn packed_exactly(host: &Side8, pose: &Affine, point: &Point) -> [RBig; 3] {
     let rational = |x: f64| RBig::try_from(x).expect("finite");
     let world: [RBig; 3] = std::array::from_fn(|i| {
@@ -89,20 +91,20 @@ fn packed_exactly(host: &Side8, pose: &Affine, point: &Point) -> [RBig; 3] {
 #[test]
 fn corners_and_bounds_are_within_their_error() {
     let mut rng = Rng::new(81);
-    let (mut worst, mut met) = (0.0_f64, 0);
+    let (mut worst, mut near_corners) = (0.0_f64, 0);
     for _ in 0..400 {
-        // The host is a small packet of a larger mesh, or not; the guest has any scale.
+        // The host is a small packet of a larger mesh in some cases; the guest has any scale.
         let (host_size, guest_size) = (power_of_two(&mut rng, -20, 0), power_of_two(&mut rng, -20, 0));
         let (host_scale, guest_scale) = (power_of_two(&mut rng, -30, 30), power_of_two(&mut rng, -30, 30));
         let world = if rng.one_in(3) { large_integer_map(&mut rng) } else { rotation(&mut rng) };
         let turn = if rng.one_in(2) { rotation(&mut rng).linear } else { Affine::IDENTITY.linear };
-        let centre = unit_point(&mut rng);
+        let center = unit_point(&mut rng);
         let count = rng.integer(1, 8) as usize;
         let triangles = |rng: &mut Rng, size: f64, scale: f64| -> Vec<[Point; 3]> {
             let near = |rng: &mut Rng| unit_point(rng).map(|x| x * size);
             let corner = |rng: &mut Rng| {
                 let step = near(rng);
-                std::array::from_fn(|axis| (centre[axis] + step[axis]) / scale)
+                std::array::from_fn(|axis| (center[axis] + step[axis]) / scale)
             };
             (0..count).map(|_| [0; 3].map(|_| corner(rng))).collect()
         };
@@ -130,9 +132,9 @@ fn corners_and_bounds_are_within_their_error() {
             let anchor = host.packet().anchor;
             let mut moved = [[[0.0_f32; LANES]; 3]; 3];
             dispatch!(level, simd => {
-                taken.take_up(simd, &guest.packet(), &relation, &back);
+                taken.set_packet(simd, &guest.packet(), &relation, &back);
                 let offset: Lanes3<_> = by_axis!(axis => {
-                    f32x8::splat(simd, (taken.anchor[axis] - anchor[axis]) as f32)
+                    f32x8::splat(simd, (taken.local_origin[axis] - anchor[axis]) as f32)
                 });
                 for corner in 0..3 {
                     for axis in 0..3 {
@@ -142,8 +144,8 @@ fn corners_and_bounds_are_within_their_error() {
                 }
             });
             let radii = host.packet().radius + guest.packet().radius * relation.stretch as f32;
-            let near = (0..3).all(|axis| (taken.anchor[axis] - anchor[axis]).abs() < f64::from(radii));
-            met += usize::from(near);
+            let near = (0..3).all(|axis| (taken.local_origin[axis] - anchor[axis]).abs() < f64::from(radii));
+            near_corners += usize::from(near);
             for (lane, corners) in exact_guest.iter().enumerate() {
                 for (corner, point) in corners.iter().enumerate() {
                     for axis in 0..3 {
@@ -157,7 +159,8 @@ fn corners_and_bounds_are_within_their_error() {
                         let off =
                             truth - RBig::try_from(anchor[axis]).expect("finite") - rational(moved[corner][axis][lane]);
                         let off = f64::from(off.to_f32_fast()).abs();
-                        // One rounding of the host's corners takes a quarter of its part.
+                        // The host's corners have one rounding here, a quarter of what the bound
+                        // allows for them.
                         let bound = f64::from(taken.error) + 3.0 * HALF_ULP * f64::from(host.packet().radius);
                         assert!(off <= bound * (1.0 + 1e-6), "{name}: {off} > {bound}: {host:?} {guest:?}");
                         let by_radius = HALF_ULP * relation.stretch * f64::from(guest.packet().radius);
@@ -169,7 +172,7 @@ fn corners_and_bounds_are_within_their_error() {
             }
         }
     }
-    assert!(met > 150 * levels().len(), "{met}");
-    // One unit for each rounding would not do.
+    assert!(near_corners > 150 * levels().len(), "{near_corners}");
+    // A bound of one unit per radius would be too small.
     assert!((1.2..9.0).contains(&worst), "{worst}");
 }

@@ -1,4 +1,4 @@
-//! What holds a triangle holds all of its points, and little else.
+//! The bounds of a triangle hold all of its points, and little else.
 
 use impinge_testkit::generate::Rng;
 
@@ -6,15 +6,15 @@ use super::*;
 use crate::math::vec3::{Vector, cross, sub};
 use crate::simd::{dispatch, levels};
 
-/// Eight triangles about an anchor.
+/// Eight triangles relative to a local origin.
 struct Trial {
     about: [[[f32; LANES]; 3]; 3],
-    anchor: Vector,
+    local_origin: Vector,
     error: f64,
 }
 
 impl Trial {
-    /// On a grid, by chance, or slivers.
+    /// Makes triangles on a grid, at random, or slivers.
     fn new(rng: &mut Rng) -> Self {
         let kind = rng.integer(0, 2);
         let mut about = [[[0.0; LANES]; 3]; 3];
@@ -30,15 +30,15 @@ impl Trial {
                 }
             }
         }
-        let anchor = [0; 3].map(|_| if kind == 0 { 0.25 } else { rng.uniform(-0.5, 0.5) });
-        Self { about, anchor, error: [0.0, 1e-5][rng.integer(0, 1) as usize] }
+        let local_origin = [0; 3].map(|_| if kind == 0 { 0.25 } else { rng.uniform(-0.5, 0.5) });
+        Self { about, local_origin, error: [0.0, 1e-5][rng.integer(0, 1) as usize] }
     }
 
     fn corners(&self, lane: usize) -> [Vector; 3] {
-        self.about.map(|corner| std::array::from_fn(|axis| self.anchor[axis] + f64::from(corner[axis][lane])))
+        self.about.map(|corner| std::array::from_fn(|axis| self.local_origin[axis] + f64::from(corner[axis][lane])))
     }
 
-    /// Any point of a triangle, or a corner of it, moved by the error.
+    /// Returns a random point of a triangle or a corner of it, moved by the error.
     fn point(&self, lane: usize, rng: &mut Rng) -> Vector {
         let corners = self.corners(lane);
         let mut point = corners[rng.integer(0, 2) as usize];
@@ -52,7 +52,7 @@ impl Trial {
         point.map(|x| x + [-1.0, 1.0][rng.integer(0, 1) as usize] * self.error)
     }
 
-    /// Which of the boxes about these points are near each triangle, the same at every level but for rounding.
+    /// Returns the boxes around `points` that are near a triangle, as bits, for each vector level.
     fn near(&self, lane: usize, points: &[Vector; LANES]) -> Vec<u32> {
         let mut boxes = BoxLanes::default();
         for (at, point) in points.iter().enumerate() {
@@ -65,7 +65,7 @@ impl Trial {
         let near = |level| {
             dispatch!(level, simd => {
                 let about = by_axis!(corner => load3(simd, &self.about[corner]));
-                Bounds::new(simd, &about, self.anchor, self.error).near(simd, lane, &node)
+                Bounds::new(simd, &about, self.local_origin, self.error).near(simd, lane, &node)
             })
         };
         levels().into_iter().map(|(_, level)| near(level)).collect()
@@ -84,7 +84,7 @@ fn every_point_of_a_triangle_is_near_it() {
 }
 
 #[test]
-fn what_is_off_a_triangle_is_told_apart() {
+fn boxes_off_a_triangle_are_pruned() {
     let mut rng = Rng::new(3022);
     let (mut all, mut near) = (0, 0);
     for _ in 0..3_000 {
@@ -104,11 +104,11 @@ fn what_is_off_a_triangle_is_told_apart() {
             }
         }
     }
-    assert!(all > 15_000 * levels().len() && near < all / 100, "{near} of {all} are not told apart");
+    assert!(all > 15_000 * levels().len() && near < all / 100, "{near} of {all} are not pruned");
 }
 
 #[test]
-fn what_is_not_a_number_proves_nothing() {
+fn nan_and_infinity_prune_nothing() {
     let mut trial = Trial::new(&mut Rng::new(3023));
     trial.error = f64::INFINITY;
     assert!(trial.near(3, &[[9.0; 3]; LANES]).iter().all(|&near| near == 0xff));

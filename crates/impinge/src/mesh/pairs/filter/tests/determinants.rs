@@ -1,13 +1,13 @@
-//! How far determinants in single precision are off.
+//! Errors of determinants in single precision.
 
 use impinge_testkit::generate::Rng;
 
-use super::super::judge::{Triangle, bound};
+use super::super::classify::{Triangle, bound};
 use super::super::*;
 use super::{Point, exact, power_of_two, unit_point};
 use crate::simd::{Level, cross, dispatch, levels};
 
-/// Eight triangles in lanes, known exactly.
+/// Eight triangles with exactly known corners.
 type Lanes8 = [[[f32; 3]; 3]; LANES];
 
 fn in_lanes<S: Simd>(simd: S, triangles: &Lanes8) -> Triangle<S> {
@@ -24,8 +24,8 @@ fn in_lanes<S: Simd>(simd: S, triangles: &Lanes8) -> Triangle<S> {
     Triangle { corners, width: width(&min, &max) }
 }
 
-/// The determinants that decide, each by the four points that it is of: (e from p to q) × (f from r to s) · (p to t).
-/// Points 0 to 2 are the host's corners, 3 to 5 the guest's.
+/// The determinants that decide, each by its points `[p, q, r, s, t]`: (e from p to q) × (f from r
+/// to s) · (d from p to t). Points 0 to 2 are the corners of the host, 3 to 5 those of the guest.
 const DETERMINANTS: [[usize; 5]; 4] = [[0, 1, 0, 2, 3], [0, 1, 0, 2, 5], [3, 4, 3, 5, 2], [0, 1, 3, 4, 3]];
 
 fn determinant<T>(points: &[[T; 3]; 6], which: [usize; 5]) -> T
@@ -41,7 +41,8 @@ where
     minor(1, 2) * d[0].clone() + minor(2, 0) * d[1].clone() + minor(0, 1) * d[2].clone()
 }
 
-/// Each lane's determinants in single precision, with their bounds and u X Z Y, the unit of rounding.
+/// Returns the determinants of each lane in single precision, with their bounds and the unit of
+/// rounding, u X Z Y.
 fn determinants(level: Level, host: &Lanes8, guest: &Lanes8, error: f32) -> [[[f32; LANES]; 3]; 4] {
     let mut found = [[[0.0; LANES]; 3]; 4];
     dispatch!(level, simd => {
@@ -63,7 +64,7 @@ fn determinants(level: Level, host: &Lanes8, guest: &Lanes8, error: f32) -> [[[f
     found
 }
 
-/// A coordinate as nasty as unit ones get.
+/// Returns a coordinate of at most 1 that is likely to cause large rounding errors.
 fn coordinate(rng: &mut Rng) -> f32 {
     let x = match rng.integer(0, 3) {
         0 => rng.choose(&[0.0, 0.5, 1.0]),
@@ -80,7 +81,8 @@ fn points(host: &[[f32; 3]; 3], guest: &[[f32; 3]; 3]) -> [Point; 6] {
     [a, b, c, d, e, f]
 }
 
-/// Whether the boxes of the two triangles overlap when one is grown by `error`: others are not judged.
+/// Reports whether the boxes of the two triangles overlap if one is enlarged by `error`. The filter
+/// classifies no other pairs.
 fn overlap(points: &[Point; 6], error: f64) -> bool {
     (0..3).all(|axis| {
         let least = |of: &[Point]| of.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min);
@@ -90,7 +92,8 @@ fn overlap(points: &[Point; 6], error: f64) -> bool {
     })
 }
 
-/// The most that a determinant of these lanes is off by: in u X Z Y, and in its bound.
+/// Returns the maximum error of a determinant of these lanes, in units of u X Z Y and relative to
+/// its bound.
 fn off(
     level: Level,
     host: &Lanes8,
@@ -164,7 +167,8 @@ fn errors_of_corners_are_bounded() {
         let host: Lanes8 = [0; LANES].map(|_| [0; 3].map(|_| corner(&mut rng, 1.0)));
         let guest: Lanes8 = [0; LANES].map(|_| [0; 3].map(|_| corner(&mut rng, guest_size)));
         let [_, of_bound] = off(Level::fallback(), &host, &guest, error as f32, |points, which| {
-            // The determinant is linear in each coordinate; each is moved the way that hurts, all the same way.
+            // The determinant is linear in each coordinate. Each is moved in the direction that
+            // increases it.
             let value = determinant(points, which);
             let mut moved = *points;
             for (at, point) in moved.iter_mut().enumerate() {

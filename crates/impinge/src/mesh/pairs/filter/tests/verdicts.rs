@@ -1,4 +1,4 @@
-//! Whether what the filter says of pairs of triangles is true.
+//! Verdicts of the filter compared with the exact decision.
 
 use std::collections::HashMap;
 
@@ -12,7 +12,7 @@ use crate::exact::{Placement, triangles_intersect};
 use crate::mesh::pairs::sides::Sides;
 use crate::simd::{Level, dispatch, levels};
 
-/// A triangle made to meet or just miss `host`, by `gap`.
+/// Returns a triangle that intersects `host` or just misses it, by about `gap`.
 fn close_to(rng: &mut Rng, host: &[Point; 3], gap: f64) -> [Point; 3] {
     let [p, q, r] = host;
     let edge = along(p, q, rng.unit());
@@ -52,13 +52,14 @@ fn close_to(rng: &mut Rng, host: &[Point; 3], gap: f64) -> [Point; 3] {
 enum Kind {
     Generic,
     Close,
-    /// Of other sizes by up to 2^50, and close.
+    /// Close, with sizes that differ by up to 2^50.
     Sized,
-    /// Slivers that pass each other, closely or not.
-    Askew,
+    /// Slivers that pass each other, at a small distance or a large one.
+    Slivers,
 }
 
-/// A triangle of length one or two along a direction through a point, so thin that single precision does not know its plane.
+/// Returns a triangle of length one or two along a direction through a point, so thin that single
+/// precision does not determine its plane.
 fn sliver(rng: &mut Rng, through: &Point, direction: &Point) -> [Point; 3] {
     let end: Point = std::array::from_fn(|axis| through[axis] + direction[axis]);
     let other = along(&end, through, rng.uniform(1.5, 3.0));
@@ -69,58 +70,59 @@ fn sliver(rng: &mut Rng, through: &Point, direction: &Point) -> [Point; 3] {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Verdict {
-    Meet,
+    Intersecting,
     Apart,
-    Open,
+    Undecided,
 }
 
-/// Takes on what is near of two packets.
-fn take_on(level: Level, host: &Side8, guest: &Side8, sides: Sides, candidates: &mut Candidates) {
+/// Adds the near pairs of two packets to the candidates.
+fn push_pairs(level: Level, host: &Side8, guest: &Side8, sides: Sides, candidates: &mut Candidates) {
     let (relation, back) = (relate(host, guest), relate(guest, host));
     dispatch!(level, simd => {
         let mut taken = Guest::EMPTY;
-        taken.take_up(simd, &guest.packet(), &relation, &back);
+        taken.set_packet(simd, &guest.packet(), &relation, &back);
         let packet = host.mesh.packets().get(simd, 0);
-        let facing = taken.face(simd, &packet, 0xff);
+        let slab_test = taken.test_slabs(simd, &packet, 0xff);
         let faces = LeafFaces { host: &packet.leaf.faces, guest: &guest.packet().leaf.faces, sides };
-        taken.meet(simd, &packet, &facing, &faces, candidates);
+        taken.push_candidates(simd, &packet, &slab_test, &faces, candidates);
     });
 }
 
-/// Judges candidates, eight at a time, while there are so many at least, and says of which faces each is.
-fn judge_all(level: Level, candidates: &mut Candidates, least: usize) -> Vec<([usize; 2], Verdict)> {
-    let mut judged = Vec::new();
-    while candidates.count() - judged.len() >= least {
-        let from = judged.len();
+/// Classifies candidates, eight at a time, as long as at least `min_count` are left. Returns the
+/// faces and the verdict of each.
+fn classify_all(level: Level, candidates: &mut Candidates, min_count: usize) -> Vec<([usize; 2], Verdict)> {
+    let mut classified = Vec::new();
+    while candidates.count() - classified.len() >= min_count {
+        let from = classified.len();
         let count = LANES.min(candidates.count() - from);
-        let verdicts = dispatch!(level, simd => candidates.judge(simd, from));
-        let Verdicts { meet, open, .. } = verdicts;
-        assert!(meet & open == 0 && (meet | open) >> count == 0);
-        judged.extend((0..count).map(|lane| {
-            let verdict = match (meet >> lane & 1, open >> lane & 1) {
+        let verdicts = dispatch!(level, simd => candidates.classify(simd, from));
+        let Verdicts { intersecting, undecided, .. } = verdicts;
+        assert!(intersecting & undecided == 0 && (intersecting | undecided) >> count == 0);
+        classified.extend((0..count).map(|lane| {
+            let verdict = match (intersecting >> lane & 1, undecided >> lane & 1) {
                 (0, 0) => Verdict::Apart,
-                (1, _) => Verdict::Meet,
-                _ => Verdict::Open,
+                (1, _) => Verdict::Intersecting,
+                _ => Verdict::Undecided,
             };
             (verdicts.faces(lane).map(|face| face as usize), verdict)
         }));
     }
-    candidates.forget(judged.len());
-    judged
+    candidates.remove_first(classified.len());
+    classified
 }
 
-/// Counts of pairs that were proved to meet, proved apart, and left open.
+/// Numbers of pairs that were proved to intersect, proved apart, and left undecided.
 #[derive(Clone, Copy, Debug, Default)]
 struct Outcomes {
-    meet: usize,
+    intersecting: usize,
     apart: usize,
-    open: usize,
+    undecided: usize,
 }
 
-/// Two packets.
+/// Returns two packets.
 fn packets(rng: &mut Rng, kind: Kind) -> (Side8, Side8) {
     let (hosts, guests) = (rng.integer(1, 8) as usize, rng.integer(1, 8) as usize);
-    // Slivers of a packet lie alike, or not.
+    // Slivers of one packet are parallel in some cases.
     let (same, common) = (rng.one_in(2), [0; 2].map(|_| unit_point(rng)));
     let direction = |rng: &mut Rng, side: usize| {
         let turn = if same { 0.0 } else { rng.choose(&[0.01, 1.0]) };
@@ -128,7 +130,7 @@ fn packets(rng: &mut Rng, kind: Kind) -> (Side8, Side8) {
     };
     let mut host: Vec<[Point; 3]> = (0..hosts)
         .map(|_| match kind {
-            Kind::Askew => {
+            Kind::Slivers => {
                 let (through, direction) = (unit_point(rng), direction(rng, 0));
                 sliver(rng, &through, &direction)
             }
@@ -139,7 +141,7 @@ fn packets(rng: &mut Rng, kind: Kind) -> (Side8, Side8) {
     let mut guest: Vec<[Point; 3]> = (0..guests)
         .map(|i| match kind {
             Kind::Generic => [0; 3].map(|_| unit_point(rng)),
-            Kind::Askew => {
+            Kind::Slivers => {
                 let [p, q, _] = host[i % hosts];
                 let on = along(&p, &q, rng.uniform(0.2, 0.8));
                 let gap = if rng.one_in(8) { 0.0 } else { power_of_two(rng, -30, -4) };
@@ -151,7 +153,7 @@ fn packets(rng: &mut Rng, kind: Kind) -> (Side8, Side8) {
                 let gap = if rng.one_in(8) { 0.0 } else { power_of_two(rng, -54, -4) };
                 let host = &host[i % hosts];
                 let near = close_to(rng, host, gap);
-                // About its first corner, which is close in half of the cases.
+                // Scaled about its first corner, which is close in half of the cases.
                 let size = if rng.one_in(4) { size.sqrt() } else { size };
                 near.map(|corner| along(&near[0], &corner, size))
             }
@@ -163,7 +165,7 @@ fn packets(rng: &mut Rng, kind: Kind) -> (Side8, Side8) {
             *x = f64::from(*x as f32);
         }
     }
-    // A map of both changes no answer, nor does a power of two that the pose takes back.
+    // A map of both meshes changes no answer, nor does a power of two that the pose takes back.
     let common = match rng.integer(0, 3) {
         0 => large_integer_map(rng),
         1 => rotation(rng),
@@ -181,7 +183,7 @@ fn packets(rng: &mut Rng, kind: Kind) -> (Side8, Side8) {
     (side(rng, &host), side(rng, &guest))
 }
 
-fn judge_packets(kind: Kind, seed: u64, count: usize) -> Outcomes {
+fn classify_packets(kind: Kind, seed: u64, count: usize) -> Outcomes {
     let mut rng = Rng::new(seed);
     let mut outcomes = Outcomes::default();
     let mut asked = 0;
@@ -199,24 +201,25 @@ fn judge_packets(kind: Kind, seed: u64, count: usize) -> Outcomes {
             })
             .collect();
         for (name, level) in levels() {
-            let mut candidates = Candidates::NONE;
-            take_on(level, &host, &guest, Sides::FIRST_HOSTS, &mut candidates);
+            let mut candidates = Candidates::EMPTY;
+            push_pairs(level, &host, &guest, Sides::FIRST_HOSTS, &mut candidates);
             let count = candidates.count();
-            let judged: HashMap<[usize; 2], Verdict> = judge_all(level, &mut candidates, 1).into_iter().collect();
-            assert_eq!((judged.len(), candidates.count()), (count, 0), "{name}: a pair came twice");
-            assert!(judged.keys().all(|&[h, g]| h < hosts && g < guests), "{name}: a lane without a triangle");
+            let classified: HashMap<[usize; 2], Verdict> =
+                classify_all(level, &mut candidates, 1).into_iter().collect();
+            assert_eq!((classified.len(), candidates.count()), (count, 0), "{name}: a pair came twice");
+            assert!(classified.keys().all(|&[h, g]| h < hosts && g < guests), "{name}: a lane without a triangle");
             for [h, g] in (0..hosts).flat_map(|h| (0..guests).map(move |g| [h, g])) {
-                let verdict = judged.get(&[h, g]).copied().unwrap_or(Verdict::Apart);
-                if verdict == Verdict::Open {
-                    outcomes.open += 1;
+                let verdict = classified.get(&[h, g]).copied().unwrap_or(Verdict::Apart);
+                if verdict == Verdict::Undecided {
+                    outcomes.undecided += 1;
                     continue;
                 }
-                let (meets, truth) = (verdict == Verdict::Meet, truths[g][h]);
-                assert_eq!(meets, truth, "{name}, {kind:?}, faces {h} and {g}: {host:?} {guest:?}");
-                *(if meets { &mut outcomes.meet } else { &mut outcomes.apart }) += 1;
+                let (intersects, truth) = (verdict == Verdict::Intersecting, truths[g][h]);
+                assert_eq!(intersects, truth, "{name}, {kind:?}, faces {h} and {g}: {host:?} {guest:?}");
+                *(if intersects { &mut outcomes.intersecting } else { &mut outcomes.apart }) += 1;
                 asked += 1;
                 if asked % 101 == 0 {
-                    // An oracle that shares nothing with the engine.
+                    // An oracle that shares no code with the engine.
                     let (a, b) = (host.mesh.corners(h as u32), guest.mesh.corners(g as u32));
                     assert_eq!(truth, oracle::triangles_meet(&a, &host.pose, &b, &guest.pose));
                 }
@@ -227,53 +230,63 @@ fn judge_packets(kind: Kind, seed: u64, count: usize) -> Outcomes {
 }
 
 #[test]
-fn generic_pairs_are_decided_and_truly() {
-    let Outcomes { meet, apart, open } = judge_packets(Kind::Generic, 84, 800);
-    let total = meet + apart + open;
-    assert!(open * 50 < total, "{open} of {total} are open");
-    assert!(meet * 10 > total && apart * 3 > total, "{meet} meet and {apart} are apart of {total}");
+fn generic_pairs_are_decided_correctly() {
+    let Outcomes { intersecting, apart, undecided } = classify_packets(Kind::Generic, 84, 800);
+    let total = intersecting + apart + undecided;
+    assert!(undecided * 50 < total, "{undecided} of {total} are undecided");
+    assert!(
+        intersecting * 10 > total && apart * 3 > total,
+        "{intersecting} intersect and {apart} are apart of {total}"
+    );
 }
 
 #[test]
 fn close_pairs_are_never_wrong() {
     for (kind, seed, rare) in [(Kind::Close, 85, 20), (Kind::Sized, 86, 200)] {
-        let Outcomes { meet, apart, open } = judge_packets(kind, seed, 1_500);
-        let total = meet + apart + open;
-        assert!(meet * rare > total && apart * 10 > total && open * 20 > total, "{kind:?}: {meet} {apart} {open}");
+        let Outcomes { intersecting, apart, undecided } = classify_packets(kind, seed, 1_500);
+        let total = intersecting + apart + undecided;
+        assert!(
+            intersecting * rare > total && apart * 10 > total && undecided * 20 > total,
+            "{kind:?}: {intersecting} {apart} {undecided}"
+        );
     }
 }
 
 #[test]
 fn slivers_that_pass_each_other_are_apart() {
-    let Outcomes { meet, apart, open } = judge_packets(Kind::Askew, 87, 1_500);
-    let total = meet + apart + open;
-    assert!(open * 6 < total && open * 100 > total, "{meet} meet, {apart} are apart and {open} are open");
+    let Outcomes { intersecting, apart, undecided } = classify_packets(Kind::Slivers, 87, 1_500);
+    let total = intersecting + apart + undecided;
+    assert!(
+        undecided * 6 < total && undecided * 100 > total,
+        "{intersecting} intersect, {apart} are apart and {undecided} are undecided"
+    );
 }
 
-/// Candidates of many packets, in vectors of whichever, and those of each packet alone, as either mesh.
+/// Candidates of many packets in shared vectors get the same verdicts as those of each packet
+/// alone, whichever mesh is the host.
 #[test]
-fn candidates_are_judged_beside_any_others_as_they_are_alone() {
+fn other_candidates_of_a_batch_change_no_verdict() {
     let mut rng = Rng::new(88);
     let mut beside = 0;
     for _ in 0..20 {
-        let kinds = [Kind::Generic, Kind::Close, Kind::Sized, Kind::Askew];
+        let kinds = [Kind::Generic, Kind::Close, Kind::Sized, Kind::Slivers];
         let sides: Vec<(Side8, Side8)> = (0..20).map(|at| packets(&mut rng, kinds[at % 4])).collect();
         for (name, level) in levels() {
-            let (mut alone, mut together, mut candidates) = (Vec::new(), Vec::new(), Candidates::NONE);
+            let (mut alone, mut together, mut candidates) = (Vec::new(), Vec::new(), Candidates::EMPTY);
             for (at, (host, guest)) in sides.iter().enumerate() {
-                let mut own = Candidates::NONE;
-                take_on(level, host, guest, Sides::FIRST_HOSTS, &mut own);
+                let mut own = Candidates::EMPTY;
+                push_pairs(level, host, guest, Sides::FIRST_HOSTS, &mut own);
                 beside += usize::from(!own.count().is_multiple_of(LANES));
                 let turned = if at % 2 == 1 { Sides::SECOND_HOSTS } else { Sides::FIRST_HOSTS };
                 let in_turn = |([h, g], verdict): ([usize; 2], Verdict)| (turned.first_second([h, g]), verdict);
-                alone.extend(judge_all(level, &mut own, 1).into_iter().map(in_turn));
-                take_on(level, host, guest, turned, &mut candidates);
+                alone.extend(classify_all(level, &mut own, 1).into_iter().map(in_turn));
+                push_pairs(level, host, guest, turned, &mut candidates);
                 if !candidates.has_room() {
-                    together.extend(judge_all(level, &mut candidates, LANES));
+                    together.extend(classify_all(level, &mut candidates, LANES));
                     assert!(candidates.count() < LANES && candidates.has_room());
                 }
             }
-            together.extend(judge_all(level, &mut candidates, 1));
+            together.extend(classify_all(level, &mut candidates, 1));
             assert_eq!(alone, together, "{name}");
         }
     }

@@ -1,37 +1,44 @@
-//! Pairs of triangles in single precision, eight at a time: proved apart, proved to meet, or open.
+//! Classifies pairs of triangles in single precision, eight at a time: apart, intersecting or
+//! undecided.
 //!
-//! Source: Devillers, Guigue, *Faster triangle-triangle intersection tests*, INRIA RR-4488, 2002, on eight lanes; ours
-//! departs in that every sign comes with a bound of its error (docs/proof.md, L4), and a lane whose signs are not all certain
-//! stays open.
+//! Source: Devillers, Guigue, *Faster triangle-triangle intersection tests*, INRIA RR-4488, 2002,
+//! on eight lanes. Ours departs in that every sign has an error bound (docs/proof.md, L4). A lane
+//! is undecided unless all of its signs are certain.
+//!
+//! Guarded by the tests in `filter/tests`, by `engine/triangle_pairs.rs`, and by the benchmark
+//! `headline`.
 //!
 //! # The bound of a determinant
-//! Every determinant here is (e × f) · d with edges e, f of two triangles and d from a corner of one to a corner of the
-//! other. Write u = 2^-24, ε for the sum of what the corners of the two triangles may be off by, and let
-//! X ≥ |e| + 4ε, Z ≥ |f| + 4ε and Y ≥ |d| + 4ε bound the components. An edge is off by at most 2ε + uX, d by ε + uY.
-//! Then e × f is off by at most 4ε(X + Z) + 10uXZ, the 4ε in X and Z paying for products of errors, and the dot product
-//! with its own four roundings by at most
+//! Every determinant here is (e × f) · d with edges e, f of two triangles and d from a corner of
+//! one to a corner of the other. Write u = 2^-24, ε for the sum of the error bounds of the corners
+//! of the two triangles, and let X ≥ |e| + 4ε, Z ≥ |f| + 4ε and Y ≥ |d| + 4ε bound the components.
+//! The error of an edge is at most 2ε + uX, that of d at most ε + uY. Then the error of e × f is at
+//! most 4ε(X + Z) + 10uXZ, if the 4ε in X and Z cover the products of errors. The error of the dot
+//! product, with its own four roundings, is at most
 //!
 //! ε (6XZ + 15Y(X + Z)) + 68 u XYZ.
 //!
-//! The code takes 16 for 15 and 72 for 68, which pays for evaluating the bound. ε is at least 2^-40, so that the bound
-//! is above what products too small for single precision lose (at most 2^-146 (1 + X + Y + Z) against 2^-111 Y). A
-//! bound or determinant that overflows compares as *open*.
+//! The code takes 16 for 15 and 72 for 68, which covers the evaluation of the bound. ε is at least
+//! 2^-40, so the bound exceeds the losses of products too small for single precision (at most
+//! 2^-146 (1 + X + Y + Z), compared with 2^-111 Y). A bound or determinant that overflows makes the
+//! lane undecided.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 
-use super::across::apart_across;
+use super::across::apart_along_edge_cross;
 use crate::hierarchy::HALF_ULP;
 use crate::simd::{ALL_LANES, Lanes3, by_axis, cross, dot, sub};
 
 /// A triangle in each lane.
 pub(super) struct Triangle<S: Simd> {
     pub(super) corners: [Lanes3<S>; 3],
-    /// The greatest extent of its box.
+    /// Maximum extent of the triangle's box.
     pub(super) width: f32x8<S>,
 }
 
 impl<S: Simd> Triangle<S> {
+    /// Returns the normal, twice the area long.
     #[inline(always)]
     fn normal(&self) -> Lanes3<S> {
         let [p, q, r] = &self.corners;
@@ -39,12 +46,13 @@ impl<S: Simd> Triangle<S> {
     }
 }
 
-/// Judges eight pairs of triangles whose boxes overlap: the lanes of those that meet, and of those that are left open.
+/// Classifies eight pairs of triangles whose boxes overlap. Returns the lanes that intersect and
+/// the lanes that are undecided.
 #[inline(always)]
-pub(super) fn judge<S: Simd>(host: &Triangle<S>, guest: &Triangle<S>, error: f32x8<S>) -> [u32; 2] {
+pub(super) fn classify<S: Simd>(host: &Triangle<S>, guest: &Triangle<S>, error: f32x8<S>) -> [u32; 2] {
     let margin = error * 4.0;
     let (x, z) = (host.width + margin, guest.width + margin);
-    // Corners of boxes that overlap when grown by the error are no farther apart than both widths and that.
+    // If boxes overlap when one is enlarged by the error, their corners are at most this far apart.
     let y = host.width + guest.width + margin + margin;
     let host_plane = bound(error, x, x, y);
     let guest_plane = bound(error, z, z, y);
@@ -61,8 +69,8 @@ pub(super) fn judge<S: Simd>(host: &Triangle<S>, guest: &Triangle<S>, error: f32
     }
     let certain = all_certain(&guest_heights, host_plane) & all_certain(&host_heights, guest_plane);
 
-    // Each triangle's corner that is alone on its side of the other's plane comes first, and a triangle is turned
-    // over where the other's lone corner lies below it.
+    // The corner of each triangle that is alone on its side of the other's plane comes first. A
+    // triangle is turned over if the lone corner of the other one lies below it.
     let (host_lone, guest_lone) = (Lone::of(&host_heights), Lone::of(&guest_heights));
     let zero = f32x8::splat(error.token(), 0.0);
     let (host_first, host_rest) = host_lone.canonical(&host.corners, guest_lone.height.simd_lt(zero));
@@ -71,18 +79,18 @@ pub(super) fn judge<S: Simd>(host: &Triangle<S>, guest: &Triangle<S>, error: f32
     let edge_bound = bound(error, x, z, y);
     let start = dot(&cross(&sub(&host_rest[0], &host_first), &sub(&guest_rest[0], &guest_first)), &between);
     let end = dot(&cross(&sub(&host_rest[1], &host_first), &sub(&guest_rest[1], &guest_first)), &between);
-    let meets = certain & start.simd_gt(edge_bound) & end.simd_lt(-edge_bound);
+    let intersects = certain & start.simd_gt(edge_bound) & end.simd_lt(-edge_bound);
     let misses = certain & (start.simd_lt(-edge_bound) | end.simd_gt(edge_bound));
-    let meets = meets.to_bitmask() as u32 & near;
+    let intersects = intersects.to_bitmask() as u32 & near;
     let misses = misses.to_bitmask() as u32;
-    let open = near & !meets & !misses;
-    if open == 0 {
-        return [meets, 0];
+    let undecided = near & !intersects & !misses;
+    if undecided == 0 {
+        return [intersects, 0];
     }
-    [meets, open & !apart_across(&host.corners, &guest.corners, error)]
+    [intersects, undecided & !apart_along_edge_cross(&host.corners, &guest.corners, error)]
 }
 
-/// The bound of a determinant's error; see the head of this file.
+/// Returns the error bound of a determinant; see the head of this file.
 #[inline(always)]
 pub(super) fn bound<S: Simd>(error: f32x8<S>, x: f32x8<S>, z: f32x8<S>, y: f32x8<S>) -> f32x8<S> {
     let product = x * z;
@@ -91,15 +99,18 @@ pub(super) fn bound<S: Simd>(error: f32x8<S>, x: f32x8<S>, z: f32x8<S>, y: f32x8
     error.mul_add(edges, rounding * product * y)
 }
 
-/// Which corner is alone on its side of the other's plane, by lane; the first unless a mask says otherwise. Only
-/// meaningful where the three heights are not all of one sign.
+/// The corner of each lane that is alone on its side of the other triangle's plane: the first
+/// corner unless a mask selects another. It is meaningful only if the three heights do not all have
+/// the same sign.
 struct Lone<S: Simd> {
     second: mask32x8<S>,
     third: mask32x8<S>,
+    /// Height of the lone corner above the other plane.
     height: f32x8<S>,
 }
 
 impl<S: Simd> Lone<S> {
+    /// Finds the lone corner from the heights of the corners above the other plane.
     #[inline(always)]
     fn of(heights: &[f32x8<S>; 3]) -> Self {
         let zero = f32x8::splat(heights[0].token(), 0.0);
@@ -109,7 +120,8 @@ impl<S: Simd> Lone<S> {
         Self { second, third, height: second.select(heights[1], third.select(heights[2], heights[0])) }
     }
 
-    /// The lone corner, and the other two in turn, or in reverse where the triangle is turned `over`.
+    /// Returns the lone corner and the other two in cyclic order, which is reversed if the triangle
+    /// is turned `over`.
     #[inline(always)]
     fn canonical(&self, corners: &[Lanes3<S>; 3], over: mask32x8<S>) -> (Lanes3<S>, [Lanes3<S>; 2]) {
         let [p, q, r] = corners;
@@ -124,7 +136,7 @@ impl<S: Simd> Lone<S> {
     }
 }
 
-/// Lanes in which all three heights are certainly on one side.
+/// Returns the lanes in which all three heights are certainly on one side.
 #[inline(always)]
 fn one_sided<S: Simd>(heights: &[f32x8<S>; 3], bound: f32x8<S>) -> mask32x8<S> {
     let [a, b, c] = *heights;
@@ -132,7 +144,7 @@ fn one_sided<S: Simd>(heights: &[f32x8<S>; 3], bound: f32x8<S>) -> mask32x8<S> {
         | (a.simd_lt(-bound) & b.simd_lt(-bound) & c.simd_lt(-bound))
 }
 
-/// Lanes in which all three signs are certain.
+/// Returns the lanes in which all three signs are certain.
 #[inline(always)]
 fn all_certain<S: Simd>(heights: &[f32x8<S>; 3], bound: f32x8<S>) -> mask32x8<S> {
     heights[0].abs().simd_gt(bound) & heights[1].abs().simd_gt(bound) & heights[2].abs().simd_gt(bound)
