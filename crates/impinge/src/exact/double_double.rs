@@ -159,9 +159,8 @@ impl DoubleDouble {
     #[inline]
     fn product(x: f64, y: f64) -> Self {
         let product = x * y;
-        let is_split = (MIN_SPLIT_PRODUCT..=MAX_SPLIT).contains(&product.abs())
-            && x.abs() <= MAX_SPLIT
-            && y.abs() <= MAX_SPLIT;
+        let is_split =
+            (MIN_SPLIT_PRODUCT..=MAX_SPLIT).contains(&product.abs()) && x.abs() <= MAX_SPLIT && y.abs() <= MAX_SPLIT;
         if is_split {
             Self { high: product, low: product_error(x, y, product), error: 0.0 }
         } else {
