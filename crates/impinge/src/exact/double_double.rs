@@ -234,7 +234,7 @@ mod tests {
                 settled += 1;
             }
         }
-        // All cases but those that cancel, in which no digits are left to spare.
+        // All cases except cancellation, which leaves no digits to spare.
         assert!(narrow > 2500 && settled > 2500, "{narrow} {settled}");
         // Nothing is determined after underflow, overflow or division by zero.
         for [x, y] in [[1e-200, 1e-200], [1e300, 1e300], [1e-320, 3.0]] {

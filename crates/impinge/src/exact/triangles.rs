@@ -101,7 +101,8 @@ pub(super) struct CommonLine {
     pub(super) b: [usize; 3],
     pub(super) side_a: [Sign; 3],
     pub(super) side_b: [Sign; 3],
-    /// Whether the direction that orders the corners is opposite to `normal_a × normal_b` in A's frame.
+    /// Whether the direction that orders the corners is opposite to `normal_a × normal_b` in A's
+    /// frame.
     pub(super) against_normals: bool,
 }
 

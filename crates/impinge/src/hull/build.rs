@@ -41,8 +41,8 @@ pub(super) struct Face {
     seen: bool,
 }
 
-/// An edge between the faces that a new point sees and those that it does not. It has the direction
-/// that the seen face gives it.
+/// An edge between a face that a new point sees and one that it does not see. Its direction is the
+/// one in the seen face.
 #[derive(Clone, Copy, Debug)]
 struct Edge {
     corners: [u32; 2],
