@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn a_corner_that_counts_for_next_to_nothing_is_left_out() {
+    fn corners_of_tiny_weight_are_left_out() {
         found(&PYRAMIDS, |pair, all| {
             // The origin is in the face of the first three corners, so the tetrahedron does not
             // hold it with a margin.

@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn only_boxes_are_boxes() {
+    fn cores_that_are_not_boxes_are_rejected() {
         let half = [1.0, 0.0, 3.0];
         assert_eq!(half_extents(&Core::Points(&corners(half))), Some(half));
         let mut other = corners(half);

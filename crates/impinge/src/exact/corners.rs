@@ -36,7 +36,7 @@ pub(super) struct PairCorners<'p> {
 }
 
 /// Exact coordinates in the exact frame of the placement, in the smallest integers that hold them.
-#[expect(clippy::large_enum_variant, reason = "one a pair, on the stack of its decision")]
+#[expect(clippy::large_enum_variant, reason = "one value per pair, on the stack")]
 enum Exact {
     Fixed(FixedPoints),
     Wide(WidePoints),

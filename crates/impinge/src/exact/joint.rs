@@ -37,7 +37,7 @@ impl Joint {
             (_, Feature::Vertex(corner), _) => b.nearest_corner(corner),
             (Feature::Edge(edge), _, Side::A) => a.nearest_on_plane(edge, &b),
             (_, Feature::Edge(edge), Side::B) => b.nearest_on_plane(edge, &a),
-            _ => unreachable!("a joint that is no corner is on the edge that it names"),
+            _ => unreachable!("a joint off all corners lies on an edge of `edge_of`"),
         }
     }
 }

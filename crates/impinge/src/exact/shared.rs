@@ -159,7 +159,10 @@ mod tests {
             answers.push(meet_beyond_shared(&place, &turned, &b));
             answers.push(meet_beyond_shared(&place, &b, &turned));
         }
-        assert!(answers.iter().all(|&answer| answer == answers[0]), "the order of corners or faces shows");
+        assert!(
+            answers.iter().all(|&answer| answer == answers[0]),
+            "the answer depends on the order of corners or faces"
+        );
         answers[0]
     }
 
