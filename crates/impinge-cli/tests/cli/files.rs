@@ -108,5 +108,5 @@ fn a_mesh_is_read_from_standard_input() {
     folder.write("no_extension", off);
     assert_eq!(folder.run("check no_extension cube.obj").code, 1);
     let as_obj = folder.run("check cube.obj no_extension --format obj");
-    assert!(as_obj.code == 1 && as_obj.stderr.contains("was read as what it is"), "{as_obj:?}");
+    assert!(as_obj.code == 1 && as_obj.stderr.contains("was read in its own format"), "{as_obj:?}");
 }
