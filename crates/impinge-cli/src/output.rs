@@ -22,7 +22,9 @@ static ABANDONED: AtomicBool = AtomicBool::new(false);
 /// folder does not exist.
 pub(crate) fn validate(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     if inputs.iter().any(|input| is_same_file(input, output).unwrap_or(false)) {
-        return Err(Failure::new("output", "the output would overwrite an input").in_file(output).hint("choose another name"));
+        return Err(Failure::new("output", "the output would overwrite an input")
+            .in_file(output)
+            .hint("choose another name"));
     }
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {

@@ -36,7 +36,8 @@ impl Allowance {
             .map_err(|e| LoadError::syntax(expected, e.to_string().as_bytes()))? as u64;
         if count > self.0 {
             let error = LoadError::new(LoadErrorKind::TooMany { what: "unpacked bytes", count, limit: self.0 });
-            return Err(error.with_hint("real models do not compress so well; if this one does, unpack it with another program"));
+            return Err(error
+                .with_hint("real models do not compress so well; if this one does, unpack it with another program"));
         }
         self.0 -= count;
         Ok(())

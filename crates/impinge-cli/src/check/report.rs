@@ -119,7 +119,10 @@ fn findings(outcome: &Outcome) -> Vec<(&'static str, String)> {
         findings.push(("inside", format!("{}, in part", inside(contained))));
     }
     if outcome.solid.is_some_and(|solid| solid.undecided) {
-        findings.push(("undecided", "the winding number of an open mesh is too close to one half to prove what counts as inside".to_owned()));
+        findings.push((
+            "undecided",
+            "the winding number of an open mesh is too close to one half to prove what counts as inside".to_owned(),
+        ));
     }
     if let (Some(curves), false) = (&outcome.curves, outcome.pairs.is_empty()) {
         let closed = curves.closed();

@@ -20,7 +20,9 @@ fn a_closed_mesh_is_reported_without_defects() {
     let folder = Folder::new();
     let run = folder.run("inspect cube.obj");
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
-    for part in ["cube.obj", "12 triangles", "8 vertices", "closed: each edge has two faces", "single precision holds every"] {
+    for part in
+        ["cube.obj", "12 triangles", "8 vertices", "closed: each edge has two faces", "single precision holds every"]
+    {
         assert!(run.stdout.contains(part), "{part} is not in\n{}", run.stdout);
     }
     let object = object(&folder, "cube.obj");
@@ -55,7 +57,10 @@ fn defects_of_a_mesh_are_counted() {
     }
     assert_eq!((&health["open_edges"], &health["non_manifold_edges"]), (&3.into(), &2.into()), "{health}");
     let report = folder.run("inspect broken.obj").stdout;
-    assert!(report.contains("not closed") && report.contains("double precision is needed for 1 coordinate"), "{report}");
+    assert!(
+        report.contains("not closed") && report.contains("double precision is needed for 1 coordinate"),
+        "{report}"
+    );
 }
 
 #[test]

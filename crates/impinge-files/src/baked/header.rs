@@ -164,7 +164,9 @@ impl Header {
         let is_single_precision = match number(20) {
             4 => true,
             8 => false,
-            bytes => return Err(super::corrupt(format!("the size of a coordinate is {bytes} bytes, but must be 4 or 8"))),
+            bytes => {
+                return Err(super::corrupt(format!("the size of a coordinate is {bytes} bytes, but must be 4 or 8")));
+            }
         };
         let mut end = HEADER as u64;
         let mut sections = [const { Entry { range: 0..0, checksum: 0 } }; Section::ALL.len()];
@@ -191,9 +193,7 @@ impl Header {
             let Entry { range, checksum } = &self.sections[section as usize];
             if crc32fast::hash(&bytes[range.clone()]) != *checksum {
                 let what = format!("the checksum of section {} is wrong", section as usize);
-                return Err(
-                    LoadError::new(LoadErrorKind::Corrupt { what }).with_hint("bake the original mesh again")
-                );
+                return Err(LoadError::new(LoadErrorKind::Corrupt { what }).with_hint("bake the original mesh again"));
             }
         }
         Ok(())

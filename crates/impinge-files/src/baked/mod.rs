@@ -250,14 +250,20 @@ pub fn write_baked(
     out: &mut dyn Write,
 ) -> io::Result<()> {
     if cfg!(target_endian = "big") {
-        return Err(io::Error::new(io::ErrorKind::Unsupported, "baked files can be written only on little-endian machines"));
+        return Err(io::Error::new(
+            io::ErrorKind::Unsupported,
+            "baked files can be written only on little-endian machines",
+        ));
     }
     let faces = mesh.faces().len();
     let is_complete = provenance.sources.len() == faces
         && provenance.part_of.len() == faces
         && provenance.part_of.iter().all(|&part| (part as usize) < provenance.parts.len());
     if !is_complete {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "the provenance must have a source and a valid part for each face"));
+        return Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "the provenance must have a source and a valid part for each face",
+        ));
     }
     let little = |numbers: &[u32]| numbers.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
     let (sources, part_of) = (little(&provenance.sources), little(&provenance.part_of));
@@ -312,7 +318,8 @@ fn provenance(bytes: &[u8], header: &Header) -> Result<Provenance, LoadError> {
     let numbers = |section| -> Vec<u32> {
         bytes[header.range(section)].as_chunks().0.iter().map(|&x| u32::from_le_bytes(x)).collect()
     };
-    let parts = names::from_bytes(&bytes[header.range(Section::Parts)]).ok_or_else(|| corrupt("the names of parts are invalid"))?;
+    let parts = names::from_bytes(&bytes[header.range(Section::Parts)])
+        .ok_or_else(|| corrupt("the names of parts are invalid"))?;
     let (sources, part_of) = (numbers(Section::Sources), numbers(Section::PartOf));
     let faces = header.range(Section::Faces).len() / 12;
     if sources.len() != faces || part_of.len() != faces || part_of.iter().any(|&part| part as usize >= parts.len()) {

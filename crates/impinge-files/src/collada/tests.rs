@@ -271,10 +271,7 @@ fn hostile_nesting_and_repetition_are_errors() {
     };
     let doubling: String = (0..60).map(twice).collect();
     let end = "<node id=\"n60\"><instance_geometry url=\"#g\"/></node>";
-    assert!(
-        error(&with_nodes("", &format!("{doubling}{end}")))
-            .contains("nodes exceed the limit of 1048576")
-    );
+    assert!(error(&with_nodes("", &format!("{doubling}{end}"))).contains("nodes exceed the limit of 1048576"));
     // Many sources that refer to one long array.
     let source = |i: usize| {
         let accessor = "<technique_common><accessor source=\"#long\" count=\"10000\" stride=\"3\"/></technique_common>";

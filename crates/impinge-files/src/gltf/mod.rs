@@ -227,7 +227,9 @@ impl Reader<'_> {
             let p = world.apply(p).map(|x| x as f32);
             if !p.iter().all(|x| x.is_finite()) {
                 let error = LoadError::new(LoadErrorKind::NonFinite { vertex: vertex as u64 });
-                return Err(error.at(Place::Entry(format!("accessor {accessor}"))).with_hint("after the transform of its node"));
+                return Err(error
+                    .at(Place::Entry(format!("accessor {accessor}")))
+                    .with_hint("after the transform of its node"));
             }
             self.positions.push(p);
         }

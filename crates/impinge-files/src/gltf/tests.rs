@@ -364,7 +364,8 @@ fn errors_name_the_entry() {
         "accessor 0: vertex 0 has a coordinate that is NaN, infinite or too large"
     );
     let far = r#", "nodes": [{"mesh": 0, "scale": [1e300, 1, 1]}]"#;
-    let text = "accessor 0: vertex 1 has a coordinate that is NaN, infinite or too large (after the transform of its node)";
+    let text =
+        "accessor 0: vertex 1 has a coordinate that is NaN, infinite or too large (after the transform of its node)";
     assert_eq!(error(&with_primitives(r#"{"attributes": {"POSITION": 0}}"#, far)), text);
 }
 

@@ -159,10 +159,7 @@ mod tests {
         let nan = "line 2: vertex 0 has a coordinate that is NaN, infinite or too large";
         assert_eq!(error("OFF 1 1 0\n0 nan 0\n3 0 0 0"), nan);
         assert_eq!(error("OFF -1 0 0"), "line 1: expected the number of vertices, found \"-1\"");
-        assert_eq!(
-            error("OFF 5000000000 0 0"),
-            "line 1: 5000000000 vertices exceed the limit of 4294967295"
-        );
+        assert_eq!(error("OFF 5000000000 0 0"), "line 1: 5000000000 vertices exceed the limit of 4294967295");
         assert!(error("OFF BINARY\n").starts_with("byte 11: 4 bytes promised, but there is room for 0"));
         assert_eq!(error("4off BINARY"), "line 1: needs the OFF dialect 4off BINARY, which is not supported");
         assert_eq!(error("noff\n2"), "line 1: needs the OFF dialect noff, which is not supported");

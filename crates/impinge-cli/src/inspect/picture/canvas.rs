@@ -119,8 +119,7 @@ impl Canvas {
         if column < self.width && row < self.height {
             let sample = &mut self.colors[row * self.width + column];
             for k in 0..3 {
-                let mixed =
-                    f64::from(sample[k]) * (1.0 - stroke.opacity) + f64::from(stroke.color[k]) * stroke.opacity;
+                let mixed = f64::from(sample[k]) * (1.0 - stroke.opacity) + f64::from(stroke.color[k]) * stroke.opacity;
                 sample[k] = mixed.round() as u8;
             }
         }
