@@ -5,8 +5,8 @@
 //! relative to one corner of the patch, until the nodes above are fitted. A patch is a subtree that
 //! one thread refits.
 //!
-//! Guarded by the tests below, by `a_refit_to_where_it_was_changes_no_bit` in `engine/moving.rs`,
-//! and by the benchmark `refit`.
+//! Guarded by the tests below, by `a_refit_to_the_same_positions_changes_no_bit` in
+//! `engine/moving.rs`, and by the benchmark `refit`.
 
 use std::ops::Range;
 

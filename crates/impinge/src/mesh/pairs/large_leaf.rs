@@ -6,8 +6,9 @@
 //! triangle-box overlap testing*, JGT 2001 (Ericson, 5.2.9): thirteen axes, of which the ten that
 //! are not those of the boxes become slabs. Each slab is tested against eight boxes.
 //!
-//! Guarded by the tests in `large_leaf/tests.rs`, by `triangles_much_larger_than_what_they_meet` in
-//! `engine/laws.rs`, and by the scene `slivers` of `bench/rivals.py`.
+//! Guarded by the tests in `large_leaf/tests.rs`, by
+//! `much_larger_triangles_have_the_pairs_of_brute_force` in `engine/laws.rs`, and by the scene
+//! `slivers` of `bench/rivals.py`.
 
 use std::ops::ControlFlow;
 

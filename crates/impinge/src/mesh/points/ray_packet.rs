@@ -93,7 +93,7 @@ mod tests {
     /// Lines through corners, edges and places beside triangles of many sizes, from near and far: none that is met is left out, and
     /// nearly all others are.
     #[test]
-    fn what_a_line_meets_is_never_left_out() {
+    fn triangles_on_a_line_are_never_culled() {
         let mut rng = Rng::new(77);
         let (mut met, mut kept, mut left_out) = (0, 0, 0);
         for round in 0..600 {

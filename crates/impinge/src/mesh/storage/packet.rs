@@ -3,7 +3,7 @@
 //! a large mesh are never reached, and packets would be most of the memory that a build or a refit
 //! writes.
 //!
-//! Guarded by the tests of `triangles`, by `a_refit_forgets_what_questions_kept` in the tests
+//! Guarded by the tests of `triangles`, by `a_refit_discards_cached_packets` in the tests
 //! `engine/moving.rs`, and by the benchmark `headline`.
 
 use std::ops::Deref;

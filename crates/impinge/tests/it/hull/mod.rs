@@ -1,4 +1,5 @@
-//! Convex hulls against exact oracles: which points are extreme, whether every point is inside, and who is farthest.
+//! Convex hulls against exact oracles: which points are extreme, whether every point is inside, and
+//! which vertex is farthest.
 
 mod kinds;
 mod large;
@@ -6,4 +7,4 @@ mod oracle;
 mod proxies;
 mod support;
 mod surface;
-mod told_hulls;
+mod stored_hulls;

@@ -1,4 +1,5 @@
-//! The three forms of a box and their packed forms: no conversion shrinks, no test calls apart what meets.
+//! The three forms of a box and their packed forms: no conversion shrinks a box, and boxes that
+//! overlap are never reported apart.
 
 use impinge::volume::{
     Aabb, BoundingVolume, CentreRadius, MinMax, MinWidths, PackedCentreRadius, PackedMinWidths, Steps,
@@ -34,11 +35,11 @@ fn no_chain_of_conversions_shrinks() {
         packed_chain::<u16>(&bounds);
         kept += usize::from(again == bounds);
     }
-    assert!(kept > 100, "{kept} of 400 chains came back unchanged, as what is on a grid should");
+    assert!(kept > 100, "{kept} of 400 chains are unchanged, as those on a grid must be");
 }
 
-/// Packed forms hold what they were made of, decode exactly, and stay tight: a step is a power of two below 2 / MOST of the
-/// longest extent.
+/// Checks packed forms: they contain the original box, decode exactly, and stay tight. A step is a
+/// power of two below 2 / MOST of the longest extent.
 fn packed_chain<T: Steps>(bounds: &MinMax) {
     let (widths, radius) = (MinWidths::from(*bounds), CentreRadius::from(*bounds));
     let packed = PackedMinWidths::<T>::try_from(widths).unwrap();
@@ -55,7 +56,7 @@ fn packed_chain<T: Steps>(bounds: &MinMax) {
     holds_box(&decoded_radius, &radius);
     holds_box(&MinMax::from(centred), &decoded_radius);
     let longest = widths.widths().into_iter().fold(0.0, f64::max);
-    // What a corner loses in single precision, and a step of the longest.
+    // The rounding error of a corner in single precision.
     let corner = bounds.min().into_iter().chain(bounds.max()).fold(0.0_f64, |far, x| far.max(2.4e-7 * x.abs()));
     for k in 0..3 {
         let step = 2.0 * (longest + corner) / f64::from(T::MOST) + 1e-38;
@@ -68,14 +69,14 @@ fn packed_chain<T: Steps>(bounds: &MinMax) {
 }
 
 #[test]
-fn the_tests_of_all_forms_are_right() {
+fn overlap_tests_of_all_forms_are_right() {
     let mut rng = Rng::new(32);
     let (mut met, mut close) = (0, 0);
     for round in 0..2000 {
         let draw = Draw::new(&mut rng);
         let (a, mut b) = (draw.any_box(&mut rng), draw.any_box(&mut rng));
         if round % 2 == 0 {
-            // A touch on one axis: exactly, a step short of it, or a step over.
+            // Touching on one axis: exactly, one float short of it, or one float over.
             let axis = rng.integer(0, 2) as usize;
             let mut min = b.min();
             min[axis] = rng.choose(&[a.max()[axis], a.max()[axis].next_up(), a.max()[axis].next_down()]);
@@ -83,34 +84,35 @@ fn the_tests_of_all_forms_are_right() {
             b = MinMax::new(min, max).unwrap();
             close += 1;
         }
-        let truth = meet(&a, &b);
+        let truth = have_common_point(&a, &b);
         met += usize::from(truth);
         assert_eq!(a.overlaps(&b), truth);
         let (p, q) = (MinWidths::from(a), MinWidths::from(b));
-        assert_eq!(p.overlaps(&q), meet(&p, &q), "{p:?} {q:?}");
+        assert_eq!(p.overlaps(&q), have_common_point(&p, &q), "{p:?} {q:?}");
         let (p, q) = (CentreRadius::from(a), CentreRadius::from(b));
-        assert!(p.overlaps(&q) || !meet(&p, &q), "{p:?} {q:?}");
+        assert!(p.overlaps(&q) || !have_common_point(&p, &q), "{p:?} {q:?}");
         packed_overlap::<u8>(&a, &b);
         packed_overlap::<u16>(&a, &b);
     }
-    assert!((600..1600).contains(&met) && close == 1000, "{met} of 2000 meet");
+    assert!((600..1600).contains(&met) && close == 1000, "{met} of 2000 have_common_point");
 }
 
 fn packed_overlap<T: Steps>(a: &MinMax, b: &MinMax) {
     let pack = |bounds: &MinMax| PackedMinWidths::<T>::try_from(MinWidths::from(*bounds)).unwrap();
     let (p, q) = (pack(a), pack(b));
-    assert_eq!(p.overlaps(&q), meet(&MinWidths::from(p), &MinWidths::from(q)));
-    assert!(p.overlaps(&q) || !meet(a, b));
+    assert_eq!(p.overlaps(&q), have_common_point(&MinWidths::from(p), &MinWidths::from(q)));
+    assert!(p.overlaps(&q) || !have_common_point(a, b));
     holds_box(&MinWidths::from(p.merged(&q).unwrap()), a);
     let pack = |bounds: &MinMax| PackedCentreRadius::<T>::try_from(CentreRadius::from(*bounds)).unwrap();
     let (p, q) = (pack(a), pack(b));
-    assert!(p.overlaps(&q) || !meet(&CentreRadius::from(p), &CentreRadius::from(q)));
-    assert!(p.overlaps(&q) || !meet(a, b));
+    assert!(p.overlaps(&q) || !have_common_point(&CentreRadius::from(p), &CentreRadius::from(q)));
+    assert!(p.overlaps(&q) || !have_common_point(a, b));
     holds_box(&CentreRadius::from(p.merged(&q).unwrap()), b);
 }
 
-/// Whether two boxes have a common point: no axis on which all corners of the one are beyond all of the other.
-fn meet<V: Exact>(a: &V, b: &V) -> bool {
+/// Reports whether two boxes have a common point: no axis separates all corners of one box from
+/// those of the other.
+fn have_common_point<V: Exact>(a: &V, b: &V) -> bool {
     let (p, q) = (a.witnesses(), b.witnesses());
     (0..3).all(|k| {
         let ends = |points: &[crate::volumes::exact::Point]| {
@@ -123,7 +125,7 @@ fn meet<V: Exact>(a: &V, b: &V) -> bool {
 }
 
 #[test]
-fn containment_is_what_it_says() {
+fn containment_agrees_with_rationals() {
     let mut rng = Rng::new(33);
     let (mut inside, mut enclosed) = (0, 0);
     for _ in 0..2000 {
@@ -148,7 +150,7 @@ fn containment_is_what_it_says() {
 }
 
 #[test]
-fn measures_are_those_of_the_box() {
+fn volume_and_surface_area_are_those_of_the_box() {
     let bounds = MinMax::new([1.0; 3], [2.0, 3.0, 4.0]).unwrap();
     assert_eq!((bounds.volume(), bounds.surface_area()), (6.0, 22.0));
     let (widths, radius) = (MinWidths::from(bounds), CentreRadius::from(bounds));
@@ -158,7 +160,7 @@ fn measures_are_those_of_the_box() {
 }
 
 #[test]
-fn what_is_tiny_or_huge_is_packed_too() {
+fn tiny_and_huge_boxes_are_packed() {
     for size in [5e-324, 1e-45, 1e-38, 1.0, 1e37] {
         let bounds = MinMax::new([-size, 0.0, size], [size, size, size]).unwrap();
         packed_holds::<u8>(&bounds);
@@ -175,7 +177,7 @@ fn packed_holds<T: Steps>(bounds: &MinMax) {
     holds_box(&MinMax::from(PackedCentreRadius::<T>::try_from(CentreRadius::from(*bounds)).unwrap()), bounds);
 }
 
-/// An offset and a size that both boxes of a pair share; half on a grid, half anywhere.
+/// Offset and size shared by the boxes of a pair. Half of the pairs are on a grid.
 struct Draw {
     offset: f64,
     size: f64,
