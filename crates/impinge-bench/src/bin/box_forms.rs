@@ -1,10 +1,10 @@
-//! What following n rotations and m translations costs each of the three forms of a box, counted and measured (*Notes on Real
-//! Time Collision Detection*, example 2.1.1).
+//! Cost of n rotations and m translations for each of the three forms of a box, counted and
+//! measured (*Notes on Real Time Collision Detection*, example 2.1.1).
 //!
 //! `cargo run --release -p impinge-bench --bin box_forms`
 //!
-//! The formulas are the plain ones, rounded to nearest, so that what differs is the form alone; the library's own round
-//! outward. The boxes that the forms end with are compared.
+//! The formulas are the plain ones, rounded to nearest, so that only the form differs. The
+//! library's own formulas round outward. The final boxes of the forms are compared.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
@@ -17,18 +17,18 @@ use impinge_bench::samples::timed;
 use impinge_bench::table::{Table, time};
 use impinge_testkit::generate::Rng;
 
-/// Boxes that move together, so that the clock is read between many.
+/// Number of boxes that move together between two readings of the clock.
 const BOXES: usize = 1000;
 
-/// Runs of each sequence; the least time counts.
+/// Number of runs of each sequence. The minimum time counts.
 const REPEATS: usize = 300;
 
-/// Rotations and translations of a sequence.
+/// Numbers of rotations and translations of each sequence.
 const SEQUENCES: [[usize; 2]; 4] = [[10, 0], [0, 10], [5, 5], [1, 9]];
 
 type Vector = [f64; 3];
 
-/// One form of a box: two vectors, and how they follow.
+/// Form of a box: two vectors, and their transformations.
 #[derive(Clone, Copy)]
 struct Form {
     name: &'static str,
@@ -36,7 +36,7 @@ struct Form {
     corners: fn([Vector; 2]) -> [Vector; 2],
     rotated: fn(&[Vector; 2], &Pose) -> [Vector; 2],
     translated: fn(&[Vector; 2], &Vector) -> [Vector; 2],
-    /// Products, comparisons and sums of a rotation, and sums of a translation.
+    /// Numbers of products, comparisons and sums of a rotation, and of sums of a translation.
     counts: [usize; 4],
 }
 
@@ -104,8 +104,8 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// The least time for all boxes, and the corners that they end with. Rotations are of the original box; translations
-/// move the last.
+/// Returns the minimum time for all boxes, and their final corners. Rotations are of the original
+/// box; translations move the last one.
 fn run(form: &Form, boxes: &[[Vector; 2]], poses: &[Pose], steps: &[Vector]) -> (f64, Vec<[Vector; 2]>) {
     let originals: Vec<[Vector; 2]> = boxes.iter().map(|&[min, max]| (form.from_corners)(min, max)).collect();
     let mut moved = originals.clone();

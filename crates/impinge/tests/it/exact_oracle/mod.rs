@@ -1,8 +1,8 @@
 //! Oracle of the exact stage: rational images of points, a decision by linear programming, and
 //! pairs of triangles with many ties.
 //!
-//! A decision takes about a millisecond. It checks `exact::triangles_intersect`, its filter and its
-//! tiers of integers.
+//! Every step is in rationals, so a decision is slow. It checks `exact::triangles_intersect`, its
+//! filter and its tiers of integers.
 
 use dashu_ratio::RBig;
 use impinge::Pose;

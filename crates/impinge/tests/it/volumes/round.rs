@@ -1,5 +1,4 @@
-//! Distances of round volumes against quadratic programming in rationals, which takes milliseconds
-//! per pair.
+//! Distances of round volumes against quadratic programming in rationals.
 
 use dashu_ratio::RBig;
 use impinge::volume::{BoundingSphere, BoundingVolume, Capsule, DistanceBounds, Lozenge, Proximity, Round};
