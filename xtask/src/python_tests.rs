@@ -1,4 +1,5 @@
-//! The tests of the Python package: installed from this tree, with pinned companions, in a virtual environment of its own.
+//! Tests of the Python package. It is installed from this tree, with pinned dependencies, in its
+//! own virtual environment.
 
 use std::ffi::OsString;
 use std::fs;
@@ -10,12 +11,12 @@ use anyhow::{Context, Result, bail, ensure};
 
 use crate::slowest::Slowest;
 
-/// The environment, kept between runs.
+/// Folder of the virtual environment, which is kept between runs.
 const ENVIRONMENT: &str = "target/python-tests";
-/// What the tests need beside the package, every version pinned.
+/// File of the dependencies of the tests, with pinned versions.
 const REQUIREMENTS: &str = "python/requirements-test.txt";
 
-/// Numbers of tests that passed, failed and were skipped, and the slowest of them.
+/// Numbers of tests that passed, failed and were skipped, and the slowest tests.
 #[derive(Debug, Default)]
 pub(crate) struct Outcome {
     pub(crate) passed: usize,
@@ -24,7 +25,7 @@ pub(crate) struct Outcome {
     pub(crate) slowest: Slowest,
 }
 
-/// Installs the package and runs pytest on its tests and on the examples in its documentation.
+/// Installs the package, and runs pytest on its tests and on the examples in its documentation.
 pub(crate) fn run(root: &Path) -> Result<Outcome> {
     let environment = Environment::prepared(root)?;
     environment.install(root)?;
@@ -49,8 +50,9 @@ pub(crate) fn run(root: &Path) -> Result<Outcome> {
 }
 
 impl Outcome {
-    /// Reads a line of pytest's report: a duration, `1.20s call     python/tests/test_a.py::test_b`,
-    /// or the last line, `1 failed, 334 passed, 2 skipped in 33.43s`. Ignores any other line.
+    /// Reads a line of pytest's report. It is a duration, `1.20s call
+    /// python/tests/test_a.py::test_b`, or the last line, `1 failed, 334 passed, 2 skipped in
+    /// 33.43s`. Ignores any other line.
     fn read(&mut self, line: &str) {
         if let Some((seconds, rest)) = line.trim_start().split_once("s call ") {
             if let Ok(seconds) = seconds.parse() {
@@ -81,13 +83,14 @@ fn counts(line: &str) -> Option<[usize; 3]> {
     Some([passed, failed, skipped])
 }
 
-/// A virtual environment.
+/// Virtual environment.
 struct Environment {
     programs: PathBuf,
 }
 
 impl Environment {
-    /// The environment with what the requirements name, made anew where they have changed.
+    /// Returns the environment with the required packages. It is created again if the requirements
+    /// have changed.
     fn prepared(root: &Path) -> Result<Self> {
         let folder = root.join(ENVIRONMENT);
         let environment = Self { programs: folder.join(if cfg!(windows) { "Scripts" } else { "bin" }) };
@@ -128,7 +131,8 @@ impl Environment {
         pip(install.env("MATURIN_PEP517_ARGS", "--profile dev"))
     }
 
-    /// The interpreter, with the environment's own programs first on the path.
+    /// Returns a command for the interpreter, with the environment's own programs first on the
+    /// path.
     fn python(&self, root: &Path) -> Command {
         let mut path = self.programs.clone().into_os_string();
         if let Some(others) = std::env::var_os("PATH") {

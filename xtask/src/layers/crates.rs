@@ -1,4 +1,5 @@
-//! The order of the crates, read from their manifests: what a manifest does not name, Cargo does not let in.
+//! Order of the crates, read from their manifests. Cargo does not permit dependencies that a
+//! manifest does not name.
 
 use std::path::Path;
 
@@ -7,7 +8,8 @@ use cargo_metadata::{DependencyKind, MetadataCommand};
 
 use crate::sources::Violation;
 
-/// The members of the workspace at `root` that are not in `order`, and their dependencies that go against it.
+/// Returns the members of the workspace at `root` that are missing in `order`, and their
+/// dependencies against it.
 pub(super) fn check(root: &Path, order: &[&str]) -> Result<Vec<Violation>> {
     let metadata = MetadataCommand::new().manifest_path(root.join("Cargo.toml")).no_deps().exec()?;
     let mut violations = Vec::new();
@@ -25,7 +27,7 @@ pub(super) fn check(root: &Path, order: &[&str]) -> Result<Vec<Violation>> {
     Ok(violations)
 }
 
-/// The names that break a rule, each with the rule.
+/// Returns the names that break a rule, each with a message.
 fn judge(package: &str, dependencies: &[&str], order: &[&str]) -> Vec<(String, String)> {
     let place = |name: &str| order.iter().position(|&c| c == name);
     let Some(own) = place(package) else {

@@ -184,7 +184,7 @@ fn heap(rng: &mut Rng) -> Vec<Brick> {
         .collect()
 }
 
-/// Returns the length of a brick along an axis. Most are short, so that many scenes take little time.
+/// Returns the length of a brick along an axis. Most are short, so that scenes take little time.
 fn length(rng: &mut Rng) -> i64 {
     if rng.one_in(4) { 2 } else { 1 }
 }
