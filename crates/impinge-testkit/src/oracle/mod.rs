@@ -75,7 +75,8 @@ mod tests {
             let pose = poses::rotation(&mut rng);
             let (a, b) = (a.at(pose), b.at(pose));
             let every = (0..60u32).flat_map(|i| (0..60u32).map(move |j| (i, j)));
-            let meeting: Vec<(u32, u32)> = every.filter(|&(i, j)| faces_intersect(a, i as usize, b, j as usize)).collect();
+            let meeting: Vec<(u32, u32)> =
+                every.filter(|&(i, j)| faces_intersect(a, i as usize, b, j as usize)).collect();
             assert_eq!(brute_force(a, b), meeting);
             assert!((100..1_000).contains(&meeting.len()), "{}", meeting.len());
         }

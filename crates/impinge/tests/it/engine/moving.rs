@@ -113,7 +113,10 @@ fn refitted_meshes_have_the_pairs_of_new_ones_and_of_brute_force() {
             let refitted = [1, 2].map(|threads| {
                 on_threads(threads, || still.refitted(positions.clone()).expect("as many vertices as before"))
             });
-            assert!(bits(&refitted[0]) == bits(&refitted[1]), "seed {seed}, way {way}: the number of threads changes bits");
+            assert!(
+                bits(&refitted[0]) == bits(&refitted[1]),
+                "seed {seed}, way {way}: the number of threads changes bits"
+            );
             let place = (&Affine::IDENTITY, Affine::translation([1.0, 0.0, 0.0]));
             let expected = pairs_in_every_way((&fresh, place.0), (&still, &place.1));
             let found = pairs_in_every_way((&refitted[0], place.0), (&still, &place.1));

@@ -5,6 +5,6 @@ mod kinds;
 mod large;
 mod oracle;
 mod proxies;
+mod stored_hulls;
 mod support;
 mod surface;
-mod stored_hulls;

@@ -4,7 +4,7 @@
 use impinge::hull::Hull;
 use impinge::volume::ProxyFlaw;
 
-use crate::hull::proxies::{ARRAYS, VOLUMES, mesh, read_and_validated, proxies};
+use crate::hull::proxies::{ARRAYS, VOLUMES, mesh, proxies, read_and_validated};
 
 /// Returns the bytes of a hull made by hand, with the volumes of other bytes.
 fn stored_hull(kind: u32, vertices: &[u32], faces: &[[u32; 3]], neighbours: &[Vec<u32>], volumes: &[u8]) -> Vec<u8> {
@@ -51,7 +51,9 @@ fn a_surface_that_winds_twice_is_rejected() {
     let steps = |step: u32| -> Vec<[u32; 3]> {
         (0..5).flat_map(|at| [[at, (at + step) % 5, 5], [(at + step) % 5, at, 6]]).collect()
     };
-    let bytes = |step| stored_hull(4, own.hull().vertices(), &steps(step), &neighbors_by_edges(7, &steps(step)), &own.to_bytes());
+    let bytes = |step| {
+        stored_hull(4, own.hull().vertices(), &steps(step), &neighbors_by_edges(7, &steps(step)), &own.to_bytes())
+    };
     assert!(read_and_validated(&mesh, &bytes(1)).is_ok());
     assert_eq!(read_and_validated(&mesh, &bytes(2)).err(), Some(ProxyFlaw::Hull));
 }
@@ -73,7 +75,8 @@ fn a_surface_that_covers_each_direction_twice_is_rejected() {
             .flat_map(|[from, to]| [[from, to, around], [to, from, around + 1]])
             .collect();
         let vertices: Vec<u32> = (1..=around + 2).collect();
-        let bytes = stored_hull(4, &vertices, &faces, &neighbors_by_edges(points.len(), &faces), &proxies(&mesh).to_bytes());
+        let bytes =
+            stored_hull(4, &vertices, &faces, &neighbors_by_edges(points.len(), &faces), &proxies(&mesh).to_bytes());
         assert_eq!(read_and_validated(&mesh, &bytes).err(), (rounds == 2).then_some(ProxyFlaw::Hull), "{rounds}");
     }
 }
@@ -189,6 +192,9 @@ fn surfaces_that_are_no_hull_are_rejected() {
         [[0, 1, 2], [1, 3, 2], [1, 0, 4], [3, 1, 4], [2, 3, 4], [0, 2, 4]].map(|[a, b, c]: [u32; 3]| [a, c, b]);
     assert_eq!(flaw(&vertices[..5], &pyramid, &neighbors_by_edges(5, &pyramid)), Some(ProxyFlaw::Hull));
     for kind in [0, 1, 2, 3, 5, u32::MAX] {
-        assert!(read_and_validated(&mesh, &stored_hull(kind, &vertices, &faces, &neighbours, &volumes)).is_err(), "{kind}");
+        assert!(
+            read_and_validated(&mesh, &stored_hull(kind, &vertices, &faces, &neighbours, &volumes)).is_err(),
+            "{kind}"
+        );
     }
 }

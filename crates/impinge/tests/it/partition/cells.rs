@@ -14,7 +14,9 @@ fn draw(rng: &mut Rng) -> MinMax {
     let long = rng.integer(0, 5);
     let low = [0; 3].map(|_: i32| {
         let multiple = 8.0 * rng.integer(-1, 1) as f64;
-        multiple + rng.choose(&[0.0, 0.25, 0.5, 1.0 / 256.0, 1.0 / 300.0]) + if rng.one_in(3) { rng.unit() } else { 0.0 }
+        multiple
+            + rng.choose(&[0.0, 0.25, 0.5, 1.0 / 256.0, 1.0 / 300.0])
+            + if rng.one_in(3) { rng.unit() } else { 0.0 }
     });
     let high = std::array::from_fn(|k| {
         let extent = if k as i64 == long { rng.integer(0, 20) as f64 } else { rng.choose(&[0.0, 0.25, 0.5, 1.5]) };

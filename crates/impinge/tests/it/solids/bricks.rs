@@ -51,7 +51,11 @@ fn bricks_of_one_lattice_are_always_decided() {
         let expected = scene.penetrates();
         assert_eq!(query::penetrates_of_pairs(&a, &b, &pairs), yes_or_no(expected), "case {case}: {scene:?}");
         if case.is_multiple_of(8) {
-            assert_eq!(penetrates_in_other_order(&mut rng, &both), yes_or_no(expected), "case {case}, in another order: {scene:?}");
+            assert_eq!(
+                penetrates_in_other_order(&mut rng, &both),
+                yes_or_no(expected),
+                "case {case}, in another order: {scene:?}"
+            );
         }
         let touches = !expected && scene.touches();
         [touches, expected, touches && pairs.len() > 256].map(usize::from)
@@ -75,7 +79,11 @@ fn bricks_with_walls_cut_in_other_ways_are_never_answered_wrongly() {
         let answer = penetrates(&both);
         let expected = yes_or_no(scene.penetrates());
         assert!(answer == Penetrates::Undecided || answer == expected, "case {case}: {answer:?}, {cut:?} {scene:?}");
-        assert_eq!(penetrates_in_other_order(&mut rng, &both), answer, "case {case}, in another order: {cut:?} {scene:?}");
+        assert_eq!(
+            penetrates_in_other_order(&mut rng, &both),
+            answer,
+            "case {case}, in another order: {cut:?} {scene:?}"
+        );
         decided += usize::from(answer == expected);
     }
     assert!(10 * decided > 7 * scenes, "{decided} of {scenes} are decided");

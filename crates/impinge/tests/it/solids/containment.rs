@@ -6,13 +6,17 @@ use impinge_testkit::Affine;
 use impinge_testkit::generate::{Rng, poses, solids};
 
 use crate::solids::shapes::{
-    A, B, BOTH, NEITHER, engine, flipped, is_on_surface, moved, pose, solid_angles, soup, sphere, surface_or_solid, without_faces,
+    A, B, BOTH, NEITHER, engine, flipped, is_on_surface, moved, pose, solid_angles, soup, sphere, surface_or_solid,
+    without_faces,
 };
 
 fn solid_intersection(a: (&Mesh, &Affine), b: (&Mesh, &Affine), solid: [bool; 2]) -> SolidIntersection {
     let (placed_a, placed_b) = (a.0.at(pose(a.1)), b.0.at(pose(b.1)));
     let answer = query::solid_intersection(surface_or_solid(placed_a, solid[0]), surface_or_solid(placed_b, solid[1]));
-    assert_eq!(query::intersects(surface_or_solid(placed_a, solid[0]), surface_or_solid(placed_b, solid[1])), answer.intersects);
+    assert_eq!(
+        query::intersects(surface_or_solid(placed_a, solid[0]), surface_or_solid(placed_b, solid[1])),
+        answer.intersects
+    );
     let swapped = query::solid_intersection(surface_or_solid(placed_b, solid[1]), surface_or_solid(placed_a, solid[0]));
     assert_eq!((swapped.intersects, swapped.undecided), (answer.intersects, answer.undecided), "swapping");
     assert_eq!(swapped.contained.map(Contained::sides), answer.contained.map(|c| [c.sides()[1], c.sides()[0]]));
@@ -139,7 +143,10 @@ fn posed_points_are_decided_exactly() {
 fn moving_both_or_scaling_both_keeps_containment() {
     let (large, small) = (engine(&sphere().scaled(4.0)), engine(&sphere()));
     let move_both = Pose::from_quaternion_wxyz([1e6, -3.0, 7.0], [0.5, 0.5, -0.5, 0.5]).expect("legal");
-    let answer = query::solid_intersection(surface_or_solid(large.at(move_both), true), surface_or_solid(small.at(move_both), true));
+    let answer = query::solid_intersection(
+        surface_or_solid(large.at(move_both), true),
+        surface_or_solid(small.at(move_both), true),
+    );
     assert_eq!(answer.contained, Some(Contained::B));
     for exponent in [-100, 60, 100] {
         let factor = 2.0_f64.powi(exponent);

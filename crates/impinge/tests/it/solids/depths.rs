@@ -26,8 +26,14 @@ fn depth(a: &Mesh, b: &Mesh, place: &Affine) -> Penetration {
     let depth = query::penetration(a, b.at(pose(place))).expect("they intersect");
     assert!(0.0 <= depth.lower && depth.lower <= depth.upper && depth.upper.is_finite(), "{depth:?}");
     let along = |by: f64| b.at(moved(place, depth.normal.map(|n| n * by)));
-    assert!(!query::intersects(surface_or_solid(a, true), surface_or_solid(along(depth.upper * (1.0 + 1e-9)), true)), "{depth:?}");
-    assert!(depth.lower == 0.0 || query::intersects(surface_or_solid(a, true), surface_or_solid(along(depth.lower * (1.0 - 1e-9)), true)));
+    assert!(
+        !query::intersects(surface_or_solid(a, true), surface_or_solid(along(depth.upper * (1.0 + 1e-9)), true)),
+        "{depth:?}"
+    );
+    assert!(
+        depth.lower == 0.0
+            || query::intersects(surface_or_solid(a, true), surface_or_solid(along(depth.lower * (1.0 - 1e-9)), true))
+    );
     let back = query::penetration(b.at(pose(place)), a).expect("they intersect");
     assert_eq!((depth.lower, depth.upper, depth.normal), (back.lower, back.upper, back.normal.map(|n| 0.0 - n)));
     depth
@@ -129,13 +135,20 @@ fn distances_of_solids_are_zero_inside() {
         assert_eq!(query::intersects(surface_or_solid(&large, solid[0]), surface_or_solid(&small, solid[1])), holds);
         assert_eq!(nested.witness.is_none(), holds);
         let apart = small.at(at([3.0, 0.0, 0.0]));
-        assert_eq!(query::distance(surface_or_solid(&large, solid[0]), surface_or_solid(apart, solid[1])), query::distance(&large, apart));
+        assert_eq!(
+            query::distance(surface_or_solid(&large, solid[0]), surface_or_solid(apart, solid[1])),
+            query::distance(&large, apart)
+        );
         let through = small.at(at([1.0, 0.0, 0.0]));
-        assert!(query::distance(surface_or_solid(&large, solid[0]), surface_or_solid(through, solid[1])).witness.is_some());
+        assert!(
+            query::distance(surface_or_solid(&large, solid[0]), surface_or_solid(through, solid[1])).witness.is_some()
+        );
         // Any state of the cache gives the same answers.
         let mut cache = Cache::default();
         for there in [(&small).into(), apart, through, (&small).into()] {
-            let found = Query::new().with_cache(&mut cache).distance(surface_or_solid(&large, solid[0]), surface_or_solid(there, solid[1]));
+            let found = Query::new()
+                .with_cache(&mut cache)
+                .distance(surface_or_solid(&large, solid[0]), surface_or_solid(there, solid[1]));
             assert_eq!(found, query::distance(surface_or_solid(&large, solid[0]), surface_or_solid(there, solid[1])));
             for clearance in [0.0, 0.5, 2.0] {
                 let near = Query::new().with_cache(&mut cache).within(
@@ -143,7 +156,10 @@ fn distances_of_solids_are_zero_inside() {
                     surface_or_solid(there, solid[1]),
                     clearance,
                 );
-                assert_eq!(near, query::within(surface_or_solid(&large, solid[0]), surface_or_solid(there, solid[1]), clearance));
+                assert_eq!(
+                    near,
+                    query::within(surface_or_solid(&large, solid[0]), surface_or_solid(there, solid[1]), clearance)
+                );
                 assert_eq!(near, found.upper <= clearance, "{found:?} {clearance}");
             }
         }

@@ -25,9 +25,15 @@ struct Answers {
 fn answers_about(a: &Mesh, b: &Mesh, place: Pose) -> Answers {
     let b = b.at(place);
     let solids = [NEITHER, A, B, BOTH];
-    let within = [0, 1, 2, 3, 4, 5, 6, 7]
-        .map(|i| query::within(surface_or_solid(a, solids[i % 4][0]), surface_or_solid(b, solids[i % 4][1]), if i < 4 { 0.0 } else { 0.75 }));
-    let intersections = solids.map(|solid| query::solid_intersection(surface_or_solid(a, solid[0]), surface_or_solid(b, solid[1])));
+    let within = [0, 1, 2, 3, 4, 5, 6, 7].map(|i| {
+        query::within(
+            surface_or_solid(a, solids[i % 4][0]),
+            surface_or_solid(b, solids[i % 4][1]),
+            if i < 4 { 0.0 } else { 0.75 },
+        )
+    });
+    let intersections =
+        solids.map(|solid| query::solid_intersection(surface_or_solid(a, solid[0]), surface_or_solid(b, solid[1])));
     for (solid, found) in solids.into_iter().zip(&intersections) {
         assert_eq!(query::intersects(surface_or_solid(a, solid[0]), surface_or_solid(b, solid[1])), found.intersects);
     }
@@ -35,7 +41,8 @@ fn answers_about(a: &Mesh, b: &Mesh, place: Pose) -> Answers {
         penetrates: query::penetrates(a, b),
         intersections,
         proximity: solids.map(|solid| query::proximity(surface_or_solid(a, solid[0]), surface_or_solid(b, solid[1]))),
-        are_at_distance_zero: solids.map(|solid| query::distance(surface_or_solid(a, solid[0]), surface_or_solid(b, solid[1])).upper == 0.0),
+        are_at_distance_zero: solids
+            .map(|solid| query::distance(surface_or_solid(a, solid[0]), surface_or_solid(b, solid[1])).upper == 0.0),
         within,
     }
 }
@@ -44,7 +51,8 @@ fn answers_about(a: &Mesh, b: &Mesh, place: Pose) -> Answers {
 /// order, and so does the place from which a search begins.
 fn assert_intervals_agree(ours: [&Mesh; 2], again: [&Mesh; 2], place: Pose) {
     let overlap = |x: [f64; 2], y: [f64; 2]| assert!(x[0] <= y[1] && y[0] <= x[1], "{x:?} {y:?}");
-    let [x, y] = [ours, again].map(|[a, b]| query::distance(surface_or_solid(a, true), surface_or_solid(b.at(place), true)));
+    let [x, y] =
+        [ours, again].map(|[a, b]| query::distance(surface_or_solid(a, true), surface_or_solid(b.at(place), true)));
     overlap([x.lower, x.upper], [y.lower, y.upper]);
     match [ours, again].map(|[a, b]| query::penetration(a, b.at(place))) {
         [None, None] => {}
@@ -133,7 +141,10 @@ fn the_tested_point_of_an_open_mesh_does_not_depend_on_the_order() {
     let answers = |rod: Plain| {
         let rod = engine(&rod);
         assert!(!query::intersects(&open, &rod));
-        (query::penetrates(&open, &rod), query::solid_intersection(surface_or_solid(&open, true), surface_or_solid(&rod, true)))
+        (
+            query::penetrates(&open, &rod),
+            query::solid_intersection(surface_or_solid(&open, true), surface_or_solid(&rod, true)),
+        )
     };
     let expected = answers(rod.clone());
     for _ in 0..40 {

@@ -151,7 +151,11 @@ fn polycubes_on_one_grid_and_between_two_penetrate_as_in_integers() {
         let mesh_b = moved(polycube(&mut rng, &b), off.map(|x| x as f64 / 2.0));
         let [place_a, place_b] = places(&mut rng, case);
         let (mesh_b, place_b) = shifted(&mut rng, mesh_b, place_b, case);
-        assert_eq!(penetrates(&mesh_a, &mesh_b, [place_a, place_b]), yes_or_no(overlapping), "case {case}: {a:?} {b:?} {off:?}");
+        assert_eq!(
+            penetrates(&mesh_a, &mesh_b, [place_a, place_b]),
+            yes_or_no(overlapping),
+            "case {case}: {a:?} {b:?} {off:?}"
+        );
         touching += usize::from(touch);
         meeting += usize::from(overlapping);
     }

@@ -85,8 +85,12 @@ fn churned(broad_phase: BroadPhase, seed: u64, churn: &Churn) {
 #[test]
 fn boxes_of_like_size_are_paired_as_by_brute_force() {
     for broad_phase in BROAD_PHASES {
-        let churn =
-            Churn { steps: 2000, max_bodies: 120, size: |rng| rng.uniform(0.25, 0.75), random_pose: |rng| rng.uniform(-5.0, 5.0) };
+        let churn = Churn {
+            steps: 2000,
+            max_bodies: 120,
+            size: |rng| rng.uniform(0.25, 0.75),
+            random_pose: |rng| rng.uniform(-5.0, 5.0),
+        };
         churned(broad_phase, 81, &churn);
     }
 }
@@ -120,7 +124,8 @@ fn boxes_of_any_size_are_paired_as_by_brute_force() {
 #[test]
 fn boxes_that_coincide_are_paired_as_by_brute_force() {
     for broad_phase in BROAD_PHASES {
-        let churn = Churn { steps: 100, max_bodies: 60, size: |_| 1.0, random_pose: |rng| rng.choose(&[0.0, 0.0, 0.0, 5.0]) };
+        let churn =
+            Churn { steps: 100, max_bodies: 60, size: |_| 1.0, random_pose: |rng| rng.choose(&[0.0, 0.0, 0.0, 5.0]) };
         churned(broad_phase, 84, &churn);
     }
 }
