@@ -5,7 +5,7 @@
 //! Tests: `tests/it/volumes/fitted.rs`, `tests/it/volumes/laws.rs`. Benchmark: `volumes`.
 
 use super::BoundingVolume;
-use super::points::{Coordinate, judge, widen};
+use super::points::{Coordinate, validated_bounds, widen};
 use super::rounding::{LIMIT, add_down, add_up, mul_up};
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
@@ -78,7 +78,7 @@ impl<const D: usize> Kdop<D> {
                 return Err(InputError::new(InputErrorKind::NonFinite { what: "slab", index }));
             }
             if low.abs().max(high.abs()) > 3.0 * LIMIT {
-                return Err(InputError::new(InputErrorKind::OutOfRange { what: "slab", index, limit: "2^320" }));
+                return Err(InputError::new(InputErrorKind::OutOfRange { what: "slab", index, limit: "3 * 2^320" }));
             }
             if low > high {
                 return Err(InputError::new(InputErrorKind::Negative { what: "slab", index }));
@@ -96,7 +96,7 @@ impl<const D: usize> Kdop<D> {
     /// # Complexity
     /// Two passes over memory; D dot products per point.
     pub fn of<T: Coordinate>(points: &[[T; 3]]) -> Result<Self, InputError> {
-        judge(points)?;
+        validated_bounds(points)?;
         let mut kdop = Self { low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D] };
         for &point in points {
             let point = widen(point);
@@ -262,7 +262,7 @@ impl<const D: usize> BoundingVolume for Kdop<D> {
             moved.low[k] = add_down(-self.support_up(d.map(|x| -x), off), shift[0]);
         }
         if let Some(index) = moved.low.iter().chain(&moved.high).position(|x| x.is_nan() || x.abs() > 3.0 * LIMIT) {
-            let error = InputErrorKind::OutOfRange { what: "slab", index: index % D, limit: "2^320" };
+            let error = InputErrorKind::OutOfRange { what: "slab", index: index % D, limit: "3 * 2^320" };
             return Err(InputError::new(error));
         }
         Ok(moved)

@@ -105,7 +105,7 @@ impl Lozenge {
 
     /// Returns the radius plus the error bound of the computed corners.
     pub(super) fn widened(&self) -> f64 {
-        add_up(self.radius, round::off(&self.core()))
+        add_up(self.radius, round::point_error(&self.core()))
     }
 }
 

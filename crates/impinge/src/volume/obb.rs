@@ -10,7 +10,7 @@ use crate::math::vec3::{add, dot, normalized, scale, sub};
 /// Maximum deviation of the axes from orthonormal ones: 2^-40. Rounding orthonormal axes to doubles
 /// stays far below it. A much larger value would make boxes loose. Axes from single precision must
 /// be orthonormalized first.
-const ORTHONORMAL: f64 = 1.0 / (1_u64 << 40) as f64;
+const MAX_DEVIATION: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// The points `centre + Σ tᵢ axisᵢ` with |tᵢ| ≤ half-extentᵢ.
 ///
@@ -46,7 +46,7 @@ impl Obb {
         in_range("box centre or axis", centre.into_iter().chain(axes.into_iter().flatten()))?;
         lengths_in_range("half-extent", half_extents)?;
         let deviation = deviation(&axes);
-        if deviation > ORTHONORMAL {
+        if deviation > MAX_DEVIATION {
             return Err(InputError::new(InputErrorKind::NotRigid { deviation })
                 .with_hint("the axes of a box are orthonormal: normalise them"));
         }
@@ -122,7 +122,7 @@ impl Obb {
     }
 
     pub(super) fn generated(&self) -> Generated {
-        Generated { centre: self.centre, generators: self.axes, half_extents: self.half_extents, off: 0.0 }
+        Generated { centre: self.centre, generators: self.axes, half_extents: self.half_extents, error: 0.0 }
     }
 }
 
@@ -131,7 +131,7 @@ pub(super) struct Generated {
     pub(super) centre: [f64; 3],
     pub(super) generators: [[f64; 3]; 3],
     pub(super) half_extents: [f64; 3],
-    pub(super) off: f64,
+    pub(super) error: f64,
 }
 
 impl Generated {
@@ -142,7 +142,7 @@ impl Generated {
             reach = add_up(reach, mul_up(half, projection_up(axis, *generator, [0.0; 3])));
         }
         // The length of an axis is at most 1 + 2^-40.
-        add_up(reach, mul_up(self.off, 1.0 + ORTHONORMAL))
+        add_up(reach, mul_up(self.error, 1.0 + MAX_DEVIATION))
     }
 }
 

@@ -208,12 +208,12 @@ impl<T: Steps> From<PackedCentreRadius<T>> for MinMax {
 
 /// Returns the lengths as numbers of steps, rounded up, and the exponent of the step length. The
 /// exponent is the smallest for which the longest length fits.
-fn pack<T: Steps>(anchor: [f64; 3], lengths: [f64; 3]) -> Result<([T; 3], T::Exponent), InputError> {
-    const LARGEST: f64 = (1_u128 << 127) as f64;
+fn pack<T: Steps>(position: [f64; 3], lengths: [f64; 3]) -> Result<([T; 3], T::Exponent), InputError> {
+    const MAX_COORDINATE: f64 = (1_u128 << 127) as f64;
     /// Smallest exponent of single precision. A positive length below this step takes one step.
-    const LEAST_EXPONENT: i32 = -126;
-    let numbers = anchor.into_iter().chain(lengths);
-    if let Some(index) = numbers.map(f64::abs).position(|x| x > LARGEST) {
+    const MIN_EXPONENT: i32 = -126;
+    let numbers = position.into_iter().chain(lengths);
+    if let Some(index) = numbers.map(f64::abs).position(|x| x > MAX_COORDINATE) {
         let what = "box coordinate";
         return Err(InputError::new(InputErrorKind::OutOfRange { what, index: index % 3, limit: "2^127" }));
     }
@@ -221,7 +221,7 @@ fn pack<T: Steps>(anchor: [f64; 3], lengths: [f64; 3]) -> Result<([T; 3], T::Exp
     // This is within 2 of the result: the leading bit of the longest length, less the number of
     // bits of the integer.
     let leading = (longest.to_bits() >> 52) as i32 - 1023;
-    let mut exponent = (leading - T::MOST.count_ones() as i32).max(LEAST_EXPONENT);
+    let mut exponent = (leading - T::MOST.count_ones() as i32).max(MIN_EXPONENT);
     while (longest / power_of_two(exponent)).ceil() > f64::from(T::MOST) {
         exponent += 1;
     }

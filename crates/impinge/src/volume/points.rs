@@ -61,7 +61,7 @@ impl MinMax {
     /// # Complexity
     /// One pass over memory.
     pub fn of<T: Coordinate>(points: &[[T; 3]]) -> Result<Self, InputError> {
-        judge(points)
+        validated_bounds(points)
     }
 }
 
@@ -83,11 +83,11 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 /// # Errors
 /// Returns an error if there are no points, or if a coordinate is not finite or has a magnitude of
 /// 2^128 or more.
-pub(super) fn judge<T: Coordinate>(points: &[[T; 3]]) -> Result<MinMax, InputError> {
-    bounds(points).ok_or_else(|| first_bad(points))
+pub(super) fn validated_bounds<T: Coordinate>(points: &[[T; 3]]) -> Result<MinMax, InputError> {
+    bounds(points).ok_or_else(|| first_invalid(points))
 }
 
-/// Does the same as [`judge`] but returns `None` for invalid points, without the reason.
+/// Does the same as [`validated_bounds`] but returns `None` for invalid points, without the reason.
 pub(super) fn bounds<T: Coordinate>(points: &[[T; 3]]) -> Option<MinMax> {
     dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || bounds_by_lanes(points)))
 }
@@ -102,11 +102,11 @@ fn bounds_by_lanes<T: Coordinate>(points: &[[T; 3]]) -> Option<MinMax> {
     let mut poison = [T::ZERO; LANES];
     for group in groups {
         for (lane, &x) in group.iter().enumerate() {
-            look(&mut min[lane], &mut max[lane], &mut poison[lane], x);
+            include(&mut min[lane], &mut max[lane], &mut poison[lane], x);
         }
     }
     for (lane, &x) in rest.iter().enumerate() {
-        look(&mut min[lane], &mut max[lane], &mut poison[lane], x);
+        include(&mut min[lane], &mut max[lane], &mut poison[lane], x);
     }
     let on_axis = |axis: usize| (axis..LANES).step_by(3);
     let low: [f64; 3] =
@@ -129,7 +129,7 @@ fn look<T: Coordinate>(min: &mut T, max: &mut T, poison: &mut T, x: T) {
 
 /// Returns the error for invalid points: the first that is not finite or out of range, or that
 /// there are none.
-fn first_bad<T: Coordinate>(points: &[[T; 3]]) -> InputError {
+fn first_invalid<T: Coordinate>(points: &[[T; 3]]) -> InputError {
     for (index, &point) in points.iter().enumerate() {
         for x in widen(point) {
             if !x.is_finite() {

@@ -8,7 +8,7 @@ use crate::math::Pose;
 /// Maximum deviation from a rigid motion (Frobenius norm of RᵀR - I) that still counts as rigid. A
 /// rotation stored in single precision deviates by about 1e-7, one from a file with five decimals
 /// by 1e-5. An intended scale or shear deviates by more.
-const RIGID: f64 = 1e-4;
+const MAX_DEVIATION: f64 = 1e-4;
 
 /// Returns a bound on the factor by which the pose stretches any length. The bound is exactly 1 if
 /// the linear part is exactly orthogonal.
@@ -42,7 +42,7 @@ pub(crate) fn stretch(pose: &Pose) -> Result<f64, InputError> {
         }
     }
     let deviation = squares.sqrt() * (1.0 + 16.0 * HALF_ULP);
-    if deviation > RIGID {
+    if deviation > MAX_DEVIATION {
         return Err(InputError::new(InputErrorKind::NotRigid { deviation })
             .with_hint("only meshes, boxes and polytopes with fixed directions can be scaled or sheared"));
     }

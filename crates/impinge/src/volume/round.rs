@@ -92,13 +92,13 @@ pub trait Round: sealed::Swept + Sized {
 /// Returns lower and upper bounds of the distance of two cores.
 fn core_distance(a: &Core, b: &Core) -> (f64, f64) {
     let (p, q) = closest_points(a, b);
-    let upper = add_up(distance_up(p, q), add_up(off(a), off(b)));
+    let upper = add_up(distance_up(p, q), add_up(point_error(a), point_error(b)));
     (separation(a, b, p, sub(&q, &p)).max(0.0), upper)
 }
 
 /// Returns a double not below the distance from a point to a core.
 pub(super) fn distance_to_core(point: [f64; 3], core: &Core) -> f64 {
-    add_up(distance_up(point, core.closest_to(point)), off(core))
+    add_up(distance_up(point, core.closest_to(point)), point_error(core))
 }
 
 /// Returns a bound on the distance between a computed point or corner of a core and the exact one.
@@ -107,7 +107,7 @@ pub(super) fn distance_to_core(point: [f64; 3], core: &Core) -> f64 {
 /// times, and no partial sum exceeds the sum of the three magnitudes. Eight half units cover the
 /// second order and the rounding here. The factor 2 is for three axes: the diagonal of a cube is
 /// less than twice its edge.
-pub(super) fn off(core: &Core) -> f64 {
+pub(super) fn point_error(core: &Core) -> f64 {
     if core.dimension == 0 {
         return 0.0;
     }
@@ -141,7 +141,7 @@ fn separation(a: &Core, b: &Core, origin: [f64; 3], n: [f64; 3]) -> f64 {
     // NaN fails this comparison, so it proves nothing.
     if gap > 0.0 {
         let length = length_up(n);
-        add_down(div_down(gap, length), -add_up(off(a), off(b)))
+        add_down(div_down(gap, length), -add_up(point_error(a), point_error(b)))
     } else {
         0.0
     }

@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn every_result_is_on_its_side_and_next_to_the_truth() {
+    fn every_result_is_a_bound_next_to_the_exact_value() {
         let mut rng = Rng::new(1);
         let mut kept = 0;
         for _ in 0..20_000 {
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn products_that_vanish_stay_on_their_side() {
+    fn underflowing_products_are_rounded_outward() {
         let tiny = f64::from_bits(3);
         assert_eq!((mul_down(tiny, 0.5), mul_up(tiny, tiny)), (f64::from_bits(1), f64::from_bits(1)));
         assert_eq!((mul_up(-tiny, tiny), mul_down(-tiny, tiny)), (f64::from_bits(1), -f64::from_bits(1)));

@@ -6,7 +6,7 @@ use super::minimal::circle;
 use super::moments::principal_axes;
 use crate::input::InputError;
 use crate::math::vec3::{add, dot, scale, sub};
-use crate::volume::points::{Coordinate, judge, widen};
+use crate::volume::points::{Coordinate, validated_bounds, widen};
 
 /// Returns the smallest of three capsules, one along each principal axis. Each has the radius of
 /// the minimal circle of the points projected along its axis, and the shortest segment for that
@@ -31,7 +31,7 @@ use crate::volume::points::{Coordinate, judge, widen};
 /// thinnest capsule in its direction, so the minimal circle moves it there. The two other axes are
 /// tried as well, because a flat disc is thinnest around its shortest axis.
 pub fn capsule<T: Coordinate>(points: &[[T; 3]]) -> Result<Capsule, InputError> {
-    let bounds = judge(points)?;
+    let bounds = validated_bounds(points)?;
     let scale_up = unit_scale(&bounds);
     let (min, max) = (bounds.min(), bounds.max());
     let origin: [f64; 3] = std::array::from_fn(|axis| 0.5 * min[axis] + 0.5 * max[axis]);

@@ -6,7 +6,7 @@ use super::enclosing::{scaled_offset, unit_scale};
 use super::moments::principal_axes;
 use crate::input::InputError;
 use crate::math::vec3::{add, dot, scale};
-use crate::volume::points::{Coordinate, judge, widen};
+use crate::volume::points::{Coordinate, validated_bounds, widen};
 
 /// Returns the smallest of the lozenges whose thickness is along a principal axis.
 ///
@@ -32,7 +32,7 @@ use crate::volume::points::{Coordinate, judge, widen};
 /// outward until no corner sticks out. Here both options are tried: sides that enclose all corners,
 /// and a larger radius.
 pub fn lozenge<T: Coordinate>(points: &[[T; 3]]) -> Result<Lozenge, InputError> {
-    let bounds = judge(points)?;
+    let bounds = validated_bounds(points)?;
     let scale_up = unit_scale(&bounds);
     let (min, max) = (bounds.min(), bounds.max());
     let origin: [f64; 3] = std::array::from_fn(|axis| 0.5 * min[axis] + 0.5 * max[axis]);

@@ -8,7 +8,7 @@ use super::enclosing::{scaled_offset, unit_scale};
 use super::moments::principal_axes;
 use crate::input::InputError;
 use crate::math::vec3::{cross, dot, sub};
-use crate::volume::points::{Coordinate, judge, widen};
+use crate::volume::points::{Coordinate, validated_bounds, widen};
 
 /// An oriented box that encloses the points, and a lower bound of the minimal volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,7 +104,7 @@ pub fn obb<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedObb, InputError> {
 
 impl<'a, T: Coordinate> Set<'a, T> {
     fn new(points: &'a [[T; 3]]) -> Result<Self, InputError> {
-        let bounds = judge(points)?;
+        let bounds = validated_bounds(points)?;
         let (min, max) = (bounds.min(), bounds.max());
         let origin = std::array::from_fn(|axis| 0.5 * min[axis] + 0.5 * max[axis]);
         Ok(Self { points, origin, scale: unit_scale(&bounds) })
@@ -160,8 +160,8 @@ impl<'a, T: Coordinate> Set<'a, T> {
     /// Returns the points that are extreme in at least one of 61 directions spread over the sphere.
     /// If there are at most 200 points, returns all of them.
     fn extreme(&self) -> Vec<[f64; 3]> {
-        const FEW: usize = 200;
-        if self.points.len() <= FEW {
+        const MAX_UNREDUCED: usize = 200;
+        if self.points.len() <= MAX_UNREDUCED {
             return self.local().collect();
         }
         let between = |i: usize, j: usize| {
@@ -217,7 +217,7 @@ impl<'a, T: Coordinate> Set<'a, T> {
 fn improve(points: &[[f64; 3]], mut axes: [[f64; 3]; 3]) -> ([[f64; 3]; 3], f64) {
     /// Maximum number of rotations, far more than enough while every three rotations gain 0.1 % or
     /// more. About ten are typical.
-    const MOST_TURNS: usize = 30;
+    const MAX_TURNS: usize = 30;
     let volume = |axes: &[[f64; 3]; 3]| -> f64 {
         let extent = |axis: &[f64; 3]| {
             let range = points
@@ -230,10 +230,10 @@ fn improve(points: &[[f64; 3]], mut axes: [[f64; 3]; 3]) -> ([[f64; 3]; 3], f64)
     };
     let mut least = volume(&axes);
     let mut idle = 0;
-    for turn in 0..MOST_TURNS {
+    for turn in 0..MAX_TURNS {
         let about = turn % 3;
         let (u, v) = (axes[(about + 1) % 3], axes[(about + 2) % 3]);
-        let turned = orthonormal(match least_rectangle(points, u, v) {
+        let turned = orthonormal(match smallest_rectangle(points, u, v) {
             Some(side) => [axes[about], side, cross(&axes[about], &side)],
             None => axes,
         });
@@ -255,7 +255,7 @@ fn improve(points: &[[f64; 3]], mut axes: [[f64; 3]; 3]) -> ([[f64; 3]; 3], f64)
 
 /// Returns the direction of a side of the smallest rectangle around the points as seen in the plane
 /// of u and v. Returns `None` if they all appear as one point.
-fn least_rectangle(points: &[[f64; 3]], u: [f64; 3], v: [f64; 3]) -> Option<[f64; 3]> {
+fn smallest_rectangle(points: &[[f64; 3]], u: [f64; 3], v: [f64; 3]) -> Option<[f64; 3]> {
     let hull = hull_2d(points.iter().map(|&point| [dot(&u, &point), dot(&v, &point)]).collect());
     let mut best = (f64::INFINITY, None);
     for (at, p) in hull.iter().enumerate() {

@@ -11,7 +11,7 @@ use super::super::{BoundingSphere, MinMax};
 use super::enclosing::{about, scaled_offset, squared, unit_scale};
 use super::moments;
 use crate::input::InputError;
-use crate::volume::points::{Coordinate, judge, widen};
+use crate::volume::points::{Coordinate, validated_bounds, widen};
 
 /// A sphere that encloses the points, and a lower bound of the minimal radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +31,7 @@ struct Set<'a, T> {
 
 impl<'a, T: Coordinate> Set<'a, T> {
     fn new(points: &'a [[T; 3]]) -> Result<Self, InputError> {
-        let bounds = judge(points)?;
+        let bounds = validated_bounds(points)?;
         Ok(Self { points, bounds, scale: unit_scale(&bounds) })
     }
 
@@ -73,28 +73,28 @@ impl<'a, T: Coordinate> Set<'a, T> {
 
     /// Starts with the sphere that has the two points as poles, and grows it to each point that it
     /// does not enclose yet.
-    fn grown(&self, [p, q]: [[f64; 3]; 2]) -> Growing {
+    fn grown(&self, [p, q]: [[f64; 3]; 2]) -> GrowingSphere {
         let centre = std::array::from_fn(|axis| 0.5 * p[axis] + 0.5 * q[axis]);
         let mut growing =
-            Growing { centre, radius: squared(scaled_offset(p, centre, self.scale)).sqrt(), scale: self.scale };
-        self.points.iter().for_each(|&point| growing.take(widen(point)));
+            GrowingSphere { centre, radius: squared(scaled_offset(p, centre, self.scale)).sqrt(), scale: self.scale };
+        self.points.iter().for_each(|&point| growing.include(widen(point)));
         growing
     }
 }
 
 /// A sphere that grows. Its radius is in scaled units.
 #[derive(Clone, Copy)]
-struct Growing {
+struct GrowingSphere {
     centre: [f64; 3],
     radius: f64,
     scale: f64,
 }
 
-impl Growing {
+impl GrowingSphere {
     /// Includes one more point. The new diameter reaches from the point to the far pole, so the old
     /// sphere stays inside.
     #[inline(always)]
-    fn take(&mut self, point: [f64; 3]) {
+    fn include(&mut self, point: [f64; 3]) {
         let offset = scaled_offset(point, self.centre, self.scale);
         let square = squared(offset);
         if square > self.radius * self.radius {
@@ -206,10 +206,10 @@ pub fn refined_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, 
     let set = Set::new(points)?;
     let mut best = first;
     let mut growing =
-        Growing { centre: first.sphere.centre(), radius: first.sphere.radius() * set.scale, scale: set.scale };
+        GrowingSphere { centre: first.sphere.centre(), radius: first.sphere.radius() * set.scale, scale: set.scale };
     for round in 0..ROUNDS {
         growing.radius *= 0.95 + 0.05 * f64::from(round) / f64::from(ROUNDS);
-        in_order(points, round, |point| growing.take(point));
+        visit_in_blocks(points, round, |point| growing.include(point));
         let sphere = about(growing.centre, points, set.scale);
         if sphere.radius() < best.sphere.radius() {
             best.sphere = sphere;
@@ -221,7 +221,7 @@ pub fn refined_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, 
 
 /// Visits all points once, in an order that depends on the round. Blocks of neighbors, which suit
 /// the cache, are visited at a stride that is coprime to their number.
-fn in_order<T: Coordinate>(points: &[[T; 3]], round: u32, mut visit: impl FnMut([f64; 3])) {
+fn visit_in_blocks<T: Coordinate>(points: &[[T; 3]], round: u32, mut visit: impl FnMut([f64; 3])) {
     const BLOCK: usize = 16;
     let count = points.len().div_ceil(BLOCK);
     let greatest_common_divisor = |mut a: usize, mut b: usize| {

@@ -60,11 +60,11 @@ impl BoundingVolume for Obb {
     /// Accepts any affine map. The axes are rotated and made orthonormal again; the half-extents
     /// cover the extent of the image along them.
     fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
-        let (centre, off_centre) = image(world_from_local, self.centre);
+        let (centre, centre_error) = image(world_from_local, self.centre);
         let turned = self.axes.map(|axis| direction(world_from_local, axis));
         let generators = turned.map(|(generator, _)| generator);
-        let off = (0..3).fold(off_centre, |off, k| add_up(off, mul_up(self.half_extents[k], turned[k].1)));
-        let image = Generated { centre, generators, half_extents: self.half_extents, off };
+        let error = (0..3).fold(centre_error, |error, k| add_up(error, mul_up(self.half_extents[k], turned[k].1)));
+        let image = Generated { centre, generators, half_extents: self.half_extents, error };
         let moved = Self::around(orthonormal(generators), &[image]);
         Self::new(moved.centre, moved.axes, moved.half_extents)
     }

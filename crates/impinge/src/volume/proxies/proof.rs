@@ -44,9 +44,9 @@ impl Proxies {
         }
         let corners = self.hull.positions();
         // A convex volume encloses the hull if it holds all corners.
-        let strangers: Vec<&'static str> =
-            corners.par_chunks(CHUNK).filter_map(|chunk| self.volumes.one_that_misses(chunk)).collect();
-        match strangers.into_iter().min() {
+        let too_small: Vec<&'static str> =
+            corners.par_chunks(CHUNK).filter_map(|chunk| self.volumes.first_that_misses(chunk)).collect();
+        match too_small.into_iter().min() {
             Some(which) => Err(ProxyFlaw::Volume { which }),
             None => Ok(()),
         }
@@ -56,7 +56,7 @@ impl Proxies {
 impl Volumes {
     /// Returns the name of a volume that is not proved to hold all the points, or `None` if all
     /// volumes do.
-    fn one_that_misses(&self, points: &[[f64; 3]]) -> Option<&'static str> {
+    fn first_that_misses(&self, points: &[[f64; 3]]) -> Option<&'static str> {
         let Self { bounds, sphere, capsule, lozenge, obb, kdop14, kdop18, kdop26 } = self;
         // NaN would fail the comparison and prove nothing; numbers in range never produce it.
         let swept =

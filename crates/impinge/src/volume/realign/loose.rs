@@ -12,7 +12,7 @@ use crate::volume::MinMax;
 /// Maximum by which the squared length of a row may exceed 1 if the row is to count as part of a
 /// rotation: 2^-40. Rows of rotations whose entries were each rounded to double precision stay well
 /// below it. The radius is enlarged by this amount, so the box keeps its size under rotations.
-const ROTATION: f64 = 4096.0 * f64::EPSILON;
+const MAX_ROW_EXCESS: f64 = 4096.0 * f64::EPSILON;
 
 /// Way (a) of the *Notes*: a box around the sphere that is centered at the pivot and passes through
 /// the farthest point.
@@ -52,8 +52,8 @@ impl LooseBox {
             .fold(0.0, |squared: f64, point| squared.max(squared_distance(&point.map(Into::into), &pivot)));
         // A difference, its square, two sums and the root have an error of less than 5 units. A
         // square that underflows loses up to 2^-1075, so the root loses up to 2^-536.
-        const LOST: f64 = f64::from_bits((1023 - 531) << 52);
-        Ok(Self { pivot, radius: squared.sqrt() * (1.0 + ROTATION) + LOST })
+        const UNDERFLOW_LOSS: f64 = f64::from_bits((1023 - 531) << 52);
+        Ok(Self { pivot, radius: squared.sqrt() * (1.0 + MAX_ROW_EXCESS) + UNDERFLOW_LOSS })
     }
 
     /// Returns the radius of the sphere as used for rotations.
@@ -72,7 +72,7 @@ impl Realign for LooseBox {
     fn realign(&mut self, world_from_local: &Pose) -> MinMax {
         let half = world_from_local.linear().map(|row| {
             let squared = dot(&row, &row);
-            if squared <= 1.0 + ROTATION {
+            if squared <= 1.0 + MAX_ROW_EXCESS {
                 self.radius
             } else {
                 // Squares, sums and the root have an error of 4 units at most, the product of one.

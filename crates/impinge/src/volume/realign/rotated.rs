@@ -55,7 +55,7 @@ impl RotatedBox {
     ///
     /// The results are the same bits that [`realign`](Realign::realign) returns for each box.
     pub fn realign_all(boxes: &[Self], world_from_local: &Pose, images: &mut Vec<MinMax>) {
-        images.resize(boxes.len(), ORIGIN);
+        images.resize(boxes.len(), PLACEHOLDER);
         dispatch!(best_level(), simd => {
             let columns = Columns::new(simd, world_from_local);
             for (image, one) in images.iter_mut().zip(boxes) {
@@ -69,7 +69,7 @@ impl RotatedBox {
     ///
     /// The results are the same bits that [`realign`](Realign::realign) returns for each box.
     pub fn realign_each(boxes: &[Self], world_from_locals: &[Pose], images: &mut Vec<MinMax>) {
-        images.resize(boxes.len().min(world_from_locals.len()), ORIGIN);
+        images.resize(boxes.len().min(world_from_locals.len()), PLACEHOLDER);
         // No vector unit: loading one pose into lanes takes longer than its sums do.
         for ((image, one), world_from_local) in images.iter_mut().zip(boxes).zip(world_from_locals) {
             *image = one.image(world_from_local);
@@ -93,7 +93,7 @@ impl RotatedBox {
 }
 
 /// Placeholder for images that are not yet computed.
-const ORIGIN: MinMax = MinMax::from_ordered([0.0; 3], [0.0; 3]);
+const PLACEHOLDER: MinMax = MinMax::from_ordered([0.0; 3], [0.0; 3]);
 
 /// A pose with one lane for each axis of the world; the fourth lane is unused.
 struct Columns<S: Simd> {

@@ -20,11 +20,11 @@ pub(super) struct Approximation {
 pub(super) fn minimal(points: &[[f64; 3]]) -> Approximation {
     /// Maximum number of steps, far more than any input has needed. If rounding causes a cycle, the
     /// exact steps take over.
-    const MOST_STEPS: usize = 100;
+    const MAX_STEPS: usize = 100;
     let (start, _) = most_distant(points, points[0]);
     let mut best = Approximation { centre: points[start], support: vec![start] };
     let mut squared_radius = 0.0;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let (furthest, square) = most_distant(points, best.centre);
         if square <= squared_radius * (1.0 + f64::EPSILON) || best.support.contains(&furthest) {
             break;
@@ -92,8 +92,8 @@ fn best_subset(points: &[[f64; 3]], from: &[usize]) -> (Approximation, f64) {
 /// Returns the center of the smallest sphere through one to four points, or `None` if they are
 /// affinely dependent.
 fn circumcentre(points: &[[f64; 3]], support: &[usize]) -> Option<[f64; 3]> {
-    let anchor = points[support[0]];
-    let edge = |k: usize| sub(&points[support[k]], &anchor);
+    let origin = points[support[0]];
+    let edge = |k: usize| sub(&points[support[k]], &origin);
     let offset = match support.len() {
         1 => [0.0; 3],
         2 => scale(&edge(1), 0.5),
@@ -110,5 +110,5 @@ fn circumcentre(points: &[[f64; 3]], support: &[usize]) -> Option<[f64; 3]> {
             scale(&numerator, 0.5 / dot(&u, &vw))
         }
     };
-    offset.iter().all(|x| x.is_finite()).then(|| add(&anchor, &offset))
+    offset.iter().all(|x| x.is_finite()).then(|| add(&origin, &offset))
 }

@@ -17,9 +17,9 @@ use crate::math::dyadic::{Dyadic, cross, dot};
 
 /// The smallest sphere through one to four points that are affinely independent.
 #[derive(Clone, Debug)]
-pub(super) struct ExactBall {
+pub(super) struct ExactSphere {
     support: Vec<[f64; 3]>,
-    anchor: [Dyadic; 3],
+    origin: [Dyadic; 3],
     /// Offset from the local origin to the center, times the denominator.
     offset: [Dyadic; 3],
     /// Denominator of `offset`. Positive.
@@ -46,20 +46,20 @@ struct Rounded {
 }
 
 /// Returns the minimal sphere of the points. `guess` is a likely support.
-pub(super) fn minimal(points: &[[f64; 3]], guess: &[[f64; 3]], frame: Frame) -> ExactBall {
+pub(super) fn minimal(points: &[[f64; 3]], guess: &[[f64; 3]], frame: Frame) -> ExactSphere {
     /// Maximum number of exact steps. Each step enlarges the sphere, so the steps end, usually
     /// within ten. Beyond the maximum, [`of_all`] takes over, whose expected work is bounded.
-    const MOST_STEPS: usize = 64;
-    let mut ball = of_few(guess, frame);
-    for _ in 0..MOST_STEPS {
-        let Some(current) = &ball else { break };
+    const MAX_STEPS: usize = 64;
+    let mut sphere = of_few(guess, frame);
+    for _ in 0..MAX_STEPS {
+        let Some(current) = &sphere else { break };
         let Some(outside) = current.furthest_outside(points) else { break };
         let mut next = current.support.clone();
         next.push(outside);
-        ball = of_few(&next, frame);
+        sphere = of_few(&next, frame);
     }
-    match ball {
-        Some(ball) if ball.furthest_outside(points).is_none() => ball,
+    match sphere {
+        Some(sphere) if sphere.furthest_outside(points).is_none() => sphere,
         _ => of_all(points, frame),
     }
 }
@@ -67,14 +67,14 @@ pub(super) fn minimal(points: &[[f64; 3]], guess: &[[f64; 3]], frame: Frame) -> 
 /// Returns the minimal sphere of up to five points: the sphere through a subset that encloses the
 /// others and has its center in the hull of the subset. There is always one. Large subsets are
 /// tried first, because they are more likely.
-fn of_few(points: &[[f64; 3]], frame: Frame) -> Option<ExactBall> {
+fn of_few(points: &[[f64; 3]], frame: Frame) -> Option<ExactSphere> {
     let mut subsets: Vec<u32> = (1..1 << points.len()).filter(|subset: &u32| subset.count_ones() <= 4).collect();
     subsets.sort_by_key(|subset| std::cmp::Reverse(subset.count_ones()));
     subsets.into_iter().find_map(|subset| {
         let chosen: Vec<[f64; 3]> = (0..points.len()).filter(|i| subset >> i & 1 == 1).map(|i| points[i]).collect();
-        let ball = ExactBall::through(&chosen, frame)?;
-        let holds = |point: &[f64; 3]| ball.excess(*point) != Sign::Positive;
-        (ball.centred && points.iter().all(holds)).then_some(ball)
+        let sphere = ExactSphere::through(&chosen, frame)?;
+        let holds = |point: &[f64; 3]| sphere.excess(*point) != Sign::Positive;
+        (sphere.centred && points.iter().all(holds)).then_some(sphere)
     })
 }
 
@@ -84,7 +84,7 @@ fn of_few(points: &[[f64; 3]], frame: Frame) -> Option<ExactBall> {
 ///
 /// # Complexity
 /// Linear, as an expected value over the orders, for any points.
-fn of_all(points: &[[f64; 3]], frame: Frame) -> ExactBall {
+fn of_all(points: &[[f64; 3]], frame: Frame) -> ExactSphere {
     let mut order = points.to_vec();
     // The shuffle of Fisher and Yates with Knuth's linear congruential generator (MMIX). Its high
     // bits are random enough, unless an input is built to defeat it.
@@ -93,26 +93,26 @@ fn of_all(points: &[[f64; 3]], frame: Frame) -> ExactBall {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         order.swap(i, ((u128::from(state) * (i as u128 + 1)) >> 64) as usize);
     }
-    with_on_it(&order, &[], frame).unwrap_or_else(|| ExactBall::at(points[0], frame))
+    with_on_it(&order, &[], frame).unwrap_or_else(|| ExactSphere::at(points[0], frame))
 }
 
 /// Returns the smallest sphere that encloses the points and passes through the points of `on_it`.
-fn with_on_it(points: &[[f64; 3]], on_it: &[[f64; 3]], frame: Frame) -> Option<ExactBall> {
-    let mut ball = ExactBall::through(on_it, frame);
+fn with_on_it(points: &[[f64; 3]], on_it: &[[f64; 3]], frame: Frame) -> Option<ExactSphere> {
+    let mut sphere = ExactSphere::through(on_it, frame);
     if on_it.len() == 4 {
-        return ball;
+        return sphere;
     }
     for (i, &point) in points.iter().enumerate() {
-        if ball.as_ref().is_none_or(|ball| ball.excess(point) == Sign::Positive) {
+        if sphere.as_ref().is_none_or(|sphere| sphere.excess(point) == Sign::Positive) {
             let mut more = on_it.to_vec();
             more.push(point);
-            ball = with_on_it(&points[..i], &more, frame).or(ball);
+            sphere = with_on_it(&points[..i], &more, frame).or(sphere);
         }
     }
-    ball
+    sphere
 }
 
-impl ExactBall {
+impl ExactSphere {
     /// Builds the sphere of radius zero at a point.
     fn at(point: [f64; 3], frame: Frame) -> Self {
         let zero = [Dyadic::ZERO, Dyadic::ZERO, Dyadic::ZERO];
@@ -123,9 +123,9 @@ impl ExactBall {
     /// they are affinely dependent.
     fn through(points: &[[f64; 3]], frame: Frame) -> Option<Self> {
         let (&first, others) = points.split_first()?;
-        let anchor = first.map(Dyadic::from_f64);
+        let origin = first.map(Dyadic::from_f64);
         let edges: Vec<[Dyadic; 3]> =
-            others.iter().map(|&point| subtract(&point.map(Dyadic::from_f64), &anchor)).collect();
+            others.iter().map(|&point| subtract(&point.map(Dyadic::from_f64), &origin)).collect();
         let (offset, denominator, weights) = match &edges[..] {
             [] => return Some(Self::at(first, frame)),
             // Halfway.
@@ -157,28 +157,28 @@ impl ExactBall {
         let centred = weights.iter().chain([&rest]).all(|weight| weight.sign() != Sign::Negative);
         match denominator.sign() {
             Sign::Zero => None,
-            Sign::Positive => Some(Self::new(points, anchor, offset, denominator, centred, frame)),
+            Sign::Positive => Some(Self::new(points, origin, offset, denominator, centred, frame)),
             Sign::Negative => {
                 let negate = |x: &Dyadic| &Dyadic::ZERO - x;
                 let offset = [0, 1, 2].map(|axis| negate(&offset[axis]));
-                Some(Self::new(points, anchor, offset, negate(&denominator), centred, frame))
+                Some(Self::new(points, origin, offset, negate(&denominator), centred, frame))
             }
         }
     }
 
     fn new(
         support: &[[f64; 3]],
-        anchor: [Dyadic; 3],
+        origin: [Dyadic; 3],
         offset: [Dyadic; 3],
         denominator: Dyadic,
         centred: bool,
         frame: Frame,
     ) -> Self {
-        let mut rounded = Rounded::new(&anchor, &offset, &denominator, frame);
+        let mut rounded = Rounded::new(&origin, &offset, &denominator, frame);
         if centred {
             rounded.round_radius(&dot(&offset, &offset), &(&denominator * &denominator));
         }
-        Self { support: support.to_vec(), anchor, offset, denominator, centred, rounded }
+        Self { support: support.to_vec(), origin, offset, denominator, centred, rounded }
     }
 
     /// Returns the center, each coordinate rounded to nearest.
@@ -237,16 +237,16 @@ impl ExactBall {
     /// Returns the sign of (|q|² - 2 q · offset / denominator) times the denominator, with q the
     /// offset of the point from the local origin.
     fn exact_excess(&self, point: [f64; 3]) -> Sign {
-        let q = subtract(&point.map(Dyadic::from_f64), &self.anchor);
+        let q = subtract(&point.map(Dyadic::from_f64), &self.origin);
         let across = dot(&q, &self.offset);
         (&(&dot(&q, &q) * &self.denominator) - &(&across + &across)).sign()
     }
 }
 
 impl Rounded {
-    fn new(anchor: &[Dyadic; 3], offset: &[Dyadic; 3], denominator: &Dyadic, frame: Frame) -> Self {
+    fn new(origin: &[Dyadic; 3], offset: &[Dyadic; 3], denominator: &Dyadic, frame: Frame) -> Self {
         let Frame { scale, .. } = frame;
-        let numerator = |axis: usize| &(&anchor[axis] * denominator) + &offset[axis];
+        let numerator = |axis: usize| &(&origin[axis] * denominator) + &offset[axis];
         let centre = [0, 1, 2].map(|axis| Dyadic::nearest_quotient(&numerator(axis), denominator) + 0.0);
         let centre_rest = [0, 1, 2].map(|axis| {
             let rest = &numerator(axis) - &(&Dyadic::from_f64(centre[axis]) * denominator);
@@ -345,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn the_three_judgements_agree() {
+    fn the_three_classifications_agree() {
         let mut rng = Rng::new(6);
         let (mut coarse, mut fine, mut exact) = (0, 0, 0);
         for round in 0..3_000 {
@@ -357,15 +357,15 @@ mod tests {
             };
             let support: Vec<[f64; 3]> = (0..4).map(|_| point(&mut rng)).collect();
             let frame = Frame { origin: [offset; 3], scale: 1.0 };
-            let Some(ball) = ExactBall::through(&support, frame) else { continue };
-            if !ball.centred {
+            let Some(sphere) = ExactSphere::through(&support, frame) else { continue };
+            if !sphere.centred {
                 continue;
             }
             // On the sphere, next to it, and anywhere.
             let mut beside = support[rng.integer(0, 3) as usize];
             beside[0] = if rng.one_in(3) { beside[0] } else { beside[0].next_up() };
             for q in [beside, point(&mut rng)] {
-                let truth = ball.exact_excess(q);
+                let truth = sphere.exact_excess(q);
                 let sign = |x: f64, error: f64| {
                     if x > error {
                         Some(Sign::Positive)
@@ -375,8 +375,8 @@ mod tests {
                         None
                     }
                 };
-                let by_doubles = sign(ball.rounded.coarse_excess(q), ball.rounded.error[0]);
-                let by_pairs = sign(ball.rounded.fine_excess(q), ball.rounded.error[1]);
+                let by_doubles = sign(sphere.rounded.coarse_excess(q), sphere.rounded.error[0]);
+                let by_pairs = sign(sphere.rounded.fine_excess(q), sphere.rounded.error[1]);
                 assert!(
                     by_doubles.is_none_or(|s| s == truth) && by_pairs.is_none_or(|s| s == truth),
                     "{q:?} {support:?}"

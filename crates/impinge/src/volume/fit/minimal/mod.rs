@@ -23,7 +23,7 @@
 //! Tests: `tests/it/volumes/minimal.rs`. Benchmark: `volumes`.
 
 mod approximate;
-mod beyond;
+mod candidates;
 mod exact;
 mod frame;
 
@@ -32,8 +32,8 @@ use super::enclosing::{about, scaled_offset, squared};
 use super::spheres::FittedSphere;
 use crate::input::InputError;
 use crate::volume::points::{Coordinate, widen};
-use beyond::{Beyond, first_look};
-use exact::ExactBall;
+use candidates::{Candidates, first_candidates};
+use exact::ExactSphere;
 use frame::Frame;
 
 /// Returns the smallest sphere that encloses the points.
@@ -63,14 +63,14 @@ use frame::Frame;
 /// One pass over memory for a generic point cloud. Linear for every set tested, including a million
 /// points that all lie on one sphere.
 pub fn minimal_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, InputError> {
-    let (bounds, beyond) = first_look(points)?;
+    let (bounds, candidates) = first_candidates(points)?;
     let frame = Frame::of(&bounds);
     if bounds.min() == bounds.max() {
         return Ok(FittedSphere { sphere: BoundingSphere::from_valid(bounds.min(), 0.0), lower: 0.0 });
     }
-    let (ball, rim) = solve(points, frame, beyond);
-    let sphere = about(ball.centre(), &rim, frame.scale);
-    Ok(FittedSphere { sphere, lower: ball.radius_down() })
+    let (minimal, rim) = solve(points, frame, candidates);
+    let sphere = about(minimal.centre(), &rim, frame.scale);
+    Ok(FittedSphere { sphere, lower: minimal.radius_down() })
 }
 
 /// Returns the minimal circle of points in a plane through the origin: its center and squared
@@ -82,24 +82,24 @@ pub(super) fn circle(points: &[[f64; 3]]) -> ([f64; 3], f64) {
 }
 
 /// Returns the minimal sphere, and a set of points that includes all those that are nearly on it.
-fn solve<T: Coordinate>(points: &[[T; 3]], frame: Frame, mut beyond: Option<Beyond>) -> (ExactBall, Vec<[f64; 3]>) {
+fn solve<T: Coordinate>(points: &[[T; 3]], frame: Frame, mut next: Option<Candidates>) -> (ExactSphere, Vec<[f64; 3]>) {
     /// Maximum number of candidate passes: one for each of the four points that the sphere rests
     /// on, and one for the start.
     const ROUNDS: usize = 5;
     for _ in 0..ROUNDS {
-        let Some(candidates) = beyond else { break };
-        let ball = sphere_of(&candidates.points, frame);
-        if candidates.rest_is_inside(&ball, frame) {
-            return (ball, candidates.points);
+        let Some(candidates) = next else { break };
+        let sphere = sphere_of(&candidates.points, frame);
+        if candidates.rest_is_inside(&sphere, frame) {
+            return (sphere, candidates.points);
         }
-        beyond = Some(candidates.next(points, &ball, frame));
+        next = Some(candidates.next(points, &sphere, frame));
     }
     let all: Vec<[f64; 3]> = points.iter().map(|&point| widen(point)).collect();
     (sphere_of(&all, frame), all)
 }
 
 /// Returns the minimal sphere of the points, exactly.
-fn sphere_of(points: &[[f64; 3]], frame: Frame) -> ExactBall {
+fn sphere_of(points: &[[f64; 3]], frame: Frame) -> ExactSphere {
     let local: Vec<[f64; 3]> = points.iter().map(|&point| frame.local(point)).collect();
     let support: Vec<[f64; 3]> = approximate::minimal(&local).support.iter().map(|&i| points[i]).collect();
     exact::minimal(points, &support, frame)
