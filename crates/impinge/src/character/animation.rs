@@ -1,4 +1,4 @@
-//! Keys over time, and what lies between them (glTF 2.0 specification, appendix C).
+//! Keys over time, and the values between them (glTF 2.0 specification, appendix C).
 
 use std::collections::HashMap;
 
@@ -7,21 +7,21 @@ use super::skeleton::BoneSet;
 use super::timeline::{LANES, Moves, Place, Quad, Side, Timeline};
 use super::transform::{Transform, normalised};
 
-/// What a channel moves.
+/// The property that a channel animates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Target {
-    /// The translation of a bone: three values a key.
+    /// The translation of a bone: three values per key.
     Translation(u32),
-    /// The rotation of a bone: four values a key, (w, x, y, z).
+    /// The rotation of a bone: four values per key, (w, x, y, z).
     Rotation(u32),
-    /// The scale of a bone: three values a key.
+    /// The scale of a bone: three values per key.
     Scale(u32),
-    /// The weight of a morph target: one value a key.
+    /// The weight of a morph target: one value per key.
     MorphWeight(u32),
 }
 
 impl Target {
-    /// How many values a key has.
+    /// Number of values per key, without slopes.
     pub(super) fn width(self) -> usize {
         match self {
             Self::Translation(_) | Self::Scale(_) => 3,
@@ -30,7 +30,7 @@ impl Target {
         }
     }
 
-    /// What it moves of which bone.
+    /// Returns the property and the bone, or `None` for a morph weight.
     fn moved(self) -> Option<(Moves, u32)> {
         match self {
             Self::Translation(bone) => Some((Moves::Translation, bone)),
@@ -41,28 +41,29 @@ impl Target {
     }
 }
 
-/// What lies between two keys.
+/// The interpolation between two keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Interpolation {
     /// The value of the earlier key.
     Step,
-    /// Even motion; rotations take the shorter arc.
+    /// Linear interpolation. Rotations take the shorter arc at constant speed.
     Linear,
-    /// A cubic Hermite spline: each key has the slope before it, its value and the slope after it. Rotations are made of
-    /// length 1 again.
+    /// A cubic Hermite spline. Each key has the slope before it, its value and the slope after it.
+    /// Interpolated rotations are normalized to length 1.
     CubicSpline,
 }
 
 /// One channel as it is given.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// What it moves.
+    /// The property that the channel animates.
     pub target: Target,
-    /// What lies between its keys.
+    /// The interpolation between its keys.
     pub interpolation: Interpolation,
-    /// The times of its keys in seconds, increasing. Before the first the first value holds, after the last the last.
+    /// The times of its keys in seconds, increasing. The first value holds before the first key,
+    /// the last value after the last key.
     pub times: Vec<f64>,
-    /// The values, key by key: as many as the target has; three times as many for splines.
+    /// The values, key by key: as many as the target needs, or three times as many for splines.
     pub values: Vec<f64>,
 }
 
@@ -70,10 +71,10 @@ pub struct Channel {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Animation {
     name: String,
-    /// Different lists of times; most rigs have few.
+    /// The different lists of key times. Most rigs have few.
     timelines: Vec<Timeline>,
     tracks: Vec<Track>,
-    /// The tracks that are not in the quads of a timeline.
+    /// Indices of the tracks that are not in the quads of a timeline.
     singles: Vec<u32>,
 }
 
@@ -83,7 +84,7 @@ pub(super) struct Track {
     pub(super) target: Target,
     interpolation: Interpolation,
     timeline: usize,
-    /// The place of its values among those of a key, and how far apart they are there.
+    /// Position of its first value among the values of a key.
     offset: usize,
     stride: usize,
 }
@@ -98,11 +99,12 @@ pub(super) struct Keys<'a> {
 }
 
 impl Animation {
-    /// Judges channels; `index` is the number of the animation in its rig, for errors.
+    /// Validates channels. `index` is the index of the animation in its rig, for error messages.
     ///
     /// # Errors
-    /// Keys that are not finite, out of range, no rotation, of scale zero, or whose times do not increase; other counts of
-    /// values than the keys need; each names the channel or the key.
+    /// Returns an error that names the channel or the key if a number is not finite or out of
+    /// range, a rotation or scale is zero, times do not increase, or the number of values does not
+    /// match the keys.
     pub fn new(name: String, channels: Vec<Channel>, index: usize) -> Result<Self, RigError> {
         let (mut timelines, mut tracks, mut given) = (Vec::<Timeline>::new(), Vec::<Track>::new(), Vec::new());
         for (at, channel) in channels.into_iter().enumerate() {
@@ -130,13 +132,14 @@ impl Animation {
         Ok(Self { name, timelines, tracks, singles })
     }
 
-    /// The name; empty where the rig has none.
+    /// Returns the name. It is empty if the rig has none.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// From the first key to the last, in seconds; both zero where there are no channels.
+    /// Returns the times of the first and the last key, in seconds. Both are 0 if there are no
+    /// channels.
     #[must_use]
     pub fn span(&self) -> [f64; 2] {
         let start = self.timelines.iter().map(|timeline| timeline.times[0]).fold(f64::INFINITY, f64::min);
@@ -148,7 +151,7 @@ impl Animation {
         if start <= end { [start, end] } else { [0.0; 2] }
     }
 
-    /// The times of all keys of all channels, increasing, each once.
+    /// Returns the times of all keys of all channels, increasing and without duplicates.
     #[must_use]
     pub fn key_times(&self) -> Vec<f64> {
         let mut times: Vec<f64> = self.timelines.iter().flat_map(|timeline| &timeline.times).copied().collect();
@@ -166,7 +169,8 @@ impl Animation {
         Keys { interpolation, timeline: &self.timelines[timeline], offset, stride }
     }
 
-    /// Moves what the channels move to where it is at a time: all of it, or the bones of a set.
+    /// Sets the animated properties to their values at a time: those of all bones and morph
+    /// weights, or only those of the bones in a set.
     pub(super) fn sample(
         &self,
         time: f64,
@@ -198,8 +202,9 @@ impl Animation {
     }
 }
 
-/// Gives every track its place among the values of a key, the linear ones of bones by fours; those that are left. Of several tracks
-/// with one target the last counts, and the others are nowhere asked for.
+/// Assigns each track its position among the values of a key. Linear tracks of bones are grouped by
+/// fours; the indices of the other tracks are returned. If several tracks have the same target,
+/// only the last one is used.
 fn laid_out(timelines: &mut [Timeline], tracks: &mut [Track]) -> Vec<u32> {
     let last: HashMap<Target, usize> = tracks.iter().enumerate().map(|(at, track)| (track.target, at)).collect();
     let (mut singles, mut open) = (Vec::new(), HashMap::<(usize, Moves), [usize; 2]>::new());
@@ -230,7 +235,7 @@ fn laid_out(timelines: &mut [Timeline], tracks: &mut [Track]) -> Vec<u32> {
     singles
 }
 
-/// The channel with the rotations of its keys made of length 1, those of splines aside.
+/// Validates a channel. Rotations are normalized to length 1, except those of splines.
 fn judged(mut channel: Channel, animation: usize, at: usize) -> Result<Channel, RigError> {
     let Channel { target, interpolation, times, values } = &mut channel;
     let place = RigPlace::Channel { animation, channel: at };
@@ -278,18 +283,19 @@ impl<'a> Keys<'a> {
         &self.timeline.times
     }
 
-    /// The value of a key; where keys have slopes, the one before it for a `part` of 0, the value for 1, the slope after it for 2.
+    /// Returns a part of a spline key: the slope before it for a `part` of 0, the value for 1, the
+    /// slope after it for 2. A key without slopes only has part 0, its value.
     fn part<const N: usize>(&self, key: usize, part: usize) -> [f64; N] {
         let start = key * self.timeline.width + self.offset + part * N * self.stride;
         std::array::from_fn(|k| self.timeline.values[start + k * self.stride])
     }
 
-    /// The value of a key.
+    /// Returns the value of a key.
     pub(super) fn value<const N: usize>(&self, key: usize) -> [f64; N] {
         self.part(key, usize::from(self.interpolation == Interpolation::CubicSpline))
     }
 
-    /// The slopes before and after a key of a spline.
+    /// Returns the slopes before and after a spline key.
     pub(super) fn slopes<const N: usize>(&self, key: usize) -> [[f64; N]; 2] {
         [self.part(key, 0), self.part(key, 2)]
     }
@@ -309,13 +315,13 @@ impl<'a> Keys<'a> {
         std::array::from_fn(|k| a * from[k] + b * seconds * slope_from[k] + c * to[k] + d * seconds * slope_to[k])
     }
 
-    /// Of a track that is not linear.
+    /// Returns the rotation of a track that is not linear.
     fn rotation_at(&self, place: Place) -> [f64; 4] {
         let from = self.value::<4>(place.key);
         if self.interpolation != Interpolation::CubicSpline {
             return from;
         }
-        // A spline through zero has no rotation there; that of its key will do.
+        // If the spline passes through zero, there is no rotation; the rotation of the key is used.
         normalised(self.values_at::<4>(place)).or_else(|| normalised(from)).unwrap_or([1.0, 0.0, 0.0, 0.0])
     }
 }
@@ -343,7 +349,7 @@ mod tests {
         assert_eq!([0.0, 1.0, 1.5, 3.0, 9.0].map(|t| at(Interpolation::Linear, t)), [2.0, 2.0, 3.0, 6.0, 6.0]);
         assert_eq!([0.0, 2.9, 3.0].map(|t| at(Interpolation::Step, t)), [2.0, 2.0, 6.0]);
         assert_eq!(translation_at(Interpolation::Step, &linear, 3.0, Side::Before), 2.0);
-        // x³ from 1 to 3: slopes 3 and 27.
+        // x³ from 1 to 3 has the slopes 3 and 27.
         let cubic = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 3.0, 0.0, 0.0, 27.0, 0.0, 0.0, 27.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         for t in [1.0, 1.25, 2.0, 2.875, 3.0] {
             let x = translation_at(Interpolation::CubicSpline, &cubic, t, Side::After);

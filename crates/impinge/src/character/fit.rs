@@ -1,4 +1,4 @@
-//! Volumes about the parts of a plan: of each kind, and the kind that is best.
+//! Fits volumes of each kind to the parts of a plan, and chooses the best kind.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -19,53 +19,57 @@ use super::transform::{Matrix, apply_transposed, matrix, times};
 use super::volume::{HitHull, HitVolume, VolumeKind, box_of};
 use crate::math::vec3::{Vector, add, dot, length, scale, sub};
 
-/// Whether volumes hold everything.
+/// Whether volumes enclose everything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Mode {
-    /// No point of the skinned surface is ever outside, at rest and at every time of every animation of the rig.
+    /// No point of the skinned surface is ever outside, at rest and at every time of every
+    /// animation of the rig.
     Conservative,
-    /// The outermost twentieth of a part's vertices may stick out, so that strikes hit what looks hit.
+    /// The outermost 5 % of the vertices of a part may stick out, so that strikes look right.
     Snug,
 }
 
-/// The share of a part's vertices that a snug volume may leave out.
+/// Share of the vertices of a part that a snug volume may leave out.
 const TRIMMED: f64 = 0.05;
 
-/// Poses by which snug volumes are fitted and leaks are measured.
+/// Number of poses from which snug volumes are fitted, and from which conservative fits take their
+/// first extremes. More poses cost time; fewer make the first fits less representative.
 const POSES: usize = 96;
 
-/// A part of a character: the volume that stands for it, in the rigid frame of a bone.
+/// A part of a character, with a volume in the rigid frame of a bone.
 #[derive(Clone, Debug)]
 pub struct HitPart {
-    /// What it is called.
+    /// The name.
     pub name: String,
-    /// The bones whose faces it has.
+    /// The bones whose faces belong to the part.
     pub bones: Vec<u32>,
-    /// The bone whose frame the volume is in.
+    /// The bone that the volume is fixed to.
     pub anchor: u32,
     pub(super) volume: HitVolume,
-    /// The area of the volume in areas of a convex hull about what it was fitted to: 1 is as tight as convex volumes are.
+    /// Surface area of the volume divided by that of the convex hull of the points it was fitted
+    /// to. A value of 1 is as tight as a convex volume can be.
     pub looseness: f64,
-    /// A sphere about the volume.
+    /// A sphere around the volume: center and radius.
     pub(super) sphere: (Vector, f64),
 }
 
 impl HitPart {
-    /// A part with a volume that somebody else found.
+    /// Builds a part with an existing volume, given in the frame of bone `anchor`.
     #[must_use]
     pub fn new(name: String, bones: Vec<u32>, anchor: u32, volume: HitVolume, looseness: f64) -> Self {
         let sphere = volume.bounding_sphere();
         Self { name, bones, anchor, volume, looseness, sphere }
     }
 
-    /// The volume, in the frame of the anchor.
+    /// Returns the volume, in the frame of the bone that it is fixed to.
     #[must_use]
     pub fn volume(&self) -> &HitVolume {
         &self.volume
     }
 }
 
-/// Fits one volume to each part of a plan that has faces; the parts, and the part of each face.
+/// Fits one volume to each part of a plan that has faces. Returns the parts, and the part of each
+/// face.
 pub(super) fn parts(rig: &Rig, plan: &Plan, mode: Mode) -> Result<(Vec<HitPart>, Vec<u32>), RigError> {
     let part_of_bone = plan.part_of_bones(rig)?;
     let mut part_of_face: Vec<u32> = bones_of_faces(rig).into_iter().map(|bone| part_of_bone[bone as usize]).collect();
@@ -96,7 +100,7 @@ pub(super) fn parts(rig: &Rig, plan: &Plan, mode: Mode) -> Result<(Vec<HitPart>,
     Ok((parts, part_of_face))
 }
 
-/// A convex piece of a part's surface: what the part's volume is opened into for rays.
+/// A convex piece of a part's surface. Pieces refine the part's volume for rays.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
     pub(super) part: u32,
@@ -104,8 +108,8 @@ pub(super) struct Piece {
     pub(super) volume: HitVolume,
 }
 
-/// Hulls about groups of faces that go with one bone, of at most `faces` each; conservative, as the faces of a part are all in
-/// some piece.
+/// Builds hulls around groups of at most `faces` faces that follow the same bone. They are
+/// conservative, because every face of a part is in some piece.
 pub(super) fn pieces(rig: &Rig, part_of_face: &[u32], faces: usize) -> Result<Vec<Piece>, RigError> {
     let mut vertices = Vec::new();
     rig.skin().skinned(&rig.rest_pose()?, &mut vertices);
@@ -121,7 +125,7 @@ pub(super) fn pieces(rig: &Rig, part_of_face: &[u32], faces: usize) -> Result<Ve
     let mut pending: Vec<((u32, u32), Vec<u32>)> = groups.into_iter().rev().collect();
     while let Some((owner, mut group)) = pending.pop() {
         if group.len() > faces.max(1) {
-            // Halves along the longest axis, by rank, so that this ends.
+            // Halves along the longest axis, by rank, so the recursion ends.
             let [low, high] = box_of(&group.iter().map(middle).collect::<Vec<_>>());
             let axis = (0..3).max_by(|&i, &j| (high[i] - low[i]).total_cmp(&(high[j] - low[j]))).unwrap_or(0);
             group.sort_by(|a, b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b)));
@@ -159,7 +163,7 @@ fn held(rig: &Rig, part_of_face: &[u32], anchors: &[u32]) -> Vec<Held> {
     held
 }
 
-/// Leaves out vertices that are always where another is, as along the seams of textures.
+/// Removes vertices that always coincide with another one, such as those along texture seams.
 fn keep_different(rig: &Rig, vertices: &mut Vec<u32>) {
     let skin = rig.skin();
     if !skin.morphs().is_empty() {
@@ -172,7 +176,8 @@ fn keep_different(rig: &Rig, vertices: &mut Vec<u32>) {
     });
 }
 
-/// Shows where the vertices of parts are, each in the frame of its part.
+/// Calls `show` with the part, the vertex and its position in the frame of its part, for all
+/// vertices of the parts.
 pub(super) fn places(rig: &Rig, pose: &RigPose, held: &[Held], mut show: impl FnMut(usize, u32, Vector)) {
     let palette = rig.skin().palette(pose.bones());
     let mut morphed = Vec::new();
@@ -194,7 +199,7 @@ fn local_palette(palette: &[(Matrix, Vector)], rotation: &Matrix, origin: Vector
     palette.iter().map(local).collect()
 }
 
-/// Volumes that hold every vertex of a part at every time.
+/// Fits volumes that enclose every vertex of a part at every time.
 fn conservative(rig: &Rig, held: &[Held]) -> Result<Vec<Candidates>, RigError> {
     let samples = Samples::of(rig, held)?;
     let extremes = extremes(rig, held, &samples.list)?;
@@ -217,16 +222,16 @@ fn conservative(rig: &Rig, held: &[Held]) -> Result<Vec<Candidates>, RigError> {
     Ok(candidates)
 }
 
-/// A part beyond the range of volumes, whose poses are within 2^100.
+/// Returns the error for a part beyond the range of volumes. Poses are within 2^100.
 fn unfit(_: &InputError) -> RigError {
     RigError::new(RigErrorKind::OutOfRange { what: "part" }, RigPlace::Rig)
 }
 
-/// Samples that one task poses.
+/// Number of samples per parallel task.
 const CHUNK: usize = 32;
 
-/// Runs over all samples on all cores; what it finds does not depend on how many there are, as long as `merge` does not care
-/// for the order.
+/// Processes all samples on all cores. The result does not depend on the number of cores if `merge`
+/// does not depend on the order.
 fn over_samples<T: Send>(
     rig: &Rig,
     samples: &[Sample],
@@ -245,10 +250,11 @@ fn over_samples<T: Send>(
     samples.par_chunks(CHUNK).map(of_chunk).try_reduce(&start, |a, b| Ok(merge(a, b)))
 }
 
-/// For each part the vertices that are farthest along some directions, at any time.
+/// Returns, for each part, the vertices that are farthest along fixed directions, at any time of
+/// some samples.
 fn extremes(rig: &Rig, held: &[Held], samples: &[Sample]) -> Result<Vec<Vec<(f64, Vector)>>, RigError> {
     let directions = directions();
-    // They need not be the very farthest: what follows grows volumes to hold all.
+    // A subset of the samples is enough: the volumes are later grown to enclose all.
     let some: Vec<Sample> = samples.iter().step_by(samples.len().div_ceil(POSES)).copied().collect();
     over_samples(
         rig,
@@ -271,20 +277,20 @@ fn extremes(rig: &Rig, held: &[Held], samples: &[Sample]) -> Result<Vec<Vec<(f64
     )
 }
 
-/// All with entries from -2 to 2 but zero.
+/// Returns all directions with integer entries from -2 to 2, except zero.
 fn directions() -> Vec<Vector> {
     let entry = |i: usize| i as f64 - 2.0;
     let all = (0..125).map(|i| [entry(i % 5), entry(i / 5 % 5), entry(i / 25)]);
     all.filter(|d| *d != [0.0; 3]).collect()
 }
 
-/// Those of the directions that have no entry of ±1: 26 in all, for hulls of few corners.
+/// Indices of the 26 directions without an entry of ±1, for hulls with few corners.
 static COARSE: std::sync::LazyLock<Vec<usize>> = std::sync::LazyLock::new(|| {
     let is_coarse = |d: &Vector| d.iter().all(|x| x.abs() != 1.0);
     directions().iter().enumerate().filter(|(_, d)| is_coarse(d)).map(|(at, _)| at).collect()
 });
 
-/// What each part needs, and the rounding of all of it.
+/// Returns the needs of each part, and a bound on the rounding of the vertices.
 fn needs(
     rig: &Rig,
     held: &[Held],
@@ -305,7 +311,8 @@ fn needs(
     )
 }
 
-/// How much each hull must be enlarged about its middle to hold all vertices; one where it holds them.
+/// Returns the factor by which each hull must be enlarged around its middle to enclose all
+/// vertices, at least 1.
 fn gauges(rig: &Rig, held: &[Held], samples: &[Sample], all: &[Candidates]) -> Result<Vec<f64>, RigError> {
     let of_part = |candidates: &Candidates| {
         let middle = middle(candidates.hull.hull());
@@ -329,7 +336,7 @@ fn gauges(rig: &Rig, held: &[Held], samples: &[Sample], all: &[Candidates]) -> R
     )
 }
 
-/// Volumes about most of the vertices that follow a part more than others.
+/// Fits volumes to most of the vertices that follow the bones of a part more than others.
 fn snug(rig: &Rig, held: &[Held], part_of_bone: &[u32], number: &[u32]) -> Result<Vec<Candidates>, RigError> {
     let skin = rig.skin();
     let own: Vec<Held> = (0..)
@@ -353,7 +360,7 @@ fn snug(rig: &Rig, held: &[Held], part_of_bone: &[u32], number: &[u32]) -> Resul
     points.iter().map(|points| trimmed(points).map_err(|e| unfit(&e))).collect()
 }
 
-/// Volumes about all but the outermost of some points.
+/// Fits volumes to all but the outermost of the points.
 fn trimmed(points: &[Vector]) -> Result<Candidates, InputError> {
     let hull = Hull::new(points)?;
     let mut candidates = Candidates::about(hull.positions(), hull.positions())?;
@@ -372,7 +379,7 @@ fn trimmed(points: &[Vector]) -> Result<Candidates, InputError> {
     candidates.capsule = Capsule::new(from, to, radii[1])?;
     candidates.lozenge = Lozenge::new(candidates.lozenge.corner(), candidates.lozenge.edges(), radii[2])?;
     let axes = candidates.obb.axes();
-    // A sixth of the share on each side.
+    // One sixth of the share on each of the six sides.
     let ranges = axes.map(|axis| [along(axis, TRIMMED / 6.0), along(axis, 1.0 - TRIMMED / 6.0)]);
     let centre = (0..3).fold([0.0; 3], |at, k| add(&at, &scale(&axes[k], 0.5 * (ranges[k][0] + ranges[k][1]))));
     candidates.obb = Obb::new(centre, axes, ranges.map(|[low, high]| 0.5 * (high - low)))?;

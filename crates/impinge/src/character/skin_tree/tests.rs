@@ -5,13 +5,13 @@ use super::*;
 
 const JOINTS: u32 = 5;
 
-/// Numbers from -1 to 1.
+/// Returns a number from -1 to 1.
 fn random(state: &mut u64) -> f64 {
     *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
     (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
-/// A sheet over five bones, whose vertices follow one to three of them, on a grid of weights.
+/// A sheet over five bones. Each vertex follows one to three of them, with weights on a grid.
 fn sheet(state: &mut u64) -> Rig {
     let bones = (0..JOINTS).map(|at| Bone { name: at.to_string(), parent: None, rest: Transform::IDENTITY });
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
@@ -37,7 +37,7 @@ fn sheet(state: &mut u64) -> Rig {
     Rig::new(Skeleton::new(bones.collect()).unwrap(), skin, vec![]).unwrap()
 }
 
-/// The faces below a node.
+/// Returns the faces below a node.
 fn faces_of(tree: &SkinTree, node: u32) -> Vec<u32> {
     match tree.below(node) {
         Below::Nodes(nodes) => nodes.iter().flat_map(|&node| faces_of(tree, node)).collect(),
@@ -45,7 +45,8 @@ fn faces_of(tree: &SkinTree, node: u32) -> Vec<u32> {
     }
 }
 
-/// How far the vertices of each node are from the centre of its sphere, in radii; the most of all nodes.
+/// Checks that the spheres of all nodes enclose their vertices. Returns the largest distance of a
+/// vertex from its center, in radii.
 fn checked(rig: &Rig, tree: &SkinTree, pose: &SkinPose) -> f64 {
     let mut vertices = Vec::new();
     rig.skin().morphed(&pose.morph_weights, &mut vertices);
@@ -75,7 +76,8 @@ fn spheres_hold_in_any_pose() {
     assert_eq!(sorted, (0..rig.skin().faces().len() as u32).collect::<Vec<_>>());
     let mut nearest = 0.0_f64;
     for case in 0..60 {
-        // Any affine maps at all, of very different sizes, some that are nearly flat, and some that agree about a point.
+        // Arbitrary affine maps of very different sizes. Some are nearly flat, and some agree at a
+        // point.
         let size = [1.0, 1e-3, 1e3][case % 3];
         let mut map = |joint: u32| {
             let size = size * if joint as usize == case % 4 { 20.0 } else { 1.0 };
