@@ -49,7 +49,10 @@ impl AabbBatch {
     /// # Panics
     /// If the batch already holds 2^32 boxes.
     pub fn push(&mut self, one: &Aabb) {
-        assert!(u32::try_from(self.len).is_ok(), "at most 2^32 boxes");
+        assert!(
+            u32::try_from(self.len).is_ok(),
+            "an AabbBatch holds at most 2^32 boxes: split the boxes over several batches"
+        );
         let lane = self.len % LANES;
         if lane == 0 {
             self.packets.push(Packet { min: [[f32::INFINITY; LANES]; 3], max: [[f32::NEG_INFINITY; LANES]; 3] });

@@ -18,8 +18,8 @@ use crate::math::vec3::{cross, dot, normalized};
 /// ```
 /// use impinge::volume::{Lozenge, BoundingSphere, Round};
 /// let plate = Lozenge::new([0.0; 3], [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0]], 0.5)?;
-/// let ball = BoundingSphere::new([2.0, 2.0, 3.0], 0.5)?;
-/// let bounds = plate.distance(&ball);
+/// let sphere = BoundingSphere::new([2.0, 2.0, 3.0], 0.5)?;
+/// let bounds = plate.distance(&sphere);
 /// assert!(bounds.lower <= 2.0 && 2.0 <= bounds.upper && bounds.upper - bounds.lower < 1e-12);
 /// # Ok::<(), impinge::InputError>(())
 /// ```

@@ -43,12 +43,12 @@ impl Obb {
     /// [`NotRigid`](InputErrorKind::NotRigid) if the axes deviate from orthonormal ones by more
     /// than 2^-40.
     pub fn new(centre: [f64; 3], axes: [[f64; 3]; 3], half_extents: [f64; 3]) -> Result<Self, InputError> {
-        in_range("box centre or axis", centre.into_iter().chain(axes.into_iter().flatten()))?;
+        in_range("box center or axis", centre.into_iter().chain(axes.into_iter().flatten()))?;
         lengths_in_range("half-extent", half_extents)?;
         let deviation = deviation(&axes);
         if deviation > MAX_DEVIATION {
             return Err(InputError::new(InputErrorKind::NotRigid { deviation })
-                .with_hint("the axes of a box are orthonormal: normalise them"));
+                .with_hint("the axes of a box must be orthonormal: normalize them and make them perpendicular"));
         }
         Ok(Self { centre, axes, half_extents })
     }

@@ -102,11 +102,11 @@ fn bounds_by_lanes<T: Coordinate>(points: &[[T; 3]]) -> Option<MinMax> {
     let mut poison = [T::ZERO; LANES];
     for group in groups {
         for (lane, &x) in group.iter().enumerate() {
-            include(&mut min[lane], &mut max[lane], &mut poison[lane], x);
+            include_coordinate(&mut min[lane], &mut max[lane], &mut poison[lane], x);
         }
     }
     for (lane, &x) in rest.iter().enumerate() {
-        include(&mut min[lane], &mut max[lane], &mut poison[lane], x);
+        include_coordinate(&mut min[lane], &mut max[lane], &mut poison[lane], x);
     }
     let on_axis = |axis: usize| (axis..LANES).step_by(3);
     let low: [f64; 3] =
@@ -121,7 +121,7 @@ fn bounds_by_lanes<T: Coordinate>(points: &[[T; 3]]) -> Option<MinMax> {
 /// Includes one coordinate in the bounds of its lane.
 #[inline(always)]
 #[allow(clippy::eq_op, reason = "zero for what is finite and for nothing else")]
-fn look<T: Coordinate>(min: &mut T, max: &mut T, poison: &mut T, x: T) {
+fn include_coordinate<T: Coordinate>(min: &mut T, max: &mut T, poison: &mut T, x: T) {
     *min = if x < *min { x } else { *min };
     *max = if x > *max { x } else { *max };
     *poison = *poison + (x - x);

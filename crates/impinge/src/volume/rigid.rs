@@ -43,8 +43,9 @@ pub(crate) fn stretch(pose: &Pose) -> Result<f64, InputError> {
     }
     let deviation = squares.sqrt() * (1.0 + 16.0 * HALF_ULP);
     if deviation > MAX_DEVIATION {
-        return Err(InputError::new(InputErrorKind::NotRigid { deviation })
-            .with_hint("only meshes, boxes and polytopes with fixed directions can be scaled or sheared"));
+        return Err(InputError::new(InputErrorKind::NotRigid { deviation }).with_hint(
+            "only meshes, boxes and k-DOPs can be scaled or sheared: remove scale and shear from the pose",
+        ));
     }
     Ok(add_up(1.0, 0.5 * deviation))
 }

@@ -50,10 +50,10 @@ pub(super) mod sealed {
 /// ```
 /// use impinge::volume::{BoundingSphere, Capsule, Proximity, Round};
 /// let pill = Capsule::new([0.0; 3], [4.0, 0.0, 0.0], 1.0)?;
-/// let ball = BoundingSphere::new([2.0, 5.0, 0.0], 1.0)?;
-/// let bounds = pill.distance(&ball);
+/// let sphere = BoundingSphere::new([2.0, 5.0, 0.0], 1.0)?;
+/// let bounds = pill.distance(&sphere);
 /// assert!(bounds.lower <= 3.0 && 3.0 <= bounds.upper && bounds.upper - bounds.lower < 1e-12);
-/// assert_eq!(pill.proximity(&ball), Proximity::Apart);
+/// assert_eq!(pill.proximity(&sphere), Proximity::Apart);
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 pub trait Round: sealed::Swept + Sized {

@@ -34,7 +34,7 @@ impl BoundingSphere {
     /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) for a bad number,
     /// and [`Negative`](crate::input::InputErrorKind::Negative) for a negative radius.
     pub fn new(centre: [f64; 3], radius: f64) -> Result<Self, InputError> {
-        in_range("centre", centre)?;
+        in_range("sphere center", centre)?;
         lengths_in_range("radius", [radius])?;
         Ok(Self { centre, radius })
     }

@@ -54,7 +54,10 @@ pub(super) fn about<T: Coordinate>(centre: [f64; 3], points: &[[T; 3]], scale: f
     // from the largest. Exact arithmetic decides those.
     let near = furthest * (1.0 - 2.0 * SQUARE_ERROR);
     let mut rim = Rim { greatest: [0.0; 2], points: Vec::new() };
-    points.iter().filter(|&&point| square_of(point) >= near).for_each(|&point| rim.include(widen(point), centre, scale));
+    points
+        .iter()
+        .filter(|&&point| square_of(point) >= near)
+        .for_each(|&point| rim.include(widen(point), centre, scale));
     rim.points.sort_by(|p, q| p.partial_cmp(q).unwrap_or(std::cmp::Ordering::Equal));
     rim.points.dedup();
     let root = furthest.sqrt() / scale;

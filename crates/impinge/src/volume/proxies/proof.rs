@@ -81,9 +81,13 @@ impl Volumes {
 impl fmt::Display for ProxyFlaw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Shape => write!(f, "the proxies are no hull and volumes"),
-            Self::Hull => write!(f, "the hull is not that of the mesh"),
-            Self::Volume { which } => write!(f, "the {which} does not hold the mesh"),
+            Self::Shape => write!(f, "the bytes are not valid proxies: compute the proxies of this mesh again"),
+            Self::Hull => {
+                write!(f, "the hull is not the convex hull of the mesh: compute the proxies of this mesh again")
+            }
+            Self::Volume { which } => {
+                write!(f, "the {which} does not enclose the mesh: compute the proxies of this mesh again")
+            }
         }
     }
 }

@@ -56,7 +56,8 @@ const CHUNK: usize = 1 << 13;
 impl Candidates {
     /// Returns the next candidates, around the sphere of the last ones.
     pub(super) fn next<T: Coordinate>(&self, points: &[[T; 3]], sphere: &ExactSphere, frame: Frame) -> Self {
-        let guess = Guess { centre: sphere.centre(), square: next_square(&self.points, sphere, frame), scale: frame.scale };
+        let guess =
+            Guess { centre: sphere.centre(), square: next_square(&self.points, sphere, frame), scale: frame.scale };
         let kept: Vec<Vec<[f64; 3]>> = points.par_chunks(CHUNK).map(|chunk| guess.beyond(chunk)).collect();
         Self { centre: guess.centre, distance: guess.square.sqrt(), points: kept.concat() }
     }
