@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use super::error::{RigError, RigErrorKind, RigPlace, judge};
+use super::error::{RigError, RigErrorKind, RigPlace, check_numbers};
 use super::skeleton::BoneSet;
-use super::timeline::{LANES, Moves, Place, Quad, Side, Timeline};
-use super::transform::{Transform, normalised};
+use super::timeline::{LANES, Place, Property, Quad, Side, Timeline};
+use super::transform::{Transform, normalized};
 
 /// The property that a channel animates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -31,11 +31,11 @@ impl Target {
     }
 
     /// Returns the property and the bone, or `None` for a morph weight.
-    fn moved(self) -> Option<(Moves, u32)> {
+    fn bone_property(self) -> Option<(Property, u32)> {
         match self {
-            Self::Translation(bone) => Some((Moves::Translation, bone)),
-            Self::Rotation(bone) => Some((Moves::Rotation, bone)),
-            Self::Scale(bone) => Some((Moves::Scale, bone)),
+            Self::Translation(bone) => Some((Property::Translation, bone)),
+            Self::Rotation(bone) => Some((Property::Rotation, bone)),
+            Self::Scale(bone) => Some((Property::Scale, bone)),
             Self::MorphWeight(_) => None,
         }
     }
@@ -108,7 +108,7 @@ impl Animation {
     pub fn new(name: String, channels: Vec<Channel>, index: usize) -> Result<Self, RigError> {
         let (mut timelines, mut tracks, mut given) = (Vec::<Timeline>::new(), Vec::<Track>::new(), Vec::new());
         for (at, channel) in channels.into_iter().enumerate() {
-            let Channel { target, interpolation, times, values } = judged(channel, index, at)?;
+            let Channel { target, interpolation, times, values } = validated(channel, index, at)?;
             let known = timelines.iter().position(|known| known.times == times);
             let timeline = known.unwrap_or_else(|| {
                 timelines.push(Timeline::new(times));
@@ -117,7 +117,7 @@ impl Animation {
             tracks.push(Track { target, interpolation, timeline, offset: 0, stride: 1 });
             given.push(values);
         }
-        let singles = laid_out(&mut timelines, &mut tracks);
+        let singles = lay_out(&mut timelines, &mut tracks);
         for timeline in &mut timelines {
             timeline.values = vec![0.0; timeline.times.len() * timeline.width];
         }
@@ -205,18 +205,20 @@ impl Animation {
 /// Assigns each track its position among the values of a key. Linear tracks of bones are grouped by
 /// fours; the indices of the other tracks are returned. If several tracks have the same target,
 /// only the last one is used.
-fn laid_out(timelines: &mut [Timeline], tracks: &mut [Track]) -> Vec<u32> {
+fn lay_out(timelines: &mut [Timeline], tracks: &mut [Track]) -> Vec<u32> {
     let last: HashMap<Target, usize> = tracks.iter().enumerate().map(|(at, track)| (track.target, at)).collect();
-    let (mut singles, mut open) = (Vec::new(), HashMap::<(usize, Moves), [usize; 2]>::new());
+    let (mut singles, mut partial_quads) = (Vec::new(), HashMap::<(usize, Property), [usize; 2]>::new());
     for (at, track) in tracks.iter_mut().enumerate() {
-        let moved =
-            track.target.moved().filter(|_| track.interpolation == Interpolation::Linear && last[&track.target] == at);
-        let Some((moves, bone)) = moved else { continue };
+        let moved = track
+            .target
+            .bone_property()
+            .filter(|_| track.interpolation == Interpolation::Linear && last[&track.target] == at);
+        let Some((property, bone)) = moved else { continue };
         let timeline = &mut timelines[track.timeline];
-        let [quad, lane] = open.entry((track.timeline, moves)).or_insert([0, LANES]);
+        let [quad, lane] = partial_quads.entry((track.timeline, property)).or_insert([0, LANES]);
         if *lane == LANES {
             (*quad, *lane) = (timeline.quads.len(), 0);
-            timeline.quads.push(Quad { offset: timeline.width, moves, bones: [bone; LANES] });
+            timeline.quads.push(Quad { offset: timeline.width, property, bones: [bone; LANES] });
             timeline.width += LANES * track.target.width();
         }
         let own = &mut timeline.quads[*quad];
@@ -236,7 +238,7 @@ fn laid_out(timelines: &mut [Timeline], tracks: &mut [Track]) -> Vec<u32> {
 }
 
 /// Validates a channel. Rotations are normalized to length 1, except those of splines.
-fn judged(mut channel: Channel, animation: usize, at: usize) -> Result<Channel, RigError> {
+fn validated(mut channel: Channel, animation: usize, at: usize) -> Result<Channel, RigError> {
     let Channel { target, interpolation, times, values } = &mut channel;
     let place = RigPlace::Channel { animation, channel: at };
     let key = |key: usize| RigPlace::Key { animation, channel: at, key };
@@ -247,14 +249,14 @@ fn judged(mut channel: Channel, animation: usize, at: usize) -> Result<Channel, 
         return Err(RigError::new(kind, place));
     }
     for (i, &time) in times.iter().enumerate() {
-        judge(&[time], "time", key(i))?;
+        check_numbers(&[time], "time", key(i))?;
         if i > 0 && time <= times[i - 1] {
             return Err(RigError::new(RigErrorKind::TimesNotIncreasing, key(i)));
         }
     }
     let width = target.width();
     for (i, all) in values.chunks_mut(of_key).enumerate() {
-        judge(all, "key", key(i))?;
+        check_numbers(all, "key", key(i))?;
         let start = if *interpolation == Interpolation::CubicSpline { width } else { 0 };
         let own = &mut all[start..start + width];
         match target {
@@ -263,7 +265,7 @@ fn judged(mut channel: Channel, animation: usize, at: usize) -> Result<Channel, 
             }
             Target::Rotation(_) => {
                 let zero = || RigError::new(RigErrorKind::ZeroRotation, key(i));
-                let unit = normalised([own[0], own[1], own[2], own[3]]).ok_or_else(zero)?;
+                let unit = normalized([own[0], own[1], own[2], own[3]]).ok_or_else(zero)?;
                 if *interpolation != Interpolation::CubicSpline {
                     own.copy_from_slice(&unit);
                 }
@@ -322,7 +324,7 @@ impl<'a> Keys<'a> {
             return from;
         }
         // If the spline passes through zero, there is no rotation; the rotation of the key is used.
-        normalised(self.values_at::<4>(place)).or_else(|| normalised(from)).unwrap_or([1.0, 0.0, 0.0, 0.0])
+        normalized(self.values_at::<4>(place)).or_else(|| normalized(from)).unwrap_or([1.0, 0.0, 0.0, 0.0])
     }
 }
 
@@ -358,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn rotations_of_splines_have_length_one() {
+    fn spline_rotations_have_length_one() {
         let mut values = vec![0.0; 24];
         (values[4], values[17]) = (1.0, 1.0);
         let channels = vec![channel(Target::Rotation(0), Interpolation::CubicSpline, &[0.0, 1.0], &values)];
@@ -370,7 +372,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_keys_are_named() {
+    fn invalid_keys_are_named_in_errors() {
         let error = |target, interpolation, times: &[f64], values: &[f64]| {
             Animation::new(String::new(), vec![channel(target, interpolation, times, values)], 7).unwrap_err()
         };

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use super::error::RigError;
-use super::fit::{self, HitPart, Mode, Piece, places};
+use super::fit::{self, HitPart, Mode, Piece, visit_positions};
 use super::frame::Frame;
-use super::plan::{PartPlan, Plan, bones_of_faces, some_poses};
+use super::plan::{PartPlan, Plan, bones_of_faces, sample_poses};
 use super::rig::Rig;
 use super::rig_pose::RigPose;
-use super::samples::Held;
+use super::samples::PartVertices;
 use super::skeleton::BoneSet;
 use super::skin_tree::SkinTree;
 use crate::math::vec3::length;
@@ -144,8 +144,8 @@ impl Character {
     /// # Errors
     /// Same as [`fit`](Self::fit).
     pub fn leaks(&self, rig: &Rig) -> Result<Vec<Leak>, RigError> {
-        let mut held: Vec<Held> =
-            self.parts.iter().map(|part| Held { anchor: part.anchor, vertices: Vec::new() }).collect();
+        let mut held: Vec<PartVertices> =
+            self.parts.iter().map(|part| PartVertices { anchor: part.anchor, vertices: Vec::new() }).collect();
         for (face, &part) in rig.skin().faces().iter().zip(&self.part_of_face) {
             held[part as usize].vertices.extend(face);
         }
@@ -155,9 +155,9 @@ impl Character {
             part.vertices.sort_unstable();
             part.vertices.dedup();
         }
-        for pose in some_poses(rig, 96)? {
+        for pose in sample_poses(rig, 96)? {
             let frames = self.frames(&pose);
-            places(rig, &pose, &held, |part, _, point| {
+            visit_positions(rig, &pose, &held, |part, _, point| {
                 counts[part] += 1;
                 let mut least = self.parts[part].volume.signed_distance(point);
                 // Allows for the rounding of the distance.

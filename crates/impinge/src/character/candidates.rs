@@ -15,7 +15,7 @@ const RAY_COSTS: [f64; 5] = [60.0, 80.0, 90.0, 190.0, 3.0];
 /// Cost of a ray that hits a volume but not the part, in nanoseconds. This is a choice: about the
 /// time of a query against a skinned mesh of some thousand faces. A larger value favors tighter
 /// volumes.
-const FALSE_STRIKE: f64 = 400.0;
+const FALSE_STRIKE_COST: f64 = 400.0;
 
 /// One volume of each kind around one part.
 pub(super) struct Candidates {
@@ -63,7 +63,7 @@ impl Candidates {
         let cost = |at: usize| {
             let looseness = self.looseness(&self.volume(VolumeKind::ALL[at]));
             let faces = if VolumeKind::ALL[at] == VolumeKind::Hull { self.hull.planes().len() as f64 } else { 1.0 };
-            RAY_COSTS[at] * faces + FALSE_STRIKE * (looseness - 1.0)
+            RAY_COSTS[at] * faces + FALSE_STRIKE_COST * (looseness - 1.0)
         };
         let chosen =
             kind.unwrap_or_else(|| VolumeKind::ALL[(0..5).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(0)]);
@@ -89,7 +89,7 @@ impl Needs {
         Self { sphere: 0.0, capsule: 0.0, lozenge: 0.0, obb: [[f64::INFINITY, f64::NEG_INFINITY]; 3], out }
     }
 
-    pub(super) fn show(&mut self, candidates: &Candidates, volumes: &[HitVolume; 3], point: Vector) {
+    pub(super) fn include(&mut self, candidates: &Candidates, volumes: &[HitVolume; 3], point: Vector) {
         let reach = |volume: &HitVolume| length(&sub(&point, &volume.closest_on_core(point)));
         self.sphere = self.sphere.max(reach(&volumes[0]));
         self.capsule = self.capsule.max(reach(&volumes[1]));
@@ -153,7 +153,7 @@ impl Candidates {
     /// within m of that hull is inside the hull enlarged once more by 1 + m / ρ. If m / ρ is large,
     /// cubes around the corners give a smaller hull.
     pub(super) fn grow_hull(&mut self, gauge: f64, margin: f64) -> Result<(), InputError> {
-        const LITTLE: f64 = 0.05;
+        const MAX_SHARE: f64 = 0.05;
         let middle = middle(self.hull.hull());
         let inner = self.hull.planes().iter().map(|&(n, level)| level - dot(&n, &middle)).fold(f64::INFINITY, f64::min);
         let enlarge = |factor: f64| {
@@ -161,7 +161,7 @@ impl Candidates {
             self.hull.hull().positions().iter().map(image).collect::<Vec<_>>()
         };
         let share = margin / (inner * gauge);
-        let corners = if share < LITTLE {
+        let corners = if share < MAX_SHARE {
             enlarge(gauge * (1.0 + share))
         } else {
             enlarge(gauge).into_iter().flat_map(|corner| cube_about(corner, margin)).collect()

@@ -4,7 +4,7 @@
 use super::error::{RigError, RigErrorKind, RigPlace};
 use super::frame::Frame;
 use super::names;
-use super::plan::{PartPlan, Plan, bones_of_faces, some_poses};
+use super::plan::{PartPlan, Plan, bones_of_faces, sample_poses};
 use super::rig::Rig;
 use super::rig_pose::RigPose;
 use super::skin::blended;
@@ -16,7 +16,7 @@ const POSES: usize = 48;
 
 /// Number of nearest other parts with which merging is tried. A bone rarely touches more bones than
 /// this.
-const NEIGHBOURS: usize = 8;
+const MAX_NEIGHBORS: usize = 8;
 
 impl Plan {
     /// Groups the bones with faces into at most `volumes` parts, and at least one.
@@ -72,7 +72,7 @@ struct Clusters {
 
 impl Clusters {
     fn of(rig: &Rig) -> Result<Self, RigError> {
-        let poses = some_poses(rig, POSES)?;
+        let poses = sample_poses(rig, POSES)?;
         let frame = |pose: &RigPose| {
             pose.bones().iter().map(|bone| Frame::new(bone.rotation_wxyz, bone.origin())).collect::<Vec<_>>()
         };
@@ -181,7 +181,7 @@ impl Clusters {
         let mut near: Vec<(f64, usize)> =
             others.filter_map(|(other, found)| found.as_ref().map(|found| (squared(found), other))).collect();
         near.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-        for (_, other) in near.into_iter().take(NEIGHBOURS) {
+        for (_, other) in near.into_iter().take(MAX_NEIGHBORS) {
             let pair = (at.min(other), at.max(other));
             if costs.iter().any(|cost| (cost.2, cost.3) == pair) {
                 continue;

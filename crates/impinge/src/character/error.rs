@@ -121,18 +121,24 @@ impl RigError {
 impl fmt::Display for RigErrorKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NonFinite { what } => write!(f, "a number of the {what} is not finite"),
-            Self::OutOfRange { what } => write!(f, "a number of the {what} is out of range"),
-            Self::Missing { what, index, len } => write!(f, "names {what} {index}, but there are {len}"),
-            Self::Cyclic => write!(f, "is its own ancestor"),
-            Self::ZeroScale => write!(f, "the scale is zero"),
-            Self::ZeroRotation => write!(f, "the quaternion is zero"),
-            Self::WeightSum { sum } => write!(f, "the weights sum up to {sum}, not to 1"),
-            Self::NegativeWeight => write!(f, "a weight is negative"),
-            Self::TimesNotIncreasing => write!(f, "the times do not increase"),
-            Self::OtherCount { what, count, expected } => write!(f, "{count} {what} in place of {expected}"),
-            Self::Empty => write!(f, "has no faces"),
-            Self::UnboundedMotion => write!(f, "the motion between two keys has no bound"),
+            Self::NonFinite { what } => write!(f, "the {what} has a number that is NaN or infinite"),
+            Self::OutOfRange { what } => write!(f, "the {what} has a number that is out of range: scale the rig down"),
+            Self::Missing { what, index, len } => write!(f, "refers to {what} {index}, but there are only {len}"),
+            Self::Cyclic => write!(f, "is its own ancestor: remove the cycle of parents"),
+            Self::ZeroScale => write!(f, "the scale is zero on an axis: use a small nonzero scale"),
+            Self::ZeroRotation => {
+                write!(f, "the rotation is a zero quaternion: use 1, 0, 0, 0 (w, x, y, z) for no rotation")
+            }
+            Self::WeightSum { sum } => write!(f, "the weights sum to {sum}, not to 1: normalize them"),
+            Self::NegativeWeight => write!(f, "a weight is negative: weights must be 0 or more"),
+            Self::TimesNotIncreasing => {
+                write!(f, "the times of the keys do not increase: sort them and remove duplicates")
+            }
+            Self::OtherCount { what, count, expected } => write!(f, "has {count} {what}, but {expected} are needed"),
+            Self::Empty => write!(f, "nothing to bound: at least one face and one part are needed"),
+            Self::UnboundedMotion => {
+                write!(f, "the speed between two keys has no bound, as when a spline of rotations nears zero: add keys")
+            }
         }
     }
 }
@@ -165,7 +171,7 @@ const LIMIT: f64 = (1_u128 << 64) as f64;
 
 /// Checks that the numbers of one value are finite and in range. `what` names the value in the
 /// error.
-pub(super) fn judge(numbers: &[f64], what: &'static str, place: RigPlace) -> Result<(), RigError> {
+pub(super) fn check_numbers(numbers: &[f64], what: &'static str, place: RigPlace) -> Result<(), RigError> {
     if !numbers.iter().all(|x| x.is_finite()) {
         return Err(RigError::new(RigErrorKind::NonFinite { what }, place));
     }

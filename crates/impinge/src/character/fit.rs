@@ -10,10 +10,10 @@ use crate::volume::{BoundingSphere, BoundingVolume, Capsule, Lozenge, Obb};
 
 use super::candidates::{Candidates, Needs, farther, middle};
 use super::error::{RigError, RigErrorKind, RigPlace};
-use super::plan::{Plan, bones_of_faces, some_poses};
+use super::plan::{Plan, bones_of_faces, sample_poses};
 use super::rig::Rig;
 use super::rig_pose::RigPose;
-use super::samples::{Held, Sample, Samples, rounding};
+use super::samples::{PartVertices, Sample, Samples, rounding};
 use super::skin::blended;
 use super::transform::{Matrix, apply_transposed, matrix, times};
 use super::volume::{HitHull, HitVolume, VolumeKind, box_of};
@@ -30,7 +30,7 @@ pub enum Mode {
 }
 
 /// Share of the vertices of a part that a snug volume may leave out.
-const TRIMMED: f64 = 0.05;
+const TRIMMED_SHARE: f64 = 0.05;
 
 /// Number of poses from which snug volumes are fitted, and from which conservative fits take their
 /// first extremes. More poses cost time; fewer make the first fits less representative.
@@ -85,7 +85,7 @@ pub(super) fn parts(rig: &Rig, plan: &Plan, mode: Mode) -> Result<(Vec<HitPart>,
         }
     }
     part_of_face.iter_mut().for_each(|part| *part = number[*part as usize]);
-    let held = held(rig, &part_of_face, &kept.iter().map(|planned| planned.anchor).collect::<Vec<_>>());
+    let held = part_vertices(rig, &part_of_face, &kept.iter().map(|planned| planned.anchor).collect::<Vec<_>>());
     let clouds = match mode {
         Mode::Conservative => conservative(rig, &held)?,
         Mode::Snug => snug(rig, &held, &part_of_bone, &number)?,
@@ -137,12 +137,12 @@ pub(super) fn pieces(rig: &Rig, part_of_face: &[u32], faces: usize) -> Result<Ve
         let mut vertices: Vec<u32> = group.iter().flat_map(|&face| rig.skin().faces()[face as usize]).collect();
         vertices.sort_unstable();
         vertices.dedup();
-        keep_different(rig, &mut vertices);
+        remove_coincident(rig, &mut vertices);
         owners.push(owner.0);
-        held.push(Held { anchor: owner.1, vertices });
+        held.push(PartVertices { anchor: owner.1, vertices });
     }
     let fitted = conservative(rig, &held)?;
-    let piece = |((part, held), candidates): ((u32, &Held), Candidates)| Piece {
+    let piece = |((part, held), candidates): ((u32, &PartVertices), Candidates)| Piece {
         part,
         anchor: held.anchor,
         volume: candidates.best(Some(VolumeKind::Hull)),
@@ -150,21 +150,22 @@ pub(super) fn pieces(rig: &Rig, part_of_face: &[u32], faces: usize) -> Result<Ve
     Ok(owners.into_iter().zip(&held).zip(fitted).map(piece).collect())
 }
 
-fn held(rig: &Rig, part_of_face: &[u32], anchors: &[u32]) -> Vec<Held> {
-    let mut held: Vec<Held> = anchors.iter().map(|&anchor| Held { anchor, vertices: Vec::new() }).collect();
+fn part_vertices(rig: &Rig, part_of_face: &[u32], anchors: &[u32]) -> Vec<PartVertices> {
+    let mut held: Vec<PartVertices> =
+        anchors.iter().map(|&anchor| PartVertices { anchor, vertices: Vec::new() }).collect();
     for (face, &part) in rig.skin().faces().iter().zip(part_of_face) {
         held[part as usize].vertices.extend(face);
     }
     for part in &mut held {
         part.vertices.sort_unstable();
         part.vertices.dedup();
-        keep_different(rig, &mut part.vertices);
+        remove_coincident(rig, &mut part.vertices);
     }
     held
 }
 
 /// Removes vertices that always coincide with another one, such as those along texture seams.
-fn keep_different(rig: &Rig, vertices: &mut Vec<u32>) {
+fn remove_coincident(rig: &Rig, vertices: &mut Vec<u32>) {
     let skin = rig.skin();
     if !skin.morphs().is_empty() {
         return;
@@ -178,7 +179,12 @@ fn keep_different(rig: &Rig, vertices: &mut Vec<u32>) {
 
 /// Calls `show` with the part, the vertex and its position in the frame of its part, for all
 /// vertices of the parts.
-pub(super) fn places(rig: &Rig, pose: &RigPose, held: &[Held], mut show: impl FnMut(usize, u32, Vector)) {
+pub(super) fn visit_positions(
+    rig: &Rig,
+    pose: &RigPose,
+    held: &[PartVertices],
+    mut show: impl FnMut(usize, u32, Vector),
+) {
     let palette = rig.skin().palette(pose.bones());
     let mut morphed = Vec::new();
     rig.skin().morphed(pose.morph_weights(), &mut morphed);
@@ -200,30 +206,30 @@ fn local_palette(palette: &[(Matrix, Vector)], rotation: &Matrix, origin: Vector
 }
 
 /// Fits volumes that enclose every vertex of a part at every time.
-fn conservative(rig: &Rig, held: &[Held]) -> Result<Vec<Candidates>, RigError> {
+fn conservative(rig: &Rig, held: &[PartVertices]) -> Result<Vec<Candidates>, RigError> {
     let samples = Samples::of(rig, held)?;
     let extremes = extremes(rig, held, &samples.list)?;
-    let judged = |e: InputError| unfit(&e);
+    let validated = |e: InputError| out_of_range(&e);
     let mut candidates = Vec::new();
     for of_part in &extremes {
         let points: Vec<Vector> = of_part.iter().map(|&(_, point)| point).collect();
         let few: Vec<Vector> = COARSE.iter().map(|&at| of_part[at].1).collect();
-        candidates.push(Candidates::about(&points, &few).map_err(judged)?);
+        candidates.push(Candidates::about(&points, &few).map_err(validated)?);
     }
     let (needs, rounding) = needs(rig, held, &samples.list, &candidates)?;
     for ((candidates, needs), stray) in candidates.iter_mut().zip(&needs).zip(&samples.stray) {
         let margin = stray * (1.0 + 1e-9) + rounding;
-        candidates.grow(needs, margin).map_err(judged)?;
+        candidates.grow(needs, margin).map_err(validated)?;
     }
     let gauges = gauges(rig, held, &samples.list, &candidates)?;
     for ((candidates, gauge), stray) in candidates.iter_mut().zip(gauges).zip(&samples.stray) {
-        candidates.grow_hull(gauge, stray * (1.0 + 1e-9) + rounding).map_err(judged)?;
+        candidates.grow_hull(gauge, stray * (1.0 + 1e-9) + rounding).map_err(validated)?;
     }
     Ok(candidates)
 }
 
 /// Returns the error for a part beyond the range of volumes. Poses are within 2^100.
-fn unfit(_: &InputError) -> RigError {
+fn out_of_range(_: &InputError) -> RigError {
     RigError::new(RigErrorKind::OutOfRange { what: "part" }, RigPlace::Rig)
 }
 
@@ -252,7 +258,7 @@ fn over_samples<T: Send>(
 
 /// Returns, for each part, the vertices that are farthest along fixed directions, at any time of
 /// some samples.
-fn extremes(rig: &Rig, held: &[Held], samples: &[Sample]) -> Result<Vec<Vec<(f64, Vector)>>, RigError> {
+fn extremes(rig: &Rig, held: &[PartVertices], samples: &[Sample]) -> Result<Vec<Vec<(f64, Vector)>>, RigError> {
     let directions = directions();
     // A subset of the samples is enough: the volumes are later grown to enclose all.
     let some: Vec<Sample> = samples.iter().step_by(samples.len().div_ceil(POSES)).copied().collect();
@@ -261,7 +267,7 @@ fn extremes(rig: &Rig, held: &[Held], samples: &[Sample]) -> Result<Vec<Vec<(f64
         &some,
         || vec![vec![(f64::NEG_INFINITY, [0.0; 3]); directions.len()]; held.len()],
         |found, pose| {
-            places(rig, pose, held, |part, _, point| {
+            visit_positions(rig, pose, held, |part, _, point| {
                 for (best, &direction) in found[part].iter_mut().zip(&directions) {
                     let along = dot(&direction, &point);
                     if along >= best.0 {
@@ -293,7 +299,7 @@ static COARSE: std::sync::LazyLock<Vec<usize>> = std::sync::LazyLock::new(|| {
 /// Returns the needs of each part, and a bound on the rounding of the vertices.
 fn needs(
     rig: &Rig,
-    held: &[Held],
+    held: &[PartVertices],
     samples: &[Sample],
     candidates: &[Candidates],
 ) -> Result<(Vec<Needs>, f64), RigError> {
@@ -305,7 +311,9 @@ fn needs(
         || (candidates.iter().map(Needs::new).collect::<Vec<_>>(), 0.0_f64),
         |(needs, worst), pose| {
             *worst = worst.max(rounding(rig, pose));
-            places(rig, pose, held, |part, _, point| needs[part].show(&candidates[part], &volumes[part], point));
+            visit_positions(rig, pose, held, |part, _, point| {
+                needs[part].include(&candidates[part], &volumes[part], point)
+            });
         },
         |(a, x), (b, y)| (a.into_iter().zip(&b).map(|(a, b)| a.merged(b)).collect(), x.max(y)),
     )
@@ -313,7 +321,7 @@ fn needs(
 
 /// Returns the factor by which each hull must be enlarged around its middle to enclose all
 /// vertices, at least 1.
-fn gauges(rig: &Rig, held: &[Held], samples: &[Sample], all: &[Candidates]) -> Result<Vec<f64>, RigError> {
+fn gauges(rig: &Rig, held: &[PartVertices], samples: &[Sample], all: &[Candidates]) -> Result<Vec<f64>, RigError> {
     let of_part = |candidates: &Candidates| {
         let middle = middle(candidates.hull.hull());
         let planes = candidates.hull.planes().iter();
@@ -326,7 +334,7 @@ fn gauges(rig: &Rig, held: &[Held], samples: &[Sample], all: &[Candidates]) -> R
         samples,
         || vec![1.0_f64; held.len()],
         |found, pose| {
-            places(rig, pose, held, |part, _, point| {
+            visit_positions(rig, pose, held, |part, _, point| {
                 let (middle, slopes) = &gauges[part];
                 let offset = sub(&point, middle);
                 found[part] = slopes.iter().map(|&slope| dot(&slope, &offset)).fold(found[part], f64::max);
@@ -337,9 +345,9 @@ fn gauges(rig: &Rig, held: &[Held], samples: &[Sample], all: &[Candidates]) -> R
 }
 
 /// Fits volumes to most of the vertices that follow the bones of a part more than others.
-fn snug(rig: &Rig, held: &[Held], part_of_bone: &[u32], number: &[u32]) -> Result<Vec<Candidates>, RigError> {
+fn snug(rig: &Rig, held: &[PartVertices], part_of_bone: &[u32], number: &[u32]) -> Result<Vec<Candidates>, RigError> {
     let skin = rig.skin();
-    let own: Vec<Held> = (0..)
+    let own: Vec<PartVertices> = (0..)
         .zip(held)
         .map(|(part, all)| {
             let follows = |&vertex: &u32| {
@@ -350,14 +358,14 @@ fn snug(rig: &Rig, held: &[Held], part_of_bone: &[u32], number: &[u32]) -> Resul
             };
             let vertices: Vec<u32> = all.vertices.iter().copied().filter(follows).collect();
             let vertices = if vertices.is_empty() { all.vertices.clone() } else { vertices };
-            Held { anchor: all.anchor, vertices }
+            PartVertices { anchor: all.anchor, vertices }
         })
         .collect();
     let mut points = vec![Vec::new(); held.len()];
-    for pose in some_poses(rig, POSES)? {
-        places(rig, &pose, &own, |part, _, point| points[part].push(point));
+    for pose in sample_poses(rig, POSES)? {
+        visit_positions(rig, &pose, &own, |part, _, point| points[part].push(point));
     }
-    points.iter().map(|points| trimmed(points).map_err(|e| unfit(&e))).collect()
+    points.iter().map(|points| trimmed(points).map_err(|e| out_of_range(&e))).collect()
 }
 
 /// Fits volumes to all but the outermost of the points.
@@ -370,7 +378,7 @@ fn trimmed(points: &[Vector]) -> Result<Candidates, InputError> {
     };
     let reach = |volume: &HitVolume| {
         let distances = points.iter().map(|&p| length(&sub(&p, &volume.closest_on_core(p)))).collect();
-        quantile(distances, 1.0 - TRIMMED)
+        quantile(distances, 1.0 - TRIMMED_SHARE)
     };
     let along = |axis: Vector, share: f64| quantile(points.iter().map(|&p| dot(&axis, &p)).collect(), share);
     let radii = [VolumeKind::Sphere, VolumeKind::Capsule, VolumeKind::Lozenge].map(|k| reach(&candidates.volume(k)));
@@ -380,7 +388,7 @@ fn trimmed(points: &[Vector]) -> Result<Candidates, InputError> {
     candidates.lozenge = Lozenge::new(candidates.lozenge.corner(), candidates.lozenge.edges(), radii[2])?;
     let axes = candidates.obb.axes();
     // One sixth of the share on each of the six sides.
-    let ranges = axes.map(|axis| [along(axis, TRIMMED / 6.0), along(axis, 1.0 - TRIMMED / 6.0)]);
+    let ranges = axes.map(|axis| [along(axis, TRIMMED_SHARE / 6.0), along(axis, 1.0 - TRIMMED_SHARE / 6.0)]);
     let centre = (0..3).fold([0.0; 3], |at, k| add(&at, &scale(&axes[k], 0.5 * (ranges[k][0] + ranges[k][1]))));
     candidates.obb = Obb::new(centre, axes, ranges.map(|[low, high]| 0.5 * (high - low)))?;
     let inside: Vec<Vector> = points.iter().copied().filter(|&p| candidates.obb.contains(p)).collect();

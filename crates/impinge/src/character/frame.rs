@@ -3,7 +3,7 @@
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 
-use super::transform::{apply, matrix, normalised};
+use super::transform::{apply, matrix, normalized};
 use crate::math::vec3::{Vector, add, sub};
 
 /// A rigid frame of a bone: a rotation and an origin in the world.
@@ -47,7 +47,7 @@ impl Frame {
 /// # Errors
 /// Returns an error if the pose is not a rotation within 1e-4, or if it mirrors.
 pub(super) fn frame_of(pose: &Pose) -> Result<(Frame, f64), InputError> {
-    const RIGID: f64 = 1e-4;
+    const MAX_DEVIATION: f64 = 1e-4;
     let m = pose.linear();
     let [a, b, c] = [m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]];
     let [d, e, f] = [m[0][1] + m[1][0], m[1][2] + m[2][1], m[2][0] + m[0][2]];
@@ -61,10 +61,10 @@ pub(super) fn frame_of(pose: &Pose) -> Result<(Frame, f64), InputError> {
         [c, f, e, 1.0 - p - q + r],
     ];
     let longest = (0..4).max_by(|&i, &j| candidates[i][i].total_cmp(&candidates[j][j])).unwrap_or(0);
-    let rotation = normalised(candidates[longest]).unwrap_or([1.0, 0.0, 0.0, 0.0]);
+    let rotation = normalized(candidates[longest]).unwrap_or([1.0, 0.0, 0.0, 0.0]);
     let frame = Frame::new(rotation, *pose.translation());
     let difference = (0..9).map(|k| (frame.rotation[k / 3][k % 3] - m[k / 3][k % 3]).powi(2)).sum::<f64>().sqrt();
-    if difference > RIGID {
+    if difference > MAX_DEVIATION {
         return Err(InputError::new(InputErrorKind::NotRigid { deviation: 2.0 * difference }));
     }
     Ok((frame, difference))

@@ -21,7 +21,6 @@ mod error;
 mod fit;
 mod frame;
 mod in_world;
-mod meeting;
 mod motion_bound;
 mod names;
 mod overlap;
@@ -40,6 +39,7 @@ mod surface_rays;
 mod timeline;
 mod transform;
 mod volume;
+mod volume_pair;
 
 pub use animation::{Animation, Channel, Interpolation, Target};
 pub use body::{Character, Leak};

@@ -328,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn a_body_that_turns_as_a_whole_counts_for_nothing() {
+    fn rotating_the_whole_body_adds_no_acceleration() {
         let rig = rig(Interpolation::Linear, 1, 0.0);
         let motion = IntervalMotion::new(&rig, &rig.animations()[0], [0.0, 0.25]);
         assert_eq!(motion.acceleration(2, 2, Jet::still(1.0)), 0.0);

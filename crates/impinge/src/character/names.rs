@@ -197,7 +197,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_taken_apart() {
+    fn names_are_split_into_words_region_and_side() {
         assert_eq!(words("mixamorig:LeftForeArm_01"), ["mixamorig", "left", "fore", "arm"]);
         assert_eq!(words("UpperLeg.L"), ["upper", "leg", "l"]);
         let cases = [
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn several_bones_have_the_name_of_what_they_make() {
+    fn several_bones_get_the_name_of_their_region() {
         let name = |bones: &[&str]| by_regions(&bones.iter().map(|bone| (1.0, *bone)).collect::<Vec<_>>());
         assert_eq!(name(&["LowerArm.L", "Palm1.L", "UpperArm.L"]).as_deref(), Some("left arm"));
         assert_eq!(name(&["Palm1.R", "Thumb.R"]).as_deref(), Some("right hand"));

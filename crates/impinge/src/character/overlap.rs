@@ -10,7 +10,7 @@
 use crate::math::vec3::{Vector, cross, dot, length, scale, sub};
 
 /// Maximum number of steps. Two to six are enough, except for sets that touch.
-const STEPS: usize = 12;
+const MAX_STEPS: usize = 12;
 
 /// Rounding error bound of a product of three edges, relative to the cube of the size.
 const VOLUME_ROUNDING: f64 = 1e-13;
@@ -18,10 +18,15 @@ const VOLUME_ROUNDING: f64 = 1e-13;
 /// Reports whether the origin is in a convex set, or `None` if floats cannot decide. `farthest`
 /// returns the set's farthest point along a direction. The errors of its points must be far below
 /// `slack`, and no coordinate may exceed `size`.
-pub(super) fn holds_origin(farthest: impl Fn(Vector) -> Vector, start: Vector, slack: f64, size: f64) -> Option<bool> {
+pub(super) fn contains_origin(
+    farthest: impl Fn(Vector) -> Vector,
+    start: Vector,
+    slack: f64,
+    size: f64,
+) -> Option<bool> {
     let mut direction = start;
     let mut simplex = Vec::with_capacity(4);
-    for _ in 0..STEPS {
+    for _ in 0..MAX_STEPS {
         let point = farthest(direction);
         if dot(&direction, &point) < -slack * length(&direction) {
             return Some(false);
@@ -121,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn answers_are_those_of_all_planes() {
+    fn answers_agree_with_all_face_planes() {
         let mut state = 5_u64;
         let mut next = |span: u64| {
             state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -131,7 +136,7 @@ mod tests {
         for case in 0..4_000_u32 {
             let shift = f64::from(case % 3);
             let points: Vec<Vector> = (0..8).map(|_| [next(7) - 3.0 + shift, next(7) - 3.0, next(7) - 3.0]).collect();
-            let found = holds_origin(farthest(&points), [1.0, 0.0, 0.0], 1e-12, 8.0);
+            let found = contains_origin(farthest(&points), [1.0, 0.0, 0.0], 1e-12, 8.0);
             match truth(&points) {
                 Some(true) => {
                     assert!(found != Some(false), "{points:?}");

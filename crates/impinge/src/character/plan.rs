@@ -72,7 +72,7 @@ pub(super) fn bones_of_faces(rig: &Rig) -> Vec<u32> {
 }
 
 /// Returns the rest pose and about `count` poses spread over the animations.
-pub(super) fn some_poses(rig: &Rig, count: usize) -> Result<Vec<RigPose>, RigError> {
+pub(super) fn sample_poses(rig: &Rig, count: usize) -> Result<Vec<RigPose>, RigError> {
     let mut poses = vec![rig.rest_pose()?];
     let animations = rig.animations().len();
     let each = count.div_ceil(animations.max(1)).max(1);

@@ -13,10 +13,10 @@ use super::body::Character;
 use super::crossing::Crossing;
 use super::fit::HitPart;
 use super::frame::Frame;
-use super::meeting::{Stood, core, meet};
 use super::rig_pose::RigPose;
 use super::transform::{apply, apply_transposed};
 use super::volume::HitVolume;
+use super::volume_pair::{PlacedVolume, core, may_overlap};
 use crate::math::vec3::{Vector, add, dot, length, scale, sub, unit};
 
 /// A character in a pose: its parts are at their bones.
@@ -298,9 +298,9 @@ impl<'c> Posed<'c> {
                 let between = sub(&sphere_b.0, &sphere_a.0);
                 let reach = (sphere_a.1 + sphere_b.1) * (1.0 + 1e-14);
                 if dot(&between, &between) <= reach * reach
-                    && meet(
-                        &Stood { volume: &part_a.volume, frame: frame_a, sphere: *sphere_a },
-                        &Stood { volume: &part_b.volume, frame: frame_b, sphere: *sphere_b },
+                    && may_overlap(
+                        &PlacedVolume { volume: &part_a.volume, frame: frame_a, sphere: *sphere_a },
+                        &PlacedVolume { volume: &part_b.volume, frame: frame_b, sphere: *sphere_b },
                     )?
                 {
                     visit(a, b);

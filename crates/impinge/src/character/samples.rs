@@ -11,15 +11,15 @@ use crate::math::vec3::{Vector, length};
 /// Maximum stray between samples, as a share of the character's size. Intervals between keys are
 /// halved until vertices stray less. The stray is added to the volumes, so a larger share makes
 /// them looser and a smaller one costs time.
-const STRAY: f64 = 1.0 / 512.0;
+const MAX_STRAY: f64 = 1.0 / 512.0;
 
 /// Maximum number of halvings of an interval. The stray that remains is added to the volumes. More
 /// halvings cost time, fewer make the volumes larger.
-const HALVINGS: u32 = 5;
+const MAX_HALVINGS: u32 = 5;
 
 /// Maximum number of halvings if there is no bound at all. Splines of quaternions that come near
 /// zero need them.
-const MOST_HALVINGS: u32 = 14;
+const MAX_HALVINGS_UNBOUNDED: u32 = 14;
 
 /// A pose of a motion: the animation, the time, and the side of a jump. `None` is the rest pose.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +40,7 @@ impl Sample {
 }
 
 /// The contents of a part: the bone that its volume is fixed to, and the vertices of its faces.
-pub(super) struct Held {
+pub(super) struct PartVertices {
     pub(super) anchor: u32,
     pub(super) vertices: Vec<u32>,
 }
@@ -53,10 +53,10 @@ pub(super) struct Samples {
 
 impl Samples {
     /// Samples the rest pose and all animations.
-    pub(super) fn of(rig: &Rig, parts: &[Held]) -> Result<Self, RigError> {
+    pub(super) fn of(rig: &Rig, parts: &[PartVertices]) -> Result<Self, RigError> {
         let rest = Sample { motion: None };
         let mut samples = Self { list: vec![rest], stray: vec![0.0; parts.len()] };
-        let limit = STRAY * size(rig)?;
+        let limit = MAX_STRAY * size(rig)?;
         let spans: Vec<Vec<JointSpan>> = parts.iter().map(|part| joint_spans(rig, part)).collect();
         for (index, animation) in rig.animations().iter().enumerate() {
             let times = animation.key_times();
@@ -74,8 +74,8 @@ impl Samples {
                         .collect();
                     let most = strays.iter().copied().fold(0.0, f64::max);
                     let middle = 0.5 * start + 0.5 * end;
-                    let limit_of_halvings = if most.is_finite() { HALVINGS } else { MOST_HALVINGS };
-                    if most > limit && depth < limit_of_halvings && start < middle && middle < end {
+                    let max_halvings = if most.is_finite() { MAX_HALVINGS } else { MAX_HALVINGS_UNBOUNDED };
+                    if most > limit && depth < max_halvings && start < middle && middle < end {
                         pending.push(([middle, end], depth + 1));
                         pending.push(([start, middle], depth + 1));
                         continue;
@@ -114,7 +114,7 @@ struct JointSpan {
     morphs: Vec<(usize, f64)>,
 }
 
-fn joint_spans(rig: &Rig, part: &Held) -> Vec<JointSpan> {
+fn joint_spans(rig: &Rig, part: &PartVertices) -> Vec<JointSpan> {
     let skin = rig.skin();
     let mut spans: Vec<JointSpan> = Vec::new();
     let mut of_joint = vec![None; skin.joints().len()];
@@ -148,7 +148,7 @@ fn joint_spans(rig: &Rig, part: &Held) -> Vec<JointSpan> {
 }
 
 /// Returns a bound on the largest second derivative of a vertex of a part, as seen from the part.
-fn acceleration(rig: &Rig, part: &Held, spans: &[JointSpan], motion: &IntervalMotion<'_>) -> f64 {
+fn acceleration(rig: &Rig, part: &PartVertices, spans: &[JointSpan], motion: &IntervalMotion<'_>) -> f64 {
     let skin = rig.skin();
     let mut of_joint = vec![0.0; skin.joints().len()];
     for span in spans {

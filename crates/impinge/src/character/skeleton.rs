@@ -49,7 +49,7 @@ impl Skeleton {
         let len = bones.len();
         for (index, bone) in bones.iter_mut().enumerate() {
             let place = RigPlace::Bone(index);
-            bone.rest = bone.rest.judged(place)?;
+            bone.rest = bone.rest.validated(place)?;
             if let Some(parent) = bone.parent.filter(|&parent| parent as usize >= len) {
                 let kind = RigErrorKind::Missing { what: "bone", index: parent as usize, len };
                 return Err(RigError::new(kind, place));
@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_broken_is_named() {
+    fn invalid_bones_are_named_in_errors() {
         let kind = |bones: Vec<Bone>| {
             let error = Skeleton::new(bones).unwrap_err();
             (error.place(), error.kind().clone())
@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn scales_that_multiply_without_end_are_refused() {
+    fn scales_that_multiply_out_of_range_are_rejected() {
         let scaled =
             |parent| Bone { name: String::new(), parent, rest: Transform { scale: [1e18; 3], ..Transform::IDENTITY } };
         let bones: Vec<Bone> = (0..3_u32).map(|i| scaled(i.checked_sub(1))).collect();

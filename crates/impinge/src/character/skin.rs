@@ -1,6 +1,6 @@
 //! Vertices that follow joints by weights: linear blend skinning in double precision.
 
-use super::error::{RigError, RigErrorKind, RigPlace, judge};
+use super::error::{RigError, RigErrorKind, RigPlace, check_numbers};
 use super::rig_pose::RigPose;
 use super::skeleton::PlacedBone;
 use super::transform::{Matrix, apply, times};
@@ -72,7 +72,7 @@ impl Skin {
             return Err(RigError::new(kind, RigPlace::Rig));
         }
         for (i, position) in positions.iter().enumerate() {
-            judge(position, "position", RigPlace::Vertex(i))?;
+            check_numbers(position, "position", RigPlace::Vertex(i))?;
         }
         let missing = |index: u32| RigErrorKind::Missing { what: "vertex", index: index as usize, len };
         for (i, face) in faces.iter().enumerate() {
@@ -81,12 +81,12 @@ impl Skin {
             }
         }
         for (i, joint) in joints.iter().enumerate() {
-            judge(joint.inverse_bind.as_flattened(), "inverse bind matrix", RigPlace::Joint(i))?;
+            check_numbers(joint.inverse_bind.as_flattened(), "inverse bind matrix", RigPlace::Joint(i))?;
         }
         for (i, morph) in morphs.iter().enumerate() {
-            judge(&[morph.weight], "weight", RigPlace::Morph(i))?;
+            check_numbers(&[morph.weight], "weight", RigPlace::Morph(i))?;
             for (vertex, offset) in &morph.offsets {
-                judge(offset, "offset", RigPlace::Morph(i))?;
+                check_numbers(offset, "offset", RigPlace::Morph(i))?;
                 if *vertex as usize >= len {
                     return Err(RigError::new(missing(*vertex), RigPlace::Morph(i)));
                 }
@@ -103,7 +103,7 @@ impl Skin {
     fn add_influences(&mut self, list: &[Influence], place: RigPlace) -> Result<(), RigError> {
         let mut sum = 0.0;
         for influence in list {
-            judge(&[influence.weight], "weight", place)?;
+            check_numbers(&[influence.weight], "weight", place)?;
             if influence.weight < 0.0 {
                 return Err(RigError::new(RigErrorKind::NegativeWeight, place));
             }
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn weights_are_judged_and_divided_by_their_sum() {
+    fn weights_are_validated_and_divided_by_their_sum() {
         let halves = skin(&[weight(0, 0.5), weight(1, 0.504), weight(99, 0.0)], vec![]).unwrap();
         let sum: f64 = halves.influences(0).iter().map(|i| i.weight).sum();
         assert!(halves.influences(0).len() == 2 && (sum - 1.0).abs() < 1e-15);
@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn morphs_are_judged() {
+    fn morphs_are_validated() {
         let morph = |vertex, x| skin(&[weight(0, 1.0)], vec![Morph { weight: 0.0, offsets: vec![(vertex, [x; 3])] }]);
         assert!(morph(0, 1.0).is_ok());
         assert_eq!(morph(1, 1.0).unwrap_err().place(), RigPlace::Morph(0));

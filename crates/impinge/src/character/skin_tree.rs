@@ -30,7 +30,7 @@ use crate::math::vec3::{Vector, add, length, scale, sub};
 
 /// Maximum number of faces per leaf. This is a choice: with fewer faces, more spheres are computed
 /// on the way to them; with more faces, a ray that reaches a leaf skins more vertices.
-const LEAF: usize = 8;
+const MAX_LEAF_FACES: usize = 8;
 
 /// Rounding error bound per added number, relative to the sizes of the terms: eight roundings.
 const ROUNDING: f64 = 1.0 / (1_u64 << 50) as f64;
@@ -65,12 +65,12 @@ struct Node {
     terms: f64,
     blends: [u32; 2],
     reaches: [u32; 2],
-    below: Below,
+    children: Children,
 }
 
 /// The contents of a node.
 #[derive(Clone, Debug)]
-pub(super) enum Below {
+pub(super) enum Children {
     /// Two child nodes.
     Nodes([u32; 2]),
     /// The faces of a leaf and all their vertices, as ranges of the lists in the tree.
@@ -96,7 +96,7 @@ pub(super) struct LeafFace {
 }
 
 /// Maximum number of vertices per leaf.
-pub(super) const LEAF_VERTICES: usize = 3 * LEAF;
+pub(super) const MAX_LEAF_VERTICES: usize = 3 * MAX_LEAF_FACES;
 
 /// The data of a pose that skinning needs.
 #[derive(Clone, Debug, Default)]
@@ -163,7 +163,7 @@ impl SkinTree {
         vertices.dedup();
         let node = self.about(skin, bone, &vertices);
         self.nodes.push(node);
-        self.nodes[at].below = if faces.len() <= LEAF {
+        self.nodes[at].children = if faces.len() <= MAX_LEAF_FACES {
             faces.sort_unstable();
             self.leaf(skin, faces, &vertices)
         } else {
@@ -176,19 +176,22 @@ impl SkinTree {
             let half = faces.len() / 2;
             faces.select_nth_unstable_by(half, |a, b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b)));
             let (lower, upper) = faces.split_at_mut(half);
-            Below::Nodes([self.grow(skin, bone, lower), self.grow(skin, bone, upper)])
+            Children::Nodes([self.grow(skin, bone, lower), self.grow(skin, bone, upper)])
         };
         at as u32
     }
 
-    fn leaf(&mut self, skin: &Skin, faces: &[u32], vertices: &[u32]) -> Below {
+    fn leaf(&mut self, skin: &Skin, faces: &[u32], vertices: &[u32]) -> Children {
         let starts = [self.faces.len() as u32, self.vertices.len() as u32];
         // All corners are in `vertices`, which has at most 24 entries.
         let place = |corner: u32| vertices.partition_point(|&vertex| vertex < corner) as u8;
         let of_leaf = faces.iter().map(|&face| LeafFace { face, corners: skin.faces()[face as usize].map(place) });
         self.faces.extend(of_leaf);
         self.vertices.extend(vertices);
-        Below::Faces { faces: [starts[0], self.faces.len() as u32], vertices: [starts[1], self.vertices.len() as u32] }
+        Children::Faces {
+            faces: [starts[0], self.faces.len() as u32],
+            vertices: [starts[1], self.vertices.len() as u32],
+        }
     }
 
     /// Builds a node around some vertices, without its children.
@@ -233,7 +236,7 @@ impl SkinTree {
         }));
         self.reaches.extend(reaches);
         let [blends, reaches] = [[starts[0], self.blends.len() as u32], [starts[1], self.reaches.len() as u32]];
-        Node { bone, centre, radius, terms, blends, reaches, below: Below::Nodes([0; 2]) }
+        Node { bone, centre, radius, terms, blends, reaches, children: Children::Nodes([0; 2]) }
     }
 
     fn offsets_of(&self, vertex: u32) -> &[(u32, Vector)] {
@@ -245,8 +248,8 @@ impl SkinTree {
         &self.roots
     }
 
-    pub(super) fn below(&self, node: u32) -> &Below {
-        &self.nodes[node as usize].below
+    pub(super) fn children(&self, node: u32) -> &Children {
+        &self.nodes[node as usize].children
     }
 
     /// Returns the bone that the faces of a node follow most.
@@ -295,7 +298,7 @@ impl SkinTree {
         skin: &Skin,
         [start, end]: [u32; 2],
         pose: &SkinPose,
-        places: &mut [Vector; LEAF_VERTICES],
+        places: &mut [Vector; MAX_LEAF_VERTICES],
     ) {
         for (place, &vertex) in places.iter_mut().zip(&self.vertices[start as usize..end as usize]) {
             let mut point = skin.positions()[vertex as usize];

@@ -40,14 +40,14 @@ pub struct Strike {
 }
 
 /// Maximum number of steps for each part.
-const STEPS: usize = 512;
+const MAX_STEPS: usize = 512;
 
 /// Distance, relative to the sizes, below which volumes count as struck.
-const TOUCHING: f64 = 1e-9;
+const TOUCH_TOLERANCE: f64 = 1e-9;
 
 /// A volume in a moving frame. Its origin moves along a line at constant speed, and its rotation
 /// takes the smallest angle at constant speed.
-struct Moving<'v> {
+struct MovingVolume<'v> {
     volume: &'v HitVolume,
     from: Frame,
     to: Frame,
@@ -57,7 +57,7 @@ struct Moving<'v> {
     error: f64,
 }
 
-impl<'v> Moving<'v> {
+impl<'v> MovingVolume<'v> {
     fn new(volume: &'v HitVolume, from: Frame, to: Frame, off: f64) -> Self {
         let (centre, radius) = volume.bounding_sphere();
         let reach = (length(&centre) + radius) * (1.0 + 1e-12);
@@ -125,10 +125,10 @@ impl Posed<'_> {
         world_from_volume_t1: &Pose,
     ) -> Result<Vec<Strike>, InputError> {
         let ((start, off), (end, off_end)) = (frame_of(world_from_volume_t0)?, frame_of(world_from_volume_t1)?);
-        let striker = Moving::new(volume, start, end, off.max(off_end));
+        let striker = MovingVolume::new(volume, start, end, off.max(off_end));
         let mut strikes = Vec::new();
         for (at, part) in (0..).zip(self.character().parts()) {
-            let moving = Moving::new(&part.volume, self.frames()[at as usize], to.frames()[at as usize], 0.0);
+            let moving = MovingVolume::new(&part.volume, self.frames()[at as usize], to.frames()[at as usize], 0.0);
             if let Some(strike) = first_contact(&striker, &moving)? {
                 strikes.push(Strike { part: at, bone: part.anchor, ..strike });
             }
@@ -138,12 +138,12 @@ impl Posed<'_> {
     }
 }
 
-fn first_contact(striker: &Moving<'_>, part: &Moving<'_>) -> Result<Option<Strike>, InputError> {
+fn first_contact(striker: &MovingVolume<'_>, part: &MovingVolume<'_>) -> Result<Option<Strike>, InputError> {
     let speed = striker.speed + part.speed;
     let error = striker.error + part.error;
     let size = striker.volume.bounding_sphere().1 + part.volume.bounding_sphere().1;
     let mut t = 0.0;
-    for _ in 0..STEPS {
+    for _ in 0..MAX_STEPS {
         let (frame_a, frame_b) = (striker.at(t), part.at(t));
         let (a, b) = (striker.sphere(&frame_a), part.sphere(&frame_b));
         let mut gap = length(&sub(&b.0, &a.0)) - a.1 - b.1 - error;
@@ -152,7 +152,7 @@ fn first_contact(striker: &Moving<'_>, part: &Moving<'_>) -> Result<Option<Strik
             let (placed_a, placed_b) = (striker.volume.placed(frame_a.pose()?)?, part.volume.placed(frame_b.pose()?)?);
             let found = query::distance(&placed_a, &placed_b);
             gap = found.lower - error;
-            if found.proximity != Proximity::Apart || gap <= TOUCHING * size {
+            if found.proximity != Proximity::Apart || gap <= TOUCH_TOLERANCE * size {
                 let deep = if t == 0.0 { query::penetration(&placed_a, &placed_b) } else { None };
                 let [point_a, point_b] = found.points().unwrap_or([a.0, b.0]);
                 let apart = unit(&sub(&point_b, &point_a));

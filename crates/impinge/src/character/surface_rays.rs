@@ -10,7 +10,7 @@ use crate::primitive::{RayCrossing, ray_triangle};
 use super::body::Character;
 use super::rig::Rig;
 use super::rig_pose::RigPose;
-use super::skin_tree::{Below, LEAF_VERTICES, SkinPose};
+use super::skin_tree::{Children, MAX_LEAF_VERTICES, SkinPose};
 use super::surface::SurfaceHit;
 use crate::math::vec3::{Vector, dot, length, scale, sub};
 
@@ -90,36 +90,36 @@ impl<'c> SurfaceRays<'c> {
         let mut tasks: Vec<(f64, u32)> = tree.roots().iter().zip(&self.spheres).filter_map(entered).collect();
         // The last task is processed next.
         tasks.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let (mut first, mut last): (Option<Met>, f64) = (None, f64::INFINITY);
+        let (mut first, mut last): (Option<FaceHit>, f64) = (None, f64::INFINITY);
         while let Some((entered, node)) = tasks.pop() {
             if entered > last {
                 continue;
             }
-            match tree.below(node) {
-                Below::Nodes(nodes) => {
-                    let below = nodes.map(|node| Some((line.enters(&tree.sphere(node, &self.pose))?, node)));
-                    let (near, far) = match below {
+            match tree.children(node) {
+                Children::Nodes(nodes) => {
+                    let children = nodes.map(|node| Some((line.enters(&tree.sphere(node, &self.pose))?, node)));
+                    let (near, far) = match children {
                         [Some(a), Some(b)] if b.0 < a.0 => (Some(b), Some(a)),
                         [a, b] => (a, b),
                     };
                     tasks.extend(far.into_iter().chain(near));
                 }
-                Below::Faces { faces, vertices } => {
-                    let mut places = [[0.0; 3]; LEAF_VERTICES];
+                Children::Faces { faces, vertices } => {
+                    let mut places = [[0.0; 3]; MAX_LEAF_VERTICES];
                     tree.skin(self.rig.skin(), *vertices, &self.pose, &mut places);
                     for own in tree.faces(*faces) {
                         let triangle = own.corners.map(|corner| places[usize::from(corner)]);
                         let Some(crossing) = ray_triangle(&ray.origin(), &ray.direction(), &triangle) else { continue };
-                        let met = Met { face: own.face, bone: tree.bone(node), crossing, triangle };
-                        if first.as_ref().is_none_or(|best| met.compare(best, ray) == Ordering::Less) {
+                        let hit = FaceHit { face: own.face, bone: tree.bone(node), crossing, triangle };
+                        if first.as_ref().is_none_or(|best| hit.compare(best, ray) == Ordering::Less) {
                             last = line.reach(crossing.t + crossing.error);
-                            first = Some(met);
+                            first = Some(hit);
                         }
                     }
                 }
             }
         }
-        first.map(|Met { face, bone, crossing, .. }| SurfaceHit {
+        first.map(|FaceHit { face, bone, crossing, .. }| SurfaceHit {
             part: self.character.part_of_face()[face as usize],
             bone,
             face,
@@ -130,14 +130,14 @@ impl<'c> SurfaceRays<'c> {
 }
 
 /// A face that the ray hits.
-struct Met {
+struct FaceHit {
     face: u32,
     bone: u32,
     crossing: RayCrossing,
     triangle: [Vector; 3],
 }
 
-impl Met {
+impl FaceHit {
     /// Compares by true parameter, then by face.
     fn compare(&self, other: &Self, ray: &Ray) -> Ordering {
         let triangles = [&self.triangle, &other.triangle];

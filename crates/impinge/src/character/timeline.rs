@@ -28,19 +28,19 @@ pub(super) struct Timeline {
 pub(super) struct Quad {
     /// Position of its first value among the values of a key.
     pub(super) offset: usize,
-    pub(super) moves: Moves,
+    pub(super) property: Property,
     pub(super) bones: [u32; LANES],
 }
 
 /// The property of a bone that a channel animates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Moves {
+pub(super) enum Property {
     Translation,
     Rotation,
     Scale,
 }
 
-impl Moves {
+impl Property {
     /// Number of values per key.
     fn width(self) -> usize {
         match self {
@@ -84,7 +84,7 @@ impl Timeline {
     pub(super) fn fill(&mut self) {
         for quad in &self.quads {
             let used = quad.bones.iter().take_while(|&&bone| bone != quad.bones[LANES - 1]).count();
-            let end = quad.offset + quad.moves.width() * LANES;
+            let end = quad.offset + quad.property.width() * LANES;
             for row in self.values.chunks_mut(self.width) {
                 row[quad.offset..end].chunks_mut(LANES).for_each(|lanes| {
                     let last = lanes[used];
@@ -129,20 +129,20 @@ impl Timeline {
             }
             let (a, b) = (&from[quad.offset..], &to[quad.offset..]);
             let bones = quad.bones.map(|bone| bone as usize);
-            match quad.moves {
-                Moves::Rotation => {
+            match quad.property {
+                Property::Rotation => {
                     let turned = slerp(simd, a, b, place.share);
                     for (lane, bone) in bones.into_iter().enumerate() {
                         locals[bone].rotation_wxyz = [0, 1, 2, 3].map(|k| turned[k][lane]);
                     }
                 }
-                Moves::Translation => {
+                Property::Translation => {
                     let moved = lerp(simd, a, b, place.share);
                     for (lane, bone) in bones.into_iter().enumerate() {
                         locals[bone].translation = [0, 1, 2].map(|k| moved[k][lane]);
                     }
                 }
-                Moves::Scale => {
+                Property::Scale => {
                     let scaled = lerp(simd, a, b, place.share);
                     for (lane, bone) in bones.into_iter().enumerate() {
                         locals[bone].scale = [0, 1, 2].map(|k| scaled[k][lane]);
@@ -217,7 +217,7 @@ fn slerp<S: Simd>(simd: S, from: &[f64], to: &[f64], t: f64) -> [[f64; LANES]; 4
 
 #[cfg(test)]
 mod tests {
-    use super::super::transform::normalised;
+    use super::super::transform::normalized;
     use super::*;
     use crate::simd::dispatch_every;
     use crate::simd::kernel_levels;
@@ -233,18 +233,18 @@ mod tests {
     }
 
     #[test]
-    fn four_turns_are_one_by_one_to_the_bit_at_every_level() {
+    fn four_slerps_match_single_slerps_bit_for_bit_at_every_level() {
         let numbers = some(8 * LANES * 200);
         let mut far = 0;
         for (case, own) in numbers.chunks_exact(8 * LANES).enumerate() {
-            let quaternion = |at: usize| normalised([own[at], own[at + 1], own[at + 2], own[at + 3]]);
+            let quaternion = |at: usize| normalized([own[at], own[at + 1], own[at + 2], own[at + 3]]);
             let ends = [0, 1, 2, 3]
                 .map(|lane| [8 * lane, 8 * lane + 4].map(|at| quaternion(at).unwrap_or([1.0, 0.0, 0.0, 0.0])));
             // Some do not rotate at all, some by half a turn, and some by the small angles between
             // keys of animations.
             let ends = match case % 3 {
                 0 => ends,
-                1 => ends.map(|[a, b]| [a, normalised([0, 1, 2, 3].map(|k| a[k] + 0.03 * b[k])).unwrap_or(a)]),
+                1 => ends.map(|[a, b]| [a, normalized([0, 1, 2, 3].map(|k| a[k] + 0.03 * b[k])).unwrap_or(a)]),
                 _ => ends.map(|[a, _]| [a, [-a[1], a[0], -a[3], a[2]]]),
             };
             let coordinates = |end: usize| -> Vec<f64> { (0..4).flat_map(|k| ends.map(|pair| pair[end][k])).collect() };

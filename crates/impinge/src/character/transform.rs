@@ -1,6 +1,6 @@
 //! Translation, rotation and scale of bones, and interpolation of rotations.
 
-use super::error::{RigError, RigErrorKind, RigPlace, judge};
+use super::error::{RigError, RigErrorKind, RigPlace, check_numbers};
 use crate::math::vec3::{Vector, dot};
 
 /// A 3 by 3 matrix by rows.
@@ -27,21 +27,21 @@ impl Transform {
     /// # Errors
     /// Returns an error if a number is not finite or out of range, or if a scale or the quaternion
     /// is zero.
-    pub(super) fn judged(self, place: RigPlace) -> Result<Self, RigError> {
-        judge(&self.translation, "translation", place)?;
-        judge(&self.rotation_wxyz, "rotation", place)?;
-        judge(&self.scale, "scale", place)?;
+    pub(super) fn validated(self, place: RigPlace) -> Result<Self, RigError> {
+        check_numbers(&self.translation, "translation", place)?;
+        check_numbers(&self.rotation_wxyz, "rotation", place)?;
+        check_numbers(&self.scale, "scale", place)?;
         if self.scale.contains(&0.0) {
             return Err(RigError::new(RigErrorKind::ZeroScale, place));
         }
         let rotation_wxyz =
-            normalised(self.rotation_wxyz).ok_or_else(|| RigError::new(RigErrorKind::ZeroRotation, place))?;
+            normalized(self.rotation_wxyz).ok_or_else(|| RigError::new(RigErrorKind::ZeroRotation, place))?;
         Ok(Self { rotation_wxyz, ..self })
     }
 }
 
 /// Returns the quaternion scaled to length 1, or `None` if it has no direction or is not finite.
-pub(super) fn normalised(q: [f64; 4]) -> Option<[f64; 4]> {
+pub(super) fn normalized(q: [f64; 4]) -> Option<[f64; 4]> {
     let largest = q.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     if !(largest > 1e-150 && largest.is_finite()) {
         return None;
@@ -170,8 +170,8 @@ mod tests {
 
     #[test]
     fn matrices_and_quaternions_agree() {
-        let a = normalised([0.3, -0.2, 0.8, 0.1]).unwrap();
-        let b = normalised([-0.5, 0.6, 0.1, 0.7]).unwrap();
+        let a = normalized([0.3, -0.2, 0.8, 0.1]).unwrap();
+        let b = normalized([-0.5, 0.6, 0.1, 0.7]).unwrap();
         let (whole, parts) = (matrix(product(a, b)), times(&matrix(a), &matrix(b)));
         for i in 0..3 {
             for j in 0..3 {
@@ -181,6 +181,6 @@ mod tests {
         let v = [1.0, 2.0, 3.0];
         let back = apply_transposed(&whole, apply(&whole, v));
         assert!((0..3).all(|k| (back[k] - v[k]).abs() < 1e-14));
-        assert!(normalised([0.0; 4]).is_none() && normalised([f64::NAN, 0.0, 0.0, 1.0]).is_none());
+        assert!(normalized([0.0; 4]).is_none() && normalized([f64::NAN, 0.0, 0.0, 1.0]).is_none());
     }
 }

@@ -120,7 +120,7 @@ impl HitHull {
 
 /// Maximum number of corners that are scanned for the farthest. For more corners it is faster to
 /// walk the edges of the hull.
-const FEW: usize = 256;
+const MAX_SCANNED_CORNERS: usize = 256;
 
 /// Returns the corners of a cube around a point, with half its edge length given.
 pub(super) fn cube_about(point: Vector, half: f64) -> [Vector; 8] {
@@ -212,7 +212,9 @@ impl HitVolume {
                 add(&at, &scale(&axis, obb.half_extents()[k].copysign(dot(&axis, &direction))))
             }),
             Self::Lozenge(lozenge) => RoundedPlate(*lozenge).support(direction),
-            Self::Hull(HitHull { hull, corners, .. }) if hull.positions().len() <= FEW => corners.support(direction),
+            Self::Hull(HitHull { hull, corners, .. }) if hull.positions().len() <= MAX_SCANNED_CORNERS => {
+                corners.support(direction)
+            }
             Self::Hull(HitHull { hull, .. }) => hull.positions()[hull.support(direction) as usize],
         }
     }

@@ -7,21 +7,21 @@ use crate::query;
 use crate::volume::Proximity;
 
 use super::frame::Frame;
-use super::overlap::holds_origin;
+use super::overlap::contains_origin;
 use super::transform::apply_transposed;
 use super::volume::HitVolume;
 use crate::math::vec3::{Vector, add, dot, length, scale, sub};
 
 /// A volume in its frame.
 #[derive(Clone, Copy)]
-pub(super) struct Stood<'a> {
+pub(super) struct PlacedVolume<'a> {
     pub(super) volume: &'a HitVolume,
     pub(super) frame: &'a Frame,
     /// A sphere around it, in the world: center and radius.
     pub(super) sphere: (Vector, f64),
 }
 
-impl Stood<'_> {
+impl PlacedVolume<'_> {
     /// Returns the point that is farthest along a direction, in the world.
     fn support(&self, direction: Vector) -> Vector {
         self.frame.apply(self.volume.support(apply_transposed(&self.frame.rotation, direction)))
@@ -34,7 +34,7 @@ impl Stood<'_> {
 }
 
 /// Reports whether two volumes may overlap: `false` is returned only if they are proved apart.
-pub(super) fn meet(a: &Stood<'_>, b: &Stood<'_>) -> Result<bool, InputError> {
+pub(super) fn may_overlap(a: &PlacedVolume<'_>, b: &PlacedVolume<'_>) -> Result<bool, InputError> {
     // Most volumes of a character are spheres and capsules. They have a closed form, with margins
     // larger than its rounding errors.
     if let (Some(core_a), Some(core_b)) = (segment(a.volume), segment(b.volume)) {
@@ -56,7 +56,7 @@ pub(super) fn meet(a: &Stood<'_>, b: &Stood<'_>) -> Result<bool, InputError> {
     }
     let size = a.size() + b.size();
     let difference = |direction: Vector| sub(&a.support(direction), &b.support(scale(&direction, -1.0)));
-    if let Some(found) = holds_origin(difference, sub(&b.sphere.0, &a.sphere.0), 1e-12 * size, size) {
+    if let Some(found) = contains_origin(difference, sub(&b.sphere.0, &a.sphere.0), 1e-12 * size, size) {
         return Ok(found);
     }
     let (placed_a, placed_b) = (a.volume.placed(a.frame.pose()?)?, b.volume.placed(b.frame.pose()?)?);

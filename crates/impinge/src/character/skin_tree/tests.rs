@@ -39,15 +39,15 @@ fn sheet(state: &mut u64) -> Rig {
 
 /// Returns the faces below a node.
 fn faces_of(tree: &SkinTree, node: u32) -> Vec<u32> {
-    match tree.below(node) {
-        Below::Nodes(nodes) => nodes.iter().flat_map(|&node| faces_of(tree, node)).collect(),
-        Below::Faces { faces, .. } => tree.faces(*faces).iter().map(|own| own.face).collect(),
+    match tree.children(node) {
+        Children::Nodes(nodes) => nodes.iter().flat_map(|&node| faces_of(tree, node)).collect(),
+        Children::Faces { faces, .. } => tree.faces(*faces).iter().map(|own| own.face).collect(),
     }
 }
 
 /// Checks that the spheres of all nodes enclose their vertices. Returns the largest distance of a
 /// vertex from its center, in radii.
-fn checked(rig: &Rig, tree: &SkinTree, pose: &SkinPose) -> f64 {
+fn largest_share(rig: &Rig, tree: &SkinTree, pose: &SkinPose) -> f64 {
     let mut vertices = Vec::new();
     rig.skin().morphed(&pose.morph_weights, &mut vertices);
     for (vertex, point) in vertices.iter_mut().enumerate() {
@@ -66,7 +66,7 @@ fn checked(rig: &Rig, tree: &SkinTree, pose: &SkinPose) -> f64 {
 }
 
 #[test]
-fn spheres_hold_in_any_pose() {
+fn spheres_enclose_their_faces_in_any_pose() {
     let mut state = 3;
     let rig = sheet(&mut state);
     let tree = SkinTree::new(&rig);
@@ -90,13 +90,13 @@ fn spheres_hold_in_any_pose() {
         let stretches = palette.iter().map(|(linear, _)| stretch(linear)).collect();
         let morph_weights = vec![random(&mut state), 3.0 * random(&mut state)];
         let origin = [0; 3].map(|_| [0.0, 1e9][case % 2] * random(&mut state));
-        nearest = nearest.max(checked(&rig, &tree, &SkinPose { palette, stretches, morph_weights, origin }));
+        nearest = nearest.max(largest_share(&rig, &tree, &SkinPose { palette, stretches, morph_weights, origin }));
     }
     assert!(nearest > 0.9, "{nearest}: a bound that is never nearly reached is none");
 }
 
 #[test]
-fn spheres_of_what_moves_as_one_are_as_tight_as_at_rest() {
+fn spheres_of_a_rigid_motion_are_as_tight_as_at_rest() {
     let mut state = 5;
     let rig = sheet(&mut state);
     let tree = SkinTree::new(&rig);
@@ -107,7 +107,7 @@ fn spheres_of_what_moves_as_one_are_as_tight_as_at_rest() {
         morph_weights: vec![0.0; 2],
         origin: [0.0; 3],
     };
-    assert!(checked(&rig, &tree, &pose) > 1.0 - 1e-9);
+    assert!(largest_share(&rig, &tree, &pose) > 1.0 - 1e-9);
     for (at, node) in (0..).zip(&tree.nodes) {
         assert!(tree.sphere(at, &pose).1 <= node.radius * (1.0 + 1e-9));
     }
