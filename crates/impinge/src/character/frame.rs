@@ -41,8 +41,8 @@ impl Frame {
     }
 }
 
-/// Returns the frame of a pose, and a bound on the distance between a point mapped by the frame and
-/// by the pose, for points within one unit of its origin.
+/// Returns the frame of a pose, and its error: a bound on the distance between the images of a
+/// point under the frame and the pose. The bound holds for points within one unit of the origin.
 ///
 /// # Errors
 /// Returns an error if the pose is not a rotation within 1e-4, or if it mirrors.

@@ -254,8 +254,8 @@ mod tests {
 
     const BIND: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-    /// A trunk, an arm of three bones on it, and another bone on the trunk. All of them move and
-    /// rotate, by splines or linearly.
+    /// Builds a trunk, an arm of three bones on it, and another bone on the trunk. All of them move
+    /// and rotate, by splines or linearly.
     fn rig(interpolation: Interpolation, seed: u64, scales: f64) -> Rig {
         let mut state = seed;
         let mut random = || {

@@ -136,7 +136,7 @@ fn by_regions(bones: &[(f64, &str)]) -> Option<String> {
     }
 }
 
-/// Positions of the parts at rest. As in glTF, y is up and z is the front.
+/// Positions of the parts at rest. As in glTF, y is up and z points forward.
 struct Shapes {
     area_of_bone: Vec<f64>,
     boxes: Vec<[Vector; 2]>,

@@ -26,7 +26,7 @@ use crate::math::vec3::{Vector, dot, length, scale, sub};
 ///
 /// let pose = rig.pose_at(0, 0.5)?;
 /// let ray = Ray::new([0.0, 1.6, 5.0], [0.0, 0.0, -1.0])?;
-/// // The volumes tell who may be struck, and the surface what is.
+/// // The volumes tell whether the character may be struck, the surface tells the part.
 /// if Posed::new(character, &pose).ray_cast(&ray).is_some() {
 ///     if let Some(hit) = SurfaceRays::new(character, rig, &pose).ray_cast(&ray) {
 ///         println!("{} at {:?}", character.parts()[hit.part as usize].name, hit.point);

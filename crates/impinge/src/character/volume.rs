@@ -46,7 +46,7 @@ impl VolumeKind {
         }
     }
 
-    /// Returns the kind with the given name, or `None` if there is none.
+    /// Returns the kind with the given name, or `None` for an unknown name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)

@@ -10,10 +10,10 @@ pub trait BoundingVolume: Copy + PartialEq + std::fmt::Debug + Send + Sync {
     /// Returns the volume that encloses the points, built by the default construction of its kind.
     ///
     /// # Errors
-    /// Returns [`Empty`](crate::input::InputErrorKind::Empty) if there are no points.
-    /// [`NonFinite`](crate::input::InputErrorKind::NonFinite) and
-    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) give the index of the first vertex
-    /// that has a coordinate that is not finite or whose magnitude is 2^128 or more.
+    /// Returns [`Empty`](crate::input::InputErrorKind::Empty) if there are no points. Returns
+    /// [`NonFinite`](crate::input::InputErrorKind::NonFinite) if a coordinate is not finite, and
+    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) if its magnitude is 2^128 or more,
+    /// with the index of the first such vertex.
     fn of_points(points: &[[f64; 3]]) -> Result<Self, InputError>;
 
     /// Reports whether the two volumes may overlap: `false` is returned only if they are proved

@@ -105,7 +105,7 @@ impl BoundingVolume for CentreRadius {
         })
     }
 
-    /// Exact, unlike [`overlaps`](BoundingVolume::overlaps).
+    /// Reports whether the point is inside. Exact, unlike [`overlaps`](BoundingVolume::overlaps).
     fn contains(&self, point: [f64; 3]) -> bool {
         (0..3).all(|axis| distance_on_axis(point[axis], self.centre[axis]) <= self.half_extents[axis])
     }

@@ -25,7 +25,8 @@ const CORNERS: [[f64; 3]; 4] = [[1.0, 1.0, 1.0], [1.0, 1.0, -1.0], [1.0, -1.0, 1
 /// use impinge::volume::{BoundingVolume, Kdop14};
 /// let corner = Kdop14::of_points(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])?;
 /// let other = Kdop14::of_points(&[[1.0; 3], [0.5; 3]])?;
-/// assert!(!corner.overlaps(&other)); // their boxes overlap, but x + y + z is at most 1 in the one, at least 1.5 in the other
+/// // Their boxes overlap, but x + y + z is at most 1 in one and at least 1.5 in the other.
+/// assert!(!corner.overlaps(&other));
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -221,7 +222,7 @@ impl<const D: usize> BoundingVolume for Kdop<D> {
         Self::of(points)
     }
 
-    /// The comparisons are exact: the polytopes are apart if they are apart in some slab direction.
+    /// Compares slabs exactly: the polytopes are apart if they are apart in some slab direction.
     /// Two polytopes that no slab separates may still be apart.
     #[inline]
     fn overlaps(&self, other: &Self) -> bool {
@@ -235,8 +236,8 @@ impl<const D: usize> BoundingVolume for Kdop<D> {
         })
     }
 
-    /// Exact. The result is the smallest polytope of these directions that holds both, if both are
-    /// the smallest ones that hold their contents.
+    /// Computes the union exactly. The result is the smallest polytope of these directions that
+    /// holds both, if both are the smallest ones that hold their contents.
     fn merged(&self, other: &Self) -> Self {
         Self {
             low: std::array::from_fn(|k| self.low[k].min(other.low[k])),

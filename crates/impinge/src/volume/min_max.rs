@@ -92,18 +92,18 @@ impl BoundingVolume for MinMax {
         Self::of(points)
     }
 
-    /// Exact (*Notes*, algorithm 2.1).
+    /// Reports whether the boxes overlap, exactly (*Notes*, algorithm 2.1).
     #[inline]
     fn overlaps(&self, other: &Self) -> bool {
         (0..3).all(|axis| self.min[axis] <= other.max[axis] && other.min[axis] <= self.max[axis])
     }
 
-    /// Exact.
+    /// Reports whether the point is inside, exactly.
     fn contains(&self, point: [f64; 3]) -> bool {
         (0..3).all(|axis| self.min[axis] <= point[axis] && point[axis] <= self.max[axis])
     }
 
-    /// Exact: returns the smallest box that holds both.
+    /// Returns the smallest box that holds both, exactly.
     fn merged(&self, other: &Self) -> Self {
         Self {
             min: std::array::from_fn(|axis| self.min[axis].min(other.min[axis])),

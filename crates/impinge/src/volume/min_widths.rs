@@ -18,7 +18,8 @@ use crate::math::Pose;
 /// use impinge::volume::{MinMax, MinWidths};
 /// let bounds = MinMax::new([0.1; 3], [0.7; 3])?;
 /// let by_widths = MinWidths::from(bounds);
-/// assert!(MinMax::from(by_widths).encloses(&bounds)); // 0.7 - 0.1 is no double: the widths are rounded up
+/// // 0.7 - 0.1 is not a double, so the widths are rounded up.
+/// assert!(MinMax::from(by_widths).encloses(&bounds));
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,8 +91,9 @@ impl BoundingVolume for MinWidths {
         MinMax::of(points).map(Self::from)
     }
 
-    /// Exact, without computing the largest corner: the boxes are apart on an axis if the
-    /// difference of their smallest corners exceeds the width of the lower box.
+    /// Reports whether the boxes overlap, exactly and without computing the largest corner. The
+    /// boxes are apart on an axis if the difference of their smallest corners exceeds the width of
+    /// the lower box.
     #[inline]
     fn overlaps(&self, other: &Self) -> bool {
         (0..3).all(|axis| {
@@ -100,12 +102,12 @@ impl BoundingVolume for MinWidths {
         })
     }
 
-    /// Exact.
+    /// Reports whether the point is inside, exactly.
     fn contains(&self, point: [f64; 3]) -> bool {
         (0..3).all(|axis| self.min[axis] <= point[axis] && !exceeds(point[axis], self.min[axis], self.widths[axis]))
     }
 
-    /// The smallest corner is exact; the widths are rounded up.
+    /// Returns a box that holds both. The smallest corner is exact; the widths are rounded up.
     fn merged(&self, other: &Self) -> Self {
         let min: [f64; 3] = std::array::from_fn(|axis| self.min[axis].min(other.min[axis]));
         let reach = |part: &Self, axis: usize| add_up(add_up(part.min[axis], -min[axis]), part.widths[axis]);

@@ -5,12 +5,12 @@
 //! |---|---|---|
 //! | [`Aabb`] | 24 | axis-aligned box in single precision, for trees |
 //! | [`MinMax`], [`MinWidths`], [`CentreRadius`] | 48 | the three forms of an axis-aligned box |
-//! | [`PackedMinWidths`], [`PackedCentreRadius`] | 20, 16 | the last two with extents as 16- or 8-bit integers |
+//! | [`PackedMinWidths`], [`PackedCentreRadius`] | 20, 16 | the last two with 16- or 8-bit extents |
 //! | [`BoundingSphere`] | 32 | center and radius |
 //! | [`Capsule`] | 56 | a segment swept by a sphere |
 //! | [`Lozenge`] | 80 | a rectangle swept by a sphere |
 //! | [`Obb`] | 120 | oriented box |
-//! | [`Kdop14`], [`Kdop18`], [`Kdop26`] | 112 to 208 | polytope with 7, 9 or 13 pairs of parallel faces |
+//! | [`Kdop14`], [`Kdop18`], [`Kdop26`] | 112 to 208 | polytope with 7, 9 or 13 face pairs |
 //!
 //! Each volume is the set of *real* points that its numbers define, and rounding errs in one
 //! direction only. Every conversion, union or moved copy encloses the exact result. A test reports

@@ -72,8 +72,8 @@ impl Obb {
     }
 
     /// Returns a box with the given center and axes that encloses every point x whose projections
-    /// are within `reach`: |axis · (x - centre)| ≤ reach on each axis. The axes must be orthonormal
-    /// up to rounding; the half-extents are rounded up.
+    /// are within `reach`: `|axis · (x - centre)| ≤ reach` on each axis. The axes must be
+    /// orthonormal up to rounding; the half-extents are rounded up.
     ///
     /// With y the projections and s the coordinates of a point, y = G s for the Gram matrix G of
     /// the axes. So |s - y| ≤ κ |s| ≤ κ / (1 - κ) |y| in the maximum norm, with κ the norm of G -
@@ -135,7 +135,7 @@ pub(super) struct Generated {
 }
 
 impl Generated {
-    /// Returns a double not below |axis · (x - centre)| for any point x of the parallelepiped.
+    /// Returns a double not below `|axis · (x - centre)|` for any point x of the parallelepiped.
     fn reach(&self, axis: [f64; 3], centre: [f64; 3]) -> f64 {
         let mut reach = projection_up(axis, self.centre, centre);
         for (generator, half) in self.generators.iter().zip(self.half_extents) {

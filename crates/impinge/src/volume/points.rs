@@ -127,8 +127,8 @@ fn include_coordinate<T: Coordinate>(min: &mut T, max: &mut T, poison: &mut T, x
     *poison = *poison + (x - x);
 }
 
-/// Returns the error for invalid points: the first that is not finite or out of range, or that
-/// there are none.
+/// Returns the error for invalid points: the first one that is not finite or out of range. Without
+/// such a point the error is that the set is empty.
 fn first_invalid<T: Coordinate>(points: &[[T; 3]]) -> InputError {
     for (index, &point) in points.iter().enumerate() {
         for x in widen(point) {

@@ -102,14 +102,16 @@ pub(super) fn distance_up(p: [f64; 3], q: [f64; 3]) -> f64 {
     length_up(std::array::from_fn(|axis| add_up(p[axis].max(q[axis]), -p[axis].min(q[axis]))))
 }
 
-/// Returns the largest single not above `x`, or minus infinity if there is none.
+/// Returns the largest single that is not above `x`. It is minus infinity if every finite single is
+/// above.
 #[inline(always)]
 pub(super) fn f32_down(x: f64) -> f32 {
     let nearest = x as f32;
     if f64::from(nearest) > x { nearest.next_down() } else { nearest }
 }
 
-/// Returns the smallest single not below `x`, or infinity if there is none.
+/// Returns the smallest single that is not below `x`. It is infinity if every finite single is
+/// below.
 #[inline(always)]
 pub(super) fn f32_up(x: f64) -> f32 {
     -f32_down(-x)

@@ -11,7 +11,8 @@ fn random(state: &mut u64) -> f64 {
     (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
-/// A sheet over five bones. Each vertex follows one to three of them, with weights on a grid.
+/// Builds a sheet over five bones. Each vertex follows one to three of them, with weights on a
+/// grid.
 fn sheet(state: &mut u64) -> Rig {
     let bones = (0..JOINTS).map(|at| Bone { name: at.to_string(), parent: None, rest: Transform::IDENTITY });
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];

@@ -1,5 +1,5 @@
-//! Computes the smallest radius around a given center, rounded up, and the power of two that scales
-//! a set of points to a size of about 1, so that no square overflows or underflows.
+//! Computes the smallest radius around a given center, rounded up. Also computes the power of two
+//! that scales a set of points to a size of about 1, so that no square overflows or underflows.
 //!
 //! Tests: `tests/it/volumes/spheres.rs`.
 

@@ -13,14 +13,14 @@ impl BoundingVolume for BoundingSphere {
         fit::minimal_sphere(points).map(|fitted| fitted.sphere)
     }
 
-    /// Exact. Algorithm 2.3 of the *Notes* compares with the difference of the radii, which is
-    /// wrong; the sum is right.
+    /// Reports whether the spheres overlap, exactly. Algorithm 2.3 of the *Notes* compares with the
+    /// difference of the radii, which is wrong; the sum is right.
     #[inline]
     fn overlaps(&self, other: &Self) -> bool {
         distance_against(self.centre, other.centre, self.radius, other.radius) != Sign::Positive
     }
 
-    /// Exact for a point within the range of 2^320.
+    /// Reports whether the point is inside, exactly for a point within the range of 2^320.
     fn contains(&self, point: [f64; 3]) -> bool {
         distance_against(self.centre, point, self.radius, 0.0) != Sign::Positive
     }

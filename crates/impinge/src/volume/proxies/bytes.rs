@@ -4,7 +4,7 @@
 //! |---|---|
 //! | 0 .. 16 | kind of the hull (1 point to 4 solid); its number of vertices, faces and neighbors |
 //! | 16 .. 816 | 100 doubles: box, sphere, capsule, lozenge, oriented box, 14-, 18- and 26-DOP |
-//! | from 816 | vertices; three corners per face; the start of each vertex's neighbors, and the end; neighbors |
+//! | from 816 | vertices; three corners per face; starts of the vertices' neighbors; neighbors |
 //!
 //! Tests: `tests/it/hull/proxies.rs`.
 
