@@ -5,7 +5,7 @@
 //! |---|---|---|
 //! | [`Aabb`] | 24 | axis-aligned box in single precision, for trees |
 //! | [`MinMax`], [`MinWidths`], [`CentreRadius`] | 48 | the three forms of an axis-aligned box |
-//! | [`PackedMinWidths`], [`PackedCentreRadius`] | 20, 16 | the last two with 16- or 8-bit extents |
+//! | [`PackedMinWidths`], [`PackedCentreRadius`] | 20, 16 | the last two with integer extents |
 //! | [`BoundingSphere`] | 32 | center and radius |
 //! | [`Capsule`] | 56 | a segment swept by a sphere |
 //! | [`Lozenge`] | 80 | a rectangle swept by a sphere |

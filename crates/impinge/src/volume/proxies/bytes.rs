@@ -4,7 +4,7 @@
 //! |---|---|
 //! | 0 .. 16 | kind of the hull (1 point to 4 solid); its number of vertices, faces and neighbors |
 //! | 16 .. 816 | 100 doubles: box, sphere, capsule, lozenge, oriented box, 14-, 18- and 26-DOP |
-//! | from 816 | vertices; three corners per face; starts of the vertices' neighbors; neighbors |
+//! | from 816 | vertices; three corners per face; neighbor starts per vertex, and the end; neighbors |
 //!
 //! Tests: `tests/it/hull/proxies.rs`.
 
