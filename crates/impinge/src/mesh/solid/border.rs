@@ -13,7 +13,7 @@ impl Mesh {
     /// O(n log n) in the edges of the border the first time, then constant.
     pub(crate) fn cap(&self) -> &Cap {
         let border = &self.topology().border;
-        self.0.cap.get_or_init(|| Cap::of(self.positions(), border))
+        self.0.derived.cap.get_or_init(|| Cap::of(self.positions(), border))
     }
 }
 

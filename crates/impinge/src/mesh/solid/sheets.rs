@@ -55,7 +55,7 @@ impl Mesh {
     /// # Complexity
     /// About linear in the faces the first time, then constant.
     pub(crate) fn sheets(&self) -> &Components {
-        let slot = &self.0.sheets;
+        let slot = &self.0.derived.sheets;
         // The slot is not locked meanwhile: a thread that waits for its share of the work may need
         // it for another task.
         if slot.get().is_none() {
