@@ -12,8 +12,8 @@ use crate::mesh::storage::leaf::Leaf;
 /// The faces below one node, in the packed frame.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::mesh) struct Group {
-    pub(in crate::mesh) centre: [f64; 3],
-    /// No point of the faces is farther from the centre.
+    pub(in crate::mesh) center: [f64; 3],
+    /// No point of the faces is farther from the center.
     pub(in crate::mesh) radius: f64,
     /// No less than the areas of the faces add up to.
     pub(in crate::mesh) area: f64,
@@ -72,7 +72,7 @@ impl FarField {
 
 impl Group {
     const EMPTY: Self = Self {
-        centre: [0.0; 3],
+        center: [0.0; 3],
         radius: 0.0,
         area: 0.0,
         size: 0.0,
@@ -83,17 +83,17 @@ impl Group {
 
     /// Without faces, about the middle of the boxes of a node's children.
     fn about_box_of(node: &Node) -> Self {
-        let (mut centre, mut squared) = ([0.0; 3], 0.0);
+        let (mut center, mut squared) = ([0.0; 3], 0.0);
         for axis in 0..3 {
             let lanes = 0..node.count();
             let low = lanes.clone().fold(f64::INFINITY, |low, lane| low.min(f64::from(node.min[axis][lane])));
             let high = lanes.fold(f64::NEG_INFINITY, |high, lane| high.max(f64::from(node.max[axis][lane])));
-            centre[axis] = 0.5 * (low + high);
+            center[axis] = 0.5 * (low + high);
             squared += (0.5 * (high - low)).powi(2);
         }
         // More than what the corners and the root are off by.
         let radius = squared.sqrt() * (1.0 + 1e-12) + 4.0 * PACKING_ERROR;
-        Self { centre, radius, ..Self::EMPTY }
+        Self { center, radius, ..Self::EMPTY }
     }
 
     fn add_face(&mut self, frame: &PackedFrame, corners: &Corners) {
@@ -104,7 +104,7 @@ impl Group {
         let size = length(&u) * length(&v);
         self.size += size;
         self.area += length(&normal) + 8.0 * f64::EPSILON * size;
-        let [a, b, c] = corners.map(|corner| sub(&frame.pack(corner), &self.centre));
+        let [a, b, c] = corners.map(|corner| sub(&frame.pack(corner), &self.center));
         // Means over the triangle of y and of y yᵀ, with its corners and their sum.
         let sum: [f64; 3] = std::array::from_fn(|k| a[k] + b[k] + c[k]);
         for j in 0..3 {
@@ -123,9 +123,9 @@ impl Group {
         }
     }
 
-    /// Moves the other group's moments to this centre and adds them.
+    /// Moves the other group's moments to this center and adds them.
     fn add_group(&mut self, other: &Self) {
-        let d: [f64; 3] = std::array::from_fn(|k| other.centre[k] - self.centre[k]);
+        let d: [f64; 3] = std::array::from_fn(|k| other.center[k] - self.center[k]);
         for i in 0..3 {
             let (zeroth, first) = (other.zeroth[i], &other.first[i]);
             for j in 0..3 {
