@@ -71,12 +71,13 @@ impl Answer {
     /// Creates an answer without a pair. Pairs farther apart than `farthest`, in metric units, are
     /// skipped.
     pub(super) fn new(scene: &Scene<'_>, farthest: f64) -> Self {
-        let first_trial =
-            if scene.clearance < f64::INFINITY || scene.metric.diagonal <= MAX_SCENE_RATIO * scene.metric.smaller_extent {
-                MIN_TIES.max(scene.vertex_count() / VERTICES_PER_VALUE)
-            } else {
-                usize::MAX
-            };
+        let first_trial = if scene.clearance < f64::INFINITY
+            || scene.metric.diagonal <= MAX_SCENE_RATIO * scene.metric.smaller_extent
+        {
+            MIN_TIES.max(scene.vertex_count() / VERTICES_PER_VALUE)
+        } else {
+            usize::MAX
+        };
         let mut answer = Self {
             best: None,
             may_intersect: None,

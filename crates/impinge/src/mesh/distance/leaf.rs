@@ -168,7 +168,8 @@ impl<'l, S: Simd> Facing<'l, S> {
     #[inline(always)]
     pub(super) fn by_points(&self, [hosts, guests]: [Choice; 2]) -> [f32; LANES] {
         let simd = self.simd;
-        let host: [Lanes3<S>; 3] = by_axis!(corner => by_axis!(axis => hosts.of(simd, &self.host.corners[corner][axis])));
+        let host: [Lanes3<S>; 3] =
+            by_axis!(corner => by_axis!(axis => hosts.of(simd, &self.host.corners[corner][axis])));
         let guest: [Lanes3<S>; 3] = by_axis!(corner => by_axis!(axis => {
             guests.of(simd, &self.guest.corners[corner][axis]) + f32x8::splat(simd, self.offset[axis])
         }));

@@ -18,7 +18,7 @@ use crate::primitive::triangle_triangle;
 use crate::simd::levels;
 
 fn mesh(plain: &Plain) -> Mesh {
-    Mesh::new(Positions::F64(plain.vertices.clone()), plain.faces.clone()).expect("a legal mesh")
+    Mesh::new(Positions::F64(plain.vertices.clone()), plain.faces.clone()).expect("a valid mesh")
 }
 
 fn relative(a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) -> Option<RelativeFrame> {
@@ -114,7 +114,10 @@ fn where_a_search_ended_changes_no_answer() {
             }
         }
     }
-    assert!(followed > 200 && intersecting > 50 && apart > 500, "{followed} followed, {intersecting} intersecting, {apart} apart");
+    assert!(
+        followed > 200 && intersecting > 50 && apart > 500,
+        "{followed} followed, {intersecting} intersecting, {apart} apart"
+    );
 }
 
 #[test]

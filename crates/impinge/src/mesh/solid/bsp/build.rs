@@ -8,7 +8,8 @@ use crate::exact::{WidePlane, collinear};
 use crate::math::Sign;
 use crate::mesh::Mesh;
 
-/// Maximum number of faces of a cell that is cut by the planes of its faces at once.
+/// Maximum number of faces of a cell that is cut by the planes of its faces without trying planes
+/// across an axis.
 const MAX_FACES_WITHOUT_AXIS_PLANE: usize = 3;
 
 /// Maximum number of faces of a cell that is cut by the planes of its faces if no plane across an
