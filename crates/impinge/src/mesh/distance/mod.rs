@@ -7,8 +7,8 @@
 //! Whether the meshes intersect is decided first, exactly. If they do not intersect, every pair of
 //! faces has a *value*: the distance of its metric corners (see `metric`), computed by the closed
 //! form. It depends only on the pair and on the query. The answer is the least (value, face of a,
-//! face of b) of all pairs. A pair is skipped only if it is proved to be worse, so the answer does
-//! not depend on the order of the descent or on the vector unit.
+//! face of b) of all pairs. A pair is skipped only if it is proved to be worse. So the answer
+//! depends neither on the order of the descent nor on the vector unit.
 //!
 //! - `nearest` has the verbs, and `search` has the search.
 //! - `metric` maps both meshes to one frame, in which distances are measured.

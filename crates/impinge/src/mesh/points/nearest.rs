@@ -93,8 +93,8 @@ impl Mesh {
 /// thread.
 const MIN_POINTS_PER_TASK: usize = 64;
 
-/// A search for the point of the mesh that is nearest to a point, in coordinates relative to the
-/// point and scaled so that neither the point nor the mesh is large.
+/// A search for the point of the mesh that is nearest to a given point. Coordinates are relative to
+/// the given point, and scaled so that neither it nor the mesh is large.
 struct Search<'a> {
     mesh: &'a Mesh,
     point: &'a Vector,

@@ -21,9 +21,10 @@ impl Mesh {
 }
 
 impl PlacedMesh<'_> {
-    /// Reports whether everything within reach of this mesh's border is proved to be apart from the
-    /// faces of another mesh and from everything within reach of the other mesh's border. Both
-    /// meshes are compared in the world frame. Returns `false` if a box is out of range.
+    /// Reports whether everything within reach of this mesh's border is proved to be apart from
+    /// another mesh. This includes the other mesh's faces and everything within reach of its
+    /// border. Both meshes are compared in the world frame. Returns `false` if a box is out of
+    /// range.
     ///
     /// # Complexity
     /// Linear in the faces of the other mesh, times the boxes about loops that overlap the other

@@ -14,8 +14,8 @@
 //! Method for Computing Generalized Winding Numbers*, Computer Graphics Forum 44(5), 2025). They
 //! integrate curves. Ours are polygons with an error bound, and our rays along the axes, with their
 //! ties, are exact. So the cost depends on the border, not on the mesh. If the border is long, as
-//! that of a soup of triangles is, the solid angles of the faces are summed up instead, by
-//! expansions for faces that are far.
+//! for a soup of triangles, the solid angles of the faces are summed up instead. Far faces are
+//! summed up by expansions.
 //!
 //! Proof: docs/proof.md, L16 and L17. Guarded by `tests/it/solids/winding.rs` and `containment.rs`,
 //! and by the benchmark `solids` of `impinge-bench`.
@@ -122,8 +122,8 @@ impl Mesh {
     ///
     /// # Complexity
     /// For each point, logarithmic in the faces for each layer that a ray crosses, and linear in
-    /// the border. If the border is long, or if the point is in line with border vertices along all
-    /// three axes, the cost is that of as many faces and groups of faces as the width of the
+    /// the border. The border may be long, or the point in line with border vertices along all
+    /// three axes. Then the cost is linear in the faces and groups of faces that the width of the
     /// interval needs. Runs on all cores of the current rayon pool.
     ///
     /// # Errors
