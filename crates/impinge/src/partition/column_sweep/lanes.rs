@@ -67,8 +67,8 @@ impl Lanes {
         &self.sorted[..self.unsorted.len()]
     }
 
-    /// Adds each pair of copies whose boxes overlap to `found`. `classify` compares their
-    /// images; `decide` compares the boxes if that is not certain.
+    /// Adds each pair of copies whose boxes overlap to `found`. `classify` compares their images;
+    /// `decide` compares the boxes if that is not certain.
     #[inline(always)]
     pub(super) fn sweep_self<S: Simd>(
         &mut self,

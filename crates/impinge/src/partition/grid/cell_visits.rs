@@ -71,7 +71,8 @@ struct Undecided {
 
 impl Default for CellVisits {
     fn default() -> Self {
-        // One more than the maximum, because a visit is written before it is known whether it is kept.
+        // One more than the maximum, because a visit is written before it is known whether it is
+        // kept.
         Self {
             visits: vec![CellVisit::default(); BATCH * MAX_PATH_CELLS + 1],
             count: 0,

@@ -36,10 +36,10 @@ const LEVEL_STEP: i32 = 2;
 /// [`BoxTree`](super::super::BoxTree) is faster.
 ///
 /// # Source
-/// Ericson, 7.2 (hierarchical grids); Eitz, Gu, *Hierarchical spatial hashing for real-time collision detection*, SMI 2007.
-/// Ours departs in three ways: a box is in every cell of its level that it reaches into, so that a
-/// query visits only its own cells; levels exist only while they hold boxes; and each level has its
-/// own table.
+/// Ericson, 7.2 (hierarchical grids); Eitz, Gu, *Hierarchical spatial hashing for real-time
+/// collision detection*, SMI 2007. Ours departs in three ways: a box is in every cell of its level
+/// that it reaches into, so that a query visits only its own cells; levels exist only while they
+/// hold boxes; and each level has its own table.
 ///
 /// ```
 /// use impinge::partition::{Dynamic, HierarchicalGrid, Partition};

@@ -53,7 +53,8 @@ pub struct UniformGrid(Single);
 /// distinguished up to a distance of 2^40 cells from the origin.
 ///
 /// # Source
-/// Teschner et al., *Optimized spatial hashing for collision detection of deformable objects*, VMV 2003.
+/// Teschner et al., *Optimized spatial hashing for collision detection of deformable objects*, VMV
+/// 2003.
 ///
 /// ```
 /// use impinge::partition::{Dynamic, HashedGrid, Partition};
