@@ -43,7 +43,7 @@ struct Widest {
 }
 
 /// Number of changes, beyond the number of boxes, after which the extent is measured again.
-const STALE: usize = 64;
+const EXTRA_STALE: usize = 64;
 
 impl Widest {
     fn include(&mut self, bounds: &MinMax, axis: usize) {
@@ -54,7 +54,7 @@ impl Widest {
     /// measure it again.
     fn aged(&mut self, len: usize) -> bool {
         self.stale += 1;
-        let due = self.stale > len + STALE;
+        let due = self.stale > len + EXTRA_STALE;
         if due {
             *self = Self::default();
         }
