@@ -335,7 +335,7 @@ fn an_open_mesh_penetrates_by_its_moved_vertices() {
     let (mut changed, mut decided) = (0, 0);
     for _ in 0..40 {
         let mut moving = made(&sphere.vertices);
-        let [p, q, r] = std::array::from_fn(|_| f64::from(rng.below(5) as u32) / 4.0);
+        let [p, q, r] = std::array::from_fn(|_| rng.integer(0, 4) as f64 / 4.0);
         let grown: Vec<[f64; 3]> =
             sphere.vertices.iter().map(|v| [(1.0 + p) * v[0] + q, v[1] * (1.0 - 0.5 * q), v[2] + r * v[0]]).collect();
         // A small copy near the old hole.
