@@ -285,7 +285,7 @@ def test_poses_of_a_character_share_it_in_one_pickle(tmp_path):
     assert state(first.ray_cast(-9 * rays, rays)) == state(poses[0].ray_cast(-9 * rays, rays))
     kept = pickle.dumps(robot)
     file.write_bytes(ROBOT.read_bytes().replace(b"Robot_Walking", b"Robot_Wolking"))
-    with pytest.raises(impinge.InputError, match="that was pickled"):
+    with pytest.raises(impinge.InputError, match="character was pickled"):
         pickle.loads(kept)
     file.unlink()
     with pytest.raises(FileNotFoundError):
