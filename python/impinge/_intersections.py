@@ -55,9 +55,9 @@ def intersects(
 
     Meshes, boxes, triangles, hulls and half-spaces are decided exactly for the real numbers that
     their coordinates and poses denote: there is no tolerance, and the scale does not matter.
-    Spheres and capsules are decided exactly against them too, if the poses are exactly orthogonal.
-    Other round shapes count as intersecting if they touch to within rounding; their status is then
-    ``Status.UNDECIDED``.
+    Pairs of these with spheres and capsules are decided exactly too, if the poses are exactly
+    orthogonal. Other round shapes count as intersecting if they touch to within rounding; their
+    status is then ``Status.UNDECIDED``.
 
     Parameters
     ----------
@@ -65,9 +65,9 @@ def intersects(
         The two things. A mesh is its surface, unless `solid` makes it a solid.
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
         World from mesh, for column vectors: any invertible affine map, or a rigid motion within
-        1e-4 for round shapes. None is the identity. Leading axes broadcast as in NumPy: ``(n, 4,
-        4)`` against ``(4, 4)`` or ``(n, 4, 4)`` gives n answers, ``(n, 1, 4, 4)`` against ``(m, 4,
-        4)`` gives n x m.
+        1e-4 for round shapes. None is the identity. Leading axes broadcast as in NumPy:
+        ``(n, 4, 4)`` against ``(4, 4)`` or ``(n, 4, 4)`` gives n answers, ``(n, 1, 4, 4)`` against
+        ``(m, 4, 4)`` gives n x m.
     solid : {False, True, "a", "b"}
         Which meshes are solids: neither, both, or one. A solid is the surface and all points with a
         winding number above 1/2 in magnitude, so a body that lies inside a solid without touching

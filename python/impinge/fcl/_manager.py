@@ -103,8 +103,8 @@ class DynamicAABBTreeCollisionManager:
     def collide(self, *args: Any) -> None:
         """Pass pairs with overlapping boxes to ``callback(o1, o2, cdata)`` until it returns True.
 
-        ``collide(cdata, callback)`` collides pairs within the manager. ``collide(other, cdata,
-        callback)`` collides with an object or another manager.
+        ``collide(cdata, callback)`` collides pairs within the manager.
+        ``collide(other, cdata, callback)`` collides with an object or another manager.
         """
         if len(args) == 2:
             self._collide_within(*args)
