@@ -109,8 +109,8 @@ impl DoubleDouble {
         Self { error: (self.error + by) * INFLATE, ..*self }
     }
 
-    /// Returns a number that, to within its error, is not below either of the two. An error that is
-    /// NaN in `self` stays NaN.
+    /// Returns a number that, to within its error, is not below either of the two. Its error is NaN
+    /// if the error of either is.
     #[inline]
     pub(super) fn greater(&self, other: &Self) -> Self {
         let is_less = self.high < other.high || (self.high == other.high && self.low < other.low);
