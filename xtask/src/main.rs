@@ -4,6 +4,8 @@
 
 mod build;
 mod demo;
+mod docs;
+mod environment;
 mod file_length;
 mod layers;
 mod prose;
@@ -50,6 +52,8 @@ enum Chore {
         /// Show only the violations below this path.
         path: Option<PathBuf>,
     },
+    /// Build the documentation site into target/site, and fail on any warning.
+    Docs,
     /// Check a human of 26,756 triangles against a torus knot of 2,000,000.
     Demo,
 }
@@ -69,6 +73,7 @@ fn main() -> Result<ExitCode> {
         Chore::Prose { path } => prose_is_plain(root, path.as_deref())?,
         Chore::Quick { room } => quick::run(root, room.as_deref())?,
         Chore::Test => test_run::run(root)?,
+        Chore::Docs => docs::build(root)?,
         Chore::Demo => demo::run(root)?,
     };
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
