@@ -329,8 +329,8 @@ fn cached_hits_change_no_answer() {
     assert!(met > 200 && apart > 200, "{met} intersect, {apart} apart");
 }
 
-/// The caps of holes and the sheets of faces, which decide what penetrates an open mesh, follow the
-/// vertices too.
+/// Checks that the caps of holes and the sheets of faces follow the vertices of a refitted mesh.
+/// They decide whether something penetrates an open mesh.
 #[test]
 fn an_open_mesh_penetrates_by_its_moved_vertices() {
     let sphere = cube_sphere(8);
