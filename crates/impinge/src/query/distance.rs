@@ -8,8 +8,8 @@ use crate::mesh::WarmStart;
 /// Computes the distance of two things in world units, as a proved interval, with the nearest
 /// points.
 ///
-/// The function never fails. If a mesh is empty, the interval is infinite and there are no nearest
-/// points. If the things intersect, the upper bound is zero.
+/// The function never fails. If a mesh is empty, both bounds are infinite and there are no nearest
+/// points. If a common point is proved, the upper bound is zero.
 ///
 /// Two meshes also get the pair of nearest faces. It is the pair with the least distance by the
 /// closed form; among equal distances the smallest face of the first mesh wins, then that of the
@@ -106,8 +106,8 @@ pub fn within<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, cleara
 /// use impinge::query::{self, Proximity};
 /// use impinge::{Pose, Shape};
 ///
-/// let ball = Shape::sphere([0.0; 3], 1.0)?;
-/// let [here, there] = [0.0, 3.0].map(|x| ball.at(Pose::from_translation([x, 0.0, 0.0]).unwrap()).unwrap());
+/// let sphere = Shape::sphere([0.0; 3], 1.0)?;
+/// let [here, there] = [0.0, 3.0].map(|x| sphere.at(Pose::from_translation([x, 0.0, 0.0]).unwrap()).unwrap());
 /// assert_eq!(query::nearness(&here, &there, 0.5), Proximity::Apart);
 /// assert_eq!(query::nearness(&here, &there, 1.5), Proximity::Meets);
 /// # Ok::<(), impinge::InputError>(())

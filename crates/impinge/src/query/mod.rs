@@ -38,10 +38,10 @@
 //!
 //! let corners = vec![[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]];
 //! let part = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
-//! let ball = Shape::sphere([0.0; 3], 0.5)?.at(Pose::from_translation([1.0; 3])?)?;
-//! assert!(!query::intersects(&part, &ball)); // the surface
-//! assert!(query::intersects(part.solid(), &ball));
-//! assert!((query::distance(&part, &ball).upper - 0.5).abs() < 1e-12);
+//! let sphere = Shape::sphere([0.0; 3], 0.5)?.at(Pose::from_translation([1.0; 3])?)?;
+//! assert!(!query::intersects(&part, &sphere)); // the surface
+//! assert!(query::intersects(part.solid(), &sphere));
+//! assert!((query::distance(&part, &sphere).upper - 0.5).abs() < 1e-12);
 //! # Ok::<(), impinge::InputError>(())
 //! ```
 //!

@@ -109,8 +109,8 @@ pub(super) fn solid<'p>(placed: &'p Placed<'_>) -> Placed<'p> {
 /// Returns whether the interiors of two things intersect, or that this is undecided. Touching does
 /// not count. A mesh is always taken as a solid here.
 ///
-/// The function never fails. [`Penetrates::possibly`] turns the answer into a `bool` that is `true` if
-/// the answer is undecided.
+/// The function never fails. [`Penetrates::possibly`] turns the answer into a `bool`, which is
+/// `true` if the answer is undecided.
 ///
 /// # Accuracy
 /// `Yes` and `No` are exact. For two meshes the answer is `Undecided` only in two cases: a mesh is

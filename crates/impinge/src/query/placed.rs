@@ -16,9 +16,9 @@ use crate::shape::PlacedShape;
 ///
 /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 1, 2]])?;
-/// let ball = Shape::sphere([0.0; 3], 0.5)?;
+/// let sphere = Shape::sphere([0.0; 3], 0.5)?;
 /// let above = Pose::from_translation([0.25, 0.25, 0.5])?;
-/// assert!(query::intersects(&mesh, ball.at(above)?)); // they touch
+/// assert!(query::intersects(&mesh, sphere.at(above)?)); // they touch
 /// assert!(!query::intersects(&mesh, mesh.at(above)));
 /// # Ok::<(), impinge::InputError>(())
 /// ```
