@@ -5,17 +5,16 @@
 //! its own place, by no more than the proved distance, so that it never touches the first shape. If
 //! it nearly touches, the nearest points give a plane that the translation must stay beyond. The
 //! shortest translation beyond all such planes is the next goal. If the shape reaches a goal
-//! without contact, the planes are dropped and the search continues. Several directions are tried,
-//! and the shortest translation is returned. The exact query proves that it separates the shapes.
+//! without contact, the planes are dropped and the search continues. Several directions are tried.
+//! The exact query proves that the shortest translation found separates the shapes.
+//!
+//! Proof: docs/notes/proof.md, L30. Tests: `tests/it/solids/depths.rs`,
+//! `tests/it/shapes/surfaces.rs`.
 //!
 //! # Source
 //! Je, Tang, Lee, Lee, Kim, *PolyDepth: real-time penetration depth computation using iterative
 //! contact-space projection*, ACM Transactions on Graphics 31, 2012. Ours advances by proved
-//! distances, so that the translation separates the shapes, and has a lower bound, which comes from
-//! `spheres`.
-//!
-//! Proof: docs/notes/proof.md, L30. Tests: `tests/it/solids/depths.rs`,
-//! `tests/it/shapes/surfaces.rs`.
+//! distances, so that the translation separates the shapes, and has a lower bound (`spheres`).
 
 use super::beyond::shortest_beyond;
 use super::spheres::spheres_in_both;
@@ -51,10 +50,11 @@ const MIN_GAIN: f64 = 1.0 / (1 << 14) as f64;
 /// Maximum number of planes that are collected from one direction.
 const MAX_PLANES: usize = 12;
 
-/// Maximum number of steps towards one goal. A direct approach takes two or three.
+/// Maximum number of steps to a goal. A direct way takes 2 or 3; an unreachable goal takes them
+/// all.
 const MAX_STEPS: usize = 24;
 
-/// Distance, relative to the sizes, that counts as touching: 2^-26. Less takes more steps.
+/// Touching distance relative to the sizes, 2^-26. Less costs steps, more leaves the depth loose.
 const CONTACT_TOLERANCE: f64 = 1.0 / (1 << 26) as f64;
 
 /// Returns how deep two intersecting shapes are in each other. The search always moves the same one
