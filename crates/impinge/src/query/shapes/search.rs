@@ -37,8 +37,7 @@ const MIN_SAME_DIRECTION_COSINE: f64 = 1.0 - 1.0 / (1 << 12) as f64;
 /// Maximum number of regions of intersection whose normals are searched, the largest regions first.
 const MAX_REGIONS: usize = 3;
 
-/// Maximum number of vertices of a mesh whose convex hull is made; it takes less than a few
-/// distances.
+/// Maximum number of vertices of a mesh whose hull is made, which takes less than a few distances.
 const MAX_HULL_VERTICES: usize = 1024;
 
 /// Maximum number of attempts to shorten the translation. Each takes three distances.
@@ -50,8 +49,7 @@ const MIN_GAIN: f64 = 1.0 / (1 << 14) as f64;
 /// Maximum number of planes that are collected from one direction.
 const MAX_PLANES: usize = 12;
 
-/// Maximum number of steps to a goal. A direct way takes 2 or 3; an unreachable goal takes them
-/// all.
+/// Maximum number of steps to a goal. A direct way takes 2 or 3, an unreachable goal takes all.
 const MAX_STEPS: usize = 24;
 
 /// Touching distance relative to the sizes, 2^-26. Less costs steps, more leaves the depth loose.
@@ -102,8 +100,7 @@ fn depth_in_order(a: &PlacedShape, b: &PlacedShape) -> Depth {
     Depth { lower, upper: best.length, normal, points }
 }
 
-/// Reports whether the shapes are solid meshes with disjoint interiors, so that their depth is
-/// zero.
+/// Reports whether the shapes are solid meshes with disjoint interiors: their depth is zero.
 fn certainly_only_touch(a: &PlacedShape, b: &PlacedShape) -> bool {
     surfaces(a, b).is_some_and(|[a, b]| {
         let (placed_a, placed_b) = (surface_of(&a), surface_of(&b));
