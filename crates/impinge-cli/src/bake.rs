@@ -1,4 +1,5 @@
-//! `impinge bake`: a mesh saved with its hierarchy, so that opening it takes no parsing and no building.
+//! `impinge bake`: saves a mesh with its hierarchy, so that loading it needs no parsing and no
+//! building.
 
 use std::path::PathBuf;
 
@@ -12,51 +13,56 @@ use crate::failure::Failure;
 use crate::numerals::{count, counted};
 use crate::{Verdict, console, output, repair};
 
-/// Save a mesh with its hierarchy, to be opened without parsing and without building
+/// Save a mesh with its hierarchy, so that it loads without parsing and building
 ///
-/// The file holds vertices, faces and hierarchy as they are in memory, the polygons, parts and unit of the original, and with
-/// --proxies the convex hull and the bounding volumes.
-/// `check`, `inspect` and `fit` take it in place of a mesh; what they answer is the same. The same mesh gives the same bytes on
-/// every machine. Another version of impinge may refuse the file and ask for it to be baked anew.
+/// The file holds the vertices, faces and hierarchy in their in-memory layout. It also holds the
+/// polygons, parts and unit of the original and, with --proxies, the convex hull and the bounding
+/// volumes. `check`, `inspect` and `fit` accept it in place of a mesh and give the same answers.
+/// The same mesh gives the same bytes on every machine. Another version of impinge may refuse the
+/// file; then bake the mesh again.
 ///
-/// Exit code: 0, or 2 where the mesh cannot be read or the file cannot be written.
+/// Exit code: 0 if the file was written, 2 if the mesh cannot be read or the file cannot be
+/// written.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF, COLLADA or baked, also as .gz
+    /// The mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF, COLLADA or a baked file, optionally compressed
+    /// as .gz
     mesh: PathBuf,
-    /// The file to write, whose name ends in .impinge
+    /// The file to write; its name must end in .impinge
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// How the hierarchy is built: quickly, or so that questions take less time
+    /// How to build the hierarchy: `fast` builds in the least time, `tight` makes queries faster
     #[arg(long, value_enum, default_value_t = Hierarchy::Auto)]
     hierarchy: Hierarchy,
-    /// Save the convex hull and the bounding volumes fitted to it too
+    /// Also save the convex hull and the bounding volumes fitted to it
     ///
-    /// That takes up to some four times as long as building the hierarchy does (1.3 s for 3 million triangles), and does not
-    /// make the file take longer to open: they are proved when they are asked for. `inspect` tells their sizes.
+    /// Fitting them takes up to about four times as long as building the hierarchy (1.3 s for 3
+    /// million triangles). The file opens as fast as without them, because they are validated only
+    /// when used. `inspect` reports their sizes.
     #[arg(long)]
     proxies: bool,
     #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
     repairs: repair::Arguments,
-    /// Print one JSON object in place of the report
+    /// Print one JSON object instead of the report
     #[arg(long)]
     json: bool,
 }
 
-/// Which builder.
+/// The builder of the hierarchy, by the name that `--hierarchy` takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Hierarchy {
-    /// At the cheapest of all planes by surface area for up to 8,192 faces, of a few for up to 131,072, or else quickly
+    /// Up to 8,192 faces: the best of all planes by surface area; up to 131,072: like `tight`;
+    /// above: like `fast`
     Auto,
-    /// Along a space-filling curve
+    /// Sorts the faces along a space-filling curve; the fastest build
     Fast,
-    /// At the cheapest of a few planes by surface area
+    /// Splits at the best of a few planes by surface area; faster queries
     Tight,
 }
 
-/// What is told to a program.
+/// JSON report of schema `impinge.bake/1`.
 #[derive(serde::Serialize)]
 struct Report {
     schema: &'static str,
@@ -73,7 +79,7 @@ struct Report {
     seconds: Seconds,
 }
 
-/// How long each phase took.
+/// Duration of each phase, in seconds.
 #[derive(serde::Serialize)]
 struct Seconds {
     load: f64,
@@ -83,16 +89,16 @@ struct Seconds {
     write: f64,
 }
 
-/// Bakes.
+/// Loads the mesh, builds its hierarchy and writes the baked file.
 ///
 /// # Errors
-/// Where the mesh cannot be read, or the file cannot be written.
+/// Returns an error if the mesh cannot be read or the file cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let path = &arguments.output;
     if Format::from_extension(&output::extension(path)) != Some(Format::Baked) {
         return Err(output::unknown_extension(path, ".impinge"));
     }
-    output::judge(path, &[&arguments.mesh])?;
+    output::validate(path, &[&arguments.mesh])?;
     let (loaded, load) = timed("loading", || Loaded::from_file(&arguments.mesh, None, arguments.reading));
     let loaded = loaded?;
     loaded.warn();
@@ -123,7 +129,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         warnings,
         seconds: Seconds { load, build, proxies: proxy_seconds, write },
     };
-    console::conclude(&if arguments.json {
+    console::print_answer(&if arguments.json {
         console::to_line(&report)
     } else {
         let (triangles, bytes) = (counted(report.triangles, "triangle"), count(report.bytes as usize));

@@ -1,4 +1,4 @@
-//! A mesh from a file, and what is known of it beside its triangles.
+//! A mesh from a file, with its provenance: format, unit, polygons and parts.
 
 use std::fs;
 use std::io::{self, Read};
@@ -12,14 +12,15 @@ use impinge_files::{Baked, Format, LoadErrorKind, Model, Provenance, Unit, Warni
 use crate::failure::Failure;
 use crate::{console, repair};
 
-/// How files are read.
+/// Options for reading input files.
 #[derive(Args, Clone, Copy, Debug, Default)]
 #[group(id = "reading")]
 pub(crate) struct Reading {
-    /// The format of inputs, whatever their names say: obj, stl, ply, off, gltf, glb, 3mf or dae
+    /// The format of the inputs, overriding their names: obj, stl, ply, off, gltf, glb, 3mf or dae
     ///
-    /// An input named - is standard input. Without this option its format must be clear from its content, as that of OBJ
-    /// is not. Other files that an input names are then not read.
+    /// An input named - is read from standard input. Without this option its format is detected
+    /// from its content, which is impossible for OBJ. With standard input or this option, other
+    /// files that an input refers to are not read.
     #[arg(long, value_name = "FORMAT", value_parser = parse_format)]
     format: Option<Format>,
 }
@@ -28,7 +29,7 @@ fn parse_format(name: &str) -> Result<Format, String> {
     let known = Format::ALL.into_iter().filter(|&format| format != Format::Baked);
     known.clone().find(|format| format.extension().eq_ignore_ascii_case(name)).ok_or_else(|| {
         let names: Vec<_> = known.map(Format::extension).collect();
-        format!("none of {}", names.join(", "))
+        format!("unknown format; expected one of {}", names.join(", "))
     })
 }
 
@@ -51,59 +52,60 @@ impl Reading {
         };
         parsed.map_err(|error| match error.kind() {
             LoadErrorKind::UnsupportedFormat { .. } => {
-                let failure = Failure::new("unsupported-format", "its content does not say what format it has");
-                failure.in_file(path).hint("name the format by --format")
+                let failure = Failure::new("unsupported-format", "its format cannot be detected from its content");
+                failure.in_file(path).hint("state the format with --format")
             }
             _ => Failure::from(error).in_file(path),
         })
     }
 }
 
-/// A file as loaded, its mesh not yet built.
+/// A loaded file whose mesh has not been built yet.
 pub(crate) struct Loaded {
     content: Content,
     about: About,
     warnings: Vec<Warning>,
 }
 
-/// What a file holds.
+/// Geometry of a loaded file.
 enum Content {
     Triangles {
         positions: Positions,
         faces: Vec<[u32; 3]>,
     },
-    /// A hierarchy too, which is not yet proved to be one.
+    /// A baked file with its hierarchy, which has not been validated yet.
     Baked(Box<Baked>),
 }
 
-/// A mesh and where it comes from.
+/// A mesh and its provenance.
 pub(crate) struct Body {
     pub(crate) mesh: Mesh,
     pub(crate) about: About,
-    /// What was left out of the file or is odd in it.
+    /// Warnings about content of the file that was skipped or is unusual.
     pub(crate) warnings: Vec<String>,
-    /// What was repaired, if that was asked for.
+    /// Summary of the repair; `None` if no repair was requested.
     pub(crate) repair: Option<repair::Summary>,
 }
 
-/// Where a mesh comes from.
+/// Provenance of a mesh.
 pub(crate) struct About {
     pub(crate) path: PathBuf,
     pub(crate) format: Format,
-    /// As stated by the user, else by the file.
+    /// The unit stated by the user, else by the file; `None` if neither states one.
     pub(crate) unit: Option<Unit>,
-    /// The polygon of the file that each face is from.
+    /// For each face, the index of its polygon in the file.
     pub(crate) sources: Vec<u32>,
-    /// The part of each face, as an index into `parts`.
+    /// For each face, the index of its part in `parts`.
     pub(crate) part_of: Vec<u32>,
     pub(crate) parts: Vec<String>,
 }
 
 impl Loaded {
-    /// Reads a file, or standard input if the path is `-`; `unit` overrides what it states.
+    /// Reads a file, or standard input if the path is `-`. `unit` overrides the unit that the file
+    /// states.
     ///
     /// # Errors
-    /// The file cannot be read, or is broken.
+    /// Returns an error if the file cannot be read or is invalid.
     pub(crate) fn from_file(path: &Path, unit: Option<Unit>, reading: Reading) -> Result<Self, Failure> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         if Format::from_extension(&extension) == Some(Format::Baked) {
@@ -121,7 +123,7 @@ impl Loaded {
         &self.about
     }
 
-    /// The file, where it is a baked one.
+    /// Returns the baked file, or `None` if the input is in another format.
     pub(crate) fn baked(&self) -> Option<&Baked> {
         match &self.content {
             Content::Baked(baked) => Some(baked),
@@ -129,18 +131,19 @@ impl Loaded {
         }
     }
 
-    /// Says on standard error what was left out of the file or is odd in it.
+    /// Prints the warnings of the reader on standard error.
     pub(crate) fn warn(&self) {
         for warning in &self.warnings {
             console::warn(&format!("{}: {warning}", self.about.path.display()));
         }
     }
 
-    /// Builds the hierarchy in this way, or proves the one that the file brings. Then repairs the mesh if that was asked
-    /// for.
+    /// Builds the hierarchy with `builder`, or validates the hierarchy of a baked file. Then
+    /// repairs the mesh if that was requested.
     ///
     /// # Errors
-    /// A vertex is out of the range of the proofs, there are too many faces, or a baked file is not what was baked.
+    /// Returns an error if a vertex is out of range, there are too many faces, or a baked file is
+    /// corrupt.
     pub(crate) fn build(self, builder: Builder, repairs: &repair::Arguments) -> Result<Body, Failure> {
         let Self { content, about, warnings } = self;
         let mesh = match content {
@@ -156,7 +159,7 @@ impl Loaded {
         }
         let mut warnings: Vec<String> = warnings.iter().map(Warning::to_string).collect();
         if mesh.faces().is_empty() {
-            let empty = "the mesh has no faces, so it meets nothing";
+            let empty = "the mesh has no faces, so it intersects nothing";
             console::warn(&format!("{}: {empty}", about.path.display()));
             warnings.push(empty.to_owned());
         }
@@ -165,13 +168,14 @@ impl Loaded {
 }
 
 impl About {
-    /// `unit` overrides what the file states.
+    /// Combines the provenance of a file with the user's options. `unit` overrides the unit that
+    /// the file states.
     fn new(path: &Path, format: Format, provenance: Provenance, unit: Option<Unit>) -> Self {
         let Provenance { sources, part_of, parts, unit: stated } = provenance;
         Self { path: path.to_owned(), format, unit: unit.or(stated), sources, part_of, parts }
     }
 
-    /// The name of a face's part; empty where the file gives none.
+    /// Returns the name of the part that a face belongs to; empty if the file gives no name.
     pub(crate) fn part(&self, face: u32) -> &str {
         &self.parts[self.part_of[face as usize] as usize]
     }

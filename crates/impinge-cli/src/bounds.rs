@@ -1,9 +1,9 @@
-//! The box of a mesh's surface, for what is told and hinted; no answer rests on it.
+//! Bounding boxes for reports and hints. No answer depends on them.
 
 use impinge::{Mesh, Pose};
 use rayon::prelude::*;
 
-/// An axis-aligned box, rounded to nearest.
+/// An axis-aligned box whose corners are rounded to nearest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bounds {
     min: [f64; 3],
@@ -11,7 +11,8 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    /// The box of the faces' corners in the frame that the pose maps to; none for a mesh without faces.
+    /// Returns the box of the faces' corners, mapped by the pose. Returns `None` if the mesh has no
+    /// faces.
     pub(crate) fn of(mesh: &Mesh, pose: &Pose) -> Option<Self> {
         let of_face = |face: &[u32; 3]| {
             let corners = face.map(|vertex| pose.apply(mesh.positions().get(vertex as usize)));
@@ -20,17 +21,17 @@ impl Bounds {
         mesh.faces().par_iter().filter_map(of_face).reduce_with(Self::union)
     }
 
-    /// Lengths along the axes.
+    /// Returns the edge lengths along the axes.
     pub(crate) fn extents(&self) -> [f64; 3] {
         std::array::from_fn(|axis| self.max[axis] - self.min[axis])
     }
 
-    /// The length of the diagonal.
+    /// Returns the length of the diagonal.
     pub(crate) fn diagonal(&self) -> f64 {
         self.extents().iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 
-    /// Whether `other` lies in the interior.
+    /// Reports whether `other` lies in the interior of this box.
     pub(crate) fn encloses(&self, other: &Self) -> bool {
         (0..3).all(|axis| self.min[axis] < other.min[axis] && other.max[axis] < self.max[axis])
     }

@@ -1,7 +1,7 @@
-//! The two streams of the command, and its one last word.
+//! Output to standard output and standard error.
 //!
-//! Colours reach terminals alone, and not where `NO_COLOR` is set. A reader that leaves early (`impinge ... | head`) is
-//! no error, and takes nothing from the exit code.
+//! Colors are printed only on terminals, and not if `NO_COLOR` is set. A reader that closes the
+//! pipe early (`impinge ... | head`) causes no error and does not change the exit code.
 
 use std::io::{self, Write};
 use std::process;
@@ -14,15 +14,16 @@ use crate::NO_ANSWER;
 use crate::failure::Failure;
 use crate::output;
 
-/// Whether the last word on standard output is being said: an interrupt from then on adds nothing to it.
-static CONCLUDED: AtomicBool = AtomicBool::new(false);
+/// Whether printing the answer has begun. An interrupt after that prints nothing on standard
+/// output.
+static ANSWER_PRINTED: AtomicBool = AtomicBool::new(false);
 
-/// Prints the report or the JSON.
+/// Prints the report or the JSON object on standard output.
 ///
 /// # Errors
-/// Where standard output cannot take it, unless nobody reads it any more.
-pub(crate) fn conclude(report: &str) -> Result<(), Failure> {
-    CONCLUDED.store(true, Ordering::SeqCst);
+/// Returns an error if standard output cannot be written, except if its reader has closed it.
+pub(crate) fn print_answer(report: &str) -> Result<(), Failure> {
+    ANSWER_PRINTED.store(true, Ordering::SeqCst);
     let mut stdout = anstream::stdout().lock();
     match stdout.write_all(report.as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
@@ -32,24 +33,25 @@ pub(crate) fn conclude(report: &str) -> Result<(), Failure> {
     }
 }
 
-/// Says why there is no answer.
-pub(crate) fn conclude_with_failure(failure: &Failure, json: bool) {
-    say(&failure.to_string());
-    if json && !CONCLUDED.load(Ordering::SeqCst) {
-        // Whether this is read or not, the exit code is the same.
-        let _ = conclude(&to_line(&NoAnswer { error: failure, complete: None }));
+/// Prints a failure on standard error and, if `json` is set and no answer was printed, as JSON on
+/// standard output.
+pub(crate) fn print_failure(failure: &Failure, json: bool) {
+    print_line(&failure.to_string());
+    if json && !ANSWER_PRINTED.load(Ordering::SeqCst) {
+        // Ignore an error: the exit code stays the same.
+        let _ = print_answer(&to_line(&NoAnswer { error: failure, complete: None }));
     }
 }
 
-/// From here on, an interrupt ends the process with the exit code for "no answer".
-pub(crate) fn conclude_when_interrupted(json: bool) {
-    // Where there can be no handler, an interrupt still ends the process, without the last word.
+/// Installs a handler that ends the process with exit code 2 on an interrupt.
+pub(crate) fn exit_on_interrupt(json: bool) {
+    // If no handler can be installed, an interrupt still ends the process, but without a message.
     let _ = ctrlc::set_handler(move || {
         let failure = Failure::new("interrupted", "interrupted before the answer was known");
-        if !CONCLUDED.load(Ordering::SeqCst) {
-            say(&failure.to_string());
+        if !ANSWER_PRINTED.load(Ordering::SeqCst) {
+            print_line(&failure.to_string());
             if json {
-                let _ = conclude(&to_line(&NoAnswer { error: &failure, complete: Some(false) }));
+                let _ = print_answer(&to_line(&NoAnswer { error: &failure, complete: Some(false) }));
             }
         }
         output::abandon();
@@ -57,21 +59,21 @@ pub(crate) fn conclude_when_interrupted(json: bool) {
     });
 }
 
-/// What a user should know before trusting the answer.
-pub(crate) fn warn(what: &str) {
+/// Prints a warning on standard error: something that may make the answer wrong.
+pub(crate) fn warn(message: &str) {
     let style = Style::new().bold().fg_color(Some(AnsiColor::Yellow.into()));
-    say(&format!("{style}warning{style:#}: {what}"));
+    print_line(&format!("{style}warning{style:#}: {message}"));
 }
 
-/// What was done, or is worth knowing.
-pub(crate) fn note(what: &str) {
+/// Prints a note on standard error: an action taken, or a hint.
+pub(crate) fn note(message: &str) {
     let style = Style::new().bold();
-    say(&format!("{style}note{style:#}: {what}"));
+    print_line(&format!("{style}note{style:#}: {message}"));
 }
 
-/// One line of JSON.
+/// Returns the value as one line of JSON, with a line end.
 pub(crate) fn to_line(value: &impl Serialize) -> String {
-    // Plain structs of text and finite numbers always serialise.
+    // Structs of text and finite numbers always serialize.
     serde_json::to_string(value).unwrap_or_default() + "\n"
 }
 
@@ -82,7 +84,7 @@ struct NoAnswer<'a> {
     complete: Option<bool>,
 }
 
-fn say(line: &str) {
-    // Where standard error is gone there is nobody to tell.
+fn print_line(line: &str) {
+    // Ignore a closed standard error: there is no other place for messages.
     let _ = writeln!(anstream::stderr(), "{line}");
 }

@@ -1,4 +1,4 @@
-//! Why a question could not be answered: for a person on standard error, for a program as JSON.
+//! The reason why there is no answer: text for standard error, and JSON for programs.
 
 use std::fmt;
 use std::io;
@@ -9,14 +9,14 @@ use impinge::{InputError, InputErrorKind};
 use impinge_files::LoadError;
 use serde::Serialize;
 
-/// What went wrong, where, and what to do about it. What is not known is absent from the JSON.
+/// What is wrong, where, and what to do. Fields that are not known are absent from the JSON.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Failure {
-    /// A short stable name for programs.
+    /// Short stable name of the kind of failure, for programs.
     kind: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     file: Option<String>,
-    /// The place in the file, or the argument.
+    /// Place in the file, or name of the argument.
     #[serde(rename = "where", skip_serializing_if = "Option::is_none")]
     place: Option<String>,
     message: String,
@@ -44,12 +44,12 @@ impl Failure {
         self
     }
 
-    /// The system refused to read or write.
+    /// Builds the failure for an error of the operating system; `attempt` names what failed.
     pub(crate) fn from_io(error: &io::Error, attempt: &str) -> Self {
         Self::new("io", format!("{attempt}: {error}"))
     }
 
-    /// The library refused a mesh or a pose.
+    /// Builds the failure for a mesh or a pose that the library found invalid.
     pub(crate) fn from_input(error: &InputError) -> Self {
         let kind = match error.kind() {
             InputErrorKind::NonFinite { .. } => "non-finite",
@@ -67,7 +67,7 @@ impl Failure {
         Self::new(kind, message).hint(hint)
     }
 
-    /// The arguments do not make a question.
+    /// Builds the failure for invalid arguments.
     pub(crate) fn from_usage(error: &clap::Error) -> Self {
         let text = error.to_string();
         let mut paragraphs =
@@ -75,7 +75,7 @@ impl Failure {
         let message = paragraphs.next().unwrap_or_default();
         let tip = paragraphs.find_map(|paragraph| paragraph.strip_prefix("tip: ").map(str::to_owned));
         Self::new("usage", message.strip_prefix("error: ").unwrap_or(&message))
-            .hint(tip.unwrap_or_else(|| "--help says what there is".to_owned()))
+            .hint(tip.unwrap_or_else(|| "run with --help to list the arguments".to_owned()))
     }
 }
 
@@ -86,7 +86,8 @@ impl From<LoadError> for Failure {
     }
 }
 
-/// The lines for a person: `error: bunny.obj, line 12: ...` and `hint: ...`.
+/// Formats the failure for a person: `error: bunny.obj, line 12: ...`, then `hint: ...` on a second
+/// line.
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let error = Style::new().bold().fg_color(Some(AnsiColor::Red.into()));

@@ -1,6 +1,7 @@
-//! The `impinge` command as a library, which the program of that name and the Python package both run.
+//! The `impinge` command as a library. The `impinge` program and the Python package both run it.
 //!
-//! The report or the JSON goes to standard output, and everything else goes to standard error.
+//! The report or the JSON object goes to standard output. Notes, warnings and errors go to standard
+//! error.
 
 #![forbid(unsafe_code)]
 
@@ -29,7 +30,7 @@ use clap::{Parser, Subcommand};
 
 use failure::Failure;
 
-/// Collision detection for triangle meshes: exact, and fast.
+/// Exact and fast collision detection for triangle meshes.
 #[derive(Parser)]
 #[command(name = "impinge", version, arg_required_else_help = true)]
 struct Cli {
@@ -47,34 +48,36 @@ enum Command {
     World(world::Arguments),
 }
 
-/// The answer to a question. Its value is the exit code.
+/// The answer of a command. The numeric value is the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
     Clear = 0,
     Collision = 1,
 }
 
-/// The exit code for a question that could not be answered, and for wrong arguments.
+/// Exit code if there is no answer: the arguments are invalid, or the command failed.
 const NO_ANSWER: u8 = 2;
 
 /// Runs the command with the given arguments and returns its exit code.
 ///
-/// The arguments do not include the name of the program. The exit code is 0 if the answer is "clear", 1 if it is
-/// "collision", and 2 if there is no answer; an error is then explained on standard error, and with `--json` on
-/// standard output too.
+/// The arguments do not include the name of the program. The exit code is 0 if the answer is
+/// "clear", 1 if it is "collision", and 2 if there is no answer. If there is no answer, an error on
+/// standard error gives the reason. With `--json` the error also goes to standard output.
 ///
-/// The command needs a process of its own, so call this function once: from the first call on, an interrupt (Ctrl-C)
-/// ends the process with exit code 2. Parallel work runs on the current rayon pool unless `--threads` is given.
+/// Call this function at most once per process, in a process that does nothing else: it installs a
+/// handler that ends the process with exit code 2 on an interrupt (Ctrl-C). Parallel work runs on
+/// the current rayon pool unless `--threads` is given.
 ///
 /// ```
 /// assert_eq!(impinge_cli::run(["--version"]), 0);
 /// ```
 pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
-    // Looked up in the raw arguments: an error is reported as JSON even if the arguments cannot be parsed.
+    // Search the raw arguments: an error is reported as JSON even if the arguments cannot be
+    // parsed.
     let json = arguments.iter().any(|argument| argument == "--json");
-    console::conclude_when_interrupted(json);
-    // The parser expects the name of the program first.
+    console::exit_on_interrupt(json);
+    // The parser expects the name of the program as the first argument.
     let answer = match Cli::try_parse_from(iter::once("impinge".into()).chain(arguments)) {
         Ok(cli) => match cli.command {
             Command::Bake(arguments) => bake::run(&arguments),
@@ -87,7 +90,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
         Err(error)
             if matches!(error.kind(), DisplayHelp | DisplayVersion | DisplayHelpOnMissingArgumentOrSubcommand) =>
         {
-            // If standard output is closed, nobody misses the text.
+            // Ignore a closed standard output: then nobody reads the text.
             let _ = error.print();
             return if error.use_stderr() { NO_ANSWER } else { 0 };
         }
@@ -96,7 +99,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
     match answer {
         Ok(verdict) => verdict as u8,
         Err(failure) => {
-            console::conclude_with_failure(&failure, json);
+            console::print_failure(&failure, json);
             NO_ANSWER
         }
     }

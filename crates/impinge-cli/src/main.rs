@@ -1,4 +1,4 @@
-//! The program `impinge`. Everything that it does is in the library beside it.
+//! The `impinge` program. The library crate `impinge_cli` does all the work.
 
 #![forbid(unsafe_code)]
 

@@ -1,6 +1,6 @@
-//! Numbers as a person reads them.
+//! Formats numbers for people.
 
-/// A count with separators: `1,234,567`.
+/// Formats a count with thousands separators: `1,234,567`.
 pub(crate) fn count(n: usize) -> String {
     let digits = n.to_string();
     let mut text = String::with_capacity(digits.len() * 4 / 3);
@@ -13,12 +13,12 @@ pub(crate) fn count(n: usize) -> String {
     text
 }
 
-/// A count of things: `1 pair`, `1,234 pairs`.
+/// Formats a count of things: `1 pair`, `1,234 pairs`.
 pub(crate) fn counted(n: usize, thing: &str) -> String {
     format!("{} {thing}{}", count(n), if n == 1 { "" } else { "s" })
 }
 
-/// A length to four significant digits: `1.692`, `6800`, `3.100e-9`.
+/// Formats a length to four significant digits: `1.692`, `6800`, `3.100e-9`.
 pub(crate) fn length(x: f64) -> String {
     if x == 0.0 {
         return "0".to_owned();
@@ -30,7 +30,7 @@ pub(crate) fn length(x: f64) -> String {
     format!("{x:.*}", usize::try_from(decimals).unwrap_or_default())
 }
 
-/// A time that may be too short to tell in milliseconds: `3.1 ns`, `4.2 µs`, else as [`time`].
+/// Formats a short time in seconds: `3.1 ns`, `4.2 µs`, or like [`time`] from 1 ms on.
 pub(crate) fn short_time(seconds: f64) -> String {
     match seconds {
         _ if seconds < 0.9995e-6 => format!("{:.1} ns", seconds * 1e9),
@@ -39,7 +39,7 @@ pub(crate) fn short_time(seconds: f64) -> String {
     }
 }
 
-/// A time: `4.2 ms`, `1.34 s`, `75 s`.
+/// Formats a time in seconds: `4.2 ms`, `1.34 s`, `75 s`.
 pub(crate) fn time(seconds: f64) -> String {
     match seconds {
         _ if seconds < 0.9995 => format!("{:.1} ms", seconds * 1e3),
@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn lengths_have_four_digits() {
+    fn lengths_have_four_significant_digits() {
         let cases = [
             (0.0, "0"),
             (1.0, "1.000"),

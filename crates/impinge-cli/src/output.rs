@@ -1,4 +1,4 @@
-//! Files that the command writes: refused before any work, written after it.
+//! Output files: their names are validated before any work, and they are written after it.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -9,61 +9,64 @@ use same_file::is_same_file;
 
 use crate::failure::Failure;
 
-/// Held while a file is written.
+/// Lock that is held while a file is written.
 static WRITING: Mutex<()> = Mutex::new(());
 
-/// Whether what is being written is wanted no more.
+/// Whether the process is about to end, so that writes must fail.
 static ABANDONED: AtomicBool = AtomicBool::new(false);
 
-/// Refuses an output that is one of the inputs, also by another name or link, or whose folder does
-/// not exist.
+/// Validates the name of an output file before any work.
 ///
 /// # Errors
-/// As said.
-pub(crate) fn judge(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
+/// Returns an error if the output is also an input, possibly under another name or link, or if its
+/// folder does not exist.
+pub(crate) fn validate(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     if inputs.iter().any(|input| is_same_file(input, output).unwrap_or(false)) {
-        return Err(Failure::new("output", "would overwrite an input").in_file(output).hint("choose another name"));
+        return Err(Failure::new("output", "the output would overwrite an input")
+            .in_file(output)
+            .hint("choose another name"));
     }
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
         let hint = format!("create the folder {} first", folder.display());
-        return Err(Failure::new("output", "its folder does not exist").in_file(output).hint(hint));
+        return Err(Failure::new("output", "the folder of the output does not exist").in_file(output).hint(hint));
     }
     Ok(())
 }
 
-/// The extension in lower case.
+/// Returns the extension in lower case.
 pub(crate) fn extension(output: &Path) -> String {
     output.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
-/// The output's name ends in none of the extensions that say what to write.
+/// Builds the failure for an output whose extension is not in `known`.
 pub(crate) fn unknown_extension(output: &Path, known: &str) -> Failure {
-    Failure::new("output", "its extension does not say what to write")
+    Failure::new("output", "unknown extension for an output file")
         .in_file(output)
-        .hint(format!("end it in {known}"))
+        .hint(format!("use a name that ends in {known}"))
 }
 
-/// Writes a file, or replaces it when the new one is complete.
+/// Writes a file. An existing file is replaced only after the new one is complete.
 ///
 /// # Errors
-/// The system refuses, or the write is [abandoned](abandon). The old file stays.
+/// Returns an error if the file cannot be written, or the write is [abandoned](abandon). The old
+/// file is then unchanged.
 pub(crate) fn write(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
-    // Nobody waits for a pipe that is not read.
+    // Take no lock for a pipe: if nobody reads it, `abandon` would wait forever.
     let is_file = path.metadata().map_or(true, |found| found.is_file());
     let _writing = is_file.then(|| WRITING.lock().unwrap_or_else(PoisonError::into_inner));
     let written = impinge_files::replace_file(path, |out| content(&mut Abandonable(out)));
     written.map_err(|error| Failure::from_io(&error, "cannot be written").in_file(path))
 }
 
-/// Ends the write that is under way, if there is one, and waits until nothing is left of it. No file is written after
-/// this: the process is about to end.
+/// Makes the running write fail, if there is one, and waits until its temporary file is removed.
+/// Later writes never start: the process is about to end.
 pub(crate) fn abandon() {
     ABANDONED.store(true, Ordering::SeqCst);
     std::mem::forget(WRITING.lock());
 }
 
-/// Refuses bytes once they are wanted no more.
+/// A writer that fails once writes are abandoned.
 struct Abandonable<'a>(&'a mut dyn Write);
 
 impl Write for Abandonable<'_> {

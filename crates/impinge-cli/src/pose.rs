@@ -1,4 +1,4 @@
-//! Poses as arguments: numbers, or a file that holds a matrix.
+//! Poses as arguments: numbers, or a file with a matrix.
 
 use std::ffi::OsStr;
 use std::fs::File;
@@ -9,16 +9,18 @@ use impinge::Pose;
 
 use crate::failure::Failure;
 
-/// More bytes than 16 numbers need, however they are written; a file that has more is another file.
-const LONGEST_FILE: u64 = 1 << 16;
+/// Maximum size of a file with a matrix, in bytes: more than 16 numbers need in any notation. A
+/// larger file cannot be a matrix and is not read further.
+const MAX_FILE_BYTES: u64 = 1 << 16;
 
 const FORMS: &str =
     "a pose is tx,ty,tz or tx,ty,tz,qw,qx,qy,qz or a file with a 4x4 matrix (row-major, for column vectors)";
 
-/// The pose that an argument means; `option` is the argument's name, for messages.
+/// Parses a pose; `option` is the name of the argument, for messages.
 ///
 /// # Errors
-/// Where it is neither three or seven numbers nor a file with a matrix, or the library refuses the pose.
+/// Returns an error if the argument is neither three or seven numbers nor a file with a matrix, or
+/// if the pose is invalid.
 pub(crate) fn parse(argument: &OsStr, option: &str) -> Result<Pose, Failure> {
     let numbers: Option<Vec<f64>> =
         argument.to_str().and_then(|text| text.split(',').map(|field| field.trim().parse().ok()).collect());
@@ -27,7 +29,7 @@ pub(crate) fn parse(argument: &OsStr, option: &str) -> Result<Pose, Failure> {
         Some(&[x, y, z]) => Pose::from_translation([x, y, z]),
         Some(&[x, y, z, qw, qx, qy, qz]) => Pose::from_quaternion_wxyz([x, y, z], [qw, qx, qy, qz]),
         Some(numbers) if !path.exists() => {
-            let message = format!("{} given, a pose has 3 or 7", crate::numerals::counted(numbers.len(), "number"));
+            let message = format!("{} given; a pose has 3 or 7", crate::numerals::counted(numbers.len(), "number"));
             return Err(Failure::new("pose", message).at(option).hint(FORMS));
         }
         _ => return read(path, option),
@@ -38,36 +40,36 @@ pub(crate) fn parse(argument: &OsStr, option: &str) -> Result<Pose, Failure> {
 fn read(path: &Path, option: &str) -> Result<Pose, Failure> {
     let fail = |message: String| Failure::new("pose", message).in_file(path).at(option).hint(FORMS);
     let mut bytes = Vec::new();
-    File::open(path).and_then(|file| file.take(LONGEST_FILE + 1).read_to_end(&mut bytes)).map_err(|error| {
+    File::open(path).and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes)).map_err(|error| {
         Failure::from_io(&error, "neither numbers nor a file that can be read").in_file(path).at(option).hint(FORMS)
     })?;
-    if bytes.len() as u64 > LONGEST_FILE {
-        return Err(fail("too long for a matrix".to_owned()));
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(fail("the file is too long for a matrix".to_owned()));
     }
-    let text = str::from_utf8(&bytes).map_err(|_| fail("not a text, and so no matrix".to_owned()))?;
+    let text = str::from_utf8(&bytes).map_err(|_| fail("not a text file with a matrix".to_owned()))?;
     let matrix = matrix(text).map_err(fail)?;
     Pose::from_matrix(matrix).map_err(|error| Failure::from_input(&error).in_file(path).at(option))
 }
 
-/// JSON where it opens with a bracket: four rows of four, or sixteen numbers; else numbers with spaces, line ends and
-/// commas between them.
+/// Parses a matrix. Text that starts with a bracket is JSON: four rows of four numbers, or sixteen
+/// numbers. Other text is sixteen numbers separated by spaces, line ends and commas.
 fn matrix(text: &str) -> Result<[[f64; 4]; 4], String> {
     let text = text.trim_start_matches('\u{feff}').trim();
     let numbers: Vec<f64> = if text.starts_with('[') {
         match serde_json::from_str(text) {
             Ok(rows) => return Ok(rows),
-            Err(nested) => serde_json::from_str(text).map_err(|_| format!("no 4x4 matrix: {nested}"))?,
+            Err(nested) => serde_json::from_str(text).map_err(|_| format!("not a 4x4 matrix: {nested}"))?,
         }
     } else {
         let words = text.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty());
         words.map(|word| word.parse().map_err(|_| format!("{word:.40?} is not a number"))).collect::<Result<_, _>>()?
     };
     let count = numbers.len();
-    let flat: [f64; 16] = numbers.try_into().map_err(|_| format!("{count} numbers found, a 4x4 matrix has 16"))?;
+    let flat: [f64; 16] = numbers.try_into().map_err(|_| format!("{count} numbers found; a 4x4 matrix has 16"))?;
     Ok(std::array::from_fn(|row| std::array::from_fn(|column| flat[4 * row + column])))
 }
 
-/// The 4x4 matrix of a pose, rows first: what [`parse`] reads back from a file.
+/// Returns the 4x4 matrix of a pose, rows first. [`parse`] reads the same matrix back from a file.
 pub(crate) fn rows(pose: &Pose) -> [[f64; 4]; 4] {
     let (linear, translation) = (pose.linear(), pose.translation());
     let row = |i: usize| [linear[i][0], linear[i][1], linear[i][2], translation[i]];
@@ -83,7 +85,7 @@ mod tests {
         parse(OsStr::new(argument), "--pose-a")
     }
 
-    /// Entries of all magnitudes and both signs, zeros and whole numbers among them.
+    /// Returns entries of many magnitudes and both signs, including zeros and whole numbers.
     fn entry(rng: &mut Rng) -> f64 {
         match rng.integer(0, 3) {
             0 => rng.integer(-3, 3) as f64,
@@ -137,13 +139,13 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_matrix_is_named() {
+    fn errors_say_what_is_wrong_with_a_matrix() {
         let error = |text: &str| matrix(text).unwrap_err();
-        assert_eq!(error("1 2 3"), "3 numbers found, a 4x4 matrix has 16");
-        assert_eq!(error(""), "0 numbers found, a 4x4 matrix has 16");
+        assert_eq!(error("1 2 3"), "3 numbers found; a 4x4 matrix has 16");
+        assert_eq!(error(""), "0 numbers found; a 4x4 matrix has 16");
         assert_eq!(error("1 0 0 oops"), "\"oops\" is not a number");
-        assert_eq!(error("[1, 2]"), "2 numbers found, a 4x4 matrix has 16");
-        assert!(error("[[1, 2], [3, 4]]").starts_with("no 4x4 matrix: "));
-        assert!(error("[null]").starts_with("no 4x4 matrix: "));
+        assert_eq!(error("[1, 2]"), "2 numbers found; a 4x4 matrix has 16");
+        assert!(error("[[1, 2], [3, 4]]").starts_with("not a 4x4 matrix: "));
+        assert!(error("[null]").starts_with("not a 4x4 matrix: "));
     }
 }

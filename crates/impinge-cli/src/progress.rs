@@ -1,4 +1,4 @@
-//! A sign of life on a terminal, for what takes longer than a second.
+//! Progress on a terminal, for phases that take longer than a second.
 
 use std::io::{self, IsTerminal};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
@@ -7,28 +7,28 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// What is done within this time shows nothing.
-const PATIENCE: Duration = Duration::from_secs(1);
+/// Delay before a spinner appears. Shorter phases show nothing.
+const SPINNER_DELAY: Duration = Duration::from_secs(1);
 
-/// Something that runs; its spinner goes when this is dropped.
+/// A running phase with a spinner. Dropping it removes the spinner.
 pub(crate) struct Phase(Option<(Sender<()>, JoinHandle<()>)>);
 
 impl Phase {
-    /// Begins what `doing` names. Nothing is ever shown where standard error is no terminal.
+    /// Begins a phase; `doing` is its label. Shows nothing if standard error is not a terminal.
     pub(crate) fn begin(doing: &'static str) -> Self {
         if !io::stderr().is_terminal() {
             return Self(None);
         }
         let (done, ended) = mpsc::channel();
         let shows = thread::spawn(move || {
-            if ended.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
-                let spinner = ProgressBar::new_spinner().with_elapsed(PATIENCE).with_message(doing);
+            if ended.recv_timeout(SPINNER_DELAY) == Err(RecvTimeoutError::Timeout) {
+                let spinner = ProgressBar::new_spinner().with_elapsed(SPINNER_DELAY).with_message(doing);
                 spinner.set_style(
                     ProgressStyle::with_template("{spinner} {msg} ({elapsed})")
                         .unwrap_or_else(|_| ProgressStyle::default_spinner()),
                 );
                 spinner.enable_steady_tick(Duration::from_millis(100));
-                let _ = ended.recv(); // an error: the phase was dropped
+                let _ = ended.recv(); // Returns an error when the phase is dropped.
                 spinner.finish_and_clear();
             }
         });
@@ -36,11 +36,12 @@ impl Phase {
     }
 }
 
-/// Something whose steps are counted; its bar goes when this is dropped.
+/// A phase whose steps are counted, with a progress bar. Dropping it removes the bar.
 pub(crate) struct Bar(ProgressBar);
 
 impl Bar {
-    /// Begins what `doing` names. Nothing is ever shown where standard error is no terminal.
+    /// Begins a phase of `steps` steps; `doing` is its label. Shows nothing if standard error is
+    /// not a terminal.
     pub(crate) fn begin(doing: &'static str, steps: u64) -> Self {
         let bar = ProgressBar::new(steps).with_message(doing);
         bar.set_style(
@@ -50,7 +51,7 @@ impl Bar {
         Self(bar)
     }
 
-    /// One more step is done.
+    /// Counts one more step as done.
     pub(crate) fn advance(&self) {
         self.0.inc(1);
     }
@@ -66,7 +67,7 @@ impl Drop for Phase {
     fn drop(&mut self) {
         if let Some((done, shows)) = self.0.take() {
             drop(done);
-            // A spinner that broke has nothing to clear.
+            // Ignore a spinner that panicked: there is nothing to clear.
             let _ = shows.join();
         }
     }

@@ -1,4 +1,4 @@
-//! `--weld` and `--orient` repair a mesh before the question, and say what they changed.
+//! The options `--weld` and `--orient`, which repair a mesh before a query and report the changes.
 
 use clap::Args;
 use impinge::Mesh;
@@ -14,37 +14,38 @@ use crate::numerals::counted;
 pub(crate) struct Arguments {
     /// Weld vertices that are at most this far apart, in the unit of the file
     ///
-    /// Each vertex is moved to the nearest of the vertices before it that have stayed. `impinge inspect` names a length
-    /// that closes a cracked mesh.
+    /// Each vertex moves to the nearest earlier vertex that has not moved, if that is within
+    /// LENGTH. `impinge inspect` suggests a length that closes a cracked mesh.
     #[arg(long, value_name = "LENGTH", value_parser = parse_tolerance, allow_hyphen_values = true)]
     weld: Option<f64>,
-    /// Turn faces so that neighbors agree on a side, and closed surfaces face outward
+    /// Turn faces so that neighbors have consistent orientation and closed surfaces face outward
     #[arg(long)]
     orient: bool,
 }
 
-/// What was changed.
+/// Summary of the changes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Summary {
     welded_vertices: usize,
     greatest_move: f64,
     turned_faces: usize,
-    /// Faces of sheets that have only one side, which are left.
+    /// Number of faces on one-sided surfaces, which are left unchanged.
     one_sided_faces: usize,
 }
 
 fn parse_tolerance(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(length) if length >= 0.0 && length.is_finite() => Ok(length),
-        _ => Err("a length is a number that is not negative".to_owned()),
+        _ => Err("a length is a finite number of at least 0".to_owned()),
     }
 }
 
 impl Arguments {
-    /// Repairs a mesh if that was asked for, and builds its hierarchy in this way.
+    /// Repairs a mesh if that was requested, and rebuilds its hierarchy with `builder` if it
+    /// changed.
     ///
     /// # Errors
-    /// The library refuses.
+    /// Returns an error if the repaired mesh is invalid.
     pub(crate) fn apply(&self, mesh: Mesh, builder: Builder) -> Result<(Mesh, Option<Summary>), Failure> {
         if self.weld.is_none() && !self.orient {
             return Ok((mesh, None));
@@ -65,7 +66,7 @@ impl Arguments {
 }
 
 impl Summary {
-    /// Returns one sentence about what was changed.
+    /// Returns one sentence about the changes.
     pub(crate) fn sentence(&self) -> String {
         let mut done = Vec::new();
         if self.welded_vertices > 0 {
@@ -76,34 +77,35 @@ impl Summary {
             done.push(format!("{} turned", counted(self.turned_faces, "face")));
         }
         if self.one_sided_faces > 0 {
-            done.push(format!("{} left on surfaces that have only one side", counted(self.one_sided_faces, "face")));
+            done.push(format!("{} left unchanged on one-sided surfaces", counted(self.one_sided_faces, "face")));
         }
         if done.is_empty() { "nothing to repair".to_owned() } else { format!("repaired: {}", done.join(", ")) }
     }
 }
 
-/// Returns what keeps a mesh of this health from being closed, and which options repair it; `None` if it is closed.
+/// Returns the defects that keep a mesh from being closed, and the options that repair them.
+/// Returns `None` if the mesh is closed or has no faces.
 pub(crate) fn diagnosis(mesh: &Mesh, health: &Health) -> Option<String> {
     if mesh.is_closed() || mesh.faces().is_empty() {
         return None;
     }
-    let mut odd = Vec::new();
-    for (number, what) in [
+    let mut defects = Vec::new();
+    for (number, defect) in [
         (health.open_edges, "open"),
-        (health.misoriented_edges, "between faces that do not agree on a side"),
+        (health.misoriented_edges, "between faces with inconsistent orientation"),
         (health.non_manifold_edges, "of more than two faces"),
     ] {
         if number > 0 {
-            odd.push(format!("{} {what}", counted(number, "edge")));
+            defects.push(format!("{} {defect}", counted(number, "edge")));
         }
     }
-    let mut text = odd.join(", ");
+    let mut text = defects.join(", ");
     let tolerance = mesh.closing_tolerance();
     if let Some(tolerance) = tolerance {
-        text += &format!("; --weld {tolerance:e} closes what is open");
+        text += &format!("; --weld {tolerance:e} closes open edges");
     }
     if health.misoriented_edges > 0 || tolerance.is_some() {
-        text += "; --orient turns faces that do not agree";
+        text += "; --orient makes the orientation consistent";
     }
     Some(text)
 }

@@ -1,24 +1,26 @@
-//! The unit in which two meshes are compared.
+//! The common unit of two meshes.
 
 use impinge::Pose;
 use impinge_files::Unit;
 
 use crate::console;
 
-/// Two sizes whose quotient comes near one of these suggest a unit mistaken for another: inches or metres for
-/// millimetres. Between a metre and a millimetre unlike things differ too, hence the wider window.
+/// Ratios of sizes that suggest a mistaken unit, each with the factor by which a ratio may differ
+/// from it: inches or meters taken for millimeters. For 1000 the window is wider, because meshes of
+/// unlike size may differ too.
 const SUSPICIOUS: [(f64, f64); 2] = [(25.4, 1.1), (1000.0, 2.0)];
 
-/// What A and B are each multiplied by, so that both are in the finer of their units. A file without a unit is taken to
-/// be in the other's.
+/// Returns the factors that convert A and B to the finer of their units. A mesh without a unit is
+/// taken to be in the unit of the other.
 pub(crate) fn scales(units: [Option<Unit>; 2]) -> [f64; 2] {
     let [Some(a), Some(b)] = units else { return [1.0; 2] };
     let finer = a.min(b);
-    // Whole numbers of micrometres have a quotient that is rounded but once.
+    // The quotient of whole numbers of micrometers is rounded only once.
     [a, b].map(|unit| (unit.metres() * 1e6).round() / (finer.metres() * 1e6).round())
 }
 
-/// The unit of the common frame, where any is known.
+/// Returns the unit of the common frame: the finer of the two units. Returns `None` if neither is
+/// known.
 pub(crate) fn common([a, b]: [Option<Unit>; 2]) -> Option<Unit> {
     match (a, b) {
         (Some(a), Some(b)) => Some(a.min(b)),
@@ -26,8 +28,8 @@ pub(crate) fn common([a, b]: [Option<Unit>; 2]) -> Option<Unit> {
     }
 }
 
-/// Says what was made of the units, where that was a choice.
-pub(crate) fn explain(units: [Option<Unit>; 2]) {
+/// Prints a note if a unit was converted or assumed.
+pub(crate) fn note_choice(units: [Option<Unit>; 2]) {
     let scales = scales(units);
     for (side, name) in ["A", "B"].into_iter().enumerate() {
         let other = ["B", "A"][side];
@@ -37,7 +39,7 @@ pub(crate) fn explain(units: [Option<Unit>; 2]) {
                 scales[side]
             )),
             (None, Some(stated)) => console::note(&format!(
-                "{other} is in {stated} and {name} states no unit: it is taken to be in {stated} too (else: --unit-{})",
+                "{other} is in {stated} and {name} states no unit: it is taken to be in {stated} too (--unit-{} overrides it)",
                 name.to_lowercase()
             )),
             _ => {}
@@ -45,8 +47,9 @@ pub(crate) fn explain(units: [Option<Unit>; 2]) {
     }
 }
 
-/// Warns where a unit is not stated and the sizes look like a mistaken one. Sizes are diagonals in each mesh's own unit.
-pub(crate) fn doubt(units: [Option<Unit>; 2], sizes: [f64; 2], poses: [&Pose; 2]) {
+/// Prints a warning if a unit is not stated and the sizes suggest a mistaken one. `sizes` are
+/// diagonals, each in the unit of its mesh.
+pub(crate) fn warn_of_mismatch(units: [Option<Unit>; 2], sizes: [f64; 2], poses: [&Pose; 2]) {
     if units.iter().all(Option::is_some) {
         return;
     }
@@ -61,7 +64,8 @@ pub(crate) fn doubt(units: [Option<Unit>; 2], sizes: [f64; 2], poses: [&Pose; 2]
     }
 }
 
-/// The factor by which a pose enlarges, on average over the directions.
+/// Returns the factor by which a pose enlarges lengths on average: the cube root of its factor for
+/// volumes.
 fn magnification(pose: &Pose) -> f64 {
     let [u, v, w] = *pose.linear();
     let volume = (0..3).map(|k| {

@@ -1,4 +1,4 @@
-//! The parts of a character as a text to be edited, and read back: TOML, one table a part.
+//! The parts of a character as editable TOML text, with one table per part.
 //!
 //! ```toml
 //! [[part]]
@@ -7,8 +7,9 @@
 //! anchor = "UpperArm.L"
 //! kind = "capsule"
 //! ```
-//! Of each part only the bones are needed. `kind` says which volume to fit; without it the best is chosen. What `--save` adds,
-//! the numbers of a fitted volume, is taken as it is by [`load_character`] and ignored by [`load_plan`].
+//! Only `bones` is required. `kind` states which volume to fit; without it the best kind is chosen.
+//! Saved files also contain the numbers of the fitted volumes. [`load_character`] uses these
+//! numbers, and [`load_plan`] ignores them.
 
 use std::path::Path;
 
@@ -28,16 +29,16 @@ struct File {
 #[serde(deny_unknown_fields)]
 struct Part {
     name: Option<String>,
-    /// By name, or by number where a name is empty or not the only one.
+    /// Names of the bones, or indices for names that are empty or not unique.
     bones: Vec<BoneName>,
     anchor: Option<BoneName>,
     kind: Option<String>,
     looseness: Option<f64>,
     radius: Option<f64>,
     half_extents: Option<[f64; 3]>,
-    /// Centre, ends, corner or corners.
+    /// Center, ends, corner or corners of the volume.
     points: Option<Vec<[f64; 3]>>,
-    /// Axes or edges.
+    /// Axes or edges of the volume.
     vectors: Option<Vec<[f64; 3]>>,
 }
 
@@ -48,7 +49,8 @@ enum BoneName {
     Number(u32),
 }
 
-/// The parts of a fitted character, with the numbers of their volumes to the last bit.
+/// Returns the parts of a fitted character as TOML text. The numbers of the volumes read back to
+/// the last bit.
 #[must_use]
 pub fn character_text(rig: &Rig, character: &Character) -> String {
     let name = |bone: u32| {
@@ -81,11 +83,13 @@ pub fn character_text(rig: &Rig, character: &Character) -> String {
         }
     };
     let file = File { part: character.parts().iter().map(part).collect() };
-    // Plain structs of text and finite numbers always serialise.
+    // Structs of text and finite numbers always serialize.
     toml::to_string(&file).unwrap_or_default()
 }
 
-/// The only bone of a name, of those that are joints, or else of all: nodes of meshes often have the names of joints.
+/// Returns the only bone of a name among the joints, or else among all bones. Returns `None` if
+/// there is none or more than one. Joints come first, because nodes of meshes often have the names
+/// of joints.
 fn find(rig: &Rig, name: &str) -> Option<u32> {
     let bones = rig.skeleton().bones();
     let named = |bone: &u32| bones[*bone as usize].name == name && !name.is_empty();
@@ -101,46 +105,49 @@ fn find(rig: &Rig, name: &str) -> Option<u32> {
     only(joints).or_else(|| only((0..bones.len() as u32).filter(named).collect()))
 }
 
-/// Reads which bones make the parts of a rig, and what else a person says about these.
+/// Loads a plan: the bones of each part of a rig, and optionally its name, its kind of volume, and
+/// the bone that its volume is fixed to.
 ///
 /// # Errors
-/// Where the file cannot be read or is no such text; bones, or kinds of volumes, that do not exist.
+/// Returns an error if the file cannot be read, is not valid TOML of this form, or names a bone or
+/// a kind of volume that does not exist.
 pub fn load_plan(path: impl AsRef<Path>, rig: &Rig) -> Result<Plan, LoadError> {
     let path = path.as_ref();
     let text = std::fs::read_to_string(path).map_err(|e| LoadError::io(&e).in_file(path))?;
     parse_plan(&text, rig).map_err(|e| e.in_file(path))
 }
 
-/// Reads a plan from text.
+/// Parses a plan, as [`load_plan`] does.
 ///
 /// # Errors
-/// As [`load_plan`]; the error's path is empty.
+/// Returns an error as [`load_plan`] does; the path of the error is empty.
 pub fn parse_plan(text: &str, rig: &Rig) -> Result<Plan, LoadError> {
     let parts = read(text)?;
     let of_part = |(at, part): (usize, &Part)| plan(rig, part, at);
     Ok(Plan { parts: parts.iter().enumerate().map(of_part).collect::<Result<_, _>>()? })
 }
 
-/// Reads a fitted character that was saved, without fitting anything.
+/// Loads a saved character with its volumes, without fitting.
 ///
 /// # Errors
-/// As [`load_plan`]; a part without a volume, or whose numbers make none.
+/// Returns an error as [`load_plan`] does, and if a part has no volume or the numbers of its volume
+/// are invalid.
 pub fn load_character(path: impl AsRef<Path>, rig: &Rig) -> Result<Character, LoadError> {
     let path = path.as_ref();
     let text = std::fs::read_to_string(path).map_err(|e| LoadError::io(&e).in_file(path))?;
     parse_character(&text, rig).map_err(|e| e.in_file(path))
 }
 
-/// Reads a fitted character from text.
+/// Parses a saved character, as [`load_character`] does.
 ///
 /// # Errors
-/// As [`load_character`]; the error's path is empty.
+/// Returns an error as [`load_character`] does; the path of the error is empty.
 pub fn parse_character(text: &str, rig: &Rig) -> Result<Character, LoadError> {
     let mut parts = Vec::new();
     for (at, part) in read(text)?.iter().enumerate() {
         let PartPlan { name, bones, anchor, kind } = plan(rig, part, at)?;
         let volume = kind.and_then(|kind| volume(part, kind));
-        let volume = volume.ok_or_else(|| in_part(LoadError::syntax("the numbers of a volume", b""), at))?;
+        let volume = volume.ok_or_else(|| in_part(LoadError::syntax("valid numbers of a volume", b""), at))?;
         parts.push(HitPart::new(name, bones, anchor, volume, part.looseness.unwrap_or(1.0)));
     }
     Character::of_parts(rig, parts).map_err(|e| LoadError::syntax("parts of this rig", e.to_string().as_bytes()))

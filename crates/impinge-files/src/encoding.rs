@@ -1,4 +1,4 @@
-//! Plain text from the bytes of a text file: byte order marks, UTF-16 and NULs that pad lines or the end.
+//! Decodes text files: byte order marks, UTF-16, and NULs that pad lines or the end of the file.
 
 use std::borrow::Cow;
 
@@ -14,18 +14,20 @@ use crate::{
 /// Text without NULs and without a byte order mark.
 #[derive(Debug)]
 pub(crate) struct PlainText<'a> {
-    /// The text. Its lines are the lines of the file; its bytes are not, if the file is UTF-16.
+    /// The text. It has the same lines as the file, but other bytes if the file is UTF-16.
     pub(crate) text: Cow<'a, [u8]>,
-    /// Number of NULs that became spaces, and the line of the first.
+    /// Number of padding NULs that were replaced by spaces.
     padding: u64,
+    /// Line of the first padding NUL.
     first_line: u64,
 }
 
 impl<'a> PlainText<'a> {
-    /// Decodes UTF-16 if the file has its byte order mark, and turns padding NULs into spaces.
+    /// Decodes UTF-16 if the file has its byte order mark, and replaces padding NULs by spaces.
     ///
     /// # Errors
-    /// If a NUL stands within a line: the file is binary, or UTF-16 without a byte order mark.
+    /// Returns an error if there is a NUL within a line: then the file is binary, or UTF-16 without
+    /// a byte order mark.
     pub(crate) fn new(bytes: &'a [u8], format: Format) -> Result<Self, LoadError> {
         let mut text = match utf16(bytes) {
             Some(text) => Cow::Owned(text.into_bytes()),
@@ -67,10 +69,10 @@ pub(crate) fn utf16(bytes: &[u8]) -> Option<String> {
     Some(text)
 }
 
-/// Returns the number of NULs if all of them are padding, else the offset of one that is not.
+/// Returns the number of NULs if all of them are padding, else the offset of a NUL that is not.
 ///
-/// Padding is a run of NULs after text that touches the end of a line or of the file. A run at the start of a file is
-/// no padding, since binary files begin like that.
+/// Padding is a run of NULs after text, if the run touches the end of a line or of the file. A run
+/// at the start of a file is not padding, because binary files begin like that.
 fn padding(text: &[u8], first: usize) -> Result<u64, usize> {
     let is_line_end = |b: &u8| matches!(b, b'\n' | b'\r');
     let mut count = 0;
@@ -102,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn utf16_with_a_mark_is_decoded() {
+    fn utf16_with_a_byte_order_mark_is_decoded() {
         let text = "v 1 2 3\ng caf\u{E9} \u{1F600}\n";
         let expected = Ok((text.as_bytes().to_vec(), None));
         let units: Vec<u16> = "\u{FEFF}".encode_utf16().chain(text.encode_utf16()).collect();
@@ -110,7 +112,8 @@ mod tests {
         let big: Vec<u8> = units.iter().flat_map(|u| u.to_be_bytes()).collect();
         assert_eq!(plain(&little), expected);
         assert_eq!(plain(&big), expected);
-        // A lone surrogate and half a unit at the end are not text, but no reason to refuse the rest.
+        // A lone surrogate and half a unit at the end are not text, but no reason to reject the
+        // rest.
         assert_eq!(plain(b"\xFF\xFEa\0\0\xD8b\0c"), Ok(("a\u{FFFD}b".into(), None)));
         assert_eq!(plain(b"\xEF\xBB\xBFa"), Ok((b"a".to_vec(), None)));
         let error = "line 2: not OBJ, but binary data or UTF-16";
@@ -129,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn nuls_within_a_line_are_no_text() {
+    fn nuls_within_a_line_are_errors() {
         for (bytes, at) in
             [(&b"\0\x01\x02"[..], 0), (b"v\0 \x001\0", 1), (b"\0v\0 ", 0), (b"a\n\0b\0c", 4), (b"\0\0", 0)]
         {

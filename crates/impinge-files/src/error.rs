@@ -1,4 +1,4 @@
-//! What went wrong with a file, and where in it.
+//! Errors of loading a file: the problem, and its place in the file.
 
 use std::{
     fmt::{self, Write},
@@ -9,10 +9,11 @@ use impinge::character::RigErrorKind;
 
 use crate::{format::Format, plain::Plain};
 
-/// A file that could not be loaded: which file, where in it, what is wrong and what to do.
+/// The error that a file could not be loaded: which file, where in it, what is wrong and what to
+/// do.
 ///
-/// Its [`Display`](fmt::Display) text says all of it: `bunny.obj, line 12: face 5 names vertex 900, but there are 812
-/// vertices`.
+/// The [`Display`](fmt::Display) text contains all of these: `bunny.obj, line 12: face 5 names
+/// vertex 900, but there are 812 vertices`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadError(Box<Inner>);
 
@@ -24,93 +25,94 @@ struct Inner {
     hint: Option<&'static str>,
 }
 
-/// The ways in which a file can be wrong.
+/// The kind of problem with a file.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum LoadErrorKind {
     /// The file could not be read.
     Io {
-        /// The operating system's category.
+        /// Category of the operating system's error.
         kind: std::io::ErrorKind,
-        /// The operating system's words.
+        /// Message of the operating system.
         message: String,
     },
-    /// The extension names no format that can be read.
+    /// The extension is not that of a supported format.
     UnsupportedFormat {
-        /// The extension, without the dot; empty where there is none.
+        /// The extension, without the dot; empty if there is none.
         extension: String,
     },
-    /// The format is known, but the file needs a part of it that is not supported.
+    /// The file needs a feature of its format that is not supported.
     UnsupportedFeature {
-        /// The feature by its own name, such as `KHR_draco_mesh_compression`.
+        /// Name of the feature, such as `KHR_draco_mesh_compression`.
         name: String,
     },
     /// The file has no bytes.
     Empty,
-    /// The content is not what the extension says.
+    /// The content does not have the expected format.
     WrongContent {
-        /// The format of the extension.
+        /// The expected format.
         expected: Format,
-        /// What was found instead.
+        /// Description of the content that was found.
         found: &'static str,
     },
-    /// The file ends before what it promises.
+    /// The file ends early, or its counts are too large.
     Truncated {
-        /// What is missing: `"triangles"`, `"bytes of buffer 0"`.
+        /// Items that are missing: `"triangles"`, `"bytes of buffer 0"`.
         what: String,
-        /// How many were promised.
+        /// Number of items that the file states.
         expected: u64,
-        /// How many there are room for at most.
+        /// Maximum number of items that the file has room for.
         found: u64,
     },
-    /// The text or structure breaks the format's rules.
+    /// The text or the structure breaks the rules of the format.
     Syntax {
-        /// What the format wants here.
+        /// Item that the format requires at this place.
         expected: String,
-        /// What stands here.
+        /// Text that was found at this place.
         found: String,
     },
     /// A vertex that a face uses has a coordinate that is NaN, infinite or too large for its type.
     NonFinite {
-        /// The vertex, counted from zero in the file, or in the entry that the place names; in STL the corner.
+        /// The vertex, counted from zero in the file, or in the entry that the place names; in STL,
+        /// the corner.
         vertex: u64,
     },
-    /// A face names a vertex that does not exist.
+    /// A face refers to a vertex that does not exist.
     IndexOutOfBounds {
         /// The face, counted from zero in the file, or in the entry that the place names.
         face: u64,
-        /// The index as the file has it.
+        /// The index as it is written in the file.
         index: i64,
-        /// How many vertices there are.
+        /// Number of vertices.
         len: u64,
     },
-    /// A count is beyond what a mesh, or a file of this size, may have.
+    /// A count exceeds the limit for a mesh, or for a file of this size.
     TooMany {
-        /// What is counted.
+        /// Items that are counted.
         what: &'static str,
-        /// How many the file asks for.
+        /// Number of items in the file.
         count: u64,
-        /// How many are allowed.
+        /// Maximum number of items.
         limit: u64,
     },
-    /// A baked file is not what was written, or not a mesh.
+    /// A baked file differs from the file that was written, or does not hold a valid mesh.
     Corrupt {
-        /// What is wrong with it.
+        /// Description of the problem.
         what: String,
     },
     /// A character cannot be animated.
     BrokenRig {
-        /// What is wrong with its bones, weights or keys.
+        /// The problem with its bones, weights or keys.
         kind: RigErrorKind,
     },
-    /// A file names another file that lies outside its own folder.
+    /// A file refers to another file outside its own folder.
     OutsideFolder {
-        /// The name.
+        /// The reference, as it is written in the file.
         uri: String,
     },
 }
 
-/// Where in a file.
+/// A place in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Place {
@@ -136,7 +138,8 @@ impl LoadError {
         Self::new(LoadErrorKind::UnsupportedFeature { name: name.into() })
     }
 
-    /// `found` is quoted, and cut where it is long.
+    /// Builds a syntax error. `found` is quoted, and truncated if it is long; empty bytes become
+    /// "nothing".
     pub(crate) fn syntax(expected: impl Into<String>, found: &[u8]) -> Self {
         const SHOWN: usize = 40;
         let found = match found {
@@ -166,25 +169,25 @@ impl LoadError {
         self
     }
 
-    /// The file; empty for bytes that came without one.
+    /// Returns the path of the file; empty if the bytes did not come from a file.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.0.path
     }
 
-    /// What is wrong, for a program.
+    /// Returns the kind of problem, for programs.
     #[must_use]
     pub fn kind(&self) -> &LoadErrorKind {
         &self.0.kind
     }
 
-    /// Where in the file, if there is one place.
+    /// Returns the place in the file; `None` if the error has no single place.
     #[must_use]
     pub fn place(&self) -> Option<&Place> {
         self.0.place.as_ref()
     }
 
-    /// What to do about it, where that is known.
+    /// Returns advice how to solve the problem; `None` if there is none.
     #[must_use]
     pub fn hint(&self) -> Option<&'static str> {
         self.0.hint
@@ -192,8 +195,9 @@ impl LoadError {
 }
 
 impl LoadErrorKind {
-    /// A short stable name: `io`, `unsupported-format`, `unsupported-feature`, `empty`, `wrong-content`, `truncated`,
-    /// `syntax`, `non-finite`, `index-out-of-bounds`, `too-many`, `corrupt`, `broken-rig` or `outside-folder`.
+    /// Returns a short stable name: `io`, `unsupported-format`, `unsupported-feature`, `empty`,
+    /// `wrong-content`, `truncated`, `syntax`, `non-finite`, `index-out-of-bounds`, `too-many`,
+    /// `corrupt`, `broken-rig` or `outside-folder`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -214,7 +218,7 @@ impl LoadErrorKind {
     }
 }
 
-/// What is wrong, without file, place and advice.
+/// Formats the problem without file, place and hint.
 impl fmt::Display for LoadErrorKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let f = &mut Plain(f);
@@ -222,14 +226,14 @@ impl fmt::Display for LoadErrorKind {
             Self::Io { message, .. } => f.write_str(message),
             Self::UnsupportedFormat { extension } => {
                 match extension.as_str() {
-                    "" => write!(f, "no extension, so no known format")?,
+                    "" => write!(f, "unknown format, because there is no file extension")?,
                     _ => write!(f, "unsupported format .{extension}")?,
                 }
-                write!(f, "; supported are")?;
+                write!(f, "; supported formats are")?;
                 for (i, format) in Format::ALL.iter().enumerate() {
                     write!(f, "{} .{}", if i == 0 { "" } else { "," }, format.extension())?;
                 }
-                write!(f, ", and each of them as .gz")
+                write!(f, ", each also as .gz")
             }
             Self::UnsupportedFeature { name } => write!(f, "needs {name}, which is not supported"),
             Self::Empty => write!(f, "the file is empty"),
@@ -245,7 +249,7 @@ impl fmt::Display for LoadErrorKind {
                 write!(f, "face {face} names vertex {index}, but there are {len} vertices")
             }
             Self::TooMany { what, count, limit } => {
-                write!(f, "{count} {what} are more than the {limit} that are allowed")
+                write!(f, "{count} {what} exceed the limit of {limit}")
             }
             Self::Corrupt { what } => f.write_str(what),
             Self::BrokenRig { kind } => write!(f, "{kind}"),

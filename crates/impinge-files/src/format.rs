@@ -1,19 +1,19 @@
-//! Which format a file has: by its extension, and by what its bytes say.
+//! File formats, and how they are detected by extension and by content.
 
 use std::fmt;
 
 use crate::text::{trim_start, without_bom};
 
-/// The file formats that can be read.
+/// A file format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Format {
     /// Wavefront OBJ.
     Obj,
     /// STL, binary or ASCII.
     Stl,
-    /// The Stanford polygon format, ASCII or binary.
+    /// PLY, the Stanford polygon format, ASCII or binary.
     Ply,
-    /// The object file format of Geomview, ASCII or binary.
+    /// OFF, the object file format of Geomview, ASCII or binary.
     Off,
     /// glTF 2.0 as JSON.
     Gltf,
@@ -32,7 +32,7 @@ impl Format {
     pub const ALL: [Self; 9] =
         [Self::Obj, Self::Stl, Self::Ply, Self::Off, Self::Gltf, Self::Glb, Self::ThreeMf, Self::Collada, Self::Baked];
 
-    /// The extension of its files, in lower case and without the dot.
+    /// Returns the extension of files in this format, in lower case and without the dot.
     #[must_use]
     pub fn extension(self) -> &'static str {
         match self {
@@ -48,15 +48,16 @@ impl Format {
         }
     }
 
-    /// The format with this extension, in any case.
+    /// Returns the format with this extension, in any case. Returns `None` if no format has it.
     #[must_use]
     pub fn from_extension(extension: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|f| f.extension().eq_ignore_ascii_case(extension))
     }
 
-    /// The format that the bytes prove, if they prove one: a signature, or the length law of binary STL.
-    /// OBJ has neither, and text STL only where `solid` is followed by a facet or its end. A gzip file proves nothing:
-    /// its content does, once it is unpacked.
+    /// Returns the format that the bytes prove, by a signature or by the length of a binary STL
+    /// file. Returns `None` if they prove no format: OBJ has no signature, and ASCII STL has one
+    /// only if a facet or `endsolid` follows the line of `solid`. A gzip file proves no format
+    /// until it is unpacked.
     #[must_use]
     pub fn of_content(bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(&crate::baked::MAGIC) {

@@ -1,5 +1,6 @@
-//! Triangle meshes from files, for [`impinge`]: OBJ, STL, PLY, OFF, glTF, 3MF and COLLADA, packed by gzip or not; and
-//! [baked](Baked) meshes, which bring their hierarchy.
+//! Reads triangle meshes, scenes and rigged characters from files, for [`impinge`]. Supported
+//! formats are OBJ, STL, PLY, OFF, glTF, 3MF and COLLADA, optionally compressed by gzip.
+//! [Baked](Baked) meshes come with their hierarchy.
 //!
 //! ```no_run
 //! let model = impinge_files::load("bunny.obj")?;
@@ -8,30 +9,39 @@
 //! ```
 //!
 //! # What is read, and how
-//! - **Precision.** f32 stays f32 and f64 stays f64. Decimal text of no stated type (OBJ, OFF, ASCII STL, 3MF, COLLADA) is
-//!   read as the nearest f64 to each number, and stored as f32 only where that changes not one of them. ASCII PLY states types.
-//! - **Transforms** of glTF, 3MF and COLLADA are composed in f64 and rounded once, to the precision in which the file's vertices
-//!   are stored. Where a transform mirrors, the triangles' winding is turned, so that outside stays outside.
-//! - **Polygons** become triangles by ear clipping, concave ones too; a convex one is the fan about its first corner.
-//!   A polygon that crosses itself, has no area or is huge becomes a fan as well, and is counted in a warning. A face of
-//!   one or two corners has no surface: it is skipped, and counted in a warning.
-//! - **Triangles** keep the order of the file; each remembers its polygon and its part. Degenerate ones are kept, except
-//!   the joints of triangle strips, which are not part of the surface.
-//! - **Vertices** keep the order of the file, used or not. STL has corners only: bitwise equal ones (and 0.0 and -0.0)
-//!   become one vertex. No other format is welded. In OBJ, PLY and OFF a vertex that no face uses may be NaN or infinite:
-//!   it is stored at the position of the first finite vertex, and counted in a warning.
-//! - **Units.** glTF is in metres, 3MF and COLLADA state their unit, the others state none.
-//! - **Axes** are those of the file. Only COLLADA states which axis points up: its meshes are turned so that Z does.
-//! - **Content before extension.** The extension, in any case, must be a known one. Where the bytes prove another format,
-//!   they are read as what they are, with a warning. A name without an extension, such as that of a pipe, will do if the
-//!   bytes prove their format.
-//! - **Gzip.** A name may end in `.gz` after the extension, as in `part.stl.gz`, or in `.gz` alone if the content proves
-//!   its format.
+//! - **Precision.** f32 stays f32 and f64 stays f64. Decimal text without a stated type (OBJ, OFF,
+//!   ASCII STL, 3MF, COLLADA) is read as the nearest f64. It is stored as f32 only if that changes
+//!   no number. ASCII PLY states its types.
+//! - **Transforms** of glTF, 3MF and COLLADA are composed in f64 and rounded once, to the precision
+//!   in which the file's vertices are stored. If a transform mirrors, the winding of the triangles
+//!   is reversed, so that the outside stays outside.
+//! - **Polygons**, also concave ones, become triangles by ear clipping; a convex polygon becomes
+//!   the fan about its first corner. A polygon that crosses itself, has no area or is huge also
+//!   becomes a fan, and is counted in a warning. A face of one or two corners has no surface: it is
+//!   skipped and counted in a warning.
+//! - **Triangles** keep the order of the file. Each one records its polygon and its part.
+//!   Degenerate triangles are kept, except the joints of triangle strips, which are not part of the
+//!   surface.
+//! - **Vertices** keep the order of the file, used or not. STL has only corners: corners with
+//!   bitwise equal positions become one vertex, where 0.0 equals -0.0. No other format is welded.
+//!   In OBJ, PLY and OFF a vertex that no face uses may be NaN or infinite: it is stored at the
+//!   position of the first finite vertex and counted in a warning.
+//! - **Units.** glTF is in meters, 3MF and COLLADA state their unit, and the other formats have no
+//!   unit.
+//! - **Axes** are those of the file. Only COLLADA states which axis points up: its meshes are
+//!   rotated so that Z points up.
+//! - **Content before extension.** The extension must be a known one; its case does not matter. If
+//!   the bytes prove another format, the file is read in that format, with a warning. A name
+//!   without an extension, such as the name of a pipe, is accepted if the bytes prove their format.
+//! - **Gzip.** A name may end in `.gz` after the extension, as in `part.stl.gz`. It may end in
+//!   `.gz` alone if the content proves its format.
 //!
 //! # Files are not trusted
-//! A broken file is a [`LoadError`] that names the place, never a panic. Memory and time stay within a multiple of the
-//! file's size, even where its counts lie. Instances of glTF, 3MF and COLLADA, and what is packed in a 3MF or by gzip, may be
-//! larger than the file, but not without limit. A file without triangles is a valid, empty one, unless it has no bytes at all.
+//! An invalid file gives a [`LoadError`] that names the place, never a panic. Memory and time stay
+//! within a multiple of the file's size, even if its counts are wrong. Instances of glTF, 3MF and
+//! COLLADA, and the unpacked content of a 3MF or gzip file, may be larger than the file, but are
+//! limited. A file without triangles is valid and gives an empty model, unless it has no bytes at
+//! all.
 //!
 //! # Features
 //! - `mmap` (default) opens baked files as memory maps. Without it they are read into memory.
@@ -78,11 +88,11 @@ pub use unit::{Unit, UnknownUnit};
 use impinge::character::Rig;
 use model::Warnings;
 
-/// Loads the triangles of a file.
+/// Loads the triangles of a file. Detects the format by content, then by extension.
 ///
 /// # Errors
-/// Where the file cannot be read, its extension names no known format, or its content breaks the format's rules: the
-/// error names the file, the place in it and what is wrong.
+/// Returns an error if the file cannot be read, its extension is not known, or its content is
+/// invalid. The error names the file, the place in it and the problem.
 pub fn load(path: impl AsRef<Path>) -> Result<Model, LoadError> {
     let path = path.as_ref();
     load_file(path).map_err(|e| e.in_file(path))
@@ -96,11 +106,11 @@ fn load_file(path: &Path) -> Result<Model, LoadError> {
     read(&bytes, &named, path.parent())
 }
 
-/// What a file's name says of its content.
+/// Expectations about the content of a file, from its name.
 struct Named {
-    /// The format, if the name has its extension. Otherwise `extension` is empty or ends in `gz`.
+    /// Format that the extension stands for. If it is `None`, `extension` is empty or ends in `gz`.
     format: Option<Format>,
-    /// Whether the name says that the content is packed, if there is a name.
+    /// Whether the name says that the content is compressed; `None` if there is no name.
     packed: Option<bool>,
     extension: String,
 }
@@ -120,7 +130,8 @@ impl Named {
     }
 }
 
-/// Loads the rigged character of a glTF or GLB file: its skeleton, its skin with morph targets, and its animations.
+/// Loads the rigged character of a glTF or GLB file: its skeleton, its skin with morph targets, and
+/// its animations.
 ///
 /// ```no_run
 /// let rig = impinge_files::load_rig("robot.glb")?;
@@ -129,8 +140,9 @@ impl Named {
 /// ```
 ///
 /// # Errors
-/// As [`load`], for another format, and [`BrokenRig`](LoadErrorKind::BrokenRig) for what cannot be animated: it names the
-/// node or the accessor.
+/// Returns an error as [`load`] does, and if the file has another format. Returns
+/// [`BrokenRig`](LoadErrorKind::BrokenRig), which names the node or the accessor, if the character
+/// cannot be animated.
 pub fn load_rig(path: impl AsRef<Path>) -> Result<Rig, LoadError> {
     let path = path.as_ref();
     let read = || {
@@ -140,10 +152,11 @@ pub fn load_rig(path: impl AsRef<Path>) -> Result<Rig, LoadError> {
     read().map_err(|e| e.in_file(path))
 }
 
-/// Reads the rigged character of the bytes of a glTF or GLB file. Other files that it names are not read.
+/// Reads the rigged character from the bytes of a glTF or GLB file. Other files that the bytes
+/// refer to are not read.
 ///
 /// # Errors
-/// As [`load_rig`]; the error's path is empty.
+/// Returns an error as [`load_rig`] does; the path of the error is empty.
 pub fn parse_rig(bytes: &[u8]) -> Result<Rig, LoadError> {
     read_rig(bytes, None)
 }
@@ -157,24 +170,26 @@ fn read_rig(bytes: &[u8], folder: Option<&Path>) -> Result<Rig, LoadError> {
     }
 }
 
-/// Reads the triangles of a file's bytes, which should be of this format. Other files that they name are not read.
+/// Reads the triangles from the bytes of a file. `format` is used unless the bytes prove another
+/// format. Other files that the bytes refer to are not read.
 ///
 /// # Errors
-/// As [`load`]; the error's path is empty.
+/// Returns an error as [`load`] does; the path of the error is empty.
 pub fn parse(bytes: &[u8], format: Format) -> Result<Model, LoadError> {
     read(bytes, &Named { format: Some(format), packed: None, extension: String::new() }, None)
 }
 
-/// Reads the triangles of a file's bytes, which must prove what format they have. Other files that they name are not
-/// read.
+/// Reads the triangles from the bytes of a file, whose format must be evident from the bytes. Other
+/// files that the bytes refer to are not read.
 ///
 /// # Errors
-/// As [`load`]; the error's path is empty.
+/// Returns an error as [`load`] does; the path of the error is empty.
 pub fn parse_by_content(bytes: &[u8]) -> Result<Model, LoadError> {
     read(bytes, &Named { format: None, packed: None, extension: String::new() }, None)
 }
 
-/// Other files that the content names lie in `folder`.
+/// Reads the triangles from bytes. Other files that the bytes refer to are read from `folder`, or
+/// not at all if it is `None`.
 fn read(bytes: &[u8], named: &Named, folder: Option<&Path>) -> Result<Model, LoadError> {
     let mut warnings = Warnings::default();
     let file_size = bytes.len() as u64;
@@ -204,9 +219,10 @@ fn read(bytes: &[u8], named: &Named, folder: Option<&Path>) -> Result<Model, Loa
     Ok(model)
 }
 
-/// Returns the content of a gzip file, and nothing for another file. Fails if there are no bytes.
+/// Returns the content of a gzip file, or `None` for another file. Returns an error if there are no
+/// bytes.
 fn unpack(bytes: &[u8], warnings: &mut Warnings) -> Result<Option<Vec<u8>>, LoadError> {
-    // The header of a binary STL may begin in any way.
+    // The header of a binary STL file may begin with any bytes.
     let packed = packed::is_gzip(bytes) && Format::of_content(bytes).is_none();
     let unpacked = if packed { Some(packed::gunzip(bytes, warnings)?) } else { None };
     if unpacked.as_deref().unwrap_or(bytes).is_empty() {

@@ -1,4 +1,4 @@
-//! Files that are read into memory, for builds without memory maps.
+//! Reads files into memory, for builds without memory maps.
 
 use std::{
     fs::File,
@@ -8,10 +8,10 @@ use std::{
 
 use impinge::storage::{AlignedBytes, SharedBytes};
 
-/// Returns a copy of the bytes of a file. What others later do to the file does not change it.
+/// Returns a copy of the bytes of a file. Later changes of the file do not affect it.
 ///
 /// # Errors
-/// If the system refuses, or the file becomes shorter meanwhile.
+/// Returns an error if the file cannot be read, or becomes shorter while it is read.
 pub(crate) fn copy(mut file: &File) -> io::Result<SharedBytes> {
     let length = usize::try_from(file.metadata()?.len()).map_err(|_| io::ErrorKind::FileTooLarge)?;
     let mut bytes = AlignedBytes::zeroed(length);

@@ -1,4 +1,4 @@
-//! What a file holds: triangles, and what is known of where they came from.
+//! The content of a file: triangles, and their provenance.
 
 use std::fmt;
 
@@ -11,108 +11,113 @@ use crate::{
     unit::Unit,
 };
 
-/// The triangles of a file, in its order.
+/// The triangles of a file, in the order of the file.
 ///
-/// Every index in `faces` is below `positions.len()`, every coordinate is finite, and `faces`, `sources` and `part_of`
-/// have one entry per triangle.
+/// Every index in `faces` is below `positions.len()`, every coordinate is finite, and `faces`,
+/// `sources` and `part_of` have one entry per triangle.
 #[derive(Clone, Debug)]
 pub struct Model {
-    /// The vertices, in the precision of the file, in its frame and unit.
+    /// The vertices, in the precision, frame and unit of the file.
     pub positions: Positions,
-    /// Three vertices per triangle; degenerate ones are kept.
+    /// Three vertex indices per triangle; degenerate triangles are kept.
     pub faces: Vec<[u32; 3]>,
-    /// The polygon of the file from which each triangle comes, counted from zero through the whole file.
+    /// For each triangle, the index of its polygon, counted from zero through the whole file.
     pub sources: Vec<u32>,
-    /// The part to which each triangle belongs, as an index into `parts`.
+    /// For each triangle, the index of its part in `parts`.
     pub part_of: Vec<u32>,
-    /// The names of the parts that have triangles, in order of their first; empty text where the file gives no name.
+    /// The names of all parts that have triangles, in order of their first triangle. The name is
+    /// empty if the file gives none.
     pub parts: Vec<String>,
-    /// The unit of length, where the file states one.
+    /// The unit of length; `None` if the file states none.
     pub unit: Option<Unit>,
-    /// What was left out or is odd.
+    /// Content that was skipped or is unusual.
     pub warnings: Vec<Warning>,
-    /// The format that the file turned out to have.
+    /// The format in which the file was read.
     pub format: Format,
 }
 
-/// Something in a file that was left out, or read otherwise than a user may expect.
+/// Content of a file that was skipped, or was read in a way that may surprise a user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// What it is.
+    /// The kind of warning.
     pub kind: WarningKind,
-    /// How many times it occurs.
+    /// Number of occurrences.
     pub count: u64,
-    /// Where it occurs first.
+    /// Place of the first occurrence; `None` if it is not known.
     pub first: Option<Place>,
 }
 
-/// The kinds of [`Warning`].
+/// The kind of a [`Warning`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum WarningKind {
-    /// The content proves another format than the extension; it was read as what it is.
+    /// The content proves another format than the extension; the file was read in the format of its
+    /// content.
     OtherExtension,
-    /// Lines that are no statement of the format, skipped.
+    /// Lines that are not statements of the format; they were skipped.
     UnknownLines,
-    /// Points, lines and curves: no triangles, skipped.
+    /// Points, lines and curves; they were skipped because they have no triangles.
     NotTriangles,
-    /// Faces of fewer than three corners, skipped: they have no surface.
+    /// Faces of fewer than three corners; they were skipped because they have no surface.
     ShortFaces,
-    /// Polygons that cross themselves, have no area or are huge: made a fan about their first corner.
+    /// Polygons that cross themselves, have no area or are huge; they were triangulated as a fan
+    /// about their first corner.
     FannedPolygons,
-    /// Rows with more values than the header tells, which were skipped.
+    /// Rows with more values than the header declares; the extra values were skipped.
     SurplusValues,
-    /// Bytes after the end of the content, ignored.
+    /// Bytes after the end of the content; they were ignored.
     TrailingBytes,
-    /// Corners left over after the last whole triangle, ignored.
+    /// Corners after the last complete triangle; they were ignored.
     LeftoverCorners,
-    /// Triangles of a strip that repeat a corner: joints of the strip, left out.
+    /// Triangles of a strip that repeat a corner; they join strips and were skipped.
     StripJoints,
-    /// Skinned meshes, taken as modelled, without their skeleton's pose.
+    /// Skinned meshes; they were loaded as modeled, without the pose of their skeleton.
     Unposed,
-    /// Nodes whose instancing extension places no instances: the mesh was taken once.
+    /// Nodes whose instancing extension places no instances; their mesh was loaded once.
     SingleInstances,
-    /// Nodes that several paths from the root reach: one instance was taken for each path.
+    /// Nodes that several paths from the root reach; one instance was loaded for each path.
     SharedNodes,
-    /// Beams and balls of lattices, left out.
+    /// Beams and balls of lattices; they were skipped.
     Beams,
-    /// Holes in polygons, which were filled.
+    /// Holes in polygons; they were filled.
     FilledHoles,
-    /// Geometries of a file without a scene, taken as they are modelled.
+    /// Geometries of a file without a scene; they were loaded as modeled.
     NoScene,
-    /// NUL bytes between the lines of a text or at its end, ignored.
+    /// NUL bytes between the lines of a text or at its end; they were ignored.
     PaddingNuls,
-    /// Vertices with a NaN or infinite coordinate that no face uses. They are stored at the position of the first vertex
-    /// that is finite, so that the bounds do not change, or at the origin if no vertex is finite.
+    /// Vertices with a NaN or infinite coordinate that no face uses. They are stored at the
+    /// position of the first finite vertex, so that the bounds do not change, or at the origin if
+    /// no vertex is finite.
     UnusedNonFinite,
-    /// Text in a statement where the format allows none, skipped.
+    /// Text in places of a statement where the format allows none; it was skipped.
     StrayText,
-    /// Keywords of ASCII STL that are missing: `normal` or `endsolid`. No triangle depends on them.
+    /// Missing keywords of ASCII STL: `normal` or `endsolid`. No triangle depends on them.
     MissingKeywords,
-    /// Facets of ASCII STL with more than three corners, triangulated.
+    /// Facets of ASCII STL with more than three corners; they were triangulated.
     PolygonFacets,
-    /// A binary STL states 0 or 4294967295 triangles, but triangles follow: all of them were read.
+    /// A binary STL file that states 0 or 4294967295 triangles although triangles follow; all of
+    /// them were read.
     UnsetCount,
 }
 
 impl fmt::Display for WarningKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::OtherExtension => "the content is not what the extension says, and was read as what it is",
-            Self::UnknownLines => "lines that are no statement of this format, skipped",
+            Self::OtherExtension => "the content does not match the extension and was read in its own format",
+            Self::UnknownLines => "lines that are not statements of this format, skipped",
             Self::NotTriangles => "points, lines or curves, skipped",
             Self::ShortFaces => "faces of fewer than three corners, skipped",
             Self::FannedPolygons => "polygons without a simple outline or too large, triangulated as a fan",
-            Self::SurplusValues => "rows with more values than the header tells, which were skipped",
+            Self::SurplusValues => "rows with more values than the header declares, the extra values skipped",
             Self::TrailingBytes => "bytes after the end of the content, ignored",
             Self::LeftoverCorners => "corners after the last whole triangle, ignored",
-            Self::StripJoints => "triangles of strips that repeat a corner, left out",
-            Self::Unposed => "skinned meshes, taken as modelled without the pose of their skeleton",
-            Self::SingleInstances => "nodes with instancing that places nothing, taken once",
-            Self::SharedNodes => "nodes that several paths reach, taken once for each path",
-            Self::Beams => "beams and balls of lattices, left out",
+            Self::StripJoints => "triangles of strips that repeat a corner, skipped",
+            Self::Unposed => "skinned meshes, loaded as modeled without the pose of their skeleton",
+            Self::SingleInstances => "nodes whose instancing extension places no instances, loaded once",
+            Self::SharedNodes => "nodes that several paths reach, loaded once for each path",
+            Self::Beams => "beams and balls of lattices, skipped",
             Self::FilledHoles => "holes in polygons, filled",
-            Self::NoScene => "geometries of a file without a scene, taken as they are modelled",
+            Self::NoScene => "geometries of a file without a scene, loaded as modeled",
             Self::PaddingNuls => "NUL bytes between lines or at the end of the text, ignored",
             Self::UnusedNonFinite => {
                 "vertices with a NaN or infinite coordinate that no face uses, stored at the position of another vertex"
@@ -120,12 +125,12 @@ impl fmt::Display for WarningKind {
             Self::StrayText => "text in places where the format allows none, skipped",
             Self::MissingKeywords => "missing keywords (normal or endsolid) on which no triangle depends",
             Self::PolygonFacets => "facets with more than three corners, triangulated",
-            Self::UnsetCount => "triangle counts of 0 or 4294967295 with triangles after them, which were all read",
+            Self::UnsetCount => "triangle counts of 0 or 4294967295 although triangles follow, all of which were read",
         })
     }
 }
 
-/// `faces of fewer than three corners, skipped: 3, the first at line 12`.
+/// Formats the warning like `faces of fewer than three corners, skipped: 3, the first at line 12`.
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.kind)?;
@@ -155,7 +160,7 @@ impl Warnings {
         }
     }
 
-    /// Adds all of these warnings, each to the one of its kind.
+    /// Adds each of the warnings to the warning of the same kind.
     pub(crate) fn extend(&mut self, warnings: Vec<Warning>) {
         for Warning { kind, count, first } in warnings {
             self.add(kind, count, || first);
@@ -167,7 +172,7 @@ impl Warnings {
     }
 }
 
-/// Gathers the triangles of a file.
+/// Collects the triangles of a file.
 #[derive(Default)]
 pub(crate) struct Faces {
     pub(crate) faces: Vec<[u32; 3]>,
@@ -179,19 +184,19 @@ pub(crate) struct Faces {
 }
 
 impl Faces {
-    /// Reserves room for this many more triangles.
+    /// Reserves memory for `triangles` more triangles.
     pub(crate) fn reserve(&mut self, triangles: usize) {
         self.faces.reserve(triangles);
         self.sources.reserve(triangles);
         self.part_of.reserve(triangles);
     }
 
-    /// How many polygons there are so far, short ones included.
+    /// Returns the number of polygons added so far, including those with fewer than three corners.
     pub(crate) fn polygons(&self) -> u32 {
         self.polygons
     }
 
-    /// Adds a polygon that is a triangle.
+    /// Adds a polygon with three corners.
     pub(crate) fn triangle(&mut self, face: [u32; 3], part: u32) -> Result<(), LoadError> {
         let source = self.polygons;
         self.polygons = source.checked_add(1).ok_or_else(|| too_many("faces", u64::from(source) + 1))?;
@@ -201,7 +206,7 @@ impl Faces {
         Ok(())
     }
 
-    /// Adds a polygon with any number of corners; `place` says where it stands.
+    /// Adds a polygon with any number of corners; `place` gives its place in the file.
     pub(crate) fn polygon(
         &mut self,
         corners: &[u32],
@@ -235,8 +240,8 @@ impl Faces {
         Ok(())
     }
 
-    /// Adds the triangles of another list to a part. Its vertices become those from `first` on. If `mirrored` is true, the
-    /// triangles are turned over.
+    /// Adds the triangles of another list to a part. Their vertex indices are increased by `first`.
+    /// If `mirrored` is true, the winding of the triangles is reversed.
     pub(crate) fn append(&mut self, other: &Self, first: u32, part: u32, mirrored: bool) -> Result<(), LoadError> {
         let before = self.polygons;
         let after = u64::from(before) + u64::from(other.polygons);
@@ -250,7 +255,8 @@ impl Faces {
         Ok(())
     }
 
-    /// The model with these vertices; fails where there are more vertices or triangles than 32-bit indices can name.
+    /// Returns the model with these vertices. Returns an error if there are more vertices or
+    /// triangles than 32-bit indices can address.
     pub(crate) fn into_model(
         self,
         positions: Positions,
@@ -268,15 +274,15 @@ impl Faces {
     }
 }
 
-/// More of something than 32-bit indices can name.
+/// Builds the error that there are more items than 32-bit indices can address.
 pub(crate) fn too_many(what: &'static str, count: u64) -> LoadError {
     LoadError::new(LoadErrorKind::TooMany { what, count, limit: u64::from(u32::MAX) })
 }
 
-/// Decimal text has no precision of its own: its numbers are read as the nearest f64, and stored as f32 only where that
-/// changes not one of them.
+/// Returns the positions as f32 if that changes no number, else as f64. Decimal text has no
+/// precision of its own, so its numbers were read as the nearest f64.
 pub(crate) fn stored(positions: Vec<[f64; 3]>) -> Positions {
-    #[expect(clippy::cast_possible_truncation, reason = "it is asked whether anything is lost")]
+    #[expect(clippy::cast_possible_truncation, reason = "the caller checks whether precision is lost")]
     let narrow = |x: f64| x as f32;
     if positions.iter().flatten().all(|&x| f64::from(narrow(x)) == x) {
         Positions::F32(positions.into_iter().map(|p| p.map(narrow)).collect())
@@ -290,7 +296,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn text_is_stored_without_loss() {
+    fn decimal_text_is_stored_without_loss() {
         assert_eq!(stored(vec![[0.5, -0.0, 3.0]]), Positions::F32(vec![[0.5, 0.0, 3.0]]));
         assert_eq!(stored(vec![[0.5, 0.1, 3.0]]), Positions::F64(vec![[0.5, 0.1, 3.0]]));
         assert_eq!(stored(vec![[1e39, 0.0, 0.0]]), Positions::F64(vec![[1e39, 0.0, 0.0]]));

@@ -1,26 +1,27 @@
-//! Vertices with a coordinate that is NaN or infinite. A file may have them as long as no face uses them: organized scans
-//! keep a row for each pixel without a depth.
+//! Vertices with a coordinate that is NaN or infinite. A file may have them as long as no face uses
+//! them: organized scans keep a row for each pixel without a depth.
 
 use crate::{
     error::{LoadError, LoadErrorKind, Place},
     model::{Faces, WarningKind},
 };
 
-/// The vertices of a file that are not finite, in ascending order, with the place of each as a number.
+/// The non-finite vertices of a file in ascending order, each with its line or byte offset.
 #[derive(Default)]
 pub(crate) struct NonFinite {
     found: Vec<(usize, u64)>,
 }
 
 impl NonFinite {
-    /// Adds a vertex that comes after all vertices so far; `at` is its line or its byte offset.
+    /// Adds a vertex, whose index must exceed those added before; `at` is its line or its byte
+    /// offset.
     #[cold]
     pub(crate) fn add(&mut self, vertex: usize, at: u64) {
         self.found.push((vertex, at));
     }
 
-    /// Moves these vertices to the position of the first vertex that is finite, so that the bounds of the mesh do not
-    /// change. If no vertex is finite, the vertices are moved to the origin.
+    /// Moves the non-finite vertices to the position of the first finite vertex, so that the bounds
+    /// of the mesh do not change. If no vertex is finite, moves them to the origin.
     pub(crate) fn replace<T: Copy + Default>(&self, positions: &mut [[T; 3]]) {
         let finite =
             self.found.iter().enumerate().position(|(i, &(vertex, _))| i != vertex).unwrap_or(self.found.len());
@@ -30,10 +31,11 @@ impl NonFinite {
         }
     }
 
-    /// Adds the warning about these vertices. `place` turns a line or byte offset into a place.
+    /// Adds the warning about non-finite vertices, if there are any. `place` converts a line or
+    /// byte offset into a place.
     ///
     /// # Errors
-    /// If a face uses one of the vertices: the error names the first such vertex.
+    /// Returns an error if a face uses a non-finite vertex. The error names the first such vertex.
     pub(crate) fn check_unused(&self, faces: &mut Faces, place: impl Fn(u64) -> Place) -> Result<(), LoadError> {
         let (Some(&(_, first)), Some(&(last, _))) = (self.found.first(), self.found.last()) else { return Ok(()) };
         let mut is_non_finite = vec![false; last + 1];
@@ -79,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn used_vertices_are_errors() {
+    fn non_finite_vertices_that_faces_use_are_errors() {
         let faces = || {
             let mut faces = Faces::default();
             faces.triangle([4, 7, 5], 0).unwrap();

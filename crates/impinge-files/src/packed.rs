@@ -1,4 +1,4 @@
-//! Packed data: the limit on what may be unpacked, and files in gzip's format (RFC 1952).
+//! Compressed data: the limit on its unpacked size, and gzip files (RFC 1952).
 
 use std::io::Read;
 
@@ -9,21 +9,21 @@ use crate::{
     model::{WarningKind, Warnings},
 };
 
-/// Number of bytes that may still be unpacked.
+/// Maximum number of bytes that may still be unpacked.
 ///
-/// Deflate packs up to 1,000 to 1, while meshes pack at most some 30 to 1. A file may unpack to 64
-/// MiB plus 64 times its size: a larger limit lets small hostile files take more memory, a smaller
-/// one refuses files that only repeat themselves.
+/// Deflate compresses up to 1,000 to 1, but meshes at most about 30 to 1. A file may unpack to 64
+/// MiB plus 64 times its size. A larger limit lets small hostile files take more memory; a smaller
+/// one rejects files that only repeat themselves.
 pub(crate) struct Allowance(u64);
 
 impl Allowance {
-    /// Returns the allowance of a file of this many bytes.
+    /// Returns the allowance of a compressed file of this many bytes.
     pub(crate) fn for_packed(bytes: u64) -> Self {
         Self((64 << 20) + bytes.saturating_mul(64))
     }
 
-    /// Reads to the end and appends to `unpacked`. If the reader fails, the error expects
-    /// `expected`.
+    /// Reads to the end and appends to `unpacked`. If reading fails, the error says that `expected`
+    /// was expected.
     pub(crate) fn read(
         &mut self,
         reader: impl Read,
@@ -36,7 +36,8 @@ impl Allowance {
             .map_err(|e| LoadError::syntax(expected, e.to_string().as_bytes()))? as u64;
         if count > self.0 {
             let error = LoadError::new(LoadErrorKind::TooMany { what: "unpacked bytes", count, limit: self.0 });
-            return Err(error.with_hint("no real model packs so well; unpack it with another program if it is one"));
+            return Err(error
+                .with_hint("real models do not compress so well; if this one does, unpack it with another program"));
         }
         self.0 -= count;
         Ok(())
@@ -57,13 +58,13 @@ pub(crate) fn gunzip(bytes: &[u8], warnings: &mut Warnings) -> Result<Vec<u8>, L
     while is_gzip(rest) {
         let at = Place::Byte((bytes.len() - rest.len()) as u64);
         let mut member = GzDecoder::new(rest);
-        allowance.read(&mut member, &mut unpacked, "a gzip file that is whole").map_err(|e| e.at(at))?;
+        allowance.read(&mut member, &mut unpacked, "a complete gzip file").map_err(|e| e.at(at))?;
         rest = member.into_inner();
     }
     let at = (bytes.len() - rest.len()) as u64;
     warnings.add(WarningKind::TrailingBytes, rest.len() as u64, || Some(Place::Byte(at)));
     if is_gzip(&unpacked) {
-        return Err(LoadError::unsupported("a gzip file within a gzip file").with_hint("unpack it once"));
+        return Err(LoadError::unsupported("a gzip file within a gzip file").with_hint("unpack the outer file first"));
     }
     Ok(unpacked)
 }
@@ -83,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn members_are_joined_and_a_tail_is_a_warning() {
+    fn members_are_joined_and_trailing_bytes_are_a_warning() {
         let file = [gzip(b"v 0 0"), gzip(b" 0\n"), b"\0\0\0".to_vec()].concat();
         let mut warnings = Warnings::default();
         assert_eq!(gunzip(&file, &mut warnings).unwrap(), b"v 0 0 0\n");
@@ -93,17 +94,17 @@ mod tests {
     }
 
     #[test]
-    fn broken_and_hostile_files_are_errors() {
+    fn truncated_corrupt_nested_and_huge_files_are_errors() {
         let error = |bytes: &[u8]| gunzip(bytes, &mut Warnings::default()).unwrap_err().to_string();
         let whole = gzip(b"v 0 0 0\n");
-        assert!(error(&whole[..whole.len() - 1]).starts_with("byte 0: expected a gzip file that is whole"));
+        assert!(error(&whole[..whole.len() - 1]).starts_with("byte 0: expected a complete gzip file"));
         let mut wrong_sum = whole.clone();
         wrong_sum[whole.len() - 6] ^= 1;
-        assert!(error(&wrong_sum).contains("a gzip file that is whole"));
+        assert!(error(&wrong_sum).contains("a complete gzip file"));
         assert!(error(&gzip(&whole)).contains("a gzip file within a gzip file"));
         let bomb = gzip(&vec![b' '; 80 << 20]);
         assert!(bomb.len() < 100_000);
-        assert!(error(&bomb).contains("unpacked bytes are more than"));
+        assert!(error(&bomb).contains("unpacked bytes exceed the limit of"));
     }
 
     #[test]

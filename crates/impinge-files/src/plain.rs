@@ -1,15 +1,15 @@
-//! Text of a file, made safe to print: a terminal obeys control characters.
+//! Escapes text from files, so that it is safe to print: a terminal obeys control characters.
 
 use std::fmt::{self, Write};
 
-/// Passes text on with control characters as escapes, such as `\u{1b}`. So are the characters that
-/// change the direction of text, which can make a message read as another one.
+/// Writes text with control characters as escapes, such as `\u{1b}`. Characters that change the
+/// direction of text are escaped too, because they can make a message read as another one.
 pub(crate) struct Plain<'a, 'b>(pub(crate) &'a mut fmt::Formatter<'b>);
 
 impl Write for Plain<'_, '_> {
     fn write_str(&mut self, text: &str) -> fmt::Result {
-        for part in text.split_inclusive(commands) {
-            match part.chars().next_back().filter(|&last| commands(last)) {
+        for part in text.split_inclusive(is_control_character) {
+            match part.chars().next_back().filter(|&last| is_control_character(last)) {
                 Some(last) => {
                     self.0.write_str(&part[..part.len() - last.len_utf8()])?;
                     write!(self.0, "{}", last.escape_unicode())?;
@@ -21,8 +21,8 @@ impl Write for Plain<'_, '_> {
     }
 }
 
-/// Whether a character commands a terminal rather than being shown by it.
-pub(crate) fn commands(character: char) -> bool {
+/// Reports whether a character controls a terminal or the direction of text.
+pub(crate) fn is_control_character(character: char) -> bool {
     character.is_control()
         || matches!(character, '\u{061C}' | '\u{200E}' | '\u{200F}' | '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}')
 }

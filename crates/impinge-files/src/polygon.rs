@@ -1,46 +1,52 @@
-//! Triangles of a polygon in space, concave or not.
+//! Triangulates polygons in space, convex or concave.
 //!
-//! The polygon is projected along the axis of the largest component of its Newell normal, which drops a coordinate and
-//! rounds nothing, and its ears are clipped in order from the first corner (Ericson, *Real-Time Collision Detection*,
-//! §12.5.2; Meisters 1975), with exact orientation tests (Shewchuk 1997). A convex polygon thus becomes the fan about
-//! its first corner. Every corner is used, so that neighbouring polygons keep whole edges in common; corners that lie
-//! straight on an edge are no ears, and repeated positions, as in a hole tied to the outline by a double edge, do not
-//! block one another.
+//! The polygon is projected along the axis of the largest component of its Newell normal, which
+//! drops a coordinate and rounds nothing. Its ears are clipped in order from the first corner
+//! (Ericson, *Real-Time Collision Detection*, §12.5.2; Meisters 1975), with exact orientation tests
+//! (Shewchuk 1997). So a convex polygon becomes the fan about its first corner. Every corner is
+//! used, so that neighboring polygons keep common edges. Corners in the middle of a straight edge
+//! are not ears. Corners at equal positions, as in a hole that a double edge ties to the outline,
+//! do not block each other.
 //!
-//! Where no ear is left (a polygon that crosses itself, or is a segment or a point), the rest becomes a fan about its
-//! first corner. So does a polygon that would take more than [`MAX_WORK`] tests.
+//! If no ear is left (the polygon crosses itself, or is a segment or a point), the rest becomes a
+//! fan about its first corner. So does a polygon that would take more than [`MAX_WORK`] tests.
 
 use robust::{Coord, orient2d};
 
-/// The largest product of the corners of one polygon and those that are not convex: 8,192 corners that are all reflex, or
-/// a million with a few dozen. Ear clipping takes some three tests for each, and a hostile file must not buy hours.
+/// Maximum product of a polygon's number of corners and its number of corners that are not convex.
+/// It allows 8,192 corners that are all reflex, or a million corners of which a few dozen are
+/// reflex. Ear clipping takes about three tests per unit of the product. A larger value lets a
+/// hostile file take hours; a smaller one turns more polygons into fans.
 const MAX_WORK: usize = 1 << 26;
 
 /// Whether the triangles are a triangulation of the polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// They cover it exactly, as seen along the axis of projection.
+    /// The triangles cover the polygon exactly, as seen along the axis of projection.
     Covered,
-    /// Some of them come from a fan, because the polygon is not simple, has no area, or is too large.
+    /// Some triangles come from a fan, because the polygon is not simple, has no area, or is too
+    /// large.
     Fanned,
 }
 
-/// Triangulates one polygon after another, keeping its memory.
+/// Triangulates polygons one after another, reusing its memory.
 #[derive(Default)]
 pub(crate) struct Triangulator {
     /// The projected corners.
     flat: Vec<Coord<f64>>,
-    /// The outline that is left, as links in both directions; a clipped corner's `next` is [`CLIPPED`].
+    /// The next corner on the remaining outline, or [`CLIPPED`] for a clipped corner.
     next: Vec<u32>,
+    /// The previous corner on the remaining outline.
     prev: Vec<u32>,
-    /// The corners that were not strictly convex at first: only they can block an ear.
+    /// The corners that were not strictly convex at first. Only these can block an ear.
     blockers: Vec<u32>,
 }
 
 const CLIPPED: u32 = u32::MAX;
 
 impl Triangulator {
-    /// Gives `n - 2` triangles for a polygon of `n` ≥ 3 corners, named by their place in the polygon, winding as it does.
+    /// Calls `triangle` with `n - 2` triangles for a polygon of `n` ≥ 3 corners. Triangles are
+    /// given by indices of corners in the polygon and have its winding.
     pub(crate) fn triangulate(
         &mut self,
         n: u32,
@@ -57,8 +63,9 @@ impl Triangulator {
         } else {
             (0, n)
         };
-        // Triangles of positive area whose boundaries add up to the outline cover each point as often as the outline
-        // winds around it, so that signs alone prove the cover. What is left last may be a spike without area.
+        // Triangles of positive area whose boundaries add up to the outline cover each point as
+        // often as the outline winds around it. So their signs alone prove that they cover the
+        // polygon. The last triangle may be a spike without area.
         let mut covered = true;
         let mut b = self.next[first as usize];
         for _ in 2..left {
@@ -89,7 +96,7 @@ impl Triangulator {
             p = q;
         }
         let axis = (1..3).fold(0, |best: usize, k| if normal[k].abs() > normal[best].abs() { k } else { best });
-        // Seen against the normal the outline turns left.
+        // Seen against the normal, the outline turns left.
         let (u, v) = if normal[axis] > 0.0 { (1, 2) } else { (2, 1) };
         let (u, v) = ((axis + u) % 3, (axis + v) % 3);
 
@@ -108,10 +115,12 @@ impl Triangulator {
         }
     }
 
-    /// Clips ears until three corners or no ear are left; returns one of the corners left and their number.
+    /// Clips ears until three corners or no ears are left. Returns one of the remaining corners and
+    /// their number.
     ///
-    /// Clipping `b` between `a` and `c` can make ears of `a` and `c` alone, so that no corner needs to be tried more
-    /// than a few times: the search goes on at `c`, and before it leaves `a` behind, tries `a` again.
+    /// Clipping `b` between `a` and `c` can make ears only of `a` and `c`, so no corner needs more
+    /// than a few tests. The search continues at `c`, and before it leaves `a` behind, tests `a`
+    /// again.
     fn clip_ears(&mut self, n: u32, triangle: &mut impl FnMut([u32; 3])) -> (u32, u32) {
         let (mut a, mut left, mut changed) = (0, n, false);
         let mut steps = 0..u64::from(n) * 2;
@@ -140,7 +149,8 @@ impl Triangulator {
         (a, left)
     }
 
-    /// Whether corner `b` turns left and its triangle holds no other corner, save those at its corners' positions.
+    /// Reports whether corner `b` turns left and its triangle contains no other corner, except
+    /// corners at the positions of its own three corners.
     fn is_ear(&self, b: u32) -> bool {
         let (a, c) = (self.prev[b as usize], self.next[b as usize]);
         if self.turn(a, b, c) <= 0.0 {
@@ -163,7 +173,8 @@ impl Triangulator {
         })
     }
 
-    /// Positive where the path over three corners turns left.
+    /// Returns a positive number if the path over three corners turns left, zero if it is straight,
+    /// and a negative number if it turns right. The sign is exact.
     fn turn(&self, a: u32, b: u32, c: u32) -> f64 {
         orient2d(self.flat[a as usize], self.flat[b as usize], self.flat[c as usize])
     }
@@ -182,7 +193,7 @@ mod tests {
         (triangles, outcome)
     }
 
-    /// Triangles of positive area, within the plane z = 0, that use every corner.
+    /// Asserts that the triangles have positive area in the plane z = 0 and use every corner.
     fn assert_covers(points: &[[f64; 2]]) {
         let points: Vec<_> = points.iter().map(|p| [p[0], p[1], 0.0]).collect();
         let (triangles, outcome) = triangulate(&points);
@@ -197,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn convex_is_the_fan_about_the_first_corner() {
+    fn a_convex_polygon_becomes_the_fan_about_its_first_corner() {
         let hexagon = [[2., 0.], [1., 2.], [-1., 2.], [-2., 0.], [-1., -2.], [1., -2.]];
         for flip in [1.0, -1.0] {
             let points: Vec<_> = hexagon.iter().map(|p| [p[0], 7.0, flip * p[1]]).collect();
@@ -208,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn concave_with_straight_corners_and_a_hole() {
+    fn concave_polygons_with_straight_corners_and_a_hole_are_covered() {
         assert_covers(&[[0., 0.], [4., 0.], [4., 4.], [2., 1.]]);
         assert_covers(&[[2., 1.], [0., 0.], [4., 0.], [4., 4.]]);
         assert_covers(&[[0., 0.], [1., 0.], [2., 0.], [3., 0.], [0., 3.], [0., 2.], [0., 1.]]);
@@ -228,7 +239,7 @@ mod tests {
         ]);
     }
 
-    /// An outline of `2 teeth + 3` corners, of which all between two teeth are reflex.
+    /// Returns an outline of `2 teeth + 3` corners. All corners between two teeth are reflex.
     fn comb(teeth: i32) -> Vec<[f64; 2]> {
         let tooth = |i: i32| [[f64::from(2 * i + 2), 0.0], [f64::from(2 * i + 1), 5.0]];
         let base = [[0.0, -1.0], [f64::from(2 * teeth), -1.0]];
@@ -236,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn combs_and_spirals_of_any_size() {
+    fn combs_and_spirals_of_any_size_are_covered() {
         let mut tried = 0;
         for teeth in [1, 2, 7, 100, 1000] {
             let mut comb = comb(teeth);
@@ -254,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_simple_becomes_a_fan() {
+    fn polygons_that_are_not_simple_become_fans() {
         let bow_tie = [[0., 0., 0.], [1., 1., 0.], [1., 0., 0.], [0., 1., 0.]];
         let (triangles, outcome) = triangulate(&bow_tie);
         assert_eq!((triangles.len(), outcome), (2, Outcome::Fanned));
@@ -264,13 +275,14 @@ mod tests {
     }
 
     #[test]
-    fn work_is_bounded() {
-        // Half of the corners block: within the bound for 8,192 corners, beyond it for 32,768.
+    fn polygons_with_too_many_reflex_corners_become_fans() {
+        // Half of the corners are reflex: the product is within the limit for 8,192 corners, and
+        // exceeds it for 32,768.
         for (teeth, outcome) in [(4_096, Outcome::Covered), (16_384, Outcome::Fanned)] {
             let comb: Vec<_> = comb(teeth).into_iter().map(|[x, y]| [x, y, 0.0]).collect();
             assert_eq!(triangulate(&comb).1, outcome);
         }
-        // A zigzag without area: every corner blocks, none is an ear.
+        // A zigzag without area: every corner blocks, and no corner is an ear.
         let zigzag: Vec<_> = (0..300_000).map(|i| [f64::from(i % 2), 0.0, 0.0]).collect();
         assert_eq!(triangulate(&zigzag).1, Outcome::Fanned);
     }

@@ -1,4 +1,4 @@
-//! Writing a file so that nobody ever sees a part of it.
+//! Writes files atomically: no reader ever sees a part of a file.
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -9,15 +9,16 @@ use tempfile::Builder;
 /// Size of the buffer between the content and the file, in bytes.
 const BUFFER: usize = 1 << 16;
 
-/// Writes a file, or puts another one in its place.
+/// Writes a file, or replaces an existing one.
 ///
-/// The content is written to a new file beside it, which is renamed when it is complete. So the old
-/// file stays until then, also if writing fails. Processes that have the old file open or mapped keep
-/// it, and two threads that write to one path leave the file of one of them. A new file has the
-/// permissions of the old one. If the path is a symbolic link, the file that it leads to is replaced.
+/// The content is written to a temporary file in the same folder, which is renamed when it is
+/// complete. So the old file is unchanged until then, also if writing fails. Processes that have
+/// the old file open or mapped keep it. If two threads write to the same path, the file of one of
+/// them remains. The new file has the permissions of the old one. If the path is a symbolic link,
+/// the file that it leads to is replaced.
 ///
-/// What is not a regular file, such as a pipe, is written in place. So is `/dev/stdout`, to which the
-/// content is appended.
+/// A path that is not a regular file, such as a pipe, is written in place. So is `/dev/stdout`, to
+/// which the content is appended.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;
@@ -33,8 +34,8 @@ const BUFFER: usize = 1 << 16;
 /// ```
 ///
 /// # Errors
-/// The content returns an error, or the system does not let the file be written or a new one be
-/// created beside it.
+/// Returns an error if `content` does, if the file cannot be written, or if the temporary file
+/// cannot be created.
 pub fn replace_file(path: impl AsRef<Path>, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let path = path.as_ref();
     if is_stream(path) {
@@ -43,7 +44,8 @@ pub fn replace_file(path: impl AsRef<Path>, content: impl FnOnce(&mut dyn Write)
     let real = behind_links(path);
     let old = fs::metadata(&real).ok();
     if old.is_some() {
-        // Renaming asks the folder alone, so the file itself is asked whether it may be written.
+        // Renaming needs only permission to write to the folder, so check separately that the file
+        // may be written.
         let file = OpenOptions::new().write(true).open(&real)?;
         if !file.metadata()?.is_file() {
             return fill(file, content);
@@ -55,7 +57,7 @@ pub fn replace_file(path: impl AsRef<Path>, content: impl FnOnce(&mut dyn Write)
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        // The system takes away what the user's mask forbids.
+        // The system removes the bits that the user's mask forbids.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     let beside = builder.tempfile_in(folder).map_err(|error| without_name(&error, folder))?;
@@ -67,8 +69,8 @@ pub fn replace_file(path: impl AsRef<Path>, content: impl FnOnce(&mut dyn Write)
     Ok(())
 }
 
-/// Reports whether a path names a stream that this process has open already. It may lead to a file,
-/// of which other parts are being written.
+/// Reports whether a path is a stream that this process already has open. It may lead to a file to
+/// which other parts of the process write.
 fn is_stream(path: &Path) -> bool {
     cfg!(unix) && (["/dev/stdout", "/dev/stderr"].map(Path::new).contains(&path) || path.starts_with("/dev/fd"))
 }
@@ -88,7 +90,7 @@ fn fill(file: impl Write, content: impl FnOnce(&mut dyn Write) -> io::Result<()>
     out.flush()
 }
 
-/// Returns the error without the name of the new file, which no user knows.
+/// Returns the error without the name of the temporary file, which no user knows.
 fn without_name(error: &io::Error, folder: &Path) -> io::Error {
     match error.kind() {
         kind @ io::ErrorKind::NotFound => {
@@ -111,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_file_has_the_permissions_that_any_other_has() {
+    fn a_new_file_has_default_permissions() {
         let folder = TempDir::new().unwrap();
         let [ours, other] = ["ours", "other"].map(|name| folder.path().join(name));
         write(&ours, "text").unwrap();
@@ -121,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn who_has_the_old_file_open_keeps_it() {
+    fn readers_of_the_old_file_keep_it() {
         let folder = TempDir::new().unwrap();
         let path = folder.path().join("file");
         write(&path, "old").unwrap();
@@ -151,7 +153,7 @@ mod tests {
         assert!(link.symlink_metadata().unwrap().is_symlink());
         assert_eq!(fs::read_to_string(&path).unwrap(), "new");
         assert_eq!(path.metadata().unwrap().permissions().mode() & 0o777, 0o640);
-        write(Path::new("/dev/null"), "what is no file is written in place").unwrap();
+        write(Path::new("/dev/null"), "a device is written in place").unwrap();
         let [dangling, target] = ["dangling", "target"].map(|name| folder.path().join(name));
         symlink("target", &dangling).unwrap();
         write(&dangling, "a new file").unwrap();
@@ -160,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn of_threads_that_write_one_path_one_wins_and_none_fails() {
+    fn concurrent_writes_to_one_path_all_succeed() {
         let folder = TempDir::new().unwrap();
         let path = folder.path().join("file");
         let texts: Vec<String> = (0..8).map(|i| i.to_string().repeat(100_000 + i)).collect();

@@ -1,4 +1,5 @@
-//! Lines, tokens and numbers of text formats, as bytes: names and comments need not be UTF-8.
+//! Splits text formats into lines, tokens and numbers. Text is handled as bytes, because names and
+//! comments need not be UTF-8.
 
 use std::str::FromStr;
 
@@ -7,25 +8,25 @@ use memchr::memchr;
 use crate::{
     error::{LoadError, LoadErrorKind, Place},
     format::Format,
-    plain::commands,
+    plain::is_control_character,
 };
 
-/// The error that these bytes are no text, if they hold a NUL.
+/// Returns the error that the bytes are not text if they contain a NUL, else `None`.
 pub(crate) fn binary_data(bytes: &[u8], expected: Format) -> Option<LoadError> {
     memchr(0, bytes).map(|at| not_text(expected).at(Place::Byte(at as u64)))
 }
 
-/// The error that a file is no text.
+/// Returns the error that a file is not text.
 pub(crate) fn not_text(expected: Format) -> LoadError {
     LoadError::new(LoadErrorKind::WrongContent { expected, found: "binary data or UTF-16" })
 }
 
-/// The bytes after a UTF-8 byte order mark, if there is one.
+/// Returns the bytes after a UTF-8 byte order mark, or all bytes if there is none.
 pub(crate) fn without_bom(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
 }
 
-/// White space within a line or at its end.
+/// Reports whether a byte is white space within a line or at its end.
 pub(crate) fn is_space(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | b'\r' | b'\n' | 0x0B | 0x0C)
 }
@@ -41,35 +42,38 @@ pub(crate) fn trim(text: &[u8]) -> &[u8] {
     &text[..end]
 }
 
-/// The first token and the rest.
+/// Returns the first token and the text after it.
 pub(crate) fn split_token(text: &[u8]) -> (&[u8], &[u8]) {
     let text = trim_start(text);
     let end = text.iter().position(|&b| is_space(b)).unwrap_or(text.len());
     text.split_at(end)
 }
 
-/// The tokens between white space.
+/// Returns the tokens between white space.
 pub(crate) fn tokens(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     text.split(|&b| is_space(b)).filter(|token| !token.is_empty())
 }
 
-/// Returns the f64 nearest to a decimal number that is the whole token, also if Fortran or C on Windows wrote it.
+/// Returns the f64 nearest to a decimal number that is the whole token, also in the notations of
+/// Fortran and of C on Windows. Returns `None` if the token is not a number.
 pub(crate) fn number(token: &[u8]) -> Option<f64> {
     fast_float2::parse(token).ok().or_else(|| foreign_number(token))
 }
 
-/// Returns the f32 nearest to a decimal number that is the whole token, in the notations of [`number`].
+/// Returns the f32 nearest to a decimal number that is the whole token, in the notations of
+/// [`number`].
 ///
-/// By way of f64 the number would be rounded twice.
+/// Parsing an f64 first would round the number twice.
 #[inline]
 pub(crate) fn single_number(token: &[u8]) -> Option<f32> {
     fast_float2::parse(token).ok().or_else(|| foreign_number(token))
 }
 
-/// Parses a number with the exponent letter of Fortran (`1.0D+01`), or a NaN or infinity as C writes it on Windows
-/// (`-nan(ind)`, `1.#QNAN`), which becomes a NaN.
+/// Parses a number with the exponent letter of Fortran (`1.0D+01`). Also parses a NaN or infinity
+/// as C on Windows writes it (`-nan(ind)`, `1.#QNAN`); both become a NaN.
 ///
-/// This parses with the standard library, so that the compiler can inline the faster parser, which has one caller then.
+/// Uses the parser of the standard library, so that the faster parser has only one caller and can
+/// be inlined there.
 #[cold]
 #[inline(never)]
 fn foreign_number<T: FromStr>(token: &[u8]) -> Option<T> {
@@ -86,10 +90,12 @@ fn foreign_number<T: FromStr>(token: &[u8]) -> Option<T> {
     str::from_utf8(copy).ok()?.parse().ok()
 }
 
-/// Longest number with a Fortran exponent in bytes. Fortran writes at most 25 characters for a double.
+/// Maximum length of a number with a Fortran exponent, in bytes. Fortran writes at most 25
+/// characters for a double.
 const MAX_FOREIGN: usize = 64;
 
-/// A decimal integer that is the whole token; beyond the range of i64 the nearest end of it.
+/// Returns the decimal integer that is the whole token, clamped to the range of i64. Returns `None`
+/// if the token is not an integer.
 pub(crate) fn integer(token: &[u8]) -> Option<i64> {
     let (negative, digits) = match token {
         [b'-', digits @ ..] => (true, digits),
@@ -106,34 +112,36 @@ pub(crate) fn integer(token: &[u8]) -> Option<i64> {
     (!digits.is_empty()).then_some(if negative { -value } else { value })
 }
 
-/// A name for a part: trimmed, as UTF-8, and cut at [`MAX_NAME`] bytes. What is no UTF-8 becomes a
-/// replacement character, and so does what commands a terminal.
+/// Returns the name of a part as UTF-8: trimmed, and truncated to [`MAX_NAME`] bytes. Bytes that
+/// are not UTF-8 and control characters become replacement characters.
 pub(crate) fn name(text: &[u8]) -> String {
     let text = trim(text);
     let mut name = String::from_utf8_lossy(&text[..text.len().min(MAX_NAME)]).into_owned();
-    if name.contains(commands) {
-        name = name.replace(commands, "\u{FFFD}");
+    if name.contains(is_control_character) {
+        name = name.replace(is_control_character, "\u{FFFD}");
     }
     name.truncate(name.floor_char_boundary(MAX_NAME));
     name
 }
 
-/// The longest name of a part in bytes. Many parts can share one name of the file, so that without a bound they could
-/// take memory like the square of the file's size.
+/// Maximum length of a part's name, in bytes. Many parts can share one name of the file, so without
+/// a limit they could take memory quadratic in the file's size.
 pub(crate) const MAX_NAME: usize = 255;
 
-/// The line, counted from one, in which the byte at `offset` stands.
+/// Returns the line of the byte at `offset`, counted from one.
 pub(crate) fn line_at(bytes: &[u8], offset: usize) -> u64 {
     let before = &bytes[..offset.min(bytes.len())];
     1 + memchr::memchr_iter(line_end(bytes), before).count() as u64
 }
 
-/// The byte that ends a line: `\n`, or `\r` where the file has no `\n` at all.
+/// Returns the byte that ends a line: `
+/// `, or `\r` if the file has no `
+/// ` at all.
 fn line_end(bytes: &[u8]) -> u8 {
     if memchr(b'\n', bytes).is_none() && memchr(b'\r', bytes).is_some() { b'\r' } else { b'\n' }
 }
 
-/// The lines of a text with their numbers, counted from one.
+/// Iterates over the lines of a text and counts them from one.
 #[derive(Clone)]
 pub(crate) struct Lines<'a> {
     rest: &'a [u8],
@@ -146,12 +154,12 @@ impl<'a> Lines<'a> {
         Self { rest: bytes, end: line_end(bytes), number: 0 }
     }
 
-    /// The number of the line that was returned last.
+    /// Returns the number of the line that was returned last.
     pub(crate) fn number(&self) -> u64 {
         self.number
     }
 
-    /// The lines that are still to come.
+    /// Returns the lines that were not returned yet.
     pub(crate) fn rest(&self) -> &'a [u8] {
         self.rest
     }
@@ -160,7 +168,8 @@ impl<'a> Lines<'a> {
 impl<'a> Iterator for Lines<'a> {
     type Item = &'a [u8];
 
-    /// The next line; its end may still hold a `\r`, which is white space to every reader.
+    /// Returns the next line. Its end may still contain a `\r`, which every reader treats as white
+    /// space.
     fn next(&mut self) -> Option<&'a [u8]> {
         if self.rest.is_empty() {
             return None;
@@ -180,7 +189,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_end_in_any_way() {
+    fn lines_may_end_in_lf_crlf_or_cr() {
         for text in [&b"a\nb\n\nc"[..], b"a\r\nb\r\n\r\nc\r\n", b"a\rb\r\rc"] {
             let lines: Vec<_> = Lines::new(text).map(trim).collect();
             assert_eq!(lines, [&b"a"[..], b"b", b"", b"c"]);
@@ -190,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_of_fortran_and_of_c_on_windows() {
+    fn numbers_of_fortran_and_of_c_on_windows_are_parsed() {
         for (text, value) in [("1.0D+01", 10.0), ("-0.1d-1", -0.01), ("5D0", 5.0), ("1e3", 1000.0)] {
             assert_eq!(number(text.as_bytes()), Some(value), "{text}");
             assert_eq!(single_number(text.as_bytes()), Some(value as f32), "{text}");
@@ -215,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn names_are_bounded_and_always_text() {
+    fn names_are_valid_utf8_of_bounded_length() {
         assert_eq!(name(b"  caf\xE9 \r"), "caf\u{FFFD}");
         assert_eq!(name(&[0xFF; 1000]).len(), MAX_NAME);
         assert!(name("é".repeat(1000).as_bytes()).len() <= MAX_NAME);

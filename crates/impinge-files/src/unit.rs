@@ -2,7 +2,7 @@
 
 use std::{fmt, str::FromStr};
 
-/// A unit of length: those that 3MF can state, which include the metre of glTF.
+/// A unit of length. The units are those of 3MF, which include the meter of glTF.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Unit {
     /// 10⁻⁶ m, `um`.
@@ -15,7 +15,7 @@ pub enum Unit {
     Inch,
     /// 0.3048 m exactly, `ft`.
     Foot,
-    /// `m`.
+    /// 1 m, `m`.
     Metre,
 }
 
@@ -23,7 +23,7 @@ impl Unit {
     /// Every unit, from the shortest to the longest.
     pub const ALL: [Self; 6] = [Self::Micron, Self::Millimetre, Self::Centimetre, Self::Inch, Self::Foot, Self::Metre];
 
-    /// Its length in metres, to the nearest f64.
+    /// Returns the length of the unit in meters, to the nearest f64.
     #[must_use]
     pub fn metres(self) -> f64 {
         match self {
@@ -36,7 +36,7 @@ impl Unit {
         }
     }
 
-    /// Its symbol: `um`, `mm`, `cm`, `in`, `ft` or `m`.
+    /// Returns the symbol of the unit: `um`, `mm`, `cm`, `in`, `ft` or `m`.
     #[must_use]
     pub fn symbol(self) -> &'static str {
         match self {
@@ -49,7 +49,8 @@ impl Unit {
         }
     }
 
-    /// The name in 3MF's `unit` attribute: `micron`, `millimeter`, `centimeter`, `inch`, `foot` or `meter`.
+    /// Returns the unit with a name of 3MF's `unit` attribute: `micron`, `millimeter`,
+    /// `centimeter`, `inch`, `foot` or `meter`. Returns `None` for other names.
     pub(crate) fn from_3mf(name: &str) -> Option<Self> {
         Some(match name {
             "micron" => Self::Micron,
@@ -69,7 +70,7 @@ impl fmt::Display for Unit {
     }
 }
 
-/// A word that is no unit.
+/// The error that a word is not a unit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownUnit(String);
 
@@ -85,7 +86,7 @@ impl fmt::Display for UnknownUnit {
 
 impl std::error::Error for UnknownUnit {}
 
-/// Reads the symbol that [`Display`](fmt::Display) writes, in any case, or `µm`.
+/// Parses the symbol that [`Display`](fmt::Display) writes, in any case, or `µm`.
 impl FromStr for Unit {
     type Err = UnknownUnit;
 

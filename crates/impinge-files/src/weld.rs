@@ -1,14 +1,14 @@
-//! Corners with bitwise equal positions made one vertex, for STL, which has no vertices of its own.
+//! Welds corners with bitwise equal positions, for STL, which has no vertices of its own.
 
 use std::collections::HashMap;
 
 use foldhash::fast::RandomState;
 
-/// A coordinate with its bits as a key.
+/// A coordinate whose bits are a hash key.
 pub(crate) trait Coordinate: Copy {
     type Bits: Copy + Eq + std::hash::Hash;
 
-    /// The bits, those of 0.0 for -0.0.
+    /// Returns the bits; -0.0 has the bits of 0.0.
     fn bits(self) -> Self::Bits;
 }
 
@@ -28,16 +28,17 @@ impl Coordinate for f64 {
     }
 }
 
-/// The vertices so far, numbered in the order in which they first came.
+/// The vertices so far, numbered in the order in which they were first added.
 ///
-/// The hash is seeded at random, so that no file can be made to collide; the numbering does not depend on it.
+/// The hash is seeded at random, so that no file can be made to cause collisions. The numbering
+/// does not depend on the seed.
 pub(crate) struct Weld<T: Coordinate> {
     index: HashMap<[T::Bits; 3], u32, RandomState>,
     positions: Vec<[T; 3]>,
 }
 
 impl<T: Coordinate> Weld<T> {
-    /// Expects about this many vertices.
+    /// Reserves memory for `vertices` vertices.
     pub(crate) fn with_capacity(vertices: usize) -> Self {
         Self {
             index: HashMap::with_capacity_and_hasher(vertices, RandomState::default()),
@@ -45,7 +46,8 @@ impl<T: Coordinate> Weld<T> {
         }
     }
 
-    /// The vertex at this position; none where there are more than 32 bits can number.
+    /// Returns the vertex at this position, and adds it if it is new. Returns `None` if there are
+    /// more vertices than 32-bit indices can address.
     pub(crate) fn vertex(&mut self, position: [T; 3]) -> Option<u32> {
         let next = u32::try_from(self.positions.len()).ok()?;
         let vertex = *self.index.entry(position.map(T::bits)).or_insert(next);
@@ -70,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn zeros_are_equal_and_neighbours_are_not() {
+    fn zeros_are_welded_and_adjacent_floats_are_not() {
         let mut weld = Weld::with_capacity(0);
         let vertices = [[0.0_f32, 1.0, 2.0], [-0.0, 1.0, 2.0], [f32::from_bits(1), 1.0, 2.0], [0.0, 1.0, 2.0]]
             .map(|p| weld.vertex(p).unwrap());

@@ -1,6 +1,6 @@
-//! XML as 3MF and COLLADA use it: text in any of their encodings, and attributes.
+//! XML for 3MF and COLLADA: text in any of their encodings, and attributes.
 //!
-//! Entities that a document defines are never expanded, so that a short file cannot stand for a
+//! Entities that a document defines are never expanded, so that a short file cannot expand to a
 //! long one.
 
 use std::borrow::Cow;
@@ -12,12 +12,12 @@ use quick_xml::{
 
 use crate::{error::LoadError, text::without_bom};
 
-/// The encodings of a format's XML.
+/// The encodings that a format allows for its XML.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Encoding {
     /// UTF-8 or UTF-16.
     Unicode,
-    /// UTF-8, UTF-16, or else ISO 8859-1, which gives a character to every byte.
+    /// UTF-8, UTF-16, or else ISO 8859-1, in which every byte is a character.
     UnicodeOrLatin1,
 }
 
@@ -50,33 +50,33 @@ pub(crate) fn decode(bytes: Vec<u8>, encoding: Encoding) -> Result<String, LoadE
     }
 }
 
-/// Returns the error that a text is not XML.
+/// Returns the error that a text is not well-formed XML.
 pub(crate) fn ill_formed(error: &quick_xml::Error) -> LoadError {
     let text = error.to_string();
     let start = ["ill-formed document: ", "syntax error: "].into_iter().find_map(|start| text.strip_prefix(start));
     LoadError::syntax("well-formed XML", start.unwrap_or(&text).as_bytes())
 }
 
-/// Returns the attributes of an element with their values. A malformed attribute is left out, and
-/// then missed.
+/// Returns the attributes of an element with their values. A malformed attribute is left out, so
+/// the caller finds it missing.
 pub(crate) fn attributes<'a>(element: &'a BytesStart<'_>) -> impl Iterator<Item = (&'a str, Cow<'a, str>)> {
     normalized(element.attributes())
 }
 
-/// Returns the attributes in the text of a start tag, whose name has `name_len` bytes.
+/// Returns the attributes in the text of a start tag, whose element name has `name_len` bytes.
 pub(crate) fn attributes_of_tag(tag: &str, name_len: usize) -> impl Iterator<Item = (&str, Cow<'_, str>)> {
     normalized(Attributes::new(tag, name_len))
 }
 
 fn normalized(mut attributes: Attributes<'_>) -> impl Iterator<Item = (&str, Cow<'_, str>)> {
-    // The crate's own check for repeated names takes time like the square of their number.
+    // The crate's own check for repeated names takes time quadratic in their number.
     attributes.with_checks(false);
     attributes.flatten().map(|a| (a.key.into_inner(), a.normalized_value(XmlVersion::Implicit1_0).unwrap_or(a.value)))
 }
 
-/// Returns an error if an element has two attributes of one name, which XML forbids.
+/// Returns an error if an element has two attributes of the same name, which XML forbids.
 pub(crate) fn refuse_repeated_attributes(element: &BytesStart<'_>) -> Result<(), LoadError> {
-    // Elements of a mesh have few attributes; comparing these is faster than sorting.
+    // Elements of a mesh have few attributes. Comparing these names is faster than sorting them.
     const FEW: usize = 8;
     let mut names = element.attributes();
     names.with_checks(false);
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_text_is_an_error() {
+    fn invalid_text_is_an_error() {
         let error = |bytes: &[u8]| decode(bytes.to_vec(), Encoding::Unicode).unwrap_err().to_string();
         assert!(error(b"caf\xE9").starts_with("expected UTF-8 or UTF-16 text"));
         assert!(error(b"\xFF\xFE<\0a").contains("an odd number of bytes"));
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn repeated_attributes_are_refused_in_linear_time() {
+    fn repeated_attributes_are_errors_and_take_nearly_linear_time() {
         let check = |tag: &str| refuse_repeated_attributes(&BytesStart::from_content(tag, 1));
         let many: String = (0..200_000).map(|i| format!(" x{i}=\"\"")).collect();
         for fine in ["a", "a x=\"1\" y=\"1\" X=\"\"", &format!("a{many}")] {

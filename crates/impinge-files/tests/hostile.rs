@@ -1,7 +1,7 @@
-//! Broken files: cut off anywhere, with bytes changed, with counts that lie. None may panic or take memory beyond a
-//! small multiple of its size (N9, N30).
+//! Tests of invalid files: cut off anywhere, with changed bytes, with wrong counts. Reading them
+//! must not panic, and must not take more memory than a multiple of the file's size.
 //!
-//! One test, because it measures the memory of the whole process.
+//! There is only one test, because it measures the memory of the whole process.
 
 use std::io::Write;
 
@@ -11,9 +11,10 @@ use peak_alloc::PeakAlloc;
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
 
-/// Bytes of memory for each byte of a file, and for any file: the second holds what a ZIP reader and its decompressor
-/// take, the first is what a glTF node or a polygon may take at most, with room for a vector that doubles.
+/// Maximum memory per byte of a file, in bytes. It is what a glTF node or a polygon takes at most,
+/// with room for a vector that doubles.
 const PER_BYTE: usize = 100;
+/// Maximum memory for any file, in bytes. It is what a ZIP reader and its decompressor take.
 const PER_FILE: usize = 1 << 18;
 
 const OBJ: &str = "# cube\no a\nv 0 0 0\nv 1 0 0 1\nv 1 1 0\nv 0 1 0 0.5 0.5 0.5\ng b\nf 1/1/1 2//2 3\nf -1 -2 \\\n-3 -4\nl 1 2\nf 1 2\n";
@@ -77,7 +78,7 @@ fn binary_off() -> Vec<u8> {
     bytes
 }
 
-/// An STL file that breaks most rules of the format.
+/// An STL file that breaks most rules of the format, but can be read.
 const LAX_STL: &str = "solid a\n# c\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1D0 0\nendloop\n\
     endfacet blah\nsolid b\nfacet normal 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop endfacet\n\0\0";
 /// A PLY file with unused vertices that are not finite, and types of 64 bits.
@@ -115,7 +116,8 @@ fn gzip(bytes: &[u8]) -> Vec<u8> {
     encoder.finish().unwrap()
 }
 
-/// Parses and checks memory and the promises of a model; whether it loaded.
+/// Parses a file, and asserts the limit on memory and the invariants of a model. Returns whether
+/// the file was read without an error.
 fn check(bytes: &[u8], format: Format) -> bool {
     let before = MEMORY.current_usage();
     MEMORY.reset_peak_usage();
@@ -131,7 +133,7 @@ fn check(bytes: &[u8], format: Format) -> bool {
     true
 }
 
-/// SplitMix64 (Steele, Lea and Flood 2014).
+/// A pseudorandom generator, SplitMix64 (Steele, Lea and Flood 2014).
 struct Random(u64);
 
 impl Random {
@@ -144,7 +146,8 @@ impl Random {
     }
 }
 
-/// Changes one to four places: a bit, a byte, a digit, or a piece that is cut out, doubled or taken from elsewhere.
+/// Changes one to four places: a bit, a byte, a digit, or a piece that is removed, copied
+/// elsewhere, or inserted.
 fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
     for _ in 0..=random.below(4) {
         if bytes.is_empty() {
@@ -168,7 +171,7 @@ fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
 }
 
 #[test]
-fn broken_files_are_errors_and_take_little_memory() {
+fn invalid_files_are_errors_and_take_little_memory() {
     let whole: Vec<(&str, Format, Vec<u8>)> = vec![
         ("OBJ", Format::Obj, OBJ.into()),
         ("OFF", Format::Off, OFF.into()),
@@ -205,11 +208,11 @@ fn broken_files_are_errors_and_take_little_memory() {
             mutate(&mut mutant, &mut random);
             loaded += usize::from(check(&mutant, *format));
         }
-        // The checksum of a gzip file refuses all but changes of its header.
-        let least = if *name == "gzip" { 1 } else { tries / 50 };
-        assert!((least..tries * 9 / 10).contains(&loaded), "{name}: {loaded} of {tries} load");
+        // The checksum of a gzip file detects all changes except those of its header.
+        let min_loaded = if *name == "gzip" { 1 } else { tries / 50 };
+        assert!((min_loaded..tries * 9 / 10).contains(&loaded), "{name}: {loaded} of {tries} load");
     }
-    // What is packed is guarded by checksums; change it before it is packed.
+    // Checksums protect compressed content, so change it before it is compressed.
     let mut loaded = 0;
     for _ in 0..4000 {
         let mut model = MODEL.as_bytes().to_vec();
@@ -224,7 +227,7 @@ fn broken_files_are_errors_and_take_little_memory() {
         loaded += usize::from(check(&gzip(&text), Format::Collada));
     }
     assert!((80..3600).contains(&loaded), "{loaded} packed documents of 4000 load");
-    // A mutant of one format under the name of another.
+    // Read files of one format as every other format.
     for (_, _, bytes) in &whole {
         for format in Format::ALL {
             check(bytes, format);
@@ -233,7 +236,7 @@ fn broken_files_are_errors_and_take_little_memory() {
     dense_files();
 }
 
-/// The shortest texts that make the most of something.
+/// Tests short texts that take as much memory per byte as possible.
 fn dense_files() {
     let n = 20_000;
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
@@ -295,6 +298,6 @@ fn dense_files() {
     let before = MEMORY.current_usage();
     MEMORY.reset_peak_usage();
     assert!(parse(&bytes, Format::ThreeMf).is_ok());
-    // What counts is the text, which packs better than any real model.
+    // The limit is relative to the unpacked text, which compresses better than any real model.
     assert!(MEMORY.peak_usage() - before <= PER_BYTE * model.len() + PER_FILE);
 }

@@ -1,5 +1,5 @@
-//! The curves in which two meshes meet, as Wavefront OBJ: a `v` for each point, an `l` for each curve and a `p` for each
-//! single point. A closed curve ends with the index that it begins with.
+//! Writes intersection curves as Wavefront OBJ: a `v` for each point, an `l` for each curve and a
+//! `p` for each isolated point. A closed curve repeats its first index at the end.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -9,18 +9,18 @@ use impinge::query::Curves;
 use crate::failure::Failure;
 use crate::output;
 
-/// Whether the extension is right.
+/// Validates the extension of the output file, before any work.
 ///
 /// # Errors
-/// Where it is not.
-pub(super) fn judge(path: &Path) -> Result<(), Failure> {
+/// Returns an error if the extension is not `.obj`.
+pub(super) fn validate_extension(path: &Path) -> Result<(), Failure> {
     if output::extension(path) == "obj" { Ok(()) } else { Err(output::unknown_extension(path, ".obj")) }
 }
 
-/// Writes the curves, in the common frame and unit.
+/// Writes the curves in the common frame and unit.
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// Returns an error if the file cannot be written.
 pub(super) fn write(path: &Path, curves: &Curves) -> Result<(), Failure> {
     output::write(path, |out| write_obj(out, curves))
 }
@@ -30,7 +30,7 @@ fn write_obj(out: &mut dyn Write, curves: &Curves) -> io::Result<()> {
     for line in &curves.polylines {
         let closed = line.len() > 1 && line.first() == line.last();
         let points = &line[..line.len() - usize::from(closed)];
-        let first = vertices + 1; // OBJ counts from one, through the whole file
+        let first = vertices + 1; // OBJ indices start at 1 and continue through the file.
         write_vertices(out, points)?;
         vertices += points.len();
         write!(out, "l")?;
@@ -43,7 +43,7 @@ fn write_obj(out: &mut dyn Write, curves: &Curves) -> io::Result<()> {
     (0..curves.points.len()).try_for_each(|at| writeln!(out, "p {}", vertices + 1 + at))
 }
 
-/// Every digit that it takes to read the same numbers back.
+/// Writes all digits that are needed to read the same numbers back.
 fn write_vertices(out: &mut dyn Write, points: &[[f64; 3]]) -> io::Result<()> {
     points.iter().try_for_each(|[x, y, z]| writeln!(out, "v {x:?} {y:?} {z:?}"))
 }
@@ -53,7 +53,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_close_and_indices_go_on() {
+    fn closed_curves_repeat_their_first_index_and_indices_continue() {
         let [p, q, r] = [[0.0, 0.0, 0.0], [1.5, 0.0, 1e-300], [0.1, -1e300, 0.0]];
         let curves = Curves { polylines: vec![vec![p, q, r, p], vec![q, r]], points: vec![p], coplanar_pairs: 0 };
         let mut text = Vec::new();

@@ -1,4 +1,5 @@
-//! The answer for a program: one object of schema `impinge.check/1`. What was not asked is absent.
+//! The JSON answer: one object of schema `impinge.check/1`. Answers that were not requested are
+//! absent.
 
 use impinge::query::{Contained, Curves, Distance, Penetrates, Witness};
 use serde::Serialize;
@@ -18,20 +19,20 @@ struct Object {
     /// "a", "b" or "both".
     #[serde(skip_serializing_if = "Option::is_none")]
     contained: Option<&'static str>,
-    /// True where it is undecided too.
+    /// Whether the solids penetrate each other; also `true` if that is undecided.
     #[serde(skip_serializing_if = "Option::is_none")]
     penetrates: Option<bool>,
-    /// Which answers count as true without proof.
+    /// Names of the answers that are reported as true although they are undecided.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     undecided: Vec<&'static str>,
-    /// Which meshes are open, though their inside was asked for.
+    /// Names of the meshes that are not closed although a question about their inside was asked.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     open: Vec<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     curves: Option<CurveSummary>,
-    /// Absent where it is infinite: a mesh has no faces.
+    /// Absent if the distance is infinite because a mesh has no faces.
     #[serde(skip_serializing_if = "Option::is_none")]
-    distance: Option<Apart>,
+    distance: Option<DistanceSummary>,
     #[serde(skip_serializing_if = "Option::is_none")]
     clearance: Option<ClearanceSummary>,
     seconds: Seconds,
@@ -43,7 +44,7 @@ struct Side {
     triangles: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     unit: Option<&'static str>,
-    /// From the file's own numbers to the common frame, in the finer of the two units.
+    /// Maps the coordinates in the file to the common frame, in the finer of the two units.
     pose: [[f64; 4]; 4],
     #[serde(skip_serializing_if = "Option::is_none")]
     repair: Option<repair::Summary>,
@@ -59,19 +60,20 @@ struct CurveSummary {
 }
 
 #[derive(Serialize)]
-struct Apart {
+struct DistanceSummary {
     distance: f64,
     lower: f64,
     upper: f64,
-    /// Absent where one lies inside the other.
+    /// Absent if one mesh lies inside the other.
     #[serde(flatten)]
     nearest: Option<Nearest>,
 }
 
 #[derive(Serialize)]
 struct Nearest {
-    /// In the common frame and unit.
+    /// Nearest point of mesh A, in the common frame and unit.
     point_a: [f64; 3],
+    /// Nearest point of mesh B, in the common frame and unit.
     point_b: [f64; 3],
     face_a: u32,
     face_b: u32,
@@ -83,7 +85,7 @@ struct ClearanceSummary {
     within: bool,
 }
 
-/// The object, as one line.
+/// Returns the JSON object as one line.
 pub(super) fn object(outcome: &Outcome) -> String {
     let side = |side: usize| {
         let body = &outcome.bodies[side];
@@ -96,7 +98,7 @@ pub(super) fn object(outcome: &Outcome) -> String {
             warnings: body.warnings.clone(),
         }
     };
-    let undecided = named(
+    let undecided = names_that_hold(
         &["contained", "penetrates"],
         &[outcome.solid.is_some_and(|solid| solid.undecided), outcome.penetrates == Some(Penetrates::Undecided)],
     );
@@ -114,9 +116,9 @@ pub(super) fn object(outcome: &Outcome) -> String {
         }),
         penetrates: outcome.penetrates.map(Penetrates::possibly),
         undecided,
-        open: named(&["a", "b"], &outcome.open()),
+        open: names_that_hold(&["a", "b"], &outcome.open()),
         curves: outcome.curves.as_ref().map(summary),
-        distance: outcome.distance.as_ref().and_then(apart),
+        distance: outcome.distance.as_ref().and_then(distance_summary),
         clearance: outcome
             .clearance
             .map(|clearance| ClearanceSummary { required: clearance.required, within: clearance.is_violated }),
@@ -124,17 +126,18 @@ pub(super) fn object(outcome: &Outcome) -> String {
     })
 }
 
-/// What is finite: nothing is near an empty mesh.
-fn apart(distance: &Distance) -> Option<Apart> {
+/// Returns the distance and the nearest points; `None` if the distance is infinite because a mesh
+/// is empty.
+fn distance_summary(distance: &Distance) -> Option<DistanceSummary> {
     let Distance { lower, upper, witness, .. } = *distance;
     let nearest = witness.and_then(|Witness { point_a, point_b, faces }| {
         faces.map(|[face_a, face_b]| Nearest { point_a, point_b, face_a, face_b })
     });
-    upper.is_finite().then_some(Apart { distance: distance.distance(), lower, upper, nearest })
+    upper.is_finite().then_some(DistanceSummary { distance: distance.distance(), lower, upper, nearest })
 }
 
-/// The names of what holds.
-fn named(names: &[&'static str], hold: &[bool]) -> Vec<&'static str> {
+/// Returns the names whose flag in `hold` is set.
+fn names_that_hold(names: &[&'static str], hold: &[bool]) -> Vec<&'static str> {
     names.iter().zip(hold).filter_map(|(&name, &holds)| holds.then_some(name)).collect()
 }
 

@@ -1,4 +1,4 @@
-//! `impinge check`: do two meshes meet, and where?
+//! `impinge check`: tests whether two meshes intersect, and where.
 
 mod curves_file;
 mod json;
@@ -23,78 +23,87 @@ use crate::progress::Phase;
 use crate::{Verdict, console, numerals, output, pose, repair, units};
 use pairs_file::PairsFormat;
 
-/// More threads than any machine has processors for; an answer does not depend on them.
-const MOST_THREADS: i64 = 1024;
+/// Maximum value of `--threads`: more than any machine has processors. The answer does not depend
+/// on the number of threads.
+const MAX_THREADS: i64 = 1024;
 
-/// Pairs that are counted: 1 GiB of them. More are none that anybody looks at, but piles of duplicate faces.
-const MOST_PAIRS: usize = 1 << 27;
+/// Maximum number of face pairs that are stored: 1 GiB of memory. Only meshes with piles of
+/// duplicate faces exceed it.
+const MAX_PAIRS: usize = 1 << 27;
 
-/// Do two meshes meet, and where?
+/// Check whether two meshes intersect, and where
 ///
-/// The answer is exact: it is the truth about the closed triangles whose corners are the numbers in the files, mapped by
-/// the poses. Touching counts. A mesh is its surface, not what that encloses, unless `--solid` says so.
+/// The answer is exact for the closed triangles whose corners are the numbers in the files, mapped
+/// by the poses. Touching counts as intersecting. A mesh is a surface unless `--solid` makes it a
+/// solid.
 ///
-/// Exit code: 0 where they are clear of each other, 1 where they meet or come within the clearance, 2 where there is no
-/// answer. With `--penetrates` meeting means that the interiors of both meet, so that parts that touch are clear.
+/// Exit code: 0 if the meshes are clear of each other, 1 if they intersect or come within the
+/// clearance, 2 if there is no answer. With `--penetrates`, only intersecting interiors count, so
+/// meshes that merely touch are clear.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The first mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF, COLLADA or baked, also as .gz
+    /// The first mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF, COLLADA or a baked file, optionally
+    /// compressed as .gz
     a: PathBuf,
     /// The second mesh
     b: PathBuf,
-    /// Where A stands: tx,ty,tz or tx,ty,tz,qw,qx,qy,qz or a file with a 4x4 matrix
+    /// Pose of A: tx,ty,tz or tx,ty,tz,qw,qx,qy,qz or a file with a 4x4 matrix
     ///
-    /// The quaternion is of unit length. The matrix is row-major, for column vectors: 16 numbers with spaces or commas
-    /// between them, or JSON. It may scale. Lengths are in the finer unit of A and B.
+    /// The quaternion must have unit length. The matrix is row-major, for column vectors: 16
+    /// numbers separated by spaces or commas, or JSON. It may scale. Lengths are in the finer unit
+    /// of A and B.
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     pose_a: Option<OsString>,
-    /// Where B stands
+    /// Pose of B, in the same forms
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     pose_b: Option<OsString>,
-    /// The unit of A: um, mm, cm, in, ft or m; overrides what the file states
+    /// Unit of A: um, mm, cm, in, ft or m; overrides the unit in the file
     #[arg(long, value_name = "U")]
     unit_a: Option<Unit>,
-    /// The unit of B
+    /// Unit of B; overrides the unit in the file
     #[arg(long, value_name = "U")]
     unit_b: Option<Unit>,
-    /// Take both meshes, or A or B alone, as solid: what lies wholly inside meets it
+    /// Treat both meshes, or only A or B, as solids: a mesh that lies entirely inside a solid
+    /// intersects it
     ///
-    /// Inside is where the generalised winding number is beyond one half: exact for a closed mesh; an open one is told.
+    /// A point is inside if the generalized winding number of the mesh there exceeds one half in
+    /// absolute value. This is exact for a closed mesh; for an open mesh a warning is printed.
     #[arg(long, value_name = "SIDE", num_args = 0..=1, require_equals = true, default_missing_value = "both")]
     solid: Option<SolidArgument>,
-    /// Ask whether the interiors of both, taken as solids, meet: touching does not count
+    /// Check whether the interiors of both meshes, as solids, intersect; touching does not count
     #[arg(long)]
     penetrates: bool,
-    /// Write every pair of faces that meet, to a .csv or .npy file
+    /// Write every pair of intersecting faces to a .csv or .npy file
     #[arg(long, value_name = "OUT")]
     pairs: Option<PathBuf>,
-    /// Write the curves in which the meshes meet, to an .obj file
+    /// Write the intersection curves to an .obj file
     #[arg(long, value_name = "OUT")]
     curves: Option<PathBuf>,
-    /// Tell how far apart they are, with nearest points and faces; 0 where they meet, as solids where `--solid` says so
+    /// Report the distance with nearest points and faces; 0 if the meshes intersect, as solids if
+    /// `--solid` is given
     #[arg(long)]
     distance: bool,
-    /// Whether they come within this distance of each other, decided exactly; at it is within it
+    /// Check exactly whether the distance is at most D
     ///
-    /// In the finer unit of A and B. Where they do, the exit code is 1.
+    /// D is in the finer unit of A and B. If the distance is at most D, the exit code is 1.
     #[arg(long, value_name = "D", value_parser = parse_clearance, allow_hyphen_values = true)]
     clearance: Option<f64>,
     #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
     repairs: repair::Arguments,
-    /// Take a mesh without faces, such as a point cloud, for one that meets nothing
+    /// Accept a mesh without faces, such as a point cloud; it intersects nothing
     #[arg(long)]
     allow_empty: bool,
-    /// Print one JSON object in place of the report
+    /// Print one JSON object instead of the report
     #[arg(long)]
     json: bool,
-    /// How many threads to use; all processors without it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS))]
+    /// Number of threads to use; all processors by default
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
     threads: Option<u16>,
 }
 
-/// Which mesh is solid.
+/// The meshes that `--solid` selects.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum SolidArgument {
     A,
@@ -103,32 +112,32 @@ enum SolidArgument {
     Both,
 }
 
-/// Everything that there is to tell.
+/// All results of a check.
 struct Outcome {
     bodies: [Body; 2],
-    /// World from mesh, units included.
+    /// Pose of each mesh, from its own frame and unit to the world frame in the common unit.
     poses: [Pose; 2],
-    /// In each mesh's own frame; none for a mesh without faces.
+    /// Bounding box of each mesh in its own frame; `None` for a mesh without faces.
     bounds: [Option<Bounds>; 2],
     pairs: Vec<[u32; 2]>,
     curves: Option<Curves>,
     distance: Option<Distance>,
     clearance: Option<Clearance>,
-    /// Where it was asked for.
+    /// Intersection as solids; `None` if it was not requested.
     solid: Option<SolidIntersection>,
-    /// Where it was asked for.
+    /// Penetration of the solids; `None` if it was not requested.
     penetrates: Option<Penetrates>,
     seconds: Seconds,
 }
 
-/// A clearance that was asked for, and whether the meshes come within it.
+/// A required clearance, and whether the meshes come within it.
 #[derive(Clone, Copy)]
 struct Clearance {
     required: f64,
     is_violated: bool,
 }
 
-/// How long each phase took.
+/// Duration of each phase, in seconds.
 #[derive(Clone, Copy, Debug, Default, serde::Serialize)]
 struct Seconds {
     load: f64,
@@ -136,10 +145,10 @@ struct Seconds {
     query: f64,
 }
 
-/// Answers, prints and writes what was asked for.
+/// Answers the query, prints the answer and writes the requested files.
 ///
 /// # Errors
-/// Where there is no answer, or it cannot be written.
+/// Returns an error if there is no answer, or it cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let pairs_file = match &arguments.pairs {
         Some(path) => Some((path, PairsFormat::of(path)?)),
@@ -147,13 +156,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     };
     let curves_file = arguments.curves.as_deref();
     if let Some(path) = curves_file {
-        curves_file::judge(path)?;
+        curves_file::validate_extension(path)?;
     }
     for path in [arguments.pairs.as_deref(), curves_file].into_iter().flatten() {
-        output::judge(path, &[&arguments.a, &arguments.b])?;
+        output::validate(path, &[&arguments.a, &arguments.b])?;
     }
     if [&arguments.a, &arguments.b].into_iter().all(|path| path == Path::new("-")) {
-        return Err(Failure::new("usage", "standard input holds one mesh, not two").at("-"));
+        return Err(Failure::new("usage", "standard input holds one mesh; read the other one from a file").at("-"));
     }
     let poses = arguments.poses()?;
     let outcome = match arguments.threads {
@@ -161,7 +170,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         Some(threads) => rayon::ThreadPoolBuilder::new()
             .num_threads(threads.into())
             .build()
-            .map_err(|error| Failure::new("threads", format!("no {threads} threads can be had: {error}")))?
+            .map_err(|error| Failure::new("threads", format!("cannot start {threads} threads: {error}")))?
             .install(|| answer(arguments, poses))?,
     };
     if let Some((path, format)) = pairs_file {
@@ -173,14 +182,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let text = if arguments.json { json::object(&outcome) } else { report::text(&outcome) };
     outcome.hint_at_containment();
     outcome.warn_of_open_solids();
-    console::conclude(&text)?;
+    console::print_answer(&text)?;
     Ok(outcome.verdict())
 }
 
 fn parse_clearance(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(distance) if distance >= 0.0 && distance.is_finite() => Ok(distance),
-        _ => Err("a clearance is a number that is not negative".to_owned()),
+        _ => Err("a clearance is a finite number of at least 0".to_owned()),
     }
 }
 
@@ -193,7 +202,8 @@ impl Arguments {
         Ok([parse(&self.pose_a, "--pose-a")?, parse(&self.pose_b, "--pose-b")?])
     }
 
-    /// Whether the curves are to be computed: they are in every report, but a program asks for them.
+    /// Reports whether to compute the intersection curves: for every text report, and for JSON only
+    /// with `--curves`.
     fn wants_curves(&self) -> bool {
         !self.json || self.curves.is_some()
     }
@@ -209,22 +219,23 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
     let loaded = [a?, b?];
     loaded.iter().for_each(Loaded::warn);
     let stated = [loaded[0].about().unit, loaded[1].about().unit];
-    units::explain(stated);
+    units::note_choice(stated);
     let poses = scaled(poses, units::scales(stated))?;
 
     let [a, b] = loaded;
-    // Whoever asks once waits longer for a better hierarchy than for the answer.
+    // Use the fastest builder: for a single query, a better hierarchy takes longer to build than it
+    // saves.
     let built = |loaded: Loaded| loaded.build(Builder::Morton, &arguments.repairs);
     let ((a, b), build) = timed("building hierarchies", || rayon::join(|| built(a), || built(b)));
     let bodies = [a?, b?];
     if let Some(empty) = bodies.iter().find(|body| body.mesh.faces().is_empty() && !arguments.allow_empty) {
         let failure = Failure::new("empty", "the mesh has no faces, so there is nothing to check");
-        let hint = "--allow-empty takes it for a mesh that meets nothing";
+        let hint = "pass --allow-empty to accept a mesh that intersects nothing";
         return Err(failure.in_file(&empty.about.path).hint(hint));
     }
     let bounds = [0, 1].map(|side| Bounds::of(&bodies[side].mesh, &Pose::IDENTITY));
     if let [Some(a), Some(b)] = &bounds {
-        units::doubt(stated, [a.diagonal(), b.diagonal()], [&poses[0], &poses[1]]);
+        units::warn_of_mismatch(stated, [a.diagonal(), b.diagonal()], [&poses[0], &poses[1]]);
     }
 
     let start = Outcome {
@@ -241,10 +252,10 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
     };
     let (outcome, query) = timed("intersecting", || {
         let [a, b] = start.placed(arguments.solid.map_or([false; 2], SolidArgument::sides));
-        let SomePairs { pairs, truncated } = query::intersecting_pairs_up_to(a, b, MOST_PAIRS);
+        let SomePairs { pairs, truncated } = query::intersecting_pairs_up_to(a, b, MAX_PAIRS);
         if truncated {
-            let message = format!("more than {} pairs of faces meet", numerals::count(MOST_PAIRS));
-            return Err(Failure::new("too-many", message).hint("impinge inspect counts duplicate faces"));
+            let message = format!("more than {} pairs of faces intersect", numerals::count(MAX_PAIRS));
+            return Err(Failure::new("too-many", message).hint("run impinge inspect to look for duplicate faces"));
         }
         let curves = arguments.wants_curves().then(|| query::curves_of_pairs(a, b, &pairs));
         let solid = arguments.solid.map(|_| query::solid_intersection_of_pairs(a, b, &pairs));
@@ -261,7 +272,7 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
     Ok(outcome)
 }
 
-/// The poses of the meshes in their own units; vertices stay the numbers that they are.
+/// Returns the poses with the unit scales included, so that vertices keep the numbers in the files.
 fn scaled(poses: [Pose; 2], scales: [f64; 2]) -> Result<[Pose; 2], Failure> {
     let scaled = |side: usize, option: &str| {
         let factor = scales[side];
@@ -272,7 +283,8 @@ fn scaled(poses: [Pose; 2], scales: [f64; 2]) -> Result<[Pose; 2], Failure> {
     Ok([scaled(0, "--pose-a")?, scaled(1, "--pose-b")?])
 }
 
-/// What `work` gives, and the seconds that it takes.
+/// Runs `work` and returns its result and its duration in seconds, rounded to microseconds. `doing`
+/// labels the spinner.
 pub(crate) fn timed<T>(doing: &'static str, work: impl FnOnce() -> T) -> (T, f64) {
     let phase = Phase::begin(doing);
     let start = Instant::now();
@@ -287,24 +299,25 @@ impl Outcome {
         [self.bodies[0].about.unit, self.bodies[1].about.unit]
     }
 
-    /// Both meshes, as surfaces or as solids.
+    /// Returns both meshes with their poses, as surfaces or as solids.
     fn placed(&self, is_solid: [bool; 2]) -> [PlacedMesh<'_>; 2] {
         [0, 1].map(|side| PlacedMesh { is_solid: is_solid[side], ..self.bodies[side].mesh.at(self.poses[side]) })
     }
 
-    /// Whether they meet, as solids where that was asked for.
+    /// Reports whether the meshes intersect, as solids if that was requested.
     fn intersects(&self) -> bool {
         self.solid.map_or(!self.pairs.is_empty(), |solid| solid.intersects)
     }
 
-    /// The answer to the question that was asked; of penetration, what is undecided is a collision.
+    /// Returns the verdict for the exit code. Undecided penetration counts as a collision.
     fn verdict(&self) -> Verdict {
         let collides = self.penetrates.map_or_else(|| self.intersects(), Penetrates::possibly);
         let is_close = self.clearance.is_some_and(|clearance| clearance.is_violated);
         if collides || is_close { Verdict::Collision } else { Verdict::Clear }
     }
 
-    /// Surfaces that do not meet may still be one inside the other, which is a collision in most minds.
+    /// Prints a note if the surfaces do not intersect but one mesh lies inside the other: most
+    /// users would call that a collision.
     fn hint_at_containment(&self) {
         if !self.pairs.is_empty() || self.solid.is_some() || self.penetrates.is_some() {
             return;
@@ -317,13 +330,14 @@ impl Outcome {
             let [placed_a, placed_b] = self.placed(is_solid);
             if encloses && query::intersects(placed_a, placed_b) {
                 console::note(&format!(
-                    "{inner} lies inside {outer}, of which only the surface was compared; --solid counts that as a collision"
+                    "{inner} lies inside {outer}, but only the surfaces were compared; pass --solid to count this as a collision"
                 ));
             }
         }
     }
 
-    /// Which of the two have no proper inside though one was asked for.
+    /// Reports for each mesh whether it is not closed although a question about its inside was
+    /// asked.
     fn open(&self) -> [bool; 2] {
         let by_solid = self.solid.map_or([false; 2], |solid| solid.open);
         std::array::from_fn(|side| by_solid[side] || (self.penetrates.is_some() && !self.bodies[side].mesh.is_closed()))
@@ -336,8 +350,8 @@ impl Outcome {
                 let diagnosis = repair::diagnosis(mesh, &mesh.health());
                 let diagnosis = diagnosis.map_or(String::new(), |diagnosis| format!(" ({diagnosis})"));
                 console::warn(&format!(
-                    "{}: the mesh is not closed, so its inside is where its generalised winding number is beyond one \
-                     half{diagnosis}",
+                    "{}: the mesh is not closed, so a point counts as inside if the generalized winding number exceeds \
+                     one half{diagnosis}",
                     about.path.display()
                 ));
             }
@@ -346,7 +360,7 @@ impl Outcome {
 }
 
 impl SolidArgument {
-    /// Whether each of the two is solid.
+    /// Returns for each mesh whether it is solid.
     fn sides(self) -> [bool; 2] {
         match self {
             Self::A => [true, false],

@@ -1,4 +1,5 @@
-//! The pairs of faces that meet, as a file: CSV with their origins, or a NumPy array of the bare numbers.
+//! Writes pairs of intersecting faces: as CSV with their provenance, or as a NumPy array of face
+//! indices.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -7,20 +8,20 @@ use super::Outcome;
 use crate::failure::Failure;
 use crate::output;
 
-/// The forms of the file.
+/// Format of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PairsFormat {
-    /// A header, then a row for each pair: faces, polygons of the files, names of parts.
+    /// A header, then one row per pair: faces, polygons of the files, names of parts.
     Csv,
-    /// An array of shape (k, 2) and type uint32.
+    /// An array of shape (k, 2) and type uint32: face of A, face of B.
     Npy,
 }
 
 impl PairsFormat {
-    /// What the extension asks for.
+    /// Returns the format that the extension stands for.
     ///
     /// # Errors
-    /// Where it asks for neither.
+    /// Returns an error if the extension is neither `.csv` nor `.npy`.
     pub(super) fn of(path: &Path) -> Result<Self, Failure> {
         match output::extension(path).as_str() {
             "csv" => Ok(Self::Csv),
@@ -29,10 +30,10 @@ impl PairsFormat {
         }
     }
 
-    /// Writes the pairs, in the order of the answer.
+    /// Writes the pairs in the order in which the query returned them.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// Returns an error if the file cannot be written.
     pub(super) fn write(self, path: &Path, outcome: &Outcome) -> Result<(), Failure> {
         output::write(path, |out| match self {
             Self::Csv => write_csv(out, outcome),
@@ -53,8 +54,9 @@ fn write_csv(out: &mut dyn Write, outcome: &Outcome) -> io::Result<()> {
     rows.flush()
 }
 
-/// Version 1.0 of the NPY format (numpy.lib.format): a magic, the length of the header, the header as a Python
-/// dictionary padded so that the data starts at a multiple of 64 bytes, and the data.
+/// Writes version 1.0 of the NPY format (numpy.lib.format): a magic number, the length of the
+/// header, the header as a Python dictionary, and the data. The header is padded so that the data
+/// starts at a multiple of 64 bytes.
 fn write_npy(out: &mut dyn Write, pairs: &[[u32; 2]]) -> io::Result<()> {
     const BEFORE_HEADER: usize = 10;
     let shape = format!("{{'descr': '<u4', 'fortran_order': False, 'shape': ({}, 2), }}", pairs.len());
@@ -71,10 +73,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn npy_is_what_numpy_writes() {
+    fn npy_file_equals_the_file_that_numpy_writes() {
         let mut bytes = Vec::new();
         write_npy(&mut bytes, &[[1, 2], [3, u32::MAX]]).unwrap();
-        // numpy.save of the same array, NumPy 2.
+        // Output of `numpy.save` of the same array, NumPy 2.
         let mut expected =
             b"\x93NUMPY\x01\x00v\x00{'descr': '<u4', 'fortran_order': False, 'shape': (2, 2), }".to_vec();
         expected.resize(127, b' ');

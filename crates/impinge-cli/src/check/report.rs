@@ -1,4 +1,4 @@
-//! The answer for a person.
+//! The text report.
 
 use std::fmt::Write;
 
@@ -17,7 +17,7 @@ const FAINT: Style = Style::new().dimmed();
 const CLEAR: Style = Style::new().bold().fg_color(Some(anstyle::Color::Ansi(AnsiColor::Green)));
 const COLLISION: Style = Style::new().bold().fg_color(Some(anstyle::Color::Ansi(AnsiColor::Red)));
 
-/// The report, with styles that the stream keeps or strips.
+/// Returns the report with ANSI styles; the output stream keeps or strips them.
 pub(super) fn text(outcome: &Outcome) -> String {
     let mut text = meshes(outcome);
     text += "\n";
@@ -30,24 +30,24 @@ pub(super) fn text(outcome: &Outcome) -> String {
     text
 }
 
-/// What the exit code says too.
+/// Returns the first line: the same verdict as the exit code, and the number of pairs.
 fn verdict(outcome: &Outcome) -> String {
     let pairs = outcome.pairs.len();
-    let met = match (pairs, outcome.solid.and_then(|solid| solid.contained)) {
+    let headline = match (pairs, outcome.solid.and_then(|solid| solid.contained)) {
         (0, None) => "No intersection".to_owned(),
         (0, Some(contained)) => inside(contained).to_owned(),
         (_, _) => "The meshes intersect".to_owned(),
     };
     let style = if outcome.verdict() == Verdict::Clear { CLEAR } else { COLLISION };
-    let met = match outcome.penetrates {
-        None => met,
+    let headline = match outcome.penetrates {
+        None => headline,
         Some(Penetrates::No) if pairs > 0 => "The meshes touch, but do not penetrate".to_owned(),
         Some(Penetrates::No) => "No intersection".to_owned(),
         Some(Penetrates::Yes) => "The meshes penetrate each other".to_owned(),
         Some(Penetrates::Undecided) => "The meshes may penetrate each other: undecided".to_owned(),
     };
     let counted = if pairs == 0 { String::new() } else { format!(": {} of faces", counted(pairs, "pair")) };
-    format!("{style}{met}{style:#}{counted}\n")
+    format!("{style}{headline}{style:#}{counted}\n")
 }
 
 fn inside(contained: Contained) -> &'static str {
@@ -58,7 +58,7 @@ fn inside(contained: Contained) -> &'static str {
     }
 }
 
-/// Two lines for each mesh; the second is aligned with that of the other.
+/// Returns two lines for each mesh. The columns of the second lines are aligned.
 fn meshes(outcome: &Outcome) -> String {
     let cells = [0, 1].map(|side| describe(&outcome.bodies[side], outcome.bounds[side].as_ref()));
     let widths: Vec<usize> = cells[0].iter().zip(&cells[1]).map(|(a, b)| a.len().max(b.len())).collect();
@@ -94,14 +94,14 @@ fn describe(body: &Body, bounds: Option<&Bounds>) -> [String; 5] {
     ]
 }
 
-/// How far apart, and where.
-fn apart(outcome: &Outcome, distance: &Distance, unit: &str) -> String {
+/// Returns the distance and the nearest points as text.
+fn distance_text(outcome: &Outcome, distance: &Distance, unit: &str) -> String {
     let Some(Witness { point_a, point_b, faces: Some([face_a, face_b]) }) = distance.witness else {
         let is_inside = distance.upper == 0.0;
         return if is_inside { "0: one lies inside the other" } else { "infinite: a mesh is empty" }.to_owned();
     };
     let is_undecided = distance.proximity == Proximity::Undecided;
-    let alternative = if is_undecided { "0 if one lies inside the other, which is not proved; else " } else { "" };
+    let alternative = if is_undecided { "0 if one lies inside the other, which is undecided; else " } else { "" };
     let mut text = format!("{alternative}{}{unit}", length(distance.upper));
     let ends = [(0, "A", face_a, point_a), (1, "B", face_b, point_b)];
     for (side, name, face, point) in ends {
@@ -112,14 +112,17 @@ fn apart(outcome: &Outcome, distance: &Distance, unit: &str) -> String {
     text
 }
 
-/// What there is to say beyond the verdict, each with its label.
+/// Returns the labeled lines below the verdict.
 fn findings(outcome: &Outcome) -> Vec<(&'static str, String)> {
     let mut findings = Vec::new();
     if let (Some(contained), false) = (outcome.solid.and_then(|solid| solid.contained), outcome.pairs.is_empty()) {
         findings.push(("inside", format!("{}, in part", inside(contained))));
     }
     if outcome.solid.is_some_and(|solid| solid.undecided) {
-        findings.push(("undecided", "an open mesh winds about half round what counts as inside".to_owned()));
+        findings.push((
+            "undecided",
+            "the winding number of an open mesh is too close to one half to prove what counts as inside".to_owned(),
+        ));
     }
     if let (Some(curves), false) = (&outcome.curves, outcome.pairs.is_empty()) {
         let closed = curves.closed();
@@ -136,7 +139,7 @@ fn findings(outcome: &Outcome) -> Vec<(&'static str, String)> {
     }
     let unit = units::common(outcome.units()).map_or(String::new(), |unit| format!(" {unit}"));
     if let Some(distance) = &outcome.distance {
-        findings.push(("distance", apart(outcome, distance, &unit)));
+        findings.push(("distance", distance_text(outcome, distance, &unit)));
     }
     if let Some(clearance) = outcome.clearance {
         let kept = if clearance.is_violated { "not kept" } else { "kept" };

@@ -1,18 +1,18 @@
-//! Which volume suits which use: a sentence each, from what was measured.
+//! Recommends a volume for each use, with one sentence that gives the measured reason.
 
 use super::measure::{HullRow, Row};
 use crate::numerals::{length, short_time};
 
-/// A use, the volume that suits it, and why.
+/// A use, the recommended volume, and the reason.
 pub(super) struct Advice {
-    /// The key for programs.
+    /// Key in the JSON object.
     pub(super) key: &'static str,
     pub(super) label: &'static str,
     pub(super) name: &'static str,
     pub(super) sentence: String,
 }
 
-/// A use: what a volume costs there, and what to say of one that costs little.
+/// A use: how to compute the cost of a volume for it, and how to describe a volume with a low cost.
 struct Use {
     key: &'static str,
     label: &'static str,
@@ -20,7 +20,8 @@ struct Use {
     merit: fn(&Row) -> String,
 }
 
-/// Seconds that a false alarm takes at least, by which a test is dear or cheap: two triangles, say.
+/// Minimum cost of a false alarm, in seconds, for example of one triangle test. It is added to the
+/// time of an overlap test: a larger value favors tight volumes, a smaller one favors fast tests.
 const FALSE_ALARM: f64 = 1e-7;
 
 const USES: [Use; 4] = [
@@ -52,17 +53,17 @@ const USES: [Use; 4] = [
     },
 ];
 
-/// One for each use. A volume is judged by what it costs there times its size: twice the size means about twice as many
-/// false alarms.
+/// Returns one recommendation for each use. The recommended volume has the least product of cost
+/// and size: twice the size causes about twice as many false alarms.
 pub(super) fn advice(hull: &HullRow, rows: &[Row]) -> Vec<Advice> {
-    // A flat mesh has volumes of nothing; then only the costs count.
+    // Volumes around a flat mesh may have size 0, so compare only their costs.
     let size = |row: &Row| if hull.volume > 0.0 { row.volume / hull.volume } else { 1.0 };
-    let told = USES.into_iter().filter_map(|Use { key, label, cost, merit }| {
+    let advice = USES.into_iter().filter_map(|Use { key, label, cost, merit }| {
         let of = |row: &Row| size(row) * cost(row);
         let row = rows.iter().min_by(|a, b| of(a).total_cmp(&of(b)))?;
         let relative =
             if hull.volume > 0.0 { format!("{} times the hull, ", length(size(row))) } else { String::new() };
         Some(Advice { key, label, name: row.name, sentence: format!("{}: {relative}{}", row.name, merit(row)) })
     });
-    told.collect()
+    advice.collect()
 }

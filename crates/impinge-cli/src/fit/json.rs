@@ -1,4 +1,4 @@
-//! The answer for a program: one object of schema `impinge.fit/1`. What is not known is absent.
+//! The JSON answer: one object of schema `impinge.fit/1`. Values that are not known are absent.
 
 use std::collections::BTreeMap;
 
@@ -44,7 +44,7 @@ struct Volume {
     name: &'static str,
     bytes: usize,
     volume: f64,
-    /// In volumes of the hull; absent where that is flat.
+    /// Volume divided by the volume of the hull; absent if the hull is flat.
     #[serde(skip_serializing_if = "Option::is_none")]
     relative_volume: Option<f64>,
     surface_area: f64,
@@ -61,7 +61,7 @@ struct Advised {
     sentence: String,
 }
 
-/// The object, as one line.
+/// Returns the JSON object as one line.
 pub(super) fn object(outcome: &Outcome) -> String {
     let about = &outcome.body.about;
     let hull = &outcome.hull;

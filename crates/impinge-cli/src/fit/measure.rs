@@ -1,4 +1,4 @@
-//! The volumes, fitted and timed.
+//! Fits every kind of volume to a mesh and times it.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -14,50 +14,52 @@ use impinge::volume::{
 };
 use impinge::{InputError, Pose};
 
-/// What was measured of one volume.
+/// Measurements of one volume.
 #[derive(Clone, Debug)]
 pub(super) struct Row {
-    /// What the volume is, and how it was made: `sphere, minimal`.
+    /// Kind of the volume, and how it was fitted, such as `sphere, minimal`.
     pub(super) name: &'static str,
     pub(super) bytes: usize,
-    /// In cubic units of the mesh.
+    /// Volume, in cubic units of the mesh.
     pub(super) volume: f64,
-    /// In square units of the mesh.
+    /// Surface area, in square units of the mesh.
     pub(super) surface_area: f64,
-    /// Of spheres.
+    /// Radius, for spheres only.
     pub(super) radius: Option<f64>,
-    /// Seconds to fit it to the points.
+    /// Time to fit the volume to the points, in seconds.
     pub(super) build: f64,
-    /// Seconds of one overlap test, over pairs of which some overlap.
+    /// Time of one overlap test, in seconds, averaged over pairs of which some overlap.
     pub(super) overlap: f64,
-    /// Seconds to make the volume of the turned mesh from that of the mesh.
+    /// Time to compute the volume of the rotated mesh from the volume of the mesh, in seconds.
     pub(super) follow: f64,
 }
 
-/// The convex hull, which every size is compared with.
+/// Measurements of the convex hull, the reference for all sizes.
 #[derive(Clone, Debug)]
 pub(super) struct HullRow {
     pub(super) vertices: usize,
     pub(super) bytes: usize,
-    /// In cubic units of the mesh; zero where it is flat.
+    /// Volume, in cubic units of the mesh; zero if the hull is flat.
     pub(super) volume: f64,
-    /// In square units of the mesh.
+    /// Surface area, in square units of the mesh.
     pub(super) surface_area: f64,
-    /// Seconds to build it.
+    /// Time to build the hull, in seconds.
     pub(super) build: f64,
-    /// Seconds of one exact test of two of them, posed; over pairs of which some overlap.
+    /// Time of one exact test of two posed hulls, in seconds, averaged over pairs of which some
+    /// overlap.
     pub(super) overlap: f64,
-    /// Seconds to pose it: its corners stay where they are.
+    /// Time to pose the hull, in seconds. Its corners are not transformed.
     pub(super) follow: f64,
 }
 
-/// Poses that a volume is turned and moved by; the same for all.
+/// Number of poses that each volume is moved to. All volumes use the same poses.
 const POSES: usize = 64;
 
-/// How often each batch is timed; the least time is kept, as it is the least disturbed.
+/// Number of times that each batch is timed. The minimum is kept, because it is the least
+/// disturbed.
 const REPEATS: usize = 7;
 
-/// What is done to a kind of volume.
+/// Operations to time for one kind of volume.
 struct Kind<'a, V> {
     name: &'static str,
     build: &'a dyn Fn() -> Result<V, InputError>,
@@ -66,10 +68,10 @@ struct Kind<'a, V> {
     measures: fn(&V) -> [f64; 2],
 }
 
-/// Every volume about these points.
+/// Fits every kind of volume to the points and measures it.
 ///
 /// # Errors
-/// Where the points are out of range.
+/// Returns an error if a point is out of range.
 pub(super) fn rows(points: &[[f64; 3]]) -> Result<Vec<Row>, InputError> {
     let bounds = MinMax::of(points)?;
     let poses = poses(&bounds);
@@ -103,21 +105,22 @@ pub(super) fn rows(points: &[[f64; 3]]) -> Result<Vec<Row>, InputError> {
     Ok(rows)
 }
 
-/// The hull of these points.
+/// Builds the convex hull of the points and measures it.
 ///
 /// # Errors
-/// Where the points are out of range.
+/// Returns an error if a point is out of range.
 pub(super) fn hull(points: &[[f64; 3]]) -> Result<HullRow, InputError> {
-    /// Of the poses, as a test of two hulls takes a thousand times one of two boxes.
-    const TESTED: usize = 8;
+    /// Number of poses used for overlap tests. Few are enough: a test of two hulls takes about a
+    /// thousand times as long as a test of two boxes.
+    const TESTED_POSES: usize = 8;
     let (hull, build) = timed_build(&|| Hull::new(points).map(Arc::new))?;
     let poses = poses(&MinMax::of(points)?);
     let shape = Shape::hull(Arc::clone(&hull));
-    let placed = poses.spread.iter().take(TESTED).map(|&pose| shape.at(pose)).collect::<Result<Vec<_>, _>>()?;
+    let placed = poses.spread.iter().take(TESTED_POSES).map(|&pose| shape.at(pose)).collect::<Result<Vec<_>, _>>()?;
     let overlap = overlap_time(&placed, |a, b| query::intersects(a, b));
     let follow = follow_time(&poses, |pose| shape.at(*pose));
     let (mut six_volumes, mut two_areas) = (0.0, 0.0);
-    // About a point of the hull, as far from the origin it would cancel.
+    // Measure from a point of the hull: far from the origin, the terms of the sum would cancel.
     let origin = points[hull.vertices()[0] as usize];
     for face in hull.faces() {
         let [a, b, c] = face.map(|vertex| {
@@ -129,7 +132,7 @@ pub(super) fn hull(points: &[[f64; 3]]) -> Result<HullRow, InputError> {
         six_volumes += (0..3).map(|axis| a[axis] * normal[axis]).sum::<f64>();
         two_areas += normal.iter().map(|x| x * x).sum::<f64>().sqrt();
     }
-    // What is flat has no volume, whatever rounding says.
+    // A flat hull has no volume, regardless of rounding errors.
     let volume = if hull.kind() == HullKind::Solid { (six_volumes / 6.0).max(0.0) } else { 0.0 };
     let vertices = hull.vertices().len();
     Ok(HullRow { vertices, bytes: hull.memory(), volume, surface_area: 0.5 * two_areas, build, overlap, follow })
@@ -139,7 +142,7 @@ fn cross(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
     [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
 }
 
-/// A kind that has all it needs.
+/// Measures a kind of volume that implements [`BoundingVolume`].
 fn plain<V: BoundingVolume>(
     name: &'static str,
     poses: &Poses,
@@ -149,7 +152,7 @@ fn plain<V: BoundingVolume>(
     measure(&Kind { name, build, overlap: V::overlaps, follow: V::moved, measures }, poses)
 }
 
-/// The packed boxes; none where the mesh is beyond single precision.
+/// Measures the packed boxes. Leaves out boxes that exceed the range of single precision.
 fn packed(points: &[[f64; 3]], poses: &Poses) -> Vec<Row> {
     fn widths<T: Steps>(name: &'static str, points: &[[f64; 3]], poses: &Poses) -> Result<Row, InputError> {
         measure::<PackedMinWidths<T>>(
@@ -194,48 +197,51 @@ fn measure<V: Clone>(kind: &Kind<V>, poses: &Poses) -> Result<Row, InputError> {
     Ok(Row { name: kind.name, bytes, volume: cubic, surface_area: square, radius: None, build, overlap, follow })
 }
 
-/// Seconds of one overlap test, over all pairs.
+/// Returns the time of one overlap test, in seconds, averaged over all pairs.
 fn overlap_time<V>(moved: &[V], overlap: impl Fn(&V, &V) -> bool) -> f64 {
-    least_time(moved.len() * moved.len(), || {
-        let mut met = 0_usize;
+    min_time(moved.len() * moved.len(), || {
+        let mut overlapping = 0_usize;
         for a in moved {
             for b in moved {
-                met += usize::from(overlap(black_box(a), b));
+                overlapping += usize::from(overlap(black_box(a), b));
             }
         }
-        black_box(met);
+        black_box(overlapping);
     })
 }
 
-/// Seconds to follow one rotation.
+/// Returns the time to follow one rotation, in seconds.
 fn follow_time<V>(poses: &Poses, follow: impl Fn(&Pose) -> Result<V, InputError>) -> f64 {
-    least_time(poses.turning.len(), || {
+    min_time(poses.turning.len(), || {
         for pose in &poses.turning {
-            // The same maps were judged before; a failure costs no less.
+            // The same rotations succeeded before. Even a failure would cost as much.
             let _ = black_box(follow(black_box(pose)));
         }
     })
 }
 
-/// Builds a few times, or once where that takes long; the least time.
+/// Builds a volume several times, or once if that takes long. Returns the volume and the minimum
+/// time, in seconds.
 fn timed_build<V>(build: &dyn Fn() -> Result<V, InputError>) -> Result<(V, f64), InputError> {
-    const PATIENCE: f64 = 0.1;
-    let mut least = f64::INFINITY;
+    /// Seconds after which building is not repeated.
+    const TIME_BUDGET: f64 = 0.1;
+    let mut best = f64::INFINITY;
     let mut spent = 0.0;
     loop {
         let start = Instant::now();
         let volume = build()?;
         let seconds = start.elapsed().as_secs_f64();
-        least = least.min(seconds);
+        best = best.min(seconds);
         spent += seconds;
-        if spent > PATIENCE || spent / least > 20.0 {
-            return Ok((volume, least));
+        if spent > TIME_BUDGET || spent / best > 20.0 {
+            return Ok((volume, best));
         }
     }
 }
 
-/// Seconds that each of `count` things takes which `work` does.
-fn least_time(count: usize, work: impl Fn()) -> f64 {
+/// Runs `work`, which processes `count` items, several times. Returns the minimum time per item, in
+/// seconds.
+fn min_time(count: usize, work: impl Fn()) -> f64 {
     let time = |_| {
         let start = Instant::now();
         work();
@@ -244,7 +250,8 @@ fn least_time(count: usize, work: impl Fn()) -> f64 {
     (0..REPEATS).map(time).fold(f64::INFINITY, f64::min) / count as f64
 }
 
-/// Rotations about the origin, and the same spread out so that some of the moved volumes overlap.
+/// Rotations about the origin, and the same rotations with translations chosen so that some of the
+/// moved volumes overlap.
 struct Poses {
     turning: Vec<Pose>,
     spread: Vec<Pose>,
@@ -254,7 +261,8 @@ fn poses(bounds: &MinMax) -> Poses {
     let (min, max) = (bounds.min(), bounds.max());
     let middle: [f64; 3] = std::array::from_fn(|axis| 0.5 * min[axis] + 0.5 * max[axis]);
     let extent = (0..3).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
-    // Knuth's linear congruence (MMIX): any spread of directions will do, the same each time.
+    // Knuth's linear congruential generator (MMIX). Any spread of directions will do, but it must
+    // be the same each time.
     let mut state = 1_u64;
     let mut number = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -266,7 +274,8 @@ fn poses(bounds: &MinMax) -> Poses {
         let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
         let turn = Pose::from_quaternion_wxyz([0.0; 3], quaternion.map(|x| x / length));
         let shift: [f64; 3] = std::array::from_fn(|_| 1.5 * extent * number());
-        // About the mesh's own middle, so that far from the origin too they come to lie beside each other.
+        // Rotate about the center of the mesh, so that moved copies lie side by side even far from
+        // the origin.
         let Ok(turn) = turn else { continue };
         let there = turn.apply(middle);
         let translation = std::array::from_fn(|axis| middle[axis] - there[axis] + shift[axis]);

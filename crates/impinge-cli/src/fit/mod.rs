@@ -1,4 +1,4 @@
-//! `impinge fit`: every bounding volume about one mesh, measured on the spot.
+//! `impinge fit`: fits and measures every kind of bounding volume for one mesh.
 
 mod advice;
 mod json;
@@ -17,44 +17,46 @@ use crate::progress::Phase;
 use crate::{Verdict, console, repair};
 use measure::{HullRow, Row};
 
-/// Which bounding volume suits a mesh?
+/// Compare bounding volumes for a mesh
 ///
-/// Every volume is fitted to the corners of the triangles and measured here and now: its size beside that of their convex
-/// hull, the time to build it, its bytes, the time of one overlap test and the time to follow a rotation. Times are of one thread.
+/// Fits every kind of bounding volume to the corners of the triangles and measures it on this
+/// machine: size relative to the convex hull, bytes, and the times to build it, to test two of them
+/// for overlap and to follow a rotation. All times are for one thread.
 ///
-/// Exit code: 0 where there is an answer, 2 where there is none.
+/// Exit code: 0 if there is an answer, 2 if not.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF or COLLADA, also as .gz
+    /// The mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF, COLLADA or a baked file, optionally compressed
+    /// as .gz
     mesh: PathBuf,
     #[command(flatten)]
     reading: Reading,
-    /// Print one JSON object in place of the report
+    /// Print one JSON object instead of the report
     #[arg(long)]
     json: bool,
 }
 
-/// Everything that there is to tell.
+/// All measurements.
 struct Outcome {
     body: Body,
-    /// How many different vertices the faces use.
+    /// Number of vertices that the faces use.
     points: usize,
     hull: HullRow,
     rows: Vec<Row>,
     seconds: Seconds,
 }
 
-/// How long each phase took.
+/// Duration of each phase, in seconds.
 #[derive(Clone, Copy, Debug, Default, serde::Serialize)]
 struct Seconds {
     load: f64,
     measure: f64,
 }
 
-/// Measures and prints.
+/// Measures the volumes and prints the answer.
 ///
 /// # Errors
-/// Where there is no mesh, or none with a triangle.
+/// Returns an error if the mesh cannot be read or has no triangles.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let start = Instant::now();
     let phase = Phase::begin("loading");
@@ -76,11 +78,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     drop(phase);
     let seconds = Seconds { load, measure: start.elapsed().as_secs_f64() };
     let outcome = Outcome { body, points: points.len(), hull, rows, seconds };
-    console::conclude(&if arguments.json { json::object(&outcome) } else { report::text(&outcome) })?;
+    console::print_answer(&if arguments.json { json::object(&outcome) } else { report::text(&outcome) })?;
     Ok(Verdict::Clear)
 }
 
-/// The vertices that some face uses, each once.
+/// Returns the vertices that at least one face uses, each once.
 fn corners(body: &Body) -> Vec<[f64; 3]> {
     let positions = body.mesh.positions();
     let mut used = vec![false; positions.len()];

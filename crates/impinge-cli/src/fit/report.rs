@@ -1,4 +1,4 @@
-//! The table for a person.
+//! The text report: a table of volumes.
 
 use std::fmt::Write;
 
@@ -12,7 +12,7 @@ use crate::numerals::{counted, length, short_time};
 const STRONG: Style = Style::new().bold();
 const FAINT: Style = Style::new().dimmed();
 
-/// The report, with styles that the stream keeps or strips.
+/// Returns the report with ANSI styles; the output stream keeps or strips them.
 pub(super) fn text(outcome: &Outcome) -> String {
     let about = &outcome.body.about;
     let unit = about.unit.map_or("(no unit)", |unit| unit.symbol());
@@ -38,7 +38,7 @@ pub(super) fn text(outcome: &Outcome) -> String {
     }
     let _ = writeln!(
         text,
-        "\n{FAINT}size and area are in those of the convex hull; test and turn are one overlap test and following one rotation (of hulls: an exact test, and posing one){FAINT:#}\n"
+        "\n{FAINT}size and area are relative to the convex hull; test is one overlap test and turn is following one rotation (for hulls: an exact test, and posing the hull){FAINT:#}\n"
     );
     for advice in advice(&outcome.hull, &outcome.rows) {
         let _ = writeln!(text, "{FAINT}{:<13}{FAINT:#}{}", advice.label, advice.sentence);
@@ -64,7 +64,7 @@ fn cells(row: &Row, hull: &HullRow) -> [String; 7] {
     ]
 }
 
-/// In parts of the hull's, where that is not flat.
+/// Returns the value relative to the value of the hull; `-` if the hull is flat.
 fn relative(own: f64, of_hull: f64) -> String {
     if of_hull > 0.0 { length(own / of_hull) } else { "-".to_owned() }
 }

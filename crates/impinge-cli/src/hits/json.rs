@@ -1,4 +1,4 @@
-//! The answer for a program: one object of schema `impinge.hits/1`. What is not known is absent.
+//! The JSON answer: one object of schema `impinge.hits/1`. Values that are not known are absent.
 
 use impinge::character::HitVolume;
 use serde::Serialize;
@@ -32,7 +32,7 @@ struct Summary {
 struct Part {
     name: String,
     bones: Vec<String>,
-    /// The bone whose frame the volume is in.
+    /// Name of the bone in whose frame the volume is given.
     anchor: String,
     kind: &'static str,
     volume: Numbers,
@@ -42,7 +42,7 @@ struct Part {
     bytes: usize,
 }
 
-/// A volume by its numbers, in the frame of the anchor.
+/// Numbers of a volume, in the frame of the bone that it is fixed to.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Numbers {
@@ -60,7 +60,7 @@ struct Drawn {
     colours: Vec<&'static str>,
 }
 
-/// The object, as one line.
+/// Returns the JSON object as one line.
 pub(super) fn object(outcome: &Outcome<'_>) -> String {
     let Outcome { arguments, rig, character, leaks, frames, seconds } = outcome;
     let bone = |bone: u32| rig.skeleton().bones()[bone as usize].name.clone();

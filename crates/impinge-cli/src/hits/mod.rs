@@ -1,4 +1,4 @@
-//! `impinge hits`: hit volumes about the parts of a rigged character.
+//! `impinge hits`: fits hit volumes to the parts of a rigged character.
 
 mod json;
 mod picture;
@@ -15,61 +15,63 @@ use crate::failure::Failure;
 use crate::{Verdict, console, output};
 use picture::Sheet;
 
-/// As the notes have it: a sphere for the head, four pills for the limbs and a box for the torso.
-const VOLUMES: NonZero<usize> = NonZero::new(6).expect("not zero");
+/// Default maximum number of volumes: a head, a torso and four limbs.
+const DEFAULT_VOLUMES: NonZero<usize> = NonZero::new(6).expect("not zero");
 
-/// Which volumes stand for the parts of a rigged character?
+/// Fit hit volumes to the parts of a rigged character
 ///
-/// Fits a sphere, a capsule, a box, a lozenge or a hull to each part, whichever costs rays the least, and says how tight it is
-/// and what of the skinned surface it leaves out. Conservative volumes leave out nothing, at any time of any animation.
+/// Fits a sphere, capsule, box, lozenge or hull to each part, whichever costs rays the least.
+/// Reports how tight each volume is and how much of the skinned surface lies outside it.
+/// Conservative volumes contain the whole surface at every time of every animation.
 ///
-/// Exit code: 0, or 2 where the character cannot be read.
+/// Exit code: 0 if the character could be read, 2 if not.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The character: a rigged glTF or GLB
+    /// The character: a rigged glTF or GLB file
     character: PathBuf,
-    /// Show the frames of this animation in the picture, in place of one of each
+    /// Show frames of this animation in the picture, instead of one frame of each animation
     #[arg(long, value_name = "NAME", requires = "picture")]
     animation: Option<String>,
-    /// At most so many volumes
-    #[arg(long, value_name = "N", default_value_t = VOLUMES)]
+    /// Maximum number of volumes
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_VOLUMES)]
     volumes: NonZero<usize>,
-    /// Whether the volumes hold everything, or fit snugly
+    /// Whether the volumes contain the whole surface, or fit snugly
     #[arg(long, value_name = "MODE", default_value = "conservative")]
     mode: Fitting,
-    /// Take parts, names and kinds from this file, as `--save` writes it, and choose the rest
+    /// Read the parts, their names and the kinds of their volumes from this file, as written by
+    /// `--save`; whatever it leaves out is chosen automatically
     #[arg(long, value_name = "FILE")]
     plan: Option<PathBuf>,
-    /// Write the parts and their volumes to a file, to be loaded or edited
+    /// Write the parts and their volumes to a file that can be edited and loaded
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
-    /// Draw frames with the volumes over the mesh, to a .png file
+    /// Draw frames of the mesh with the volumes over it, to a .png file
     #[arg(long, value_name = "OUT")]
     picture: Option<PathBuf>,
-    /// Print one JSON object in place of the report
+    /// Print one JSON object instead of the report
     #[arg(long)]
     json: bool,
 }
 
-/// The modes by their names.
+/// Values of `--mode`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Fitting {
     Conservative,
     Snug,
 }
 
-/// Everything that there is to tell.
+/// All results of a fit.
 struct Outcome<'a> {
     arguments: &'a Arguments,
     rig: Rig,
     character: Character,
     leaks: Vec<Leak>,
-    /// Frames in the picture.
+    /// Number of frames in the picture; `None` if no picture was requested.
     frames: Option<usize>,
     seconds: Seconds,
 }
 
-/// How long each phase took.
+/// Duration of each phase, in seconds.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 struct Seconds {
     load: f64,
@@ -77,15 +79,15 @@ struct Seconds {
     measure: f64,
 }
 
-/// Fits, prints, and draws and saves where that was asked for.
+/// Fits the volumes, prints the answer, and writes the requested picture and plan.
 ///
 /// # Errors
-/// Where the character cannot be read or has no surface, or a file cannot be written.
+/// Returns an error if the character cannot be read or has no surface, or a file cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let path = &arguments.character;
     for written in arguments.picture.iter().chain(&arguments.save) {
         let inputs: Vec<_> = std::iter::once(path).chain(&arguments.plan).map(PathBuf::as_path).collect();
-        output::judge(written, &inputs)?;
+        output::validate(written, &inputs)?;
     }
     if let Some(picture) = arguments.picture.as_ref().filter(|picture| output::extension(picture) != "png") {
         return Err(output::unknown_extension(picture, ".png"));
@@ -121,6 +123,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     }
     let seconds = Seconds { load, fit, measure };
     let outcome = Outcome { arguments, rig, character, leaks, frames, seconds };
-    console::conclude(&if arguments.json { json::object(&outcome) } else { report::text(&outcome) })?;
+    console::print_answer(&if arguments.json { json::object(&outcome) } else { report::text(&outcome) })?;
     Ok(Verdict::Clear)
 }

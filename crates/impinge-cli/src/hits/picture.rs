@@ -1,4 +1,5 @@
-//! The contact sheet: frames side by side, the mesh in grey, and over it each volume by its outline and a tint of its colour.
+//! Draws the contact sheet: frames side by side, with the mesh in gray and each volume as an
+//! outline and a tint over it.
 
 use std::io;
 use std::path::Path;
@@ -8,27 +9,29 @@ use impinge::character::{Character, Frame, HitPart, Posed, Rig, RigPose};
 use crate::failure::Failure;
 use crate::inspect::picture::camera::Camera;
 use crate::inspect::picture::canvas::Canvas;
-use crate::inspect::picture::strokes::{COLOURS, Stroke};
+use crate::inspect::picture::strokes::{COLORS, Stroke};
 
-/// Frames of one animation, and the most of several.
+/// Number of frames of one animation, and maximum number of frames if several animations are shown.
 const FRAMES: usize = 8;
 
-/// Frames to a row.
+/// Number of frames in a row.
 const COLUMNS: usize = 4;
 
-/// The side of a frame, in pixels.
+/// Longer side of a frame, in pixels.
 const SIDE: u32 = 480;
 
-/// Corners of an outline.
+/// Number of corners of an outline. Fewer make round volumes look angular.
 const OUTLINE: usize = 96;
 
-/// How colours are called in the report, in the order in which parts get them.
+/// Names of the colors in the report, in the order in which parts get them. They name the entries
+/// of [`COLORS`].
 pub(super) const NAMES: [&str; 6] = ["blue", "red", "green", "pink", "sky", "orange"];
 
-/// The poses of a sheet: some of one animation, or rest and the middle of the others.
+/// Returns the poses to draw: evenly spaced times of one animation, or the rest pose and the middle
+/// of each animation.
 ///
 /// # Errors
-/// An animation that does not exist, or poses out of range.
+/// Returns an error if the animation does not exist, or a pose is out of range.
 pub(super) fn poses(rig: &Rig, animation: Option<&str>, path: &Path) -> Result<Vec<RigPose>, Failure> {
     let broken = |error: impinge::character::RigError| Failure::new("rig", error.to_string()).in_file(path);
     let at = |animation: usize, share: f64| {
@@ -45,12 +48,12 @@ pub(super) fn poses(rig: &Rig, animation: Option<&str>, path: &Path) -> Result<V
     let Some(found) = rig.animations().iter().position(|animation| animation.name() == name) else {
         let known: Vec<&str> = rig.animations().iter().map(|animation| animation.name()).collect();
         let failure = Failure::new("no-animation", format!("there is no animation {name:?}")).in_file(path);
-        return Err(failure.hint(format!("it has {}", known.join(", "))));
+        return Err(failure.hint(format!("its animations are {}", known.join(", "))));
     };
     (0..FRAMES).map(|frame| at(found, frame as f64 / (FRAMES - 1) as f64)).collect()
 }
 
-/// The picture.
+/// The drawn picture.
 pub(super) struct Sheet(Canvas);
 
 impl Sheet {
@@ -77,14 +80,16 @@ impl Sheet {
         Self(canvas)
     }
 
+    /// Returns the picture as a PNG file.
+    ///
     /// # Errors
-    /// Where a side is zero pixels long.
+    /// Returns an error if a side of the picture is zero pixels long.
     pub(super) fn png(&self) -> io::Result<Vec<u8>> {
         self.0.png()
     }
 }
 
-/// A box about each volume in a pose.
+/// Returns the axis-aligned box of each volume in a pose, in the world frame.
 fn boxes(character: &Character, pose: &RigPose) -> Vec<[[f64; 3]; 2]> {
     let of_part = |(part, frame): (&HitPart, Frame)| {
         let end = |axis: usize, sign: f64| {
@@ -96,14 +101,14 @@ fn boxes(character: &Character, pose: &RigPose) -> Vec<[[f64; 3]; 2]> {
     character.parts().iter().zip(character.frames(pose)).map(of_part).collect()
 }
 
-/// The point of a part's volume that is farthest along a direction, in the world.
+/// Returns the point of a part's volume that is farthest along a direction, in the world frame.
 fn farthest(part: &HitPart, frame: &Frame, direction: [f64; 3]) -> [f64; 3] {
     let origin = frame.apply([0.0; 3]);
     let local = frame.local([0, 1, 2].map(|k| origin[k] + direction[k]));
     frame.apply(part.volume().support(local))
 }
 
-/// Those that are nearer over those that are farther.
+/// Draws the volumes from back to front.
 fn volumes(canvas: &mut Canvas, camera: &Camera, corner: [f64; 2], character: &Character, pose: &RigPose) {
     let posed = Posed::new(character, pose);
     let [right, down] = camera.right_and_down();
@@ -115,7 +120,7 @@ fn volumes(canvas: &mut Canvas, camera: &Camera, corner: [f64; 2], character: &C
     order.sort_by(|&a, &b| depth(b).total_cmp(&depth(a)));
     for part in order {
         let frame = &posed.frames()[part];
-        let colour = COLOURS[part % COLOURS.len()];
+        let color = COLORS[part % COLORS.len()];
         let outline: Vec<[f64; 2]> = (0..OUTLINE)
             .map(|step| {
                 let (sine, cosine) = (std::f64::consts::TAU * step as f64 / OUTLINE as f64).sin_cos();
@@ -124,9 +129,9 @@ fn volumes(canvas: &mut Canvas, camera: &Camera, corner: [f64; 2], character: &C
                 [x + corner[0], y + corner[1]]
             })
             .collect();
-        canvas.tint(&outline, colour, 0.28);
+        canvas.tint(&outline, color, 0.28);
         for (at, &from) in outline.iter().enumerate() {
-            canvas.line(&Stroke { ends: [from, outline[(at + 1) % OUTLINE]], colour, opacity: 1.0, width: 2.0 });
+            canvas.line(&Stroke { ends: [from, outline[(at + 1) % OUTLINE]], color, opacity: 1.0, width: 2.0 });
         }
     }
 }

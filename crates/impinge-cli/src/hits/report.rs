@@ -1,4 +1,4 @@
-//! The table for a person.
+//! The text report: a table of volumes.
 
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ use crate::numerals::{counted, length, time};
 const STRONG: Style = Style::new().bold();
 const FAINT: Style = Style::new().dimmed();
 
-/// The report, with styles that the stream keeps or strips.
+/// Returns the report with ANSI styles; the output stream keeps or strips them.
 pub(super) fn text(outcome: &Outcome<'_>) -> String {
     let Outcome { arguments, rig, character, leaks, frames, seconds } = outcome;
     let mut text = format!("{STRONG}{}{STRONG:#}\n", arguments.character.display());

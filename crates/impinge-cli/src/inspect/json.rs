@@ -1,4 +1,4 @@
-//! The inspection for a program: one object of schema `impinge.inspect/1`. What is not known is absent.
+//! The JSON answer: one object of schema `impinge.inspect/1`. Values that are not known are absent.
 
 use serde::Serialize;
 
@@ -39,7 +39,7 @@ struct Hierarchy {
     node_fill: f64,
     leaf_fill: f64,
     node_bytes: usize,
-    /// Of the mesh and all that belongs to it.
+    /// Memory of the mesh and its hierarchy, in bytes.
     bytes: usize,
 }
 
@@ -54,13 +54,13 @@ struct Health {
     open_edges: usize,
     non_manifold_edges: usize,
     misoriented_edges: usize,
-    /// Absent if welding closes nothing.
+    /// Welding tolerance that closes open edges; absent if welding closes nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
     closing_tolerance: Option<f64>,
     double_coordinates: usize,
 }
 
-/// The object, as one line.
+/// Returns the JSON object as one line.
 pub(super) fn object(inspection: &Inspection) -> String {
     let Inspection { body, tree, health, proxies, drawn, seconds, .. } = inspection;
     console::to_line(&Object {

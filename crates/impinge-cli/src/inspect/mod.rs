@@ -1,4 +1,5 @@
-//! `impinge inspect`: the hierarchy of a mesh, the mesh's health, and a picture of the boxes of one level.
+//! `impinge inspect`: reports the quality of a mesh and of its hierarchy, and draws one level of
+//! the hierarchy.
 
 mod json;
 pub(crate) mod picture;
@@ -20,40 +21,43 @@ use crate::{Verdict, console, output, repair};
 use picture::{Picture, PictureFormat};
 use proxies::Summary;
 
-/// The level that is drawn where none is asked for is the last one with no more boxes than this: more of them hide each
-/// other.
-const MOST_BOXES: usize = 160;
+/// Maximum number of boxes in a picture if no level is requested: the deepest level within it is
+/// drawn. More boxes hide each other.
+const MAX_BOXES: usize = 160;
 
-/// What is this mesh like, and what does its hierarchy look like?
+/// Report the quality of a mesh and of its hierarchy
 ///
-/// Reports how well the hierarchy is built, what it takes, and what is odd about the mesh: faces without area, duplicates,
-/// open and non-manifold edges, pieces. All counts are exact. None of it keeps a mesh from being checked. Of a file that was baked
-/// with proxies, their sizes too.
+/// Reports the quality and the memory of the hierarchy, and whatever is unusual about the mesh:
+/// faces without area, duplicates, open and non-manifold edges, separate pieces. All counts are
+/// exact. None of these keeps a mesh from being checked. For a file baked with proxies, it reports
+/// their sizes too.
 ///
-/// Exit code: 0, or 2 where the mesh cannot be read.
+/// Exit code: 0 if the mesh could be read, 2 if not.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF, COLLADA or baked, also as .gz
+    /// The mesh: OBJ, STL, PLY, OFF, glTF, GLB, 3MF, COLLADA or a baked file, optionally compressed
+    /// as .gz
     mesh: PathBuf,
-    /// Draw the boxes of one level over the mesh, to a .png or .svg file
+    /// Draw the boxes of one level of the hierarchy over the mesh, to a .png or .svg file
     #[arg(long, value_name = "OUT")]
     picture: Option<PathBuf>,
-    /// Which level to draw, the box of all being level 0; the last with at most 160 boxes without it
+    /// Level to draw; level 0 is the box of the whole mesh. Default: the deepest level with at most
+    /// 160 boxes
     #[arg(long, value_name = "N", requires = "picture")]
     level: Option<usize>,
-    /// Which axis points up in the picture
+    /// Axis that points up in the picture
     #[arg(long, value_name = "AXIS", default_value = "y", requires = "picture")]
     up: Axis,
     #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
     repairs: repair::Arguments,
-    /// Print one JSON object in place of the report
+    /// Print one JSON object instead of the report
     #[arg(long)]
     json: bool,
 }
 
-/// An axis of the mesh's own frame.
+/// An axis of the mesh frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Axis {
     X = 0,
@@ -61,20 +65,20 @@ enum Axis {
     Z = 2,
 }
 
-/// Everything that there is to tell.
+/// All results of an inspection.
 struct Inspection {
     body: Body,
-    /// In the mesh's own frame; none for a mesh without faces.
+    /// Bounding box in the mesh frame; `None` for a mesh without faces.
     bounds: Option<Bounds>,
     tree: TreeStatistics,
     health: Health,
-    /// Of a baked file that brings some.
+    /// Summary of the proxies in a baked file; `None` if there are none.
     proxies: Option<Summary>,
     drawn: Option<Drawn>,
     seconds: Seconds,
 }
 
-/// What the picture shows.
+/// Description of the picture.
 #[derive(Clone, Debug, serde::Serialize)]
 struct Drawn {
     path: String,
@@ -82,7 +86,7 @@ struct Drawn {
     boxes: usize,
 }
 
-/// How long each phase took.
+/// Duration of each phase, in seconds.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 struct Seconds {
     load: f64,
@@ -90,14 +94,14 @@ struct Seconds {
     inspect: f64,
 }
 
-/// Inspects, prints, and draws where that was asked for.
+/// Inspects the mesh, prints the answer and draws the requested picture.
 ///
 /// # Errors
-/// Where the mesh cannot be read, or the picture or the report cannot be written.
+/// Returns an error if the mesh cannot be read, or the picture or the report cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let picture = match &arguments.picture {
         Some(path) => {
-            output::judge(path, &[&arguments.mesh])?;
+            output::validate(path, &[&arguments.mesh])?;
             Some((path, PictureFormat::of(path)?))
         }
         None => None,
@@ -108,9 +112,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let baked = loaded.baked().cloned();
     let (body, build) = timed("building the hierarchy", || loaded.build(Builder::default(), &arguments.repairs));
     let body = body?;
-    // Those of a baked mesh are not those of its repair.
+    // The proxies of a baked mesh do not fit the repaired mesh.
     let proxies = match baked.filter(|_| body.repair.is_none()) {
-        Some(baked) => timed("proving the proxies", || baked.proxies(&body.mesh)).0?,
+        Some(baked) => timed("validating the proxies", || baked.proxies(&body.mesh)).0?,
         None => None,
     };
     let proxies = proxies.as_ref().map(Summary::of);
@@ -127,13 +131,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let bounds = Bounds::of(&body.mesh, &Pose::IDENTITY);
     let seconds = Seconds { load, build, inspect };
     let inspection = Inspection { body, bounds, tree, health, proxies, drawn, seconds };
-    console::conclude(&if arguments.json { json::object(&inspection) } else { report::text(&inspection) })?;
+    console::print_answer(&if arguments.json { json::object(&inspection) } else { report::text(&inspection) })?;
     Ok(Verdict::Clear)
 }
 
 fn default_level(body: &Body) -> usize {
-    let fits = |&level: &usize| body.mesh.tree_level(level).len() <= MOST_BOXES;
-    // Below the depth of the tree, levels are all alike.
+    let fits = |&level: &usize| body.mesh.tree_level(level).len() <= MAX_BOXES;
+    // All levels below the deepest leaf are equal.
     let deepest = body.mesh.tree_statistics().depth.min(MAX_DEPTH);
     (1..=deepest).take_while(fits).last().unwrap_or(0)
 }

@@ -1,4 +1,4 @@
-//! What is told of the proxies that a baked file brings.
+//! Summary of the proxies in a baked file.
 
 use std::collections::BTreeMap;
 
@@ -7,13 +7,13 @@ use serde::Serialize;
 
 use crate::numerals::{counted, length};
 
-/// The hull and the sizes of the volumes about it.
+/// Sizes of the hull and of the volumes around it.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Summary {
     hull_vertices: usize,
     hull_faces: usize,
     bytes: usize,
-    /// In cubic units of the mesh, by the kinds of the volumes.
+    /// Volumes by kind, in cubic units of the mesh.
     volumes: BTreeMap<&'static str, f64>,
 }
 
@@ -37,7 +37,7 @@ impl Summary {
         }
     }
 
-    /// Labels and values, the smallest volume first.
+    /// Returns labels and values for the report: the hull, then the volumes in ascending order.
     pub(super) fn rows(&self) -> Vec<(&'static str, String)> {
         let (corners, faces) = (counted(self.hull_vertices, "corner"), counted(self.hull_faces, "triangle"));
         let mut volumes: Vec<(&'static str, f64)> =

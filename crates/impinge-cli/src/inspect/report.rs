@@ -1,4 +1,4 @@
-//! The inspection for a person.
+//! The text report.
 
 use std::fmt::Write;
 
@@ -13,7 +13,7 @@ const FAINT: Style = Style::new().dimmed();
 const SOUND: Style = Style::new().bold().fg_color(Some(anstyle::Color::Ansi(AnsiColor::Green)));
 const ODD: Style = Style::new().bold().fg_color(Some(anstyle::Color::Ansi(AnsiColor::Yellow)));
 
-/// The report, with styles that the stream keeps or strips.
+/// Returns the report with ANSI styles; the output stream keeps or strips them.
 pub(super) fn text(inspection: &Inspection) -> String {
     let mut text = head(inspection);
     let mut section = |title: &str, rows: Vec<(&'static str, String)>| {
@@ -72,7 +72,7 @@ fn hierarchy(inspection: &Inspection) -> Vec<(&'static str, String)> {
         ("nodes", format!("{} of eight children, {} full", count(tree.inner), percent(tree.node_fill))),
         ("leaves", format!("{} of eight triangles, {} full", count(tree.leaves), percent(tree.leaf_fill))),
         ("depth", count(tree.depth)),
-        ("surface area", format!("{:.1} times the root's in all boxes together", tree.sah)),
+        ("surface area", format!("{:.1} times the area of the root, over all boxes", tree.sah)),
         ("overlap", format!("{} of a node's area, for all pairs of its children", percent(tree.overlap))),
         ("memory", format!("{:.1} MB{each}", bytes as f64 / 1e6)),
     ]
@@ -84,19 +84,19 @@ fn health(inspection: &Inspection) -> Vec<(&'static str, String)> {
     let closed = if inspection.body.mesh.faces().is_empty() {
         "empty".to_owned()
     } else if health.is_manifold() {
-        format!("{SOUND}closed{SOUND:#}: each edge has two faces, which agree on what is inside")
+        format!("{SOUND}closed{SOUND:#}: each edge has two faces, oriented consistently")
     } else if inspection.body.mesh.is_closed() {
-        format!("{SOUND}closed{SOUND:#}: each edge has as many faces one way round as the other")
+        format!("{SOUND}closed{SOUND:#}: each edge has as many faces in one direction as in the other")
     } else {
-        format!("{ODD}not closed{ODD:#}: what is inside is a matter of opinion")
+        format!("{ODD}not closed{ODD:#}: its inside is not well defined")
     };
     let precision = match health.double_coordinates {
-        0 => "single holds every coordinate exactly".to_owned(),
-        n => format!("double is needed, for {}", counted(n, "coordinate")),
+        0 => "single precision holds every coordinate exactly".to_owned(),
+        n => format!("double precision is needed for {}", counted(n, "coordinate")),
     };
     let mut rows = vec![("surface", closed)];
     if let Some(diagnosis) = repair::diagnosis(&inspection.body.mesh, health) {
-        rows.push(("to mend", diagnosis));
+        rows.push(("to repair", diagnosis));
     }
     rows.extend([
         ("pieces", count(health.components)),

@@ -1,4 +1,4 @@
-//! The answer for a program: one object of schema `impinge.world/1`.
+//! The JSON answer: one object of schema `impinge.world/1`.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +20,7 @@ struct Object {
     broad_phase: String,
     narrow_phase: String,
     threads: usize,
-    /// Of each phase, and of whole steps, the first one aside.
+    /// Times of each phase and of whole steps, in seconds, without the first step.
     seconds: BTreeMap<&'static str, Summary>,
     insert_seconds: f64,
     first: StepObject,
@@ -38,7 +38,7 @@ struct StepObject {
     ended: usize,
 }
 
-/// The object, as one line.
+/// Returns the JSON object as one line.
 pub(super) fn object(outcome: &Outcome) -> String {
     let lower = |name: String| name.to_lowercase();
     let phases = PHASES.iter().enumerate();

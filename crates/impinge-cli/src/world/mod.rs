@@ -1,4 +1,4 @@
-//! `impinge world`: many moving bodies, measured phase by phase.
+//! `impinge world`: times each phase of a world of many moving bodies.
 
 mod json;
 mod plot;
@@ -16,53 +16,54 @@ use crate::progress::Bar;
 use crate::{Verdict, console, output};
 use scene::{Mix, Motion, Recipe, Scene, Sizes};
 
-/// More threads than any machine has processors for; an answer does not depend on them.
-const MOST_THREADS: i64 = 1024;
+/// Maximum value of `--threads`: more than any machine has processors. The answer does not depend
+/// on the number of threads.
+const MAX_THREADS: i64 = 1024;
 
-/// How fast are many moving bodies?
+/// Time a scene of many moving bodies
 ///
-/// Runs a scripted scene, step by step, and says how long each phase of a step took and how many pairs there were. Bodies pass
-/// through each other, so that every way of looking for pairs is asked the same: pairs never differ between them.
+/// Runs a scripted scene and reports the time of each phase of a step and the number of pairs.
+/// Bodies pass through each other, so every broad phase has the same work and finds the same pairs.
 ///
-/// Exit code: 0, or 2 where the scene cannot be run.
+/// Exit code: 0 if the scene ran, 2 if not.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// How the bodies move
     #[arg(long, value_name = "SCENE", default_value = "brownian")]
     scene: Motion,
-    /// How many bodies there are
+    /// Number of bodies
     #[arg(short = 'n', long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     bodies: u32,
-    /// How large they are
+    /// Sizes of the bodies
     #[arg(long, value_name = "SIZES", default_value = "like")]
     sizes: Sizes,
-    /// What they are
+    /// Shapes of the bodies
     #[arg(long, value_name = "MIX", default_value = "boxes")]
     mix: Mix,
-    /// How many steps to run, at 60 a second
+    /// Number of steps, at 60 per second
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..))]
     steps: u32,
-    /// How pairs of boxes are found
+    /// How to find pairs of overlapping boxes
     #[arg(long, value_name = "KIND", default_value = "auto")]
     broad_phase: BroadPhaseArgument,
-    /// What is found out about them
+    /// What to compute for each pair of overlapping boxes
     #[arg(long, value_name = "WHAT", default_value = "contacts")]
     narrow_phase: NarrowPhaseArgument,
-    /// Another number makes another scene of the same kind
+    /// Seed of the random numbers: another seed makes another scene of the same kind
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Draw the times of the phases over the steps, to a .svg file
+    /// Draw the times of the phases over the steps, to an .svg file
     #[arg(long, value_name = "OUT")]
     plot: Option<PathBuf>,
-    /// Print one JSON object in place of the report
+    /// Print one JSON object instead of the report
     #[arg(long)]
     json: bool,
-    /// How many threads to use; all processors without it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS))]
+    /// Number of threads to use; all processors by default
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
     threads: Option<u16>,
 }
 
-/// The library's choice, by its name.
+/// Values of `--broad-phase`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum BroadPhaseArgument {
     Auto,
@@ -76,11 +77,11 @@ enum BroadPhaseArgument {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum NarrowPhaseArgument {
-    /// Nothing: pairs are those of the boxes
+    /// Nothing: report pairs whose boxes overlap
     Boxes,
-    /// Whether bodies meet
+    /// Whether the bodies intersect
     Intersections,
-    /// Whether they do, and where
+    /// Whether the bodies intersect, and their contacts
     Contacts,
 }
 
@@ -108,20 +109,20 @@ impl NarrowPhaseArgument {
     }
 }
 
-/// The phases of a step, in order.
+/// Names of the phases of a step, in order.
 const PHASES: [&str; 5] = ["realign", "take", "broad", "narrow", "report"];
 
-/// What one step took and found.
+/// Times and counts of one step.
 #[derive(Clone, Copy, Debug, Default)]
 struct Step {
-    /// Of each phase.
+    /// Time of each phase, in seconds.
     seconds: [f64; PHASES.len()],
     moved: usize,
-    /// Pairs of boxes that overlap.
+    /// Number of pairs of boxes that overlap.
     candidates: usize,
-    /// Pairs of shapes that were looked at.
+    /// Number of pairs of shapes that were tested.
     examined: usize,
-    /// Pairs that meet.
+    /// Number of pairs that intersect.
     pairs: usize,
     began: usize,
     ended: usize,
@@ -133,41 +134,41 @@ impl Step {
     }
 }
 
-/// Everything that there is to tell.
+/// All results of a run.
 struct Outcome {
     recipe: Recipe,
     options: Options,
     threads: usize,
-    /// Seconds until the first step, which is not among the others: there everything is new.
+    /// Time to insert all bodies, in seconds.
     insert: f64,
     first: Step,
     steps: Vec<Step>,
 }
 
-/// Runs the scene and tells of it.
+/// Runs the scene and prints the answer.
 ///
 /// # Errors
-/// Where there are no threads to be had, or a file cannot be written.
+/// Returns an error if the threads cannot be started, or a file cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     if let Some(path) = &arguments.plot {
         if output::extension(path) != "svg" {
             return Err(output::unknown_extension(path, ".svg"));
         }
-        output::judge(path, &[])?;
+        output::validate(path, &[])?;
     }
     let outcome = match arguments.threads {
         None => measure(arguments),
         Some(threads) => rayon::ThreadPoolBuilder::new()
             .num_threads(threads.into())
             .build()
-            .map_err(|error| Failure::new("threads", format!("no {threads} threads can be had: {error}")))?
+            .map_err(|error| Failure::new("threads", format!("cannot start {threads} threads: {error}")))?
             .install(|| measure(arguments)),
     };
     let outcome = outcome.map_err(|error| Failure::new("scene", error.to_string()))?;
     if let Some(path) = &arguments.plot {
         output::write(path, |out| plot::write(out, &outcome))?;
     }
-    console::conclude(&if arguments.json { json::object(&outcome) } else { report::text(&outcome) })?;
+    console::print_answer(&if arguments.json { json::object(&outcome) } else { report::text(&outcome) })?;
     Ok(Verdict::Clear)
 }
 

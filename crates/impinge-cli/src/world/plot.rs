@@ -1,4 +1,4 @@
-//! The times of the phases over the steps, stacked, as SVG.
+//! Draws the times of the phases over the steps as a stacked chart, as SVG.
 
 use std::io::{self, Write};
 
@@ -6,19 +6,20 @@ use super::{Outcome, PHASES, Step};
 
 const WIDTH: f64 = 960.0;
 const HEIGHT: f64 = 420.0;
-/// Room on each side for the axes and the names.
+/// Space on each side for the axes and the legend.
 const MARGIN: f64 = 56.0;
 
-/// Colours that tell the phases apart for most colour-blind people (Okabe, Ito, *Color universal design*, 2008).
-const COLOURS: [&str; PHASES.len()] = ["#999999", "#56b4e9", "#0072b2", "#e69f00", "#009e73"];
+/// Colors of the phases, which most color-blind people can tell apart (Okabe, Ito, *Color universal
+/// design*, 2008).
+const COLORS: [&str; PHASES.len()] = ["#999999", "#56b4e9", "#0072b2", "#e69f00", "#009e73"];
 
-/// Columns at most: more steps than these are drawn as their means.
-const MOST_COLUMNS: usize = 480;
+/// Maximum number of columns. If there are more steps, a column shows the mean of several steps.
+const MAX_COLUMNS: usize = 480;
 
-/// Writes the file.
+/// Writes the chart.
 ///
 /// # Errors
-/// Where it cannot be written.
+/// Returns an error if the file cannot be written.
 pub(super) fn write(out: &mut dyn Write, outcome: &Outcome) -> io::Result<()> {
     let columns = columns(&outcome.steps);
     let most = columns.iter().map(|column| column.iter().sum::<f64>()).fold(1e-9, f64::max);
@@ -29,8 +30,8 @@ pub(super) fn write(out: &mut dyn Write, outcome: &Outcome) -> io::Result<()> {
         r##"<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" font-size="12"><rect width="100%" height="100%" fill="#fff"/>"##
     )?;
     let mut below = vec![0.0; columns.len()];
-    for (phase, colour) in COLOURS.iter().enumerate() {
-        write!(out, r#"<path fill="{colour}" d=""#)?;
+    for (phase, color) in COLORS.iter().enumerate() {
+        write!(out, r#"<path fill="{color}" d=""#)?;
         for (at, column) in columns.iter().enumerate() {
             let (low, high) = (below[at], below[at] + column[phase]);
             below[at] = high;
@@ -40,7 +41,7 @@ pub(super) fn write(out: &mut dyn Write, outcome: &Outcome) -> io::Result<()> {
         let left = MARGIN + 90.0 * phase as f64;
         writeln!(
             out,
-            r#"<rect x="{left}" y="18" width="12" height="12" fill="{colour}"/><text x="{}" y="28">{}</text>"#,
+            r#"<rect x="{left}" y="18" width="12" height="12" fill="{color}"/><text x="{}" y="28">{}</text>"#,
             left + 18.0,
             PHASES[phase]
         )?;
@@ -66,9 +67,9 @@ pub(super) fn write(out: &mut dyn Write, outcome: &Outcome) -> io::Result<()> {
     )
 }
 
-/// The times of the phases in each column.
+/// Returns the mean times of the phases in each column, in seconds.
 fn columns(steps: &[Step]) -> Vec<[f64; PHASES.len()]> {
-    let each = steps.len().div_ceil(MOST_COLUMNS).max(1);
+    let each = steps.len().div_ceil(MAX_COLUMNS).max(1);
     let mean = |steps: &[Step]| {
         std::array::from_fn(|phase| steps.iter().map(|step| step.seconds[phase]).sum::<f64>() / steps.len() as f64)
     };

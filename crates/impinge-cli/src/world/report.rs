@@ -1,4 +1,4 @@
-//! The table for a person.
+//! The text report: a table of phases.
 
 use std::fmt::Write;
 
@@ -10,7 +10,7 @@ use crate::numerals::{count, counted, short_time};
 const STRONG: Style = Style::new().bold();
 const FAINT: Style = Style::new().dimmed();
 
-/// The report, with styles that the stream keeps or strips.
+/// Returns the report with ANSI styles; the output stream keeps or strips them.
 pub(super) fn text(outcome: &Outcome) -> String {
     let recipe = &outcome.recipe;
     let mut text = String::new();
@@ -63,7 +63,7 @@ fn line(text: &mut String, name: &str, seconds: Vec<f64>) {
     let _ = writeln!(text, "{name:<9}{median:>10}{mean:>10}{high:>10}{most:>10}");
 }
 
-/// Times of many steps.
+/// Statistics of the times of many steps, in seconds.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub(super) struct Summary {
     median: f64,
@@ -73,7 +73,7 @@ pub(super) struct Summary {
 }
 
 impl Summary {
-    /// Of at least one time.
+    /// Computes the statistics of at least one time.
     pub(super) fn of(mut seconds: Vec<f64>) -> Self {
         seconds.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| seconds[((seconds.len() - 1) as f64 * share) as usize];

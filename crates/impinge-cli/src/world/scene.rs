@@ -1,43 +1,44 @@
-//! Scripted scenes: bodies whose way is known beforehand and that pass through each other, so that every way of looking for
-//! pairs is asked the same.
+//! Scripted scenes: bodies that move along paths known in advance and pass through each other, so
+//! that every broad phase has the same work.
 //!
-//! Source: Serpa, Rodrigues, *Broadmark: a testing framework for broad-phase collision detection algorithms*, Computer Graphics
-//! Forum 38 (2019), for the scenes; ours are scripted, where theirs are simulated, so that a run repeats to the bit.
+//! Source: Serpa, Rodrigues, *Broadmark: a testing framework for broad-phase collision detection
+//! algorithms*, Computer Graphics Forum 38 (2019), for the scenes. Theirs are simulated; ours are
+//! scripted, so that a run repeats to the bit.
 
 use clap::ValueEnum;
 use impinge::shape::Shape;
 use impinge::world::{Body, BodyId, World, WorldError};
 use impinge::{InputError, Pose};
 
-/// Seconds between two steps.
+/// Time between two steps, in seconds.
 const STEP_SECS: f64 = 1.0 / 60.0;
 
-/// What falls, falls this fast: in units of length per second squared.
+/// Acceleration of falling bodies, in units of length per second squared.
 const GRAVITY: f64 = 9.81;
 
 /// How the bodies move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Motion {
-    /// Everything trembles at random, all the time
+    /// All bodies move at random, all the time
     Brownian,
-    /// Everything falls through a shaft, and comes in at the top again
+    /// All bodies fall through a shaft and enter it again at the top
     Fall,
-    /// Everything falls onto a pile and comes to rest there, one after the other
+    /// Bodies fall onto a pile one after the other and come to rest
     Pile,
 }
 
-/// How large the bodies are.
+/// Sizes of the bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Sizes {
     /// All of size 1
     Equal,
-    /// Evenly between 0.5 and 1.5
+    /// Uniformly distributed between 0.5 and 1.5
     Like,
-    /// By a Pareto distribution from 0.1 to 100: many small ones, few large ones
+    /// Pareto distribution from 0.1 to 100: many small bodies, few large ones
     Spread,
 }
 
-/// What the bodies are.
+/// Shapes of the bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Mix {
     Boxes,
@@ -46,7 +47,7 @@ pub(crate) enum Mix {
     All,
 }
 
-/// What a scene is made by.
+/// Parameters of a scene.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Recipe {
     pub(crate) motion: Motion,
@@ -56,32 +57,34 @@ pub(crate) struct Recipe {
     pub(crate) seed: u64,
 }
 
-/// Bodies on their ways.
+/// The moving bodies of a scene.
 pub(crate) struct Scene {
     motion: Motion,
-    /// Half the edge of the cube in which everything happens.
+    /// Half the edge length of the cube that contains all bodies.
     reach: f64,
-    bodies: Vec<Travelling>,
+    bodies: Vec<MovingBody>,
     random: Random,
 }
 
-struct Travelling {
+struct MovingBody {
     id: BodyId,
     at: [f64; 3],
-    /// The turn of a step and the turn so far, as quaternions.
+    /// Rotation per step, as a unit quaternion (w, x, y, z).
     turn: [f64; 4],
+    /// Rotation so far, as a unit quaternion (w, x, y, z).
     turned: [f64; 4],
     velocity: [f64; 3],
-    /// Where it comes to rest, and at which step it starts to fall.
+    /// Height at which the body comes to rest in a pile.
     rest: f64,
+    /// Step at which the body of a pile starts to fall.
     start: usize,
 }
 
 impl Scene {
-    /// Puts the bodies into a world; they are twice their size apart from each other, on average.
+    /// Inserts the bodies into a world. On average, neighbors are two sizes apart.
     ///
     /// # Errors
-    /// Where there are more bodies than handles.
+    /// Returns an error if there are more bodies than handles.
     pub(crate) fn new(recipe: &Recipe, world: &mut World) -> Result<Self, WorldError> {
         let mut random = Random(recipe.seed);
         let reach = recipe.sizes.mean() * (recipe.bodies as f64).cbrt();
@@ -92,11 +95,11 @@ impl Scene {
             let at = [0; 3].map(|_| random.between(-reach, reach));
             let small = [0; 3].map(|_| random.between(-0.02, 0.02));
             let velocity = [0; 3].map(|_| random.between(-1.0, 1.0));
-            // A cone of bodies, one over the other towards the middle.
+            // The pile is a cone: bodies near the middle rest higher.
             let from_middle = (at[0] * at[0] + at[1] * at[1]).sqrt();
             let rest = (random.unit() * (reach - from_middle).max(0.0)) - reach;
             let id = world.insert(body.at(Pose::from_translation(at)?))?;
-            bodies.push(Travelling {
+            bodies.push(MovingBody {
                 id,
                 at,
                 turn: unit([1.0, small[0], small[1], small[2]]),
@@ -109,10 +112,10 @@ impl Scene {
         Ok(Self { motion: recipe.motion, reach, bodies, random })
     }
 
-    /// Where everything goes at a step; what rests is not named.
+    /// Returns the new poses of the bodies that move in a step.
     ///
     /// # Errors
-    /// Never for the scenes that there are: nothing goes beyond the range of poses.
+    /// Never returns an error for these scenes: no body leaves the range of poses.
     pub(crate) fn moves(&mut self, step: usize) -> Result<Vec<(BodyId, Pose)>, InputError> {
         let (motion, reach) = (self.motion, self.reach);
         let mut moves = Vec::with_capacity(self.bodies.len());
@@ -144,8 +147,8 @@ impl Scene {
     }
 }
 
-impl Travelling {
-    /// Falls, or rests; whether it moved.
+impl MovingBody {
+    /// Moves a falling body of a pile by one step. Reports whether it moved.
     fn settle(&mut self, step: usize) -> bool {
         if step < self.start || self.at[2] <= self.rest {
             return false;
@@ -157,7 +160,7 @@ impl Travelling {
 }
 
 impl Sizes {
-    /// The mean of what is drawn, or nearly.
+    /// Returns the mean size, approximately.
     fn mean(self) -> f64 {
         match self {
             Self::Equal | Self::Like => 1.0,
@@ -169,7 +172,8 @@ impl Sizes {
         match self {
             Self::Equal => 1.0,
             Self::Like => random.between(0.5, 1.5),
-            // One in a hundred is ten times as large as the least, one in a million a thousand times.
+            // One size in 100 is at least 10 times the minimum. One in 1,000,000 is 1,000 times the
+            // minimum, which is the cap.
             Self::Spread => (0.1 / (1.0 - random.unit()).sqrt()).min(100.0),
         }
     }
@@ -187,8 +191,8 @@ impl Mix {
     }
 }
 
-/// Numbers that are the same on every machine: SplitMix64 (Steele, Lea, Flood, *Fast splittable pseudorandom number
-/// generators*, OOPSLA 2014).
+/// Pseudorandom numbers that are the same on every machine: SplitMix64 (Steele, Lea, Flood, *Fast
+/// splittable pseudorandom number generators*, OOPSLA 2014).
 struct Random(u64);
 
 impl Random {
@@ -200,7 +204,7 @@ impl Random {
         z ^ z >> 31
     }
 
-    /// Below 1.
+    /// Returns a number from 0 to below 1.
     fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }

@@ -1,4 +1,4 @@
-//! The verdict, the report and the JSON.
+//! Tests of `impinge check`: the verdict, the report and the JSON object.
 
 use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
 use impinge_testkit::{Affine, oracle};
@@ -17,7 +17,7 @@ fn object(a: &str, b: &str, rest: &str) -> String {
 }
 
 #[test]
-fn the_report_of_a_collision() {
+fn a_collision_is_reported_with_pairs_and_curves() {
     let folder = Folder::new();
     folder.write("long.obj", &crate::cuboid("long", [0.0; 3], 1234.56));
     let run = folder.run("check cube.obj long.obj --pose-b 0.5,0.5,0.5");
@@ -39,7 +39,7 @@ coplanar  0 pairs of faces
 }
 
 #[test]
-fn the_report_of_clearance() {
+fn meshes_that_are_apart_are_reported_without_intersection() {
     let folder = Folder::new();
     let run = folder.run("check cube.obj cube.obj --pose-b 1.0000001,0,0");
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
@@ -47,7 +47,7 @@ fn the_report_of_clearance() {
 }
 
 #[test]
-fn touching_counts() {
+fn touching_counts_as_intersecting() {
     let folder = Folder::new();
     let corner = folder.run("check cube.obj cube.obj --pose-b 1,1,1");
     assert_eq!(corner.code, 1);
@@ -73,7 +73,7 @@ fn json_is_one_object_with_its_keys_in_order() {
 }
 
 #[test]
-fn json_tells_of_curves_and_units_where_they_are_known() {
+fn json_has_curves_and_units_if_they_are_known() {
     let folder = Folder::new();
     let run = folder.run("check cube.obj cube.obj --json --pose-b 0.5,0.5,0.5 --curves c.obj --unit-a mm --unit-b mm");
     assert_eq!((run.code, run.stderr.as_str()), (1, ""));
@@ -84,7 +84,7 @@ fn json_tells_of_curves_and_units_where_they_are_known() {
 }
 
 #[test]
-fn the_pairs_are_those_of_brute_force() {
+fn pairs_equal_those_of_brute_force() {
     let folder = Folder::new();
     let knot = torus_knot(40, 8, TREFOIL);
     let vertices = knot.vertices.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n"));
@@ -101,7 +101,7 @@ fn the_pairs_are_those_of_brute_force() {
 }
 
 #[test]
-fn swapping_swaps() {
+fn swapping_the_meshes_swaps_the_pairs() {
     let folder = Folder::new();
     let forth = folder.run("check cube.obj big.obj --pose-a 2.5,1,0 --json --pairs forth.csv");
     let back = folder.run("check big.obj cube.obj --pose-b 2.5,1,0 --json --pairs back.csv");
@@ -118,7 +118,7 @@ fn swapping_swaps() {
 }
 
 #[test]
-fn poses_come_as_numbers_and_as_files() {
+fn poses_are_read_from_numbers_and_from_files() {
     let folder = Folder::new();
     folder.write("text", "1 0 0 -0.5\n0 0 -1 0\n0 1 0 0\n0 0 0 1\n");
     folder.write("pose.json", "[[1,0,0,-0.5],[0,0,-1,0],[0,1,0,0],[0,0,0,1]]");
@@ -134,18 +134,18 @@ fn poses_come_as_numbers_and_as_files() {
     assert_eq!(poses[1], poses[0]);
     assert_eq!(poses[2], poses[0]);
 
-    // What the JSON says of a pose reads back as that pose.
+    // A pose from the JSON object reads back as the same pose.
     folder.write("again.json", &poses[0].to_string());
     let again = folder.run("check cube.obj cube.obj --json --pose-b again.json");
     assert!(again.stdout.contains(&format!("\"pose\":{}", poses[0])));
 }
 
 #[test]
-fn a_mesh_inside_another_earns_one_line() {
+fn a_mesh_inside_another_causes_one_note() {
     let folder = Folder::new();
     let expected = |inner, outer| {
         format!(
-            "note: {inner} lies inside {outer}, of which only the surface was compared; --solid counts that as a collision\n"
+            "note: {inner} lies inside {outer}, but only the surfaces were compared; pass --solid to count this as a collision\n"
         )
     };
     let inside = folder.run("check cube.obj big.obj");
@@ -159,7 +159,7 @@ fn a_mesh_inside_another_earns_one_line() {
 }
 
 #[test]
-fn an_empty_mesh_meets_nothing() {
+fn an_empty_mesh_intersects_nothing() {
     let folder = Folder::new();
     folder.write("empty.obj", "v 0 0 0\n");
     let refused = folder.run("check empty.obj cube.obj");
@@ -168,16 +168,16 @@ fn an_empty_mesh_meets_nothing() {
     assert!(refused.stderr.contains("--allow-empty"), "{}", refused.stderr);
     let run = folder.run("check empty.obj cube.obj --allow-empty");
     assert_eq!(run.code, 0);
-    assert_eq!(run.stderr, "warning: empty.obj: the mesh has no faces, so it meets nothing\n");
+    assert_eq!(run.stderr, "warning: empty.obj: the mesh has no faces, so it intersects nothing\n");
     let object = folder.run("check cube.obj empty.obj --allow-empty --json");
     let found: serde_json::Value = serde_json::from_str(&object.stdout).unwrap();
-    assert_eq!(found["b"]["warnings"], serde_json::json!(["the mesh has no faces, so it meets nothing"]));
+    assert_eq!(found["b"]["warnings"], serde_json::json!(["the mesh has no faces, so it intersects nothing"]));
     assert!(found["a"].get("warnings").is_none());
     assert!(run.stdout.contains("   OBJ   0 triangles    1 vertex  0 parts  empty (no unit)\n"), "{}", run.stdout);
 }
 
 #[test]
-fn threads_change_nothing() {
+fn the_answer_does_not_depend_on_the_number_of_threads() {
     let folder = Folder::new();
     let one = folder.run("check cube.obj big.obj --pose-a 2.5,1,0 --pairs one.csv --curves one.obj --json --threads 1");
     let many =
@@ -189,7 +189,7 @@ fn threads_change_nothing() {
 }
 
 #[test]
-fn help_and_version_are_no_errors() {
+fn help_and_version_exit_with_zero() {
     let folder = Folder::new();
     let help = folder.run("check --help");
     assert_eq!((help.code, help.stderr.as_str()), (0, ""));

@@ -1,4 +1,4 @@
-//! `impinge bake`: baked files take the place of meshes.
+//! Tests of `impinge bake`: baked files replace meshes.
 
 use std::fs;
 
@@ -23,7 +23,7 @@ fn a_baked_mesh_answers_like_the_mesh() {
         }
     }
     assert_eq!(check("cube.impinge", "BIG.IMPINGE", "").code, 1);
-    // The parts and polygons of the original are there.
+    // The parts and polygons of the original are preserved.
     check("cube.impinge", "BIG.IMPINGE", "--pairs pairs.csv");
     assert!(folder.read("pairs.csv").lines().nth(1).is_some_and(|line| line.ends_with(",cube,big")));
     let health = |mesh: &str| {
@@ -32,7 +32,7 @@ fn a_baked_mesh_answers_like_the_mesh() {
         (object["health"].clone(), object["hierarchy"].clone())
     };
     assert_eq!(health("cube.impinge"), health("cube.obj"));
-    // Baked again, byte for byte.
+    // Baking a baked file gives the same bytes.
     assert_eq!(folder.run("bake cube.impinge -o again.impinge").code, 0);
     assert!(fs::read(folder.path("again.impinge")).unwrap() == fs::read(folder.path("cube.impinge")).unwrap());
     assert_eq!(folder.run("bake cube.obj -o tight.impinge --hierarchy tight").code, 0);
@@ -40,7 +40,7 @@ fn a_baked_mesh_answers_like_the_mesh() {
 }
 
 #[test]
-fn a_program_is_told_what_was_baked() {
+fn json_describes_the_baked_file() {
     let folder = Folder::new();
     let run = folder.run("bake cube.obj -o cube.impinge --json");
     let object: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
@@ -50,27 +50,27 @@ fn a_program_is_told_what_was_baked() {
 }
 
 #[test]
-fn n34_a_spoiled_file_is_no_answer() {
+fn a_corrupt_baked_file_is_an_error() {
     let folder = Folder::new();
     folder.run("bake cube.obj -o cube.impinge");
     let whole = fs::read(folder.path("cube.impinge")).unwrap();
     for (at, kind) in [(0, "syntax"), (12, "unsupported-feature"), (70, "corrupt"), (720, "corrupt"), (1100, "corrupt")]
     {
-        let mut spoiled = whole.clone();
-        spoiled[at] ^= 0x55;
-        fs::write(folder.path("spoiled.impinge"), &spoiled).unwrap();
-        let run = folder.run("check spoiled.impinge big.obj --json");
+        let mut corrupt = whole.clone();
+        corrupt[at] ^= 0x55;
+        fs::write(folder.path("corrupt.impinge"), &corrupt).unwrap();
+        let run = folder.run("check corrupt.impinge big.obj --json");
         let object: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
         assert_eq!((run.code, &object["error"]["kind"]), (2, &kind.into()), "byte {at}: {}", run.stdout);
-        assert_eq!(object["error"]["file"], "spoiled.impinge");
+        assert_eq!(object["error"]["file"], "corrupt.impinge");
     }
     assert_eq!(folder.run("bake cube.obj -o cube.ply").code, 2, "not the name of a baked file");
-    assert_eq!(folder.run("bake cube.impinge -o cube.impinge").code, 2, "would overwrite what it reads");
+    assert_eq!(folder.run("bake cube.impinge -o cube.impinge").code, 2, "would overwrite its input");
     assert_eq!(fs::read(folder.path("cube.impinge")).unwrap(), whole);
 }
 
 #[test]
-fn proxies_are_baked_where_they_are_asked_for() {
+fn proxies_are_baked_on_request() {
     let folder = Folder::new();
     let run = folder.run("bake cube.obj -o cube.impinge --proxies");
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
@@ -93,13 +93,13 @@ fn proxies_are_baked_where_they_are_asked_for() {
     let report = folder.run("inspect cube.impinge").stdout;
     assert!(report.contains("8 corners, 12 triangles") && report.contains("26-DOP"), "{report}");
 
-    // What is not asked for does no harm; what is asked for is proved.
-    let mut spoiled = fs::read(folder.path("cube.impinge")).unwrap();
-    let last = spoiled.len() - 1;
-    spoiled[last] ^= 1;
-    fs::write(folder.path("spoiled.impinge"), &spoiled).unwrap();
+    // Corrupt proxies do not matter to `check`, which does not use them. `inspect` validates them.
+    let mut corrupt = fs::read(folder.path("cube.impinge")).unwrap();
+    let last = corrupt.len() - 1;
+    corrupt[last] ^= 1;
+    fs::write(folder.path("corrupt.impinge"), &corrupt).unwrap();
     let check = |mesh: &str| folder.run(&format!("check {mesh} big.obj --pose-b 0.5,2.5,0.25")).code;
-    assert_eq!((check("cube.impinge"), check("spoiled.impinge")), (1, 1));
-    assert_eq!(folder.run("inspect spoiled.impinge").code, 2);
-    assert_eq!(object("inspect spoiled.impinge")["error"]["kind"], "corrupt");
+    assert_eq!((check("cube.impinge"), check("corrupt.impinge")), (1, 1));
+    assert_eq!(folder.run("inspect corrupt.impinge").code, 2);
+    assert_eq!(object("inspect corrupt.impinge")["error"]["kind"], "corrupt");
 }

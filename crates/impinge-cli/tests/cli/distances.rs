@@ -1,4 +1,4 @@
-//! `--distance` and `--clearance`.
+//! Tests of `--distance` and `--clearance`.
 
 use crate::Folder;
 
@@ -7,7 +7,7 @@ fn json(stdout: &str) -> serde_json::Value {
 }
 
 #[test]
-fn the_distance_of_two_cubes() {
+fn the_distance_of_two_cubes_is_an_interval_with_nearest_points() {
     let folder = Folder::new();
     let run = folder.run("check cube.obj cube.obj --pose-b 4,0.25,0 --distance --json");
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
@@ -23,7 +23,7 @@ fn the_distance_of_two_cubes() {
 }
 
 #[test]
-fn meshes_that_meet_are_not_apart() {
+fn meshes_that_touch_have_distance_zero() {
     let folder = Folder::new();
     let run = folder.run("check cube.obj cube.obj --pose-b 1,0,0 --distance --json");
     assert_eq!(run.code, 1);
@@ -31,9 +31,9 @@ fn meshes_that_meet_are_not_apart() {
 }
 
 #[test]
-fn a_clearance_is_decided_exactly() {
+fn a_clearance_is_decided_exactly_at_its_limit() {
     let folder = Folder::new();
-    // 3, 4 and 12 apart on the axes: 13.
+    // The gaps along the axes are 3, 4 and 12, so the distance is 13.
     for (clearance, within) in [("13", true), ("13.000000000000002", true), ("12.999999999999998", false)] {
         let run = folder.run(&format!("check cube.obj cube.obj --pose-b 4,5,13 --clearance {clearance} --json"));
         assert_eq!(run.code, i32::from(within), "{clearance}");
@@ -47,12 +47,12 @@ fn a_clearance_is_decided_exactly() {
 }
 
 #[test]
-fn clearances_that_are_none_are_refused() {
+fn invalid_clearances_are_errors() {
     let folder = Folder::new();
     for wrong in ["-1", "nan", "inf", "x"] {
         let run = folder.run(&format!("check cube.obj cube.obj --clearance {wrong}"));
         assert_eq!(run.code, 2, "{wrong}");
-        assert!(run.stderr.contains("a clearance is a number that is not negative"), "{}", run.stderr);
+        assert!(run.stderr.contains("a clearance is a finite number of at least 0"), "{}", run.stderr);
     }
 }
 

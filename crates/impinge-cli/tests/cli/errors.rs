@@ -1,17 +1,19 @@
-//! Questions without an answer: exit code 2, a message for a person and, where it was asked for, an object.
+//! Tests of runs without an answer: exit code 2, a message for a person and, with `--json`, a JSON
+//! object.
 
 use std::fs;
 
 use crate::Folder;
 
-/// Asks with and without `--json`; both must fail alike. Returns the object inside `error`, as text, and the message.
+/// Runs the command with and without `--json` and asserts that both fail in the same way. Returns
+/// the object inside `error`, as text, and the message on standard error.
 fn error(folder: &Folder, arguments: &str) -> (String, String) {
     let plain = folder.run(arguments);
     assert_eq!((plain.code, plain.stdout.as_str()), (2, ""), "{arguments}");
-    let told = folder.run(&format!("{arguments} --json"));
-    assert_eq!((told.code, &told.stderr), (2, &plain.stderr), "{arguments}");
-    let object = told.stdout.strip_prefix("{\"error\":").and_then(|rest| rest.strip_suffix("}\n"));
-    let object = object.unwrap_or_else(|| panic!("{arguments}: {}", told.stdout)).to_owned();
+    let with_json = folder.run(&format!("{arguments} --json"));
+    assert_eq!((with_json.code, &with_json.stderr), (2, &plain.stderr), "{arguments}");
+    let object = with_json.stdout.strip_prefix("{\"error\":").and_then(|rest| rest.strip_suffix("}\n"));
+    let object = object.unwrap_or_else(|| panic!("{arguments}: {}", with_json.stdout)).to_owned();
     let parsed: serde_json::Value = serde_json::from_str(&object).unwrap();
     let keys = ["kind", "file", "where", "message", "hint"];
     let present: Vec<_> = keys.iter().filter(|&&key| parsed.get(key).is_some()).collect();
@@ -25,7 +27,7 @@ fn error(folder: &Folder, arguments: &str) -> (String, String) {
 }
 
 #[test]
-fn a_file_that_is_not_there() {
+fn a_missing_file_is_an_io_error() {
     let folder = Folder::new();
     let (object, message) = error(&folder, "check cube.obj missing.stl");
     assert!(object.starts_with(r#"{"kind":"io","file":"missing.stl","message":""#), "{object}");
@@ -33,7 +35,7 @@ fn a_file_that_is_not_there() {
 }
 
 #[test]
-fn a_file_of_no_known_format() {
+fn an_unknown_format_is_an_error() {
     let folder = Folder::new();
     folder.write("mesh.xyz", "1 2 3");
     let (object, _) = error(&folder, "check mesh.xyz cube.obj");
@@ -41,7 +43,7 @@ fn a_file_of_no_known_format() {
 }
 
 #[test]
-fn a_broken_file_is_named_with_the_place() {
+fn an_invalid_file_is_named_with_the_line() {
     let folder = Folder::new();
     folder.write("broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
     let (object, message) = error(&folder, "check cube.obj broken.obj");
@@ -51,7 +53,7 @@ fn a_broken_file_is_named_with_the_place() {
 }
 
 #[test]
-fn a_mesh_out_of_range() {
+fn a_vertex_out_of_range_is_an_error() {
     let folder = Folder::new();
     folder.write("far.obj", "v 0 0 0\nv 1 0 0\nv 0 1e39 0\nf 1 2 3\n");
     let (object, _) = error(&folder, "check far.obj cube.obj");
@@ -60,7 +62,7 @@ fn a_mesh_out_of_range() {
 }
 
 #[test]
-fn warnings_of_a_file_reach_standard_error() {
+fn warnings_are_printed_on_standard_error() {
     let folder = Folder::new();
     folder.write("odd.obj", &(crate::cuboid("odd", [0.0; 3], 1.0) + "f 1 2\n"));
     let run = folder.run("check odd.obj cube.obj --json");
@@ -71,7 +73,7 @@ fn warnings_of_a_file_reach_standard_error() {
 }
 
 #[test]
-fn poses_that_are_none() {
+fn invalid_poses_are_errors() {
     let folder = Folder::new();
     folder.write("few", "1 0 0");
     folder.write("word", "1 0 0 x");
@@ -79,22 +81,22 @@ fn poses_that_are_none() {
     folder.write("transposed", "1 0 0 0  0 1 0 0  0 0 1 0  5 0 0 1");
     folder.write("long", &"0 ".repeat(40_000));
     let cases = [
-        ("1,2", r#"{"kind":"pose","where":"--pose-b","message":"2 numbers given, a pose has 3 or 7","hint":""#),
+        ("1,2", r#"{"kind":"pose","where":"--pose-b","message":"2 numbers given; a pose has 3 or 7","hint":""#),
         ("nan,0,0", r#"{"kind":"non-finite","where":"--pose-b","message":"pose entry 3 is not finite"}"#),
         ("0,0,0,2,0,0,0", r#"{"kind":"not-unit-quaternion","where":"--pose-b","message":""#),
         ("nowhere", r#"{"kind":"io","file":"nowhere","where":"--pose-b","message":"neither numbers nor a file"#),
-        ("few", r#"{"kind":"pose","file":"few","where":"--pose-b","message":"3 numbers found, a 4x4 matrix has 16""#),
+        ("few", r#"{"kind":"pose","file":"few","where":"--pose-b","message":"3 numbers found; a 4x4 matrix has 16""#),
         ("word", r#"{"kind":"pose","file":"word","where":"--pose-b","message":"\"x\" is not a number""#),
         ("flat", r#"{"kind":"singular","file":"flat","where":"--pose-b","message":""#),
-        ("long", r#"{"kind":"pose","file":"long","where":"--pose-b","message":"too long for a matrix""#),
+        ("long", r#"{"kind":"pose","file":"long","where":"--pose-b","message":"the file is too long for a matrix""#),
         ("cube.obj", r#"{"kind":"pose","file":"cube.obj","where":"--pose-b","message":"\"v\" is not a number""#),
     ];
     for (pose, expected) in cases {
         let plain = folder.run(&format!("check cube.obj cube.obj --pose-b {pose}"));
         assert_eq!((plain.code, plain.stdout.as_str()), (2, ""), "{pose}");
-        let told = folder.run(&format!("check cube.obj cube.obj --pose-b {pose} --json"));
-        assert_eq!(told.code, 2, "{pose}");
-        assert!(told.stdout.starts_with(&format!("{{\"error\":{expected}")), "{pose}: {}", told.stdout);
+        let with_json = folder.run(&format!("check cube.obj cube.obj --pose-b {pose} --json"));
+        assert_eq!(with_json.code, 2, "{pose}");
+        assert!(with_json.stdout.starts_with(&format!("{{\"error\":{expected}")), "{pose}: {}", with_json.stdout);
     }
     let (object, message) = error(&folder, "check cube.obj cube.obj --pose-a transposed");
     assert!(object.starts_with(r#"{"kind":"not-affine","file":"transposed","where":"--pose-a","#), "{object}");
@@ -103,7 +105,7 @@ fn poses_that_are_none() {
 }
 
 #[test]
-fn arguments_that_make_no_question() {
+fn invalid_arguments_are_usage_errors() {
     let folder = Folder::new();
     let cases = [
         ("check cube.obj cube.obj --threads 0", "0 is not in 1..=1024"),
@@ -124,14 +126,14 @@ fn arguments_that_make_no_question() {
 }
 
 #[test]
-fn outputs_are_judged_before_any_work() {
+fn output_names_are_validated_before_any_work() {
     let folder = Folder::new();
-    // The meshes are missing, but it does not come to that.
+    // The meshes are missing, but the names of the outputs are validated first.
     let (object, _) = error(&folder, "check missing.obj missing.obj --pairs pairs.txt");
     assert!(object.starts_with(r#"{"kind":"output","file":"pairs.txt","#), "{object}");
-    assert!(object.ends_with(r#""hint":"end it in .csv or .npy"}"#), "{object}");
+    assert!(object.ends_with(r#""hint":"use a name that ends in .csv or .npy"}"#), "{object}");
     let (object, _) = error(&folder, "check missing.obj missing.obj --curves curves");
-    assert!(object.ends_with(r#""hint":"end it in .obj"}"#), "{object}");
+    assert!(object.ends_with(r#""hint":"use a name that ends in .obj"}"#), "{object}");
     let before = folder.read("big.obj");
     let (object, _) = error(&folder, "check cube.obj big.obj --curves ./big.obj");
     assert!(object.contains("would overwrite an input"), "{object}");
@@ -148,13 +150,13 @@ fn outputs_are_judged_before_any_work() {
         "world --plot out/w.svg",
     ] {
         let (object, message) = error(&folder, command);
-        assert!(object.contains("its folder does not exist"), "{command}: {object}");
+        assert!(object.contains("the folder of the output does not exist"), "{command}: {object}");
         assert!(message.contains("create the folder out first"), "{command}: {message}");
     }
 }
 
 #[test]
-fn an_output_that_cannot_be_written() {
+fn an_output_that_cannot_be_written_is_an_io_error() {
     let folder = Folder::new();
     for option in ["--pairs out.csv", "--pairs out.npy", "--curves out.obj"] {
         fs::create_dir(folder.path(option.split(' ').nth(1).unwrap())).unwrap();

@@ -1,4 +1,4 @@
-//! The files that are written.
+//! Tests of the files that the command reads from standard input and writes.
 
 use std::fs;
 use std::io::Write;
@@ -7,7 +7,7 @@ use std::process::Stdio;
 use crate::Folder;
 
 #[test]
-fn pairs_as_csv_name_sources_and_parts() {
+fn csv_rows_name_sources_and_parts() {
     let folder = Folder::new();
     let two_parts = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\no first, \"quoted\"\nf 1 2 3\no second\nf 1 2 4 3\n";
     folder.write("parts.obj", two_parts);
@@ -18,13 +18,13 @@ fn pairs_as_csv_name_sources_and_parts() {
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some("face_a,face_b,source_a,source_b,part_a,part_b"));
     assert_eq!(lines.next(), Some("0,0,0,0,\"first, \"\"quoted\"\"\","));
-    // The quadrilateral is two triangles of source 1; the blade crosses at least one.
+    // The quadrilateral becomes two triangles of source 1; the blade crosses at least one of them.
     let rest: Vec<&str> = lines.collect();
     assert!(!rest.is_empty() && rest.iter().all(|row| row.ends_with(",0,1,0,second,")), "{rest:?}");
 }
 
 #[test]
-fn pairs_as_npy_are_those_of_the_csv() {
+fn npy_and_csv_hold_the_same_pairs() {
     let folder = Folder::new();
     let csv = folder.run("check cube.obj big.obj --pose-a 2.5,1,0 --pairs pairs.csv --json");
     let npy = folder.run("check cube.obj big.obj --pose-a 2.5,1,0 --pairs PAIRS.NPY --json");
@@ -42,7 +42,7 @@ fn pairs_as_npy_are_those_of_the_csv() {
 }
 
 #[test]
-fn no_pairs_are_a_file_too() {
+fn output_files_are_written_even_without_pairs() {
     let folder = Folder::new();
     assert_eq!(folder.run("check cube.obj cube.obj --pose-a 9,0,0 --pairs p.csv --curves c.obj").code, 0);
     assert_eq!(folder.read("p.csv"), "face_a,face_b,source_a,source_b,part_a,part_b\n");
@@ -52,7 +52,7 @@ fn no_pairs_are_a_file_too() {
 }
 
 #[test]
-fn curves_are_polylines_that_close() {
+fn curves_are_written_as_closed_polylines() {
     let folder = Folder::new();
     assert_eq!(folder.run("check cube.obj cube.obj --pose-b 0.5,0.5,0.5 --curves curve.obj").code, 1);
     let text = folder.read("curve.obj");
@@ -74,12 +74,13 @@ fn curves_are_polylines_that_close() {
     assert!(points.iter().flatten().all(|x| (0.5..=1.0).contains(x)));
 }
 
-/// Runs the command with this text on standard input.
+/// Runs the command with `input` on standard input. Returns the exit code, standard output and
+/// standard error.
 fn run_with_input(folder: &Folder, arguments: &str, input: &str) -> (i32, String, String) {
     let mut command = folder.command(arguments.split(' '));
     let streams = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = streams.spawn().unwrap();
-    // A command that refuses its arguments does not read.
+    // Ignore an error: a command with invalid arguments does not read its input.
     let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
     let output = child.wait_with_output().unwrap();
     let [stdout, stderr] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
@@ -87,7 +88,7 @@ fn run_with_input(folder: &Folder, arguments: &str, input: &str) -> (i32, String
 }
 
 #[test]
-fn standard_input_is_a_mesh_too() {
+fn a_mesh_is_read_from_standard_input() {
     let folder = Folder::new();
     let cube = folder.read("cube.obj");
     let (code, stdout, stderr) = run_with_input(&folder, "check - cube.obj --format obj --json", &cube);
@@ -97,7 +98,7 @@ fn standard_input_is_a_mesh_too() {
     assert_eq!(run_with_input(&folder, "check cube.obj - --json", off).0, 1, "the content says that it is OFF");
     for (arguments, input, message) in [
         ("check - cube.obj", cube.as_str(), "--format"),
-        ("check - cube.obj --format doc", "", "none of obj, stl"),
+        ("check - cube.obj --format doc", "", "expected one of obj, stl"),
         ("check - - --format obj", "", "standard input holds one mesh"),
         ("inspect - --format off", "OFF 1 0 0\n0 0 x\n", "-, line 2: expected a coordinate"),
     ] {
@@ -106,6 +107,6 @@ fn standard_input_is_a_mesh_too() {
     }
     folder.write("no_extension", off);
     assert_eq!(folder.run("check no_extension cube.obj").code, 1);
-    let told_otherwise = folder.run("check cube.obj no_extension --format obj");
-    assert!(told_otherwise.code == 1 && told_otherwise.stderr.contains("was read as what it is"), "{told_otherwise:?}");
+    let as_obj = folder.run("check cube.obj no_extension --format obj");
+    assert!(as_obj.code == 1 && as_obj.stderr.contains("was read in its own format"), "{as_obj:?}");
 }

@@ -1,4 +1,4 @@
-//! `impinge fit`: a row for every volume, finite numbers, and sizes that are known for a cube.
+//! Tests of `impinge fit`: one row per volume, finite numbers, and the known sizes for a cube.
 
 use serde_json::Value;
 
@@ -18,7 +18,7 @@ fn volume<'a>(object: &'a Value, name: &str) -> &'a Value {
 }
 
 #[test]
-fn the_volumes_of_a_cube_are_as_large_as_they_should_be() {
+fn volumes_around_a_cube_have_the_expected_sizes() {
     let folder = Folder::new();
     let object = object(&folder, "fit big.obj --json");
     assert_eq!(object["schema"], "impinge.fit/1");
@@ -62,7 +62,7 @@ fn the_volumes_of_a_cube_are_as_large_as_they_should_be() {
 }
 
 #[test]
-fn the_table_has_a_line_for_each_and_the_advice() {
+fn the_report_has_a_row_per_volume_and_recommendations() {
     let folder = Folder::new();
     let run = folder.run("fit cube.obj");
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
@@ -81,7 +81,7 @@ fn the_table_has_a_line_for_each_and_the_advice() {
 }
 
 #[test]
-fn a_flat_mesh_and_a_point_have_volumes_too() {
+fn volumes_are_fitted_to_a_flat_mesh_and_to_a_point() {
     let folder = Folder::new();
     folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\nf 1 2 3\n");
     let flat = object(&folder, "fit flat.obj --json");
@@ -94,7 +94,7 @@ fn a_flat_mesh_and_a_point_have_volumes_too() {
 }
 
 #[test]
-fn what_cannot_be_fitted_has_no_answer() {
+fn an_empty_or_missing_mesh_is_an_error() {
     let folder = Folder::new();
     folder.write("empty.obj", "v 0 0 0\n");
     let run = folder.run("fit empty.obj --json");

@@ -1,4 +1,4 @@
-//! `impinge hits`: the report, the object, the contact sheet, and parts saved and taken up again.
+//! Tests of `impinge hits`: the report, the JSON object, the contact sheet, and saved plans.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use crate::Folder;
 const ROBOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/robot.glb");
 
 #[test]
-fn a_robot() {
+fn a_robot_gets_six_conservative_volumes_a_picture_and_a_plan() {
     let folder = Folder::new();
     let run = folder.run(&format!("hits {ROBOT} --save robot.toml --picture robot.png"));
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
@@ -29,21 +29,21 @@ fn a_robot() {
     let mut reader = decoder.read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     reader.next_frame(&mut pixels).unwrap();
-    let coloured = pixels.chunks(3).filter(|p| p[0].abs_diff(p[2]) > 60).count();
+    let colored = pixels.chunks(3).filter(|p| p[0].abs_diff(p[2]) > 60).count();
     let white = pixels.chunks(3).filter(|p| **p == [255; 3]).count();
-    assert!(coloured > 20_000 && white > pixels.len() / 6, "{coloured} {white}");
+    assert!(colored > 20_000 && white > pixels.len() / 6, "{colored} {white}");
 
     let again = folder.run(&format!("hits {ROBOT} --plan robot.toml --mode snug"));
     assert!(again.code == 0 && again.stdout.contains("left arm") && again.stdout.contains(" %"), "{again:?}");
 }
 
 #[test]
-fn what_cannot_be_fitted_is_refused() {
+fn invalid_characters_plans_and_outputs_are_errors() {
     let folder = Folder::new();
     folder.write("plan.toml", "[[part]]\nbones = [\"Tail\"]\n");
     folder.write("plain.gltf", r#"{"asset": {"version": "2.0"}}"#);
     for (arguments, message) in [
-        (format!("hits {ROBOT} --picture out.jpg"), "its extension does not say what to write"),
+        (format!("hits {ROBOT} --picture out.jpg"), "unknown extension for an output file"),
         (format!("hits {ROBOT} --animation Fly --picture out.png"), "there is no animation \"Fly\""),
         (format!("hits {ROBOT} --plan plan.toml"), "a bone of the rig"),
         ("hits cube.obj".to_owned(), "expected a glTF document"),

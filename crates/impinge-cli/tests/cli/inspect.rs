@@ -1,10 +1,10 @@
-//! `impinge inspect`: the report, the object and the pictures.
+//! Tests of `impinge inspect`: the report, the JSON object and the pictures.
 
 use std::fs;
 
 use crate::Folder;
 
-/// A cube without one of its faces, with a face twice, and a spare vertex.
+/// A cube that lacks one face, has one face twice, and has an unused vertex.
 const BROKEN: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\nv 9 9 9.1\n\
     f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 5 6 8\n";
 
@@ -16,11 +16,13 @@ fn object(folder: &Folder, arguments: &str) -> serde_json::Value {
 }
 
 #[test]
-fn a_sound_mesh() {
+fn a_closed_mesh_is_reported_without_defects() {
     let folder = Folder::new();
     let run = folder.run("inspect cube.obj");
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
-    for part in ["cube.obj", "12 triangles", "8 vertices", "closed: each edge has two faces", "single holds every"] {
+    for part in
+        ["cube.obj", "12 triangles", "8 vertices", "closed: each edge has two faces", "single precision holds every"]
+    {
         assert!(run.stdout.contains(part), "{part} is not in\n{}", run.stdout);
     }
     let object = object(&folder, "cube.obj");
@@ -36,7 +38,7 @@ fn a_sound_mesh() {
 }
 
 #[test]
-fn a_mesh_with_faults() {
+fn defects_of_a_mesh_are_counted() {
     let folder = Folder::new();
     folder.write("broken.obj", BROKEN);
     let health = &object(&folder, "broken.obj")["health"];
@@ -55,27 +57,30 @@ fn a_mesh_with_faults() {
     }
     assert_eq!((&health["open_edges"], &health["non_manifold_edges"]), (&3.into(), &2.into()), "{health}");
     let report = folder.run("inspect broken.obj").stdout;
-    assert!(report.contains("not closed") && report.contains("double is needed, for 1 coordinate"), "{report}");
+    assert!(
+        report.contains("not closed") && report.contains("double precision is needed for 1 coordinate"),
+        "{report}"
+    );
 }
 
 #[test]
-fn a_mesh_of_nothing() {
+fn an_empty_mesh_is_inspected_with_a_warning() {
     let folder = Folder::new();
     folder.write("empty.obj", "v 0 0 0\n");
     let run = folder.run("inspect empty.obj --picture empty.png --json");
     assert_eq!(
         (run.code, run.stderr.as_str()),
-        (0, "warning: empty.obj: the mesh has no faces, so it meets nothing\n")
+        (0, "warning: empty.obj: the mesh has no faces, so it intersects nothing\n")
     );
     let object: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
-    assert_eq!(object["warnings"][0], "the mesh has no faces, so it meets nothing");
+    assert_eq!(object["warnings"][0], "the mesh has no faces, so it intersects nothing");
     assert_eq!((&object["triangles"], &object["hierarchy"]["depth"]), (&0.into(), &0.into()));
     assert_eq!(object["picture"]["boxes"], 0);
     assert!(folder.run("inspect empty.obj").stdout.contains("empty"));
 }
 
 #[test]
-fn pictures_are_drawn() {
+fn pictures_show_the_mesh_and_boxes_as_png_and_svg() {
     let folder = Folder::new();
     let object = object(&folder, "cube.obj --picture cube.png --level 1");
     assert_eq!(object["picture"], serde_json::json!({"path": "cube.png", "level": 1, "boxes": 2}));
@@ -86,10 +91,10 @@ fn pictures_are_drawn() {
     assert_eq!(info.width.max(info.height), 1600);
     let count = |is: fn(&[u8]) -> bool| pixels.chunks(3).filter(|pixel| is(pixel)).count();
     let white = count(|p| p == [255; 3]);
-    let grey = count(|p| p.iter().all(|&x| (90..235).contains(&x)) && p[0].abs_diff(p[2]) < 20);
-    let coloured = count(|p| p[0].abs_diff(p[2]) > 60);
+    let gray = count(|p| p.iter().all(|&x| (90..235).contains(&x)) && p[0].abs_diff(p[2]) < 20);
+    let colored = count(|p| p[0].abs_diff(p[2]) > 60);
     let all = pixels.len() / 3;
-    assert!(white > all / 10 && grey > all / 4 && coloured > 2_000, "{white} white, {grey} grey, {coloured} coloured");
+    assert!(white > all / 10 && gray > all / 4 && colored > 2_000, "{white} white, {gray} gray, {colored} colored");
 
     let run = folder.run("inspect cube.obj --picture cube.svg --up z");
     assert!(run.code == 0 && run.stdout.contains("of level 1 in cube.svg"), "{run:?}");
@@ -99,14 +104,14 @@ fn pictures_are_drawn() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_refused_before_any_work() {
+fn invalid_outputs_are_errors_before_any_work() {
     let folder = Folder::new();
     let before = folder.read("cube.obj");
     for (arguments, message) in [
-        ("inspect missing.obj --picture out.gif", "its extension does not say what to write"),
+        ("inspect missing.obj --picture out.gif", "unknown extension for an output file"),
         ("inspect cube.obj --picture ./cube.obj", "would overwrite an input"),
         ("inspect missing.obj", "missing.obj"),
-        ("inspect missing.obj --picture nowhere/out.png", "its folder does not exist"),
+        ("inspect missing.obj --picture nowhere/out.png", "the folder of the output does not exist"),
         ("inspect cube.obj --level 2", "--picture"),
     ] {
         let run = folder.run(arguments);

@@ -1,4 +1,4 @@
-//! Interrupted before there is an answer.
+//! Tests of runs that are interrupted before there is an answer.
 #![cfg(unix)]
 
 use std::fmt::Write;
@@ -7,14 +7,15 @@ use std::process::{Command, Stdio};
 
 use crate::{Folder, Run};
 
-/// Runs a check of a file that never comes to its end, and interrupts it while it loads.
+/// Runs a check of a file that never ends, and interrupts it while it loads.
 fn interrupted(arguments: &[&str]) -> Run {
     let folder = Folder::new();
     let endless = folder.path("endless.obj");
     assert!(Command::new("mkfifo").arg(&endless).status().unwrap().success());
     let mut command = folder.command(["check", "endless.obj", "cube.obj"].iter().chain(arguments));
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    // Opening it for writing waits for the command to open it for reading, which is after it minds interrupts.
+    // Opening the pipe for writing waits until the command opens it for reading. By then the
+    // interrupt handler is installed.
     let held_open = File::options().write(true).open(&endless).unwrap();
     let kill = format!("kill -INT {}", child.id());
     assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
@@ -28,7 +29,7 @@ fn interrupted(arguments: &[&str]) -> Run {
 }
 
 #[test]
-fn an_interrupt_is_no_answer_and_says_so() {
+fn an_interrupt_exits_with_two_and_an_error() {
     let stderr = "error: interrupted before the answer was known\n".to_owned();
     assert_eq!(interrupted(&[]), Run { code: 2, stdout: String::new(), stderr: stderr.clone() });
     let object =
@@ -36,7 +37,8 @@ fn an_interrupt_is_no_answer_and_says_so() {
     assert_eq!(interrupted(&["--json"]), Run { code: 2, stdout: format!("{object}\n"), stderr });
 }
 
-/// Blades that all stand across each other: `along` the first axis or the second.
+/// Returns 1,500 thin triangles along one axis. Each of those with `along` 0 crosses each of those
+/// with `along` 1.
 fn blades(along: usize) -> String {
     let mut text = String::new();
     for i in 0..1_500 {
@@ -66,10 +68,10 @@ fn an_interrupt_while_a_file_is_written_leaves_the_old_one_and_nothing_else() {
     let mut command = folder.command("check a.obj b.obj --pairs pairs.csv".split(' '));
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     while names() == before {
-        assert_eq!(child.try_wait().unwrap(), None, "it ended before a file was seen beside");
+        assert_eq!(child.try_wait().unwrap(), None, "the command ended before its temporary file was seen");
     }
     let kill = format!("kill -INT {}", child.id());
     assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(2), "it was too late to interrupt it");
+    assert_eq!(child.wait().unwrap().code(), Some(2), "the command ended before it was interrupted");
     assert_eq!((names(), folder.read("pairs.csv").as_str()), (before, "the old file"));
 }

@@ -1,4 +1,4 @@
-//! The command as its users meet it: exit codes, the two streams and the files that it writes.
+//! End-to-end tests of the command: exit codes, both output streams, and the files that it writes.
 
 mod answers;
 mod bake;
@@ -21,10 +21,10 @@ use std::process::Command;
 
 use tempfile::TempDir;
 
-/// A folder of small meshes in which the command runs.
+/// A temporary folder with small meshes, in which the command runs.
 struct Folder(TempDir);
 
-/// What one run left behind.
+/// Result of one run.
 #[derive(Debug, PartialEq)]
 struct Run {
     code: i32,
@@ -33,7 +33,7 @@ struct Run {
 }
 
 impl Folder {
-    /// With `cube.obj` from 0 to 1 on each axis, and `big.obj` from -2 to 3.
+    /// Creates the folder with `cube.obj`, from 0 to 1 on each axis, and `big.obj`, from -2 to 3.
     fn new() -> Self {
         let folder = Self(TempDir::new().unwrap());
         folder.write("cube.obj", &cuboid("cube", [0.0; 3], 1.0));
@@ -62,7 +62,7 @@ impl Folder {
         command
     }
 
-    /// Runs the command with arguments that are separated by spaces.
+    /// Runs the command with arguments separated by spaces.
     fn run(&self, arguments: &str) -> Run {
         let output = self.command(arguments.split_whitespace()).output().unwrap();
         Run {
@@ -73,7 +73,7 @@ impl Folder {
     }
 }
 
-/// A closed cuboid of 12 triangles, as OBJ with 8 vertices and 6 quadrilaterals.
+/// Returns a closed cube of 12 triangles as OBJ, with 8 vertices and 6 quadrilaterals.
 fn cuboid(name: &str, min: [f64; 3], edge: f64) -> String {
     let corner = |i: usize| [0, 1, 2].map(|axis| min[axis] + if i >> axis & 1 == 1 { edge } else { 0.0 });
     let vertices = (0..8).map(corner).map(|[x, y, z]| format!("v {x} {y} {z}\n"));
@@ -81,7 +81,8 @@ fn cuboid(name: &str, min: [f64; 3], edge: f64) -> String {
     vertices.chain([format!("o {name}\n")]).chain(faces).collect()
 }
 
-/// The JSON up to the times, which no two runs share; asserts that they are there and last.
+/// Returns the JSON object up to the times, which differ between runs. Asserts that the times come
+/// last and are complete.
 fn without_seconds(json: &str) -> &str {
     let (before, seconds) = json.split_once(",\"seconds\":").unwrap();
     let times: serde_json::Value = serde_json::from_str(seconds.strip_suffix("}\n").unwrap()).unwrap();

@@ -1,15 +1,15 @@
-//! `--solid`, `--penetrates`, and the line about what lies inside.
+//! Tests of `--solid`, `--penetrates`, `--weld` and `--orient`.
 
 use crate::{Folder, cuboid, without_seconds};
 
-/// `open.obj`: `big.obj` without its last side.
+/// Writes `open.obj`: `big.obj` without its last side.
 fn with_an_open_box(folder: &Folder) {
     let open: Vec<String> = folder.read("big.obj").lines().map(str::to_owned).collect();
     folder.write("open.obj", &(open[..open.len() - 1].join("\n") + "\n"));
 }
 
 #[test]
-fn n17_solid_counts_what_lies_inside() {
+fn a_mesh_inside_a_solid_intersects_it() {
     let folder = Folder::new();
     for (arguments, code) in [
         ("cube.obj big.obj --solid", 1),
@@ -29,7 +29,7 @@ fn n17_solid_counts_what_lies_inside() {
 }
 
 #[test]
-fn contained_is_named_in_the_json_and_absent_otherwise() {
+fn json_names_the_contained_mesh_if_there_is_one() {
     let folder = Folder::new();
     let part = |arguments: &str| {
         let run = folder.run(&format!("check {arguments} --json"));
@@ -41,14 +41,14 @@ fn contained_is_named_in_the_json_and_absent_otherwise() {
     assert_eq!(part("cube.obj big.obj --solid"), contained("a"));
     assert_eq!(part("big.obj cube.obj --solid"), contained("b"));
     assert_eq!(part("big.obj cube.obj --solid=b"), "\"intersects\":false,\"pairs\":0");
-    // Each with a small cube inside the other's large one.
+    // Each mesh has a small cube inside the large cube of the other.
     folder.write("one.obj", &pair_of_cubes(0.0, 40.0));
     folder.write("two.obj", &pair_of_cubes(40.0, 0.0));
     assert_eq!(part("one.obj two.obj --solid"), contained("both"));
 }
 
 #[test]
-fn the_distance_of_solids_is_zero_where_they_meet() {
+fn the_distance_of_intersecting_solids_is_zero() {
     let folder = Folder::new();
     let distance = |arguments: &str| {
         let run = folder.run(&format!("check {arguments} --distance --json"));
@@ -57,7 +57,7 @@ fn the_distance_of_solids_is_zero_where_they_meet() {
     };
     let inside = distance("cube.obj big.obj --solid");
     assert_eq!(inside, serde_json::json!({ "distance": 0.0, "lower": 0.0, "upper": 0.0 }));
-    // Of which the inner one alone is solid, the surfaces are apart.
+    // If only the inner mesh is solid, the surfaces are apart.
     for arguments in ["cube.obj big.obj", "cube.obj big.obj --solid=a", "big.obj cube.obj --solid --pose-b 90,0,0"] {
         let apart = distance(arguments);
         assert!(apart["distance"].as_f64().unwrap() > 0.1 && apart["face_a"].is_u64(), "{arguments}: {apart}");
@@ -66,7 +66,8 @@ fn the_distance_of_solids_is_zero_where_they_meet() {
     assert!(text.stdout.contains("0: one lies inside the other"));
 }
 
-/// A cube of edge 5 about one place and one of edge 1 about another, both along the x axis.
+/// Returns an OBJ mesh of two cubes centered on the x axis: one of edge 5 at `large_at` and one of
+/// edge 1 at `small_at`.
 fn pair_of_cubes(large_at: f64, small_at: f64) -> String {
     let mut text = String::new();
     let mut first = 1;
@@ -84,7 +85,7 @@ fn pair_of_cubes(large_at: f64, small_at: f64) -> String {
 }
 
 #[test]
-fn n14_touching_is_not_penetrating() {
+fn touching_is_not_penetrating() {
     let folder = Folder::new();
     let object = |arguments: &str| -> (i32, serde_json::Value) {
         let run = folder.run(&format!("check {arguments} --json"));
@@ -116,11 +117,11 @@ fn n14_touching_is_not_penetrating() {
 }
 
 #[test]
-fn n18_open_meshes_are_told_of() {
+fn open_solids_cause_a_warning() {
     let folder = Folder::new();
     with_an_open_box(&folder);
-    let warning = "warning: open.obj: the mesh is not closed, so its inside is where its generalised winding number is \
-                   beyond one half (4 edges open)\n";
+    let warning = "warning: open.obj: the mesh is not closed, so a point counts as inside if the generalized winding \
+                   number exceeds one half (4 edges open)\n";
     let run = folder.run("check cube.obj open.obj --solid --json");
     assert_eq!((run.code, run.stderr.as_str()), (1, warning));
     let found: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
@@ -131,7 +132,8 @@ fn n18_open_meshes_are_told_of() {
     assert_eq!((found["penetrates"].as_bool(), found["undecided"][0].as_str()), (Some(true), Some("penetrates")));
 }
 
-/// A cube, three of whose sides are turned, and one whose corners are off by a little in one face.
+/// Writes a cube with three sides turned, a cube with one corner of one face moved slightly, and a
+/// small cube that fits inside both.
 fn with_broken_cubes(folder: &Folder) {
     let cube = folder.read("cube.obj");
     let turned = cube.replace("f 1 3 4 2", "f 2 4 3 1").replace("f 1 2 6 5", "f 5 6 2 1");
@@ -141,19 +143,19 @@ fn with_broken_cubes(folder: &Folder) {
 }
 
 #[test]
-fn n18_broken_meshes_are_repaired_on_request_and_never_silently() {
+fn meshes_are_repaired_on_request_only_and_with_a_note() {
     let folder = Folder::new();
     with_broken_cubes(&folder);
-    for (file, option, said, done) in [
-        ("turned.obj", "--orient", "--orient turns faces that do not agree", "turned.obj: repaired: 6 faces turned"),
-        ("cracked.obj", "--weld 1e-9", "--weld 1e-9 closes what is open", "cracked.obj: repaired: 1 vertex welded"),
+    for (file, option, advice, done) in [
+        ("turned.obj", "--orient", "--orient makes the orientation consistent", "turned.obj: repaired: 6 faces turned"),
+        ("cracked.obj", "--weld 1e-9", "--weld 1e-9 closes open edges", "cracked.obj: repaired: 1 vertex welded"),
     ] {
-        let told = folder.run(&format!("check {file} inner.obj --solid"));
-        assert!(told.stderr.contains(said), "{}", told.stderr);
-        assert!(folder.run(&format!("inspect {file}")).stdout.contains(said));
-        let mended = folder.run(&format!("check {file} inner.obj --solid {option}"));
-        assert_eq!(mended.code, 1);
-        assert!(mended.stderr.contains(done) && !mended.stderr.contains("warning"), "{}", mended.stderr);
+        let unrepaired = folder.run(&format!("check {file} inner.obj --solid"));
+        assert!(unrepaired.stderr.contains(advice), "{}", unrepaired.stderr);
+        assert!(folder.run(&format!("inspect {file}")).stdout.contains(advice));
+        let repaired = folder.run(&format!("check {file} inner.obj --solid {option}"));
+        assert_eq!(repaired.code, 1);
+        assert!(repaired.stderr.contains(done) && !repaired.stderr.contains("warning"), "{}", repaired.stderr);
         let object = folder.run(&format!("check {file} inner.obj --solid --json {option}"));
         let found: serde_json::Value = serde_json::from_str(&object.stdout).unwrap();
         assert_eq!(found["contained"].as_str(), Some("b"));

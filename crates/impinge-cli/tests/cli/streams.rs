@@ -1,11 +1,11 @@
-//! Standard output and standard error, whoever is at the other end.
+//! Tests of standard output and standard error when they are closed, full or not a terminal.
 
 use std::io;
 
 use crate::Folder;
 
 #[test]
-fn a_reader_that_left_is_no_error() {
+fn a_closed_pipe_is_not_an_error() {
     let folder = Folder::new();
     for (arguments, code) in [
         (["check", "cube.obj", "cube.obj", "--pose-b", "0.5,0,0"], 1),
@@ -31,7 +31,7 @@ fn a_reader_that_left_is_no_error() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_report_that_is_lost_is_no_answer() {
+fn a_report_that_cannot_be_written_is_an_error() {
     let folder = Folder::new();
     let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let output = folder.command(["check", "cube.obj", "cube.obj"]).stdout(full).output().unwrap();
@@ -41,17 +41,17 @@ fn a_report_that_is_lost_is_no_answer() {
 }
 
 #[test]
-fn colours_are_for_terminals_and_for_those_who_insist() {
+fn colors_are_printed_only_on_terminals_or_if_forced() {
     let folder = Folder::new();
-    let coloured = |variables: &[(&str, &str)], arguments: &[&str]| {
+    let colored = |variables: &[(&str, &str)], arguments: &[&str]| {
         let mut command = folder.command(arguments);
         command.envs(variables.iter().copied());
         let output = command.output().unwrap();
         [output.stdout, output.stderr].map(|bytes| bytes.contains(&0x1b))
     };
     let check = ["check", "cube.obj", "big.obj"];
-    assert_eq!(coloured(&[], &check), [false, false]);
-    assert_eq!(coloured(&[("CLICOLOR_FORCE", "1")], &check), [true, true]);
-    assert_eq!(coloured(&[("CLICOLOR_FORCE", "1")], &["check", "cube.obj", "big.obj", "--json"]), [false, true]);
-    assert_eq!(coloured(&[("CLICOLOR_FORCE", "0"), ("NO_COLOR", "1")], &check), [false, false]);
+    assert_eq!(colored(&[], &check), [false, false]);
+    assert_eq!(colored(&[("CLICOLOR_FORCE", "1")], &check), [true, true]);
+    assert_eq!(colored(&[("CLICOLOR_FORCE", "1")], &["check", "cube.obj", "big.obj", "--json"]), [false, true]);
+    assert_eq!(colored(&[("CLICOLOR_FORCE", "0"), ("NO_COLOR", "1")], &check), [false, false]);
 }

@@ -1,8 +1,8 @@
-//! Units: stated, overridden, converted and doubted.
+//! Tests of units: stated, overridden, converted and suspected to be wrong.
 
 use crate::Folder;
 
-/// One triangle, in metres as every glTF.
+/// One triangle, in meters like every glTF file.
 const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
 "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
 "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
@@ -57,16 +57,16 @@ fn a_stated_unit_can_be_overridden() {
 }
 
 #[test]
-fn a_missing_unit_is_taken_from_the_other_and_said() {
+fn a_missing_unit_is_taken_from_the_other_mesh_with_a_note() {
     let folder = Folder::new();
     folder.write("triangle.gltf", GLTF);
     let run = folder.run("check triangle.gltf cube.obj --json");
-    let note = "note: A is in m and B states no unit: it is taken to be in m too (else: --unit-b)\n";
+    let note = "note: A is in m and B states no unit: it is taken to be in m too (--unit-b overrides it)\n";
     assert_eq!((run.code, run.stderr.as_str()), (1, note));
 }
 
 #[test]
-fn sizes_that_smell_of_a_wrong_unit_are_doubted() {
+fn sizes_that_suggest_a_wrong_unit_cause_a_warning() {
     let folder = Folder::new();
     for (edge, quotient) in
         [(25.4, Some("25.4")), (26.0, Some("25.4")), (900.0, Some("1000")), (10.0, None), (100.0, None)]
@@ -87,7 +87,7 @@ fn sizes_that_smell_of_a_wrong_unit_are_doubted() {
         }
     }
     folder.write("other.obj", &crate::cuboid("other", [5.0; 3], 25.4));
-    // Units that are stated, or a pose that makes up for the difference, leave nothing to doubt.
+    // There is no warning if the units are stated, or if a pose makes up for the difference.
     assert_eq!(folder.run("check cube.obj other.obj --unit-a mm --unit-b mm").stderr, "");
     folder.write("scale", "25.4 0 0 0  0 25.4 0 0  0 0 25.4 0  0 0 0 1");
     assert_eq!(folder.run("check cube.obj other.obj --pose-a scale").stderr, "");

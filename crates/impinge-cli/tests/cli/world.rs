@@ -1,4 +1,5 @@
-//! `impinge world`: pairs that do not depend on how they are looked for, counts that add up, and a plot.
+//! Tests of `impinge world`: the pairs do not depend on the broad phase, the counts add up, and a
+//! plot is drawn.
 
 use serde_json::Value;
 
@@ -10,7 +11,7 @@ fn object(folder: &Folder, arguments: &str) -> Value {
     serde_json::from_str(&run.stdout).unwrap()
 }
 
-/// What was found at each step.
+/// Returns the counts of each step.
 fn counts(object: &Value) -> Vec<[u64; 5]> {
     let names = ["moved", "candidates", "pairs", "began", "ended"];
     let steps = object["steps"].as_array().unwrap().iter();
@@ -18,7 +19,7 @@ fn counts(object: &Value) -> Vec<[u64; 5]> {
 }
 
 #[test]
-fn every_scene_finds_the_same_pairs_in_every_way() {
+fn every_broad_phase_finds_the_same_pairs_in_every_scene() {
     let folder = Folder::new();
     for scene in ["brownian", "fall", "pile"] {
         for sizes in ["like", "spread"] {
@@ -32,17 +33,17 @@ fn every_scene_finds_the_same_pairs_in_every_way() {
                 assert!(pairs == *now && now <= candidates);
             }
             assert!(found.iter().map(|step| step[3]).sum::<u64>() > 20, "{scene} {sizes}: {found:?}");
-            for way in ["every", "tree", "columns", "grid"] {
-                let other = object(&folder, &format!("{arguments} --broad-phase {way} --threads 1"));
-                assert_eq!(counts(&other), found, "{scene} {sizes} {way}");
-                assert_eq!(other["broad_phase"], way);
+            for broad_phase in ["every", "tree", "columns", "grid"] {
+                let other = object(&folder, &format!("{arguments} --broad-phase {broad_phase} --threads 1"));
+                assert_eq!(counts(&other), found, "{scene} {sizes} {broad_phase}");
+                assert_eq!(other["broad_phase"], broad_phase);
             }
         }
     }
 }
 
 #[test]
-fn the_report_and_the_plot_tell_of_every_phase() {
+fn the_report_and_the_plot_name_every_phase() {
     let folder = Folder::new();
     let run = folder.run("world -n 50 --steps 5 --narrow-phase intersections --plot times.svg");
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
@@ -61,7 +62,7 @@ fn the_report_and_the_plot_tell_of_every_phase() {
 }
 
 #[test]
-fn what_cannot_be_run_is_said() {
+fn invalid_arguments_are_errors() {
     let folder = Folder::new();
     assert_eq!(folder.run("world -n 0").code, 2);
     assert_eq!(folder.run("world -n 5 --scene rain").code, 2);

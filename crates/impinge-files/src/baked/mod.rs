@@ -1,18 +1,19 @@
-//! Baked files: a mesh with its hierarchy, as the arrays that it consists of, which are used where they lie in the file.
+//! Baked files: a mesh with its hierarchy, stored as the arrays that it consists of. The arrays are
+//! used in place, without copying.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 0 .. 64 | the header, whose fields are in [`header`] |
-//! | 64 .. 280 | nine sections: what it is, its checksum (CRC-32), where it starts, how long it is |
-//! | from 320 | the sections in that order, each from a multiple of 64 on, with zeros between them |
+//! | 64 .. 280 | a table of nine sections: number, checksum (CRC-32), offset, length |
+//! | from 320 | the sections in order, each at a multiple of 64, with zeros between them |
 //!
-//! All numbers are little-endian, on every machine; one of the other byte order is told so. The sections are those of
-//! [`Parts`], where each face comes from, and the [`Proxies`], of which a file may have none.
+//! All numbers are little-endian on every machine; big-endian machines get an error. The sections
+//! are those of [`Parts`], the provenance of each face, and the optional [`Proxies`].
 //!
-//! Opening looks at the header and the table alone. Before the first answer the arrays are proved to be a mesh
-//! ([`Mesh::validate`]), and what that cannot prove, the numbers of the vertices and faces themselves, is compared with the
-//! checksums. So a file that was spoiled by accident is refused, and one that was made with ill intent is refused or is a
-//! mesh whose answers are true.
+//! Opening reads only the header and the table. Before the first answer the arrays are validated as
+//! a mesh ([`Mesh::validate`]). The values of vertices and faces cannot be validated in this way,
+//! so they are compared with the checksums. So a file that was damaged by accident is rejected. A
+//! file that was made to deceive is rejected, or is a valid mesh with correct answers.
 
 mod header;
 mod names;
@@ -39,11 +40,12 @@ use crate::{
 pub(crate) use header::MAGIC;
 use header::{HEADER, Header, Section};
 
-/// A mesh with its hierarchy in a file, opened and not yet believed.
+/// A baked file with a mesh and its hierarchy, opened but not yet validated.
 ///
-/// The file is mapped, not read: it must not be changed while it, or a mesh from it, is in use. If somebody shortens
-/// it, the system may end the program. If somebody writes to it, answers may be wrong and questions may panic. Without
-/// the feature `mmap` the file is read when it is opened, and later changes to it do not matter.
+/// The file is mapped, not read: do not change it while this value, or a mesh from it, is in use.
+/// If another program shortens the file, the system may end this process. If another program writes
+/// to it, answers may be wrong and queries may panic. Without the feature `mmap` the file is read
+/// when it is opened, and later changes have no effect.
 ///
 /// ```no_run
 /// let mesh = impinge_files::Baked::open("engine.impinge")?.mesh()?;
@@ -56,24 +58,25 @@ pub struct Baked {
     header: Header,
 }
 
-/// Where the faces of a mesh come from.
+/// The provenance of a mesh: the polygons and parts of its faces, and its unit.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Provenance {
-    /// The polygon of the original file that each face is from.
+    /// For each face, the index of its polygon in the original file.
     pub sources: Vec<u32>,
-    /// The part of each face, as an index into `parts`.
+    /// For each face, the index of its part in `parts`.
     pub part_of: Vec<u32>,
     /// The names of the parts.
     pub parts: Vec<String>,
-    /// The unit of length, where the original file states one.
+    /// The unit of length; `None` if the original file states none.
     pub unit: Option<Unit>,
 }
 
 impl Baked {
-    /// Maps a file and judges its header and its table.
+    /// Maps a file and validates its header and its table.
     ///
     /// # Errors
-    /// Where the file cannot be mapped, is no baked file or one of another version, or is not as long as its table says.
+    /// Returns an error if the file cannot be mapped, is not a baked file, has another version, or
+    /// does not have the length in its header.
     ///
     /// # Complexity
     /// O(1); linear in the size of the file without the feature `mmap`.
@@ -93,8 +96,9 @@ impl Baked {
         Ok(Self { path, bytes, header })
     }
 
-    /// Takes what [`write_baked`] wrote where it lies in memory, and judges its header and its table. Bytes that others may change
-    /// are to be copied first ([`AlignedBytes`](impinge::storage::AlignedBytes)).
+    /// Opens the bytes that [`write_baked`] wrote, in place, and validates the header and the
+    /// table. If other code may change the bytes, copy them first
+    /// ([`AlignedBytes`](impinge::storage::AlignedBytes)).
     ///
     /// ```
     /// use std::sync::Arc;
@@ -115,8 +119,8 @@ impl Baked {
     /// ```
     ///
     /// # Errors
-    /// As [`open`](Self::open), with an empty path. Bytes that do not start at a multiple of
-    /// [`Mesh::PARTS_ALIGNMENT`] are refused when the mesh is asked for.
+    /// Returns an error as [`open`](Self::open) does; its path is empty. Bytes that do not start at
+    /// a multiple of [`Mesh::PARTS_ALIGNMENT`] give an error only in [`mesh`](Self::mesh).
     ///
     /// # Complexity
     /// O(1).
@@ -125,13 +129,15 @@ impl Baked {
         Ok(Self { path: PathBuf::new(), bytes, header })
     }
 
-    /// The mesh, proved to be one.
+    /// Returns the mesh after validating it.
     ///
     /// # Errors
-    /// Where it is not what was baked, or no mesh.
+    /// Returns an error if the file differs from the file that was written, or does not hold a
+    /// valid mesh.
     ///
     /// # Complexity
-    /// Linear, whatever the file holds; a refit and a half, on all cores of the current rayon pool.
+    /// Linear in the size of the file, whatever it holds: about 1.5 times the cost of a refit, on
+    /// all threads of the current rayon pool.
     pub fn mesh(&self) -> Result<Mesh, LoadError> {
         let mesh = self.trusted_mesh()?;
         let proved = mesh.validate().map_err(|flaw| corrupt(flaw.to_string()));
@@ -140,14 +146,15 @@ impl Baked {
         Ok(mesh)
     }
 
-    /// The mesh, believed: as [`mesh`](Self::mesh) for a file that this machine has just written. From any other, answers may be
-    /// wrong, and questions may panic or go on without end; nothing outside the file is ever read for them.
+    /// Returns the mesh without validating it, for files that this machine has just written. If the
+    /// file is invalid, answers may be wrong, and queries may panic or never end, but they never
+    /// read outside of the file.
     ///
     /// # Errors
-    /// Where a section is not a whole number of elements.
+    /// Returns an error if the length of a section is not a multiple of its element size.
     ///
     /// # Complexity
-    /// As [`Mesh::borrow`].
+    /// The same as [`Mesh::borrow`].
     pub fn trusted_mesh(&self) -> Result<Mesh, LoadError> {
         let range = |section| self.header.range(section);
         let parts: Parts<Range<usize>> = Parts {
@@ -161,13 +168,14 @@ impl Baked {
             .map_err(|flaw| corrupt(flaw.to_string()).in_file(&self.path))
     }
 
-    /// Whether there are proxies in the file.
+    /// Reports whether the file contains proxies.
     #[must_use]
     pub fn has_proxies(&self) -> bool {
         !self.header.range(Section::Proxies).is_empty()
     }
 
-    /// The proxies of the mesh that [`mesh`](Self::mesh) returned, proved to be some; none where the file has none.
+    /// Returns the proxies after validating them. `mesh` is the mesh that [`mesh`](Self::mesh)
+    /// returned. Returns `None` if the file contains no proxies.
     ///
     /// ```no_run
     /// use impinge::shape::Shape;
@@ -179,10 +187,11 @@ impl Baked {
     /// ```
     ///
     /// # Errors
-    /// Where they are not what was baked, or not those of this mesh ([`Mesh::validate_proxies`]).
+    /// Returns an error if the proxies differ from those that were written, or do not fit this mesh
+    /// ([`Mesh::validate_proxies`]).
     ///
     /// # Complexity
-    /// Nearly linear in the mesh's vertices and faces, on all cores of the current rayon pool.
+    /// Nearly linear in the mesh's vertices and faces, on all threads of the current rayon pool.
     pub fn proxies(&self, mesh: &Mesh) -> Result<Option<Proxies>, LoadError> {
         let read = self.trusted_proxies(mesh)?;
         if let Some(proxies) = &read {
@@ -193,14 +202,14 @@ impl Baked {
         Ok(read)
     }
 
-    /// The proxies, believed: as [`proxies`](Self::proxies) for a file that this machine has just written. From any other, what
-    /// they answer may be wrong.
+    /// Returns the proxies without validating them, for files that this machine has just written.
+    /// If the file is invalid, answers of the proxies may be wrong.
     ///
     /// # Errors
-    /// Where the section is not that of a hull of some vertices of this mesh, and of volumes.
+    /// Returns an error if the section does not hold a hull of vertices of this mesh, and volumes.
     ///
     /// # Complexity
-    /// Linear in the hull.
+    /// Linear in the size of the hull.
     pub fn trusted_proxies(&self, mesh: &Mesh) -> Result<Option<Proxies>, LoadError> {
         if !self.has_proxies() {
             return Ok(None);
@@ -210,10 +219,10 @@ impl Baked {
         Ok(Some(read))
     }
 
-    /// Where the faces come from, with an entry for each face of the mesh.
+    /// Returns the provenance of the mesh, with an entry for each face.
     ///
     /// # Errors
-    /// Where that is not what was baked.
+    /// Returns an error if the provenance differs from the provenance that was written.
     pub fn provenance(&self) -> Result<Provenance, LoadError> {
         self.read_provenance().map_err(|e| e.in_file(&self.path))
     }
@@ -228,11 +237,12 @@ impl Baked {
     }
 }
 
-/// Writes a mesh with its hierarchy, where its faces come from, and its [proxies](Mesh::proxies) where they are wanted: the
-/// same bytes on every machine.
+/// Writes a mesh with its hierarchy, its provenance, and its [proxies](Mesh::proxies) if they are
+/// given. The bytes are the same on every machine.
 ///
 /// # Errors
-/// Where `out` refuses, where `provenance` has not an entry for each face, or where this machine is big-endian.
+/// Returns an error if `out` does, if `provenance` lacks an entry for a face, or if this machine is
+/// big-endian.
 pub fn write_baked(
     mesh: &Mesh,
     provenance: &Provenance,
@@ -240,14 +250,20 @@ pub fn write_baked(
     out: &mut dyn Write,
 ) -> io::Result<()> {
     if cfg!(target_endian = "big") {
-        return Err(io::Error::new(io::ErrorKind::Unsupported, "baked files are written on little-endian machines"));
+        return Err(io::Error::new(
+            io::ErrorKind::Unsupported,
+            "baked files can be written only on little-endian machines",
+        ));
     }
     let faces = mesh.faces().len();
     let is_complete = provenance.sources.len() == faces
         && provenance.part_of.len() == faces
         && provenance.part_of.iter().all(|&part| (part as usize) < provenance.parts.len());
     if !is_complete {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "not every face has a source and a part"));
+        return Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "the provenance must have a source and a valid part for each face",
+        ));
     }
     let little = |numbers: &[u32]| numbers.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
     let (sources, part_of) = (little(&provenance.sources), little(&provenance.part_of));
@@ -267,7 +283,7 @@ pub fn write_baked(
     Ok(())
 }
 
-/// Reads the triangles alone.
+/// Reads the triangles without the hierarchy.
 pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
     let header = Header::read(bytes)?;
     header.check(bytes, &[Section::Positions, Section::Faces, Section::Sources, Section::PartOf, Section::Parts])?;
@@ -293,7 +309,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
     Ok(Model { positions, faces, sources, part_of, parts, unit, warnings: Vec::new(), format: Format::Baked })
 }
 
-/// Numbers of `N` bytes, three to a row.
+/// Returns rows of three numbers of `N` bytes each.
 fn rows<const N: usize>(bytes: &[u8]) -> impl Iterator<Item = [[u8; N]; 3]> {
     bytes.as_chunks::<N>().0.as_chunks::<3>().0.iter().copied()
 }
@@ -302,15 +318,16 @@ fn provenance(bytes: &[u8], header: &Header) -> Result<Provenance, LoadError> {
     let numbers = |section| -> Vec<u32> {
         bytes[header.range(section)].as_chunks().0.iter().map(|&x| u32::from_le_bytes(x)).collect()
     };
-    let parts = names::from_bytes(&bytes[header.range(Section::Parts)]).ok_or_else(|| corrupt("the names of parts"))?;
+    let parts = names::from_bytes(&bytes[header.range(Section::Parts)])
+        .ok_or_else(|| corrupt("the names of parts are invalid"))?;
     let (sources, part_of) = (numbers(Section::Sources), numbers(Section::PartOf));
     let faces = header.range(Section::Faces).len() / 12;
     if sources.len() != faces || part_of.len() != faces || part_of.iter().any(|&part| part as usize >= parts.len()) {
-        return Err(corrupt("the sources and parts are not those of the faces"));
+        return Err(corrupt("the sources and parts do not match the faces"));
     }
     Ok(Provenance { sources, part_of, parts, unit: header.unit })
 }
 
 fn corrupt(what: impl Into<String>) -> LoadError {
-    LoadError::new(LoadErrorKind::Corrupt { what: what.into() }).with_hint("bake it anew from the original mesh")
+    LoadError::new(LoadErrorKind::Corrupt { what: what.into() }).with_hint("bake the original mesh again")
 }

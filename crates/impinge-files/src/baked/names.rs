@@ -1,4 +1,5 @@
-//! Names as bytes: how many there are, then for each its length and its UTF-8.
+//! Converts names to bytes and back: the number of names, then the length and the UTF-8 text of
+//! each.
 
 pub(super) fn to_bytes(names: &[String]) -> Vec<u8> {
     let mut bytes = (names.len() as u32).to_le_bytes().to_vec();
@@ -9,11 +10,11 @@ pub(super) fn to_bytes(names: &[String]) -> Vec<u8> {
     bytes
 }
 
-/// None where the bytes are not names, all of them.
+/// Returns the names, or `None` if the bytes do not consist of names entirely.
 pub(super) fn from_bytes(mut bytes: &[u8]) -> Option<Vec<String>> {
     let (count, rest) = bytes.split_first_chunk::<4>()?;
     bytes = rest;
-    // Not reserved: the count is not to be believed.
+    // Reserve no memory: the count may be wrong.
     let mut names = Vec::new();
     for _ in 0..u32::from_le_bytes(*count) {
         let (head, rest) = bytes.split_first_chunk::<4>()?;
@@ -29,7 +30,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_come_back_and_nothing_else_does() {
+    fn names_round_trip_and_other_bytes_are_rejected() {
         let names = ["", "wheel", "Zahnräder"].map(str::to_owned).to_vec();
         let bytes = to_bytes(&names);
         assert_eq!(from_bytes(&bytes), Some(names));
@@ -38,7 +39,7 @@ mod tests {
             assert_eq!(from_bytes(&bytes[..cut]), None, "{cut}");
         }
         assert_eq!(from_bytes(&[bytes, vec![0]].concat()), None);
-        assert_eq!(from_bytes(&[1, 0, 0, 0, 1, 0, 0, 0, 0xff]), None, "no UTF-8");
+        assert_eq!(from_bytes(&[1, 0, 0, 0, 1, 0, 0, 0, 0xff]), None, "not UTF-8");
         assert_eq!(from_bytes(&[255; 12]), None);
     }
 }

@@ -1,5 +1,5 @@
-//! A COLLADA geometry: its sources of positions and its primitives, triangulated once however often
-//! it is placed.
+//! Reads a COLLADA geometry: its sources of positions and its primitives. Each geometry is
+//! triangulated once, even if it is placed several times.
 
 use std::{collections::HashMap, rc::Rc};
 
@@ -11,24 +11,25 @@ use crate::{
 
 use super::tree::{INTEGERS, Id, Tree};
 
-/// The vertices and triangles of a geometry as it is modelled. All triangles belong to part 0.
+/// The vertices and triangles of a geometry in its own frame. All triangles belong to part 0.
 #[derive(Default)]
 pub(super) struct Geometry {
     pub(super) positions: Vec<[f64; 3]>,
     pub(super) faces: Faces,
-    /// The first position of each source.
+    /// The range in `positions` of each source.
     sources: HashMap<Id, Range>,
 }
 
-/// What geometries share: any of them may name any array of the document, again and again.
+/// Arrays that geometries share: any geometry may refer to any array of the document, several
+/// times.
 pub(super) struct Arrays {
     /// Every array that was read.
     values: HashMap<Id, Rc<Vec<f64>>>,
     /// The positions of every source that was read.
     sources: HashMap<Id, Rc<Vec<[f64; 3]>>>,
-    /// The source of positions of every `<vertices>` that was read.
+    /// For every `<vertices>` that was read, its source of positions.
     vertices: HashMap<Id, Id>,
-    /// Number of positions of all sources.
+    /// Total number of positions that were read from sources or copied to geometries.
     positions: u64,
     budget: Budget,
 }
@@ -47,7 +48,7 @@ impl Arrays {
         Ok(values)
     }
 
-    /// The positions of a source.
+    /// Returns the positions of a source, and reads them if necessary.
     fn positions(&mut self, tree: &Tree<'_>, source: Id) -> Result<Rc<Vec<[f64; 3]>>, LoadError> {
         if let Some(positions) = self.sources.get(&source) {
             return Ok(Rc::clone(positions));
@@ -57,7 +58,7 @@ impl Arrays {
         Ok(positions)
     }
 
-    /// The source of positions that a `<vertices>` names.
+    /// Returns the source of positions that a `<vertices>` refers to.
     fn source_of(&mut self, tree: &Tree<'_>, vertices: Id) -> Result<Id, LoadError> {
         if let Some(&source) = self.vertices.get(&vertices) {
             return Ok(source);
@@ -77,18 +78,18 @@ impl Arrays {
     }
 }
 
-/// The positions of a source.
+/// The range of a source's positions in [`Geometry::positions`].
 #[derive(Clone, Copy)]
 struct Range {
     first: usize,
     len: usize,
 }
 
-/// How the corners of a primitive stand in its lists of indices.
+/// The layout of a primitive's lists of indices.
 struct Corners {
-    /// Number of indices for each corner.
+    /// Number of indices per corner.
     stride: usize,
-    /// Which of these names the position.
+    /// Position among the corner's indices of the index that refers to the position.
     offset: usize,
     positions: Range,
 }
@@ -111,7 +112,7 @@ impl Geometry {
         Ok(geometry)
     }
 
-    /// Counts an element that has no triangles.
+    /// Counts an element without triangles in a warning.
     fn skip(&mut self, tree: &Tree<'_>, id: Id) {
         self.faces.warnings.add(WarningKind::NotTriangles, 1, || Some(tree.place(id)));
     }
@@ -120,7 +121,7 @@ impl Geometry {
         let name = tree.name(id);
         let is_surface = matches!(name, "triangles" | "trifans" | "tristrips" | "polygons" | "polylist");
         let is_line = matches!(name, "lines" | "linestrips");
-        // Exporters write primitives without corners, and these without inputs.
+        // Some exporters write primitives without corners and without inputs.
         let is_empty = !tree.children(id).any(|child| matches!(tree.name(child), "p" | "ph"));
         if !(is_surface || is_line) || is_empty {
             return Ok(());
@@ -174,8 +175,8 @@ impl Geometry {
         Ok(())
     }
 
-    /// Every other triangle of a strip is turned. Those that repeat a corner join strips and have
-    /// no surface.
+    /// Adds the triangles of a strip. Every other triangle has reversed winding. Triangles that
+    /// repeat a corner join strips and have no surface, so they are skipped.
     fn strip(&mut self, tree: &Tree<'_>, list: Id, corners: &[u32]) -> Result<(), LoadError> {
         let mut joints = 0;
         for (i, window) in corners.windows(3).enumerate() {
@@ -217,7 +218,7 @@ impl Geometry {
         self.faces.warnings.add(WarningKind::LeftoverCorners, corners as u64, || Some(tree.place(id)));
     }
 
-    /// Appends the vertices of all corners of a list, which exist.
+    /// Appends the vertices of all corners of a list. Returns an error if a vertex does not exist.
     fn corners(
         &mut self,
         tree: &Tree<'_>,
@@ -250,7 +251,7 @@ impl Geometry {
         Ok(())
     }
 
-    /// Reads the inputs of a primitive, and the positions that they name.
+    /// Reads the inputs of a primitive, and the positions that they refer to.
     fn layout(&mut self, tree: &Tree<'_>, id: Id, arrays: &mut Arrays) -> Result<Corners, LoadError> {
         let (mut stride, mut found) = (0, None);
         for input in tree.children_named(id, "input") {
@@ -282,7 +283,7 @@ impl Geometry {
     }
 }
 
-/// Returns the face to which a corner of a primitive belongs, counted from its first face.
+/// Returns the face of a corner of a primitive, counted from the primitive's first face.
 fn face_of(tree: &Tree<'_>, primitive: Id, corner: usize) -> u64 {
     let corner = corner as u64;
     match tree.name(primitive) {
@@ -302,7 +303,7 @@ fn face_of(tree: &Tree<'_>, primitive: Id, corner: usize) -> u64 {
     }
 }
 
-/// Returns the positions of a source, as its accessor picks them from an array.
+/// Returns the positions of a source, as its accessor selects them from an array.
 fn read_positions(tree: &Tree<'_>, source: Id, arrays: &mut Arrays) -> Result<Vec<[f64; 3]>, LoadError> {
     let accessor = tree.child(source, "technique_common").and_then(|common| tree.child(common, "accessor"));
     let array = match accessor {
@@ -324,7 +325,7 @@ fn read_positions(tree: &Tree<'_>, source: Id, arrays: &mut Arrays) -> Result<Ve
             return Err(LoadError::syntax(expected, stride.to_string().as_bytes()).at(tree.place(accessor)));
         }
     }
-    // The last element may end with its last coordinate.
+    // The last element may end with its last coordinate, before its stride is complete.
     let needed = axes.iter().max().map_or(0, |axis| axis + 1);
     let room = values.len().saturating_sub(offset);
     let room = if room < needed { 0 } else { (room - needed) / stride + 1 };
@@ -344,10 +345,10 @@ fn read_positions(tree: &Tree<'_>, source: Id, arrays: &mut Arrays) -> Result<Ve
     Ok(positions)
 }
 
-/// Returns which values of an element are x, y and z, and the number of values if the accessor does
-/// not state it.
+/// Returns the indices of x, y and z in an element, and the number of values per element if the
+/// accessor does not state it.
 ///
-/// Parameters called X, Y and Z are these; otherwise the first three are.
+/// The parameters named X, Y and Z are used if all three exist, else the first three values.
 fn axes(tree: &Tree<'_>, accessor: Id) -> ([usize; 3], usize) {
     let mut axes = [None; 3];
     let mut params = 0;

@@ -1,4 +1,4 @@
-//! The nodes of a COLLADA scene, flattened: each geometry with the map that places it.
+//! Flattens the nodes of a COLLADA scene: each instance of a geometry with the map that places it.
 
 use std::{collections::HashMap, rc::Rc};
 
@@ -15,7 +15,7 @@ use super::{
 };
 
 /// Maximum depth of nodes within nodes, and of controllers within controllers. It bounds the stack
-/// and ends cycles. Exporters nest some ten nodes; skeletons nest up to a hundred joints.
+/// and ends cycles. Exporters nest about ten nodes; skeletons nest up to a hundred joints.
 const MAX_DEPTH: u32 = 256;
 
 pub(super) struct Scene<'t, 'a> {
@@ -23,7 +23,7 @@ pub(super) struct Scene<'t, 'a> {
     geometries: HashMap<Id, Rc<Geometry>>,
     arrays: Arrays,
     nodes: HashMap<Id, Rc<Node>>,
-    /// The geometry and the bind shape matrix of every controller that was read.
+    /// For each controller that was read, its geometry and its bind shape matrix.
     controlled: HashMap<Id, (Id, Affine)>,
     limits: Limits,
     visited: u64,
@@ -39,14 +39,14 @@ struct Limits {
     names: Budget,
 }
 
-/// A node, read once however often it is reached.
+/// A node. It is read once, even if several paths reach it.
 struct Node {
     map: Affine,
     title: String,
     content: Vec<Content>,
 }
 
-/// What a node holds, in its order.
+/// An entry of a node, in the order of the file.
 enum Content {
     Node(Id),
     Geometry {
@@ -81,8 +81,8 @@ impl<'t, 'a> Scene<'t, 'a> {
         }
     }
 
-    /// Adds all nodes of the scene that the document names, or else of the first one. A document
-    /// without scenes gives all geometries.
+    /// Adds all nodes of the scene that the document names, or else of the first scene. If the
+    /// document has no scenes, adds all geometries.
     pub(super) fn add_all(&mut self, root: Id, world: &Affine) -> Result<(), LoadError> {
         let tree = self.tree;
         let named = tree.child(root, "scene").and_then(|scene| tree.child(scene, "instance_visual_scene"));
@@ -106,7 +106,7 @@ impl<'t, 'a> Scene<'t, 'a> {
         Ok(())
     }
 
-    /// Adds a node with all that it holds; `depth` nodes are around it.
+    /// Adds a node with everything in it; `depth` is the number of nodes around it.
     fn node(&mut self, id: Id, around: &Affine, depth: u32) -> Result<(), LoadError> {
         let at = |e: LoadError| e.at(self.tree.place(id));
         if depth == MAX_DEPTH {
@@ -189,7 +189,8 @@ impl<'t, 'a> Scene<'t, 'a> {
         Err(LoadError::syntax("a geometry to deform", b"a cycle of controllers").at(tree.place(controller)))
     }
 
-    /// Returns the element that an attribute names, which must have this name.
+    /// Returns the element that an attribute refers to. Returns an error if its name is not
+    /// `expected`.
     fn target(&self, id: Id, attribute: &str, expected: &str) -> Result<Id, LoadError> {
         let target = self.tree.target(id, attribute)?;
         match self.tree.name(target) {
@@ -201,7 +202,7 @@ impl<'t, 'a> Scene<'t, 'a> {
         }
     }
 
-    /// Adds a geometry, named after its node or else itself.
+    /// Adds a geometry as a part, named after its node or else itself.
     fn geometry(&mut self, id: Id, world: &Affine, title: &str, instance: Id) -> Result<(), LoadError> {
         let geometry = match self.geometries.get(&id) {
             Some(geometry) => Rc::clone(geometry),
@@ -223,7 +224,7 @@ impl<'t, 'a> Scene<'t, 'a> {
             let position = world.apply(position);
             if !position.iter().all(|x| x.is_finite()) {
                 let error = LoadError::new(LoadErrorKind::NonFinite { vertex: vertex as u64 });
-                return Err(at(error).with_hint("as its node places it"));
+                return Err(at(error).with_hint("after the transform of its node"));
             }
             self.positions.push(position);
         }

@@ -1,4 +1,4 @@
-//! Documents written by hand: primitives, sources, scenes, frames, and what is wrong with others.
+//! Tests with documents written by hand: primitives, sources, scenes, frames, and errors.
 
 use impinge::Positions;
 
@@ -6,7 +6,7 @@ use crate::model::WarningKind;
 
 use super::*;
 
-/// A document with Z up, in metres, with these libraries and scenes.
+/// Returns a document with Z up, in meters, with these libraries and scenes.
 fn document(libraries: &str) -> String {
     format!(
         "<?xml version=\"1.0\"?>\n<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\">\n\
@@ -25,7 +25,7 @@ fn geometry(id: &str, primitives: &str) -> String {
     format!("<geometry id=\"{id}\" name=\"{id} name\"><mesh>{SOURCES}{primitives}</mesh></geometry>")
 }
 
-/// A document with one geometry, `g`, and a scene with these nodes.
+/// Returns a document with one geometry, `g`, and a scene with these nodes.
 fn with_nodes(primitives: &str, nodes: &str) -> String {
     document(&format!(
         "<library_geometries>{}</library_geometries><library_visual_scenes><visual_scene id=\"s\">{nodes}</visual_scene>\
@@ -119,7 +119,7 @@ fn inputs_have_offsets_and_accessors_pick_values() {
 }
 
 #[test]
-fn nodes_place_geometries() {
+fn nodes_place_geometries_as_named_parts() {
     let triangle = format!("<triangles>{INPUT}<p>0 1 2</p></triangles>");
     let nodes = r##"<node name="arm"><translate>10 0 0</translate><rotate>0 0 1 90</rotate><instance_geometry url="#g"/>
         <node id="hand"><scale>-2 2 2</scale><instance_geometry url="#g"/></node></node>
@@ -138,7 +138,7 @@ fn nodes_place_geometries() {
 }
 
 #[test]
-fn controllers_bind_meshes_as_modelled() {
+fn controllers_apply_only_the_bind_shape_matrix() {
     let controllers = r##"<library_controllers><controller id="c"><skin source="#m"><bind_shape_matrix>1 0 0 0 0 1 0 0 0 0 1 7 0 0 0 1
         </bind_shape_matrix></skin></controller><controller id="m"><morph source="#g"/></controller></library_controllers>"##;
     let triangle = format!("<triangles>{INPUT}<p>0 1 2</p></triangles>");
@@ -151,7 +151,7 @@ fn controllers_bind_meshes_as_modelled() {
 }
 
 #[test]
-fn scenes_are_chosen() {
+fn the_named_scene_is_loaded_else_the_first_else_all_geometries() {
     let triangle = format!("<triangles>{INPUT}<p>0 1 2</p></triangles>");
     let node = |n: usize| "<node><instance_geometry url=\"#g\"/></node>".repeat(n);
     let scenes = format!(
@@ -181,24 +181,24 @@ fn frames_have_units_and_axes() {
         let model = parse(&[&text[..start], asset, &text[end..]].concat());
         (model.positions.get(0), model.unit)
     };
-    let metre = Some(Unit::Metre);
-    assert_eq!(load("<asset><up_axis>Z_UP</up_axis></asset>"), ([1.0, 2.0, 3.0], metre));
-    assert_eq!(load("<asset><up_axis> Y_UP\n</up_axis></asset>"), ([1.0, -3.0, 2.0], metre));
-    assert_eq!(load("<asset><up_axis>X_UP</up_axis></asset>"), ([-2.0, -3.0, 1.0], metre));
-    assert_eq!(load("<asset/>"), ([1.0, -3.0, 2.0], metre));
-    assert_eq!(load(""), ([1.0, -3.0, 2.0], metre));
+    let meter = Some(Unit::Metre);
+    assert_eq!(load("<asset><up_axis>Z_UP</up_axis></asset>"), ([1.0, 2.0, 3.0], meter));
+    assert_eq!(load("<asset><up_axis> Y_UP\n</up_axis></asset>"), ([1.0, -3.0, 2.0], meter));
+    assert_eq!(load("<asset><up_axis>X_UP</up_axis></asset>"), ([-2.0, -3.0, 1.0], meter));
+    assert_eq!(load("<asset/>"), ([1.0, -3.0, 2.0], meter));
+    assert_eq!(load(""), ([1.0, -3.0, 2.0], meter));
     let unit = |meter: &str| load(&format!("<asset><unit meter=\"{meter}\"/><up_axis>Z_UP</up_axis></asset>"));
     assert_eq!(unit("0.0254"), ([1.0, 2.0, 3.0], Some(Unit::Inch)));
     assert_eq!(unit("0,01"), ([1.0, 2.0, 3.0], Some(Unit::Centimetre)));
     assert_eq!(unit("0.00999999977648258"), ([1.0, 2.0, 3.0], Some(Unit::Centimetre)));
-    assert_eq!(unit("1000"), ([1000.0, 2000.0, 3000.0], metre));
+    assert_eq!(unit("1000"), ([1000.0, 2000.0, 3000.0], meter));
     let wrong = |from: &str, to: &str| error(&text.replace(from, to));
-    assert_eq!(wrong("meter=\"1\"", "meter=\"0\""), "line 3: expected a length in metres, found \"0\"");
+    assert_eq!(wrong("meter=\"1\"", "meter=\"0\""), "line 3: expected a positive length in meters, found \"0\"");
     assert_eq!(wrong("Z_UP", "UP"), "line 3: expected X_UP, Y_UP or Z_UP, found \"UP\"");
 }
 
 #[test]
-fn encodings_and_prefixes() {
+fn every_encoding_and_prefix_is_read() {
     let triangle = format!("<triangles>{INPUT}<p>0 1 <!-- 9 -->2</p></triangles>");
     let text = with_primitives(&triangle).replace("g name", "caf\u{E9}");
     let latin: Vec<u8> = text.chars().map(|c| c as u8).collect();
@@ -252,14 +252,14 @@ fn errors_name_the_line() {
     assert!(bad("<mesh>", "<convex_mesh convex_hull_of=\"#g\"/><mesh>").contains("needs convex_hull_of"));
     assert!(
         bad("<instance_geometry", "<scale>1e308 1 1</scale><scale>1e308 1 1</scale><instance_geometry")
-            .contains("as its node places it")
+            .contains("after the transform of its node")
     );
     assert_eq!(error("<a/>"), "not COLLADA, but text without the element COLLADA");
     assert!(error("<COLLADA>").contains("the file is cut off"));
 }
 
 #[test]
-fn bombs_do_not_go_off() {
+fn hostile_nesting_and_repetition_are_errors() {
     let triangle = format!("<triangles>{INPUT}<p>0 1 2</p></triangles>");
     let deep = "nodes nested at most 256 deep";
     let cycle = with_nodes(&triangle, "<node id=\"n\"><instance_node url=\"#n\"/></node>");
@@ -271,11 +271,8 @@ fn bombs_do_not_go_off() {
     };
     let doubling: String = (0..60).map(twice).collect();
     let end = "<node id=\"n60\"><instance_geometry url=\"#g\"/></node>";
-    assert!(
-        error(&with_nodes("", &format!("{doubling}{end}")))
-            .contains("nodes are more than the 1048576 that are allowed")
-    );
-    // Many sources that name one long array.
+    assert!(error(&with_nodes("", &format!("{doubling}{end}"))).contains("nodes exceed the limit of 1048576"));
+    // Many sources that refer to one long array.
     let source = |i: usize| {
         let accessor = "<technique_common><accessor source=\"#long\" count=\"10000\" stride=\"3\"/></technique_common>";
         format!(
@@ -284,8 +281,8 @@ fn bombs_do_not_go_off() {
     };
     let long = format!("<source><float_array id=\"long\">{}</float_array></source>", "0 ".repeat(30_000));
     let text = with_primitives(&(long + &(0..2000).map(source).collect::<String>()));
-    assert!(error(&text).contains("positions of sources are more than the 16777216 that are allowed"));
-    // Hundreds of thousands of elements inside of each other need no stack.
+    assert!(error(&text).contains("positions of sources exceed the limit of 16777216"));
+    // Hundreds of thousands of nested elements need no stack.
     let text = document(&("<extra>".repeat(300_000) + &"</extra>".repeat(300_000)));
     assert!(parse(&text).faces.is_empty());
 }

@@ -7,7 +7,7 @@ use super::tree::{Id, Tree};
 
 type Vector = [f64; 3];
 
-/// Returns the product of a node's transforms in their order.
+/// Returns the product of a node's transforms in the order of the file.
 pub(super) fn of_node(tree: &Tree<'_>, node: Id) -> Result<Affine, LoadError> {
     let mut product = Affine::IDENTITY;
     for child in tree.children(node) {
@@ -58,8 +58,8 @@ fn translation([x, y, z]: Vector) -> Affine {
     Affine { rows: [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]] }
 }
 
-/// Returns the rotation about an axis, which need not have length 1. Quarter turns about a
-/// coordinate axis are exact. An axis of length zero turns nothing.
+/// Returns the rotation about an axis of any length. Rotations by multiples of 90 degrees about a
+/// coordinate axis are exact. If the axis has length zero, returns the identity.
 fn rotation(axis: Vector, degrees: f64) -> Affine {
     let Some([x, y, z]) = normalized(axis) else { return Affine::IDENTITY };
     let (sin, cos) = sin_cos(degrees);
@@ -84,7 +84,8 @@ fn sin_cos(degrees: f64) -> (f64, f64) {
     }
 }
 
-/// Returns the rigid map that puts the origin at `eye`, turns -Z towards `interest`, and Y upwards.
+/// Returns the rigid map that moves the origin to `eye`, and turns -Z towards `interest` and Y
+/// upwards. Returns `None` if these points define no frame.
 fn look_at(eye: Vector, interest: Vector, up: Vector) -> Option<Affine> {
     let back = normalized([0, 1, 2].map(|k| eye[k] - interest[k]))?;
     let right = normalized(cross(up, back))?;
@@ -93,11 +94,11 @@ fn look_at(eye: Vector, interest: Vector, up: Vector) -> Option<Affine> {
 }
 
 /// Returns the shear along `along` that turns the direction `turned` by an angle towards it
-/// (RenderMan's `Skew`).
+/// (RenderMan's `Skew`). Returns `None` if there is no such shear.
 fn skew(degrees: f64, turned: Vector, along: Vector) -> Option<Affine> {
     let along = normalized(along)?;
     let (sin, cos) = sin_cos(degrees);
-    // The part of `turned` that is perpendicular to `along` spans the plane of the turn.
+    // The part of `turned` that is perpendicular to `along` spans the plane of rotation.
     let on_along = dot(turned, along);
     let across = normalized([0, 1, 2].map(|k| turned[k] - on_along * along[k]))?;
     let on_across = dot(turned, across);
@@ -123,7 +124,8 @@ fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Returns the vector of length 1 in this direction, if there is a direction.
+/// Returns the vector of length 1 in the same direction, or `None` if the vector is zero or not
+/// finite.
 fn normalized(v: Vector) -> Option<Vector> {
     let largest = v.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
     if !(largest > 0.0 && largest.is_finite()) {
@@ -183,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_transform_is_an_error() {
+    fn invalid_transforms_are_errors() {
         let error = |text: &str| node(text).unwrap_err().to_string();
         assert!(error("<translate>1 2</translate>").contains("3 finite numbers in the element translate"));
         assert!(error("<scale>1 2 inf</scale>").contains("3 finite numbers"));

@@ -1,5 +1,5 @@
-//! The elements of a COLLADA document: a flat list of where each stands in the text, in the order
-//! of the text.
+//! The elements of a COLLADA document: a flat list of their places in the text, in the order of the
+//! text.
 
 use std::{borrow::Cow, collections::HashMap, fmt::Display};
 
@@ -28,7 +28,7 @@ struct Element {
     tag_end: usize,
     /// Start of the end tag, or `tag_end` if the element has no end tag.
     content_end: usize,
-    /// The first element that is not inside of this one.
+    /// Index of the first element after this one and everything in it.
     next: Id,
 }
 
@@ -79,19 +79,19 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// Returns the root element.
+    /// Returns the root element, or `None` if there are no elements.
     pub(super) fn root(&self) -> Option<Id> {
         (!self.elements.is_empty()).then_some(0)
     }
 
-    /// Returns the name of an element without a prefix.
+    /// Returns the name of an element without its prefix.
     pub(super) fn name(&self, id: Id) -> &'a str {
         let element = &self.elements[id];
         let name = &self.text[element.start + 1..element.name_end];
         name.rsplit_once(':').map_or(name, |(_, local)| local)
     }
 
-    /// Returns the value of an attribute.
+    /// Returns the value of an attribute, or `None` if it is missing.
     pub(super) fn attribute(&self, id: Id, name: &str) -> Option<Cow<'a, str>> {
         let element = &self.elements[id];
         let tag = &self.text[element.start + 1..element.tag_end - 1];
@@ -99,30 +99,30 @@ impl<'a> Tree<'a> {
         attributes_of_tag(tag, element.name_end - element.start - 1).find(|(key, _)| *key == name).map(|(_, v)| v)
     }
 
-    /// Returns the attribute `name`, or else `id`; empty text if there is neither.
+    /// Returns the attribute `name`, or else `id`; empty text if both are missing.
     pub(super) fn title(&self, id: Id) -> String {
         let title = self.attribute(id, "name").filter(|name| !name.is_empty()).or_else(|| self.attribute(id, "id"));
         crate::text::name(title.unwrap_or_default().as_bytes())
     }
 
-    /// Returns the elements directly inside of an element.
+    /// Returns the child elements of an element.
     pub(super) fn children(&self, id: Id) -> impl Iterator<Item = Id> {
         let end = self.elements[id].next;
         let first = (id + 1 < end).then_some(id + 1);
         std::iter::successors(first, move |&child| Some(self.elements[child].next).filter(|&next| next < end))
     }
 
-    /// Returns the elements of this name directly inside of an element.
+    /// Returns the child elements of this name.
     pub(super) fn children_named(&self, id: Id, name: &str) -> impl Iterator<Item = Id> {
         self.children(id).filter(move |&child| self.name(child) == name)
     }
 
-    /// Returns the first element of this name directly inside of an element.
+    /// Returns the first child element of this name, or `None`.
     pub(super) fn child(&self, id: Id, name: &str) -> Option<Id> {
         self.children_named(id, name).next()
     }
 
-    /// Returns the text directly inside of an element.
+    /// Returns the text of an element, without the text of its child elements.
     pub(super) fn text(&self, id: Id) -> Cow<'a, str> {
         let element = &self.elements[id];
         let content = &self.text[element.tag_end..element.content_end];
@@ -139,7 +139,7 @@ impl<'a> Tree<'a> {
                 Ok(Event::CData(piece)) if depth == 0 => text.push_str(&piece),
                 Ok(Event::Start(_)) => depth += 1,
                 Ok(Event::End(_)) => depth = depth.saturating_sub(1),
-                // The text was read without an error before.
+                // The text was parsed without an error before.
                 Ok(Event::Eof) | Err(_) => return Cow::Owned(text),
                 Ok(_) => {}
             }
@@ -173,7 +173,8 @@ impl<'a> Tree<'a> {
         Ok(values)
     }
 
-    /// Returns the `N` finite numbers in the text of an element.
+    /// Returns the numbers in the text of an element. Returns an error unless there are exactly
+    /// `N`, all finite.
     pub(super) fn array<const N: usize>(&self, id: Id) -> Result<[f64; N], LoadError> {
         let values = self.floats(id)?;
         match values.as_slice().try_into() {
@@ -186,8 +187,7 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// Returns the whole number that an attribute holds, or `default` if there is no such
-    /// attribute.
+    /// Returns the whole number in an attribute, or `default` if the attribute is missing.
     pub(super) fn count(&self, id: Id, attribute: &str, default: usize) -> Result<usize, LoadError> {
         let Some(value) = self.attribute(id, attribute) else { return Ok(default) };
         integer(value.trim().as_bytes()).and_then(|n| usize::try_from(n).ok()).ok_or_else(|| {
@@ -196,7 +196,7 @@ impl<'a> Tree<'a> {
         })
     }
 
-    /// Returns the element that an attribute of another one names, as `#id`.
+    /// Returns the element that an attribute refers to, as `#id`.
     pub(super) fn target(&self, id: Id, attribute: &str) -> Result<Id, LoadError> {
         let missing = |expected: &dyn Display| LoadError::syntax(expected.to_string(), b"").at(self.place(id));
         let Some(url) = self.attribute(id, attribute) else {
@@ -219,7 +219,8 @@ impl<'a> Tree<'a> {
         self.line(self.elements[id].start)
     }
 
-    /// Returns the line of a token, or that of its element if the token was copied.
+    /// Returns the line of a token, or the line of its element if the token is in a copy of the
+    /// text.
     fn place_of(&self, id: Id, token: &str) -> Place {
         let offset = (token.as_ptr() as usize).wrapping_sub(self.text.as_ptr() as usize);
         self.line(if offset < self.text.len() { offset } else { self.elements[id].start })
@@ -230,7 +231,7 @@ impl<'a> Tree<'a> {
     }
 }
 
-/// How to read the numbers of an element.
+/// A parser for the numbers of an element.
 #[derive(Clone, Copy)]
 pub(super) struct Numbers<T> {
     parse: fn(&[u8]) -> Option<T>,

@@ -1,4 +1,4 @@
-//! Reads accessors: typed views of bytes, strided, normalised, sparse (glTF 2.0 specification,
+//! Reads accessors: typed views of bytes, strided, normalized or sparse (glTF 2.0 specification,
 //! §3.6.2 and §5.1).
 
 use crate::error::{LoadError, LoadErrorKind, Place};
@@ -8,16 +8,16 @@ use super::{
     document::{Document, Sparse},
 };
 
-/// The document with its bytes.
+/// A document with its buffers.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
     pub(super) document: &'a Document,
     pub(super) buffers: &'a Buffers<'a>,
-    /// Number of bytes of the document's text.
+    /// Length of the document's JSON text, in bytes.
     pub(super) json_len: u64,
 }
 
-/// Types of components by their OpenGL numbers.
+/// Component types by their OpenGL numbers.
 pub(super) const I8: u32 = 5120;
 pub(super) const U8: u32 = 5121;
 pub(super) const I16: u32 = 5122;
@@ -25,17 +25,19 @@ pub(super) const U16: u32 = 5123;
 const U32: u32 = 5125;
 pub(super) const F32: u32 = 5126;
 
-/// Number of elements without data that any file may have. They take some 100 KiB.
+/// Number of elements without data that any file may have. They take about 100 KiB. A larger value
+/// lets tiny hostile files take more memory.
 const FEW_ZEROS: u64 = 2048;
 
 impl Source<'_> {
-    /// How many elements an accessor has.
+    /// Returns the number of elements of an accessor.
     pub(super) fn count(&self, accessor: u32) -> Result<u64, LoadError> {
         let accessors = &self.document.accessors;
         accessors.get(accessor as usize).map(|a| a.count).ok_or_else(|| missing("accessor", accessor))
     }
 
-    /// Finite positions, in f64, which holds those of every type.
+    /// Returns the positions of an accessor in f64, which holds the values of every component type.
+    /// Returns an error if a coordinate is not finite.
     pub(super) fn positions(&self, accessor: u32) -> Result<Vec<[f64; 3]>, LoadError> {
         let positions = self.elements::<3>(accessor, "VEC3", &[F32, I8, U8, I16, U16]);
         let positions = positions.map_err(|e| in_accessor(e, accessor))?;
@@ -48,11 +50,11 @@ impl Source<'_> {
         }
     }
 
-    /// Indices, each below `len`; `first_face` counts the faces before them.
+    /// Returns the indices of an accessor. Returns an error if an index is not below `len`.
     pub(super) fn indices(&self, accessor: u32, len: usize) -> Result<Vec<u32>, LoadError> {
         let indices = self.elements::<1>(accessor, "SCALAR", &[U8, U16, U32]).map_err(|e| in_accessor(e, accessor))?;
         let checked = indices.iter().enumerate().map(|(i, &[index])| {
-            // Exact: the value was read from an integer of at most 32 bits.
+            // The cast is exact: the value was read from an integer of at most 32 bits.
             let index = index as u32;
             if (index as usize) < len {
                 return Ok(index);
@@ -63,8 +65,8 @@ impl Source<'_> {
         checked.collect()
     }
 
-    /// The elements of an accessor that is to have this shape and one of these types, in f64; they
-    /// may be NaN.
+    /// Returns the elements of an accessor in f64; they may be NaN. Returns an error if its shape
+    /// is not `shape` or its component type is not in `types`.
     pub(super) fn numbers<const N: usize>(
         &self,
         accessor: u32,
@@ -103,11 +105,11 @@ impl Source<'_> {
         Ok(elements)
     }
 
-    /// Returns the elements of an accessor without a view: zeros, of which sparse elements may
-    /// replace some.
+    /// Returns the elements of an accessor without a view: zeros, some of which sparse elements may
+    /// replace.
     ///
-    /// Zeros take no room in the file, so that their number must be limited: to that of the bytes
-    /// of the document and its buffers, or [`FEW_ZEROS`].
+    /// Zeros take no space in the file, so their number is limited to the number of bytes of the
+    /// document and its buffers, or [`FEW_ZEROS`] if that is more.
     fn zeros<const N: usize>(&self, count: u64) -> Result<Vec<[f64; N]>, LoadError> {
         let limit = (self.json_len + self.buffers.total_len()).max(FEW_ZEROS);
         if count <= limit {
@@ -116,7 +118,7 @@ impl Source<'_> {
         Err(LoadError::new(LoadErrorKind::TooMany { what: "elements without data", count, limit }))
     }
 
-    /// Puts the elements of a sparse accessor in the place of those that they replace.
+    /// Replaces elements by those of a sparse accessor.
     fn replace<const N: usize>(
         &self,
         elements: &mut [[f64; N]],
@@ -142,7 +144,7 @@ impl Source<'_> {
         Ok(())
     }
 
-    /// Elements that lie in a buffer view.
+    /// Returns the elements of a buffer view.
     fn dense<const N: usize>(
         &self,
         view: u32,
@@ -182,8 +184,7 @@ impl Source<'_> {
         if count > room {
             return Err(LoadError::truncated("elements", count, room));
         }
-        // As many strides as are there whole, and the last element, after which its stride may be
-        // cut off.
+        // The number of complete strides, plus the last element, whose stride may be cut off.
         let element = |at: usize| {
             let chunks = bytes[at..at + N * B].as_chunks::<B>().0;
             std::array::from_fn(|k| value(chunks[k]))
@@ -191,7 +192,7 @@ impl Source<'_> {
         Ok((0..count as usize).map(|i| element(offset as usize + i * stride as usize)).collect())
     }
 
-    /// The bytes of a buffer view, and its stride.
+    /// Returns the bytes of a buffer view, and its stride if it states one.
     fn view(&self, index: u32) -> Result<(&[u8], Option<u64>), LoadError> {
         let view = self.document.buffer_views.get(index as usize).ok_or_else(|| missing("buffer view", index))?;
         let Some(bytes) = self.buffers.get(view.buffer) else {
@@ -213,7 +214,7 @@ fn in_accessor(error: LoadError, accessor: u32) -> LoadError {
     error.at(Place::Entry(format!("accessor {accessor}")))
 }
 
-/// The error that an entry does not exist.
+/// Returns the error that an entry does not exist.
 pub(super) fn missing(what: &str, index: u32) -> LoadError {
     LoadError::syntax(format!("{what} {index}"), b"")
 }

@@ -1,4 +1,5 @@
-//! The bytes behind a glTF document: the chunk of a GLB file, base64 text, or files beside it.
+//! Loads the buffers of a glTF document: the chunk of a GLB file, base64 text, or files in the
+//! folder of the document.
 
 use std::{
     borrow::Cow,
@@ -17,16 +18,16 @@ use crate::error::{LoadError, LoadErrorKind, Place};
 
 use super::document::Buffer;
 
-/// Base64 as it is found: with padding or without.
+/// Base64 decoder that accepts text with or without padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &alphabet::STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// All buffers of a document, each file read once.
+/// All buffers of a document. Each file is read once.
 pub(super) struct Buffers<'a> {
     data: Vec<Cow<'a, [u8]>>,
-    /// For each buffer the entry of `data`; none for one without data.
+    /// For each buffer, its index in `data`; `None` for a buffer without data.
     of_buffer: Vec<Option<usize>>,
 }
 
@@ -63,13 +64,13 @@ impl<'a> Buffers<'a> {
         Ok(Self { data, of_buffer })
     }
 
-    /// The bytes of a buffer that exists and has any.
+    /// Returns the bytes of a buffer, or `None` if it does not exist or has no data.
     pub(super) fn get(&self, buffer: u32) -> Option<&[u8]> {
         let entry = self.of_buffer.get(buffer as usize).copied().flatten()?;
         Some(&self.data[entry])
     }
 
-    /// How many bytes there are in all.
+    /// Returns the total number of bytes.
     pub(super) fn total_len(&self) -> u64 {
         self.data.iter().map(|d| d.len() as u64).sum()
     }
@@ -98,10 +99,10 @@ fn read_uri(uri: &str, folder: Option<&Path>) -> Result<Vec<u8>, LoadError> {
     }
 }
 
-/// The path of a URI that stays inside its folder.
+/// Returns the path of a relative URI, or `None` if it may lead outside of its folder.
 fn relative_path(uri: &str) -> Option<PathBuf> {
     let decoded = percent_encoding::percent_decode_str(uri).decode_utf8().ok()?;
-    // Backslashes and colons are separators, drives or schemes somewhere.
+    // On some systems, backslashes and colons are separators, drives or schemes.
     if decoded.is_empty() || decoded.contains(['\\', ':', '\0']) {
         return None;
     }
@@ -114,7 +115,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn paths_stay_inside() {
+    fn paths_outside_of_the_folder_are_rejected() {
         for inside in ["a.bin", "./a.bin", "sub/a%20b.bin", "...bin"] {
             assert!(relative_path(inside).is_some(), "{inside}");
         }
@@ -137,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn base64_with_or_without_padding() {
+    fn base64_is_decoded_with_or_without_padding() {
         for text in ["data:application/octet-stream;base64,AQI=", "data:;base64,AQI"] {
             assert_eq!(read_uri(text, None), Ok(vec![1, 2]));
         }

@@ -1,11 +1,12 @@
-//! The binary container GLB (glTF 2.0 specification, §4.4): a header, a chunk of JSON, and perhaps one of bytes.
+//! The binary container GLB (glTF 2.0 specification, §4.4): a header, a chunk of JSON, and an
+//! optional chunk of bytes.
 
 use crate::{
     error::{LoadError, Place},
     model::{WarningKind, Warnings},
 };
 
-/// The JSON and the binary chunk.
+/// Splits a GLB file into its JSON chunk and its optional binary chunk.
 pub(super) fn split<'a>(bytes: &'a [u8], warnings: &mut Warnings) -> Result<(&'a [u8], Option<&'a [u8]>), LoadError> {
     let [magic, version, total] = [0, 4, 8].map(|at| bytes.get(at..at + 4));
     let (Some(magic), Some(version), Some(total)) = (magic, version.map(word), total.map(word)) else {

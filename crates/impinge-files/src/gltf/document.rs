@@ -1,4 +1,5 @@
-//! The part of a glTF document that matters for triangles (glTF 2.0 specification, §5). Unknown fields are skipped.
+//! The fields of a glTF document that affect triangles (glTF 2.0 specification, §5). Unknown fields
+//! are skipped.
 
 use std::collections::HashMap;
 
@@ -25,7 +26,7 @@ pub(super) struct Document {
     pub(super) buffers: Vec<Buffer>,
 }
 
-/// The part of a document that every version has.
+/// The fields that documents of every version have.
 #[derive(Deserialize)]
 pub(super) struct Versioned {
     pub(super) asset: Asset,
@@ -65,7 +66,8 @@ pub(super) struct NodeExtensions {
     pub(super) instancing: Option<Box<Instancing>>,
 }
 
-/// Accessors with one element for each instance of the node's mesh: `TRANSLATION`, `ROTATION`, `SCALE` and others.
+/// Accessors with one element per instance of the node's mesh: `TRANSLATION`, `ROTATION`, `SCALE`
+/// and others.
 #[derive(Deserialize)]
 pub(super) struct Instancing {
     #[serde(default)]

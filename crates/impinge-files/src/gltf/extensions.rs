@@ -1,10 +1,9 @@
-//! Which extensions of glTF a file may require.
+//! The glTF extensions that a file may require.
 
 use crate::error::LoadError;
 
-/// Extensions that are supported, or without which the triangles are still right: materials,
-/// lights, metadata, visibility, sounds, physics, and rules that move nodes only while a program
-/// runs.
+/// Extensions that are supported, or that do not affect the triangles: materials, lights, metadata,
+/// visibility, sounds, physics, and rules that move nodes only while a program runs.
 const NAMES: [&str; 37] = [
     "AGI_articulations",
     "AGI_stk_metadata",
@@ -45,17 +44,17 @@ const NAMES: [&str; 37] = [
     "VRM",
 ];
 
-/// The beginnings of names of such extensions.
+/// Name prefixes of further extensions that do not affect the triangles.
 const FAMILIES: [&str; 7] =
     ["ADOBE_materials_", "EXT_lights_", "EXT_materials_", "EXT_texture_", "KHR_materials_", "KHR_texture_", "VRMC_"];
 
-/// Reports whether the triangles are right without an extension, or with it because it is
-/// supported.
+/// Reports whether the triangles are correct although a file requires this extension: it is
+/// supported, or does not affect them.
 pub(super) fn leaves_positions_alone(extension: &str) -> bool {
     NAMES.contains(&extension) || FAMILIES.iter().any(|family| extension.starts_with(family))
 }
 
-/// Returns the error that an extension is needed.
+/// Returns the error that a file needs an extension that is not supported.
 pub(super) fn lacking(extension: &str) -> LoadError {
     let error = LoadError::unsupported(format!("glTF extension {extension}"));
     if ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"].contains(&extension) {
@@ -70,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_extensions_that_move_nothing_are_ignored() {
+    fn only_extensions_that_do_not_affect_triangles_are_ignored() {
         assert!(NAMES.is_sorted() && FAMILIES.is_sorted());
         for fine in ["EXT_mesh_features", "KHR_materials_unlit", "VRM", "VRMC_springBone", "KHR_texture_basisu"] {
             assert!(leaves_positions_alone(fine), "{fine}");

@@ -1,5 +1,5 @@
-//! Many instances of a node's mesh (`EXT_mesh_gpu_instancing`): accessors hold a translation, a
-//! rotation and a scale each.
+//! Instances of a node's mesh (`EXT_mesh_gpu_instancing`): accessors hold a translation, a rotation
+//! and a scale for each instance.
 
 use crate::{
     error::{LoadError, Place},
@@ -12,14 +12,14 @@ use super::{
     scene::{Instance, placement},
 };
 
-/// The attributes that place instances.
+/// The accessors that place the instances of a node.
 struct Attributes {
     translation: Option<u32>,
     rotation: Option<u32>,
     scale: Option<u32>,
 }
 
-/// Returns the attributes that place the instances of a node, if the extension names any.
+/// Returns the accessors that place the instances of a node, or `None` if the extension has none.
 fn attributes(instancing: &Instancing) -> Option<Attributes> {
     let get = |name: &str| instancing.attributes.get(name).copied();
     let (translation, rotation, scale) = (get("TRANSLATION"), get("ROTATION"), get("SCALE"));
@@ -27,7 +27,7 @@ fn attributes(instancing: &Instancing) -> Option<Attributes> {
     Some(Attributes { translation, rotation, scale })
 }
 
-/// Reports whether a node has the extension without attributes that place instances.
+/// Reports whether a node has the extension, but no attributes that place instances.
 pub(super) fn places_nothing(node: &Node) -> bool {
     node.extensions.instancing.as_deref().is_some_and(|instancing| attributes(instancing).is_none())
 }
@@ -36,7 +36,7 @@ fn attributes_of(source: &Source<'_>, instance: &Instance) -> Option<Attributes>
     attributes(source.document.nodes[instance.node?].extensions.instancing.as_deref()?)
 }
 
-/// Returns the number of instances: 1 without attributes that place them.
+/// Returns the number of instances: 1 if no attributes place them.
 pub(super) fn copies(source: &Source<'_>, instance: &Instance) -> Result<u64, LoadError> {
     let Some(Attributes { translation, rotation, scale }) = attributes_of(source, instance) else { return Ok(1) };
     let mut count = None;
@@ -50,7 +50,7 @@ pub(super) fn copies(source: &Source<'_>, instance: &Instance) -> Result<u64, Lo
     Ok(count.unwrap_or(1))
 }
 
-/// Returns the maps that place the instances.
+/// Returns the maps that place the instances in the scene.
 pub(super) fn worlds(source: &Source<'_>, instance: &Instance) -> Result<Vec<Affine>, LoadError> {
     let Some(Attributes { translation, rotation, scale }) = attributes_of(source, instance) else {
         return Ok(vec![instance.world]);

@@ -1,14 +1,15 @@
 //! glTF 2.0 (Khronos, ISO/IEC 12113), as JSON and in its binary container GLB.
 //!
-//! - What is loaded is the default scene, or else the first; without scenes all root nodes; without
-//!   nodes all meshes. Each node with a mesh is a part, named after the node or else the mesh.
-//! - Node transforms are composed in f64 and applied to the positions in f64; the result is rounded
-//!   to f32 once. A quaternion is taken as the rotation that it is nearest to, its length aside.
-//! - Points and lines are skipped and counted. A skinned mesh is taken as modelled, morph targets
+//! - The default scene is loaded, or else the first one. Without scenes, all root nodes are loaded;
+//!   without nodes, all meshes. Each node with a mesh is a part, named after the node or else the
+//!   mesh.
+//! - Node transforms are composed and applied in f64; the resulting positions are rounded to f32
+//!   once. Quaternions of any length are normalized.
+//! - Points and lines are skipped and counted. A skinned mesh is loaded as modeled. Morph targets
 //!   are not applied.
-//! - A node that several paths reach is taken once for each path, with a warning.
-//! - `KHR_mesh_quantization` and `EXT_mesh_gpu_instancing` are supported, and extensions that leave
-//!   positions alone are ignored. Any other extension that a file requires is an error that names
+//! - A node that several paths reach is loaded once for each path, with a warning.
+//! - `KHR_mesh_quantization` and `EXT_mesh_gpu_instancing` are supported. Extensions that do not
+//!   affect positions are ignored. Any other extension that a file requires is an error that names
 //!   it.
 //! - Buffers are the GLB chunk, base64 text, or files in the folder of the document or below.
 
@@ -43,7 +44,7 @@ use buffer::Buffers;
 use document::{Asset, Document, Mesh, Primitive, Versioned};
 use scene::Instance;
 
-/// Reads a document whose external buffers lie in `folder`.
+/// Reads a document. External buffers are read from `folder`, or not at all if it is `None`.
 pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Model, LoadError> {
     let mut faces = Faces::default();
     let (json, chunk) = match format {
@@ -98,11 +99,11 @@ fn check_version(asset: &Asset) -> Result<(), LoadError> {
     Err(if version.starts_with("1.") { error.with_hint(CONVERT_VERSION_1) } else { error })
 }
 
-/// How to make a file of glTF 1.0 one of glTF 2.0.
+/// Hint how to convert a file of glTF 1.0.
 const CONVERT_VERSION_1: &str = "convert it to glTF 2.0, for example with `npx gltf-pipeline -i in.gltf -o out.gltf`";
 
-/// Counts what the instances add up to before anything is stored; the file and its buffers have
-/// `len` bytes.
+/// Returns an error if the instances add up to too many vertices, corners, primitives or bytes of
+/// names, before anything is stored. The file and its buffers have `len` bytes.
 fn check_budget(source: &Source<'_>, instances: &[Instance], len: u64) -> Result<(), LoadError> {
     let (budget, names) = (Budget::for_bytes(len), Budget::for_names(len));
     let mut of_mesh = vec![None; source.document.meshes.len()];
@@ -134,7 +135,8 @@ fn part_name<'a>(document: &'a Document, instance: &Instance) -> &'a str {
     own.or(document.meshes[instance.mesh].name.as_deref()).unwrap_or_default()
 }
 
-/// The vertices, corners and primitives of a mesh; primitives that share vertices count them once.
+/// Returns the numbers of vertices, corners and primitives of a mesh. Vertices that several
+/// primitives share count once.
 fn mesh_counts(source: &Source<'_>, mesh: &Mesh) -> Result<[u64; 3], LoadError> {
     let mut seen = HashSet::new();
     let mut counts = [0_u64, 0, mesh.primitives.len() as u64];
@@ -205,7 +207,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Returns an error if a compressed primitive lacks uncompressed data to fall back to.
+    /// Returns an error if a compressed primitive has no uncompressed data as a fallback.
     fn check_fallback(&self, primitive: &Primitive, positions: u32) -> Result<(), LoadError> {
         let accessors = &self.source.document.accessors;
         let lacks_data = |i: u32| accessors.get(i as usize).is_some_and(|a| a.buffer_view.is_none());
@@ -217,7 +219,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Adds the vertices of an accessor; returns the first and their number.
+    /// Adds the vertices of an accessor. Returns the index of the first, and their number.
     fn vertices(&mut self, accessor: u32, world: &Affine) -> Result<(u32, usize), LoadError> {
         let local = self.source.positions(accessor)?;
         let first = self.positions.len() as u32;
@@ -225,14 +227,17 @@ impl Reader<'_> {
             let p = world.apply(p).map(|x| x as f32);
             if !p.iter().all(|x| x.is_finite()) {
                 let error = LoadError::new(LoadErrorKind::NonFinite { vertex: vertex as u64 });
-                return Err(error.at(Place::Entry(format!("accessor {accessor}"))).with_hint("as its node places it"));
+                return Err(error
+                    .at(Place::Entry(format!("accessor {accessor}")))
+                    .with_hint("after the transform of its node"));
             }
             self.positions.push(p);
         }
         Ok((first, local.len()))
     }
 
-    /// Adds the triangles of a primitive; `first` is the vertex that its corners count from.
+    /// Adds the triangles of a primitive; `first` is the index of the vertex that corner 0 refers
+    /// to.
     fn triangles(&mut self, mode: u32, corners: &[u32], first: u32, mirrored: bool) -> Result<(), LoadError> {
         const TRIANGLES: u32 = 4;
         const STRIP: u32 = 5;

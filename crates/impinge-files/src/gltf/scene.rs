@@ -1,4 +1,4 @@
-//! The nodes of a scene, flattened: each mesh with the map that places it.
+//! Flattens the nodes of a scene: each mesh with the map that places it.
 
 use crate::{
     error::{LoadError, Place},
@@ -13,17 +13,18 @@ use super::{
 
 /// A mesh in the scene.
 pub(super) struct Instance {
-    /// The node; none where a file has meshes alone.
+    /// Index of the node; `None` if the file has meshes but no nodes.
     pub(super) node: Option<usize>,
-    /// The mesh, which exists.
+    /// Index of the mesh, which exists.
     pub(super) mesh: usize,
     pub(super) world: Affine,
 }
 
 /// Returns all instances, parents before children, in the order of the file. A node that several
-/// paths reach is taken once for each of them, within the budget.
+/// paths reach is returned once per path. Returns an error if the paths exceed the budget.
 ///
-/// The walks keep their own stacks, so that the depth of the nodes does not matter.
+/// The traversals keep their own stacks, so deep hierarchies of nodes cannot overflow the call
+/// stack.
 pub(super) fn instances(
     document: &Document,
     warnings: &mut Warnings,
@@ -36,7 +37,8 @@ pub(super) fn instances(
     let roots = roots(document)?;
     count_paths(document, &roots, warnings, budget)?;
     let mut instances = Vec::new();
-    // The maps of nodes that have children; the stack names nodes and the maps of their parents.
+    // The maps of nodes that have children. The stack holds nodes, each with the index of its
+    // parent's map.
     let mut worlds = vec![Affine::IDENTITY];
     let mut stack: Vec<(u32, usize)> = roots.into_iter().rev().map(|root| (root, 0)).collect();
     while let Some((index, parent)) = stack.pop() {
@@ -59,21 +61,21 @@ pub(super) fn instances(
     Ok(instances)
 }
 
-/// Checks that the nodes exist and form no cycle, and that all paths to them stay within the
-/// budget.
+/// Returns an error if a node does not exist, nodes form a cycle, or the paths to all nodes exceed
+/// the budget.
 fn count_paths(document: &Document, roots: &[u32], warnings: &mut Warnings, budget: Budget) -> Result<(), LoadError> {
-    /// How far the search has come with a node.
+    /// Progress of the search at a node.
     #[derive(Clone, Copy, PartialEq)]
     enum State {
         New,
         Open,
-        /// With the number of nodes on all paths from here on.
+        /// Done; holds the number of nodes on all paths from this node on.
         Done(u64),
     }
     let mut states = vec![State::New; document.nodes.len()];
     let mut shared = vec![false; document.nodes.len()];
     let mut total = 0_u64;
-    // Each open node with the number of its children that are done, and the sum of these.
+    // Each open node with the number of its children that are done, and the sum of their nodes.
     let mut stack: Vec<(u32, usize, u64)> = Vec::new();
     for &root in roots {
         let mut next = Some(root);
@@ -142,7 +144,8 @@ fn roots(document: &Document) -> Result<Vec<u32>, LoadError> {
     }
 }
 
-/// The map of a node: its matrix, or else scale, rotation and translation in this order.
+/// Returns the map of a node: its matrix, or else its scale, rotation and translation, applied in
+/// this order.
 fn local(node: &Node) -> Result<Affine, LoadError> {
     if let Some(m) = node.matrix.as_deref() {
         let last_row = [m[3], m[7], m[11], m[15]];
@@ -158,16 +161,16 @@ fn local(node: &Node) -> Result<Affine, LoadError> {
 }
 
 /// Returns the map that scales by `s`, rotates by a quaternion of any length, and translates by
-/// `t`.
+/// `t`. Returns an error if the quaternion is zero or not finite.
 pub(super) fn placement(t: [f64; 3], [x, y, z, w]: [f64; 4], s: [f64; 3]) -> Result<Affine, LoadError> {
     let square = x * x + y * y + z * z + w * w;
-    // Also the shortest that 32-bit floats can hold is far from this: such a quaternion names no
+    // Every nonzero quaternion of 32-bit floats has a much larger square. A shorter one has no
     // direction.
     if !(square.is_finite() && square > f64::MIN_POSITIVE) {
         return Err(LoadError::syntax("a quaternion of length 1", format!("{:?}", [x, y, z, w]).as_bytes()));
     }
-    // Divided by its square, a quaternion of any length gives a rotation, and those of quarter
-    // turns give it exactly.
+    // Dividing by the square of the length gives a rotation for quaternions of any length, and an
+    // exact one for rotations by 90 degrees.
     let k = 2.0 / square;
     let rotation = [
         [1.0 - k * (y * y + z * z), k * (x * y - z * w), k * (x * z + y * w)],

@@ -1,10 +1,11 @@
-//! Documents written by hand: every primitive mode, component type, kind of accessor, buffer and error.
+//! Tests with documents written by hand: every primitive mode, component type, kind of accessor,
+//! buffer and error.
 
 use base64::{Engine, prelude::BASE64_STANDARD};
 
 use super::*;
 
-/// A document with one buffer that holds these bytes, as base64 text.
+/// Returns a document with one buffer that holds these bytes as base64 text.
 fn document(buffer: &[u8], rest: &str) -> String {
     let (len, text) = (buffer.len(), BASE64_STANDARD.encode(buffer));
     format!(
@@ -24,7 +25,8 @@ fn floats(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|x| x.to_le_bytes()).collect()
 }
 
-/// Five points of a strip, (0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0), (0, 2, 0), and u8 indices 4 3 2 1 0 3.
+/// Returns five points of a strip, (0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0), (0, 2, 0), and u8
+/// indices 4 3 2 1 0 3.
 fn strip() -> Vec<u8> {
     let mut bytes = floats(&[0., 0., 0., 1., 0., 0., 0., 1., 0., 1., 1., 0., 0., 2., 0.]);
     bytes.extend([4, 3, 2, 1, 0, 3]);
@@ -35,13 +37,13 @@ const STRIP: &str = r#""bufferViews": [{"buffer": 0, "byteLength": 60}, {"buffer
     "accessors": [{"bufferView": 0, "componentType": 5126, "count": 5, "type": "VEC3"},
                   {"bufferView": 1, "componentType": 5121, "count": 6, "type": "SCALAR"}]"#;
 
-/// The strip as one mesh with these primitives, and whatever else.
+/// Returns a document with the strip as one mesh with these primitives, and further entries.
 fn with_primitives(primitives: &str, rest: &str) -> String {
     document(&strip(), &format!(r#"{STRIP}, "meshes": [{{"name": "m", "primitives": [{primitives}]}}] {rest}"#))
 }
 
 #[test]
-fn every_mode_with_and_without_indices() {
+fn every_primitive_mode_is_read_with_and_without_indices() {
     let mode = |mode: u32, indices: &str| {
         let model =
             parse(&with_primitives(&format!(r#"{{"attributes": {{"POSITION": 0}}, "mode": {mode} {indices}}}"#), ""));
@@ -64,7 +66,7 @@ fn every_mode_with_and_without_indices() {
 }
 
 #[test]
-fn transforms_compose_and_mirrors_turn() {
+fn transforms_compose_and_mirrors_reverse_the_winding() {
     let nodes = r#", "scene": 0, "scenes": [{"nodes": [0, 3]}], "nodes": [
         {"children": [1, 2], "translation": [10, 0, 0], "rotation": [0, 0, 0.70710677, 0.70710677]},
         {"mesh": 0, "name": "turned", "scale": [2, 2, 2]},
@@ -77,7 +79,7 @@ fn transforms_compose_and_mirrors_turn() {
     assert_eq!(model.part_of, [0, 1, 2]);
     assert_eq!(model.unit, Some(Unit::Metre));
     let Positions::F32(p) = model.positions else { panic!("glTF is f32") };
-    // The quarter turn is exact, though its quaternion is not quite of unit length.
+    // The rotation by 90 degrees is exact, although the length of its quaternion is not exactly 1.
     assert_eq!(p[1..3], [[10.0, 2.0, 0.0], [8.0, 0.0, 0.0]]);
     assert_eq!(p[6..8], [[10.0, -1.0, 5.0], [9.0, 0.0, 5.0]]);
     // Rounded once: the sum of 1 and the f64 nearest to 0.1.
@@ -85,7 +87,7 @@ fn transforms_compose_and_mirrors_turn() {
 }
 
 #[test]
-fn without_scenes_all_roots_and_without_nodes_all_meshes() {
+fn without_scenes_all_roots_are_loaded_and_without_nodes_all_meshes() {
     let primitive = r#"{"attributes": {"POSITION": 0}}"#;
     let count = |rest: &str| parse(&with_primitives(primitive, rest)).unwrap().faces.len();
     assert_eq!(count(""), 1);
@@ -102,7 +104,8 @@ fn primitives_share_vertices() {
     assert_eq!((model.positions.len(), model.faces.len(), model.parts.len()), (5, 3, 1));
 }
 
-/// One triangle whose positions are an accessor with these properties, and indices 0 1 2 of this type.
+/// Loads one triangle whose positions are an accessor with these properties, with indices 0 1 2 of
+/// this type.
 fn triangle(bytes: &[u8], accessor: &str) -> Result<Vec<[f32; 3]>, LoadError> {
     let len = bytes.len();
     let text = document(
@@ -121,7 +124,7 @@ fn triangle(bytes: &[u8], accessor: &str) -> Result<Vec<[f32; 3]>, LoadError> {
 }
 
 #[test]
-fn quantised_positions() {
+fn quantized_positions_are_read_in_every_component_type() {
     let bytes: Vec<u8> = (0..24).map(|i| if i % 8 == 1 { 0x80 } else { i * 10 }).collect();
     let p = triangle(&bytes, r#""bufferView": 0, "componentType": 5121"#).unwrap();
     assert_eq!(p, [[0.0, 128.0, 20.0], [80.0, 128.0, 100.0], [160.0, 128.0, 180.0]]);
@@ -138,7 +141,7 @@ fn quantised_positions() {
 }
 
 #[test]
-fn sparse_positions() {
+fn sparse_accessors_replace_elements() {
     let mut bytes = floats(&[1., 2., 3., 4., 5., 6., 7., 8., 9., -1., -2., -3.]);
     bytes.extend([2, 0]);
     let sparse = r#""sparse": {"count": 1, "indices": {"bufferView": 1, "byteOffset": 48, "componentType": 5123},
@@ -164,7 +167,7 @@ fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn binary_container() {
+fn the_chunks_of_a_glb_file_are_read() {
     let json = format!(
         r#"{{"asset": {{"version": "2.0"}}, "buffers": [{{"byteLength": 66}}], {STRIP},
         "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "indices": 1}}]}}]}}"#
@@ -191,7 +194,7 @@ fn binary_container() {
 }
 
 #[test]
-fn what_is_lacking_is_named() {
+fn errors_name_the_missing_feature() {
     let required = |e: &str| error(&document(&[], &format!(r#""extensionsRequired": ["{e}"]"#)));
     assert_eq!(
         required("KHR_draco_mesh_compression"),
@@ -200,7 +203,7 @@ fn what_is_lacking_is_named() {
     );
     assert!(required("EXT_meshopt_compression").contains("EXT_meshopt_compression"));
     assert_eq!(required("EXT_new"), "needs glTF extension EXT_new, which is not supported");
-    // Used and not required, but without anything to fall back to.
+    // The extension is used and not required, but there is no data as a fallback.
     let text = document(
         &[],
         r#""accessors": [{"componentType": 5126, "count": 3, "type": "VEC3"}],
@@ -226,7 +229,7 @@ fn what_is_lacking_is_named() {
 }
 
 #[test]
-fn cycles_and_deep_trees() {
+fn cycles_are_errors_and_deep_trees_are_read() {
     let cycle = |nodes: &str| {
         error(&with_primitives(r#"{"attributes": {"POSITION": 0}}"#, &format!(r#", "nodes": [{nodes}]"#)))
     };
@@ -236,7 +239,7 @@ fn cycles_and_deep_trees() {
     assert_eq!(cycle(r#"{"children": [1]}, {"children": [2, 2]}, {"children": [1]}"#), format!("node 1: {inside}"));
     assert_eq!(cycle(r#"{"children": [9]}"#), "expected node 9, found nothing");
     assert_eq!(cycle(r#"{"mesh": 9}"#), "node 0: expected mesh 9, found nothing");
-    // A chain of 100,000 nodes is no more than a chain.
+    // A chain of 100,000 nodes does not overflow the stack.
     let mut nodes: String = (1..100_000).map(|i| format!(r#"{{"children": [{i}]}},"#)).collect();
     nodes.push_str(r#"{"mesh": 0}"#);
     let model = parse(&with_primitives(r#"{"attributes": {"POSITION": 0}}"#, &format!(r#", "nodes": [{nodes}]"#)));
@@ -247,7 +250,7 @@ fn cycles_and_deep_trees() {
 }
 
 #[test]
-fn nodes_are_taken_on_every_path() {
+fn nodes_are_loaded_once_per_path() {
     let nodes = r#", "scene": 0, "scenes": [{"nodes": [0, 3, 3]}], "nodes": [
         {"children": [1, 2]}, {"children": [3], "translation": [10, 0, 0]}, {"children": [3], "scale": [-1, 1, 1]},
         {"mesh": 0, "name": "shared"}]"#;
@@ -257,14 +260,14 @@ fn nodes_are_taken_on_every_path() {
     assert_eq!([0, 1, 6].map(|i| model.positions.get(i)[0]), [10.0, 11.0, -1.0]);
     let shared = model.warnings.iter().find(|w| w.kind == WarningKind::SharedNodes).unwrap();
     assert_eq!((shared.count, &shared.first), (1, &Some(Place::Entry("node 3".into()))));
-    // Every node doubles the paths to the next.
+    // Every node doubles the number of paths to the next.
     let doubling: String = (1..64).map(|i| format!(r#"{{"children": [{i}, {i}]}},"#)).collect();
     let text = with_primitives(r#"{"attributes": {"POSITION": 0}}"#, &format!(r#", "nodes": [{doubling} {{}}]"#));
-    assert!(error(&text).contains("nodes are more than the 1048576 that are allowed"));
+    assert!(error(&text).contains("nodes exceed the limit of 1048576"));
 }
 
 #[test]
-fn accessors_without_data_are_zeros() {
+fn accessors_without_data_are_zeros_within_a_limit() {
     let zeros = |count: u64| {
         let rest = format!(
             r#""accessors": [{{"componentType": 5126, "count": {count}, "type": "VEC3"}}],
@@ -274,14 +277,15 @@ fn accessors_without_data_are_zeros() {
     };
     let model = zeros(6).unwrap();
     assert_eq!((model.positions, model.faces.len()), (Positions::F32(vec![[0.0; 3]; 6]), 2));
-    // They are no way to ask for memory.
-    let text = "accessor 0: 3000 elements without data are more than the 2048 that are allowed";
+    // They cannot be used to take any amount of memory.
+    let text = "accessor 0: 3000 elements without data exceed the limit of 2048";
     assert_eq!(zeros(3000).unwrap_err().to_string(), text);
 }
 
 #[test]
 fn gpu_instances_are_placed() {
-    // Translations, then rotations of which the second is a half turn about Z, then scales of which the last mirrors.
+    // Translations, then rotations of which the second is 180 degrees about Z, then scales of which
+    // the last mirrors.
     let mut bytes = strip();
     bytes.extend([0, 0]);
     bytes.extend(floats(&[0., 0., 1., 0., 0., 2., 0., 0., 3.]));
@@ -331,7 +335,7 @@ fn errors_name_the_entry() {
     let hint = "(the file is cut off or its counts are wrong)";
     let text = format!("accessor 0: 4000000 elements promised, but there is room for 5 at most {hint}");
     assert_eq!(bad(r#""count": 5"#, r#""count": 4000000"#), text);
-    let text = "4000000000 vertices are more than the 16777216 that are allowed (counted over all instances; load fewer of them)";
+    let text = "4000000000 vertices exceed the limit of 16777216 (counted over all instances; load a file with fewer instances)";
     assert_eq!(bad(r#""count": 5"#, r#""count": 4000000000"#), text);
     assert_eq!(bad(r#""count": 5"#, r#""count": 4"#), "accessor 1: face 0 names vertex 4, but there are 4 vertices");
     assert_eq!(
@@ -360,13 +364,14 @@ fn errors_name_the_entry() {
         "accessor 0: vertex 0 has a coordinate that is NaN, infinite or too large"
     );
     let far = r#", "nodes": [{"mesh": 0, "scale": [1e300, 1, 1]}]"#;
-    let text = "accessor 0: vertex 1 has a coordinate that is NaN, infinite or too large (as its node places it)";
+    let text =
+        "accessor 0: vertex 1 has a coordinate that is NaN, infinite or too large (after the transform of its node)";
     assert_eq!(error(&with_primitives(r#"{"attributes": {"POSITION": 0}}"#, far)), text);
 }
 
 #[test]
-fn instances_are_bounded() {
-    // Three bytes for a node; together more triangles than any memory holds.
+fn the_number_of_instances_is_limited() {
+    // Three bytes per node; together more triangles than any memory holds.
     let nodes = vec![r#"{"mesh":0}"#; 30_000].join(",");
     let accessor = r#""accessors": [{"componentType": 5126, "count": 16000000, "type": "VEC3"}]"#;
     let text = document(

@@ -1,14 +1,17 @@
 //! Wavefront OBJ (*Advanced Visualizer* manual, appendix B1): `v`, `f`, `o` and `g`.
 //!
-//! - A vertex is the first three numbers of `v`; a weight or colours after them are not looked at. A vertex that no face
-//!   uses may be [NaN or infinite](crate::non_finite).
-//! - A face corner is the first number of `a/b/c`. It counts from 1, or from the last vertex so far backwards where it is
-//!   negative, and may name a vertex that comes later. Faces are triangulated as [`polygon`](crate::polygon) says.
-//! - A part is an object (`o`) and group (`g`) in which faces stand, named `object/group`; a new object ends the group.
-//! - A `\` at the end of a line, save in a comment, joins it to the next. `#` opens a comment, also after the numbers of
-//!   a vertex or a face.
+//! - A vertex is the first three numbers of `v`; a weight or colors after them are ignored. A
+//!   vertex that no face uses may be [NaN or infinite](crate::non_finite).
+//! - A face corner is the first number of `a/b/c`. It counts from 1; a negative number counts
+//!   backwards from the last vertex so far. A corner may refer to a vertex that comes later. Faces
+//!   are triangulated by [`polygon`](crate::polygon).
+//! - A part is the object (`o`) and group (`g`) of a face, named `object/group`; a new object ends
+//!   the group.
+//! - A `\` at the end of a line joins it to the next, except in a comment. `#` starts a comment,
+//!   also after the numbers of a vertex or a face.
 //! - Keywords may be in upper case.
-//! - `p`, `l`, curves and surfaces are skipped and counted; so is any line that is no OBJ statement.
+//! - `p`, `l`, curves and surfaces are skipped and counted. So is any line that is not an OBJ
+//!   statement.
 
 mod statements;
 
@@ -45,7 +48,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
     faces.into_model(stored(positions), parts, None, Format::Obj)
 }
 
-/// All vertices, in a pass of their own: a face may name one that comes later.
+/// Reads all vertices in a separate pass, because a face may refer to a vertex that comes later.
 fn read_vertices(text: &[u8]) -> Result<(Vec<[f64; 3]>, NonFinite), LoadError> {
     let mut positions = Vec::new();
     let mut non_finite = NonFinite::default();
@@ -86,19 +89,20 @@ fn without_comment(text: &[u8]) -> &[u8] {
     memchr::memchr(b'#', text).map_or(text, |at| &text[..at])
 }
 
-/// Parses the vertex of a face corner.
+/// Parses the vertex index of a face corner, as written in the file.
 fn corner_index(token: &[u8]) -> Option<i64> {
     integer(token.split(|&b| b == b'/').next().unwrap_or_default())
 }
 
 #[derive(Default)]
 struct FaceReader<'a> {
-    /// All vertices, and how many of them come before this line.
+    /// All vertices of the file.
     positions: &'a [[f64; 3]],
+    /// Number of vertices before the current line.
     seen: u64,
     object: String,
     group: String,
-    /// The part of this object and group, if it has a face already.
+    /// The part of the current object and group; `None` until it has a face.
     part: Option<u32>,
     part_by_name: HashMap<String, u32, RandomState>,
     parts: Vec<String>,
@@ -135,8 +139,8 @@ impl FaceReader<'_> {
         Ok(())
     }
 
-    /// Processes a line whose keyword has upper-case letters. It is a vertex or a face only if its numbers are valid;
-    /// else it is a line of prose.
+    /// Processes a line whose keyword has upper-case letters. It is a vertex or a face only if its
+    /// numbers are valid; otherwise it is a line of prose.
     fn upper_case(&mut self, keyword: &[u8], rest: &[u8], place: &Place) -> Result<(), LoadError> {
         let keyword = keyword.to_ascii_lowercase();
         let is_statement = match &*keyword {
@@ -186,7 +190,7 @@ impl FaceReader<'_> {
         })
     }
 
-    /// The part of this object and group.
+    /// Returns the part of the current object and group, and adds it if it is new.
     fn part(&mut self) -> u32 {
         if let Some(part) = self.part {
             return part;
@@ -206,7 +210,8 @@ impl FaceReader<'_> {
     }
 }
 
-/// Statements without triangles that need no warning: attributes, materials and display settings.
+/// Keywords of statements that are skipped without a warning: attributes, materials and display
+/// settings.
 const SILENT: &[&[u8]] = &[
     b"",
     b"vt",
@@ -256,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn corners_in_every_notation() {
+    fn face_corners_are_read_in_every_notation() {
         let model = parse(format!("{SQUARE}f 1 2 3\nf 1/1 3/2 4/3\nf -4//1 -3//1 -2//1\nf 1/1/1 +3/1/1 -1/2/3\n"));
         assert_eq!(model.faces, [[0, 1, 2], [0, 2, 3], [0, 1, 2], [0, 2, 3]]);
         assert_eq!(model.sources, [0, 1, 2, 3]);
@@ -279,13 +284,14 @@ mod tests {
     }
 
     #[test]
-    fn dialects() {
+    fn byte_order_marks_continued_lines_and_line_ends_are_read() {
         let text = b"\xEF\xBB\xBF  v 0 0 0 1 0.5 nan\r\n\tv 1e0 0. .0\r\nv 0 \\\r\n1 0\r\n# caf\xE9 C:\\\r\ng \xFF\xFE\r\nf 1 \\\r\n2 3\r\n";
         let model = parse(text);
         assert_eq!(model.positions, Positions::F32(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]));
         assert_eq!(model.faces, [[0, 1, 2]]);
         assert_eq!(model.parts, ["\u{FFFD}\u{FFFD}"]);
-        // A face may come before its vertices, lines may end in \r alone, and the last line in nothing.
+        // A face may come before its vertices, lines may end in \r alone, and the last line needs
+        // no end.
         assert_eq!(parse("f 1 2 3\rv 0 0 0\rv 0 0 1\rv 0 1 0").faces, [[0, 1, 2]]);
     }
 
@@ -296,7 +302,7 @@ mod tests {
         assert_eq!(
             text,
             [
-                "lines that are no statement of this format, skipped: 2, the first at line 1",
+                "lines that are not statements of this format, skipped: 2, the first at line 1",
                 "points, lines or curves, skipped: 2, the first at line 3"
             ]
         );
@@ -343,13 +349,13 @@ mod tests {
     }
 
     #[test]
-    fn keywords_in_upper_case() {
+    fn keywords_may_be_in_upper_case() {
         let model = parse("O a\nV 0 0 0\nv 1 0 0\nV 0 1 0\nG b\nF 1 2 3\nF -1 -2 -3\nL 1 2\nVN 0 0 1\nUSEMTL x\n");
         assert_eq!(model.faces, [[0, 1, 2], [2, 1, 0]]);
         assert_eq!(model.positions, Positions::F32(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]));
         assert_eq!(model.parts, ["a/b"]);
         assert_eq!(kinds(&model), [(WarningKind::NotTriangles, 1)]);
-        // Lines of prose, which are no vertices and so have no number.
+        // Lines of prose are not vertices, and do not count as vertices.
         let prose = parse("V is a letter\nV 1 2\nF is one too\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n");
         assert_eq!(prose.faces, [[0, 1, 2]]);
         assert_eq!(kinds(&prose), [(WarningKind::UnknownLines, 3)]);
@@ -366,7 +372,7 @@ mod tests {
     }
 
     #[test]
-    fn fortran_utf16_and_padding() {
+    fn fortran_numbers_utf16_and_padding_are_read() {
         let text = "v 0.1D+01 0 0\nv 2d0 0 0\nv 0 1 0\nf 1 2 3\n";
         let model = parse(text);
         assert_eq!(model.positions, Positions::F32(vec![[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]]));

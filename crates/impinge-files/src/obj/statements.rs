@@ -1,4 +1,4 @@
-//! The statements of an OBJ file: its lines, with continued lines joined.
+//! Splits an OBJ file into statements: its lines, with continued lines joined.
 
 use std::borrow::Cow;
 
@@ -6,11 +6,12 @@ use memchr::memchr;
 
 use crate::text::{Lines, is_space, split_token, trim_start};
 
-/// The lines of a file with continuations joined.
+/// Iterates over the lines of a file, with continued lines joined.
 pub(super) struct Statements<'a> {
     lines: Lines<'a>,
-    /// Number of faces with a `\` at their end although no corner follows, and the line of the first.
+    /// Number of faces that end in a `\` although no corner follows.
     stray: u64,
+    /// Line of the first such face.
     first_stray: u64,
 }
 
@@ -31,12 +32,13 @@ impl<'a> Statements<'a> {
         Some((number, statement))
     }
 
-    /// Returns the number of faces so far with a `\` at their end although no corner follows, and the line of the first.
+    /// Returns the number of faces so far that end in a `\` although no corner follows, and the
+    /// line of the first.
     pub(super) fn stray_backslashes(&self) -> (u64, u64) {
         (self.stray, self.first_stray)
     }
 
-    /// Returns the statement that begins with this line, which is `start` and a `\`.
+    /// Returns the statement that begins with `line`, which consists of `start` and a `\`.
     #[cold]
     fn join_open(&mut self, line: &'a [u8], start: &[u8]) -> Cow<'a, [u8]> {
         if is_comment_open(line) { Cow::Borrowed(line) } else { Cow::Owned(self.join(start)) }
@@ -67,14 +69,16 @@ impl<'a> Statements<'a> {
         }
     }
 
-    /// Reports whether the next line may continue a face: it begins with a number, is blank, a comment or the last.
+    /// Reports whether the next line may continue a face: it begins with a number, is blank or a
+    /// comment, or does not exist.
     fn corner_follows(&self) -> bool {
         let line = self.lines.clone().next().unwrap_or_default();
         trim_start(line).first().is_none_or(|b| matches!(b, b'0'..=b'9' | b'+' | b'-' | b'\\' | b'#'))
     }
 }
 
-/// Returns the line without its `\` if it ends in one. White space may follow the `\` of a face.
+/// Returns the line without its final `\`, or `None` if it has none. White space may follow the `\`
+/// of a face.
 #[inline]
 fn continued(line: &[u8]) -> Option<&[u8]> {
     let line = line.strip_suffix(b"\r").unwrap_or(line);
@@ -88,7 +92,7 @@ fn continued(line: &[u8]) -> Option<&[u8]> {
     }
 }
 
-/// Reports whether the end of this line is a comment. In names and paths `#` is a letter.
+/// Reports whether the line ends in a comment. In names and paths, `#` is a letter.
 fn is_comment_open(line: &[u8]) -> bool {
     match memchr(b'#', line) {
         None => false,
@@ -96,7 +100,7 @@ fn is_comment_open(line: &[u8]) -> bool {
     }
 }
 
-/// Reports whether this is the first line of a vertex or a face.
+/// Reports whether the line starts a vertex or a face.
 fn is_numeric(line: &[u8]) -> bool {
     split_token(line).0.eq_ignore_ascii_case(b"v") || is_face(line)
 }
@@ -139,7 +143,7 @@ mod tests {
         assert_eq!(texts("f 1 2 3 # a \\\nf 4"), ["f 1 2 3 # a \\", "f 4"]);
         assert_eq!(texts("v 1 2 3 # a \\\nv 4"), ["v 1 2 3 # a \\", "v 4"]);
         assert_eq!(texts("f 1 2 \\\n3 # a \\\nf 4"), ["f 1 2  3 # a \\", "f 4"]);
-        // Paths may hold a `#`, and end in a `\`.
+        // Paths may contain a `#`, and end in a `\`.
         assert_eq!(texts("g a#b \\\nc"), ["g a#b  c"]);
     }
 

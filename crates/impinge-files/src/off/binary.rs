@@ -1,8 +1,8 @@
-//! Binary OFF: after the line of the header all values are big-endian, and 4 bytes long.
+//! Reads binary OFF: after the line of the header, all values are big-endian and 4 bytes long.
 //!
-//! The numbers of vertices, faces and edges; for each vertex its position, normal, color and texture coordinates, as far
-//! as the header names them; for each face the number of its corners, their indices, and the number of its color values
-//! and these.
+//! First come the numbers of vertices, faces and edges. Each vertex has a position, and the normal,
+//! color and texture coordinates that the header states. Each face has the number of its corners,
+//! their indices, the number of its color values, and these values.
 
 use impinge::Positions;
 
@@ -15,7 +15,7 @@ use crate::{
 
 use super::Header;
 
-/// Reads the file, whose values begin at `start`.
+/// Reads the file, whose values begin at byte `start`.
 pub(super) fn read(bytes: &[u8], start: usize, header: &Header<'_>) -> Result<Model, LoadError> {
     let mut words = Words { bytes, at: start };
     let [vertices, faces, _] = [
@@ -53,7 +53,7 @@ fn read_vertices(
 }
 
 fn read_faces(words: &mut Words<'_>, count: u64, positions: &[[f32; 3]]) -> Result<Faces, LoadError> {
-    // A face has at least the numbers of its corners and of its color values.
+    // Each face stores at least its number of corners and its number of color values.
     words.check_room("faces", count, 2)?;
     let mut faces = Faces::default();
     let mut corners = Vec::new();
@@ -77,7 +77,7 @@ fn read_faces(words: &mut Words<'_>, count: u64, positions: &[[f32; 3]]) -> Resu
     Ok(faces)
 }
 
-/// The values of 4 bytes, in order.
+/// A reader of 4-byte values.
 struct Words<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -96,7 +96,7 @@ impl<'a> Words<'a> {
         Ok(self.bytes[start..self.at].as_chunks().0)
     }
 
-    /// Checks that `count` rows of at least this many words may follow.
+    /// Returns an error if fewer than `count` rows of `row` words can follow.
     fn check_room(&self, what: &str, count: u64, row: usize) -> Result<(), LoadError> {
         let room = (self.bytes.len() - self.at) as u64 / (4 * row as u64);
         if count <= room { Ok(()) } else { Err(LoadError::truncated(what, count, room).at(self.place())) }
@@ -132,7 +132,8 @@ mod tests {
         bytes
     }
 
-    /// A square with as many more values for each vertex, and with two color values for the first face.
+    /// Returns a square with `extra_values` more values per vertex, and two color values for the
+    /// first face.
     fn square(extra_values: usize) -> Vec<Value> {
         let mut values: Vec<_> = [4, 2, 0].map(Int).into();
         for [x, y] in [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]] {
@@ -150,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn values_of_every_header() {
+    fn vertices_are_read_for_every_header() {
         for (header, extra_values) in [
             ("OFF BINARY\n", 0),
             ("# c\nCOFF BINARY # c\r\n", 4),

@@ -1,9 +1,10 @@
 //! OFF, the object file format of Geomview (its manual, §4.2.5), ASCII and binary.
 //!
-//! The header is `OFF` in either case, with `ST`, `C` and `N` before it where vertices have texture coordinates, colours
-//! and normals, or nothing; the counts of vertices, faces and (unread) edges may stand on its line, also without a space
-//! before them. A vertex that no face uses may be [NaN or infinite](crate::non_finite). `#` opens a comment. Faces are
-//! triangulated as [`polygon`](crate::polygon) says.
+//! The header is `OFF` in any case, or missing. Before `OFF`, `ST`, `C` and `N` state that vertices
+//! have texture coordinates, colors and normals. The counts of vertices, faces and edges may follow
+//! on the same line, also without a space; the count of edges is ignored. A vertex that no face
+//! uses may be [NaN or infinite](crate::non_finite). `#` starts a comment. Faces are triangulated
+//! by [`polygon`](crate::polygon).
 
 mod binary;
 mod text;
@@ -16,7 +17,7 @@ use crate::{
     text::{Lines, split_token, trim_start, without_bom},
 };
 
-/// Whether this is how an OFF file opens, comments aside.
+/// Reports whether a text begins as an OFF file, possibly after comments.
 pub(crate) fn opens(text: &[u8]) -> bool {
     let line = Content::new(text).next().unwrap_or_default();
     split_token(line).0.ends_with(b"OFF") && Header::new(line).is_some()
@@ -31,7 +32,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
     text::read(&PlainText::new(bytes, Format::Off)?)
 }
 
-/// The lines that are more than a comment, without their comments.
+/// Iterates over the lines that are not only comments, without their comments.
 #[derive(Clone)]
 struct Content<'a> {
     lines: Lines<'a>,
@@ -60,19 +61,19 @@ impl<'a> Iterator for Content<'a> {
 
 /// A header such as `STCNOFF`.
 struct Header<'a> {
-    /// The letters before `OFF`.
+    /// Letters before `OFF`.
     prefix: &'a [u8],
-    /// The text after `OFF` on the line.
+    /// Text after `OFF` on the line.
     rest: &'a [u8],
 }
 
 impl<'a> Header<'a> {
-    /// Returns the header at the start of this line, if there is one.
+    /// Returns the header at the start of a line, or `None` if there is none.
     fn new(line: &'a [u8]) -> Option<Self> {
         let (token, _) = split_token(line);
         let at = token.windows(3).position(|word| word.eq_ignore_ascii_case(b"OFF"))?;
         let mut letters = &token[..at];
-        // Only the case tells normals (`N`) from a dimension (`n`).
+        // Only the case distinguishes normals (`N`) from a dimension (`n`).
         for flag in [&b"ST"[..], b"st", b"C", b"c", b"N", b"4", b"n"] {
             letters = letters.strip_prefix(flag).unwrap_or(letters);
         }
@@ -85,7 +86,8 @@ impl<'a> Header<'a> {
         self.prefix.contains(&letter)
     }
 
-    /// Reports whether vertices have four coordinates, or a number of them that the file states.
+    /// Reports whether vertices have four coordinates, or a number of coordinates that the file
+    /// states.
     fn is_of_other_dimension(&self) -> bool {
         self.has(b'4') || self.has(b'n')
     }
@@ -94,8 +96,8 @@ impl<'a> Header<'a> {
         split_token(self.rest).0.eq_ignore_ascii_case(b"BINARY")
     }
 
-    /// Returns the number of values that a vertex has after its position: a normal has three, a color four, and texture
-    /// coordinates are two.
+    /// Returns the number of values after the position of a vertex: three for a normal, four for a
+    /// color, and two for texture coordinates.
     fn extra_values(&self) -> usize {
         let values =
             |letters: [u8; 2], count| if letters.into_iter().any(|letter| self.has(letter)) { count } else { 0 };
@@ -115,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn headers_comments_and_attributes() {
+    fn headers_comments_and_attributes_are_read() {
         for head in ["OFF\n4 2 0", "OFF 4 2 0", "# c\n\nCOFF # c\n# c\n4 2 0 # c", "STCNOFF\r\n4 2", "4 2 5"] {
             let text = format!(
                 "{head}\n0 0 0 9 9 9\n1 0 0 255 0 0 # vertex\n\n1 1 0\n0 1 0.1\n4 0 1 2 3 0.5 0.5 nan\n3 0 1 3 # end\n"
@@ -132,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn odd_but_valid() {
+    fn unusual_but_valid_files_are_read() {
         assert!(read(b"OFF 0 0 0").unwrap().positions.is_empty());
         let model = read(b"OFF 3 3 0\n0 0 0\n0 0 1\n0 1 0\n2 0 1\n0\n3 0 1 2\n# end\nmore\n").unwrap();
         assert_eq!((model.faces.len(), &model.sources[..]), (1, &[2][..]));
@@ -157,10 +159,7 @@ mod tests {
         let nan = "line 2: vertex 0 has a coordinate that is NaN, infinite or too large";
         assert_eq!(error("OFF 1 1 0\n0 nan 0\n3 0 0 0"), nan);
         assert_eq!(error("OFF -1 0 0"), "line 1: expected the number of vertices, found \"-1\"");
-        assert_eq!(
-            error("OFF 5000000000 0 0"),
-            "line 1: 5000000000 vertices are more than the 4294967295 that are allowed"
-        );
+        assert_eq!(error("OFF 5000000000 0 0"), "line 1: 5000000000 vertices exceed the limit of 4294967295");
         assert!(error("OFF BINARY\n").starts_with("byte 11: 4 bytes promised, but there is room for 0"));
         assert_eq!(error("4off BINARY"), "line 1: needs the OFF dialect 4off BINARY, which is not supported");
         assert_eq!(error("noff\n2"), "line 1: needs the OFF dialect noff, which is not supported");
@@ -177,7 +176,7 @@ mod tests {
             assert_eq!(model.faces, [[0, 1, 2], [0, 2, 3]], "{head}");
             assert!(model.warnings.is_empty());
         }
-        // Only the header in upper case proves a file with another extension.
+        // Only a header in upper case proves the format of a file with another extension.
         assert!(opens(b"# c\nOFF") && opens(b"COFF 4 2 0") && !opens(b"off\n4 2 0") && !opens(b"OFF4 2 0"));
         for text in ["OFFSET 4 2 0\n", "XOFF 4 2 0\n", "OF 4 2 0\n"] {
             assert!(error(&format!("{text}{SQUARE}")).starts_with("line 1: expected the number of vertices"), "{text}");
@@ -198,7 +197,7 @@ mod tests {
             assert_eq!(model.faces, [[0, 1, 2], [0, 2, 3]], "{text}");
             assert!(model.warnings.is_empty());
         }
-        // Attributes that the header does not name: by tokens they would be vertices.
+        // Attributes that the header does not state: read by tokens, they would be vertices.
         let text = "OFF 2 1\n0 0 0 9 9 9\n1 0 0 9 9 9\n3 0 1 2\n";
         assert_eq!(error(text), "line 4: face 0 names vertex 2, but there are 2 vertices");
     }

@@ -1,8 +1,9 @@
-//! ASCII OFF. A vertex is three numbers and a face is a number and as many indices.
+//! Reads ASCII OFF. A vertex is three numbers; a face is a number and that many indices.
 //!
-//! Most files have one vertex or face on each line, and what follows on the line are attributes, in any number. Others
-//! break lines anywhere. A file is read by lines first, and if that fails, by tokens: then a vertex has as many numbers
-//! as the header says, and what follows a face on its line are attributes.
+//! Most files have one vertex or face per line, and the rest of the line are attributes, in any
+//! number. Other files break lines anywhere. A file is read by lines first. If that fails, it is
+//! read by tokens: then a vertex has as many numbers as the header states, and the rest of a face's
+//! line are attributes.
 
 use crate::{
     encoding::PlainText,
@@ -23,7 +24,8 @@ pub(super) fn read(plain: &PlainText<'_>) -> Result<Model, LoadError> {
     by_lines.or_else(|error| body(true).read(counts, extra_values, plain).map_err(|_| error))
 }
 
-/// Returns the numbers of vertices and faces, and how many values a vertex has after its position.
+/// Returns the numbers of vertices and faces, and the number of values after the position of a
+/// vertex.
 fn read_counts(content: &mut Content<'_>) -> Result<([u64; 2], usize), LoadError> {
     let mut line = content.next().unwrap_or_default();
     let mut extra_values = 0;
@@ -52,10 +54,10 @@ fn read_counts(content: &mut Content<'_>) -> Result<([u64; 2], usize), LoadError
     Ok((counts, extra_values))
 }
 
-/// What follows the counts.
+/// The part of the file after the counts.
 struct Body<'a> {
     content: Content<'a>,
-    /// What is left of the current line.
+    /// The rest of the current line.
     line: &'a [u8],
     /// Whether lines may be broken anywhere.
     by_tokens: bool,
@@ -114,7 +116,8 @@ impl<'a> Body<'a> {
         }
         let left = trim_start(self.content.lines.rest()).len();
         if left > 0 && self.content.next().is_some() {
-            // Files with attributes that the header does not name cannot be read by tokens, and have lines left then.
+            // A file with attributes that the header does not state cannot be read by tokens,
+            // because then lines are left.
             if self.by_tokens {
                 return Err(LoadError::syntax("the end of the file", self.line).at(self.content.place()));
             }
@@ -142,7 +145,7 @@ impl<'a> Body<'a> {
         Ok(())
     }
 
-    /// Goes to the first token of the next vertex or face. Returns whether there is one.
+    /// Moves to the first token of the next vertex or face. Returns whether there is one.
     fn start_item(&mut self) -> bool {
         if !self.by_tokens || trim_start(self.line).is_empty() {
             match self.content.next() {
@@ -153,7 +156,8 @@ impl<'a> Body<'a> {
         true
     }
 
-    /// Returns the next token; empty at the end of the file, or of the line if the file is read by lines.
+    /// Returns the next token. It is empty at the end of the file, or at the end of the line if the
+    /// file is read by lines.
     #[inline]
     fn token(&mut self) -> &'a [u8] {
         let (mut token, mut rest) = split_token(self.line);

@@ -1,4 +1,4 @@
-//! The values of an ASCII PLY file.
+//! Reads the values of an ASCII PLY file.
 
 use crate::{
     error::{LoadError, Place},
@@ -11,13 +11,14 @@ use super::{Values, header::Scalar};
 pub(super) struct Ascii<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// How many rows had values that the header does not know, and where the first of them ends.
+    /// Number of rows with values that the header does not declare.
     surplus: u64,
+    /// Byte offset of the first such value.
     first_surplus: usize,
 }
 
 impl<'a> Ascii<'a> {
-    /// The values from this offset on.
+    /// Builds a reader of the values from byte `at` on.
     pub(super) fn new(bytes: &'a [u8], at: usize) -> Result<Self, LoadError> {
         match binary_data(bytes, Format::Ply) {
             Some(error) => Err(error.with_hint("the header says ascii")),
@@ -54,8 +55,8 @@ impl Values for Ascii<'_> {
         Ok(())
     }
 
-    /// A digit and the white space after it.
-    fn least_size(&self, _: Scalar) -> u64 {
+    /// Returns 2: a digit and the white space after it.
+    fn min_size(&self, _: Scalar) -> u64 {
         2
     }
 
@@ -68,7 +69,7 @@ impl Values for Ascii<'_> {
     }
 
     fn place(&self, offset: usize) -> Place {
-        // The token after the offset is meant; at the end, the last line that has any.
+        // Take the line of the token after the offset, or at the end, of the last token.
         let rest = trim_start(&self.bytes[offset..]);
         let token = if rest.is_empty() { offset } else { self.bytes.len() - rest.len() };
         Place::Line(line_at(self.bytes, token))

@@ -1,4 +1,5 @@
-//! The values of a binary PLY file, one by one, and in bulk where rows have the layouts that nearly all files have.
+//! Reads the values of a binary PLY file: one by one, and in bulk for the layouts that nearly all
+//! files have.
 
 use impinge::Positions;
 
@@ -15,7 +16,7 @@ pub(super) struct Binary<'a, const BIG_ENDIAN: bool> {
 }
 
 impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
-    /// The values from this offset on.
+    /// Builds a reader of the values from byte `at` on.
     pub(super) fn new(bytes: &'a [u8], at: usize) -> Self {
         Self { bytes, at }
     }
@@ -29,7 +30,8 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
         Ok(&self.bytes[start..self.at])
     }
 
-    /// Rows of fixed size with three coordinates of one type at fixed offsets.
+    /// Returns the coordinates of rows of fixed size, with three coordinates of one type at fixed
+    /// offsets.
     fn coordinates<const N: usize, T>(
         &self,
         rows: &[u8],
@@ -49,7 +51,7 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
 impl<const BIG_ENDIAN: bool> Values for Binary<'_, BIG_ENDIAN> {
     fn next(&mut self, scalar: Scalar) -> Result<f64, LoadError> {
         let bytes = self.take(scalar.size() as u64)?;
-        // Little-endian, filled up with zeros.
+        // Little-endian, padded with zeros.
         let mut le = [0; 8];
         le[..bytes.len()].copy_from_slice(bytes);
         if BIG_ENDIAN {
@@ -74,7 +76,7 @@ impl<const BIG_ENDIAN: bool> Values for Binary<'_, BIG_ENDIAN> {
         self.take(count.saturating_mul(scalar.size() as u64)).map(|_| ())
     }
 
-    fn least_size(&self, scalar: Scalar) -> u64 {
+    fn min_size(&self, scalar: Scalar) -> u64 {
         scalar.size() as u64
     }
 

@@ -1,4 +1,4 @@
-//! The polygons and triangle strips of a PLY file.
+//! Reads the polygons and triangle strips of a PLY file.
 
 use impinge::Positions;
 
@@ -48,10 +48,11 @@ fn read_polygons(
     faces: &mut Faces,
 ) -> Result<(), LoadError> {
     let property = &element.properties[list];
-    let least = values.least_size(property.list.unwrap_or(property.scalar)) + 3 * values.least_size(property.scalar);
-    faces.reserve(element.count.min(values.remaining() / least) as usize);
+    let min_bytes = values.min_size(property.list.unwrap_or(property.scalar)) + 3 * values.min_size(property.scalar);
+    faces.reserve(element.count.min(values.remaining() / min_bytes) as usize);
 
-    // A negative index of a signed type comes as one of the upper half of u32, which then no vertex has.
+    // A negative index of a signed type appears as a number in the upper half of u32, which is not
+    // a vertex if there are at most `i32::MAX` vertices.
     if len <= i32::MAX as usize {
         let at_once = values.faces_at_once(element, list, |corners, at| {
             if let Some(&index) = corners.iter().find(|&&i| i as usize >= len) {
@@ -78,7 +79,8 @@ fn read_polygons(
     Ok(())
 }
 
-/// Each strip winds its triangles to one side, so that every second one is turned; the count starts anew after a -1.
+/// Reads triangle strips. Every second triangle of a strip has reversed winding; counting restarts
+/// after a -1.
 fn read_strips(
     element: &Element,
     list: usize,
@@ -113,7 +115,7 @@ fn read_strips(
     Ok(())
 }
 
-/// Reads one row and passes on each entry of its list of indices.
+/// Reads one row and calls `index` with each entry of its list of indices.
 fn read_row(
     element: &Element,
     list: usize,

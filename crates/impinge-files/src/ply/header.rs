@@ -1,4 +1,4 @@
-//! The header of a PLY file: which elements follow, with which properties, in which encoding.
+//! Reads the header of a PLY file: the encoding, and the elements with their properties.
 
 use crate::{
     error::{LoadError, Place},
@@ -44,7 +44,7 @@ impl Scalar {
         })
     }
 
-    /// How many bytes a binary value takes.
+    /// Returns the number of bytes of a binary value.
     pub(super) fn size(self) -> usize {
         match self {
             Self::Char | Self::UChar => 1,
@@ -54,7 +54,7 @@ impl Scalar {
         }
     }
 
-    /// Whether every value is an f32.
+    /// Reports whether f32 holds every value of this type exactly.
     pub(super) fn fits_f32(self) -> bool {
         matches!(self, Self::Char | Self::UChar | Self::Short | Self::UShort | Self::Float)
     }
@@ -64,7 +64,7 @@ impl Scalar {
 pub(super) struct Property {
     pub(super) name: String,
     pub(super) scalar: Scalar,
-    /// The type of the length, where this is a list.
+    /// Type of the length if this is a list; `None` for a single value.
     pub(super) list: Option<Scalar>,
 }
 
@@ -78,10 +78,11 @@ pub(super) struct Element {
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
-    /// How many bytes the header takes.
+    /// Length of the header in bytes.
     pub(super) len: usize,
-    /// Number of lines that are no statement of a header, and the first of them.
+    /// Number of header lines that are not statements.
     pub(super) unknown_lines: u64,
+    /// Line of the first such header line.
     pub(super) first_unknown: u64,
 }
 
@@ -130,8 +131,8 @@ impl Header {
     }
 }
 
-/// Reports whether a line may be a property or an element whose keyword is misspelled. Without it, the values after the
-/// header would be read as something else.
+/// Reports whether a line may be a property or an element with a misspelled keyword. If such a line
+/// were a comment, the values after the header would be misread.
 fn is_like_declaration(line: &[u8]) -> bool {
     let mut words = tokens(line).skip(1);
     let (second, third, fourth) = (words.next().unwrap_or_default(), words.next(), words.next());
@@ -140,7 +141,8 @@ fn is_like_declaration(line: &[u8]) -> bool {
     is_property || is_element
 }
 
-/// The header's lines, trimmed, ended as its first line is: the body may begin with any byte.
+/// Iterates over the header's lines, trimmed. Lines end like the first line, because the body may
+/// begin with any byte.
 struct HeaderLines<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -150,7 +152,7 @@ struct HeaderLines<'a> {
 
 impl<'a> HeaderLines<'a> {
     fn new(bytes: &'a [u8]) -> Self {
-        // A file of the old Macintosh ends its lines with \r alone.
+        // Files of old Macintosh programs end lines with \r alone.
         let end = if bytes.get(3) == Some(&b'\r') && bytes.get(4) != Some(&b'\n') { b'\r' } else { b'\n' };
         Self { bytes, at: 0, number: 0, end }
     }
@@ -191,7 +193,7 @@ fn read_element<'a>(mut words: impl Iterator<Item = &'a [u8]>, elements: &[Eleme
         .ok_or_else(|| LoadError::syntax("the number of rows of an element", count))?;
     let once = ["vertex", "face", "tristrips"].contains(&name.as_str());
     if once && elements.iter().any(|e| e.name == name) {
-        return Err(LoadError::syntax(format!("one element {name}"), word).with_hint("it is there twice"));
+        return Err(LoadError::syntax(format!("one element {name}"), word).with_hint("the header declares it twice"));
     }
     Ok(Element { name, count, properties: Vec::new() })
 }

@@ -1,13 +1,16 @@
 //! PLY (Greg Turk, *The PLY Polygon File Format*, 1994), ASCII and binary of both byte orders.
 //!
-//! - `vertex` must have `x`, `y`, `z`; where one of them is `double` or an integer of 32 or 64 bits the vertices are f64,
-//!   else f32. A vertex that no face uses may be [NaN or infinite](crate::non_finite).
-//! - `face` gives polygons by its list `vertex_indices` (or `vertex_index`), triangulated as
-//!   [`polygon`](crate::polygon) says.
-//! - `tristrips` gives triangle strips by the same list, in which -1 begins a new strip.
-//! - A row of an ASCII file ends its line: values that the header does not know are skipped, with a warning.
-//! - A line of the header without a keyword is a comment, with a warning. The length of a list may be of any type.
-//! - All other elements and properties, lists among them, in any order, are skipped.
+//! - `vertex` must have `x`, `y` and `z`. If one of them is `double` or an integer of 32 or 64
+//!   bits, the vertices are f64, else f32. A vertex that no face uses may be [NaN or
+//!   infinite](crate::non_finite).
+//! - `face` gives polygons by its list `vertex_indices` (or `vertex_index`). They are triangulated
+//!   by [`polygon`](crate::polygon).
+//! - `tristrips` gives triangle strips by the same list; -1 starts a new strip.
+//! - A row of an ASCII file ends with its line. Values that the header does not declare are
+//!   skipped, with a warning.
+//! - A line of the header without a keyword is a comment, with a warning. The length of a list may
+//!   have any type.
+//! - All other elements and properties, including lists, are skipped, in any order.
 
 mod ascii;
 mod binary;
@@ -41,43 +44,46 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
     }
 }
 
-/// The values after the header, in order.
+/// A reader of the values after the header.
 trait Values {
-    /// The next value in f64. Integers of 64 bits beyond 2^53 are rounded: no count or index is that large.
+    /// Returns the next value in f64. 64-bit integers beyond 2^53 are rounded; no valid count or
+    /// index is that large.
     fn next(&mut self, scalar: Scalar) -> Result<f64, LoadError>;
 
-    /// Skips values.
+    /// Skips `count` values.
     fn skip(&mut self, scalar: Scalar, count: u64) -> Result<(), LoadError>;
 
-    /// How many bytes a value takes at least.
-    fn least_size(&self, scalar: Scalar) -> u64;
+    /// Returns the minimum number of bytes of a value.
+    fn min_size(&self, scalar: Scalar) -> u64;
 
-    /// The byte offset, for errors and to come back.
+    /// Returns the current byte offset, for errors and for [`seek`](Self::seek).
     fn offset(&self) -> usize;
 
-    /// Goes back to an offset.
+    /// Moves to a byte offset.
     fn seek(&mut self, offset: usize);
 
-    /// What an offset is called.
+    /// Returns the place of a byte offset, for errors.
     fn place(&self, offset: usize) -> Place;
 
-    /// How many bytes are left.
+    /// Returns the number of bytes left.
     fn remaining(&self) -> u64;
 
-    /// Ends a row: values that the header does not know are skipped.
+    /// Ends a row, and skips values in it that the header does not declare.
     fn end_row(&mut self) {}
 
-    /// How many rows had such values, and where the first of them stands.
+    /// Returns the number of rows with undeclared values and the place of the first; `None` if
+    /// there are no such rows.
     fn surplus(&self) -> Option<(u64, Place)> {
         None
     }
 
-    /// All vertices at once, where their layout allows it.
+    /// Reads all vertices in bulk. Returns `None` if their layout does not allow it.
     fn vertices_at_once(&mut self, _element: &Element, _xyz: [usize; 3]) -> Option<Positions> {
         None
     }
 
-    /// All faces at once, where their layout allows it; negative indices come as more than `i32::MAX`.
+    /// Reads all faces in bulk and calls `face` with the indices and the offset of each. Negative
+    /// indices appear as numbers above `i32::MAX`. Returns `None` if the layout does not allow it.
     fn faces_at_once(
         &mut self,
         _element: &Element,
@@ -121,10 +127,10 @@ fn read_body(header: &Header, mut values: impl Values) -> Result<Model, LoadErro
     faces.into_model(positions.unwrap_or(Positions::F32(Vec::new())), parts, None, Format::Ply)
 }
 
-/// An error where the rows of an element cannot all be there.
+/// Returns an error if the file is too short for all rows of an element.
 fn check_room(element: &Element, values: &impl Values) -> Result<(), LoadError> {
-    let least = |p: &Property| values.least_size(p.list.unwrap_or(p.scalar));
-    let row = element.properties.iter().map(least).sum::<u64>();
+    let min_bytes = |p: &Property| values.min_size(p.list.unwrap_or(p.scalar));
+    let row = element.properties.iter().map(min_bytes).sum::<u64>();
     if element.count == 0 || row == 0 {
         return Ok(());
     }
@@ -155,7 +161,7 @@ fn skip_property(property: &Property, values: &mut impl Values) -> Result<(), Lo
     values.skip(property.scalar, count)
 }
 
-/// How many values a property has in this row.
+/// Returns the number of values of a property in this row: 1, or the length of a list.
 fn read_len(property: &Property, values: &mut impl Values) -> Result<u64, LoadError> {
     let Some(count) = property.list else { return Ok(1) };
     let at = values.offset();
@@ -168,7 +174,7 @@ fn read_integer(scalar: Scalar, values: &mut impl Values, what: &str) -> Result<
     let at = values.offset();
     let value = values.next(scalar)?;
     if value.fract() == 0.0 {
-        // A value beyond i64 becomes its end, which is out of every range too.
+        // A value beyond the range of i64 is clamped, which is out of every valid range too.
         Ok(value as i64)
     } else {
         Err(LoadError::syntax(what, value.to_string().as_bytes()).at(values.place(at)))

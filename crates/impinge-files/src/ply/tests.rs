@@ -1,4 +1,4 @@
-//! Layouts, encodings and errors of PLY files.
+//! Tests of layouts, encodings and errors of PLY files.
 
 use super::*;
 
@@ -16,7 +16,8 @@ fn kinds(model: &Model) -> Vec<(WarningKind, u64)> {
     model.warnings.iter().map(|w| (w.kind, w.count)).collect()
 }
 
-/// A quad and a triangle: properties in odd order, extra elements, lists in the vertices, and faces first.
+/// Returns a file with a quad and a triangle, in an unusual layout: properties in unusual order,
+/// extra elements, lists in the vertices, and faces first.
 fn odd(encoding: &str, value: impl Fn(&mut Vec<u8>, Scalar, f64)) -> Vec<u8> {
     use Scalar::{Char, Double, Float, Int, UChar, UInt, UShort};
     let mut out = format!(
@@ -67,13 +68,13 @@ fn put_binary(out: &mut Vec<u8>, scalar: Scalar, value: f64, big: bool) {
 }
 
 #[test]
-fn any_layout_in_any_encoding() {
+fn any_layout_is_read_in_any_encoding() {
     let files = [
         odd("ascii", |out, _, v| out.extend(format!("{v} ").bytes())),
         odd("binary_little_endian", |out, s, v| put_binary(out, s, v, false)),
         odd("binary_big_endian", |out, s, v| put_binary(out, s, v, true)),
     ];
-    // ASCII rows end their lines, and this writer has no lines.
+    // ASCII rows end with their lines, and this writer writes no lines.
     assert!(read(&files[0]).is_err());
     for file in &files[1..] {
         let model = parse(file);
@@ -86,7 +87,7 @@ fn any_layout_in_any_encoding() {
 }
 
 #[test]
-fn plain_layouts_in_bulk() {
+fn plain_layouts_are_read_in_bulk() {
     for (encoding, big) in [("binary_little_endian", false), ("binary_big_endian", true)] {
         for (float, index) in [(Scalar::Float, Scalar::Int), (Scalar::Double, Scalar::UInt)] {
             let (f, i) = if float == Scalar::Float { ("float", "int") } else { ("double", "uint") };
@@ -121,7 +122,8 @@ fn plain_layouts_in_bulk() {
     }
 }
 
-/// Three vertices and a face with these types of a coordinate, a length and an index.
+/// Returns a file with three vertices and a face, with these types of a coordinate, a length and an
+/// index.
 fn typed(coordinate: Scalar, length: Scalar, index: Scalar, big: bool) -> Vec<u8> {
     let name = |scalar| match scalar {
         Scalar::Long => "int64",
@@ -147,7 +149,7 @@ fn typed(coordinate: Scalar, length: Scalar, index: Scalar, big: bool) -> Vec<u8
 }
 
 #[test]
-fn types_of_64_bits_and_lengths_of_any_type() {
+fn types_of_64_bits_and_lengths_of_any_type_are_read() {
     use Scalar::{Double, Float, Long, ULong};
     for big in [false, true] {
         for (coordinate, length, index) in [(Long, ULong, Long), (Float, Float, ULong), (Double, Double, Float)] {
@@ -213,9 +215,9 @@ fn unused_vertices_need_not_be_finite() {
 }
 
 #[test]
-fn floats_of_text_are_rounded_once() {
+fn decimal_floats_are_rounded_once() {
     let head = "element vertex 1\nproperty float x\nproperty float y\nproperty double z\nend_header\n";
-    // Halfway between two f32 as the nearest f64 has it, but truly above.
+    // The nearest f64 is halfway between two f32, but the true value is above it.
     let model = parse(format!("{ASCII}{head}1.00000005960464477540 0.1 0.1"));
     assert_eq!(model.positions, Positions::F64(vec![[f64::from(1.0_f32 + f32::EPSILON), f64::from(0.1_f32), 0.1]]));
 }
@@ -232,7 +234,7 @@ fn strips_turn_every_second_triangle() {
 }
 
 #[test]
-fn odd_but_valid() {
+fn unusual_but_valid_files_are_read() {
     assert!(parse(format!("{ASCII}end_header\n")).faces.is_empty());
     let head = "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
     let model = parse(format!("{ASCII}{head}0 0 0 1 1\n7 7"));

@@ -1,4 +1,5 @@
-//! Vertices: `x`, `y` and `z` wherever they stand in a row, in single precision where that holds each of them.
+//! Reads the vertices: `x`, `y` and `z` at any place in a row, as f32 if their types fit, else as
+//! f64.
 
 use impinge::Positions;
 
@@ -6,8 +7,8 @@ use super::header::Element;
 use super::{Values, skip_property};
 use crate::{error::LoadError, non_finite::NonFinite};
 
-/// The rows of the element `vertex`, of which `x`, `y` and `z` are kept. Those that are not finite are replaced and added
-/// to `non_finite` with their offset.
+/// Reads `x`, `y` and `z` of all rows of the element `vertex`. Non-finite vertices are replaced,
+/// and added to `non_finite` with their offset.
 pub(super) fn read_vertices(
     element: &Element,
     values: &mut impl Values,
@@ -74,7 +75,7 @@ fn read_rows(
             non_finite.add(vertex, at as u64);
         }
         if single {
-            // Every value of these types is an f32.
+            // f32 holds every value of these types exactly.
             f32_rows.push(row.map(|x| x as f32));
         } else {
             f64_rows.push(row);

@@ -4,11 +4,11 @@ use std::io::{self, Write};
 
 use impinge::Positions;
 
-/// Writes triangles as little-endian binary PLY: `float` or `double` vertices as `positions` has them, and faces as
-/// lists of `int` where that can hold every index, else of `uint`.
+/// Writes triangles as little-endian binary PLY. Vertices are `float` or `double`, like
+/// `positions`. Faces are lists of `int` if that type can hold every index, else of `uint`.
 ///
 /// # Errors
-/// Those of `out`.
+/// Returns an error if writing to `out` fails.
 ///
 /// ```
 /// let positions = impinge::Positions::F32(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);

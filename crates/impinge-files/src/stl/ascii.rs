@@ -1,4 +1,4 @@
-//! ASCII STL, token by token, since not every writer keeps its lines.
+//! Reads ASCII STL token by token, because some writers break lines differently.
 
 use crate::{
     encoding::PlainText,
@@ -22,11 +22,13 @@ pub(super) fn read(plain: &PlainText<'_>) -> Result<Model, LoadError> {
 
 struct Reader<'a> {
     text: &'a [u8],
-    /// Where the next token is looked for, and where the last one began.
+    /// Byte offset of the search for the next token.
     at: usize,
+    /// Byte offset of the last token.
     token_at: usize,
-    /// Number of corners so far, and the vertices of the facet's corners.
+    /// Number of corners so far in the file.
     corners: usize,
+    /// Vertices of the current facet.
     facet: Vec<u32>,
     faces: Faces,
     weld: Weld<f64>,
@@ -47,7 +49,8 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Reads a solid after its keyword, up to and with the keyword of the next. Returns whether there is a next.
+    /// Reads a solid after its keyword, up to and including the keyword of the next solid. Returns
+    /// whether there is a next solid.
     fn read_solid(&mut self) -> Result<bool, LoadError> {
         let name = name(self.rest_of_line());
         let first = self.faces.faces.len();
@@ -75,7 +78,7 @@ impl<'a> Reader<'a> {
         Ok(next)
     }
 
-    /// Reads the keyword of a solid after another one. Returns whether there is one.
+    /// Reads the keyword of the next solid. Returns whether there is one.
     fn next_solid(&mut self) -> Result<bool, LoadError> {
         let token = self.token();
         if token.is_empty() || token.eq_ignore_ascii_case(b"solid") {
@@ -110,7 +113,8 @@ impl<'a> Reader<'a> {
         self.faces.polygon(&self.facet, |i| weld.position(i), part, place)
     }
 
-    /// Reads up to and with `outer`. The three numbers of the normal are not looked at, and may be missing.
+    /// Reads up to and including `outer`. The three numbers of the normal are ignored, and may be
+    /// missing.
     fn read_normal(&mut self) -> Result<(), LoadError> {
         let mut token = self.token();
         if token.eq_ignore_ascii_case(b"normal") {
@@ -145,7 +149,7 @@ impl<'a> Reader<'a> {
         self.weld.vertex(position).ok_or_else(|| too_many("vertices", corner as u64))
     }
 
-    /// Skips what stands after `endfacet` on its line, up to the next facet or the end of the solid.
+    /// Skips text after `endfacet` on its line, up to the next facet or the end of the solid.
     fn skip_stray_text(&mut self) {
         self.token_at = self.at;
         let mut is_stray = false;
@@ -165,7 +169,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The next token that is no comment; empty at the end of the file.
+    /// Returns the next token that is not a comment; empty at the end of the file.
     #[inline]
     fn token(&mut self) -> &'a [u8] {
         loop {
@@ -205,7 +209,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Keywords that may stand after `endfacet` on its line.
+/// Keywords that may follow `endfacet` on its line.
 const KEYWORDS: [&[u8]; 3] = [b"facet", b"endsolid", b"solid"];
 
 #[cfg(test)]
@@ -227,7 +231,7 @@ mod tests {
         "facet normal nan 0 -nan(ind)\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex 0 1 0\nendloop endfacet\n";
 
     #[test]
-    fn text_with_parts() {
+    fn every_solid_is_a_part() {
         let text = format!(
             "solid a b\r\n{FACET}{}endsolid a b\n\nsolid\nendsolid\nSOLID c\n{FACET}endsolid",
             FACET.to_uppercase()
@@ -267,7 +271,7 @@ mod tests {
         let model = read(text.as_bytes()).unwrap();
         assert_eq!(model.faces, [[0, 1, 2]; 5]);
         assert_eq!(model.parts, ["a"]);
-        // Three times text, and five comments; the one after `endsolid` may be a name.
+        // Text three times, and five comments; the comment after `endsolid` may be a name.
         assert_eq!(warnings(&model), [(WarningKind::StrayText, 8, Some(Place::Line(2)))]);
     }
 
@@ -292,7 +296,7 @@ mod tests {
 
     #[test]
     fn facets_with_more_than_three_corners_are_polygons() {
-        // Concave at the fourth corner: a fan about the first would cover what is outside.
+        // Concave at the fourth corner: a fan about the first corner would cover points outside.
         let corners = ["0 0 0", "4 0 0", "4 4 0", "3 1 0"].map(|v| format!("vertex {v}\n")).concat();
         let text = format!("solid\nfacet normal 0 0 1\nouter loop\n{corners}endloop\nendfacet\n{FACET}endsolid\n");
         let model = read(text.as_bytes()).unwrap();
@@ -303,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn utf16_and_padding() {
+    fn utf16_comments_and_padding_are_read() {
         let text = format!("solid a\n{FACET}endsolid\n");
         let wide: Vec<u8> = "\u{FEFF}".encode_utf16().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
         assert_eq!(read(&wide).unwrap().faces, [[0, 1, 2]]);

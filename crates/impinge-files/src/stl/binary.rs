@@ -1,4 +1,4 @@
-//! Binary STL: a header of 80 bytes, the number of triangles, and 50 bytes for each.
+//! Reads binary STL: a header of 80 bytes, the number of triangles, and 50 bytes for each.
 
 use impinge::Positions;
 
@@ -11,15 +11,18 @@ use crate::{
 
 use super::non_finite;
 
+/// Size of the header with the number of triangles, in bytes.
 const HEADER: usize = 84;
+
+/// Size of a facet, in bytes.
 const FACET: usize = 50;
 
-/// Whether the length is that of a binary file.
+/// Reports whether the length of the file is that of a binary file.
 pub(crate) fn has_binary_length(bytes: &[u8]) -> bool {
     stated_count(bytes).is_some_and(|count| bytes.len() as u64 == HEADER as u64 + FACET as u64 * u64::from(count))
 }
 
-/// Returns the number of triangles that the file states.
+/// Returns the number of triangles that a binary file states, or `None` if the file is too short.
 pub(super) fn stated_count(bytes: &[u8]) -> Option<u32> {
     let count = bytes.get(HEADER - 4..HEADER)?;
     Some(u32::from_le_bytes(count.try_into().ok()?))
@@ -31,9 +34,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
     };
     let room = (bytes.len() - HEADER) / FACET;
     match count {
-        // A program that did not know the number beforehand, and did not set it at the end, leaves one of these.
+        // A program that did not know the number beforehand and did not set it at the end leaves
+        // one of these.
         u32::MAX if room > 0 => read_facets(bytes, room, true),
-        // A file without triangles may have anything after its count. Text has no NULs; facets have some in practice.
+        // A file without triangles may have other bytes after its count. Text has no NULs; facets
+        // almost always have some.
         0 if room > 0 && memchr::memchr(0, &bytes[HEADER..]).is_some() => match read_facets(bytes, room, true) {
             Err(error) if matches!(error.kind(), LoadErrorKind::NonFinite { .. }) => read_facets(bytes, 0, false),
             result => result,
@@ -45,7 +50,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
     }
 }
 
-/// Reads this many facets, for which the file has room.
+/// Reads `count` facets, which must fit in the file.
 fn read_facets(bytes: &[u8], count: usize, is_unset: bool) -> Result<Model, LoadError> {
     let (facets, trailing) = bytes[HEADER..].split_at(count * FACET);
     let mut faces = Faces::default();
@@ -147,7 +152,7 @@ mod tests {
             let model = read(&bytes).unwrap();
             assert_eq!(model.faces, [[0, 1, 2]; 2]);
             assert_eq!(kinds(&model), [(WarningKind::UnsetCount, 1)]);
-            // The last record is cut off.
+            // The last facet is cut off.
             let model = read(&bytes[..bytes.len() - 1]).unwrap();
             assert_eq!(model.faces.len(), 1);
             assert_eq!(kinds(&model), [(WarningKind::UnsetCount, 1), (WarningKind::TrailingBytes, 49)]);
@@ -155,9 +160,9 @@ mod tests {
     }
 
     #[test]
-    fn files_without_nuls() {
+    fn binary_files_without_nuls_are_read() {
         let mut bytes = binary(&[b' '; 80], &[[[1.1; 3], [1.2; 3], [-1.3; 3]]; 2]);
-        // Only the count tells that the file is binary.
+        // Only the count shows that the file is binary.
         bytes[80..84].fill(0xFF);
         assert_eq!(read(&bytes).unwrap().faces.len(), 2);
         let text = [&binary(b"", &[])[..], &b"text after the end".repeat(10)].concat();
@@ -166,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_that_are_no_triangles_after_count_zero_are_ignored() {
+    fn invalid_triangles_after_count_zero_are_ignored() {
         let mut bytes = binary(b"", &[[[f32::NAN; 3]; 3]]);
         let finite = error(&bytes);
         assert_eq!(finite, "byte 96: vertex 0 has a coordinate that is NaN, infinite or too large");

@@ -1,13 +1,15 @@
 //! STL (3D Systems, *StereoLithography Interface Specification*, 1988), binary and ASCII.
 //!
-//! A file is binary where its length is exactly 84 + 50 n for the count n that it states, ASCII where it opens with
-//! `solid` and a facet or the end follows, and else binary with something missing or added: many binary files open with
-//! `solid`. Normals, attributes and colours are not looked at. Corners with equal positions become one vertex
-//! ([`weld`](crate::weld)). Each `solid` of an ASCII file is a part.
+//! A file is binary if its length is exactly 84 + 50 n for the count n that it states. It is ASCII
+//! if it begins with `solid` and a facet or the end follows. Any other file that contains a NUL or
+//! states a count of 4294967295 is binary with missing or extra bytes, because many binary files
+//! begin with `solid`. Normals, attributes and colors are ignored. Corners with equal positions
+//! become one vertex ([`weld`](crate::weld)). Each `solid` of an ASCII file is a part.
 //!
 //! - A binary file whose count is 0 or 4294967295 is read to its end, with a warning.
-//! - In ASCII, text after `endfacet`, comments from `#` to the end of the line, and a missing `endsolid` or `normal` are
-//!   warnings. A facet with more than three corners is triangulated as [`polygon`](crate::polygon) says.
+//! - In ASCII, text after `endfacet`, comments from `#` to the end of the line, and a missing
+//!   `endsolid` or `normal` cause warnings. A facet with more than three corners is triangulated by
+//!   [`polygon`](crate::polygon).
 
 mod ascii;
 mod binary;
@@ -22,7 +24,8 @@ use crate::{
 
 pub(crate) use binary::has_binary_length;
 
-/// Whether an ASCII file opens like this: `solid`, a name, then a facet or the end, comments aside.
+/// Reports whether the bytes begin as an ASCII file: `solid`, a name, then a facet or the end,
+/// possibly after comments.
 pub(crate) fn opens_as_text(bytes: &[u8]) -> bool {
     let line_end = |text: &[u8]| memchr::memchr2(b'\n', b'\r', text).unwrap_or(text.len());
     let text = trim_start(without_bom(bytes));
@@ -41,7 +44,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
     if is_binary(bytes) {
         return binary::read(bytes);
     }
-    // Text, but perhaps not the text of an STL file; the ASCII reader says where it goes wrong.
+    // The text may not be STL; then the ASCII reader reports the place of the error.
     ascii::read(&PlainText::new(bytes, Format::Stl)?)
 }
 
@@ -55,7 +58,8 @@ fn is_binary(bytes: &[u8]) -> bool {
     memchr::memchr(0, bytes).is_some() || binary::stated_count(bytes) == Some(u32::MAX)
 }
 
-/// Reports whether a UTF-16 file begins with `solid`. A byte order mark alone may be the header of a binary file.
+/// Reports whether a UTF-16 file begins with `solid`. A byte order mark alone may be the header of
+/// a binary file.
 fn opens_as_utf16(bytes: &[u8]) -> bool {
     const SOLID: usize = 2 + 2 * 5;
     utf16(&bytes[..bytes.len().min(SOLID)]).is_some_and(|text| text.eq_ignore_ascii_case("solid"))

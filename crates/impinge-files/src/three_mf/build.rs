@@ -1,4 +1,4 @@
-//! The build of a 3MF model, flattened: each object with the map that places it.
+//! Flattens the build of a 3MF model: each object with the map that places it.
 
 use std::collections::HashMap;
 
@@ -14,14 +14,14 @@ use super::{
     part::{Object, Part, Reference},
 };
 
-/// How deep components may be nested: a guard against cycles, and for the stack. Assemblies of CAD programs nest some
-/// ten deep.
+/// Maximum nesting depth of components. It ends cycles and bounds the stack. Assemblies of CAD
+/// programs nest about ten deep.
 const MAX_DEPTH: u32 = 64;
 
-/// An object by its part and its id there.
+/// An object: the index of its part, and its id in the part.
 type Key = (usize, u32);
 
-/// All model parts that belong to the build, the one with the build first.
+/// All model parts that the build uses, starting with the part that contains the build.
 pub(super) struct Models {
     parts: Vec<Part>,
     paths: Vec<String>,
@@ -45,12 +45,13 @@ impl Models {
         Ok(models)
     }
 
-    /// The unit of the build.
+    /// Returns the unit of the build.
     pub(super) fn unit(&self) -> Unit {
         self.parts[0].unit
     }
 
-    /// The object that is meant in this part.
+    /// Returns the object that a reference in a part refers to. Returns an error if it does not
+    /// exist.
     fn resolve(&self, part: usize, reference: &Reference) -> Result<(Key, &Object), LoadError> {
         let part = reference.path.as_deref().map_or(part, |path| self.by_path[path]);
         let key = (part, reference.object);
@@ -65,13 +66,13 @@ impl Models {
     }
 }
 
-/// What an object amounts to, with all that is nested in it.
+/// Counts of an object, including everything nested in it.
 #[derive(Clone, Copy)]
 struct Sum {
     vertices: u64,
     triangles: u64,
     components: u64,
-    /// How deep it nests objects, itself included.
+    /// Depth of nested objects, including the object itself.
     height: u32,
 }
 
@@ -83,7 +84,7 @@ pub(super) struct Build<'a> {
 }
 
 impl<'a> Build<'a> {
-    /// Adds all items of the build, once they are known to stay within the budget.
+    /// Adds all items of the build, after checking that they stay within the budget.
     pub(super) fn run(models: &'a Models, budget: Budget) -> Result<Self, LoadError> {
         let items = &models.parts[0].items;
         Counter { models, budget, known: HashMap::new() }.sum(0, items, Sum::of(None), 0)?;
@@ -94,7 +95,8 @@ impl<'a> Build<'a> {
         Ok(build)
     }
 
-    /// Adds an object with its components. The counter has bounded depth and number, and seen that all objects exist.
+    /// Adds an object with its components. The counter has checked before that their depth and
+    /// number are limited and that all objects exist.
     fn add(&mut self, part: usize, reference: &Reference, world: &Affine, around: &str) -> Result<(), LoadError> {
         let (key, object) = self.models.resolve(part, reference)?;
         let world = world.after(&reference.map);
@@ -108,7 +110,7 @@ impl<'a> Build<'a> {
             let p = world.apply(p);
             if !p.iter().all(|x| x.is_finite()) {
                 let error = LoadError::new(LoadErrorKind::NonFinite { vertex: vertex as u64 });
-                return Err(error.at(self.models.place(key)).with_hint("as its transforms place it"));
+                return Err(error.at(self.models.place(key)).with_hint("after the transforms of its object"));
             }
             self.positions.push(p);
         }
@@ -126,7 +128,7 @@ impl<'a> Build<'a> {
     }
 }
 
-/// Adds up what objects amount to, visiting each once, however often it is used.
+/// Computes the counts of objects, each object once, even if it is used many times.
 struct Counter<'a> {
     models: &'a Models,
     budget: Budget,
@@ -134,7 +136,8 @@ struct Counter<'a> {
 }
 
 impl Counter<'_> {
-    /// `own` with all that is referred to; `depth` objects are around the referred ones.
+    /// Returns `own` plus the counts of all referenced objects; `depth` is the number of objects
+    /// around them.
     fn sum(&mut self, part: usize, references: &[Reference], own: Sum, depth: u32) -> Result<Sum, LoadError> {
         let mut sum = own;
         for reference in references {
@@ -169,7 +172,8 @@ impl Counter<'_> {
 }
 
 impl Sum {
-    /// An object alone; the build where there is none.
+    /// Returns the counts of an object without its components, or of the build if `object` is
+    /// `None`.
     fn of(object: Option<&Object>) -> Self {
         let (vertices, triangles) = object.map_or((0, 0), |o| (o.positions.len(), o.faces.len()));
         let one = u32::from(object.is_some());

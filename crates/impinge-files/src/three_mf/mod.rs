@@ -1,11 +1,14 @@
-//! 3MF (3MF Consortium, *3MF Core Specification* 1.3, and *Production Extension* 1.1 for models in several parts).
+//! 3MF (3MF Consortium, *3MF Core Specification* 1.3, and *Production Extension* 1.1 for models in
+//! several parts).
 //!
-//! - What is loaded is the build: every item, its components within components, each with its transform. Transforms are
-//!   composed in f64 and applied in f64; then the rule for decimal text holds.
-//! - Each instance of an object with triangles is a part, named after the object or else the one around it.
-//! - Materials, triangle sets and slices are not looked at. Beams of lattices are left out, with a warning. A file that
-//!   requires any other extension is an error.
-//! - Parts are UTF-8 or UTF-16. Bytes in errors are counted in the text as UTF-8.
+//! - The build is loaded: every item with its nested components, each with its transform.
+//!   Transforms are composed and applied in f64. The positions are then stored as f32 if that is
+//!   exact, else as f64, as for all decimal text.
+//! - Each instance of an object with triangles is a part, named after the object or else the object
+//!   around it.
+//! - Materials, triangle sets and slices are ignored. Beams of lattices are skipped, with a
+//!   warning. Any other extension that a file requires is an error.
+//! - Parts are UTF-8 or UTF-16. Byte offsets in errors refer to the text as UTF-8.
 
 mod build;
 mod package;
@@ -22,7 +25,7 @@ use crate::{
 use build::{Build, Models};
 use package::Package;
 
-/// Reads a package; what it may unpack to is limited by the size of the file that it came in.
+/// Reads a package. Its unpacked size is limited by the size of the file, which may be gzip.
 pub(crate) fn read(bytes: &[u8], file_size: u64) -> Result<Model, LoadError> {
     let mut package = Package::open(bytes, file_size)?;
     let start = package.start_part()?;
@@ -32,12 +35,12 @@ pub(crate) fn read(bytes: &[u8], file_size: u64) -> Result<Model, LoadError> {
     faces.into_model(stored(positions), parts, Some(models.unit()), Format::ThreeMf)
 }
 
-/// A byte of a part of the package.
+/// Returns the place of a byte in a part of the package.
 fn in_part(path: &str, offset: u64) -> Place {
     Place::Entry(format!("{path}, byte {offset}"))
 }
 
-/// The error that this archive is no 3MF.
+/// Returns the error that an archive is not a 3MF package.
 fn no_model() -> LoadError {
     let kind = LoadErrorKind::WrongContent { expected: Format::ThreeMf, found: "a ZIP archive without a 3D model" };
     LoadError::new(kind).with_hint("unpack it and load what is inside")

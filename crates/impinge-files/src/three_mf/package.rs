@@ -1,4 +1,4 @@
-//! The package around a 3MF model (Open Packaging Conventions): a ZIP archive with relationships.
+//! Reads the package of a 3MF model (Open Packaging Conventions): a ZIP archive with relationships.
 
 use std::io::Cursor;
 
@@ -13,25 +13,26 @@ use crate::{
 
 use super::no_model;
 
-/// The relationship that names the model to start from.
+/// Type of the relationship that names the model to start from.
 const MODEL_TYPE: &str = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
 const RELATIONSHIPS: &str = "_rels/.rels";
 const USUAL_MODEL: &str = "3D/3dmodel.model";
 
 pub(super) struct Package<'a> {
     archive: ZipArchive<Cursor<&'a [u8]>>,
-    /// Shared by all entries, which may overlap.
+    /// Shared by all entries, because they may overlap.
     allowance: Allowance,
 }
 
 impl<'a> Package<'a> {
-    /// `file_size` is the size of the file in bytes, which may hold the package packed once more.
+    /// Opens a package. `file_size` is the size of the file in bytes, which is smaller than `bytes`
+    /// if the package was compressed by gzip.
     pub(super) fn open(bytes: &'a [u8], file_size: u64) -> Result<Self, LoadError> {
         let archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| corrupt(&e))?;
         Ok(Self { archive, allowance: Allowance::for_packed(file_size) })
     }
 
-    /// The path of the part in which the build is.
+    /// Returns the path of the part that contains the build.
     pub(super) fn start_part(&mut self) -> Result<String, LoadError> {
         if self.find(RELATIONSHIPS).is_some() {
             let text = self.read(RELATIONSHIPS)?;
@@ -42,17 +43,17 @@ impl<'a> Package<'a> {
         if self.find(USUAL_MODEL).is_some() { Ok(USUAL_MODEL.to_owned()) } else { Err(no_model()) }
     }
 
-    /// The text of a part.
+    /// Returns the text of a part.
     pub(super) fn read(&mut self, path: &str) -> Result<String, LoadError> {
         let place = || Place::Entry(path.to_owned());
         let index = self.find(path).ok_or_else(|| LoadError::syntax("this part of the package", b"").at(place()))?;
         let file = self.archive.by_index(index).map_err(|e| corrupt(&e).at(place()))?;
         let mut bytes = Vec::new();
-        self.allowance.read(file, &mut bytes, "a packed part that is whole").map_err(|e| e.at(place()))?;
+        self.allowance.read(file, &mut bytes, "a complete part in the ZIP archive").map_err(|e| e.at(place()))?;
         xml::decode(bytes, Encoding::Unicode).map_err(|e| e.at(place()))
     }
 
-    /// The entry of a part; names of parts are equal in any case.
+    /// Returns the index of a part's entry, or `None`. Names of parts are compared without case.
     fn find(&self, path: &str) -> Option<usize> {
         let path = path.trim_start_matches('/');
         self.archive.index_for_name(path).or_else(|| {
@@ -63,10 +64,10 @@ impl<'a> Package<'a> {
 }
 
 fn corrupt(error: &ZipError) -> LoadError {
-    LoadError::syntax("a ZIP archive that is whole", error.to_string().as_bytes())
+    LoadError::syntax("a complete ZIP archive", error.to_string().as_bytes())
 }
 
-/// The target of the first relationship to a model.
+/// Returns the target of the first relationship to a model, or `None`.
 fn model_target(text: &str) -> Option<String> {
     let mut reader = Reader::from_str(text);
     loop {

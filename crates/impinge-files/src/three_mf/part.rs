@@ -1,4 +1,5 @@
-//! A model part of a 3MF package: objects with a mesh or components, and the items of the build.
+//! Reads a model part of a 3MF package: objects with a mesh or components, and the items of the
+//! build.
 
 use std::collections::HashMap;
 
@@ -17,8 +18,8 @@ use crate::{
 
 use super::in_part;
 
-/// Extensions that leave the triangles as they are, or are supported. Beams and balls of lattices
-/// are counted.
+/// Extensions that are supported or do not affect the triangles. Beams and balls of lattices are
+/// counted.
 const KNOWN_EXTENSIONS: [&str; 7] = [
     "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02",
     "http://schemas.microsoft.com/3dmanufacturing/beamlattice/balls/2020/07",
@@ -42,19 +43,19 @@ pub(super) struct Object {
     /// Triangles, whose corners exist.
     pub(super) faces: Vec<[u32; 3]>,
     pub(super) components: Vec<Reference>,
-    /// Number of beams and balls of its lattice, which are not read.
+    /// Number of beams and balls of the object's lattice, which are not loaded.
     pub(super) beams: u64,
 }
 
 /// A component or an item: an object, and the map that places it.
 pub(super) struct Reference {
-    /// The part in which the object is, where it is another one.
+    /// Path of the part that contains the object; `None` for the same part.
     pub(super) path: Option<Box<str>>,
     pub(super) object: u32,
     pub(super) map: Affine,
 }
 
-/// The elements that matter; all others, and what is in them, are skipped.
+/// The elements that are read. All other elements, and everything in them, are skipped.
 #[derive(Clone, Copy, PartialEq)]
 enum Tag {
     Model,
@@ -143,9 +144,9 @@ impl Part {
 
 #[derive(Default)]
 struct PartReader {
-    /// That of the model, once it has begun.
+    /// Unit of the model; `None` before the element `model`.
     unit: Option<Unit>,
-    /// What stands before the core specification's names: nothing, or a prefix with its colon.
+    /// Prefix of names of the core specification, with its colon; may be empty.
     prefix: String,
     objects: HashMap<u32, Object>,
     items: Vec<Reference>,
@@ -210,7 +211,7 @@ impl PartReader {
 
 fn read_unit(model: &BytesStart<'_>) -> Result<Unit, LoadError> {
     match attributes(model).find(|(key, _)| *key == "unit") {
-        // The specification's default.
+        // Default of the specification.
         None => Ok(Unit::Millimetre),
         Some((_, value)) => {
             Unit::from_3mf(value.trim()).ok_or_else(|| LoadError::syntax("a unit of 3MF", value.as_bytes()))
@@ -274,7 +275,7 @@ fn read_reference(element: &BytesStart<'_>) -> Result<Reference, LoadError> {
         match key {
             "objectid" => object = Some(read_id(&value)?),
             "transform" => map = read_transform(&value)?,
-            // Of the production extension, by whatever prefix.
+            // An attribute of the production extension, with any prefix.
             _ if key.ends_with(":path") => path = Some(Box::from(value)),
             _ => {}
         }
@@ -289,7 +290,7 @@ fn read_id(value: &str) -> Result<u32, LoadError> {
     value.trim().parse().map_err(|_| LoadError::syntax("the id of an object", value.as_bytes()))
 }
 
-/// Twelve numbers, a 4x3 matrix by rows, for row vectors.
+/// Parses a transform: twelve numbers, which are a 4x3 matrix by rows, for row vectors.
 fn read_transform(value: &str) -> Result<Affine, LoadError> {
     let numbers: Option<Vec<f64>> =
         value.split_whitespace().take(13).map(|t| number(t.as_bytes()).filter(|x| x.is_finite())).collect();

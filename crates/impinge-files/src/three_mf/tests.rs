@@ -1,4 +1,4 @@
-//! Packages written by hand: builds, components, units, parts, and what is wrong with others.
+//! Tests with packages written by hand: builds, components, units, parts, and errors.
 
 use std::io::Write;
 
@@ -13,7 +13,7 @@ const RELATIONSHIPS: &str = r#"<?xml version="1.0"?><Relationships xmlns="http:/
     <Relationship Target="/thumb.png" Id="a" Type="thumbnail"/>
     <Relationship Target="/3D/Model.model" Id="b" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
 
-/// Reads a package that is a file of its own.
+/// Reads a package from a file that is not compressed by gzip.
 fn read(bytes: &[u8]) -> Result<Model, LoadError> {
     super::read(bytes, bytes.len() as u64)
 }
@@ -32,7 +32,7 @@ fn package_of_bytes(entries: &[(&str, &[u8])]) -> Vec<u8> {
     zip.finish().unwrap().into_inner()
 }
 
-/// A package with this model alone.
+/// Returns a package with only this model.
 fn with_model(model: &str) -> Vec<u8> {
     package(&[("_rels/.rels", RELATIONSHIPS), ("3D/model.MODEL", model)])
 }
@@ -49,7 +49,7 @@ const MESH: &str = r#"<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y
     <triangles><triangle v1="0" v2="1" v3="2" pid="3"/></triangles></mesh>"#;
 
 #[test]
-fn items_and_components_are_placed() {
+fn items_and_components_are_placed_by_their_transforms() {
     let resources = format!(
         r#"<basematerials id="9"/><object id="1" name="caf&#233; &amp; bar">{MESH}</object><object id="2">{MESH}</object>
         <object id="3" name="both"><components><component objectid="1" transform="0 1 0 -1 0 0 0 0 1 5 0 0"/>
@@ -76,7 +76,7 @@ fn items_and_components_are_placed() {
 }
 
 #[test]
-fn prefixes_defaults_and_foreign_elements() {
+fn prefixes_defaults_and_foreign_elements_are_read() {
     let mesh = MESH.replace("</", "</c:").replace("<v", "<c:v").replace("<t", "<c:t").replace("<m", "<c:m");
     let text = format!(
         r#"<?xml version="1.0" encoding="UTF-8"?><c:model xmlns:c="core" xmlns:p="http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
@@ -89,7 +89,7 @@ fn prefixes_defaults_and_foreign_elements() {
 }
 
 #[test]
-fn models_in_several_parts() {
+fn models_in_several_parts_are_read() {
     let other = model(&format!("<object id=\"1\" name=\"inner\">{MESH}</object>"), "");
     let start = model(
         r#"<object id="1" name="outer"><components><component p:path="/3D/Objects/o.model" objectid="1"/></components></object>"#,
@@ -137,7 +137,7 @@ fn errors_name_part_and_byte() {
 }
 
 #[test]
-fn beams_are_left_out_with_a_warning() {
+fn beams_are_skipped_with_a_warning() {
     let lattice = r#"<b:beamlattice radius="1"><b:beams><b:beam v1="0" v2="1"/><b:beam v1="1" v2="2"/></b:beams>
         <b2:balls><b2:ball vindex="0"/></b2:balls></b:beamlattice></mesh>"#;
     let text = model(
@@ -149,11 +149,11 @@ fn beams_are_left_out_with_a_warning() {
     let model = read(&with_model(&text.replace("<model", namespaces))).unwrap();
     assert_eq!(model.faces.len(), 2);
     let warnings: Vec<_> = model.warnings.iter().map(ToString::to_string).collect();
-    assert_eq!(warnings, ["beams and balls of lattices, left out: 3, the first at /3D/Model.model, object 1"]);
+    assert_eq!(warnings, ["beams and balls of lattices, skipped: 3, the first at /3D/Model.model, object 1"]);
 }
 
 #[test]
-fn parts_may_be_utf_16() {
+fn parts_may_be_utf16() {
     let text = model(&format!("<object id=\"1\" name=\"caf\u{E9}\">{MESH}</object>"), "<item objectid=\"1\"/>");
     let wide = |text: &str, bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
         format!("\u{FEFF}{text}").encode_utf16().flat_map(bytes).collect()
@@ -168,23 +168,24 @@ fn parts_may_be_utf_16() {
 }
 
 #[test]
-fn what_is_no_package() {
+fn archives_that_are_not_packages_are_errors() {
     let error = |bytes: &[u8]| read(bytes).unwrap_err();
     assert_eq!(error(&package(&[("readme.txt", "hello")])).kind().name(), "wrong-content");
     let whole = with_model("<model/>");
-    assert!(error(&whole[..whole.len() - 5]).to_string().starts_with("expected a ZIP archive that is whole"));
+    assert!(error(&whole[..whole.len() - 5]).to_string().starts_with("expected a complete ZIP archive"));
 }
 
 #[test]
-fn bombs_do_not_go_off() {
-    // Twenty doublings in each of three levels: as many triangles as there are bytes in no computer.
+fn hostile_nesting_and_repetition_are_errors() {
+    // Twenty doublings in each of three levels: more triangles than the memory of any computer
+    // holds.
     let mut resources = format!("<object id=\"0\">{MESH}</object>");
     for id in 1..60 {
         let inner = format!("<component objectid=\"{}\"/>", id - 1);
         resources += &format!("<object id=\"{id}\"><components>{inner}{inner}</components></object>");
     }
     let text = error(&resources, "<item objectid=\"59\"/>");
-    assert!(text.contains("are more than the 16777216 that are allowed"), "{text}");
+    assert!(text.contains("exceed the limit of 16777216"), "{text}");
     let text = error(&resources.replace(MESH, ""), "<item objectid=\"59\"/>");
     assert!(text.contains("components are more than"), "{text}");
 
@@ -196,7 +197,7 @@ fn bombs_do_not_go_off() {
     assert!(read(&with_model(&model(&chain(64), "<item objectid=\"63\"/>"))).is_ok());
     let deep = "expected components nested at most 64 deep, found \"more, or a cycle\"";
     assert!(error(&chain(65), "<item objectid=\"64\"/>").contains(deep));
-    // Also where the inner chain is known from an item before.
+    // The depth is also limited if the inner chain is known from an earlier item.
     assert!(error(&chain(90), "<item objectid=\"50\"/><item objectid=\"89\"/>").contains(deep));
     let cycle = "<object id=\"1\"><components><component objectid=\"1\"/></components></object>";
     assert!(error(cycle, "<item objectid=\"1\"/>").contains(deep));

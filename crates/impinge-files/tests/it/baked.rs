@@ -1,4 +1,4 @@
-//! Baked files: what comes back is what was baked, and no file is believed (N34).
+//! Tests of baked files: they round-trip, and corrupt files are rejected or harmless.
 
 use std::{fs, path::PathBuf, sync::Arc};
 
@@ -12,7 +12,7 @@ use impinge::{
 use impinge_files::{Baked, Format, LoadErrorKind, Provenance, Unit, write_baked};
 use tempfile::TempDir;
 
-/// A small generator of numbers: every run asks the same.
+/// A small pseudorandom generator, the same in every run.
 struct Random(u64);
 
 impl Random {
@@ -22,7 +22,7 @@ impl Random {
     }
 }
 
-/// A sheet of hills, n quads along each side.
+/// Returns a hilly surface with n quads along each side.
 fn hills(n: u32, height: f64) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let vertices = (0..=n).flat_map(|y| {
         (0..=n).map(move |x| [f64::from(x), f64::from(y), height * f64::from((x * x + 3 * x * y + y) % 7)])
@@ -59,10 +59,10 @@ fn bytes_with_proxies(mesh: &Mesh) -> Vec<u8> {
     bytes
 }
 
-/// Where the table of sections ends.
-const HEAD: usize = 64 + 9 * 24;
+/// Offset of the end of the table of sections, in bytes.
+const HEADER: usize = 64 + 9 * 24;
 
-/// A file for one question.
+/// A temporary file.
 struct File(TempDir);
 
 impl File {
@@ -72,7 +72,7 @@ impl File {
 
     fn write(&self, bytes: &[u8]) -> PathBuf {
         let path = self.0.path().join("mesh.impinge");
-        // Anew, as a map of the last one may still be there.
+        // Create a new file, because the last one may still be mapped.
         let _ = fs::remove_file(&path);
         fs::write(&path, bytes).expect("room");
         path
@@ -80,10 +80,10 @@ impl File {
 }
 
 #[test]
-fn what_was_baked_comes_back() {
+fn baked_meshes_round_trip() {
     let file = File::new();
     let other = mesh(0.25);
-    // Doubles, singles, nothing.
+    // Meshes in double precision, in single precision, and without faces.
     let empty = Mesh::new(Positions::F32(Vec::new()), Vec::new()).expect("a legal mesh");
     for original in [mesh(0.1), mesh(0.5), empty] {
         let path = file.write(&bytes_of(&original));
@@ -93,18 +93,19 @@ fn what_was_baked_comes_back() {
             assert_eq!(query::intersecting_pairs(&opened, &other), query::intersecting_pairs(&original, &other));
         }
         assert_eq!(baked.provenance(), Ok(provenance(original.faces().len())));
-        // The mesh outlives the file and what opened it.
+        // The mesh outlives the file and the value that opened it.
         let opened = baked.mesh().expect("a mesh");
         drop(baked);
         fs::remove_file(&path).expect("it is there");
         assert_eq!(query::intersecting_pairs(&opened, &other), query::intersecting_pairs(&original, &other));
-        // And is the same again when it is baked again.
+        // Baking it again gives the same bytes.
         assert_eq!(bytes_of(&opened), bytes_of(&original));
     }
 }
 
-/// What stands for a mesh holds it, and its hull is that of the vertices that faces have.
-fn assert_true(proxies: &Proxies, mesh: &Mesh) {
+/// Asserts that all proxies contain the mesh, and that the hull is that of the vertices that faces
+/// use.
+fn assert_valid(proxies: &Proxies, mesh: &Mesh) {
     let corners: Vec<[f64; 3]> =
         mesh.faces().as_flattened().iter().map(|&vertex| mesh.positions().get(vertex as usize)).collect();
     let sorted = |positions: &[[f64; 3]]| {
@@ -131,27 +132,28 @@ fn assert_true(proxies: &Proxies, mesh: &Mesh) {
 }
 
 #[test]
-fn proxies_come_back() {
+fn baked_proxies_round_trip() {
     let file = File::new();
     let flap =
         |corners: [[f64; 3]; 3]| Mesh::new(Positions::F64(corners.to_vec()), vec![[0, 1, 2]]).expect("a legal mesh");
     let triangle = flap([[0.1, 0.0, 0.0], [1.0, 0.0, 0.3], [0.0, 1.0, 0.0]]);
     let collinear = flap([[0.0; 3], [0.25; 3], [1.0; 3]]);
     let point = flap([[0.7; 3]; 3]);
-    // In single precision and in double, flat, with an unused vertex far away, of a line, of a point.
+    // Meshes in single and in double precision, a flat one, one with an unused vertex far away, a
+    // line, and a point.
     for original in [mesh(0.5), mesh(0.1), mesh(0.0), triangle, collinear, point] {
         let bytes = bytes_with_proxies(&original);
         let baked = Baked::open(file.write(&bytes)).expect("a baked file");
         let opened = baked.mesh().expect("a mesh");
-        let (proved, believed) =
-            (baked.proxies(&opened).expect("proved"), baked.trusted_proxies(&opened).expect("read"));
+        let (validated, trusted) =
+            (baked.proxies(&opened).expect("validated"), baked.trusted_proxies(&opened).expect("read"));
         let made = original.proxies().expect("faces").to_bytes();
-        for proxies in [proved.expect("there"), believed.expect("there")] {
-            assert_true(&proxies, &original);
+        for proxies in [validated.expect("there"), trusted.expect("there")] {
+            assert_valid(&proxies, &original);
             assert_eq!(proxies.to_bytes(), made);
         }
         assert!(baked.has_proxies() && bytes_with_proxies(&opened) == bytes);
-        // Those of another mesh they are not.
+        // They are not valid for another mesh.
         let other = mesh(0.25);
         assert_eq!(baked.proxies(&other).map(drop).map_err(|e| e.kind().name()), Err("corrupt"));
     }
@@ -164,14 +166,14 @@ fn proxies_come_back() {
 }
 
 #[test]
-fn bytes_in_memory_are_as_good_as_a_file_where_they_are_aligned() {
+fn aligned_bytes_in_memory_are_opened_like_a_file() {
     let original = mesh(0.1);
     let written = bytes_of(&original);
     let mut copy = AlignedBytes::zeroed(written.len());
     copy.as_mut().copy_from_slice(&written);
     let opened = Baked::from_bytes(Arc::new(copy)).and_then(|baked| baked.mesh()).expect("a mesh");
     assert!(opened.parts() == original.parts());
-    // One byte before everything else.
+    // Bytes that are shifted by one are not aligned.
     struct Shifted(AlignedBytes);
     impl AsRef<[u8]> for Shifted {
         fn as_ref(&self) -> &[u8] {
@@ -186,7 +188,7 @@ fn bytes_in_memory_are_as_good_as_a_file_where_they_are_aligned() {
 }
 
 #[test]
-fn any_reader_of_meshes_takes_the_triangles_of_a_baked_file() {
+fn load_and_parse_read_the_triangles_of_a_baked_file() {
     let file = File::new();
     let original = mesh(0.1);
     let bytes = bytes_of(&original);
@@ -200,7 +202,7 @@ fn any_reader_of_meshes_takes_the_triangles_of_a_baked_file() {
 }
 
 #[test]
-fn what_is_no_baked_file_says_so() {
+fn files_that_are_not_baked_are_errors() {
     let file = File::new();
     let whole = bytes_of(&mesh(0.1));
     let kind = |bytes: &[u8]| Baked::open(file.write(bytes)).map(|_| ()).map_err(|e| e.kind().name());
@@ -215,21 +217,21 @@ fn what_is_no_baked_file_says_so() {
         changed[at..at + bytes.len()].copy_from_slice(bytes);
         kind(&changed)
     };
-    assert_eq!(with(8, &[1, 2, 3, 4]), Err("unsupported-feature"), "the other byte order");
-    assert_eq!(with(12, &[1]), Err("unsupported-feature"), "an earlier form");
-    assert_eq!(with(12, &[3]), Err("unsupported-feature"), "a later form");
+    assert_eq!(with(8, &[1, 2, 3, 4]), Err("unsupported-feature"), "the opposite byte order");
+    assert_eq!(with(12, &[1]), Err("unsupported-feature"), "an earlier version");
+    assert_eq!(with(12, &[3]), Err("unsupported-feature"), "a later version");
     assert_eq!(with(16, &[0]), Err("unsupported-feature"), "earlier arrays");
-    assert_eq!(with(24, &[2]), Err("corrupt"), "another unit than the checksum is of");
+    assert_eq!(with(24, &[2]), Err("corrupt"), "a unit that does not match the checksum");
     let missing = Baked::open(file.0.path().join("none.impinge")).map(|_| ()).map_err(|e| e.kind().clone());
     assert!(matches!(missing, Err(LoadErrorKind::Io { .. })), "{missing:?}");
     let incomplete = Provenance { sources: vec![0], ..provenance(162) };
     assert!(write_baked(&mesh(0.1), &incomplete, None, &mut Vec::new()).is_err());
 }
 
-/// Makes the checksums right again, as somebody with ill intent would.
+/// Corrects the checksums of changed bytes, as an attacker would.
 fn with_right_checksums(bytes: &mut [u8]) {
     let number = |bytes: &[u8], at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight")) as usize;
-    for entry in (64..HEAD).step_by(24) {
+    for entry in (64..HEADER).step_by(24) {
         let (start, length) = (number(bytes, entry + 8), number(bytes, entry + 16));
         if let Some(section) = bytes.get(start..start.saturating_add(length)) {
             let checksum = crc32fast::hash(section).to_le_bytes();
@@ -238,12 +240,12 @@ fn with_right_checksums(bytes: &mut [u8]) {
     }
     let mut hasher = crc32fast::Hasher::new();
     hasher.update(&bytes[..60]);
-    hasher.update(&bytes[64..HEAD]);
+    hasher.update(&bytes[64..HEADER]);
     bytes[60..64].copy_from_slice(&hasher.finalize().to_le_bytes());
 }
 
 #[test]
-fn n34_a_thousand_corrupted_copies_are_refused_or_harmless() {
+fn thousands_of_corrupted_copies_are_rejected_or_harmless() {
     let file = File::new();
     let (original, other) = (mesh(0.1), mesh(0.25));
     let files = [bytes_of(&original), bytes_with_proxies(&original)];
@@ -254,12 +256,12 @@ fn n34_a_thousand_corrupted_copies_are_refused_or_harmless() {
     let (mut refused_proxies, mut harmless_proxies) = (0, 0);
     for copy in 0..3_000 {
         let whole = &files[copy % 2];
-        let proxies_at = u64::from_le_bytes(whole[HEAD - 16..HEAD - 8].try_into().expect("eight")) as usize;
+        let proxies_at = u64::from_le_bytes(whole[HEADER - 16..HEADER - 8].try_into().expect("eight")) as usize;
         let mut bytes = whole.clone();
         for _ in 0..1 + random.below(3) {
             let at = match copy % 4 {
-                // The head alone.
-                0 => random.below(HEAD),
+                // Change only the header.
+                0 => random.below(HEADER),
                 1 if proxies_at < whole.len() => proxies_at + random.below(whole.len() - proxies_at),
                 _ => random.below(bytes.len()),
             };
@@ -267,7 +269,7 @@ fn n34_a_thousand_corrupted_copies_are_refused_or_harmless() {
                 0 => bytes[at] ^= 1 << random.below(8),
                 1 => bytes[at] = random.below(256) as u8,
                 2 => {
-                    // A word that an index, a count or a float may be.
+                    // A word that may be an index, a count or a float.
                     let words = [0_u32, 1, u32::MAX, 1 << 31, 0x7f80_0000, 0x7fc0_0000, 8, 162];
                     let at = at.min(bytes.len() - 4) & !3;
                     bytes[at..at + 4].copy_from_slice(&words[random.below(words.len())].to_le_bytes());
@@ -283,7 +285,7 @@ fn n34_a_thousand_corrupted_copies_are_refused_or_harmless() {
             with_right_checksums(&mut bytes);
         }
         let path = file.write(&bytes);
-        // The triangles alone are triangles, whatever happened.
+        // The triangles alone are valid, if they can be read.
         if let Ok(model) = impinge_files::load(&path) {
             let _ = Mesh::new(model.positions, model.faces);
         }
@@ -292,7 +294,7 @@ fn n34_a_thousand_corrupted_copies_are_refused_or_harmless() {
             continue;
         };
         let _ = baked.provenance();
-        // Believed, no answer need be true, but there is one.
+        // Without validation an answer may be wrong, but there is one.
         if let Ok(Some(proxies)) = baked.trusted_mesh().and_then(|mesh| baked.trusted_proxies(&mesh)) {
             let vertex = proxies.hull().support_from([1.0, -0.5, 2.0], 0);
             assert!((vertex as usize) < proxies.hull().positions().len(), "copy {copy}");
@@ -302,21 +304,21 @@ fn n34_a_thousand_corrupted_copies_are_refused_or_harmless() {
                 refused += 1;
                 in_the_arrays += 1;
             }
-            // What is told of a mesh that is proved to be one is the truth about it.
+            // A mesh that was validated gives correct answers.
             Ok(mesh) => {
                 harmless += 1;
-                let anew = Mesh::new(mesh.positions().clone(), mesh.faces().to_vec()).expect("proved to be a mesh");
+                let rebuilt = Mesh::new(mesh.positions().clone(), mesh.faces().to_vec()).expect("a valid mesh");
                 let found = query::intersecting_pairs(&mesh, &other);
-                assert_eq!(found, query::intersecting_pairs(&anew, &other), "copy {copy}");
+                assert_eq!(found, query::intersecting_pairs(&rebuilt, &other), "copy {copy}");
                 match baked.proxies(&mesh) {
                     Ok(Some(proxies)) => {
                         harmless_proxies += 1;
-                        assert_true(&proxies, &mesh);
+                        assert_valid(&proxies, &mesh);
                     }
                     Ok(None) => assert!(!baked.has_proxies()),
                     Err(_) => refused_proxies += 1,
                 }
-                if bytes[HEAD..] == whole[HEAD..] || copy % 3 == 0 {
+                if bytes[HEADER..] == whole[HEADER..] || copy % 3 == 0 {
                     assert_eq!(found, expected, "copy {copy}");
                 }
             }

@@ -1,4 +1,4 @@
-//! A baked file that another program changes while it is read.
+//! Tests a baked file that another program changes while it is read.
 #![cfg(unix)]
 
 use std::{
@@ -13,11 +13,12 @@ use impinge::{Mesh, Positions};
 use impinge_files::{Baked, Provenance, replace_file, write_baked};
 use tempfile::TempDir;
 
-/// Leaves, each of eight faces and so 32 bytes, are the fifth section of the table.
+/// Offset of the table entry of the leaves, the fifth section. A leaf has eight faces and takes 32
+/// bytes.
 const LEAVES: usize = 64 + 24 * 4;
 
 #[test]
-fn faces_of_leaves_that_change_after_they_were_checked_are_not_followed() {
+fn leaves_that_change_after_validation_cause_no_access_outside_of_the_file() {
     let n = 40;
     let vertices = (0..=n).flat_map(|y| (0..=n).map(move |x| [f64::from(x), f64::from(y), f64::from(x * y % 7)]));
     let quads = (0..n).flat_map(|y| (0..n).map(move |x| y * (n + 1) + x));
@@ -39,7 +40,7 @@ fn faces_of_leaves_that_change_after_they_were_checked_are_not_followed() {
         let writer = scope.spawn(|| {
             let mut count = 0;
             while !is_done.load(Ordering::Relaxed) {
-                // The fourth face of some leaves, far outside of the file and back.
+                // Set the fourth face of some leaves to an index far outside of the file, and back.
                 for leaf in (0..len / 32).step_by(9) {
                     let at = start + 32 * leaf + 12;
                     let held = &bytes[at as usize..][..4];
@@ -52,7 +53,8 @@ fn faces_of_leaves_that_change_after_they_were_checked_are_not_followed() {
             count
         });
         for _ in 0..3_000 {
-            // A refusal, a panic or a mesh, but no read outside of the file, which would end this program.
+            // An error, a panic or a mesh are fine. A read outside of the file would end this
+            // program.
             refused += usize::from(!matches!(catch_unwind(|| Baked::open(&path).unwrap().mesh()), Ok(Ok(_))));
         }
         is_done.store(true, Ordering::Relaxed);

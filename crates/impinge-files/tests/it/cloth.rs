@@ -1,5 +1,5 @@
-//! A cloth that falls over a ball, between two frames of a recorded simulation: every pair of its features that
-//! touches is found. Skipped without the folder of data.
+//! Tests a cloth that falls over a sphere, between two frames of a recorded simulation: every pair
+//! of its features that touches is found. The test is skipped without the folder of data.
 
 #![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
 
@@ -19,7 +19,8 @@ fn frame(number: u32) -> Option<(Points, Vec<[u32; 3]>)> {
     Some((positions, model.faces))
 }
 
-/// Boxes over both frames, as least and greatest coordinates, with what they are about.
+/// Boxes of features over both frames, as minimum and maximum corners, each with the index of its
+/// feature.
 struct Boxes(Vec<([f64; 3], [f64; 3], usize)>);
 
 impl Boxes {
@@ -36,7 +37,7 @@ impl Boxes {
         Self(boxes)
     }
 
-    /// Every pair of boxes that overlap, by sorting along the first axis.
+    /// Visits every pair of overlapping boxes, by sorting along the first axis.
     fn overlapping(&self, other: &Self, mut visit: impl FnMut(usize, usize)) {
         let mut start = 0;
         let widest = other.0.iter().map(|b| b.1[0] - b.0[0]).fold(0.0, f64::max);

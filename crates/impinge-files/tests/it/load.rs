@@ -1,4 +1,5 @@
-//! Files on disk: extensions, content that contradicts them, other files beside them, and what cannot be read.
+//! Tests of files on disk: extensions, content that contradicts them, other files in the folder,
+//! and errors.
 
 use std::{fs, io::Write};
 
@@ -9,7 +10,7 @@ use tempfile::tempdir;
 const OFF: &str = "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 
 #[test]
-fn extensions_in_any_case_and_content_first() {
+fn extensions_are_read_in_any_case_and_content_decides() {
     let folder = tempdir().unwrap();
     for (name, warns) in [("a.off", false), ("a.OFF", false), ("a.Obj", true), ("a.stl", true), ("a.3MF", true)] {
         let path = folder.path().join(name);
@@ -60,7 +61,7 @@ fn gzip(bytes: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn gzip_files_are_read_as_what_they_hold() {
+fn gzip_files_are_read_in_the_format_of_their_content() {
     let folder = tempdir().unwrap();
     let load_as = |name: &str, content: &[u8]| {
         let path = folder.path().join(name);
@@ -82,24 +83,24 @@ fn gzip_files_are_read_as_what_they_hold() {
         assert_eq!((model.faces.len(), model.format), (1, Format::Off), "{name}");
         assert_eq!(model.warnings.iter().map(|w| w.kind).collect::<Vec<_>>(), warnings, "{name}");
     }
-    // OBJ proves nothing, so that its extension is needed.
+    // OBJ cannot be detected by content, so its extension is needed.
     let obj = gzip(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     assert_eq!(load_as("a.obj.gz", &obj).unwrap().faces.len(), 1);
     let error = load_as("a.tar.gz", &obj).unwrap_err();
     assert_eq!(error.kind(), &LoadErrorKind::UnsupportedFormat { extension: "tar.gz".into() });
     assert_eq!(load_as("a.gz", &obj).unwrap_err().kind().name(), "unsupported-format");
     let error = load_as("a.off.gz", &packed[..packed.len() - 4]).unwrap_err().to_string();
-    assert!(error.contains("a.off.gz, byte 0: expected a gzip file that is whole"), "{error}");
+    assert!(error.contains("a.off.gz, byte 0: expected a complete gzip file"), "{error}");
     let error = load_as("a.obj.gz", &gzip(b"v 0 0 0\nf 1 2 3\n")).unwrap_err().to_string();
     assert!(error.contains("a.obj.gz, line 2: face 0 names vertex 2"), "{error}");
     assert_eq!(load_as("a.obj.gz", &gzip(b"")).unwrap_err().kind(), &LoadErrorKind::Empty);
-    // A binary STL may begin as it likes.
+    // A binary STL file may begin with any bytes.
     let stl = [&packed[..4], &[0; 80]].concat();
     assert_eq!(load_as("a.stl", &stl).unwrap().format, Format::Stl);
 }
 
 #[test]
-fn a_rig_may_be_packed() {
+fn a_rig_may_be_compressed_by_gzip() {
     let bytes = fs::read(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/robot.glb")).unwrap();
     let rig = impinge_files::parse_rig(&gzip(&bytes)).unwrap();
     assert_eq!(rig.skeleton().bones().len(), impinge_files::parse_rig(&bytes).unwrap().skeleton().bones().len());
@@ -127,7 +128,7 @@ fn errors_name_the_file() {
         assert_eq!(error.kind().name(), "unsupported-format");
         assert!(
             error.to_string().ends_with(
-                "supported are .obj, .stl, .ply, .off, .gltf, .glb, .3mf, .dae, .impinge, and each of them as .gz"
+                "supported formats are .obj, .stl, .ply, .off, .gltf, .glb, .3mf, .dae, .impinge, each also as .gz"
             ),
             "{error}"
         );
@@ -146,7 +147,7 @@ fn errors_name_the_file() {
 }
 
 #[test]
-fn buffers_beside_a_gltf_and_not_elsewhere() {
+fn external_buffers_are_read_only_from_the_folder_of_the_document() {
     let root = tempdir().unwrap();
     let folder = root.path().join("model");
     fs::create_dir_all(folder.join("sub")).unwrap();

@@ -1,4 +1,5 @@
-//! The integration tests of the file formats. They are one program, because each program is compiled and linked on its own.
+//! The integration tests of the file formats. They are one program, because each program is
+//! compiled and linked separately.
 
 mod baked;
 mod changing;

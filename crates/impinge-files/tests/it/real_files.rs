@@ -1,8 +1,10 @@
-//! Every real file of the data folder, valid, odd or broken, against numbers that other programs computed.
+//! Tests every real file of the data folder, valid or not, against numbers that other programs
+//! computed.
 //!
-//! Triangles, vertices, area and signed volume were computed with trimesh 4 and NumPy; where trimesh fails, fans a
-//! concave polygon or splits vertices (the empty files, `negative_indices.obj`, `igea.ply`, `wallhole.obj`,
-//! `fuze_ascii.ply`, `duck.dae`) by hand or from the definition.
+//! Triangles, vertices, area and signed volume were computed with trimesh 4 and NumPy. Some files
+//! were computed by hand or from the definition, because trimesh fails, fans a concave polygon or
+//! splits vertices: the empty files, `negative_indices.obj`, `igea.ply`, `wallhole.obj`,
+//! `fuze_ascii.ply` and `duck.dae`.
 
 use std::{
     collections::BTreeSet,
@@ -31,7 +33,7 @@ const fn fails(path: &'static str, kind: &'static str) -> Row {
     Row { path, outcome: Err(kind) }
 }
 
-/// The folder of real files, if there is one here.
+/// Returns the folder of real files, if there is one.
 fn data() -> Option<PathBuf> {
     let folder = std::env::var_os("IMPINGE_DATA").map(PathBuf::from);
     if folder.is_none() {
@@ -58,13 +60,14 @@ fn area_and_volume(model: &Model) -> (f64, f64) {
     (area, volume)
 }
 
-/// Sums of thousands of products of numbers that were rounded to f32 somewhere on the way.
+/// Reports whether two sums agree. They are sums of thousands of products of numbers that were
+/// rounded to f32.
 fn close(a: f64, b: f64, scale: f64) -> bool {
     (a - b).abs() <= 1e-6 * scale.abs() || a == b
 }
 
 #[test]
-fn every_file_has_its_outcome() {
+fn every_file_gives_the_expected_numbers_or_error() {
     let Some(data) = data() else { return };
     let mut wrong = Vec::new();
     for row in ROWS {
@@ -72,7 +75,7 @@ fn every_file_has_its_outcome() {
             (Ok(model), Ok(expected)) => {
                 let (area, volume) = area_and_volume(&model);
                 let counts = (model.faces.len(), model.positions.len());
-                // A volume can cancel; how much, the area says.
+                // The terms of a volume can cancel, so the tolerance depends on the area.
                 let volume_scale = expected.volume.abs().max(expected.area.powf(1.5));
                 if counts != (expected.triangles, expected.vertices)
                     || !close(area, expected.area, expected.area)
@@ -101,7 +104,7 @@ fn assert_consistent(model: &Model) {
 }
 
 #[test]
-fn no_file_is_forgotten() {
+fn every_file_of_the_data_folder_is_tested() {
     let Some(data) = data() else { return };
     let rows: BTreeSet<_> = ROWS.iter().map(|row| data.join(row.path)).collect();
     let mut found = Vec::new();
@@ -124,7 +127,7 @@ fn files_below(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// All other files load without a warning.
+/// All warnings. The other files load without a warning.
 const WARNINGS: &[(&str, WarningKind, u64)] = &[
     ("characters/greenman.glb", WarningKind::Unposed, 1),
     ("characters/robot.glb", WarningKind::Unposed, 14),
@@ -139,7 +142,7 @@ const WARNINGS: &[(&str, WarningKind, u64)] = &[
 ];
 
 #[test]
-fn warnings_are_these() {
+fn files_give_exactly_the_expected_warnings() {
     let Some(data) = data() else { return };
     let mut found = Vec::new();
     for row in ROWS.iter().filter(|row| row.outcome.is_ok()) {

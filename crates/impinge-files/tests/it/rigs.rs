@@ -1,5 +1,5 @@
-//! Rigged characters: two real ones, one written by hand with every kind of channel, and broken ones, whose errors name the
-//! place.
+//! Tests of rigged characters: two real ones, one written by hand with every kind of channel, and
+//! invalid ones, whose errors name the place.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ fn robot() -> Rig {
 }
 
 #[test]
-fn the_robot() {
+fn the_robot_has_its_bones_animations_and_size() {
     let rig = robot();
     assert_eq!((rig.skeleton().bones().len(), rig.animations().len()), (58, 14));
     assert_eq!(rig.skin().joints().len(), 43);
@@ -24,14 +24,14 @@ fn the_robot() {
         rig.skin().skinned(&rig.pose_at(animation, 0.3).unwrap(), &mut vertices);
         assert!(vertices.iter().flatten().all(|x| x.abs() < 10.0));
     }
-    // It stands on the ground and is some four and a half metres tall.
+    // It stands on the ground and is about 4.5 meters tall.
     rig.skin().skinned(&rig.rest_pose().unwrap(), &mut vertices);
     let [low, high] = [f64::min, f64::max].map(|f| vertices.iter().map(|v| v[1]).reduce(f).unwrap());
     assert!(low.abs() < 0.05 && (4.0..5.0).contains(&high), "{low} {high}");
 }
 
 #[test]
-fn green_man() {
+fn the_green_man_has_its_bones_and_animations() {
     let Some(data) = std::env::var_os("IMPINGE_DATA").map(PathBuf::from) else {
         eprintln!("skipped: IMPINGE_DATA names no folder of real files");
         return;
@@ -41,7 +41,7 @@ fn green_man() {
     assert_eq!(rig.skin().joints().len(), 12);
 }
 
-/// Bytes and the views and accessors on them, one each.
+/// Bytes, with one view and one accessor for each array.
 #[derive(Default)]
 struct Document {
     bytes: Vec<u8>,
@@ -82,7 +82,7 @@ impl Document {
     }
 }
 
-/// What the arm below is made of, each part of which a test may break.
+/// The data of the arm below, each part of which a test may change.
 struct Arm {
     weights: [f32; 12],
     joints: [u8; 12],
@@ -118,7 +118,8 @@ impl Default for Arm {
 }
 
 impl Arm {
-    /// A triangle from the shoulder to the hand over two bones, with a morph target; the lower one turns about z.
+    /// Parses the arm: a triangle from the shoulder to the hand over two bones, with a morph
+    /// target. The lower bone rotates about z.
     fn parse(&self) -> Result<Rig, impinge_files::LoadError> {
         parse_rig(self.text().as_bytes())
     }
@@ -148,11 +149,11 @@ impl Arm {
 }
 
 #[test]
-fn an_arm_by_hand() {
+fn an_arm_written_by_hand_follows_bones_and_morph_targets() {
     let rig = Arm::default().parse().unwrap();
     let bones = rig.skeleton().bones();
     assert_eq!((bones[1].name.as_str(), bones[2].parent, bones[1].parent), ("upper", Some(1), None));
-    // The matrix is a quarter turn about z that doubles z.
+    // The matrix rotates by 90 degrees about z and doubles z.
     let rest = bones[2].rest;
     assert_eq!((rest.translation, rest.scale), ([1.0, 0.0, 0.0], [1.0, 1.0, 2.0]));
     assert!((rest.rotation_wxyz[0] - 0.5_f64.sqrt()).abs() < 1e-15 && rest.rotation_wxyz[0] == rest.rotation_wxyz[3]);
@@ -160,13 +161,13 @@ fn an_arm_by_hand() {
 
     let mut vertices = Vec::new();
     rig.skin().skinned(&rig.rest_pose().unwrap(), &mut vertices);
-    // Half of the morph lifts the second corner by 2; half of it goes with the lower bone: (1 - 2, 1) there. The node of the
-    // mesh has no part in it.
+    // The morph target, with weight 0.5, lifts the second corner by 2. The corner follows the lower
+    // bone by half, which would move it to (1 - 2, 1). The node of the mesh has no effect.
     let close = |a: [f64; 3], b: [f64; 3]| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-12);
     assert!(close(vertices[0], [0.0; 3]) && close(vertices[1], [0.5 * (1.0 - 1.0), 0.5 * (2.0 + 1.0), 0.0]));
     assert!(close(vertices[2], [1.0, 1.0, 2.0]), "{vertices:?}");
 
-    // Half way: no morph is left of x³'s kind, 0.5 of the second; the lower bone has turned by a quarter.
+    // Halfway, the morph weights are 0.5 and 0.25, and the lower bone has turned by 90 degrees.
     let pose = rig.pose_at(0, 0.5).unwrap();
     assert!((pose.morph_weights()[0] - 0.5).abs() < 1e-12 && (pose.morph_weights()[1] - 0.25).abs() < 1e-12);
     rig.skin().skinned(&pose, &mut vertices);
@@ -174,8 +175,8 @@ fn an_arm_by_hand() {
     assert_eq!(rig.animations()[0].name(), "bend");
 }
 
-/// The kind of the error that an arm is refused with, and the place.
-fn refused(change: impl FnOnce(&mut Arm)) -> (LoadErrorKind, String) {
+/// Returns the kind of the error of a changed arm, and the place.
+fn error_of(change: impl FnOnce(&mut Arm)) -> (LoadErrorKind, String) {
     let mut arm = Arm::default();
     change(&mut arm);
     let error = arm.parse().unwrap_err();
@@ -183,55 +184,55 @@ fn refused(change: impl FnOnce(&mut Arm)) -> (LoadErrorKind, String) {
 }
 
 #[test]
-fn broken_rigs_are_refused_by_name() {
+fn errors_of_invalid_rigs_name_the_place() {
     let rig = |kind| LoadErrorKind::BrokenRig { kind };
-    let (kind, place) = refused(|arm| arm.weights[5] = 0.25);
+    let (kind, place) = error_of(|arm| arm.weights[5] = 0.25);
     assert_eq!((kind, place.as_str()), (rig(RigErrorKind::WeightSum { sum: 0.75 }), "accessor 2, vertex 1"));
-    let (kind, place) = refused(|arm| arm.weights[4] = f32::NAN);
+    let (kind, place) = error_of(|arm| arm.weights[4] = f32::NAN);
     assert_eq!((kind, place.as_str()), (rig(RigErrorKind::NonFinite { what: "weight" }), "accessor 2, vertex 1"));
-    let (kind, place) = refused(|arm| (arm.weights[4], arm.weights[5]) = (1.5, -0.5));
+    let (kind, place) = error_of(|arm| (arm.weights[4], arm.weights[5]) = (1.5, -0.5));
     assert_eq!((kind, place.as_str()), (rig(RigErrorKind::NegativeWeight), "accessor 2, vertex 1"));
-    let (kind, place) = refused(|arm| arm.joints[5] = 9);
+    let (kind, place) = error_of(|arm| arm.joints[5] = 9);
     let missing = RigErrorKind::Missing { what: "joint", index: 9, len: 2 };
     assert_eq!((kind, place.as_str()), (rig(missing), "accessor 2, vertex 1"));
-    let (kind, place) = refused(|arm| arm.bind[20] = f32::INFINITY);
+    let (kind, place) = error_of(|arm| arm.bind[20] = f32::INFINITY);
     let bind = RigErrorKind::NonFinite { what: "inverse bind matrix" };
     assert_eq!((kind, place.as_str()), (rig(bind), "skin 0, joint 1"));
-    let (kind, place) = refused(|arm| arm.rotations[5] = f32::NAN);
+    let (kind, place) = error_of(|arm| arm.rotations[5] = f32::NAN);
     assert_eq!((kind, place.as_str()), (rig(RigErrorKind::NonFinite { what: "key" }), "accessor 5, key 1"));
-    let (kind, place) = refused(|arm| arm.rotations = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+    let (kind, place) = error_of(|arm| arm.rotations = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
     assert_eq!((kind, place.as_str()), (rig(RigErrorKind::ZeroRotation), "accessor 5, key 1"));
-    let (kind, place) = refused(|arm| arm.times[1] = f32::NAN);
+    let (kind, place) = error_of(|arm| arm.times[1] = f32::NAN);
     assert_eq!((kind, place.as_str()), (rig(RigErrorKind::NonFinite { what: "time" }), "accessor 4, key 1"));
-    let (kind, place) = refused(|arm| arm.times[1] = -1.0);
+    let (kind, place) = error_of(|arm| arm.times[1] = -1.0);
     assert_eq!((kind, place.as_str()), (rig(RigErrorKind::TimesNotIncreasing), "accessor 4, key 1"));
-    let (kind, place) = refused(|arm| {
+    let (kind, place) = error_of(|arm| {
         arm.nodes = r#"{"mesh": 0, "skin": 0}, {"children": [2]}, {"scale": [1, 0, 1]}"#;
     });
     assert_eq!((kind, place.as_str()), (rig(RigErrorKind::ZeroScale), "node 2"));
-    let (kind, place) = refused(|arm| arm.nodes = r#"{"mesh": 0, "skin": 0}, {"children": [2]}, {"children": [1]}"#);
+    let (kind, place) = error_of(|arm| arm.nodes = r#"{"mesh": 0, "skin": 0}, {"children": [2]}, {"children": [1]}"#);
     assert_eq!(kind, rig(RigErrorKind::Cyclic));
     assert!(place == "node 1" || place == "node 2", "{place}");
 }
 
 #[test]
-fn what_does_not_exist_is_refused_by_name() {
-    let (kind, place) = refused(|arm| arm.skin = r#"{"joints": [1, 7], "inverseBindMatrices": 3}"#);
+fn errors_of_missing_entries_name_the_place() {
+    let (kind, place) = error_of(|arm| arm.skin = r#"{"joints": [1, 7], "inverseBindMatrices": 3}"#);
     assert_eq!((kind.name(), place.as_str()), ("syntax", "skin 0 of node 0"));
-    let (kind, place) = refused(|arm| arm.skin = r#"{"joints": [1, 2, 2], "inverseBindMatrices": 3}"#);
+    let (kind, place) = error_of(|arm| arm.skin = r#"{"joints": [1, 2, 2], "inverseBindMatrices": 3}"#);
     assert_eq!((kind.name(), place.as_str()), ("truncated", "skin 0 of node 0"));
-    let (kind, place) = refused(|arm| arm.nodes = r#"{"mesh": 0, "skin": 3}, {}, {}"#);
+    let (kind, place) = error_of(|arm| arm.nodes = r#"{"mesh": 0, "skin": 3}, {}, {}"#);
     assert_eq!((kind.name(), place.as_str()), ("syntax", "skin 3 of node 0"));
-    let (kind, place) = refused(|arm| arm.channel = r#"{"sampler": 5, "target": {"node": 2, "path": "rotation"}}"#);
+    let (kind, place) = error_of(|arm| arm.channel = r#"{"sampler": 5, "target": {"node": 2, "path": "rotation"}}"#);
     assert_eq!((kind.name(), place.as_str()), ("syntax", "animation 0, channel 0"));
-    let (kind, place) = refused(|arm| arm.channel = r#"{"sampler": 0, "target": {"node": 9, "path": "rotation"}}"#);
+    let (kind, place) = error_of(|arm| arm.channel = r#"{"sampler": 0, "target": {"node": 9, "path": "rotation"}}"#);
     assert_eq!((kind.name(), place.as_str()), ("syntax", "animation 0, channel 0"));
-    let (kind, place) = refused(|arm| arm.channel = r#"{"sampler": 0, "target": {"node": 2, "path": "scale"}}"#);
+    let (kind, place) = error_of(|arm| arm.channel = r#"{"sampler": 0, "target": {"node": 2, "path": "scale"}}"#);
     assert_eq!((kind.name(), place.as_str()), ("syntax", "accessor 5"));
     let sheared = r#"{"mesh": 0, "skin": 0}, {}, {"matrix": [1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}"#;
-    let (kind, place) = refused(|arm| arm.nodes = sheared);
+    let (kind, place) = error_of(|arm| arm.nodes = sheared);
     assert_eq!((kind.name(), place.as_str()), ("syntax", "node 2"));
-    let (kind, place) = refused(|arm| arm.nodes = r#"{"mesh": 0, "skin": 0, "children": [2]}, {"children": [2]}, {}"#);
+    let (kind, place) = error_of(|arm| arm.nodes = r#"{"mesh": 0, "skin": 0, "children": [2]}, {"children": [2]}, {}"#);
     assert_eq!((kind.name(), place.as_str()), ("syntax", "node 2"));
     assert_eq!(parse_rig(b"").unwrap_err().kind().name(), "empty");
     assert_eq!(parse_rig(b"solid cube\nendsolid").unwrap_err().kind().name(), "unsupported-feature");
@@ -252,9 +253,9 @@ fn cut_off_and_flipped_files_never_panic() {
     assert!(outcomes.iter().all(|&count| count > 10), "{outcomes:?}");
 }
 
-/// A file that names the same data again and again.
+/// A file that refers to the same data many times is an error.
 #[test]
-fn memory_is_bounded() {
+fn repeated_references_to_the_same_data_are_limited() {
     let mut document = Document::default();
     document.floats("VEC3", 3, &vec![0.5; 3 * 3000]);
     let targets = vec![r#"{"POSITION": 0}"#; 20_000].join(",");

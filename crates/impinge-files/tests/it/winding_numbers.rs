@@ -1,7 +1,7 @@
-//! Winding numbers of real files, closed, open and broken, beside those of another library.
+//! Tests winding numbers of real files, closed, open and defective, against another library.
 //!
-//! The numbers are those of `igl.winding_number` (libigl 2.6 for Python, the sum over all faces), which reads no files: the
-//! files were read with NumPy, polygons cut into fans.
+//! The numbers are those of `igl.winding_number` (libigl 2.6 for Python, the sum over all faces).
+//! It cannot read files, so they were read with NumPy, with polygons cut into fans.
 
 use std::path::PathBuf;
 
@@ -80,7 +80,7 @@ const ROWS: [Row; 7] = [
 ];
 
 #[test]
-fn n18_real_open_and_messy_files_wind_as_libigl_says() {
+fn winding_numbers_of_real_files_equal_those_of_libigl() {
     let Some(folder) = std::env::var_os("IMPINGE_DATA").map(PathBuf::from) else {
         eprintln!("skipped: IMPINGE_DATA names no folder of real files");
         return;
@@ -92,7 +92,7 @@ fn n18_real_open_and_messy_files_wind_as_libigl_says() {
         let points: Vec<[f64; 3]> = windings.iter().map(|(point, _)| *point).collect();
         let found = mesh.winding_number(&points).expect("finite points");
         for ((point, expected), found) in windings.iter().zip(&found) {
-            // Rounded to twelve decimals there, and the sum of as many roundings as there are faces.
+            // The reference is rounded to 12 decimals, and is a sum with one rounding per face.
             assert!((found.value - expected).abs() < 1e-10, "{path} about {point:?}: {found:?}, not {expected}");
             assert!(found.lower - 1e-10 <= *expected && *expected <= found.upper + 1e-10, "{path} about {point:?}");
             assert!(found.upper - found.lower < 1e-8, "{path} about {point:?}: {found:?}");

@@ -1,27 +1,27 @@
-//! Keys over time, and what lies between them (glTF 2.0 specification, appendix C).
+//! Keys over time, and the values between them (glTF 2.0 specification, appendix C).
 
 use std::collections::HashMap;
 
-use super::error::{RigError, RigErrorKind, RigPlace, judge};
+use super::error::{RigError, RigErrorKind, RigPlace, check_numbers};
 use super::skeleton::BoneSet;
-use super::timeline::{LANES, Moves, Place, Quad, Side, Timeline};
-use super::transform::{Transform, normalised};
+use super::timeline::{LANES, Place, Property, Quad, Side, Timeline};
+use super::transform::{Transform, normalized};
 
-/// What a channel moves.
+/// The property that a channel animates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Target {
-    /// The translation of a bone: three values a key.
+    /// The translation of a bone: three values per key.
     Translation(u32),
-    /// The rotation of a bone: four values a key, (w, x, y, z).
+    /// The rotation of a bone: four values per key, (w, x, y, z).
     Rotation(u32),
-    /// The scale of a bone: three values a key.
+    /// The scale of a bone: three values per key.
     Scale(u32),
-    /// The weight of a morph target: one value a key.
+    /// The weight of a morph target: one value per key.
     MorphWeight(u32),
 }
 
 impl Target {
-    /// How many values a key has.
+    /// Number of values per key, without slopes.
     pub(super) fn width(self) -> usize {
         match self {
             Self::Translation(_) | Self::Scale(_) => 3,
@@ -30,39 +30,40 @@ impl Target {
         }
     }
 
-    /// What it moves of which bone.
-    fn moved(self) -> Option<(Moves, u32)> {
+    /// Returns the property and the bone, or `None` for a morph weight.
+    fn bone_property(self) -> Option<(Property, u32)> {
         match self {
-            Self::Translation(bone) => Some((Moves::Translation, bone)),
-            Self::Rotation(bone) => Some((Moves::Rotation, bone)),
-            Self::Scale(bone) => Some((Moves::Scale, bone)),
+            Self::Translation(bone) => Some((Property::Translation, bone)),
+            Self::Rotation(bone) => Some((Property::Rotation, bone)),
+            Self::Scale(bone) => Some((Property::Scale, bone)),
             Self::MorphWeight(_) => None,
         }
     }
 }
 
-/// What lies between two keys.
+/// The interpolation between two keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Interpolation {
     /// The value of the earlier key.
     Step,
-    /// Even motion; rotations take the shorter arc.
+    /// Linear interpolation. Rotations take the shorter arc at constant speed.
     Linear,
-    /// A cubic Hermite spline: each key has the slope before it, its value and the slope after it. Rotations are made of
-    /// length 1 again.
+    /// A cubic Hermite spline. Each key has the slope before it, its value and the slope after it.
+    /// Interpolated rotations are normalized to length 1.
     CubicSpline,
 }
 
 /// One channel as it is given.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// What it moves.
+    /// The property that the channel animates.
     pub target: Target,
-    /// What lies between its keys.
+    /// The interpolation between its keys.
     pub interpolation: Interpolation,
-    /// The times of its keys in seconds, increasing. Before the first the first value holds, after the last the last.
+    /// The times of its keys in seconds, increasing. The first value holds before the first key,
+    /// the last value after the last key.
     pub times: Vec<f64>,
-    /// The values, key by key: as many as the target has; three times as many for splines.
+    /// The values, key by key: as many as the target needs, or three times as many for splines.
     pub values: Vec<f64>,
 }
 
@@ -70,10 +71,10 @@ pub struct Channel {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Animation {
     name: String,
-    /// Different lists of times; most rigs have few.
+    /// The different lists of key times. Most rigs have few.
     timelines: Vec<Timeline>,
     tracks: Vec<Track>,
-    /// The tracks that are not in the quads of a timeline.
+    /// Indices of the tracks that are not in the quads of a timeline.
     singles: Vec<u32>,
 }
 
@@ -83,7 +84,7 @@ pub(super) struct Track {
     pub(super) target: Target,
     interpolation: Interpolation,
     timeline: usize,
-    /// The place of its values among those of a key, and how far apart they are there.
+    /// Position of its first value among the values of a key.
     offset: usize,
     stride: usize,
 }
@@ -98,15 +99,16 @@ pub(super) struct Keys<'a> {
 }
 
 impl Animation {
-    /// Judges channels; `index` is the number of the animation in its rig, for errors.
+    /// Validates channels. `index` is the index of the animation in its rig, for error messages.
     ///
     /// # Errors
-    /// Keys that are not finite, out of range, no rotation, of scale zero, or whose times do not increase; other counts of
-    /// values than the keys need; each names the channel or the key.
+    /// Returns an error that names the channel or the key if a number is not finite or out of
+    /// range, a rotation or scale is zero, times do not increase, or the number of values does not
+    /// match the keys.
     pub fn new(name: String, channels: Vec<Channel>, index: usize) -> Result<Self, RigError> {
         let (mut timelines, mut tracks, mut given) = (Vec::<Timeline>::new(), Vec::<Track>::new(), Vec::new());
         for (at, channel) in channels.into_iter().enumerate() {
-            let Channel { target, interpolation, times, values } = judged(channel, index, at)?;
+            let Channel { target, interpolation, times, values } = validated(channel, index, at)?;
             let known = timelines.iter().position(|known| known.times == times);
             let timeline = known.unwrap_or_else(|| {
                 timelines.push(Timeline::new(times));
@@ -115,7 +117,7 @@ impl Animation {
             tracks.push(Track { target, interpolation, timeline, offset: 0, stride: 1 });
             given.push(values);
         }
-        let singles = laid_out(&mut timelines, &mut tracks);
+        let singles = lay_out(&mut timelines, &mut tracks);
         for timeline in &mut timelines {
             timeline.values = vec![0.0; timeline.times.len() * timeline.width];
         }
@@ -130,13 +132,14 @@ impl Animation {
         Ok(Self { name, timelines, tracks, singles })
     }
 
-    /// The name; empty where the rig has none.
+    /// Returns the name. It is empty if the rig has none.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// From the first key to the last, in seconds; both zero where there are no channels.
+    /// Returns the times of the first and the last key, in seconds. Both are 0 if there are no
+    /// channels.
     #[must_use]
     pub fn span(&self) -> [f64; 2] {
         let start = self.timelines.iter().map(|timeline| timeline.times[0]).fold(f64::INFINITY, f64::min);
@@ -148,7 +151,7 @@ impl Animation {
         if start <= end { [start, end] } else { [0.0; 2] }
     }
 
-    /// The times of all keys of all channels, increasing, each once.
+    /// Returns the times of all keys of all channels, increasing and without duplicates.
     #[must_use]
     pub fn key_times(&self) -> Vec<f64> {
         let mut times: Vec<f64> = self.timelines.iter().flat_map(|timeline| &timeline.times).copied().collect();
@@ -166,7 +169,8 @@ impl Animation {
         Keys { interpolation, timeline: &self.timelines[timeline], offset, stride }
     }
 
-    /// Moves what the channels move to where it is at a time: all of it, or the bones of a set.
+    /// Sets the animated properties to their values at a time: those of all bones and morph
+    /// weights, or only those of the bones in a set.
     pub(super) fn sample(
         &self,
         time: f64,
@@ -198,20 +202,23 @@ impl Animation {
     }
 }
 
-/// Gives every track its place among the values of a key, the linear ones of bones by fours; those that are left. Of several tracks
-/// with one target the last counts, and the others are nowhere asked for.
-fn laid_out(timelines: &mut [Timeline], tracks: &mut [Track]) -> Vec<u32> {
+/// Assigns each track its position among the values of a key. Linear tracks of bones are grouped by
+/// fours; the indices of the other tracks are returned. If several tracks have the same target,
+/// only the last one is used.
+fn lay_out(timelines: &mut [Timeline], tracks: &mut [Track]) -> Vec<u32> {
     let last: HashMap<Target, usize> = tracks.iter().enumerate().map(|(at, track)| (track.target, at)).collect();
-    let (mut singles, mut open) = (Vec::new(), HashMap::<(usize, Moves), [usize; 2]>::new());
+    let (mut singles, mut partial_quads) = (Vec::new(), HashMap::<(usize, Property), [usize; 2]>::new());
     for (at, track) in tracks.iter_mut().enumerate() {
-        let moved =
-            track.target.moved().filter(|_| track.interpolation == Interpolation::Linear && last[&track.target] == at);
-        let Some((moves, bone)) = moved else { continue };
+        let moved = track
+            .target
+            .bone_property()
+            .filter(|_| track.interpolation == Interpolation::Linear && last[&track.target] == at);
+        let Some((property, bone)) = moved else { continue };
         let timeline = &mut timelines[track.timeline];
-        let [quad, lane] = open.entry((track.timeline, moves)).or_insert([0, LANES]);
+        let [quad, lane] = partial_quads.entry((track.timeline, property)).or_insert([0, LANES]);
         if *lane == LANES {
             (*quad, *lane) = (timeline.quads.len(), 0);
-            timeline.quads.push(Quad { offset: timeline.width, moves, bones: [bone; LANES] });
+            timeline.quads.push(Quad { offset: timeline.width, property, bones: [bone; LANES] });
             timeline.width += LANES * track.target.width();
         }
         let own = &mut timeline.quads[*quad];
@@ -230,8 +237,8 @@ fn laid_out(timelines: &mut [Timeline], tracks: &mut [Track]) -> Vec<u32> {
     singles
 }
 
-/// The channel with the rotations of its keys made of length 1, those of splines aside.
-fn judged(mut channel: Channel, animation: usize, at: usize) -> Result<Channel, RigError> {
+/// Validates a channel. Rotations are normalized to length 1, except those of splines.
+fn validated(mut channel: Channel, animation: usize, at: usize) -> Result<Channel, RigError> {
     let Channel { target, interpolation, times, values } = &mut channel;
     let place = RigPlace::Channel { animation, channel: at };
     let key = |key: usize| RigPlace::Key { animation, channel: at, key };
@@ -242,14 +249,14 @@ fn judged(mut channel: Channel, animation: usize, at: usize) -> Result<Channel, 
         return Err(RigError::new(kind, place));
     }
     for (i, &time) in times.iter().enumerate() {
-        judge(&[time], "time", key(i))?;
+        check_numbers(&[time], "time", key(i))?;
         if i > 0 && time <= times[i - 1] {
             return Err(RigError::new(RigErrorKind::TimesNotIncreasing, key(i)));
         }
     }
     let width = target.width();
     for (i, all) in values.chunks_mut(of_key).enumerate() {
-        judge(all, "key", key(i))?;
+        check_numbers(all, "key", key(i))?;
         let start = if *interpolation == Interpolation::CubicSpline { width } else { 0 };
         let own = &mut all[start..start + width];
         match target {
@@ -258,7 +265,7 @@ fn judged(mut channel: Channel, animation: usize, at: usize) -> Result<Channel, 
             }
             Target::Rotation(_) => {
                 let zero = || RigError::new(RigErrorKind::ZeroRotation, key(i));
-                let unit = normalised([own[0], own[1], own[2], own[3]]).ok_or_else(zero)?;
+                let unit = normalized([own[0], own[1], own[2], own[3]]).ok_or_else(zero)?;
                 if *interpolation != Interpolation::CubicSpline {
                     own.copy_from_slice(&unit);
                 }
@@ -278,18 +285,19 @@ impl<'a> Keys<'a> {
         &self.timeline.times
     }
 
-    /// The value of a key; where keys have slopes, the one before it for a `part` of 0, the value for 1, the slope after it for 2.
+    /// Returns a part of a spline key: the slope before it for a `part` of 0, the value for 1, the
+    /// slope after it for 2. A key without slopes only has part 0, its value.
     fn part<const N: usize>(&self, key: usize, part: usize) -> [f64; N] {
         let start = key * self.timeline.width + self.offset + part * N * self.stride;
         std::array::from_fn(|k| self.timeline.values[start + k * self.stride])
     }
 
-    /// The value of a key.
+    /// Returns the value of a key.
     pub(super) fn value<const N: usize>(&self, key: usize) -> [f64; N] {
         self.part(key, usize::from(self.interpolation == Interpolation::CubicSpline))
     }
 
-    /// The slopes before and after a key of a spline.
+    /// Returns the slopes before and after a spline key.
     pub(super) fn slopes<const N: usize>(&self, key: usize) -> [[f64; N]; 2] {
         [self.part(key, 0), self.part(key, 2)]
     }
@@ -309,14 +317,14 @@ impl<'a> Keys<'a> {
         std::array::from_fn(|k| a * from[k] + b * seconds * slope_from[k] + c * to[k] + d * seconds * slope_to[k])
     }
 
-    /// Of a track that is not linear.
+    /// Returns the rotation of a track that is not linear.
     fn rotation_at(&self, place: Place) -> [f64; 4] {
         let from = self.value::<4>(place.key);
         if self.interpolation != Interpolation::CubicSpline {
             return from;
         }
-        // A spline through zero has no rotation there; that of its key will do.
-        normalised(self.values_at::<4>(place)).or_else(|| normalised(from)).unwrap_or([1.0, 0.0, 0.0, 0.0])
+        // If the spline passes through zero, there is no rotation; the rotation of the key is used.
+        normalized(self.values_at::<4>(place)).or_else(|| normalized(from)).unwrap_or([1.0, 0.0, 0.0, 0.0])
     }
 }
 
@@ -343,7 +351,7 @@ mod tests {
         assert_eq!([0.0, 1.0, 1.5, 3.0, 9.0].map(|t| at(Interpolation::Linear, t)), [2.0, 2.0, 3.0, 6.0, 6.0]);
         assert_eq!([0.0, 2.9, 3.0].map(|t| at(Interpolation::Step, t)), [2.0, 2.0, 6.0]);
         assert_eq!(translation_at(Interpolation::Step, &linear, 3.0, Side::Before), 2.0);
-        // x³ from 1 to 3: slopes 3 and 27.
+        // x³ from 1 to 3 has the slopes 3 and 27.
         let cubic = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 3.0, 0.0, 0.0, 27.0, 0.0, 0.0, 27.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         for t in [1.0, 1.25, 2.0, 2.875, 3.0] {
             let x = translation_at(Interpolation::CubicSpline, &cubic, t, Side::After);
@@ -352,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn rotations_of_splines_have_length_one() {
+    fn spline_rotations_have_length_one() {
         let mut values = vec![0.0; 24];
         (values[4], values[17]) = (1.0, 1.0);
         let channels = vec![channel(Target::Rotation(0), Interpolation::CubicSpline, &[0.0, 1.0], &values)];
@@ -364,7 +372,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_keys_are_named() {
+    fn invalid_keys_are_named_in_errors() {
         let error = |target, interpolation, times: &[f64], values: &[f64]| {
             Animation::new(String::new(), vec![channel(target, interpolation, times, values)], 7).unwrap_err()
         };

@@ -1,14 +1,14 @@
-//! A character ready to be struck: parts with their volumes, and one pose of it.
+//! A character with its parts and their volumes, ready for queries.
 
 use std::sync::Arc;
 
 use super::error::RigError;
-use super::fit::{self, HitPart, Mode, Piece, places};
+use super::fit::{self, HitPart, Mode, Piece, visit_positions};
 use super::frame::Frame;
-use super::plan::{PartPlan, Plan, bones_of_faces, some_poses};
+use super::plan::{PartPlan, Plan, bones_of_faces, sample_poses};
 use super::rig::Rig;
 use super::rig_pose::RigPose;
-use super::samples::Held;
+use super::samples::PartVertices;
 use super::skeleton::BoneSet;
 use super::skin_tree::SkinTree;
 use crate::math::vec3::length;
@@ -18,20 +18,20 @@ use crate::math::vec3::length;
 pub struct Character {
     parts: Vec<HitPart>,
     part_of_face: Vec<u32>,
-    /// Of the faces, for rays at the surface itself.
+    /// Tree over the faces of the skin, for rays at the surface itself.
     skin_tree: Arc<SkinTree>,
-    /// By part; empty unless the character was refined.
+    /// Convex pieces, sorted by part. Empty unless the character was refined.
     pub(super) pieces: Vec<Piece>,
-    /// The bones that pieces are fixed to, each once.
+    /// The bones that pieces are fixed to, sorted and without duplicates.
     pub(super) piece_anchors: Vec<u32>,
 }
 
-/// What of a surface is outside of the volumes.
+/// The part of a surface that is outside the volumes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Leak {
-    /// The share of vertices, over poses of all animations.
+    /// Share of the vertices that are outside, over poses of all animations, from 0 to 1.
     pub share: f64,
-    /// How far the farthest is outside, in units of the rig.
+    /// Distance from the volumes to the farthest vertex outside, in units of the rig.
     pub farthest: f64,
 }
 
@@ -39,18 +39,20 @@ impl Character {
     /// Fits volumes to the parts of a plan.
     ///
     /// # Errors
-    /// A plan that names bones which do not exist, a rig without faces, one whose poses leave their range, or an animation
-    /// whose speed between keys has no bound.
+    /// Returns an error if the plan names bones that do not exist, the rig has no faces, a pose is
+    /// out of range, or the speed of an animation between two keys has no bound.
     ///
     /// # Accuracy
-    /// Conservative volumes hold each vertex at rest and at *every* time of every animation, by construction: they hold
-    /// the vertices at sampled times, and the curves between these, seen from the bone of the volume, deviate from their
-    /// chords by a bound that is added (`impinge-files/tests/it/characters` checks vertex by vertex). A face whose
-    /// corners are in one volume is in it whole, so no ray that meets the surface misses the volumes.
+    /// Conservative volumes enclose each vertex at rest and at *every* time of every animation, by
+    /// construction. They enclose the vertices at sampled times. Between these, the curve of a
+    /// vertex, seen from the bone of the volume, deviates from its chord by at most a proved bound,
+    /// which is added (`impinge-files/tests/it/characters` checks vertex by vertex). A face whose
+    /// corners are in one convex volume is entirely in it, so no ray that hits the surface misses
+    /// the volumes.
     ///
     /// # Complexity
-    /// Three runs over all samples and vertices; some ten samples for each second of an animation that moves fast, and one for
-    /// each of its keys.
+    /// Three passes over all samples and vertices. Fast animations have about ten samples per
+    /// second, and each key has one.
     pub fn fit(rig: &Rig, plan: &Plan, mode: Mode) -> Result<Self, RigError> {
         let (parts, part_of_face) = fit::parts(rig, plan, mode)?;
         Ok(Self::new(rig, parts, part_of_face))
@@ -61,15 +63,16 @@ impl Character {
         Self { parts, part_of_face, skin_tree, pieces: Vec::new(), piece_anchors: Vec::new() }
     }
 
-    /// Opens the volumes into hulls about groups of at most `faces` faces that go with one bone, which conservatively hold them.
-    /// Rays that enter a volume then go on to these, so that what they strike is what they would strike on the surface far
-    /// more often. All other questions are still asked of the parts' volumes.
+    /// Refines the volumes into convex hulls, each around at most `faces` faces that follow the
+    /// same bone. The hulls enclose these faces conservatively. A ray that enters a volume is then
+    /// tested against its hulls, so the reported part is much more often the part that the surface
+    /// itself would report. All other queries still use the volumes of the parts.
     ///
     /// # Errors
-    /// As [`fit`](Self::fit).
+    /// Same as [`fit`](Self::fit).
     ///
     /// # Complexity
-    /// As [`fit`](Self::fit).
+    /// Same as [`fit`](Self::fit).
     pub fn refine(&mut self, rig: &Rig, faces: usize) -> Result<(), RigError> {
         self.pieces = fit::pieces(rig, &self.part_of_face, faces)?;
         self.piece_anchors = self.pieces.iter().map(|piece| piece.anchor).collect();
@@ -78,16 +81,18 @@ impl Character {
         Ok(())
     }
 
-    /// How many hulls the volumes are opened into; none unless the character was [refined](Self::refine).
+    /// Returns the number of hulls that refine the volumes. It is 0 unless the character was
+    /// [refined](Self::refine).
     #[must_use]
     pub fn piece_count(&self) -> usize {
         self.pieces.len()
     }
 
-    /// A character whose parts somebody else found, as when they were saved: every face goes to the part of its bone.
+    /// Builds a character from existing parts, such as saved ones. Every face goes to the part of
+    /// its bone.
     ///
     /// # Errors
-    /// No parts, bones that do not exist, or a rig without faces.
+    /// Returns an error if there are no parts, a bone does not exist, or the rig has no faces.
     pub fn of_parts(rig: &Rig, parts: Vec<HitPart>) -> Result<Self, RigError> {
         let plans = parts.iter().map(|part| PartPlan {
             name: part.name.clone(),
@@ -100,20 +105,20 @@ impl Character {
         Ok(Self::new(rig, parts, part_of_face))
     }
 
-    /// The parts.
+    /// Returns the parts.
     #[must_use]
     pub fn parts(&self) -> &[HitPart] {
         &self.parts
     }
 
-    /// The bones that its volumes are fixed to, and all that these hang on.
+    /// Returns the bones that the volumes are fixed to, and all their ancestors.
     #[must_use]
     pub fn bones(&self, rig: &Rig) -> BoneSet {
         let anchors = self.parts.iter().map(|part| part.anchor);
         rig.skeleton().bone_set(anchors.chain(self.piece_anchors.iter().copied()))
     }
 
-    /// The part of each face of the skin.
+    /// Returns the index of the part of each face of the skin.
     #[must_use]
     pub fn part_of_face(&self) -> &[u32] {
         &self.part_of_face
@@ -123,7 +128,7 @@ impl Character {
         &self.skin_tree
     }
 
-    /// The frames of the parts in a pose of the rig.
+    /// Returns the frame of each part, in the world, for a pose of the rig.
     #[must_use]
     pub fn frames(&self, pose: &RigPose) -> Vec<Frame> {
         let frame = |part: &HitPart| {
@@ -133,13 +138,14 @@ impl Character {
         self.parts.iter().map(frame).collect()
     }
 
-    /// What of each part's vertices is outside of all volumes, in some hundred poses of all animations.
+    /// Measures, for each part, the share of its vertices that are outside all volumes and their
+    /// largest distance. Uses about 100 poses over all animations.
     ///
     /// # Errors
-    /// As [`fit`](Self::fit).
+    /// Same as [`fit`](Self::fit).
     pub fn leaks(&self, rig: &Rig) -> Result<Vec<Leak>, RigError> {
-        let mut held: Vec<Held> =
-            self.parts.iter().map(|part| Held { anchor: part.anchor, vertices: Vec::new() }).collect();
+        let mut held: Vec<PartVertices> =
+            self.parts.iter().map(|part| PartVertices { anchor: part.anchor, vertices: Vec::new() }).collect();
         for (face, &part) in rig.skin().faces().iter().zip(&self.part_of_face) {
             held[part as usize].vertices.extend(face);
         }
@@ -149,12 +155,12 @@ impl Character {
             part.vertices.sort_unstable();
             part.vertices.dedup();
         }
-        for pose in some_poses(rig, 96)? {
+        for pose in sample_poses(rig, 96)? {
             let frames = self.frames(&pose);
-            places(rig, &pose, &held, |part, _, point| {
+            visit_positions(rig, &pose, &held, |part, _, point| {
                 counts[part] += 1;
                 let mut least = self.parts[part].volume.signed_distance(point);
-                // Up to the rounding of the distance.
+                // Allows for the rounding of the distance.
                 let tolerance = 1e-12 * (length(&point) + least.abs());
                 if least > tolerance {
                     let world = frames[part].apply(point);

@@ -1,4 +1,4 @@
-//! Volumes of every kind about one part, what they cost, and how they grow to hold what they are shown.
+//! Volumes of every kind around one part, their costs, and how they grow to enclose given points.
 
 use crate::hull::Hull;
 use crate::input::InputError;
@@ -7,27 +7,29 @@ use crate::volume::{BoundingSphere, Capsule, Lozenge, Obb, fit};
 use super::volume::{HitHull, HitVolume, VolumeKind, cube_about};
 use crate::math::vec3::{Vector, add, dot, length, scale, sub};
 
-/// What a ray costs against a volume of each kind, in nanoseconds, in the order of [`VolumeKind::ALL`]; for a hull it is for each
-/// of its faces. Measured by `characters` of the benchmarks; what matters are the ratios.
+/// Cost of a ray against a volume of each kind, in nanoseconds, in the order of
+/// [`VolumeKind::ALL`]; for a hull the cost per face. Measured by the `characters` benchmark. Only
+/// the ratios matter.
 const RAY_COSTS: [f64; 5] = [60.0, 80.0, 90.0, 190.0, 3.0];
 
-/// What a strike on a volume that is in vain costs, in nanoseconds: a choice, of about what it takes to ask the skinned mesh of
-/// some thousand faces. The more it is, the tighter are the volumes that win.
-const FALSE_STRIKE: f64 = 400.0;
+/// Cost of a ray that hits a volume but not the part, in nanoseconds. This is a choice: about the
+/// time of a query against a skinned mesh of some thousand faces. A larger value favors tighter
+/// volumes.
+const FALSE_STRIKE_COST: f64 = 400.0;
 
-/// A volume of each kind about one part.
+/// One volume of each kind around one part.
 pub(super) struct Candidates {
     pub(super) sphere: BoundingSphere,
     pub(super) capsule: Capsule,
     pub(super) obb: Obb,
     pub(super) lozenge: Lozenge,
     pub(super) hull: HitHull,
-    /// Of a convex hull about the points that were fitted to.
+    /// Surface area of the convex hull of the points that were fitted to.
     pub(super) area: f64,
 }
 
 impl Candidates {
-    /// About some points.
+    /// Fits all volumes to points. The hull is built from `hull_points` instead.
     pub(super) fn about(points: &[Vector], hull_points: &[Vector]) -> Result<Self, InputError> {
         Ok(Self {
             sphere: fit::minimal_sphere(points)?.sphere,
@@ -49,17 +51,19 @@ impl Candidates {
         }
     }
 
-    /// The area of a volume in areas of a hull.
+    /// Returns the surface area of a volume divided by that of the convex hull of the points.
+    /// Returns 1 if the hull has no area.
     pub(super) fn looseness(&self, volume: &HitVolume) -> f64 {
         if self.area > 0.0 { volume.surface_area() / self.area } else { 1.0 }
     }
 
-    /// The one of a given kind, or the one that costs least.
+    /// Returns the volume of the given kind, or the volume with the lowest cost if no kind is
+    /// given.
     pub(super) fn best(&self, kind: Option<VolumeKind>) -> HitVolume {
         let cost = |at: usize| {
             let looseness = self.looseness(&self.volume(VolumeKind::ALL[at]));
             let faces = if VolumeKind::ALL[at] == VolumeKind::Hull { self.hull.planes().len() as f64 } else { 1.0 };
-            RAY_COSTS[at] * faces + FALSE_STRIKE * (looseness - 1.0)
+            RAY_COSTS[at] * faces + FALSE_STRIKE_COST * (looseness - 1.0)
         };
         let chosen =
             kind.unwrap_or_else(|| VolumeKind::ALL[(0..5).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(0)]);
@@ -67,15 +71,15 @@ impl Candidates {
     }
 }
 
-/// What volumes need to be so that they hold all that was shown to them.
+/// The sizes that the volumes need to enclose all points given so far.
 #[derive(Clone)]
 pub(super) struct Needs {
     pub(super) sphere: f64,
     pub(super) capsule: f64,
     pub(super) lozenge: f64,
-    /// The least and greatest coordinate along each axis of the box, from its centre.
+    /// Minimum and maximum coordinate along each axis of the box, relative to its center.
     pub(super) obb: [[f64; 2]; 3],
-    /// For each face of the hull the point that is farthest out of it.
+    /// For each face of the hull: the height of the farthest point above it, and that point.
     pub(super) out: Vec<(f64, Vector)>,
 }
 
@@ -85,7 +89,7 @@ impl Needs {
         Self { sphere: 0.0, capsule: 0.0, lozenge: 0.0, obb: [[f64::INFINITY, f64::NEG_INFINITY]; 3], out }
     }
 
-    pub(super) fn show(&mut self, candidates: &Candidates, volumes: &[HitVolume; 3], point: Vector) {
+    pub(super) fn include(&mut self, candidates: &Candidates, volumes: &[HitVolume; 3], point: Vector) {
         let reach = |volume: &HitVolume| length(&sub(&point, &volume.closest_on_core(point)));
         self.sphere = self.sphere.max(reach(&volumes[0]));
         self.capsule = self.capsule.max(reach(&volumes[1]));
@@ -113,14 +117,16 @@ impl Needs {
     }
 }
 
-/// The same whatever the order: of points as far, the greatest.
+/// Returns the farther of two points; of equally far points the lexicographically larger one. So
+/// the result does not depend on the order.
 pub(super) fn farther(a: (f64, Vector), b: (f64, Vector)) -> (f64, Vector) {
     if b > a { b } else { a }
 }
 
 impl Candidates {
-    /// Makes all of them hold what was shown, and what is within `margin` of that. Hulls get the points outside of their
-    /// faces; what they still lack is added afterwards.
+    /// Grows all volumes to enclose the points behind `needs`, and everything within `margin` of
+    /// these points. The hull only gains the points outside its faces;
+    /// [`grow_hull`](Self::grow_hull) adds the rest.
     pub(super) fn grow(&mut self, needs: &Needs, margin: f64) -> Result<(), InputError> {
         let radius = |need: f64| need * (1.0 + 1e-12) + margin;
         self.sphere = BoundingSphere::new(self.sphere.centre(), radius(needs.sphere))?;
@@ -140,12 +146,14 @@ impl Candidates {
         Ok(())
     }
 
-    /// Makes the hull hold its image enlarged by `gauge` about its middle, and what is within `margin` of that.
+    /// Grows the hull to enclose its image enlarged by `gauge` around its middle, and everything
+    /// within `margin` of that image.
     ///
-    /// Where a ball of radius ρ about the middle is in the enlarged hull, anything within m of that is in the hull enlarged by
-    /// 1 + m / ρ once more; where this is much, the corners of cubes about its corners are better.
+    /// If a sphere of radius ρ around the middle is inside the enlarged hull, then everything
+    /// within m of that hull is inside the hull enlarged once more by 1 + m / ρ. If m / ρ is large,
+    /// cubes around the corners give a smaller hull.
     pub(super) fn grow_hull(&mut self, gauge: f64, margin: f64) -> Result<(), InputError> {
-        const LITTLE: f64 = 0.05;
+        const MAX_SHARE: f64 = 0.05;
         let middle = middle(self.hull.hull());
         let inner = self.hull.planes().iter().map(|&(n, level)| level - dot(&n, &middle)).fold(f64::INFINITY, f64::min);
         let enlarge = |factor: f64| {
@@ -153,7 +161,7 @@ impl Candidates {
             self.hull.hull().positions().iter().map(image).collect::<Vec<_>>()
         };
         let share = margin / (inner * gauge);
-        let corners = if share < LITTLE {
+        let corners = if share < MAX_SHARE {
             enlarge(gauge * (1.0 + share))
         } else {
             enlarge(gauge).into_iter().flat_map(|corner| cube_about(corner, margin)).collect()
@@ -163,7 +171,7 @@ impl Candidates {
     }
 }
 
-/// A point inside of a hull: the mean of its corners.
+/// Returns a point inside the hull: the mean of its corners.
 pub(super) fn middle(hull: &Hull) -> Vector {
     let positions = hull.positions();
     let sum = positions.iter().fold([0.0; 3], |sum, &p| add(&sum, &p));

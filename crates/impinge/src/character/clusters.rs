@@ -1,34 +1,36 @@
-//! Which bones make a part: every face goes with the bone that its corners follow most, and bones are merged, two parts at a
-//! time, until there are as few as may be.
+//! Groups bones into parts: every face goes with the bone that its corners follow most, and parts
+//! are merged in pairs until their number is small enough.
 
 use super::error::{RigError, RigErrorKind, RigPlace};
 use super::frame::Frame;
 use super::names;
-use super::plan::{PartPlan, Plan, bones_of_faces, some_poses};
+use super::plan::{PartPlan, Plan, bones_of_faces, sample_poses};
 use super::rig::Rig;
 use super::rig_pose::RigPose;
 use super::skin::blended;
 use crate::math::vec3::Vector;
 use crate::volume::{BoundingVolume, fit};
 
-/// How many poses are looked at to see which bones move as one.
+/// Number of poses used to find bones that move together.
 const POSES: usize = 48;
 
-/// Number of nearest other parts with which merging is tried. More bones than this seldom touch one bone.
-const NEIGHBOURS: usize = 8;
+/// Number of nearest other parts with which merging is tried. A bone rarely touches more bones than
+/// this.
+const MAX_NEIGHBORS: usize = 8;
 
 impl Plan {
-    /// At most `volumes` parts, and at least one.
+    /// Groups the bones with faces into at most `volumes` parts, and at least one.
     ///
-    /// Two parts are merged where that adds the least surface to what a box about all of their motion has: the larger the area of a
-    /// volume, the more rays hit it and miss the bone. Bones whose names put them into different limbs are merged last. Of both bones, the merged part
-    /// is fixed to the one that sees the smaller box.
+    /// Repeatedly merges the two parts for which the merged bounding box over all their motion adds
+    /// the least surface area. The larger the area of a volume, the more rays hit it and miss the
+    /// bone. Bones whose names belong to different limbs are merged last. The merged part is fixed
+    /// to that of the two bones in whose frame the box is smaller.
     ///
     /// # Errors
-    /// A rig without faces, or one whose animations leave the range of poses.
+    /// Returns an error if the rig has no faces or an animation leaves the range of poses.
     ///
     /// # Complexity
-    /// Some thousand boxes about 50 poses of a few vertices for each bone with faces.
+    /// About a thousand boxes, each over 50 poses of a few vertices for each bone with faces.
     pub fn automatic(rig: &Rig, volumes: usize) -> Result<Self, RigError> {
         let mut clusters = Clusters::of(rig)?;
         clusters.merge_to(volumes.max(1));
@@ -45,24 +47,24 @@ impl Plan {
     }
 }
 
-/// Bones that are one part so far.
+/// Bones that are grouped into one part so far.
 #[derive(Clone, Debug)]
 struct Cluster {
     bones: Vec<u32>,
     anchor: u32,
-    /// Vertices that are extreme in the frame of some bone, which stand for all.
+    /// Vertices that are extreme in some direction at rest. They represent all vertices.
     vertices: Vec<u32>,
-    /// The area of a box about them in all poses.
+    /// Surface area of a box around these vertices in all poses.
     area: f64,
-    /// The middle at rest.
+    /// Middle of these vertices at rest.
     middle: Vector,
-    /// The limb that all of its bones are in by their names, where these say it.
+    /// The limb that all of its bones belong to by their names, or `None` if unknown.
     limb: Option<usize>,
 }
 
 struct Clusters {
     list: Vec<Option<Cluster>>,
-    /// Where each vertex of some cluster is, for each pose; others are at the origin.
+    /// Position of each vertex of some cluster, for each pose. Other vertices are at the origin.
     places: Vec<Vec<Vector>>,
     /// The frames of all bones, for each pose.
     frames: Vec<Vec<Frame>>,
@@ -70,7 +72,7 @@ struct Clusters {
 
 impl Clusters {
     fn of(rig: &Rig) -> Result<Self, RigError> {
-        let poses = some_poses(rig, POSES)?;
+        let poses = sample_poses(rig, POSES)?;
         let frame = |pose: &RigPose| {
             pose.bones().iter().map(|bone| Frame::new(bone.rotation_wxyz, bone.origin())).collect::<Vec<_>>()
         };
@@ -127,7 +129,7 @@ impl Clusters {
         [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]))
     }
 
-    /// The area of a box about all poses of some clusters, in the frame of a bone.
+    /// Returns the surface area of a box around all poses of the clusters, in the frame of a bone.
     fn area(&self, anchor: u32, clusters: &[&Cluster]) -> f64 {
         let mut points = Vec::new();
         for (places, frames) in self.places.iter().zip(&self.frames) {
@@ -138,9 +140,9 @@ impl Clusters {
         fit::principal_obb(&points).map_or(f64::INFINITY, |obb| obb.surface_area())
     }
 
-    /// What merging two adds to the area, and the better anchor.
+    /// Returns the surface area that merging two clusters adds, and the better bone to fix them to.
     fn cost(&self, a: &Cluster, b: &Cluster) -> (f64, u32) {
-        // What names say to be different limbs is merged last.
+        // Parts of different limbs, by their names, get a higher cost, so they are merged last.
         let apart = a.limb.is_some() && b.limb.is_some() && a.limb != b.limb;
         let kept = if apart { 0.0 } else { a.area + b.area };
         let of = |anchor: u32| (self.area(anchor, &[a, b]) - kept, anchor);
@@ -171,7 +173,7 @@ impl Clusters {
         }
     }
 
-    /// The costs of merging a cluster with its nearest others, unless they are known.
+    /// Adds the costs of merging a cluster with its nearest neighbors, unless they are known.
     fn add_costs(&self, at: usize, costs: &mut Vec<(f64, u32, usize, usize)>) {
         let Some(cluster) = &self.list[at] else { return };
         let squared = |other: &Cluster| (0..3).map(|k| (other.middle[k] - cluster.middle[k]).powi(2)).sum::<f64>();
@@ -179,7 +181,7 @@ impl Clusters {
         let mut near: Vec<(f64, usize)> =
             others.filter_map(|(other, found)| found.as_ref().map(|found| (squared(found), other))).collect();
         near.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-        for (_, other) in near.into_iter().take(NEIGHBOURS) {
+        for (_, other) in near.into_iter().take(MAX_NEIGHBORS) {
             let pair = (at.min(other), at.max(other));
             if costs.iter().any(|cost| (cost.2, cost.3) == pair) {
                 continue;
@@ -192,7 +194,7 @@ impl Clusters {
     }
 }
 
-/// Those vertices that are farthest in some of 26 directions.
+/// Returns the vertices that are farthest in one of 26 directions.
 fn extreme(vertices: &[u32], places: &[Vector]) -> Vec<u32> {
     let directions = (0..27).map(|i| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1]).filter(|d| *d != [0; 3]);
     let mut found: Vec<u32> = directions

@@ -1,4 +1,4 @@
-//! The corners of a hull by fours, for its support function.
+//! The corners of a hull in groups of four, for its support function.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x4};
@@ -8,7 +8,7 @@ use crate::simd::{best_level, by_axis, dispatch};
 
 const LANES: usize = 4;
 
-/// Corners with a lane each; what is left of the last four is its last corner again.
+/// Corners, one per lane. Unused lanes of the last group repeat its last corner.
 #[derive(Clone, Debug)]
 pub(super) struct Corners(Vec<[[f64; LANES]; 3]>);
 
@@ -25,10 +25,12 @@ impl Corners {
         size_of_val(&self.0[..])
     }
 
-    /// A corner that is farthest along a direction, up to the rounding of three products; the origin where there are none.
+    /// Returns a corner that is farthest along a direction, up to the rounding of three products.
+    /// Returns the origin if there are no corners.
     ///
     /// # Complexity
-    /// All corners: some dozens of them take less than finding a way to the farthest.
+    /// Scans all corners. For a few dozen corners this is faster than walking the hull to the
+    /// farthest.
     pub(super) fn support(&self, direction: Vector) -> Vector {
         dispatch!(best_level(), simd => self.support_lanes(simd, direction))
     }
@@ -63,7 +65,7 @@ mod tests {
 
     #[test]
     fn no_corner_is_farther() {
-        // On a grid, so that many are equally far; of every number of corners.
+        // On a grid, so that many corners are equally far, and for every number of corners.
         let grid = |i: usize| [i * 7 % 5, i * 3 % 4, i * 5 % 3].map(|x| x as f64 - 2.0);
         let corners: Vec<Vector> = (0..23).map(grid).collect();
         for count in 1..=corners.len() {

@@ -1,30 +1,37 @@
-//! Where rays are in volumes.
+//! The part of a ray that is inside a volume.
+//!
+//! Tests: `impinge-files/tests/it/characters/rays.rs`. Benchmark: `characters`.
 
 use crate::volume::Lozenge;
 
 use super::volume::HitVolume;
 use crate::math::vec3::{Vector, add, cross, dot, length, scale, sub, unit};
 
-/// The part of a ray that is within a volume.
+/// The interval of a ray that is inside a volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Crossing {
-    /// In units of the direction; the first is not below zero.
+    /// Start and end of the interval in units of the direction's length. The start is at least 0.
     pub(super) t: [f64; 2],
-    /// Out of the volume where the ray enters; against the ray where it starts inside.
+    /// Unit normal. It points out of the volume where the ray enters, or against the ray if it
+    /// starts inside.
     pub(super) normal: Vector,
 }
 
-/// Of the distance from a ray's origin and of a volume's size: what rays are taken as thicker by. A projection onto the ray and
-/// the offset from it are some 20 roundings of numbers of that size, in all below 2^-47 of it.
+/// Padding that thickens the volume, relative to its size and its distance from the ray's origin:
+/// 2^-46. A projection onto the ray and the offset from it take about 20 roundings of numbers of
+/// that size, in total below 2^-47 of it. A larger value makes grazing intervals too long.
 const RAY_PADDING: f64 = 1.0 / (1_u64 << 46) as f64;
 
 impl HitVolume {
-    /// Where a ray is in the volume; the direction has a length. The part that is found is never too short, but for a grazing
-    /// one it may be a little long: the volume is taken as thicker by some 2^-46 of its size and its distance from the origin.
+    /// Returns the interval of the ray inside the volume, or `None` if the ray misses it. The
+    /// direction must have a nonzero length.
+    ///
+    /// The interval is never too short. For a grazing ray it may be slightly too long, because the
+    /// volume is thickened by about 2^-46 of its size and of its distance from the origin.
     pub(super) fn crossing(&self, origin: Vector, direction: Vector) -> Option<Crossing> {
         let (middle, reach) = self.bounding_sphere();
         let squared = dot(&direction, &direction);
-        // From near the volume, so that what cancels is small.
+        // Starts near the volume, so that cancellation errors are small.
         let shift = dot(&direction, &sub(&middle, &origin)) / squared;
         let near = [0, 1, 2].map(|k| origin[k] + shift * direction[k]);
         let padding = RAY_PADDING * (length(&sub(&middle, &origin)) + length(&origin) + length(&middle) + reach);
@@ -58,7 +65,7 @@ impl HitVolume {
         Some(Crossing { t: [enter, leave], normal: self.normal_at(point) })
     }
 
-    /// The outward normal at a point of the surface, or nearly.
+    /// Returns the outward unit normal at a point of the surface, up to rounding.
     fn normal_at(&self, point: Vector) -> Vector {
         const ANY: Vector = [0.0, 0.0, 1.0];
         match self {
@@ -83,7 +90,7 @@ impl HitVolume {
 fn through_sphere(from: Vector, direction: Vector, centre: Vector, radius: f64) -> Option<[f64; 2]> {
     let offset = sub(&from, &centre);
     let (a, b) = (dot(&direction, &direction), dot(&direction, &offset));
-    // The offset across the ray, so that nothing cancels.
+    // The offset perpendicular to the ray, computed without cancellation.
     let across = sub(&offset, &scale(&direction, b / a));
     let left = radius * radius - dot(&across, &across);
     (left >= 0.0).then(|| {
@@ -92,7 +99,7 @@ fn through_sphere(from: Vector, direction: Vector, centre: Vector, radius: f64) 
     })
 }
 
-/// The two ends and the cylinder between.
+/// Returns the interval inside the two end spheres and the cylinder between them.
 fn through_capsule(from: Vector, direction: Vector, [p, q]: [Vector; 2], radius: f64) -> Option<[f64; 2]> {
     let ends = [p, q].into_iter().filter_map(|end| through_sphere(from, direction, end, radius));
     let axis = sub(&q, &p);
@@ -122,7 +129,7 @@ fn through_capsule(from: Vector, direction: Vector, [p, q]: [Vector; 2], radius:
     ends.chain(tube).reduce(hull_of_intervals)
 }
 
-/// The four sides, and the plate between them.
+/// Returns the interval inside the four rounded sides and the plate between them.
 fn through_lozenge(from: Vector, direction: Vector, lozenge: &Lozenge, radius: f64) -> Option<[f64; 2]> {
     let ([u, v], c) = (lozenge.edges(), lozenge.corner());
     let (cu, cv, cuv) = (add(&c, &u), add(&c, &v), add(&add(&c, &u), &v));
@@ -147,7 +154,8 @@ fn hull_of_intervals(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0].min(b[0]), a[1].max(b[1])]
 }
 
-/// Where a ray is inside of planes, given by its height over each at its start and its speed upwards.
+/// Returns the interval of a ray below all planes. Each plane is given by the ray's initial height
+/// over it and its upward speed.
 fn between_planes(planes: impl Iterator<Item = (f64, f64)>) -> Option<[f64; 2]> {
     let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
     for (height, speed) in planes {

@@ -1,68 +1,70 @@
-//! What is wrong with a rig, and where in it.
+//! Errors of rigs: the problem and its place.
 
 use std::fmt;
 
-/// A rig that cannot be animated: what is wrong, and at which of its bones, joints, vertices or keys.
+/// The error for a rig that cannot be animated: the problem, and the bone, joint, vertex or key
+/// that causes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigError {
     kind: RigErrorKind,
     place: RigPlace,
 }
 
-/// The ways in which a rig can be wrong.
+/// The ways in which a rig can be invalid.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RigErrorKind {
     /// A number is NaN or infinite.
     NonFinite {
-        /// What the number belongs to: `"translation"`, `"key"`.
+        /// Name of the value, such as `"translation"` or `"key"`.
         what: &'static str,
     },
-    /// A number is finite but too large for products of it to stay so: beyond 2^64, or 2^100 where bones are composed.
+    /// A number is finite but so large that products could overflow: its magnitude exceeds 2^64, or
+    /// 2^100 after bones are composed.
     OutOfRange {
-        /// What the number belongs to.
+        /// Name of the value.
         what: &'static str,
     },
-    /// Something names another thing that does not exist.
+    /// An index refers to something that does not exist.
     Missing {
-        /// What is named: `"bone"`, `"joint"`, `"vertex"`.
+        /// Kind of the missing thing, such as `"bone"`, `"joint"` or `"vertex"`.
         what: &'static str,
-        /// Its number.
+        /// The index.
         index: usize,
-        /// How many there are.
+        /// Number of existing things of this kind.
         len: usize,
     },
-    /// A bone that is its own ancestor.
+    /// A bone is its own ancestor.
     Cyclic,
-    /// A scale of zero on some axis: what hangs on the bone has no size.
+    /// A scale is zero on some axis, so everything attached to the bone would have no size.
     ZeroScale,
-    /// A quaternion that names no rotation.
+    /// A quaternion is zero and gives no rotation.
     ZeroRotation,
-    /// Weights that do not sum up to one.
+    /// Weights do not sum to one.
     WeightSum {
-        /// What they sum up to.
+        /// The sum of the weights.
         sum: f64,
     },
-    /// A weight below zero.
+    /// A weight is negative.
     NegativeWeight,
-    /// Times of keys that do not increase.
+    /// The times of keys do not increase.
     TimesNotIncreasing,
-    /// Another number of something than there has to be.
+    /// A list has the wrong length.
     OtherCount {
-        /// What is counted.
+        /// Kind of the listed things.
         what: &'static str,
-        /// How many there are.
+        /// The actual length.
         count: usize,
-        /// How many there have to be.
+        /// The expected length.
         expected: usize,
     },
-    /// There is nothing to bound: no face.
+    /// There is nothing to bound, because there are no faces or no parts.
     Empty,
-    /// A motion whose speed between two keys has no bound, so that nothing can be promised about it.
+    /// The speed of a motion between two keys has no bound, so nothing can be proved about it.
     UnboundedMotion,
 }
 
-/// Where in a rig.
+/// A place in a rig. All indices count from zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum RigPlace {
@@ -76,20 +78,20 @@ pub enum RigPlace {
     Face(usize),
     /// A morph target of the skin.
     Morph(usize),
-    /// A key of a channel of an animation, counted from zero; times and values alike.
+    /// A key of an animation channel: its time or its values.
     Key {
-        /// The animation.
+        /// Index of the animation.
         animation: usize,
-        /// The channel in it.
+        /// Index of the channel in the animation.
         channel: usize,
-        /// The key in that.
+        /// Index of the key in the channel.
         key: usize,
     },
     /// A channel of an animation.
     Channel {
-        /// The animation.
+        /// Index of the animation.
         animation: usize,
-        /// The channel in it.
+        /// Index of the channel in the animation.
         channel: usize,
     },
     /// The rig as a whole.
@@ -97,19 +99,19 @@ pub enum RigPlace {
 }
 
 impl RigError {
-    /// An error of this kind at this place.
+    /// Builds an error of this kind at this place.
     #[must_use]
     pub fn new(kind: RigErrorKind, place: RigPlace) -> Self {
         Self { kind, place }
     }
 
-    /// What is wrong, for a program.
+    /// Returns the kind of the error, for programs.
     #[must_use]
     pub fn kind(&self) -> &RigErrorKind {
         &self.kind
     }
 
-    /// Where.
+    /// Returns the place of the error.
     #[must_use]
     pub fn place(&self) -> RigPlace {
         self.place
@@ -119,18 +121,24 @@ impl RigError {
 impl fmt::Display for RigErrorKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NonFinite { what } => write!(f, "a number of the {what} is not finite"),
-            Self::OutOfRange { what } => write!(f, "a number of the {what} is out of range"),
-            Self::Missing { what, index, len } => write!(f, "names {what} {index}, but there are {len}"),
-            Self::Cyclic => write!(f, "is its own ancestor"),
-            Self::ZeroScale => write!(f, "the scale is zero"),
-            Self::ZeroRotation => write!(f, "the quaternion is zero"),
-            Self::WeightSum { sum } => write!(f, "the weights sum up to {sum}, not to 1"),
-            Self::NegativeWeight => write!(f, "a weight is negative"),
-            Self::TimesNotIncreasing => write!(f, "the times do not increase"),
-            Self::OtherCount { what, count, expected } => write!(f, "{count} {what} in place of {expected}"),
-            Self::Empty => write!(f, "has no faces"),
-            Self::UnboundedMotion => write!(f, "the motion between two keys has no bound"),
+            Self::NonFinite { what } => write!(f, "the {what} has a number that is NaN or infinite"),
+            Self::OutOfRange { what } => write!(f, "the {what} has a number that is out of range: scale the rig down"),
+            Self::Missing { what, index, len } => write!(f, "refers to {what} {index}, but there are only {len}"),
+            Self::Cyclic => write!(f, "is its own ancestor: remove the cycle of parents"),
+            Self::ZeroScale => write!(f, "the scale is zero on an axis: use a small nonzero scale"),
+            Self::ZeroRotation => {
+                write!(f, "the rotation is a zero quaternion: use 1, 0, 0, 0 (w, x, y, z) for no rotation")
+            }
+            Self::WeightSum { sum } => write!(f, "the weights sum to {sum}, not to 1: normalize them"),
+            Self::NegativeWeight => write!(f, "a weight is negative: weights must be 0 or more"),
+            Self::TimesNotIncreasing => {
+                write!(f, "the times of the keys do not increase: sort them and remove duplicates")
+            }
+            Self::OtherCount { what, count, expected } => write!(f, "has {count} {what}, but {expected} are needed"),
+            Self::Empty => write!(f, "nothing to bound: at least one face and one part are needed"),
+            Self::UnboundedMotion => {
+                write!(f, "the speed between two keys has no bound, as when a spline of rotations nears zero: add keys")
+            }
         }
     }
 }
@@ -158,11 +166,12 @@ impl fmt::Display for RigError {
 
 impl std::error::Error for RigError {}
 
-/// Numbers of a rig are within 2^64.
+/// Maximum magnitude of the numbers of a rig: 2^64.
 const LIMIT: f64 = (1_u128 << 64) as f64;
 
-/// Judges the numbers of one thing.
-pub(super) fn judge(numbers: &[f64], what: &'static str, place: RigPlace) -> Result<(), RigError> {
+/// Checks that the numbers of one value are finite and in range. `what` names the value in the
+/// error.
+pub(super) fn check_numbers(numbers: &[f64], what: &'static str, place: RigPlace) -> Result<(), RigError> {
     if !numbers.iter().all(|x| x.is_finite()) {
         return Err(RigError::new(RigErrorKind::NonFinite { what }, place));
     }

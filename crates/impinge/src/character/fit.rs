@@ -1,4 +1,4 @@
-//! Volumes about the parts of a plan: of each kind, and the kind that is best.
+//! Fits volumes of each kind to the parts of a plan, and chooses the best kind.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -10,62 +10,66 @@ use crate::volume::{BoundingSphere, BoundingVolume, Capsule, Lozenge, Obb};
 
 use super::candidates::{Candidates, Needs, farther, middle};
 use super::error::{RigError, RigErrorKind, RigPlace};
-use super::plan::{Plan, bones_of_faces, some_poses};
+use super::plan::{Plan, bones_of_faces, sample_poses};
 use super::rig::Rig;
 use super::rig_pose::RigPose;
-use super::samples::{Held, Sample, Samples, rounding};
+use super::samples::{PartVertices, Sample, Samples, rounding};
 use super::skin::blended;
 use super::transform::{Matrix, apply_transposed, matrix, times};
 use super::volume::{HitHull, HitVolume, VolumeKind, box_of};
 use crate::math::vec3::{Vector, add, dot, length, scale, sub};
 
-/// Whether volumes hold everything.
+/// Whether volumes enclose everything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Mode {
-    /// No point of the skinned surface is ever outside, at rest and at every time of every animation of the rig.
+    /// No point of the skinned surface is ever outside, at rest and at every time of every
+    /// animation of the rig.
     Conservative,
-    /// The outermost twentieth of a part's vertices may stick out, so that strikes hit what looks hit.
+    /// The outermost 5 % of the vertices of a part may stick out, so that strikes look right.
     Snug,
 }
 
-/// The share of a part's vertices that a snug volume may leave out.
-const TRIMMED: f64 = 0.05;
+/// Share of the vertices of a part that a snug volume may leave out.
+const TRIMMED_SHARE: f64 = 0.05;
 
-/// Poses by which snug volumes are fitted and leaks are measured.
+/// Number of poses from which snug volumes are fitted, and from which conservative fits take their
+/// first extremes. More poses cost time; fewer make the first fits less representative.
 const POSES: usize = 96;
 
-/// A part of a character: the volume that stands for it, in the rigid frame of a bone.
+/// A part of a character, with a volume in the rigid frame of a bone.
 #[derive(Clone, Debug)]
 pub struct HitPart {
-    /// What it is called.
+    /// The name.
     pub name: String,
-    /// The bones whose faces it has.
+    /// The bones whose faces belong to the part.
     pub bones: Vec<u32>,
-    /// The bone whose frame the volume is in.
+    /// The bone that the volume is fixed to.
     pub anchor: u32,
     pub(super) volume: HitVolume,
-    /// The area of the volume in areas of a convex hull about what it was fitted to: 1 is as tight as convex volumes are.
+    /// Surface area of the volume divided by that of the convex hull of the points it was fitted
+    /// to. A value of 1 is as tight as a convex volume can be.
     pub looseness: f64,
-    /// A sphere about the volume.
+    /// A sphere around the volume: center and radius.
     pub(super) sphere: (Vector, f64),
 }
 
 impl HitPart {
-    /// A part with a volume that somebody else found.
+    /// Builds a part with an existing volume, given in the frame of bone `anchor`.
     #[must_use]
     pub fn new(name: String, bones: Vec<u32>, anchor: u32, volume: HitVolume, looseness: f64) -> Self {
         let sphere = volume.bounding_sphere();
         Self { name, bones, anchor, volume, looseness, sphere }
     }
 
-    /// The volume, in the frame of the anchor.
+    /// Returns the volume, in the frame of the bone that it is fixed to.
     #[must_use]
     pub fn volume(&self) -> &HitVolume {
         &self.volume
     }
 }
 
-/// Fits one volume to each part of a plan that has faces; the parts, and the part of each face.
+/// Fits one volume to each part of a plan that has faces. Returns the parts, and the part of each
+/// face.
 pub(super) fn parts(rig: &Rig, plan: &Plan, mode: Mode) -> Result<(Vec<HitPart>, Vec<u32>), RigError> {
     let part_of_bone = plan.part_of_bones(rig)?;
     let mut part_of_face: Vec<u32> = bones_of_faces(rig).into_iter().map(|bone| part_of_bone[bone as usize]).collect();
@@ -81,7 +85,7 @@ pub(super) fn parts(rig: &Rig, plan: &Plan, mode: Mode) -> Result<(Vec<HitPart>,
         }
     }
     part_of_face.iter_mut().for_each(|part| *part = number[*part as usize]);
-    let held = held(rig, &part_of_face, &kept.iter().map(|planned| planned.anchor).collect::<Vec<_>>());
+    let held = part_vertices(rig, &part_of_face, &kept.iter().map(|planned| planned.anchor).collect::<Vec<_>>());
     let clouds = match mode {
         Mode::Conservative => conservative(rig, &held)?,
         Mode::Snug => snug(rig, &held, &part_of_bone, &number)?,
@@ -96,7 +100,7 @@ pub(super) fn parts(rig: &Rig, plan: &Plan, mode: Mode) -> Result<(Vec<HitPart>,
     Ok((parts, part_of_face))
 }
 
-/// A convex piece of a part's surface: what the part's volume is opened into for rays.
+/// A convex piece of a part's surface. Pieces refine the part's volume for rays.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
     pub(super) part: u32,
@@ -104,8 +108,8 @@ pub(super) struct Piece {
     pub(super) volume: HitVolume,
 }
 
-/// Hulls about groups of faces that go with one bone, of at most `faces` each; conservative, as the faces of a part are all in
-/// some piece.
+/// Builds hulls around groups of at most `faces` faces that follow the same bone. They are
+/// conservative, because every face of a part is in some piece.
 pub(super) fn pieces(rig: &Rig, part_of_face: &[u32], faces: usize) -> Result<Vec<Piece>, RigError> {
     let mut vertices = Vec::new();
     rig.skin().skinned(&rig.rest_pose()?, &mut vertices);
@@ -121,7 +125,7 @@ pub(super) fn pieces(rig: &Rig, part_of_face: &[u32], faces: usize) -> Result<Ve
     let mut pending: Vec<((u32, u32), Vec<u32>)> = groups.into_iter().rev().collect();
     while let Some((owner, mut group)) = pending.pop() {
         if group.len() > faces.max(1) {
-            // Halves along the longest axis, by rank, so that this ends.
+            // Halves along the longest axis, by rank, so the recursion ends.
             let [low, high] = box_of(&group.iter().map(middle).collect::<Vec<_>>());
             let axis = (0..3).max_by(|&i, &j| (high[i] - low[i]).total_cmp(&(high[j] - low[j]))).unwrap_or(0);
             group.sort_by(|a, b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b)));
@@ -133,12 +137,12 @@ pub(super) fn pieces(rig: &Rig, part_of_face: &[u32], faces: usize) -> Result<Ve
         let mut vertices: Vec<u32> = group.iter().flat_map(|&face| rig.skin().faces()[face as usize]).collect();
         vertices.sort_unstable();
         vertices.dedup();
-        keep_different(rig, &mut vertices);
+        remove_coincident(rig, &mut vertices);
         owners.push(owner.0);
-        held.push(Held { anchor: owner.1, vertices });
+        held.push(PartVertices { anchor: owner.1, vertices });
     }
     let fitted = conservative(rig, &held)?;
-    let piece = |((part, held), candidates): ((u32, &Held), Candidates)| Piece {
+    let piece = |((part, held), candidates): ((u32, &PartVertices), Candidates)| Piece {
         part,
         anchor: held.anchor,
         volume: candidates.best(Some(VolumeKind::Hull)),
@@ -146,21 +150,22 @@ pub(super) fn pieces(rig: &Rig, part_of_face: &[u32], faces: usize) -> Result<Ve
     Ok(owners.into_iter().zip(&held).zip(fitted).map(piece).collect())
 }
 
-fn held(rig: &Rig, part_of_face: &[u32], anchors: &[u32]) -> Vec<Held> {
-    let mut held: Vec<Held> = anchors.iter().map(|&anchor| Held { anchor, vertices: Vec::new() }).collect();
+fn part_vertices(rig: &Rig, part_of_face: &[u32], anchors: &[u32]) -> Vec<PartVertices> {
+    let mut held: Vec<PartVertices> =
+        anchors.iter().map(|&anchor| PartVertices { anchor, vertices: Vec::new() }).collect();
     for (face, &part) in rig.skin().faces().iter().zip(part_of_face) {
         held[part as usize].vertices.extend(face);
     }
     for part in &mut held {
         part.vertices.sort_unstable();
         part.vertices.dedup();
-        keep_different(rig, &mut part.vertices);
+        remove_coincident(rig, &mut part.vertices);
     }
     held
 }
 
-/// Leaves out vertices that are always where another is, as along the seams of textures.
-fn keep_different(rig: &Rig, vertices: &mut Vec<u32>) {
+/// Removes vertices that always coincide with another one, such as those along texture seams.
+fn remove_coincident(rig: &Rig, vertices: &mut Vec<u32>) {
     let skin = rig.skin();
     if !skin.morphs().is_empty() {
         return;
@@ -172,8 +177,14 @@ fn keep_different(rig: &Rig, vertices: &mut Vec<u32>) {
     });
 }
 
-/// Shows where the vertices of parts are, each in the frame of its part.
-pub(super) fn places(rig: &Rig, pose: &RigPose, held: &[Held], mut show: impl FnMut(usize, u32, Vector)) {
+/// Calls `show` with the part, the vertex and its position in the frame of its part, for all
+/// vertices of the parts.
+pub(super) fn visit_positions(
+    rig: &Rig,
+    pose: &RigPose,
+    held: &[PartVertices],
+    mut show: impl FnMut(usize, u32, Vector),
+) {
     let palette = rig.skin().palette(pose.bones());
     let mut morphed = Vec::new();
     rig.skin().morphed(pose.morph_weights(), &mut morphed);
@@ -194,39 +205,39 @@ fn local_palette(palette: &[(Matrix, Vector)], rotation: &Matrix, origin: Vector
     palette.iter().map(local).collect()
 }
 
-/// Volumes that hold every vertex of a part at every time.
-fn conservative(rig: &Rig, held: &[Held]) -> Result<Vec<Candidates>, RigError> {
+/// Fits volumes that enclose every vertex of a part at every time.
+fn conservative(rig: &Rig, held: &[PartVertices]) -> Result<Vec<Candidates>, RigError> {
     let samples = Samples::of(rig, held)?;
     let extremes = extremes(rig, held, &samples.list)?;
-    let judged = |e: InputError| unfit(&e);
+    let validated = |e: InputError| out_of_range(&e);
     let mut candidates = Vec::new();
     for of_part in &extremes {
         let points: Vec<Vector> = of_part.iter().map(|&(_, point)| point).collect();
         let few: Vec<Vector> = COARSE.iter().map(|&at| of_part[at].1).collect();
-        candidates.push(Candidates::about(&points, &few).map_err(judged)?);
+        candidates.push(Candidates::about(&points, &few).map_err(validated)?);
     }
     let (needs, rounding) = needs(rig, held, &samples.list, &candidates)?;
     for ((candidates, needs), stray) in candidates.iter_mut().zip(&needs).zip(&samples.stray) {
         let margin = stray * (1.0 + 1e-9) + rounding;
-        candidates.grow(needs, margin).map_err(judged)?;
+        candidates.grow(needs, margin).map_err(validated)?;
     }
     let gauges = gauges(rig, held, &samples.list, &candidates)?;
     for ((candidates, gauge), stray) in candidates.iter_mut().zip(gauges).zip(&samples.stray) {
-        candidates.grow_hull(gauge, stray * (1.0 + 1e-9) + rounding).map_err(judged)?;
+        candidates.grow_hull(gauge, stray * (1.0 + 1e-9) + rounding).map_err(validated)?;
     }
     Ok(candidates)
 }
 
-/// A part beyond the range of volumes, whose poses are within 2^100.
-fn unfit(_: &InputError) -> RigError {
+/// Returns the error for a part beyond the range of volumes. Poses are within 2^100.
+fn out_of_range(_: &InputError) -> RigError {
     RigError::new(RigErrorKind::OutOfRange { what: "part" }, RigPlace::Rig)
 }
 
-/// Samples that one task poses.
+/// Number of samples per parallel task.
 const CHUNK: usize = 32;
 
-/// Runs over all samples on all cores; what it finds does not depend on how many there are, as long as `merge` does not care
-/// for the order.
+/// Processes all samples on all cores. The result does not depend on the number of cores if `merge`
+/// does not depend on the order.
 fn over_samples<T: Send>(
     rig: &Rig,
     samples: &[Sample],
@@ -245,17 +256,18 @@ fn over_samples<T: Send>(
     samples.par_chunks(CHUNK).map(of_chunk).try_reduce(&start, |a, b| Ok(merge(a, b)))
 }
 
-/// For each part the vertices that are farthest along some directions, at any time.
-fn extremes(rig: &Rig, held: &[Held], samples: &[Sample]) -> Result<Vec<Vec<(f64, Vector)>>, RigError> {
+/// Returns, for each part, the vertices that are farthest along fixed directions, at any time of
+/// some samples.
+fn extremes(rig: &Rig, held: &[PartVertices], samples: &[Sample]) -> Result<Vec<Vec<(f64, Vector)>>, RigError> {
     let directions = directions();
-    // They need not be the very farthest: what follows grows volumes to hold all.
+    // A subset of the samples is enough: the volumes are later grown to enclose all.
     let some: Vec<Sample> = samples.iter().step_by(samples.len().div_ceil(POSES)).copied().collect();
     over_samples(
         rig,
         &some,
         || vec![vec![(f64::NEG_INFINITY, [0.0; 3]); directions.len()]; held.len()],
         |found, pose| {
-            places(rig, pose, held, |part, _, point| {
+            visit_positions(rig, pose, held, |part, _, point| {
                 for (best, &direction) in found[part].iter_mut().zip(&directions) {
                     let along = dot(&direction, &point);
                     if along >= best.0 {
@@ -271,23 +283,23 @@ fn extremes(rig: &Rig, held: &[Held], samples: &[Sample]) -> Result<Vec<Vec<(f64
     )
 }
 
-/// All with entries from -2 to 2 but zero.
+/// Returns all directions with integer entries from -2 to 2, except zero.
 fn directions() -> Vec<Vector> {
     let entry = |i: usize| i as f64 - 2.0;
     let all = (0..125).map(|i| [entry(i % 5), entry(i / 5 % 5), entry(i / 25)]);
     all.filter(|d| *d != [0.0; 3]).collect()
 }
 
-/// Those of the directions that have no entry of ±1: 26 in all, for hulls of few corners.
+/// Indices of the 26 directions without an entry of ±1, for hulls with few corners.
 static COARSE: std::sync::LazyLock<Vec<usize>> = std::sync::LazyLock::new(|| {
     let is_coarse = |d: &Vector| d.iter().all(|x| x.abs() != 1.0);
     directions().iter().enumerate().filter(|(_, d)| is_coarse(d)).map(|(at, _)| at).collect()
 });
 
-/// What each part needs, and the rounding of all of it.
+/// Returns the needs of each part, and a bound on the rounding of the vertices.
 fn needs(
     rig: &Rig,
-    held: &[Held],
+    held: &[PartVertices],
     samples: &[Sample],
     candidates: &[Candidates],
 ) -> Result<(Vec<Needs>, f64), RigError> {
@@ -299,14 +311,17 @@ fn needs(
         || (candidates.iter().map(Needs::new).collect::<Vec<_>>(), 0.0_f64),
         |(needs, worst), pose| {
             *worst = worst.max(rounding(rig, pose));
-            places(rig, pose, held, |part, _, point| needs[part].show(&candidates[part], &volumes[part], point));
+            visit_positions(rig, pose, held, |part, _, point| {
+                needs[part].include(&candidates[part], &volumes[part], point)
+            });
         },
         |(a, x), (b, y)| (a.into_iter().zip(&b).map(|(a, b)| a.merged(b)).collect(), x.max(y)),
     )
 }
 
-/// How much each hull must be enlarged about its middle to hold all vertices; one where it holds them.
-fn gauges(rig: &Rig, held: &[Held], samples: &[Sample], all: &[Candidates]) -> Result<Vec<f64>, RigError> {
+/// Returns the factor by which each hull must be enlarged around its middle to enclose all
+/// vertices, at least 1.
+fn gauges(rig: &Rig, held: &[PartVertices], samples: &[Sample], all: &[Candidates]) -> Result<Vec<f64>, RigError> {
     let of_part = |candidates: &Candidates| {
         let middle = middle(candidates.hull.hull());
         let planes = candidates.hull.planes().iter();
@@ -319,7 +334,7 @@ fn gauges(rig: &Rig, held: &[Held], samples: &[Sample], all: &[Candidates]) -> R
         samples,
         || vec![1.0_f64; held.len()],
         |found, pose| {
-            places(rig, pose, held, |part, _, point| {
+            visit_positions(rig, pose, held, |part, _, point| {
                 let (middle, slopes) = &gauges[part];
                 let offset = sub(&point, middle);
                 found[part] = slopes.iter().map(|&slope| dot(&slope, &offset)).fold(found[part], f64::max);
@@ -329,10 +344,10 @@ fn gauges(rig: &Rig, held: &[Held], samples: &[Sample], all: &[Candidates]) -> R
     )
 }
 
-/// Volumes about most of the vertices that follow a part more than others.
-fn snug(rig: &Rig, held: &[Held], part_of_bone: &[u32], number: &[u32]) -> Result<Vec<Candidates>, RigError> {
+/// Fits volumes to most of the vertices that follow the bones of a part more than others.
+fn snug(rig: &Rig, held: &[PartVertices], part_of_bone: &[u32], number: &[u32]) -> Result<Vec<Candidates>, RigError> {
     let skin = rig.skin();
-    let own: Vec<Held> = (0..)
+    let own: Vec<PartVertices> = (0..)
         .zip(held)
         .map(|(part, all)| {
             let follows = |&vertex: &u32| {
@@ -343,17 +358,17 @@ fn snug(rig: &Rig, held: &[Held], part_of_bone: &[u32], number: &[u32]) -> Resul
             };
             let vertices: Vec<u32> = all.vertices.iter().copied().filter(follows).collect();
             let vertices = if vertices.is_empty() { all.vertices.clone() } else { vertices };
-            Held { anchor: all.anchor, vertices }
+            PartVertices { anchor: all.anchor, vertices }
         })
         .collect();
     let mut points = vec![Vec::new(); held.len()];
-    for pose in some_poses(rig, POSES)? {
-        places(rig, &pose, &own, |part, _, point| points[part].push(point));
+    for pose in sample_poses(rig, POSES)? {
+        visit_positions(rig, &pose, &own, |part, _, point| points[part].push(point));
     }
-    points.iter().map(|points| trimmed(points).map_err(|e| unfit(&e))).collect()
+    points.iter().map(|points| trimmed(points).map_err(|e| out_of_range(&e))).collect()
 }
 
-/// Volumes about all but the outermost of some points.
+/// Fits volumes to all but the outermost of the points.
 fn trimmed(points: &[Vector]) -> Result<Candidates, InputError> {
     let hull = Hull::new(points)?;
     let mut candidates = Candidates::about(hull.positions(), hull.positions())?;
@@ -363,7 +378,7 @@ fn trimmed(points: &[Vector]) -> Result<Candidates, InputError> {
     };
     let reach = |volume: &HitVolume| {
         let distances = points.iter().map(|&p| length(&sub(&p, &volume.closest_on_core(p)))).collect();
-        quantile(distances, 1.0 - TRIMMED)
+        quantile(distances, 1.0 - TRIMMED_SHARE)
     };
     let along = |axis: Vector, share: f64| quantile(points.iter().map(|&p| dot(&axis, &p)).collect(), share);
     let radii = [VolumeKind::Sphere, VolumeKind::Capsule, VolumeKind::Lozenge].map(|k| reach(&candidates.volume(k)));
@@ -372,8 +387,8 @@ fn trimmed(points: &[Vector]) -> Result<Candidates, InputError> {
     candidates.capsule = Capsule::new(from, to, radii[1])?;
     candidates.lozenge = Lozenge::new(candidates.lozenge.corner(), candidates.lozenge.edges(), radii[2])?;
     let axes = candidates.obb.axes();
-    // A sixth of the share on each side.
-    let ranges = axes.map(|axis| [along(axis, TRIMMED / 6.0), along(axis, 1.0 - TRIMMED / 6.0)]);
+    // One sixth of the share on each of the six sides.
+    let ranges = axes.map(|axis| [along(axis, TRIMMED_SHARE / 6.0), along(axis, 1.0 - TRIMMED_SHARE / 6.0)]);
     let centre = (0..3).fold([0.0; 3], |at, k| add(&at, &scale(&axes[k], 0.5 * (ranges[k][0] + ranges[k][1]))));
     candidates.obb = Obb::new(centre, axes, ranges.map(|[low, high]| 0.5 * (high - low)))?;
     let inside: Vec<Vector> = points.iter().copied().filter(|&p| candidates.obb.contains(p)).collect();

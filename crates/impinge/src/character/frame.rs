@@ -3,10 +3,10 @@
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 
-use super::transform::{apply, matrix, normalised};
+use super::transform::{apply, matrix, normalized};
 use crate::math::vec3::{Vector, add, sub};
 
-/// A rigid frame of a bone.
+/// A rigid frame of a bone: a rotation and an origin in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     pub(super) rotation_wxyz: [f64; 4],
@@ -15,43 +15,45 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The frame with a rotation (w, x, y, z) of length 1.
+    /// Builds the frame with a rotation (w, x, y, z) of length 1.
     pub(super) fn new(rotation_wxyz: [f64; 4], origin: Vector) -> Self {
         Self { rotation_wxyz, rotation: matrix(rotation_wxyz), origin }
     }
 
-    /// Where a point of the frame is in the world.
+    /// Maps a point from this frame to the world.
     #[must_use]
     pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
         add(&apply(&self.rotation, point), &self.origin)
     }
 
-    /// Where a point of the world is in the frame.
+    /// Maps a point from the world to this frame.
     #[must_use]
     pub fn local(&self, point: [f64; 3]) -> [f64; 3] {
         super::transform::apply_transposed(&self.rotation, sub(&point, &self.origin))
     }
 
-    /// The frame as a pose.
+    /// Returns the frame as a pose.
     ///
     /// # Errors
-    /// An origin out of range, which no pose of a rig has.
+    /// Returns an error if the origin is out of range, which it never is for poses of a rig.
     pub fn pose(&self) -> Result<Pose, InputError> {
         Pose::new(self.rotation, self.origin)
     }
 }
 
-/// The frame of a pose, and how far a point within a unit of its origin is from where the pose has it.
+/// Returns the frame of a pose, and its error: a bound on the distance between the images of a
+/// point under the frame and the pose. The bound holds for points within one unit of the origin.
 ///
 /// # Errors
-/// A pose that is no rotation within 1e-4, or mirrors.
+/// Returns an error if the pose is not a rotation within 1e-4, or if it mirrors.
 pub(super) fn frame_of(pose: &Pose) -> Result<(Frame, f64), InputError> {
-    const RIGID: f64 = 1e-4;
+    const MAX_DEVIATION: f64 = 1e-4;
     let m = pose.linear();
     let [a, b, c] = [m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]];
     let [d, e, f] = [m[0][1] + m[1][0], m[1][2] + m[2][1], m[2][0] + m[0][2]];
     let (p, q, r) = (m[0][0], m[1][1], m[2][2]);
-    // Four expressions for the quaternion, of different lengths.
+    // Four expressions for the same quaternion with different lengths. The longest is the most
+    // accurate.
     let candidates = [
         [1.0 + p + q + r, a, b, c],
         [a, 1.0 + p - q - r, d, f],
@@ -59,10 +61,10 @@ pub(super) fn frame_of(pose: &Pose) -> Result<(Frame, f64), InputError> {
         [c, f, e, 1.0 - p - q + r],
     ];
     let longest = (0..4).max_by(|&i, &j| candidates[i][i].total_cmp(&candidates[j][j])).unwrap_or(0);
-    let rotation = normalised(candidates[longest]).unwrap_or([1.0, 0.0, 0.0, 0.0]);
+    let rotation = normalized(candidates[longest]).unwrap_or([1.0, 0.0, 0.0, 0.0]);
     let frame = Frame::new(rotation, *pose.translation());
     let difference = (0..9).map(|k| (frame.rotation[k / 3][k % 3] - m[k / 3][k % 3]).powi(2)).sum::<f64>().sqrt();
-    if difference > RIGID {
+    if difference > MAX_DEVIATION {
         return Err(InputError::new(InputErrorKind::NotRigid { deviation: 2.0 * difference }));
     }
     Ok((frame, difference))

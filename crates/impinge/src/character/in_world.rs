@@ -1,4 +1,4 @@
-//! Characters in a world of bodies: a body for each part.
+//! Characters in a world of bodies: one body for each part.
 
 use crate::input::InputError;
 use crate::math::Pose;
@@ -7,10 +7,12 @@ use crate::world::{Body, BodyId, Traits, World, WorldError};
 
 use super::posed::Posed;
 
-/// The parts of one character as bodies of a [`World`]: put in, moved and taken out together.
+/// The parts of one character as bodies of a [`World`]. They are inserted, moved and removed
+/// together.
 ///
-/// Their owner keeps them from meeting each other. Pairs of parts are found and told as those of any other bodies: by the
-/// parts' [handles](Self::bodies), in the order of their tags.
+/// A common owner keeps the parts from colliding with each other. Pairs of parts are reported like
+/// those of any other bodies: by the [handles](Self::bodies) of the parts, in the order of their
+/// tags.
 ///
 /// ```no_run
 /// # fn f(rig: &impinge::character::Rig, character: &impinge::character::Character) -> Result<(), Box<dyn std::error::Error>> {
@@ -33,16 +35,17 @@ use super::posed::Posed;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PartBodies {
     bodies: Vec<BodyId>,
-    /// By handle, each with its part.
+    /// Each body with its part, sorted by body.
     sorted: Vec<(BodyId, u32)>,
 }
 
 impl PartBodies {
-    /// Puts a body into the world for each part of a character, where its pose has it. All have the traits given, but for their
-    /// tags, which count on from the one given, part by part. With no owner among them, parts that overlap meet each other.
+    /// Inserts a body into the world for each part of a character, at its current pose. All bodies
+    /// get the given traits, but the tags count up from the given tag, part by part. If the traits
+    /// have no owner, overlapping parts of the character collide with each other.
     ///
     /// # Errors
-    /// As [`World::insert`]; then no part is in the world.
+    /// Same as [`World::insert`]; then no part is in the world.
     pub fn insert(world: &mut World, posed: &Posed<'_>, traits: Traits) -> Result<Self, WorldError> {
         let mut placed = Vec::new();
         for (part, frame) in posed.character().parts().iter().zip(posed.frames()) {
@@ -65,13 +68,14 @@ impl PartBodies {
         Ok(Self { bodies, sorted })
     }
 
-    /// The bodies, part by part.
+    /// Returns the bodies, one for each part.
     #[must_use]
     pub fn bodies(&self) -> &[BodyId] {
         &self.bodies
     }
 
-    /// The part that a body of the world is; none where it is something else.
+    /// Returns the part that a body of the world stands for, or `None` if the body is something
+    /// else.
     ///
     /// # Complexity
     /// O(log n) for n parts.
@@ -81,11 +85,11 @@ impl PartBodies {
         Some(self.sorted[at].1)
     }
 
-    /// Where the bodies are to go as the character takes another pose, for [`World::step`]; added to what is there, so that one
-    /// step moves a crowd.
+    /// Appends the new poses of the bodies to `moves`, for [`World::step`], so that one step can
+    /// move a crowd. `posed` is the character in its new pose.
     ///
     /// # Errors
-    /// A pose out of range; then nothing is added.
+    /// Returns an error if a pose is out of range; then nothing is appended.
     pub fn moves(&self, posed: &Posed<'_>, moves: &mut Vec<(BodyId, Pose)>) -> Result<(), InputError> {
         let before = moves.len();
         for ((&id, part), frame) in self.bodies.iter().zip(posed.character().parts()).zip(posed.frames()) {
@@ -100,10 +104,11 @@ impl PartBodies {
         Ok(())
     }
 
-    /// Takes the bodies out of the world.
+    /// Removes the bodies from the world.
     ///
     /// # Errors
-    /// [`Stale`](WorldError::Stale) where one of them is gone already; the others are taken out all the same.
+    /// Returns [`Stale`](WorldError::Stale) if a body is already gone; the others are removed all
+    /// the same.
     pub fn remove(self, world: &mut World) -> Result<(), WorldError> {
         let mut removed = Ok(());
         for id in self.bodies {

@@ -1,11 +1,15 @@
-//! Characters: a rigged body, hit volumes fitted to its bones, and the part that was struck (*Notes on Real Time Collision
-//! Detection*, chapter 3).
+//! Characters: a rigged body, hit volumes fitted to its bones, and queries for the part that was
+//! struck (*Notes on Real Time Collision Detection*, chapter 3).
 //!
-//! A [`Rig`] is plain data: a [`Skeleton`], the [`Skin`] over it and its [`Animation`]s. A [`Plan`] says which bones make a part,
-//! [`Character::fit`] finds the volumes of these, and [`Posed`] answers which of them a ray, a moving volume, a shape, a mesh or
-//! another character strikes; [`Surface`] confirms it on the skinned mesh.
+//! A [`Rig`] is plain data: a [`Skeleton`], the [`Skin`] over it and its [`Animation`]s. A [`Plan`]
+//! groups bones into parts, and [`Character::fit`] fits a volume to each part. [`Posed`] answers
+//! which parts a ray, a moving volume, a shape, a mesh or another character strikes. [`Surface`]
+//! confirms the answer on the skinned mesh.
 //!
-//! Nothing here depends on the platform's mathematics library or on the number of threads: the same rig gives the same volumes.
+//! Nothing here depends on the platform's mathematics library or on the number of threads: the same
+//! rig always gives the same volumes.
+//!
+//! Tests: those of this module, and `impinge-files/tests/it/characters`. Benchmark: `characters`.
 
 mod animation;
 mod body;
@@ -17,7 +21,6 @@ mod error;
 mod fit;
 mod frame;
 mod in_world;
-mod meeting;
 mod motion_bound;
 mod names;
 mod overlap;
@@ -36,6 +39,7 @@ mod surface_rays;
 mod timeline;
 mod transform;
 mod volume;
+mod volume_pair;
 
 pub use animation::{Animation, Channel, Interpolation, Target};
 pub use body::{Character, Leak};

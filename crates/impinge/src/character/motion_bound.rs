@@ -1,18 +1,22 @@
-//! How far a skinned vertex may stray, between two times, from the straight line between where it is at both: seen from the
-//! rigid frame of another bone. What lets a finite number of poses stand for all of a motion.
+//! Bounds how far a skinned vertex may deviate, between two times, from the straight line between
+//! its positions at both times, as seen from the rigid frame of another bone. So a finite number of
+//! poses can represent a whole motion.
 //!
 //! # Source
-//! A curve deviates from its chord by at most h²/8 times the greatest second derivative (Taylor). The derivatives of a bone's
-//! translation, rotation and scale are bounded over the interval by the control points of their polynomials, or the even
-//! speed of a turn, and those of a chain of bones follow by the rules for sums and products of norms. Only the bones between
-//! the two take part, so that a body that moves as a whole counts for nothing.
+//! A curve deviates from its chord by at most h²/8 times its largest second derivative (Taylor).
+//! The derivatives of a bone's translation, rotation and scale over the interval are bounded by the
+//! control points of their polynomials or by the constant speed of a rotation. Those of a chain of
+//! bones follow by the rules for sums and products of norms. Only the bones between the two take
+//! part, so a motion of the body as a whole adds nothing.
+//!
+//! Tests: those of this file, and `impinge-files/tests/it/characters/holding.rs`.
 
 use super::animation::{Animation, Interpolation, Keys, Target};
 use super::rig::Rig;
 use super::transform::Transform;
 use crate::math::vec3::Vector;
 
-/// Bounds of the norm of something that changes, and of its first and second derivative in time.
+/// Upper bounds of the norm of a changing quantity and of its first and second time derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Jet {
     pub(super) value: f64,
@@ -29,7 +33,7 @@ impl Jet {
         Self { value: self.value + other.value, first: self.first + other.first, second: self.second + other.second }
     }
 
-    /// That of a product of two.
+    /// Returns the bounds of a product of two quantities.
     fn times(self, other: Self) -> Self {
         Self {
             value: self.value * other.value,
@@ -43,14 +47,14 @@ impl Jet {
     }
 }
 
-/// What a bone does relative to its parent over an interval.
+/// The motion of a bone relative to its parent over an interval.
 #[derive(Clone, Copy, Debug)]
 struct LocalMotion {
     translation: Jet,
-    /// Of value one: a rotation.
+    /// The value is 1, because it is a rotation.
     rotation: Jet,
     scale: Jet,
-    /// A scale along all axes, and what the scales differ from it by.
+    /// A constant uniform scale from which the scales differ by `deviation`.
     uniform: f64,
     deviation: Jet,
 }
@@ -68,13 +72,14 @@ impl LocalMotion {
         }
     }
 
-    /// Of the image of a point that itself moves.
+    /// Returns the bounds of the image of a moving point.
     fn apply(&self, point: Jet) -> Jet {
         self.translation.plus(self.rotation.times(self.scale.times(point)))
     }
 }
 
-/// The bounds of all bones and morph weights of an animation over one interval, in which there is no key.
+/// The bounds of all bones and morph weights of an animation over one interval without a key
+/// inside.
 pub(super) struct IntervalMotion<'a> {
     rig: &'a Rig,
     locals: Vec<LocalMotion>,
@@ -111,12 +116,12 @@ impl<'a> IntervalMotion<'a> {
         Self { rig, locals, morphs }
     }
 
-    /// The second derivative of a point that is `point` in the frame of bone `from`, as seen from the rigid frame of bone
-    /// `to`; infinite where there is no bound.
+    /// Returns a bound on the second derivative of a point given in the frame of bone `from`, as
+    /// seen from the rigid frame of bone `to`. The result is infinite if there is no bound.
     ///
-    /// With a the last bone above both, M the maps and R the rotations without scales, o the origin of `to`: it is
-    /// R(a→to)ᵀ K (x - o) in the frame of a, K = R(a)ᵀ M(a) being c I + E for a constant c, where E vanishes unless scales
-    /// change or differ by axis.
+    /// Let a be the last common ancestor of both, M the maps and R the rotations without scales,
+    /// and o the origin of `to`. The point is then R(a→to)ᵀ K (x - o) in the frame of a. K = R(a)ᵀ
+    /// M(a) is c I + E for a constant c. E is zero unless scales change or differ by axis.
     pub(super) fn acceleration(&self, from: u32, to: u32, point: Jet) -> f64 {
         let skeleton = self.rig.skeleton();
         let top = skeleton.common_ancestor(from, to);
@@ -141,11 +146,11 @@ impl<'a> IntervalMotion<'a> {
     }
 }
 
-/// The control points of a track over an interval without keys, as a polynomial in Bézier's form.
+/// The control points of a track over an interval without keys, as a polynomial in Bézier form.
 struct Spline<const N: usize> {
     interpolation: Interpolation,
     controls: [[f64; N]; 4],
-    /// The length of the key segment; infinite where nothing moves.
+    /// Length of the key segment in seconds. Infinite if nothing moves.
     seconds: f64,
     start: f64,
 }
@@ -174,7 +179,8 @@ impl<const N: usize> Spline<N> {
         Self { interpolation: keys.interpolation, controls, seconds, start }
     }
 
-    /// Bounds of the difference from a point, by the hull of the control points and of their differences.
+    /// Returns bounds of the difference from a point, from the hull of the control points and of
+    /// their differences.
     fn jet(&self, from: [f64; N]) -> Jet {
         let c = &self.controls;
         let difference = |a: [f64; N], b: [f64; N]| -> [f64; N] { std::array::from_fn(|k| b[k] - a[k]) };
@@ -194,16 +200,18 @@ impl<const N: usize> Spline<N> {
 }
 
 impl Spline<4> {
-    /// Of the rotation of the quaternion, made of length 1, over the interval.
+    /// Returns bounds of the rotation of the normalized quaternion over the interval.
     ///
-    /// A quaternion q of length 1 turns at 2 |q'|, and its matrix has a second derivative of (2 |q'|)² + 2 |q''| at most. For
-    /// q = c / |c| with |c| ≥ m, |q'| ≤ |c'| / m and |q''| ≤ |c''| / m + 3 |c'|² / m².
+    /// A quaternion q of length 1 rotates at 2 |q'|, and the second derivative of its matrix is at
+    /// most (2 |q'|)² + 2 |q''|. For q = c / |c| with |c| ≥ m, |q'| ≤ |c'| / m and |q''| ≤ |c''| /
+    /// m + 3 |c'|² / m².
     fn rotation(&self, interval: [f64; 2]) -> Jet {
         let [from, _, _, to] = self.controls;
         match self.interpolation {
             Interpolation::Step => Jet::still(1.0),
             Interpolation::Linear => {
-                // The chord on the shorter arc is at most √2, where arcsin x ≤ x + 0.2216 x³, which is equal at its end.
+                // On the shorter arc the chord is at most √2. There arcsin x ≤ x + 0.2216 x³, with
+                // equality at the end.
                 let chord = |sign: f64| norm(std::array::from_fn::<f64, 4, _>(|k| to[k] - sign * from[k]));
                 let x = 0.5 * chord(1.0).min(chord(-1.0));
                 let speed = 4.0 * (x + 0.2216 * x * x * x) / self.seconds;
@@ -234,7 +242,7 @@ fn norm<const N: usize>(v: [f64; N]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// The image of a point under an affine map with the translation last.
+/// Returns the image of a point under an affine map whose rows end with the translation.
 pub(super) fn mapped(map: &[[f64; 4]; 3], p: Vector) -> Vector {
     map.map(|[x, y, z, t]| x * p[0] + y * p[1] + z * p[2] + t)
 }
@@ -246,7 +254,8 @@ mod tests {
 
     const BIND: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-    /// A trunk, an arm of three bones on it, and another bone on the trunk, all of which move and turn, by splines or not.
+    /// Builds a trunk, an arm of three bones on it, and another bone on the trunk. All of them move
+    /// and rotate, by splines or linearly.
     fn rig(interpolation: Interpolation, seed: u64, scales: f64) -> Rig {
         let mut state = seed;
         let mut random = || {
@@ -314,12 +323,12 @@ mod tests {
                 }
             }
         }
-        // Not so loose that it could not fail.
+        // Checks that the bound is tight enough for the test to be meaningful.
         assert!(cases > 300 && tightest < 2.0, "{cases} {tightest}");
     }
 
     #[test]
-    fn a_body_that_turns_as_a_whole_counts_for_nothing() {
+    fn rotating_the_whole_body_adds_no_acceleration() {
         let rig = rig(Interpolation::Linear, 1, 0.0);
         let motion = IntervalMotion::new(&rig, &rig.animations()[0], [0.0, 0.25]);
         assert_eq!(motion.acceleration(2, 2, Jet::still(1.0)), 0.0);

@@ -1,4 +1,4 @@
-//! What parts are called: by the names of their bones, or where these say nothing by where they are.
+//! Names parts by the names of their bones, or by their positions if those names say nothing.
 
 use super::error::RigError;
 use super::plan::Plan;
@@ -6,7 +6,7 @@ use super::rig::Rig;
 use super::skin::blended;
 use crate::math::vec3::{self, Vector};
 
-/// What the words in a bone's name make of it.
+/// The body region that the words in a bone's name indicate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Region {
     Head,
@@ -17,7 +17,7 @@ enum Region {
     Foot,
 }
 
-/// Words, and what they are of; the first that is found counts, so fingers come before arms.
+/// Words and their regions. The first match counts, so fingers come before arms.
 const WORDS: [(Region, &[&str]); 6] = [
     (Region::Hand, &["hand", "finger", "thumb", "index", "middle", "ring", "pinky", "palm", "wrist"]),
     (Region::Foot, &["foot", "feet", "toe", "toes", "ankle", "heel"]),
@@ -27,13 +27,14 @@ const WORDS: [(Region, &[&str]); 6] = [
     (Region::Torso, &["torso", "chest", "spine", "hips", "pelvis", "abdomen", "body", "waist", "root", "hip"]),
 ];
 
-/// Names the parts of a plan.
+/// Names the parts of a plan. Names that would repeat are replaced by the name of the bone or get a
+/// number.
 pub(super) fn name(rig: &Rig, plan: &mut Plan) -> Result<(), RigError> {
     let shapes = Shapes::of(rig, plan)?;
     let mut names: Vec<String> = Vec::new();
     for (at, part) in plan.parts.iter().enumerate() {
         let bones = rig.skeleton().bones();
-        // By area, the largest first.
+        // Sorted by area, largest first.
         let mut known: Vec<(f64, &str)> =
             part.bones.iter().map(|&bone| (shapes.area_of_bone[bone as usize], &*bones[bone as usize].name)).collect();
         known.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -53,7 +54,8 @@ pub(super) fn name(rig: &Rig, plan: &mut Plan) -> Result<(), RigError> {
     Ok(())
 }
 
-/// The words of a name, in lower case: those that points, lines, digits and capitals part.
+/// Returns the words of a name in lower case, split at everything but letters and before capitals
+/// that follow a lower-case letter.
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut last_is_lower = false;
@@ -73,7 +75,7 @@ fn words(name: &str) -> Vec<String> {
 
 fn region(name: &str) -> Option<Region> {
     let words = words(name);
-    // A hip of one side is where its leg starts.
+    // A hip with a side is the start of that leg.
     if words.iter().any(|word| word == "hip") && side(name).is_some() {
         return Some(Region::Leg);
     }
@@ -81,7 +83,8 @@ fn region(name: &str) -> Option<Region> {
     WORDS.iter().find(|(_, known)| has(known)).map(|(region, _)| *region)
 }
 
-/// The limb, the head or the torso that a bone is in, by its name: a number for each; none where the name does not say.
+/// Returns a number for the limb, head or torso that a bone belongs to by its name, or `None` if
+/// the name does not say.
 pub(super) fn limb(name: &str) -> Option<usize> {
     let side = match side(name) {
         Some("left ") => 1,
@@ -108,7 +111,8 @@ fn side(name: &str) -> Option<&'static str> {
     }
 }
 
-/// One name for several bones, of which those with most of the surface come first; none where their names say nothing.
+/// Returns one name for several bones, or `None` if their names say nothing. Bones with more
+/// surface must come first.
 fn by_regions(bones: &[(f64, &str)]) -> Option<String> {
     let regions: Vec<Region> = bones.iter().filter_map(|bone| region(bone.1)).collect();
     let first = *regions.first()?;
@@ -132,11 +136,11 @@ fn by_regions(bones: &[(f64, &str)]) -> Option<String> {
     }
 }
 
-/// Where parts are at rest, y being up and z the front, as glTF has it.
+/// Positions of the parts at rest. As in glTF, y is up and z points forward.
 struct Shapes {
     area_of_bone: Vec<f64>,
     boxes: Vec<[Vector; 2]>,
-    /// The part with the greatest box.
+    /// Index of the part with the largest box.
     torso: usize,
 }
 
@@ -193,7 +197,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_taken_apart() {
+    fn names_are_split_into_words_region_and_side() {
         assert_eq!(words("mixamorig:LeftForeArm_01"), ["mixamorig", "left", "fore", "arm"]);
         assert_eq!(words("UpperLeg.L"), ["upper", "leg", "l"]);
         let cases = [
@@ -210,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn several_bones_have_the_name_of_what_they_make() {
+    fn several_bones_get_the_name_of_their_region() {
         let name = |bones: &[&str]| by_regions(&bones.iter().map(|bone| (1.0, *bone)).collect::<Vec<_>>());
         assert_eq!(name(&["LowerArm.L", "Palm1.L", "UpperArm.L"]).as_deref(), Some("left arm"));
         assert_eq!(name(&["Palm1.R", "Thumb.R"]).as_deref(), Some("right hand"));

@@ -1,24 +1,32 @@
-//! Whether two convex sets meet, by simplices of their difference, where floats prove it.
+//! Tests whether two convex sets overlap, by simplices of their difference, if floats can prove the
+//! answer.
 //!
 //! # Source
-//! Gilbert, Johnson, Keerthi, *A fast procedure for computing the distance between complex objects in three-dimensional space*,
-//! 1988, as a question of yes or no: a plane between the sets, or a tetrahedron of their differences about the origin, is an answer.
-//! Ours departs in that either must hold with a margin that is far above rounding, and is left open where it does not.
+//! Gilbert, Johnson, Keerthi, *A fast procedure for computing the distance between complex objects
+//! in three-dimensional space*, 1988, used as a yes-or-no test: the answer is a plane between the
+//! sets, or a tetrahedron of their differences around the origin. Unlike the source, both must hold
+//! with a margin far above rounding errors; otherwise the result is undecided.
 
 use crate::math::vec3::{Vector, cross, dot, length, scale, sub};
 
-/// The most steps. Two to six do, but for sets that touch.
-const STEPS: usize = 12;
+/// Maximum number of steps. Two to six are enough, except for sets that touch.
+const MAX_STEPS: usize = 12;
 
-/// Of the cube of the size: more than the rounding of a product of three edges.
+/// Rounding error bound of a product of three edges, relative to the cube of the size.
 const VOLUME_ROUNDING: f64 = 1e-13;
 
-/// Whether the origin is in a set, which is given by its farthest points along directions; none where that takes more than floats.
-/// The points are off by far less than `slack`, and no coordinate is larger than `size`.
-pub(super) fn holds_origin(farthest: impl Fn(Vector) -> Vector, start: Vector, slack: f64, size: f64) -> Option<bool> {
+/// Reports whether the origin is in a convex set, or `None` if floats cannot decide. `farthest`
+/// returns the set's farthest point along a direction. The errors of its points must be far below
+/// `slack`, and no coordinate may exceed `size`.
+pub(super) fn contains_origin(
+    farthest: impl Fn(Vector) -> Vector,
+    start: Vector,
+    slack: f64,
+    size: f64,
+) -> Option<bool> {
     let mut direction = start;
     let mut simplex = Vec::with_capacity(4);
-    for _ in 0..STEPS {
+    for _ in 0..MAX_STEPS {
         let point = farthest(direction);
         if dot(&direction, &point) < -slack * length(&direction) {
             return Some(false);
@@ -35,8 +43,9 @@ pub(super) fn holds_origin(farthest: impl Fn(Vector) -> Vector, start: Vector, s
     None
 }
 
-/// The vertex of a tetrahedron that lies on the other side of a face than the origin; `Some(None)` where the origin is inside
-/// with a margin, and none where it is too close to a face to tell.
+/// Returns the vertex of a tetrahedron that lies on the other side of its opposite face than the
+/// origin. Returns `Some(None)` if the origin is inside with a margin, and `None` if it is too
+/// close to a face to decide.
 #[expect(clippy::option_option, reason = "not known, known to be none")]
 fn beyond_face(tetrahedron: &[Vector], slack: f64, size: f64) -> Option<Option<usize>> {
     let error = VOLUME_ROUNDING * size * size * size;
@@ -54,8 +63,9 @@ fn beyond_face(tetrahedron: &[Vector], slack: f64, size: f64) -> Option<Option<u
     is_clear.then_some(None)
 }
 
-/// Leaves the part of a triangle, segment or point, the last of which is new, that is nearest to the origin; a direction from there to
-/// the origin. None where the origin is in the part itself.
+/// Reduces a triangle, segment or point, whose last vertex is new, to the part nearest to the
+/// origin. Returns a direction from that part to the origin, or `None` if the origin is in the part
+/// itself.
 fn reduced(simplex: &mut Vec<Vector>) -> Option<Vector> {
     let across = |along: Vector, to: Vector| cross(&cross(&along, &to), &along);
     let towards = |from: Vector| scale(&from, -1.0);
@@ -80,7 +90,8 @@ fn reduced(simplex: &mut Vec<Vector>) -> Option<Vector> {
         }
         [] => return None,
     };
-    // As a direction its length is of no account, but products of many lengths leave the range.
+    // The length of a direction does not matter, but products of many lengths would overflow or
+    // underflow.
     let largest = direction.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     (largest > 1e-150 && largest.is_finite()).then(|| scale(&direction, 1.0 / largest))
 }
@@ -93,7 +104,8 @@ mod tests {
         |direction| *points.iter().max_by(|a, b| dot(&direction, a).total_cmp(&dot(&direction, b))).unwrap()
     }
 
-    /// Whether the origin is in the hull of some points of a small grid, by all its planes: integers, so without rounding.
+    /// Reports whether the origin is in the hull of points of a small grid, by all planes through
+    /// them. The numbers are integers, so nothing rounds. Returns `None` on the border.
     fn truth(points: &[Vector]) -> Option<bool> {
         let mut is_inside = true;
         for a in points {
@@ -114,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn answers_are_those_of_all_planes() {
+    fn answers_agree_with_all_face_planes() {
         let mut state = 5_u64;
         let mut next = |span: u64| {
             state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -124,7 +136,7 @@ mod tests {
         for case in 0..4_000_u32 {
             let shift = f64::from(case % 3);
             let points: Vec<Vector> = (0..8).map(|_| [next(7) - 3.0 + shift, next(7) - 3.0, next(7) - 3.0]).collect();
-            let found = holds_origin(farthest(&points), [1.0, 0.0, 0.0], 1e-12, 8.0);
+            let found = contains_origin(farthest(&points), [1.0, 0.0, 0.0], 1e-12, 8.0);
             match truth(&points) {
                 Some(true) => {
                     assert!(found != Some(false), "{points:?}");
@@ -134,14 +146,15 @@ mod tests {
                     assert!(found != Some(true), "{points:?}");
                     outside[usize::from(found.is_some())] += 1;
                 }
-                // On the border, or all points in a plane: no margin, so nothing is proved.
+                // On the border, or with all points in one plane, there is no margin, so nothing is
+                // proved.
                 None => {
                     assert!(found != Some(true), "{points:?}");
                     border += 1;
                 }
             }
         }
-        // What is not proved is where the origin is in a face of a simplex, which is often so on a grid.
+        // Undecided cases have the origin in a face of a simplex, which is frequent on a grid.
         assert!(inside[1] > 500 && outside[1] > 500 && border > 20, "{inside:?} {outside:?} {border}");
         assert!(6 * inside[0] < inside[1] && 10 * outside[0] < outside[1], "{inside:?} {outside:?}");
     }

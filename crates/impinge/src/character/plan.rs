@@ -1,35 +1,36 @@
-//! The parts of a character, each of some of its bones.
+//! The planned parts of a character, each with some of its bones.
 
 use super::error::{RigError, RigErrorKind, RigPlace};
 use super::rig::Rig;
 use super::rig_pose::RigPose;
 use super::volume::VolumeKind;
 
-/// The parts of a character before anything is fitted to them: what a person may override.
+/// The parts of a character before volumes are fitted. A person may edit them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// The parts, in the order of their first bones.
     pub parts: Vec<PartPlan>,
 }
 
-/// A part to be.
+/// A planned part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartPlan {
-    /// What it is called in answers.
+    /// The name used in results.
     pub name: String,
-    /// The bones whose faces it has.
+    /// The bones whose faces belong to the part.
     pub bones: Vec<u32>,
-    /// The bone that its volume is fixed to.
+    /// The bone that the volume is fixed to.
     pub anchor: u32,
-    /// The kind of its volume; none has it chosen.
+    /// The kind of the volume, or `None` to choose the best.
     pub kind: Option<VolumeKind>,
 }
 
 impl Plan {
-    /// The part of every bone: that which lists it, or else that of the first bone above which is listed, or else the first.
+    /// Returns the part of every bone: the part that lists it, else the part that lists its closest
+    /// listed ancestor, else the first part.
     ///
     /// # Errors
-    /// No parts, or bones that do not exist.
+    /// Returns an error if there are no parts or a bone does not exist.
     pub fn part_of_bones(&self, rig: &Rig) -> Result<Vec<u32>, RigError> {
         let len = rig.skeleton().bones().len();
         if self.parts.is_empty() {
@@ -50,7 +51,8 @@ impl Plan {
     }
 }
 
-/// The bone of each face: that which its corners follow most, the least of those that are tied.
+/// Returns the bone of each face: the one that its corners follow most, or the lowest index in a
+/// tie.
 pub(super) fn bones_of_faces(rig: &Rig) -> Vec<u32> {
     let skin = rig.skin();
     let mut shares: Vec<(u32, f64)> = Vec::new();
@@ -69,12 +71,12 @@ pub(super) fn bones_of_faces(rig: &Rig) -> Vec<u32> {
     skin.faces().iter().map(of_face).collect()
 }
 
-/// Rest and a few poses of every animation.
-pub(super) fn some_poses(rig: &Rig, count: usize) -> Result<Vec<RigPose>, RigError> {
+/// Returns the rest pose and about `count` poses spread over the animations.
+pub(super) fn sample_poses(rig: &Rig, count: usize) -> Result<Vec<RigPose>, RigError> {
     let mut poses = vec![rig.rest_pose()?];
     let animations = rig.animations().len();
     let each = count.div_ceil(animations.max(1)).max(1);
-    // Of many animations, some.
+    // If there are many animations, uses only some of them.
     for at in (0..animations).step_by(animations.div_ceil(count).max(1)) {
         let [start, end] = rig.animations()[at].span();
         for step in 0..each {

@@ -1,4 +1,7 @@
-//! Questions to a character in one pose: which parts a ray, a shape, a mesh or another character meets.
+//! Queries of a character in one pose: the parts that a ray, a shape, a mesh or another character
+//! strikes.
+//!
+//! Tests: `impinge-files/tests/it/characters`. Benchmark: `characters`.
 
 use crate::input::InputError;
 use crate::mesh::{Mesh, PlacedMesh, Positions, Ray};
@@ -10,63 +13,66 @@ use super::body::Character;
 use super::crossing::Crossing;
 use super::fit::HitPart;
 use super::frame::Frame;
-use super::meeting::{Stood, core, meet};
 use super::rig_pose::RigPose;
 use super::transform::{apply, apply_transposed};
 use super::volume::HitVolume;
+use super::volume_pair::{PlacedVolume, core, may_overlap};
 use crate::math::vec3::{Vector, add, dot, length, scale, sub, unit};
 
-/// A character whose parts are where their bones are.
+/// A character in a pose: its parts are at their bones.
 #[derive(Clone, Debug)]
 pub struct Posed<'c> {
     character: &'c Character,
     frames: Vec<Frame>,
-    /// About each part, in the world.
+    /// A sphere around each part, in the world: center and radius.
     spheres: Vec<(Vector, f64)>,
-    /// Of the bones that pieces are fixed to.
+    /// Frames of the bones that pieces are fixed to, in the order of `piece_anchors`.
     piece_frames: Vec<Frame>,
-    /// About all parts.
+    /// Axis-aligned box around all spheres, in the world: lower and upper corner.
     outer: [Vector; 2],
 }
 
 /// A part that was struck.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartHit {
-    /// The part.
+    /// Index of the part.
     pub part: u32,
-    /// The bone that its volume is fixed to.
+    /// Index of the bone that its volume is fixed to.
     pub bone: u32,
-    /// For a ray where it enters the volume, in units of the direction's length, zero where it starts inside; zero for all else.
+    /// For a ray: the parameter where it enters the volume, in units of the direction's length, or
+    /// 0 if it starts inside. For other queries: 0.
     pub t: f64,
-    /// Where, in the world frame, rounded.
+    /// The contact point, in the world frame, rounded.
     pub point: [f64; 3],
-    /// Of length 1, in the world frame: out of the part for a ray, and from what struck it into the part for all else.
+    /// Unit normal in the world frame. For a ray it points out of the part. For other queries it
+    /// points from the striking object into the part.
     pub normal: [f64; 3],
-    /// How much of the ray is inside, or how deep the two are in each other; in world units.
+    /// Length of the ray inside the volume, or penetration depth, in world units.
     pub depth: f64,
 }
 
-/// A part of one character that meets a part of another.
+/// A part of one character that overlaps a part of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartPair {
-    /// The part of the first.
+    /// Index of the part of the first character.
     pub part_a: u32,
-    /// The part of the second.
+    /// Index of the part of the second character.
     pub part_b: u32,
-    /// Where, in the world frame, rounded.
+    /// The contact point, in the world frame, rounded.
     pub point: [f64; 3],
-    /// From the first to the second, of length 1, in the world frame.
+    /// Unit normal from the first to the second part, in the world frame.
     pub normal: [f64; 3],
-    /// How deep they are in each other, in world units.
+    /// Penetration depth, in world units.
     pub depth: f64,
 }
 
-/// Of the sizes that are added up: what spheres about parts and the box about all are taken as larger by. Three products and
-/// sums of numbers of that size, each off by 2^-53 of it.
+/// Padding of the spheres around parts and of the box around all, relative to the sum of the sizes:
+/// 2^-48. It covers three products and sums of numbers of that size, each with an error of 2^-53 of
+/// it.
 const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 
 impl<'c> Posed<'c> {
-    /// A character in a pose of its rig.
+    /// Places a character in a pose of its rig.
     #[must_use]
     pub fn new(character: &'c Character, pose: &RigPose) -> Self {
         let mut posed =
@@ -75,12 +81,12 @@ impl<'c> Posed<'c> {
         posed
     }
 
-    /// Puts the character into another pose of its rig, in the memory of the last.
+    /// Moves the character to another pose of its rig and reuses the memory.
     pub fn set(&mut self, pose: &RigPose) {
         self.set_at(pose, [0.0; 3]);
     }
 
-    /// [`set`](Self::set) with the rig's own origin somewhere else in the world.
+    /// Does the same as [`set`](Self::set), with the rig's own origin at `origin` in the world.
     pub fn set_at(&mut self, pose: &RigPose, origin: [f64; 3]) {
         self.frames.clear();
         self.spheres.clear();
@@ -108,28 +114,29 @@ impl<'c> Posed<'c> {
         }));
     }
 
-    /// The character.
+    /// Returns the character.
     #[must_use]
     pub fn character(&self) -> &'c Character {
         self.character
     }
 
-    /// The frames of the parts.
+    /// Returns the frame of each part, in the world.
     #[must_use]
     pub fn frames(&self) -> &[Frame] {
         &self.frames
     }
 
-    /// The box about spheres about all parts: the volume that wraps the others.
+    /// Returns the corners of the axis-aligned box around the spheres of all parts, in the world.
+    /// It encloses all volumes.
     #[must_use]
     pub fn outer(&self) -> [[f64; 3]; 2] {
         self.outer
     }
 
-    /// The outer box as one of the volumes of the house.
+    /// Returns the outer box as a [`MinMax`].
     ///
     /// # Errors
-    /// Where it is out of range, which no pose of a rig is.
+    /// Returns an error if the box is out of range, which it never is for poses of a rig.
     pub fn outer_box(&self) -> Result<MinMax, InputError> {
         MinMax::new(self.outer[0], self.outer[1])
     }
@@ -141,7 +148,8 @@ impl<'c> Posed<'c> {
             .map(|((at, part), (frame, sphere))| (at, part, frame, sphere))
     }
 
-    /// The part whose volume a ray enters first; of several at once the first in order.
+    /// Returns the part whose volume a ray enters first, or `None` if it misses all. In a tie the
+    /// part with the lowest index wins.
     ///
     /// ```no_run
     /// # fn f(character: &impinge::character::Character, pose: &impinge::character::RigPose) -> Result<(), impinge::InputError> {
@@ -154,7 +162,8 @@ impl<'c> Posed<'c> {
     /// ```
     ///
     /// # Accuracy
-    /// No volume that the ray meets is missed: volumes are taken as thicker by 2^-46 of their sizes and distances.
+    /// Never misses a volume that the ray hits: volumes are thickened by 2^-46 of their sizes and
+    /// distances.
     #[must_use]
     pub fn ray_cast(&self, ray: &Ray) -> Option<PartHit> {
         let (ray, unit) = &ray.of_unit_size();
@@ -171,7 +180,8 @@ impl<'c> Posed<'c> {
         first.map(|hit| PartHit { t: (hit.t * unit).min(f64::MAX), ..hit })
     }
 
-    /// All parts whose volumes a ray meets, in the order in which it enters them, then in that of the parts.
+    /// Returns all parts whose volumes a ray hits, sorted by the parameter where it enters them,
+    /// then by part.
     #[must_use]
     pub fn ray_cast_all(&self, ray: &Ray) -> Vec<PartHit> {
         let (ray, unit) = &ray.of_unit_size();
@@ -199,7 +209,8 @@ impl<'c> Posed<'c> {
         }
     }
 
-    /// Where a ray is in a part, the normal in the world frame: in its volume, or where that is opened in the first of its pieces.
+    /// Returns the interval of a ray inside a part, with the normal in the world frame: inside its
+    /// volume, or if that is refined, inside the first of its pieces.
     fn crossing(&self, at: u32, part: &HitPart, frame: &Frame, sphere: &(Vector, f64), ray: &Ray) -> Option<Crossing> {
         let through = |volume: &HitVolume, frame: &Frame| {
             let direction = apply_transposed(&frame.rotation, ray.direction());
@@ -223,7 +234,7 @@ impl<'c> Posed<'c> {
         crossings.reduce(|best, next| if next.t[0] < best.t[0] { next } else { best })
     }
 
-    /// Whether a ray surely misses the box about all.
+    /// Reports whether a ray is proved to miss the box around all parts.
     fn misses_outer(&self, ray: &Ray) -> bool {
         let (origin, direction) = (ray.origin(), ray.direction());
         let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
@@ -243,10 +254,10 @@ impl<'c> Posed<'c> {
         enter > leave
     }
 
-    /// All parts that a shape is not proved apart from, in order.
+    /// Returns all parts that are not proved apart from a shape, sorted by part.
     ///
     /// # Errors
-    /// Parts beyond the range of shapes.
+    /// Returns an error if a part exceeds the range of shapes.
     pub fn struck_by(&self, shape: &PlacedShape) -> Result<Vec<PartHit>, InputError> {
         let mut hits = Vec::new();
         for (at, part, frame, _) in self.parts() {
@@ -266,11 +277,11 @@ impl<'c> Posed<'c> {
         Ok(hits)
     }
 
-    /// Whether volumes of two characters meet: all pairs of parts that are not proved apart, in order, without depths. What
-    /// broad phases ask.
+    /// Calls `visit` with each pair of parts of two characters that is not proved apart, in order,
+    /// without depths. This is the query for broad phases.
     ///
     /// # Errors
-    /// Parts beyond the range of shapes.
+    /// Returns an error if a part exceeds the range of shapes.
     pub fn pairs_with(&self, other: &Posed<'_>, visit: &mut impl FnMut(u32, u32)) -> Result<(), InputError> {
         let overlap = |k: usize| self.outer[0][k] <= other.outer[1][k] && other.outer[0][k] <= self.outer[1][k];
         if !(0..3).all(overlap) {
@@ -287,9 +298,9 @@ impl<'c> Posed<'c> {
                 let between = sub(&sphere_b.0, &sphere_a.0);
                 let reach = (sphere_a.1 + sphere_b.1) * (1.0 + 1e-14);
                 if dot(&between, &between) <= reach * reach
-                    && meet(
-                        &Stood { volume: &part_a.volume, frame: frame_a, sphere: *sphere_a },
-                        &Stood { volume: &part_b.volume, frame: frame_b, sphere: *sphere_b },
+                    && may_overlap(
+                        &PlacedVolume { volume: &part_a.volume, frame: frame_a, sphere: *sphere_a },
+                        &PlacedVolume { volume: &part_b.volume, frame: frame_b, sphere: *sphere_b },
                     )?
                 {
                     visit(a, b);
@@ -299,10 +310,11 @@ impl<'c> Posed<'c> {
         Ok(())
     }
 
-    /// All pairs of parts of two characters that are not proved apart, in order, and how deep they are in each other.
+    /// Returns all pairs of parts of two characters that are not proved apart, in order, with their
+    /// depths.
     ///
     /// # Errors
-    /// Parts beyond the range of shapes.
+    /// Returns an error if a part exceeds the range of shapes.
     pub fn struck_by_character(&self, other: &Posed<'_>) -> Result<Vec<PartPair>, InputError> {
         let mut pairs = Vec::new();
         self.pairs_with(other, &mut |a, b| pairs.push((a, b)))?;
@@ -320,14 +332,16 @@ impl<'c> Posed<'c> {
         Ok(found)
     }
 
-    /// All parts whose volumes, as solids, the surface of a mesh comes into, in order; touching counts. The depth is that of the
-    /// nearest point of the surface below the volume's, at most its radius.
+    /// Returns all parts whose volumes, as solids, touch or overlap the surface of a mesh, sorted
+    /// by part. The depth is that of the nearest point of the mesh below the surface of the volume,
+    /// at most the radius of the volume.
     ///
     /// # Errors
-    /// Parts beyond the range of meshes.
+    /// Returns an error if a part exceeds the range of meshes.
     ///
     /// # Complexity
-    /// A distance of two meshes for each part: that of the point, segment, rectangle, box or hull which a sphere sweeps.
+    /// One distance of two meshes per part: the second mesh is the point, segment or rectangle that
+    /// a sphere sweeps, or the box or hull.
     pub fn struck_by_mesh(&self, mesh: PlacedMesh<'_>) -> Result<Vec<PartHit>, InputError> {
         let mut hits = Vec::new();
         for (at, part, frame, _) in self.parts() {
@@ -335,7 +349,7 @@ impl<'c> Posed<'c> {
             let core = Mesh::new(Positions::F64(positions), faces)?;
             let found = distance(mesh, core.at(frame.pose()?));
             let Some(witness) = found.witness else { continue };
-            // A vertex inside of a box or a hull whose surface the mesh does not meet.
+            // A vertex inside a box or hull whose surface the mesh does not touch.
             let inside = || {
                 let positions = mesh.mesh.positions();
                 let first = (!positions.is_empty()).then(|| mesh.world_from_mesh.apply(positions.get(0)));
@@ -360,14 +374,14 @@ impl<'c> Posed<'c> {
     }
 }
 
-/// Whether a ray surely misses a sphere, by the distance of its centre to the line.
+/// Reports whether a ray is proved to miss a sphere, by the distance from its center to the line.
 fn misses(sphere: &(Vector, f64), ray: &Ray) -> bool {
     let direction = ray.direction();
     let offset = sub(&sphere.0, &ray.origin());
     let squared = dot(&direction, &direction);
     let across = sub(&offset, &scale(&direction, dot(&direction, &offset) / squared));
     let reach = sphere.1 + ROUNDING * (length(&offset) + length(&ray.origin()) + length(&sphere.0));
-    // The square of a direction that short has lost its digits.
+    // The squared length of a shorter direction has lost precision.
     const LEAST: f64 = 1e-280;
     squared > LEAST && dot(&across, &across) > reach * reach * (1.0 + 1e-12)
 }

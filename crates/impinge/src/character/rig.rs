@@ -1,4 +1,4 @@
-//! A skeleton, the skin over it and the ways in which it moves.
+//! A skeleton, the skin over it, and its animations.
 
 use super::animation::{Animation, Target};
 use super::error::{RigError, RigErrorKind, RigPlace};
@@ -7,7 +7,7 @@ use super::skeleton::{BoneSet, Skeleton};
 use super::skin::Skin;
 use super::timeline::Side;
 
-/// A character as it was modelled and animated: what hit volumes are fitted to.
+/// A character as modeled and animated: the input for fitting hit volumes.
 ///
 /// ```
 /// use impinge::character::*;
@@ -42,10 +42,11 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// Puts a rig together.
+    /// Builds a rig.
     ///
     /// # Errors
-    /// Joints and channels that name a bone or a morph target that does not exist; a rest pose out of range.
+    /// Returns an error if a joint or channel refers to a bone or morph target that does not exist,
+    /// or if the rest pose is out of range.
     pub fn new(skeleton: Skeleton, skin: Skin, animations: Vec<Animation>) -> Result<Self, RigError> {
         let (bones, morphs) = (skeleton.bones().len(), skin.morphs().len());
         let missing = |what, index: u32, len, place| {
@@ -77,28 +78,28 @@ impl Rig {
         Ok(rig)
     }
 
-    /// The bones.
+    /// Returns the bones.
     #[must_use]
     pub fn skeleton(&self) -> &Skeleton {
         &self.skeleton
     }
 
-    /// The surface.
+    /// Returns the surface.
     #[must_use]
     pub fn skin(&self) -> &Skin {
         &self.skin
     }
 
-    /// The motions.
+    /// Returns the animations.
     #[must_use]
     pub fn animations(&self) -> &[Animation] {
         &self.animations
     }
 
-    /// The pose as modelled.
+    /// Returns the pose as modeled.
     ///
     /// # Errors
-    /// As [`pose_at`](Self::pose_at).
+    /// Same as [`pose_at`](Self::pose_at).
     pub fn rest_pose(&self) -> Result<RigPose, RigError> {
         let mut pose = RigPose::default();
         self.reset(&mut pose);
@@ -106,29 +107,31 @@ impl Rig {
         Ok(pose)
     }
 
-    /// The pose of an animation at a time in seconds. What the animation does not move is at rest.
+    /// Returns the pose of an animation at a time in seconds. Whatever the animation does not move
+    /// is at rest. A NaN time counts as the start.
     ///
     /// # Errors
-    /// An animation that does not exist, or scales that multiply beyond 2^100.
+    /// Returns an error if the animation does not exist, or if scales multiply beyond 2^100.
     pub fn pose_at(&self, animation: usize, time: f64) -> Result<RigPose, RigError> {
         let mut pose = RigPose::default();
         self.pose_into(animation, time, &mut pose)?;
         Ok(pose)
     }
 
-    /// [`pose_at`](Self::pose_at) into a pose whose memory is used again.
+    /// Does the same as [`pose_at`](Self::pose_at) but reuses the memory of `pose`.
     ///
     /// # Errors
-    /// As [`pose_at`](Self::pose_at).
+    /// Same as [`pose_at`](Self::pose_at).
     pub fn pose_into(&self, animation: usize, time: f64, pose: &mut RigPose) -> Result<(), RigError> {
         self.pose_on_side(animation, time, Side::After, None, pose)
     }
 
-    /// [`pose_into`](Self::pose_into) for the bones of a set alone: the others, and the weights of morph targets, are where the
-    /// pose had them or anywhere. What a crowd needs to follow its hit volumes (see [`Character::bones`](super::Character::bones)).
+    /// Does the same as [`pose_into`](Self::pose_into), but only for the bones of a set. The other
+    /// bones and the weights of morph targets get unspecified values. This is enough for a crowd
+    /// whose hit volumes are queried (see [`Character::bones`](super::Character::bones)).
     ///
     /// # Errors
-    /// As [`pose_at`](Self::pose_at).
+    /// Same as [`pose_at`](Self::pose_at).
     pub fn pose_bones_into(
         &self,
         animation: usize,
@@ -152,7 +155,7 @@ impl Rig {
             return Err(RigError::new(kind, RigPlace::Rig));
         };
         self.reset(pose);
-        // No time at all is the start.
+        // A NaN time counts as the start.
         let time = if time.is_nan() { motion.span()[0] } else { time };
         motion.sample(time, side, set, &mut pose.locals, &mut pose.morph_weights);
         self.skeleton.place(&pose.locals, set, &mut pose.bones)

@@ -3,7 +3,7 @@
 use super::skeleton::PlacedBone;
 use super::transform::Transform;
 
-/// Where the bones of a rig are, and how its morph targets are weighed.
+/// The positions of the bones of a rig, and the weights of its morph targets.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RigPose {
     pub(super) locals: Vec<Transform>,
@@ -12,13 +12,13 @@ pub struct RigPose {
 }
 
 impl RigPose {
-    /// The bones in the world.
+    /// Returns the bones, placed in the world.
     #[must_use]
     pub fn bones(&self) -> &[PlacedBone] {
         &self.bones
     }
 
-    /// The weights of the morph targets.
+    /// Returns the weights of the morph targets.
     #[must_use]
     pub fn morph_weights(&self) -> &[f64] {
         &self.morph_weights

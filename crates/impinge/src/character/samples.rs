@@ -1,5 +1,5 @@
-//! Poses that stand for all of a rig's motions: so many that between two of them no vertex strays from its chord, seen from
-//! its part, by more than a known length.
+//! Poses that represent all motions of a rig. They are so close in time that between two of them no
+//! vertex strays from its chord, as seen from its part, by more than a known length.
 
 use super::error::{RigError, RigErrorKind, RigPlace};
 use super::motion_bound::{IntervalMotion, Jet, mapped};
@@ -8,16 +8,20 @@ use super::rig_pose::RigPose;
 use super::timeline::Side;
 use crate::math::vec3::{Vector, length};
 
-/// Intervals between keys are halved until vertices stray by less than this share of the character's size...
-const STRAY: f64 = 1.0 / 512.0;
+/// Maximum stray between samples, as a share of the character's size. Intervals between keys are
+/// halved until vertices stray less. The stray is added to the volumes, so a larger share makes
+/// them looser and a smaller one costs time.
+const MAX_STRAY: f64 = 1.0 / 512.0;
 
-/// ... or this often. What they stray by then is added to the volumes, so more of it costs time and less of it size.
-const HALVINGS: u32 = 5;
+/// Maximum number of halvings of an interval. The stray that remains is added to the volumes. More
+/// halvings cost time, fewer make the volumes larger.
+const MAX_HALVINGS: u32 = 5;
 
-/// Where there is no bound at all, halving goes on up to here: splines of quaternions need it that come near zero.
-const MOST_HALVINGS: u32 = 14;
+/// Maximum number of halvings if there is no bound at all. Splines of quaternions that come near
+/// zero need them.
+const MAX_HALVINGS_UNBOUNDED: u32 = 14;
 
-/// A pose of a motion: the animation, the time and the side of a jump.
+/// A pose of a motion: the animation, the time, and the side of a jump. `None` is the rest pose.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
     motion: Option<(usize, f64, Side)>,
@@ -35,24 +39,24 @@ impl Sample {
     }
 }
 
-/// What a part holds: the bone that it is fixed to, and the vertices of its faces.
-pub(super) struct Held {
+/// The contents of a part: the bone that its volume is fixed to, and the vertices of its faces.
+pub(super) struct PartVertices {
     pub(super) anchor: u32,
     pub(super) vertices: Vec<u32>,
 }
 
-/// The samples, and what the vertices of each part stray by between them.
+/// The samples, and a bound on how far the vertices of each part stray between them.
 pub(super) struct Samples {
     pub(super) list: Vec<Sample>,
     pub(super) stray: Vec<f64>,
 }
 
 impl Samples {
-    /// Of rest and of all animations.
-    pub(super) fn of(rig: &Rig, parts: &[Held]) -> Result<Self, RigError> {
+    /// Samples the rest pose and all animations.
+    pub(super) fn of(rig: &Rig, parts: &[PartVertices]) -> Result<Self, RigError> {
         let rest = Sample { motion: None };
         let mut samples = Self { list: vec![rest], stray: vec![0.0; parts.len()] };
-        let limit = STRAY * size(rig)?;
+        let limit = MAX_STRAY * size(rig)?;
         let spans: Vec<Vec<JointSpan>> = parts.iter().map(|part| joint_spans(rig, part)).collect();
         for (index, animation) in rig.animations().iter().enumerate() {
             let times = animation.key_times();
@@ -70,8 +74,8 @@ impl Samples {
                         .collect();
                     let most = strays.iter().copied().fold(0.0, f64::max);
                     let middle = 0.5 * start + 0.5 * end;
-                    let limit_of_halvings = if most.is_finite() { HALVINGS } else { MOST_HALVINGS };
-                    if most > limit && depth < limit_of_halvings && start < middle && middle < end {
+                    let max_halvings = if most.is_finite() { MAX_HALVINGS } else { MAX_HALVINGS_UNBOUNDED };
+                    if most > limit && depth < max_halvings && start < middle && middle < end {
                         pending.push(([middle, end], depth + 1));
                         pending.push(([start, middle], depth + 1));
                         continue;
@@ -93,7 +97,7 @@ impl Samples {
     }
 }
 
-/// The diagonal of the box of the surface at rest.
+/// Returns the diagonal of the box around the surface at rest.
 fn size(rig: &Rig) -> Result<f64, RigError> {
     let mut vertices = Vec::new();
     rig.skin().skinned(&rig.rest_pose()?, &mut vertices);
@@ -102,15 +106,15 @@ fn size(rig: &Rig) -> Result<f64, RigError> {
     Ok(if size.is_finite() { size } else { 0.0 })
 }
 
-/// A joint that vertices of a part follow, and how far they are from its bone.
+/// A joint that vertices of a part follow, and their maximum distance from its bone.
 struct JointSpan {
     joint: u32,
     reach: f64,
-    /// For each morph target that moves some of them, the longest offset.
+    /// For each morph target that moves some of these vertices: its index and its longest offset.
     morphs: Vec<(usize, f64)>,
 }
 
-fn joint_spans(rig: &Rig, part: &Held) -> Vec<JointSpan> {
+fn joint_spans(rig: &Rig, part: &PartVertices) -> Vec<JointSpan> {
     let skin = rig.skin();
     let mut spans: Vec<JointSpan> = Vec::new();
     let mut of_joint = vec![None; skin.joints().len()];
@@ -143,8 +147,8 @@ fn joint_spans(rig: &Rig, part: &Held) -> Vec<JointSpan> {
     spans
 }
 
-/// The greatest second derivative of a vertex of a part, as seen from the part.
-fn acceleration(rig: &Rig, part: &Held, spans: &[JointSpan], motion: &IntervalMotion<'_>) -> f64 {
+/// Returns a bound on the largest second derivative of a vertex of a part, as seen from the part.
+fn acceleration(rig: &Rig, part: &PartVertices, spans: &[JointSpan], motion: &IntervalMotion<'_>) -> f64 {
     let skin = rig.skin();
     let mut of_joint = vec![0.0; skin.joints().len()];
     for span in spans {
@@ -159,14 +163,15 @@ fn acceleration(rig: &Rig, part: &Held, spans: &[JointSpan], motion: &IntervalMo
         of_joint[span.joint as usize] = motion.acceleration(bone, part.anchor, point);
     }
     let of_vertex = |&vertex: &u32| -> f64 {
-        // An infinite bound counts however little a vertex follows it; weights are above zero.
+        // An infinite bound counts even for a small weight. Weights are positive.
         skin.influences(vertex).iter().map(|i| i.weight * of_joint[i.joint as usize]).sum()
     };
     part.vertices.iter().map(of_vertex).fold(0.0, f64::max)
 }
 
-/// No less than what the place of a vertex in the frame of its part is off by, rounding aside: it is computed by as many
-/// products and sums as bones lie above it, each off by 8 units of 2^-53 of what it adds up, which is at most `reach`.
+/// Returns a bound on the rounding error of a vertex position in the frame of its part. A position
+/// takes as many products and sums as the joint has ancestors. Each has an error of 8 units of
+/// 2^-53 of the terms, which are at most `reach`.
 pub(super) fn rounding(rig: &Rig, pose: &RigPose) -> f64 {
     let norm = |rows: &[[f64; 3]; 3]| rows.as_flattened().iter().map(|x| x * x).sum::<f64>().sqrt();
     let farthest = rig.skin().positions().iter().map(|&p| length(&p)).fold(0.0, f64::max);

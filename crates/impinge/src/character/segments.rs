@@ -1,8 +1,9 @@
-//! The closest points of two segments (Ericson 5.1.9), rounded: what is made of them is proved elsewhere.
+//! The closest points of two segments (Ericson 5.1.9), rounded. Callers prove their results
+//! themselves.
 
 use crate::math::vec3::{Vector, add, dot, scale, sub};
 
-/// A point of each.
+/// Returns one point of each segment so that their distance is minimal, up to rounding.
 pub(super) fn closest([p, p_end]: [Vector; 2], [q, q_end]: [Vector; 2]) -> (Vector, Vector) {
     let (u, v, w) = (sub(&p_end, &p), sub(&q_end, &q), sub(&p, &q));
     let (a, e, f) = (dot(&u, &u), dot(&v, &v), dot(&v, &w));

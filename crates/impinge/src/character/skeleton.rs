@@ -1,4 +1,4 @@
-//! Bones that hang on each other, and where a pose puts them.
+//! Bones with parents, and their placement by a pose.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x4};
@@ -9,45 +9,47 @@ use super::error::{RigError, RigErrorKind, RigPlace};
 use super::transform::{Transform, matrix, nearly_unit, product};
 use crate::math::vec3::Vector;
 
-/// A bone: a node of the skeleton, whether vertices follow it or not.
+/// A bone: a node of the skeleton, with or without vertices that follow it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bone {
-    /// The name; empty where the rig has none.
+    /// The name. It is empty if the rig has none.
     pub name: String,
-    /// The bone that it hangs on; none for a root.
+    /// The parent bone, or `None` for a root.
     pub parent: Option<u32>,
-    /// Where it stands at rest, relative to its parent.
+    /// The transform at rest, relative to the parent.
     pub rest: Transform,
 }
 
-/// Some bones of a skeleton and all that these hang on: what a pose need not go beyond where nothing else is asked.
+/// Some bones of a skeleton and all their ancestors: the bones that a pose must compute if nothing
+/// else is queried.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoneSet {
-    /// Parents before children.
+    /// The bones of the set, parents before children.
     pub(super) order: Vec<u32>,
     pub(super) is_in: Vec<bool>,
 }
 
-/// Bones without cycles. Several may be roots.
+/// Bones with parents and without cycles. There may be several roots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skeleton {
     bones: Vec<Bone>,
-    /// The bones, parents before children.
+    /// All bones, parents before children.
     order: Vec<u32>,
-    /// How many bones lie above each, itself included.
+    /// Number of ancestors of each bone, including itself.
     depths: Vec<u32>,
 }
 
 impl Skeleton {
-    /// Judges bones in any order.
+    /// Validates bones, given in any order.
     ///
     /// # Errors
-    /// A parent that does not exist, a cycle, a transform that is not finite, out of range or singular; each names the bone.
+    /// Returns an error that names the bone if a parent does not exist, there is a cycle, or a
+    /// transform is not finite, out of range or singular.
     pub fn new(mut bones: Vec<Bone>) -> Result<Self, RigError> {
         let len = bones.len();
         for (index, bone) in bones.iter_mut().enumerate() {
             let place = RigPlace::Bone(index);
-            bone.rest = bone.rest.judged(place)?;
+            bone.rest = bone.rest.validated(place)?;
             if let Some(parent) = bone.parent.filter(|&parent| parent as usize >= len) {
                 let kind = RigErrorKind::Missing { what: "bone", index: parent as usize, len };
                 return Err(RigError::new(kind, place));
@@ -57,13 +59,14 @@ impl Skeleton {
         Ok(Self { bones, order, depths })
     }
 
-    /// The bones as given, their quaternions of length 1.
+    /// Returns the bones as given, with their quaternions normalized.
     #[must_use]
     pub fn bones(&self) -> &[Bone] {
         &self.bones
     }
 
-    /// Some bones and all that they hang on; numbers that no bone has are left out.
+    /// Returns a set with the given bones and all their ancestors. Indices without a bone are
+    /// ignored.
     #[must_use]
     pub fn bone_set(&self, bones: impl IntoIterator<Item = u32>) -> BoneSet {
         let mut is_in = vec![false; self.bones.len()];
@@ -73,17 +76,18 @@ impl Skeleton {
         BoneSet { order: self.order.iter().copied().filter(|&bone| is_in[bone as usize]).collect(), is_in }
     }
 
-    /// How many bones lie above a bone, itself included.
+    /// Returns the number of ancestors of a bone, including itself.
     pub(super) fn depth(&self, bone: u32) -> u32 {
         self.depths[bone as usize]
     }
 
-    /// The path from a bone up to the root, the bone first.
+    /// Returns the path from a bone up to its root, the bone first.
     pub(super) fn ancestry(&self, bone: u32) -> impl Iterator<Item = u32> + '_ {
         std::iter::successors(Some(bone), |&bone| self.bones[bone as usize].parent)
     }
 
-    /// The last bone that two have above them, themselves included; none where they hang on different roots.
+    /// Returns the lowest common ancestor of two bones, which may be one of them. Returns `None` if
+    /// they have different roots.
     pub(super) fn common_ancestor(&self, a: u32, b: u32) -> Option<u32> {
         let (mut a, mut b) = (Some(a), Some(b));
         while let (Some(x), Some(y)) = (a, b) {
@@ -102,10 +106,11 @@ impl Skeleton {
         None
     }
 
-    /// Where all bones are, or those of a set, their transforms being given.
+    /// Places all bones, or only those of a set, in the world. `locals` are their transforms
+    /// relative to their parents.
     ///
     /// # Errors
-    /// Where composing leaves the range: scales of scales beyond 2^100.
+    /// Returns an error if the result is out of range, because scales multiply beyond 2^100.
     ///
     /// # Complexity
     /// Linear.
@@ -125,10 +130,11 @@ impl Skeleton {
         Err(RigError::new(RigErrorKind::OutOfRange { what: "pose" }, RigPlace::Bone(at)))
     }
 
-    /// Puts some bones into the world; whether all of them are within range.
+    /// Places the bones of `order` in the world. Returns whether all of them are in range.
     #[inline(always)]
     fn chain<S: Simd>(&self, simd: S, locals: &[Transform], order: &[u32], placed: &mut [PlacedBone]) -> bool {
-        // All of them before the first is asked for, so that no vector is loaded whose numbers are still on their way.
+        // All local matrices first, so that no vector is loaded while its numbers are still being
+        // stored.
         for &at in order {
             placed[at as usize] = PlacedBone::of(&locals[at as usize]);
         }
@@ -148,7 +154,7 @@ impl Skeleton {
                 by_axis!(i => rows[i].store_slice(&mut own.rows[i]));
                 own.rotation_wxyz = rotation_wxyz;
             }
-            // NaN is not.
+            // NaN fails this comparison.
             let [x, y, z] = by_axis!(i => rows[i].abs().simd_le(limit));
             is_within = is_within & x & y & z;
         }
@@ -156,14 +162,14 @@ impl Skeleton {
     }
 }
 
-/// No pose has larger numbers.
+/// Maximum magnitude of the numbers of a placed bone: 2^100.
 const LIMIT: f64 = (1_u128 << 100) as f64;
 
 fn parents_first(bones: &[Bone]) -> Result<(Vec<u32>, Vec<u32>), RigError> {
     let (mut order, mut depths) = (Vec::with_capacity(bones.len()), vec![0_u32; bones.len()]);
     let mut path = Vec::new();
     for start in 0..bones.len() {
-        // Up to what is known, then down again. A path longer than there are bones has met one twice.
+        // Climbs to a known bone, then returns. A path longer than the number of bones is a cycle.
         let mut next = Some(start as u32);
         while let Some(bone) = next.filter(|&bone| depths[bone as usize] == 0) {
             if path.len() > bones.len() {
@@ -183,10 +189,11 @@ fn parents_first(bones: &[Bone]) -> Result<(Vec<u32>, Vec<u32>), RigError> {
 /// A bone in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedBone {
-    /// Map the bone's own frame to the world, with all scales; the last of each is the origin's.
+    /// Rows of the map from the bone's own frame to the world, including all scales. The last entry
+    /// of each row is that of the origin.
     rows: [[f64; 4]; 3],
-    /// The product of the rotations of the bone and all above it, without their scales: with the origin, the rigid frame that
-    /// hit volumes are fixed to.
+    /// The product of the rotations of the bone and all its ancestors, without scales. With the
+    /// origin it gives the rigid frame that hit volumes are fixed to.
     pub rotation_wxyz: [f64; 4],
 }
 
@@ -196,7 +203,7 @@ impl PlacedBone {
         rotation_wxyz: [1.0, 0.0, 0.0, 0.0],
     };
 
-    /// A bone that stands so relative to the world.
+    /// Builds a root bone from its transform.
     #[inline(always)]
     fn of(local: &Transform) -> Self {
         let ([x, y, z], [a, b, c]) = (matrix(local.rotation_wxyz), local.translation);
@@ -205,24 +212,25 @@ impl PlacedBone {
         Self { rows: [row(x, a), row(y, b), row(z, c)], rotation_wxyz: local.rotation_wxyz }
     }
 
-    /// Maps directions of the bone's own frame to the world, with all scales; rows first.
+    /// Returns the linear map from the bone's own frame to the world, including all scales, by
+    /// rows.
     #[must_use]
     pub fn linear(&self) -> [[f64; 3]; 3] {
         self.rows.map(|[x, y, z, _]| [x, y, z])
     }
 
-    /// Where the bone's origin is in the world.
+    /// Returns the bone's origin in the world.
     #[must_use]
     pub fn origin(&self) -> [f64; 3] {
         self.rows.map(|row| row[3])
     }
 
     fn is_within_range(&self) -> bool {
-        // Written so that NaN is refused.
+        // NaN fails this comparison.
         self.rows.as_flattened().iter().all(|x| x.abs() <= LIMIT)
     }
 
-    /// Where a point of the bone's own frame is in the world, scales included.
+    /// Maps a point from the bone's own frame to the world, including all scales.
     #[must_use]
     pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
         self.rows.map(|[x, y, z, origin]| x * point[0] + y * point[1] + z * point[2] + origin)
@@ -257,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_broken_is_named() {
+    fn invalid_bones_are_named_in_errors() {
         let kind = |bones: Vec<Bone>| {
             let error = Skeleton::new(bones).unwrap_err();
             (error.place(), error.kind().clone())
@@ -275,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn scales_that_multiply_without_end_are_refused() {
+    fn scales_that_multiply_out_of_range_are_rejected() {
         let scaled =
             |parent| Bone { name: String::new(), parent, rest: Transform { scale: [1e18; 3], ..Transform::IDENTITY } };
         let bones: Vec<Bone> = (0..3_u32).map(|i| scaled(i.checked_sub(1))).collect();

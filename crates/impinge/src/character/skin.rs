@@ -1,30 +1,31 @@
-//! Vertices that follow joints by weights: linear blend skinning, in double precision.
+//! Vertices that follow joints by weights: linear blend skinning in double precision.
 
-use super::error::{RigError, RigErrorKind, RigPlace, judge};
+use super::error::{RigError, RigErrorKind, RigPlace, check_numbers};
 use super::rig_pose::RigPose;
 use super::skeleton::PlacedBone;
 use super::transform::{Matrix, apply, times};
 use crate::math::vec3::Vector;
 
-/// A bone that vertices follow, and the map from the vertices' frame to that of the bone as the skin was bound to it.
+/// A bone that vertices follow, and the map from the vertices' frame to that of the bone at the
+/// time of binding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joint {
-    /// The bone.
+    /// Index of the bone.
     pub bone: u32,
-    /// The linear part and last the translation of each coordinate.
+    /// Rows of the inverse bind matrix: the linear part, and last the translation.
     pub inverse_bind: [[f64; 4]; 3],
 }
 
-/// How much of a joint a vertex follows.
+/// The share with which a vertex follows a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Influence {
-    /// The joint.
+    /// Index of the joint.
     pub joint: u32,
-    /// Its share; those of a vertex sum up to one.
+    /// The share. Those of a vertex sum to one.
     pub weight: f64,
 }
 
-/// Offsets that are added to vertices before they are skinned, times a weight.
+/// Offsets that are multiplied by a weight and added to vertices before skinning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Morph {
     /// The weight at rest.
@@ -33,7 +34,8 @@ pub struct Morph {
     pub offsets: Vec<(u32, [f64; 3])>,
 }
 
-/// A surface over joints. Where each vertex goes is `Σ weight · bone · inverse_bind · (position + Σ morph weight · offset)`.
+/// A surface over joints. A vertex goes to `Σ weight · bone · inverse_bind · (position + Σ morph
+/// weight · offset)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skin {
     positions: Vec<Vector>,
@@ -45,16 +47,18 @@ pub struct Skin {
     morphs: Vec<Morph>,
 }
 
-/// Weights that sum up to one within this are rounded ones, four of eight bits; they are divided by their sum.
+/// Maximum deviation of a sum of weights from one. Weights within it count as rounded, for example
+/// four of eight bits, and are divided by their sum.
 const WEIGHT_TOLERANCE: f64 = 0.01;
 
 impl Skin {
-    /// Judges a skin; `influences` has a list for each position.
+    /// Validates a skin. `influences` has one list for each position.
     ///
     /// # Errors
-    /// Numbers that are not finite or out of range; weights that are negative or do not sum up to one within 1 %; joints and
-    /// vertices that do not exist; each names the vertex, joint, face or target. Bones are judged by
-    /// [`Rig::new`](super::Rig::new).
+    /// Returns an error that names the vertex, joint, face or morph target if a number is not
+    /// finite or out of range, a weight is negative, the weights of a vertex do not sum to one
+    /// within 1 %, or a joint or vertex does not exist. [`Rig::new`](super::Rig::new) validates the
+    /// bones.
     pub fn new(
         positions: Vec<[f64; 3]>,
         faces: Vec<[u32; 3]>,
@@ -68,7 +72,7 @@ impl Skin {
             return Err(RigError::new(kind, RigPlace::Rig));
         }
         for (i, position) in positions.iter().enumerate() {
-            judge(position, "position", RigPlace::Vertex(i))?;
+            check_numbers(position, "position", RigPlace::Vertex(i))?;
         }
         let missing = |index: u32| RigErrorKind::Missing { what: "vertex", index: index as usize, len };
         for (i, face) in faces.iter().enumerate() {
@@ -77,12 +81,12 @@ impl Skin {
             }
         }
         for (i, joint) in joints.iter().enumerate() {
-            judge(joint.inverse_bind.as_flattened(), "inverse bind matrix", RigPlace::Joint(i))?;
+            check_numbers(joint.inverse_bind.as_flattened(), "inverse bind matrix", RigPlace::Joint(i))?;
         }
         for (i, morph) in morphs.iter().enumerate() {
-            judge(&[morph.weight], "weight", RigPlace::Morph(i))?;
+            check_numbers(&[morph.weight], "weight", RigPlace::Morph(i))?;
             for (vertex, offset) in &morph.offsets {
-                judge(offset, "offset", RigPlace::Morph(i))?;
+                check_numbers(offset, "offset", RigPlace::Morph(i))?;
                 if *vertex as usize >= len {
                     return Err(RigError::new(missing(*vertex), RigPlace::Morph(i)));
                 }
@@ -95,11 +99,11 @@ impl Skin {
         Ok(skin)
     }
 
-    /// Those of the next vertex.
+    /// Validates and adds the influences of the next vertex.
     fn add_influences(&mut self, list: &[Influence], place: RigPlace) -> Result<(), RigError> {
         let mut sum = 0.0;
         for influence in list {
-            judge(&[influence.weight], "weight", place)?;
+            check_numbers(&[influence.weight], "weight", place)?;
             if influence.weight < 0.0 {
                 return Err(RigError::new(RigErrorKind::NegativeWeight, place));
             }
@@ -118,41 +122,42 @@ impl Skin {
         Ok(())
     }
 
-    /// The vertices before any bone or morph moves them.
+    /// Returns the vertices before any bone or morph target moves them.
     #[must_use]
     pub fn positions(&self) -> &[[f64; 3]] {
         &self.positions
     }
 
-    /// The faces.
+    /// Returns the faces.
     #[must_use]
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
     }
 
-    /// The joints.
+    /// Returns the joints.
     #[must_use]
     pub fn joints(&self) -> &[Joint] {
         &self.joints
     }
 
-    /// The joints that a vertex follows; weights are above zero and sum up to one.
+    /// Returns the joints that a vertex follows. The weights are positive and sum to one.
     ///
     /// # Panics
-    /// Where there is no such vertex.
+    /// If the vertex does not exist.
     #[must_use]
     pub fn influences(&self, vertex: u32) -> &[Influence] {
         let at = vertex as usize;
         &self.influences[self.first[at] as usize..self.first[at + 1] as usize]
     }
 
-    /// The morph targets.
+    /// Returns the morph targets.
     #[must_use]
     pub fn morphs(&self) -> &[Morph] {
         &self.morphs
     }
 
-    /// Where all vertices are in the world in a pose of the rig.
+    /// Computes the positions of all vertices in the world, for a pose of the rig. They replace the
+    /// contents of `vertices`.
     ///
     /// # Complexity
     /// Linear in vertices and influences.
@@ -164,7 +169,7 @@ impl Skin {
         }
     }
 
-    /// The positions with morphs.
+    /// Computes the positions with morph targets applied.
     pub(super) fn morphed(&self, weights: &[f64], vertices: &mut Vec<Vector>) {
         vertices.clear();
         vertices.extend_from_slice(&self.positions);
@@ -176,7 +181,7 @@ impl Skin {
         }
     }
 
-    /// The maps from the vertices' frame to the world, one a joint.
+    /// Returns the maps from the vertices' frame to the world, one per joint.
     pub(super) fn palette(&self, bones: &[PlacedBone]) -> Vec<(Matrix, Vector)> {
         let entry = |joint: &Joint| {
             let bone = &bones[joint.bone as usize];
@@ -188,7 +193,7 @@ impl Skin {
     }
 }
 
-/// A point as the joints of its vertex move it.
+/// Returns the blended image of a point under the joints of its vertex.
 #[inline(always)]
 pub(super) fn blended(palette: &[(Matrix, Vector)], influences: &[Influence], point: Vector) -> Vector {
     let mut sum = [0.0; 3];
@@ -216,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn weights_are_judged_and_divided_by_their_sum() {
+    fn weights_are_validated_and_divided_by_their_sum() {
         let halves = skin(&[weight(0, 0.5), weight(1, 0.504), weight(99, 0.0)], vec![]).unwrap();
         let sum: f64 = halves.influences(0).iter().map(|i| i.weight).sum();
         assert!(halves.influences(0).len() == 2 && (sum - 1.0).abs() < 1e-15);
@@ -229,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn morphs_are_judged() {
+    fn morphs_are_validated() {
         let morph = |vertex, x| skin(&[weight(0, 1.0)], vec![Morph { weight: 0.0, offsets: vec![(vertex, [x; 3])] }]);
         assert!(morph(0, 1.0).is_ok());
         assert_eq!(morph(1, 1.0).unwrap_err().place(), RigPlace::Morph(0));

@@ -1,16 +1,22 @@
-//! A tree over the faces of a skin, of spheres that hold in any pose: each follows from where the bones are, when it is asked for.
+//! A tree over the faces of a skin, with spheres that hold in any pose. Each sphere is computed on
+//! demand from the bones.
 //!
 //! # Source
-//! Kavan, Žára, *Fast collision detection for skeletally deformable models*, Computer Graphics Forum 24(3), 2005: the spheres of a
-//! hierarchy are refitted on demand, one by one, from the joints that what they hold is blended from. Ours departs in the bound, in
-//! that a tree stands for each bone, so that no sphere is blended from many joints, and in that exact faces are below.
+//! Kavan, Žára, *Fast collision detection for skeletally deformable models*, Computer Graphics
+//! Forum 24(3), 2005. The spheres of a hierarchy are refitted on demand, one by one, from the
+//! joints that their contents are blended from. Three things differ here: the bound; one tree per
+//! bone, so that no sphere is blended from many joints; and exact faces at the leaves.
 //!
 //! # The bound
-//! A vertex `p` goes to `Σ wⱼ (Lⱼ p + oⱼ)`, weights summing up to one. For any centre `c` and weights `vⱼ` of a node, which also do,
-//! let `mⱼ = Lⱼ c + oⱼ` and `m = Σ vⱼ mⱼ`. Then the vertex is off from `m` by
-//! `Σ (wⱼ - vⱼ) (mⱼ - m) + Σ wⱼ Lⱼ (p - c)`, as weights that sum up to the same do not care where the origin is. So it is within
-//! `Σ max |wⱼ - vⱼ| |mⱼ - m| + max ‖Lⱼ‖ max |p - c|`, where nothing but `mⱼ` and `Lⱼ` depends on the pose. The first sum is zero where
-//! vertices have the same weights, and where the joints have moved as one.
+//! A vertex `p` goes to `Σ wⱼ (Lⱼ p + oⱼ)` with weights that sum to one. For any center `c` and
+//! weights `vⱼ` of a node, which also sum to one, let `mⱼ = Lⱼ c + oⱼ` and `m = Σ vⱼ mⱼ`. The
+//! vertex differs from `m` by `Σ (wⱼ - vⱼ) (mⱼ - m) + Σ wⱼ Lⱼ (p - c)`, because the sum does not
+//! depend on the origin if the weights have equal sums. So the distance is at most `Σ max |wⱼ - vⱼ|
+//! |mⱼ - m| + max ‖Lⱼ‖ max |p - c|`, in which only `mⱼ` and `Lⱼ` depend on the pose. The first sum
+//! is zero if the vertices have the same weights or the joints have moved as one.
+//!
+//! Tests: `skin_tree/tests.rs`, `impinge-files/tests/it/characters/surface.rs`. Benchmark:
+//! `characters`.
 
 use std::collections::BTreeMap;
 
@@ -22,24 +28,25 @@ use super::transform::{Matrix, apply, times};
 use super::volume::box_of;
 use crate::math::vec3::{Vector, add, length, scale, sub};
 
-/// Faces of a leaf at most: a choice. With fewer more spheres are found on the way to them, with more a ray that comes to a leaf
-/// skins more.
-const LEAF: usize = 8;
+/// Maximum number of faces per leaf. This is a choice: with fewer faces, more spheres are computed
+/// on the way to them; with more faces, a ray that reaches a leaf skins more vertices.
+const MAX_LEAF_FACES: usize = 8;
 
-/// Of the sizes of what is added up, for each number that is: eight roundings.
+/// Rounding error bound per added number, relative to the sizes of the terms: eight roundings.
 const ROUNDING: f64 = 1.0 / (1_u64 << 50) as f64;
 
-/// The tree of a skin; it knows no pose.
+/// The tree of a skin. It does not depend on a pose.
 #[derive(Clone, Debug)]
 pub(super) struct SkinTree {
     nodes: Vec<Node>,
-    /// One for each bone that some faces follow most.
+    /// One root for each bone that some faces follow most.
     roots: Vec<u32>,
     blends: Vec<Blend>,
-    /// Morph targets that move vertices of a node, and how far they move them by a weight of one.
+    /// Morph targets that move vertices of a node, and the maximum distance of that move for a
+    /// weight of one.
     reaches: Vec<(u32, f64)>,
     faces: Vec<LeafFace>,
-    /// The vertices of leaves, each once a leaf.
+    /// Vertices of the leaves, without duplicates within a leaf.
     vertices: Vec<u32>,
     /// Morph targets and offsets, by vertex, then in the order of the targets.
     offsets: Vec<(u32, Vector)>,
@@ -47,26 +54,26 @@ pub(super) struct SkinTree {
     first: Vec<u32>,
 }
 
-/// Some faces that follow one bone most.
+/// A group of faces that follow one bone most.
 #[derive(Clone, Debug)]
 struct Node {
     bone: u32,
-    /// About the vertices before any bone or morph moves them.
+    /// Center of the vertices before any bone or morph target moves them.
     centre: Vector,
     radius: f64,
-    /// How many numbers are added up for a vertex or for the centre, at most.
+    /// Maximum number of terms added for a vertex or for the center.
     terms: f64,
     blends: [u32; 2],
     reaches: [u32; 2],
-    below: Below,
+    children: Children,
 }
 
-/// What is below a node.
+/// The contents of a node.
 #[derive(Clone, Debug)]
-pub(super) enum Below {
-    /// Two nodes.
+pub(super) enum Children {
+    /// Two child nodes.
     Nodes([u32; 2]),
-    /// Some faces, and all their vertices: places in the lists of these.
+    /// The faces of a leaf and all their vertices, as ranges of the lists in the tree.
     Faces { faces: [u32; 2], vertices: [u32; 2] },
 }
 
@@ -74,9 +81,9 @@ pub(super) enum Below {
 #[derive(Clone, Copy, Debug)]
 struct Blend {
     joint: u32,
-    /// Of the node's centre.
+    /// Weight of the joint for the node's center.
     weight: f64,
-    /// What the weights of vertices differ from that by at most.
+    /// Maximum difference between the weight of a vertex and that of the center.
     spread: f64,
 }
 
@@ -84,18 +91,18 @@ struct Blend {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LeafFace {
     pub(super) face: u32,
-    /// Places in the leaf's list of vertices.
+    /// Positions of the corners in the leaf's list of vertices.
     pub(super) corners: [u8; 3],
 }
 
-/// The most vertices of a leaf.
-pub(super) const LEAF_VERTICES: usize = 3 * LEAF;
+/// Maximum number of vertices per leaf.
+pub(super) const MAX_LEAF_VERTICES: usize = 3 * MAX_LEAF_FACES;
 
-/// What of a pose a skin follows.
+/// The data of a pose that skinning needs.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SkinPose {
     palette: Vec<(Matrix, Vector)>,
-    /// No less than what each entry of the palette makes lengths grow by.
+    /// Upper bounds of the factors by which the entries of the palette stretch lengths.
     stretches: Vec<f64>,
     morph_weights: Vec<f64>,
     origin: Vector,
@@ -109,8 +116,9 @@ impl SkinPose {
     }
 }
 
-/// No less than the greatest factor by which a matrix makes a vector longer: the root of the greatest eigenvalue of its square,
-/// which no sum of magnitudes of a row falls short of. Of a rotation it is one.
+/// Returns an upper bound of the factor by which a matrix stretches a vector. That factor is the
+/// square root of the largest eigenvalue of MᵀM, which is at most the largest sum of magnitudes of
+/// a row. For a rotation the bound is 1, up to rounding.
 fn stretch(linear: &Matrix) -> f64 {
     let transposed = [0, 1, 2].map(|i| [0, 1, 2].map(|j| linear[j][i]));
     let rows = times(&transposed, linear).map(|row| row.iter().map(|x| x.abs()).sum::<f64>());
@@ -118,6 +126,8 @@ fn stretch(linear: &Matrix) -> f64 {
 }
 
 impl SkinTree {
+    /// Builds the tree.
+    ///
     /// # Complexity
     /// O(n log n) for n faces.
     pub(super) fn new(rig: &Rig) -> Self {
@@ -144,7 +154,8 @@ impl SkinTree {
         tree
     }
 
-    /// Adds a node about some faces, and all below; as they are halved by rank it is as deep as their number is long.
+    /// Adds a node around some faces, and all nodes below it. Faces are halved by rank, so the
+    /// depth is logarithmic in their number.
     fn grow(&mut self, skin: &Skin, bone: u32, faces: &mut [u32]) -> u32 {
         let at = self.nodes.len();
         let mut vertices: Vec<u32> = faces.iter().flat_map(|&face| skin.faces()[face as usize]).collect();
@@ -152,7 +163,7 @@ impl SkinTree {
         vertices.dedup();
         let node = self.about(skin, bone, &vertices);
         self.nodes.push(node);
-        self.nodes[at].below = if faces.len() <= LEAF {
+        self.nodes[at].children = if faces.len() <= MAX_LEAF_FACES {
             faces.sort_unstable();
             self.leaf(skin, faces, &vertices)
         } else {
@@ -165,29 +176,33 @@ impl SkinTree {
             let half = faces.len() / 2;
             faces.select_nth_unstable_by(half, |a, b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b)));
             let (lower, upper) = faces.split_at_mut(half);
-            Below::Nodes([self.grow(skin, bone, lower), self.grow(skin, bone, upper)])
+            Children::Nodes([self.grow(skin, bone, lower), self.grow(skin, bone, upper)])
         };
         at as u32
     }
 
-    fn leaf(&mut self, skin: &Skin, faces: &[u32], vertices: &[u32]) -> Below {
+    fn leaf(&mut self, skin: &Skin, faces: &[u32], vertices: &[u32]) -> Children {
         let starts = [self.faces.len() as u32, self.vertices.len() as u32];
-        // All are among the vertices, of which there are 24 at most.
+        // All corners are in `vertices`, which has at most 24 entries.
         let place = |corner: u32| vertices.partition_point(|&vertex| vertex < corner) as u8;
         let of_leaf = faces.iter().map(|&face| LeafFace { face, corners: skin.faces()[face as usize].map(place) });
         self.faces.extend(of_leaf);
         self.vertices.extend(vertices);
-        Below::Faces { faces: [starts[0], self.faces.len() as u32], vertices: [starts[1], self.vertices.len() as u32] }
+        Children::Faces {
+            faces: [starts[0], self.faces.len() as u32],
+            vertices: [starts[1], self.vertices.len() as u32],
+        }
     }
 
-    /// A node about some vertices, without what is below.
+    /// Builds a node around some vertices, without its children.
     fn about(&mut self, skin: &Skin, bone: u32, vertices: &[u32]) -> Node {
         let places: Vec<Vector> = vertices.iter().map(|&vertex| skin.positions()[vertex as usize]).collect();
         let [low, high] = box_of(&places);
         let centre = scale(&add(&low, &high), 0.5);
         let radius = places.iter().map(|&p| length(&sub(&p, &centre))).fold(0.0, f64::max) * (1.0 + 1e-12);
 
-        // For each joint the least and the greatest weight, and how many vertices have one; the others have none.
+        // For each joint: the minimum and maximum weight, and the number of vertices that follow
+        // it. Other vertices have a weight of zero.
         let mut ranges: BTreeMap<u32, (f64, f64, usize)> = BTreeMap::new();
         let mut reaches: BTreeMap<u32, f64> = BTreeMap::new();
         let mut terms = 0;
@@ -221,7 +236,7 @@ impl SkinTree {
         }));
         self.reaches.extend(reaches);
         let [blends, reaches] = [[starts[0], self.blends.len() as u32], [starts[1], self.reaches.len() as u32]];
-        Node { bone, centre, radius, terms, blends, reaches, below: Below::Nodes([0; 2]) }
+        Node { bone, centre, radius, terms, blends, reaches, children: Children::Nodes([0; 2]) }
     }
 
     fn offsets_of(&self, vertex: u32) -> &[(u32, Vector)] {
@@ -233,22 +248,22 @@ impl SkinTree {
         &self.roots
     }
 
-    pub(super) fn below(&self, node: u32) -> &Below {
-        &self.nodes[node as usize].below
+    pub(super) fn children(&self, node: u32) -> &Children {
+        &self.nodes[node as usize].children
     }
 
-    /// The bone that the faces of a node follow most.
+    /// Returns the bone that the faces of a node follow most.
     pub(super) fn bone(&self, node: u32) -> u32 {
         self.nodes[node as usize].bone
     }
 
-    /// Some faces of a leaf.
+    /// Returns the faces in a range of a leaf.
     pub(super) fn faces(&self, [start, end]: [u32; 2]) -> &[LeafFace] {
         &self.faces[start as usize..end as usize]
     }
 
-    /// A sphere in the world that holds all faces of a node in a pose, as their vertices are rounded. Where numbers leave the range,
-    /// its centre or radius is not finite.
+    /// Returns a sphere in the world that encloses all faces of a node in a pose, including the
+    /// rounding of their vertices. If numbers leave the range, its center or radius is not finite.
     pub(super) fn sphere(&self, node: u32, pose: &SkinPose) -> (Vector, f64) {
         let node = &self.nodes[node as usize];
         let blends = &self.blends[node.blends[0] as usize..node.blends[1] as usize];
@@ -276,13 +291,14 @@ impl SkinTree {
         (add(&middle, &pose.origin), radius + node.terms * ROUNDING * (size + length(&pose.origin)))
     }
 
-    /// Where the vertices of a leaf are in the world in a pose; to the bit what [`Skin::skinned`] says, where the origin is zero.
+    /// Computes the positions of the vertices of a leaf in the world, for a pose. If the origin is
+    /// zero, they have the same bits as those of [`Skin::skinned`].
     pub(super) fn skin(
         &self,
         skin: &Skin,
         [start, end]: [u32; 2],
         pose: &SkinPose,
-        places: &mut [Vector; LEAF_VERTICES],
+        places: &mut [Vector; MAX_LEAF_VERTICES],
     ) {
         for (place, &vertex) in places.iter_mut().zip(&self.vertices[start as usize..end as usize]) {
             let mut point = skin.positions()[vertex as usize];
@@ -297,13 +313,13 @@ impl SkinTree {
     }
 }
 
-/// The morph targets of each vertex, and where those of each begin.
+/// Returns the morph offsets sorted by vertex, and the start of each vertex's offsets.
 fn offsets_by_vertex(skin: &Skin) -> (Vec<(u32, Vector)>, Vec<u32>) {
     let mut all: Vec<(u32, u32, Vector)> = Vec::new();
     for (morph, target) in (0..).zip(skin.morphs()) {
         all.extend(target.offsets.iter().map(|&(vertex, offset)| (vertex, morph, offset)));
     }
-    // Stable, as sums are made in the order of the file.
+    // The sort is stable, so that sums keep the order of the file.
     all.sort_by_key(|&(vertex, ..)| vertex);
     let first = (0..=skin.positions().len() as u32).map(|vertex| all.partition_point(|own| own.0 < vertex) as u32);
     let first = first.collect();

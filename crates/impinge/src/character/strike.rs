@@ -1,8 +1,12 @@
-//! When a moving volume first strikes the parts of a character that moves between two poses: a punch between two frames.
+//! Computes when a moving volume first strikes the parts of a character that moves between two
+//! poses, such as a punch between two frames.
 //!
 //! # Source
-//! Conservative advancement (Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996, section 2.3): time goes on
-//! by a proved lower bound of the distance over a proved upper bound of the speed, so nothing is passed through.
+//! Conservative advancement (Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*,
+//! 1996, section 2.3): time advances by a proved lower bound of the distance divided by a proved
+//! upper bound of the speed, so nothing is passed through.
+//!
+//! Tests: `impinge-files/tests/it/characters/strikes.rs`.
 
 use crate::input::InputError;
 use crate::math::Pose;
@@ -15,46 +19,50 @@ use super::transform::slerp;
 use super::volume::HitVolume;
 use crate::math::vec3::{Vector, add, length, scale, sub, unit};
 
-/// A part that was struck on the way.
+/// A part that was struck during the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strike {
-    /// The part.
+    /// Index of the part.
     pub part: u32,
-    /// The bone that its volume is fixed to.
+    /// Index of the bone that its volume is fixed to.
     pub bone: u32,
-    /// From 0 at the first pose to 1 at the second. The two do not touch before, and are nearer to each other than a billionth of
-    /// their sizes then, unless the steps were spent.
+    /// Time of the strike, from 0 at the first pose to 1 at the second. The volumes do not touch
+    /// before it. At that time their distance is less than 1e-9 of their sizes, unless the maximum
+    /// number of steps was reached.
     pub t: f64,
-    /// Where, in the world frame, rounded.
+    /// The contact point, in the world frame, rounded.
     pub point: [f64; 3],
-    /// From what struck it into the part, of length 1, in the world frame.
+    /// Unit normal from the striking volume into the part, in the world frame.
     pub normal: [f64; 3],
-    /// How deep the two are in each other at that time: zero unless they were so from the start, in world units.
+    /// Penetration depth at that time, in world units. It is 0 unless the volumes overlap from the
+    /// start.
     pub depth: f64,
 }
 
-/// Steps at most for each part.
-const STEPS: usize = 512;
+/// Maximum number of steps for each part.
+const MAX_STEPS: usize = 512;
 
-/// Of the sizes: nearer counts as struck.
-const TOUCHING: f64 = 1e-9;
+/// Distance, relative to the sizes, below which volumes count as struck.
+const TOUCH_TOLERANCE: f64 = 1e-9;
 
-/// A frame that moves: its origin evenly along a line, its rotation evenly by the least angle.
-struct Moving<'v> {
+/// A volume in a moving frame. Its origin moves along a line at constant speed, and its rotation
+/// takes the smallest angle at constant speed.
+struct MovingVolume<'v> {
     volume: &'v HitVolume,
     from: Frame,
     to: Frame,
-    /// No less than the speed of any point of the volume, over the whole time as one.
+    /// Upper bound of the speed of any point of the volume, in world units per whole motion.
     speed: f64,
-    /// No less than what the placed volume is off by.
+    /// Upper bound of the position error of the placed volume, in world units.
     error: f64,
 }
 
-impl<'v> Moving<'v> {
+impl<'v> MovingVolume<'v> {
     fn new(volume: &'v HitVolume, from: Frame, to: Frame, off: f64) -> Self {
         let (centre, radius) = volume.bounding_sphere();
         let reach = (length(&centre) + radius) * (1.0 + 1e-12);
-        // The chord of the shorter arc is at most √2, where arcsin x ≤ x + 0.2216 x³, which is equal at its end.
+        // On the shorter arc the chord is at most √2. There arcsin x ≤ x + 0.2216 x³, with equality
+        // at the end.
         let chord = |sign: f64| {
             let squares = (0..4).map(|k| (to.rotation_wxyz[k] - sign * from.rotation_wxyz[k]).powi(2));
             squares.sum::<f64>().sqrt()
@@ -75,7 +83,7 @@ impl<'v> Moving<'v> {
         Frame::new(rotation, add(&self.from.origin, &between))
     }
 
-    /// The sphere about it.
+    /// Returns a sphere around the volume in a frame, in the world.
     fn sphere(&self, frame: &Frame) -> (Vector, f64) {
         let (centre, radius) = self.volume.bounding_sphere();
         (frame.apply(centre), radius * (1.0 + 1e-12))
@@ -83,8 +91,9 @@ impl<'v> Moving<'v> {
 }
 
 impl Posed<'_> {
-    /// All parts that a volume strikes while it moves from one pose to another and this character to `to`, by time, then in the
-    /// order of the parts. Each frame moves evenly along a line and turns evenly by the least angle.
+    /// Returns all parts that a volume strikes while it moves from one pose to another and this
+    /// character moves to `to`. They are sorted by time, then by part. Each frame moves along a
+    /// line and rotates by the smallest angle, both at constant speed.
     ///
     /// ```no_run
     /// # use impinge::{Pose, character::{HitVolume, Posed}, volume::BoundingSphere};
@@ -98,15 +107,16 @@ impl Posed<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`NotRigid`](crate::input::InputErrorKind::NotRigid) for a pose of the volume that is no rotation within 1e-4; poses and
-    /// volumes beyond the range of shapes.
+    /// Returns [`NotRigid`](crate::input::InputErrorKind::NotRigid) if a pose of the volume is not
+    /// a rotation within 1e-4. Returns an error if poses or volumes exceed the range of shapes.
     ///
     /// # Accuracy
-    /// Times are never later than the true first contact of the volumes, and in conservative volumes never later than that of
-    /// the surface where its frames move so (`impinge-files/tests/it/characters`).
+    /// Times are never later than the true first contact of the volumes. For conservative volumes
+    /// they are never later than that of the surface, if its frames move this way
+    /// (`impinge-files/tests/it/characters`).
     ///
     /// # Panics
-    /// Where `to` is a pose of a character with fewer parts.
+    /// If `to` is a pose of a character with fewer parts.
     pub fn strikes(
         &self,
         to: &Posed<'_>,
@@ -115,10 +125,10 @@ impl Posed<'_> {
         world_from_volume_t1: &Pose,
     ) -> Result<Vec<Strike>, InputError> {
         let ((start, off), (end, off_end)) = (frame_of(world_from_volume_t0)?, frame_of(world_from_volume_t1)?);
-        let striker = Moving::new(volume, start, end, off.max(off_end));
+        let striker = MovingVolume::new(volume, start, end, off.max(off_end));
         let mut strikes = Vec::new();
         for (at, part) in (0..).zip(self.character().parts()) {
-            let moving = Moving::new(&part.volume, self.frames()[at as usize], to.frames()[at as usize], 0.0);
+            let moving = MovingVolume::new(&part.volume, self.frames()[at as usize], to.frames()[at as usize], 0.0);
             if let Some(strike) = first_contact(&striker, &moving)? {
                 strikes.push(Strike { part: at, bone: part.anchor, ..strike });
             }
@@ -128,21 +138,21 @@ impl Posed<'_> {
     }
 }
 
-fn first_contact(striker: &Moving<'_>, part: &Moving<'_>) -> Result<Option<Strike>, InputError> {
+fn first_contact(striker: &MovingVolume<'_>, part: &MovingVolume<'_>) -> Result<Option<Strike>, InputError> {
     let speed = striker.speed + part.speed;
     let error = striker.error + part.error;
     let size = striker.volume.bounding_sphere().1 + part.volume.bounding_sphere().1;
     let mut t = 0.0;
-    for _ in 0..STEPS {
+    for _ in 0..MAX_STEPS {
         let (frame_a, frame_b) = (striker.at(t), part.at(t));
         let (a, b) = (striker.sphere(&frame_a), part.sphere(&frame_b));
         let mut gap = length(&sub(&b.0, &a.0)) - a.1 - b.1 - error;
-        // Spheres tell what is far.
+        // Spheres are enough while the volumes are far apart.
         if gap <= 0.25 * size {
             let (placed_a, placed_b) = (striker.volume.placed(frame_a.pose()?)?, part.volume.placed(frame_b.pose()?)?);
             let found = query::distance(&placed_a, &placed_b);
             gap = found.lower - error;
-            if found.proximity != Proximity::Apart || gap <= TOUCHING * size {
+            if found.proximity != Proximity::Apart || gap <= TOUCH_TOLERANCE * size {
                 let deep = if t == 0.0 { query::penetration(&placed_a, &placed_b) } else { None };
                 let [point_a, point_b] = found.points().unwrap_or([a.0, b.0]);
                 let apart = unit(&sub(&point_b, &point_a));
@@ -161,7 +171,8 @@ fn first_contact(striker: &Moving<'_>, part: &Moving<'_>) -> Result<Option<Strik
         }
         t = next.min(1.0);
     }
-    // The steps are spent: what is not proved apart counts as struck, at the last time that is proved.
+    // Without any steps left, volumes that are not proved apart count as struck, at the last proved
+    // time.
     let (frame_a, frame_b) = (striker.at(t), part.at(t));
     let (p, q) = (striker.sphere(&frame_a).0, part.sphere(&frame_b).0);
     let normal = unit(&sub(&q, &p)).unwrap_or([0.0, 0.0, 1.0]);

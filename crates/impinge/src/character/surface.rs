@@ -1,4 +1,4 @@
-//! The skinned surface itself, to confirm what the volumes say.
+//! The skinned surface itself, to confirm the answers of the volumes.
 
 use crate::input::InputError;
 use crate::mesh::{Mesh, Positions, Ray};
@@ -8,7 +8,7 @@ use super::plan::bones_of_faces;
 use super::rig::Rig;
 use super::rig_pose::RigPose;
 
-/// The surface of a character in one pose, as an exact mesh that is refitted to the next.
+/// The surface of a character in one pose, as an exact mesh that is refitted for other poses.
 #[derive(Clone, Debug)]
 pub struct Surface {
     mesh: Mesh,
@@ -16,26 +16,27 @@ pub struct Surface {
     vertices: Vec<[f64; 3]>,
 }
 
-/// Where a ray meets the surface.
+/// The first intersection of a ray with the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceHit {
-    /// The part of the face.
+    /// Index of the part that the face belongs to.
     pub part: u32,
-    /// The bone that the face's corners follow most.
+    /// Index of the bone that the face's corners follow most.
     pub bone: u32,
-    /// The face.
+    /// Index of the face.
     pub face: u32,
-    /// In units of the direction's length.
+    /// Ray parameter, in units of the direction's length.
     pub t: f64,
-    /// In the world frame, rounded.
+    /// The point, in the world frame, rounded.
     pub point: [f64; 3],
 }
 
 impl Surface {
-    /// The surface in a pose.
+    /// Builds the surface in a pose.
     ///
     /// # Errors
-    /// Vertices out of the range of meshes, which no pose of a rig has.
+    /// Returns an error if vertices are out of the range of meshes, which they never are for poses
+    /// of a rig.
     pub fn new(rig: &Rig, pose: &RigPose) -> Result<Self, InputError> {
         let mut vertices = Vec::new();
         rig.skin().skinned(pose, &mut vertices);
@@ -43,22 +44,23 @@ impl Surface {
         Ok(Self { mesh, bone_of_face: bones_of_faces(rig), vertices })
     }
 
-    /// Moves the surface to another pose; its hierarchy is refitted.
+    /// Moves the surface to another pose and refits its hierarchy.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// Same as [`new`](Self::new).
     pub fn set(&mut self, rig: &Rig, pose: &RigPose) -> Result<(), InputError> {
         rig.skin().skinned(pose, &mut self.vertices);
         self.mesh.refit(Positions::F64(self.vertices.clone())).map(|_| ())
     }
 
-    /// The mesh, in the world frame, for any question of meshes.
+    /// Returns the mesh, in the world frame, for any mesh query.
     #[must_use]
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
     }
 
-    /// Where a ray first meets the surface, exactly.
+    /// Returns the first intersection of a ray with the surface, exactly, or `None` if the ray
+    /// misses it.
     #[must_use]
     pub fn ray_cast(&self, character: &Character, ray: &Ray) -> Option<SurfaceHit> {
         let hit = self.mesh.ray_cast(ray)?;

@@ -1,4 +1,6 @@
-//! Rays at the skinned surface, of which nothing is skinned but what they come near.
+//! Rays against the skinned surface, which skin only the faces near the ray.
+//!
+//! Tests: `impinge-files/tests/it/characters/surface.rs`. Benchmark: `characters`.
 
 use std::cmp::Ordering;
 
@@ -8,14 +10,15 @@ use crate::primitive::{RayCrossing, ray_triangle};
 use super::body::Character;
 use super::rig::Rig;
 use super::rig_pose::RigPose;
-use super::skin_tree::{Below, LEAF_VERTICES, SkinPose};
+use super::skin_tree::{Children, MAX_LEAF_VERTICES, SkinPose};
 use super::surface::SurfaceHit;
 use crate::math::vec3::{Vector, dot, length, scale, sub};
 
-/// The skinned surface of a character in one pose, for rays: the part that a bullet truly struck.
+/// The skinned surface of a character in one pose, for rays: finds the part that a bullet truly
+/// struck.
 ///
-/// What [`Surface`](super::Surface) says, without skinning it: what a ray comes near is skinned when it does. It needs no animation and
-/// no volumes, and holds in any pose of the rig.
+/// It gives the same answers as [`Surface`](super::Surface) but skins only the faces near a ray. It
+/// needs no animation and no volumes, and holds in any pose of the rig.
 ///
 /// ```no_run
 /// # fn f(rig: &impinge::character::Rig, character: &impinge::character::Character) -> Result<(), Box<dyn std::error::Error>> {
@@ -23,7 +26,7 @@ use crate::math::vec3::{Vector, dot, length, scale, sub};
 ///
 /// let pose = rig.pose_at(0, 0.5)?;
 /// let ray = Ray::new([0.0, 1.6, 5.0], [0.0, 0.0, -1.0])?;
-/// // The volumes tell who may be struck, and the surface what is.
+/// // The volumes tell whether the character may be struck, the surface tells the part.
 /// if Posed::new(character, &pose).ray_cast(&ray).is_some() {
 ///     if let Some(hit) = SurfaceRays::new(character, rig, &pose).ray_cast(&ray) {
 ///         println!("{} at {:?}", character.parts()[hit.part as usize].name, hit.point);
@@ -36,18 +39,19 @@ pub struct SurfaceRays<'c> {
     character: &'c Character,
     rig: &'c Rig,
     pose: SkinPose,
-    /// About the faces of each bone, in the world.
+    /// A sphere around the faces of each bone, in the world.
     spheres: Vec<(Vector, f64)>,
 }
 
 impl<'c> SurfaceRays<'c> {
-    /// The surface in a pose of the rig that the character was fitted to, of which all bones are posed.
+    /// Builds the surface in a pose of the rig that the character was fitted to. The pose must
+    /// include all bones.
     ///
     /// # Complexity
-    /// Linear in joints.
+    /// Linear in the number of joints.
     ///
     /// # Panics
-    /// Where the rig is another one, of fewer vertices, joints or bones.
+    /// If the rig is a different one with fewer vertices, joints or bones.
     #[must_use]
     pub fn new(character: &'c Character, rig: &'c Rig, pose: &RigPose) -> Self {
         let mut rays = Self { character, rig, pose: SkinPose::default(), spheres: Vec::new() };
@@ -55,13 +59,14 @@ impl<'c> SurfaceRays<'c> {
         rays
     }
 
-    /// Puts the surface into another pose of the rig, whose own origin is somewhere in the world: vertices are skinned, then moved.
+    /// Moves the surface to another pose of the rig, with the rig's own origin at `origin` in the
+    /// world. Vertices are skinned first, then moved.
     ///
     /// # Complexity
-    /// As [`new`](Self::new).
+    /// Same as [`new`](Self::new).
     ///
     /// # Panics
-    /// As [`new`](Self::new).
+    /// Same as [`new`](Self::new).
     pub fn set_at(&mut self, pose: &RigPose, origin: [f64; 3]) {
         self.pose = SkinPose::new(self.rig.skin(), pose, origin);
         let tree = self.character.skin_tree();
@@ -69,49 +74,52 @@ impl<'c> SurfaceRays<'c> {
         self.spheres.extend(tree.roots().iter().map(|&root| tree.sphere(root, &self.pose)));
     }
 
-    /// Where a ray first meets the surface, exactly; of several faces at once the first.
+    /// Returns the first intersection of a ray with the surface, exactly, or `None` if the ray
+    /// misses it. In a tie the face with the lowest index wins.
     ///
     /// # Accuracy
-    /// To the bit what [`Surface::ray_cast`](super::Surface::ray_cast) says where the origin is zero
-    /// (`impinge-files/tests/it/characters/surface.rs`). What a sphere about faces leaves out is proved to be missed.
+    /// If the origin is zero, the result has the same bits as that of
+    /// [`Surface::ray_cast`](super::Surface::ray_cast)
+    /// (`impinge-files/tests/it/characters/surface.rs`). Faces are skipped only if the ray is
+    /// proved to miss their sphere.
     #[must_use]
     pub fn ray_cast(&self, ray: &Ray) -> Option<SurfaceHit> {
         let line = Line::new(ray);
         let tree = self.character.skin_tree();
         let entered = |(&root, sphere)| Some((line.enters(sphere)?, root));
         let mut tasks: Vec<(f64, u32)> = tree.roots().iter().zip(&self.spheres).filter_map(entered).collect();
-        // The last is the next.
+        // The last task is processed next.
         tasks.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let (mut first, mut last): (Option<Met>, f64) = (None, f64::INFINITY);
+        let (mut first, mut last): (Option<FaceHit>, f64) = (None, f64::INFINITY);
         while let Some((entered, node)) = tasks.pop() {
             if entered > last {
                 continue;
             }
-            match tree.below(node) {
-                Below::Nodes(nodes) => {
-                    let below = nodes.map(|node| Some((line.enters(&tree.sphere(node, &self.pose))?, node)));
-                    let (near, far) = match below {
+            match tree.children(node) {
+                Children::Nodes(nodes) => {
+                    let children = nodes.map(|node| Some((line.enters(&tree.sphere(node, &self.pose))?, node)));
+                    let (near, far) = match children {
                         [Some(a), Some(b)] if b.0 < a.0 => (Some(b), Some(a)),
                         [a, b] => (a, b),
                     };
                     tasks.extend(far.into_iter().chain(near));
                 }
-                Below::Faces { faces, vertices } => {
-                    let mut places = [[0.0; 3]; LEAF_VERTICES];
+                Children::Faces { faces, vertices } => {
+                    let mut places = [[0.0; 3]; MAX_LEAF_VERTICES];
                     tree.skin(self.rig.skin(), *vertices, &self.pose, &mut places);
                     for own in tree.faces(*faces) {
                         let triangle = own.corners.map(|corner| places[usize::from(corner)]);
                         let Some(crossing) = ray_triangle(&ray.origin(), &ray.direction(), &triangle) else { continue };
-                        let met = Met { face: own.face, bone: tree.bone(node), crossing, triangle };
-                        if first.as_ref().is_none_or(|best| met.compare(best, ray) == Ordering::Less) {
+                        let hit = FaceHit { face: own.face, bone: tree.bone(node), crossing, triangle };
+                        if first.as_ref().is_none_or(|best| hit.compare(best, ray) == Ordering::Less) {
                             last = line.reach(crossing.t + crossing.error);
-                            first = Some(met);
+                            first = Some(hit);
                         }
                     }
                 }
             }
         }
-        first.map(|Met { face, bone, crossing, .. }| SurfaceHit {
+        first.map(|FaceHit { face, bone, crossing, .. }| SurfaceHit {
             part: self.character.part_of_face()[face as usize],
             bone,
             face,
@@ -121,16 +129,16 @@ impl<'c> SurfaceRays<'c> {
     }
 }
 
-/// A face that the ray meets.
-struct Met {
+/// A face that the ray hits.
+struct FaceHit {
     face: u32,
     bone: u32,
     crossing: RayCrossing,
     triangle: [Vector; 3],
 }
 
-impl Met {
-    /// By true parameter, then by face.
+impl FaceHit {
+    /// Compares by true parameter, then by face.
     fn compare(&self, other: &Self, ray: &Ray) -> Ordering {
         let triangles = [&self.triangle, &other.triangle];
         let by_time = self.crossing.compare(&other.crossing, (&ray.origin(), &ray.direction()), triangles);
@@ -138,15 +146,17 @@ impl Met {
     }
 }
 
-/// A ray whose direction has length 1, however long or short it was.
+/// A ray with its direction scaled to length 1, however long or short it was.
 struct Line {
     origin: Vector,
     direction: Vector,
-    /// The length of the direction as given is the product of these; the first alone may be too small for a float's full precision.
+    /// The length of the direction as given is the product of these two. The first alone may be too
+    /// small for a float's full precision.
     lengths: [f64; 2],
 }
 
-/// Of the sizes: what spheres are taken as larger by. A projection is some ten roundings, each of 2^-53 of them.
+/// Padding of spheres, relative to the sizes: 2^-48. A projection takes about ten roundings, each
+/// of 2^-53 of the sizes.
 const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 
 impl Line {
@@ -157,7 +167,8 @@ impl Line {
         Self { origin: ray.origin(), direction: scale(&direction, 1.0 / rest), lengths: [largest, rest] }
     }
 
-    /// A distance from the origin before which the ray is surely not in a sphere; none where it surely misses it.
+    /// Returns a distance from the origin before which the ray is proved to be outside a sphere, or
+    /// `None` if it is proved to miss the sphere.
     fn enters(&self, &(centre, radius): &(Vector, f64)) -> Option<f64> {
         let offset = sub(&centre, &self.origin);
         let along = dot(&self.direction, &offset);
@@ -167,7 +178,7 @@ impl Line {
         (!is_missed).then_some(along - reach)
     }
 
-    /// No less than the distance from the origin at a parameter.
+    /// Returns an upper bound of the distance from the origin at a parameter.
     fn reach(&self, t: f64) -> f64 {
         t * self.lengths[0] * self.lengths[1] * (1.0 + 1e-12) + f64::MIN_POSITIVE
     }

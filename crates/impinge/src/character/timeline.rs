@@ -1,4 +1,5 @@
-//! Keys of channels that share their times, and what four linear channels have between two keys, a channel in each lane.
+//! Keys of channels that share their times, and the interpolation of four linear channels at once,
+//! one per lane.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x4};
@@ -8,36 +9,39 @@ use crate::simd::{best_level, by_axis, dispatch};
 use super::skeleton::BoneSet;
 use super::transform::{FACTORS, Transform};
 
-/// Times, and what all channels with keys there have at them: key by key, as a pose asks for one key of all.
+/// Times, and the values of all channels that have keys at these times. Values are stored key by
+/// key, because a pose needs one key of all channels.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Timeline {
     pub(super) times: Vec<f64>,
-    /// How many values each key has, of all channels.
+    /// Number of values per key, over all channels.
     pub(super) width: usize,
     pub(super) values: Vec<f64>,
-    /// Of the linear channels of bones. Their values come first in a key, before those of all others.
+    /// Groups of four linear channels of bones. Their values come first in a key, before those of
+    /// all other channels.
     pub(super) quads: Vec<Quad>,
 }
 
-/// Four linear channels of a kind, or fewer, the last of them again and again: each coordinate of all four is together.
+/// Up to four linear channels of the same property. Unused lanes repeat the last channel. Each
+/// coordinate of all four is stored together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Quad {
-    /// The place of its values among those of a key.
+    /// Position of its first value among the values of a key.
     pub(super) offset: usize,
-    pub(super) moves: Moves,
+    pub(super) property: Property,
     pub(super) bones: [u32; LANES],
 }
 
-/// What of a bone a channel moves.
+/// The property of a bone that a channel animates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Moves {
+pub(super) enum Property {
     Translation,
     Rotation,
     Scale,
 }
 
-impl Moves {
-    /// How many values a key has.
+impl Property {
+    /// Number of values per key.
     fn width(self) -> usize {
         match self {
             Self::Translation | Self::Scale => 3,
@@ -46,15 +50,15 @@ impl Moves {
     }
 }
 
-/// Channels of a quad.
+/// Number of channels of a quad.
 pub(super) const LANES: usize = 4;
 
-/// Which of the two values a jump has at its own time.
+/// The side of a jump whose value is used at the time of the jump.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Side {
-    /// That from which it comes.
+    /// The value before the jump.
     Before,
-    /// That to which it goes, which is the one that counts.
+    /// The value after the jump. This is the value of the motion at that time.
     After,
 }
 
@@ -76,11 +80,11 @@ impl Timeline {
         Self { times, width: 0, values: Vec::new(), quads: Vec::new() }
     }
 
-    /// Copies the last channel of quads with fewer than four into the lanes that are left.
+    /// Copies the last channel of quads with fewer than four channels into the unused lanes.
     pub(super) fn fill(&mut self) {
         for quad in &self.quads {
             let used = quad.bones.iter().take_while(|&&bone| bone != quad.bones[LANES - 1]).count();
-            let end = quad.offset + quad.moves.width() * LANES;
+            let end = quad.offset + quad.property.width() * LANES;
             for row in self.values.chunks_mut(self.width) {
                 row[quad.offset..end].chunks_mut(LANES).for_each(|lanes| {
                     let last = lanes[used];
@@ -90,7 +94,7 @@ impl Timeline {
         }
     }
 
-    /// Where a time lies.
+    /// Returns the place of a time among the keys.
     pub(super) fn find(&self, time: f64, side: Side) -> Place {
         let times = &self.times;
         let after = match side {
@@ -106,7 +110,8 @@ impl Timeline {
         Place { key, share: ((time - times[key]) / seconds).clamp(0.0, 1.0), seconds }
     }
 
-    /// Moves what the quads move: all of it, or what has a bone of a set.
+    /// Sets the properties that the quads animate: all of them, or only quads with a bone in the
+    /// set.
     pub(super) fn sample(&self, place: Place, set: Option<&BoneSet>, locals: &mut [Transform]) {
         if !self.quads.is_empty() {
             dispatch!(best_level(), simd => self.sample_lanes(simd, place, set, locals));
@@ -116,7 +121,7 @@ impl Timeline {
     #[inline(always)]
     fn sample_lanes<S: Simd>(&self, simd: S, place: Place, set: Option<&BoneSet>, locals: &mut [Transform]) {
         let from = &self.values[place.key * self.width..];
-        // At a key its own values, twice.
+        // At a key, both ends are the key's own values.
         let to = if place.share > 0.0 { &from[self.width..] } else { from };
         for quad in &self.quads {
             if set.is_some_and(|set| quad.bones.iter().all(|&bone| !set.is_in[bone as usize])) {
@@ -124,20 +129,20 @@ impl Timeline {
             }
             let (a, b) = (&from[quad.offset..], &to[quad.offset..]);
             let bones = quad.bones.map(|bone| bone as usize);
-            match quad.moves {
-                Moves::Rotation => {
+            match quad.property {
+                Property::Rotation => {
                     let turned = slerp(simd, a, b, place.share);
                     for (lane, bone) in bones.into_iter().enumerate() {
                         locals[bone].rotation_wxyz = [0, 1, 2, 3].map(|k| turned[k][lane]);
                     }
                 }
-                Moves::Translation => {
+                Property::Translation => {
                     let moved = lerp(simd, a, b, place.share);
                     for (lane, bone) in bones.into_iter().enumerate() {
                         locals[bone].translation = [0, 1, 2].map(|k| moved[k][lane]);
                     }
                 }
-                Moves::Scale => {
+                Property::Scale => {
                     let scaled = lerp(simd, a, b, place.share);
                     for (lane, bone) in bones.into_iter().enumerate() {
                         locals[bone].scale = [0, 1, 2].map(|k| scaled[k][lane]);
@@ -148,13 +153,13 @@ impl Timeline {
     }
 }
 
-/// A coordinate of four channels.
+/// Loads one coordinate of four channels.
 #[inline(always)]
 fn load<S: Simd>(simd: S, values: &[f64], coordinate: usize) -> f64x4<S> {
     f64x4::from_slice(simd, &values[LANES * coordinate..][..LANES])
 }
 
-/// The first three coordinates of four channels on the way from one key to the next.
+/// Interpolates the first three coordinates of four channels between two keys.
 #[inline(always)]
 fn lerp<S: Simd>(simd: S, a: &[f64], b: &[f64], share: f64) -> [[f64; LANES]; 3] {
     let mut moved = [[0.0; LANES]; 3];
@@ -165,8 +170,9 @@ fn lerp<S: Simd>(simd: S, a: &[f64], b: &[f64], share: f64) -> [[f64; LANES]; 3]
     moved
 }
 
-/// [`slerp`](super::transform::slerp) of four, to the bit: the terms of its series do not alternate and shrink, so that what no
-/// longer changes a sum never will, and lanes do not depend on each other.
+/// Computes [`slerp`](super::transform::slerp) of four channels, with the same bits. Lanes are
+/// independent. A lane whose sum no longer changes stays unchanged while others go on, because the
+/// terms of its series do not alternate, and they shrink.
 #[inline(always)]
 fn slerp<S: Simd>(simd: S, from: &[f64], to: &[f64], t: f64) -> [[f64; LANES]; 4] {
     let mut turned = [[0.0; LANES]; 4];
@@ -211,12 +217,12 @@ fn slerp<S: Simd>(simd: S, from: &[f64], to: &[f64], t: f64) -> [[f64; LANES]; 4
 
 #[cfg(test)]
 mod tests {
-    use super::super::transform::normalised;
+    use super::super::transform::normalized;
     use super::*;
     use crate::simd::dispatch_every;
     use crate::simd::kernel_levels;
 
-    /// Numbers from -1 to 1, with zeros, ones and repeated ones among them.
+    /// Returns numbers from -1 to 1 that include zeros, ones and repeated numbers.
     fn some(count: usize) -> Vec<f64> {
         let next = |state: &mut u64| {
             *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -227,17 +233,18 @@ mod tests {
     }
 
     #[test]
-    fn four_turns_are_one_by_one_to_the_bit_at_every_level() {
+    fn four_slerps_match_single_slerps_bit_for_bit_at_every_level() {
         let numbers = some(8 * LANES * 200);
         let mut far = 0;
         for (case, own) in numbers.chunks_exact(8 * LANES).enumerate() {
-            let quaternion = |at: usize| normalised([own[at], own[at + 1], own[at + 2], own[at + 3]]);
+            let quaternion = |at: usize| normalized([own[at], own[at + 1], own[at + 2], own[at + 3]]);
             let ends = [0, 1, 2, 3]
                 .map(|lane| [8 * lane, 8 * lane + 4].map(|at| quaternion(at).unwrap_or([1.0, 0.0, 0.0, 0.0])));
-            // Some do not turn at all, some by half a turn, and those about which keys of animations turn: by little.
+            // Some do not rotate at all, some by half a turn, and some by the small angles between
+            // keys of animations.
             let ends = match case % 3 {
                 0 => ends,
-                1 => ends.map(|[a, b]| [a, normalised([0, 1, 2, 3].map(|k| a[k] + 0.03 * b[k])).unwrap_or(a)]),
+                1 => ends.map(|[a, b]| [a, normalized([0, 1, 2, 3].map(|k| a[k] + 0.03 * b[k])).unwrap_or(a)]),
                 _ => ends.map(|[a, _]| [a, [-a[1], a[0], -a[3], a[2]]]),
             };
             let coordinates = |end: usize| -> Vec<f64> { (0..4).flat_map(|k| ends.map(|pair| pair[end][k])).collect() };

@@ -1,19 +1,19 @@
-//! Translation, rotation and scale, as bones have them, and the rotations between.
+//! Translation, rotation and scale of bones, and interpolation of rotations.
 
-use super::error::{RigError, RigErrorKind, RigPlace, judge};
+use super::error::{RigError, RigErrorKind, RigPlace, check_numbers};
 use crate::math::vec3::{Vector, dot};
 
 /// A 3 by 3 matrix by rows.
 pub(super) type Matrix = [[f64; 3]; 3];
 
-/// Where a bone stands relative to its parent: scaled, then rotated, then moved.
+/// The transform of a bone relative to its parent: scaled, then rotated, then translated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
-    /// In units of the parent.
+    /// Translation in units of the parent.
     pub translation: [f64; 3],
-    /// The quaternion (w, x, y, z), taken as the rotation that it is nearest to, its length aside.
+    /// Quaternion (w, x, y, z). It need not have length 1; it is normalized.
     pub rotation_wxyz: [f64; 4],
-    /// Along the bone's own axes; negative ones mirror, zero is refused.
+    /// Scale along the bone's own axes. Negative values mirror; zero is invalid.
     pub scale: [f64; 3],
 }
 
@@ -22,36 +22,37 @@ impl Transform {
     pub const IDENTITY: Self =
         Self { translation: [0.0; 3], rotation_wxyz: [1.0, 0.0, 0.0, 0.0], scale: [1.0, 1.0, 1.0] };
 
-    /// The same with a quaternion of length 1.
+    /// Validates the transform and returns it with a quaternion of length 1.
     ///
     /// # Errors
-    /// Numbers that are not finite or out of range, a scale or a quaternion of zero.
-    pub(super) fn judged(self, place: RigPlace) -> Result<Self, RigError> {
-        judge(&self.translation, "translation", place)?;
-        judge(&self.rotation_wxyz, "rotation", place)?;
-        judge(&self.scale, "scale", place)?;
+    /// Returns an error if a number is not finite or out of range, or if a scale or the quaternion
+    /// is zero.
+    pub(super) fn validated(self, place: RigPlace) -> Result<Self, RigError> {
+        check_numbers(&self.translation, "translation", place)?;
+        check_numbers(&self.rotation_wxyz, "rotation", place)?;
+        check_numbers(&self.scale, "scale", place)?;
         if self.scale.contains(&0.0) {
             return Err(RigError::new(RigErrorKind::ZeroScale, place));
         }
         let rotation_wxyz =
-            normalised(self.rotation_wxyz).ok_or_else(|| RigError::new(RigErrorKind::ZeroRotation, place))?;
+            normalized(self.rotation_wxyz).ok_or_else(|| RigError::new(RigErrorKind::ZeroRotation, place))?;
         Ok(Self { rotation_wxyz, ..self })
     }
 }
 
-/// The quaternion of length 1 with the same direction; none for one that has no direction.
-pub(super) fn normalised(q: [f64; 4]) -> Option<[f64; 4]> {
+/// Returns the quaternion scaled to length 1, or `None` if it has no direction or is not finite.
+pub(super) fn normalized(q: [f64; 4]) -> Option<[f64; 4]> {
     let largest = q.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     if !(largest > 1e-150 && largest.is_finite()) {
         return None;
     }
     let scaled = q.map(|x| x / largest);
     let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
-    // NaN is what a maximum passes over.
+    // A maximum ignores NaN, so NaN is caught here.
     length.is_finite().then(|| scaled.map(|x| x / length))
 }
 
-/// The product: the rotation `b` first, then `a`.
+/// Returns the product of two quaternions: the rotation `b` first, then `a`.
 #[inline(always)]
 pub(super) fn product([aw, ax, ay, az]: [f64; 4], [bw, bx, by, bz]: [f64; 4]) -> [f64; 4] {
     [
@@ -62,7 +63,7 @@ pub(super) fn product([aw, ax, ay, az]: [f64; 4], [bw, bx, by, bz]: [f64; 4]) ->
     ]
 }
 
-/// The matrix of a quaternion of length 1, up to rounding.
+/// Returns the matrix of a quaternion of length 1, up to rounding.
 #[inline(always)]
 pub(super) fn matrix([w, x, y, z]: [f64; 4]) -> Matrix {
     let [x2, y2, z2] = [x + x, y + y, z + z];
@@ -71,13 +72,13 @@ pub(super) fn matrix([w, x, y, z]: [f64; 4]) -> Matrix {
     [[1.0 - (yy + zz), xy - wz, xz + wy], [xy + wz, 1.0 - (xx + zz), yz - wx], [xz - wy, yz + wx, 1.0 - (xx + yy)]]
 }
 
-/// The matrix times a vector.
+/// Returns the matrix times a vector.
 #[inline(always)]
 pub(super) fn apply(m: &Matrix, v: Vector) -> Vector {
     m.each_ref().map(|row| dot(row, &v))
 }
 
-/// The transposed matrix times a vector.
+/// Returns the transposed matrix times a vector.
 #[inline(always)]
 pub(super) fn apply_transposed(m: &Matrix, v: Vector) -> Vector {
     [
@@ -87,20 +88,23 @@ pub(super) fn apply_transposed(m: &Matrix, v: Vector) -> Vector {
     ]
 }
 
-/// The product of two matrices.
+/// Returns the product of two matrices.
 pub(super) fn times(a: &Matrix, b: &Matrix) -> Matrix {
     a.map(|row| [0, 1, 2].map(|j| row[0] * b[0][j] + row[1] * b[1][j] + row[2] * b[2][j]))
 }
 
-/// The rotation at share `t` of the way from one to another along the shorter arc, at even speed; of length 1.
+/// Returns the rotation at share `t` of the way from `a` to `b` along the shorter arc, at constant
+/// speed. The result has length 1.
 ///
 /// # Accuracy
-/// Some 2^-50: weights are of series whose terms shrink by half at least; 64 of them are taken at most.
+/// About 2^-50. The weights are series whose terms shrink at least by half; at most 64 terms are
+/// used.
 ///
 /// # Source
-/// Eberly, *A Fast and Accurate Algorithm for Computing SLERP*, 2011: sin tθ / sin θ as a series in cos θ - 1, whose i-th
-/// term is the one before times (t² - i²) / (i (2i + 1)) (cos θ - 1). No function of the platform's library takes part, so
-/// that all machines agree. The author fits the last term; here the series is summed until nothing changes.
+/// Eberly, *A Fast and Accurate Algorithm for Computing SLERP*, 2011: sin tθ / sin θ as a series in
+/// cos θ - 1. The i-th term is the previous one times (t² - i²) / (i (2i + 1)) (cos θ - 1). No
+/// function of the platform's library is used, so all machines agree. The author fits the last
+/// term; here the series is summed until it no longer changes.
 pub(super) fn slerp(a: [f64; 4], b: [f64; 4], t: f64) -> [f64; 4] {
     let cosine: f64 = (0..4).map(|k| a[k] * b[k]).sum();
     let (b, cosine) = if cosine < 0.0 { (b.map(|x| -x), -cosine) } else { (b, cosine) };
@@ -109,15 +113,16 @@ pub(super) fn slerp(a: [f64; 4], b: [f64; 4], t: f64) -> [f64; 4] {
     nearly_unit([0, 1, 2, 3].map(|k| of_a * a[k] + of_b * b[k]))
 }
 
-/// A quaternion whose length is 1 but for rounding, with less of that: a step of Newton's for the reciprocal root, which leaves
-/// the square of what it is off by.
+/// Normalizes a quaternion whose length is 1 up to rounding. One Newton step for the reciprocal
+/// square root leaves the square of the error.
 #[inline(always)]
 pub(super) fn nearly_unit(q: [f64; 4]) -> [f64; 4] {
     let by = 1.5 - 0.5 * (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     q.map(|x| x * by)
 }
 
-/// What t² is multiplied with and what is taken off in each term of [`sine_ratios`]: 1 / (i (2i + 1)) and i / (2i + 1).
+/// For each term of [`sine_ratios`]: the factor of t² and the constant that is subtracted, 1 / (i
+/// (2i + 1)) and i / (2i + 1).
 pub(super) const FACTORS: [[f64; 2]; 63] = {
     let (mut factors, mut at) = ([[0.0; 2]; 63], 0);
     while at < 63 {
@@ -128,7 +133,7 @@ pub(super) const FACTORS: [[f64; 2]; 63] = {
     factors
 };
 
-/// sin tθ / sin θ for two t from 0 to 1, side by side, and y = cos θ - 1 from -1 to 0.
+/// Returns sin tθ / sin θ for two values of t from 0 to 1, with y = cos θ - 1 from -1 to 0.
 fn sine_ratios(t: [f64; 2], y: f64) -> [f64; 2] {
     let (mut terms, mut sums, squares) = (t, t, t.map(|t| t * t));
     for [of_square, constant] in FACTORS {
@@ -157,7 +162,7 @@ mod tests {
                 let q = slerp([1.0, 0.0, 0.0, 0.0], end, t);
                 let (sine, cosine) = (half * t).sin_cos();
                 assert!((q[0] - cosine).abs() < 1e-14 && (q[2] - sine).abs() < 1e-14, "{degrees} {t} {q:?}");
-                // The same rotation with the other sign is reached the same way.
+                // The same rotation with the opposite sign gives the same result.
                 assert_eq!(slerp([1.0, 0.0, 0.0, 0.0], end.map(|x| -x), t)[0].abs(), q[0].abs());
             }
         }
@@ -165,8 +170,8 @@ mod tests {
 
     #[test]
     fn matrices_and_quaternions_agree() {
-        let a = normalised([0.3, -0.2, 0.8, 0.1]).unwrap();
-        let b = normalised([-0.5, 0.6, 0.1, 0.7]).unwrap();
+        let a = normalized([0.3, -0.2, 0.8, 0.1]).unwrap();
+        let b = normalized([-0.5, 0.6, 0.1, 0.7]).unwrap();
         let (whole, parts) = (matrix(product(a, b)), times(&matrix(a), &matrix(b)));
         for i in 0..3 {
             for j in 0..3 {
@@ -176,6 +181,6 @@ mod tests {
         let v = [1.0, 2.0, 3.0];
         let back = apply_transposed(&whole, apply(&whole, v));
         assert!((0..3).all(|k| (back[k] - v[k]).abs() < 1e-14));
-        assert!(normalised([0.0; 4]).is_none() && normalised([f64::NAN, 0.0, 0.0, 1.0]).is_none());
+        assert!(normalized([0.0; 4]).is_none() && normalized([f64::NAN, 0.0, 0.0, 1.0]).is_none());
     }
 }

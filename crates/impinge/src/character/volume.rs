@@ -1,4 +1,6 @@
-//! The volumes that stand for the parts of a character, in the rigid frame of a bone, and rays against them.
+//! The volumes of the parts of a character, in the rigid frame of a bone.
+//!
+//! Tests: `impinge-files/tests/it/characters/rays.rs`. Benchmark: `characters`.
 
 use std::sync::Arc;
 
@@ -12,27 +14,27 @@ use crate::volume::{BoundingSphere, BoundingVolume, Capsule, Lozenge, Obb};
 use super::corners::Corners;
 use crate::math::vec3::{Vector, add, cross, dot, length, scale, sub, unit};
 
-/// The kinds of hit volumes, from the cheapest to ask.
+/// The kinds of hit volumes, sorted by the cost of a query, fastest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum VolumeKind {
     /// A sphere.
     Sphere,
-    /// A pill: a segment swept by a sphere.
+    /// A capsule: a segment swept by a sphere.
     Capsule,
     /// An oriented box.
     Box,
-    /// A rectangle swept by a sphere.
+    /// A lozenge: a rectangle swept by a sphere.
     Lozenge,
     /// A convex hull.
     Hull,
 }
 
 impl VolumeKind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 5] = [Self::Sphere, Self::Capsule, Self::Box, Self::Lozenge, Self::Hull];
 
-    /// A short stable name: `sphere`, `capsule`, `box`, `lozenge`, `hull`.
+    /// Returns a short stable name: `sphere`, `capsule`, `box`, `lozenge` or `hull`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -44,23 +46,23 @@ impl VolumeKind {
         }
     }
 
-    /// The kind of this name.
+    /// Returns the kind with the given name, or `None` for an unknown name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 }
 
-/// A convex volume in a frame of its own.
+/// A convex volume in its own frame.
 #[derive(Clone, Debug)]
 pub enum HitVolume {
     /// A sphere.
     Sphere(BoundingSphere),
-    /// A pill.
+    /// A capsule.
     Capsule(Capsule),
     /// An oriented box.
     Box(Obb),
-    /// A rounded plate.
+    /// A lozenge: a rounded rectangular plate.
     Lozenge(Lozenge),
     /// A convex hull.
     Hull(HitHull),
@@ -70,17 +72,17 @@ pub enum HitVolume {
 #[derive(Clone, Debug)]
 pub struct HitHull {
     hull: Arc<Hull>,
-    /// Outward normals of length 1 and levels.
+    /// Outward unit normals n and levels: the plane of a face is n · x = level.
     planes: Arc<[(Vector, f64)]>,
     corners: Arc<Corners>,
 }
 
 impl HitHull {
-    /// The hull of some points as a hit volume. One that is flat or less is made as thick as a millionth of its coordinates, as
-    /// the planes of its faces would not bound it.
+    /// Builds the hull of some points as a hit volume. A hull without volume is thickened by one
+    /// millionth of its largest coordinate, because the planes of its faces would not bound it.
     ///
     /// # Errors
-    /// As [`Hull::new`].
+    /// Same as [`Hull::new`].
     pub fn new(points: &[[f64; 3]]) -> Result<Self, InputError> {
         let hull = Hull::new(points)?;
         if hull.kind() == HullKind::Solid {
@@ -95,7 +97,7 @@ impl HitHull {
         let planes = hull.faces().iter().filter_map(|face| {
             let [a, b, c] = face.map(|corner| hull.positions()[corner as usize]);
             let normal = unit(&cross(&sub(&b, &a), &sub(&c, &a)))?;
-            // The farthest vertex, so that rounding leaves none outside.
+            // The level is that of the farthest vertex, so that rounding leaves no vertex outside.
             let level = hull.positions().iter().map(|&p| dot(&normal, &p)).fold(f64::NEG_INFINITY, f64::max);
             Some((normal, level))
         });
@@ -104,28 +106,29 @@ impl HitHull {
         Self { hull: Arc::new(hull), planes, corners }
     }
 
-    /// Outward normals of length 1, and levels.
+    /// Returns the outward unit normals and the levels of the face planes.
     pub(super) fn planes(&self) -> &[(Vector, f64)] {
         &self.planes
     }
 
-    /// The hull.
+    /// Returns the hull.
     #[must_use]
     pub fn hull(&self) -> &Arc<Hull> {
         &self.hull
     }
 }
 
-/// Corners of a hull, of which all are asked for the farthest; of more the way to it over the edges is shorter.
-const FEW: usize = 256;
+/// Maximum number of corners that are scanned for the farthest. For more corners it is faster to
+/// walk the edges of the hull.
+const MAX_SCANNED_CORNERS: usize = 256;
 
-/// The corners of a cube about a point.
+/// Returns the corners of a cube around a point, with half its edge length given.
 pub(super) fn cube_about(point: Vector, half: f64) -> [Vector; 8] {
     std::array::from_fn(|i| [0, 1, 2].map(|k| if i >> k & 1 == 1 { point[k] + half } else { point[k] - half }))
 }
 
 impl HitVolume {
-    /// Which kind it is.
+    /// Returns the kind of the volume.
     #[must_use]
     pub fn kind(&self) -> VolumeKind {
         match self {
@@ -137,7 +140,8 @@ impl HitVolume {
         }
     }
 
-    /// The area of its surface, rounded: what rays from everywhere meet it by.
+    /// Returns the surface area, rounded. The number of random rays that hit a convex volume is
+    /// proportional to it.
     #[must_use]
     pub fn surface_area(&self) -> f64 {
         match self {
@@ -155,7 +159,7 @@ impl HitVolume {
         }
     }
 
-    /// Bytes that it takes.
+    /// Returns the size in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
         match self {
@@ -167,7 +171,7 @@ impl HitVolume {
         }
     }
 
-    /// A sphere that holds it, up to rounding: its centre and radius.
+    /// Returns the center and radius of a sphere that encloses the volume, up to rounding.
     #[must_use]
     pub fn bounding_sphere(&self) -> ([f64; 3], f64) {
         match self {
@@ -192,7 +196,8 @@ impl HitVolume {
         }
     }
 
-    /// The point of the volume that is farthest along a direction, rounded; the direction needs no length of 1.
+    /// Returns the point of the volume that is farthest along a direction, rounded. The direction
+    /// need not have length 1.
     #[must_use]
     pub fn support(&self, direction: [f64; 3]) -> [f64; 3] {
         let out = |radius: f64| unit(&direction).map_or([0.0; 3], |direction| scale(&direction, radius));
@@ -207,13 +212,15 @@ impl HitVolume {
                 add(&at, &scale(&axis, obb.half_extents()[k].copysign(dot(&axis, &direction))))
             }),
             Self::Lozenge(lozenge) => RoundedPlate(*lozenge).support(direction),
-            Self::Hull(HitHull { hull, corners, .. }) if hull.positions().len() <= FEW => corners.support(direction),
+            Self::Hull(HitHull { hull, corners, .. }) if hull.positions().len() <= MAX_SCANNED_CORNERS => {
+                corners.support(direction)
+            }
             Self::Hull(HitHull { hull, .. }) => hull.positions()[hull.support(direction) as usize],
         }
     }
 
-    /// How far a point is outside, and below zero how far it is inside, up to rounding. For points outside of a hull it may be
-    /// less than the distance, but not zero.
+    /// Returns the distance from a point to the volume: positive outside, negative inside, up to
+    /// rounding. For points outside a hull it may be less than the distance, but stays positive.
     #[must_use]
     pub fn signed_distance(&self, point: [f64; 3]) -> f64 {
         match self {
@@ -232,7 +239,7 @@ impl HitVolume {
         }
     }
 
-    /// Of the sphere that sweeps it; zero where none does.
+    /// Returns the radius of the sphere that sweeps the volume, or 0 if none does.
     pub(super) fn radius(&self) -> f64 {
         match self {
             Self::Sphere(sphere) => sphere.radius(),
@@ -242,7 +249,8 @@ impl HitVolume {
         }
     }
 
-    /// The point of what the sphere sweeps that is closest to another, rounded.
+    /// Returns the point of the core (which the sphere sweeps) that is closest to a point, rounded.
+    /// For a box it returns the center, for a hull any of its corners.
     pub(super) fn closest_on_core(&self, point: Vector) -> Vector {
         match self {
             Self::Sphere(sphere) => sphere.centre(),
@@ -251,7 +259,7 @@ impl HitVolume {
                 toward(from, sub(&to, &from), sub(&point, &from))
             }
             Self::Lozenge(lozenge) => {
-                // The edges are at right angles.
+                // The edges are perpendicular.
                 let offset = sub(&point, &lozenge.corner());
                 lozenge.edges().into_iter().fold(lozenge.corner(), |at, edge| toward(at, edge, offset))
             }
@@ -260,20 +268,21 @@ impl HitVolume {
         }
     }
 
-    /// The shape in the world, for everything but rays.
+    /// Returns the volume as a shape in the world, for everything but rays.
     ///
     /// # Errors
-    /// A volume beyond the range of shapes.
+    /// Returns an error if the volume exceeds the range of shapes.
     pub fn placed(&self, world_from_local: Pose) -> Result<PlacedShape, InputError> {
         let (shape, world_from_shape) = self.shape_in(world_from_local)?;
         shape.at(world_from_shape)
     }
 
-    /// The shape in a frame of its own, and where in the world that frame is: what a body of a [`World`](crate::world::World) is
-    /// made of. A box is about its axes there, and all else as it is in the volume's own frame.
+    /// Returns the shape in its own frame, and the pose of that frame in the world, as needed for a
+    /// body of a [`World`](crate::world::World). The frame of a box has the box's axes and center;
+    /// all other shapes use the volume's own frame.
     ///
     /// # Errors
-    /// A volume beyond the range of shapes.
+    /// Returns an error if the volume exceeds the range of shapes.
     pub fn shape_in(&self, world_from_local: Pose) -> Result<(Shape, Pose), InputError> {
         let shape = match self {
             Self::Sphere(sphere) => Shape::sphere(sphere.centre(), sphere.radius())?,
@@ -288,10 +297,11 @@ impl HitVolume {
         Ok((shape, self.pose_in(world_from_local)?))
     }
 
-    /// The frame of the shape: that of a box is about its axes, that of all else the volume's own.
+    /// Returns the pose of the shape's frame. The frame of a box has the box's axes and center; all
+    /// other shapes use the volume's own frame.
     ///
     /// # Errors
-    /// A box beyond the range of poses.
+    /// Returns an error if a box exceeds the range of poses.
     pub(super) fn pose_in(&self, world_from_local: Pose) -> Result<Pose, InputError> {
         let Self::Box(obb) = self else { return Ok(world_from_local) };
         let columns = obb.axes();
@@ -300,21 +310,21 @@ impl HitVolume {
     }
 }
 
-/// A point moved along an edge as far as an offset goes with it, and not beyond.
+/// Returns a point moved along an edge by the projection of an offset, limited to the edge.
 fn toward(at: Vector, edge: Vector, offset: Vector) -> Vector {
     let squared = dot(&edge, &edge);
     let share = if squared > 0.0 { (dot(&edge, &offset) / squared).clamp(0.0, 1.0) } else { 0.0 };
     add(&at, &scale(&edge, share))
 }
 
-/// The corners of the axis-aligned box of some points.
+/// Returns the lower and upper corner of the axis-aligned box of the points.
 pub(super) fn box_of(points: &[Vector]) -> [Vector; 2] {
     points.iter().fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], p| {
         [[0, 1, 2].map(|k| low[k].min(p[k])), [0, 1, 2].map(|k| high[k].max(p[k]))]
     })
 }
 
-/// A lozenge by its support function.
+/// A lozenge described by its support function.
 #[derive(Debug)]
 struct RoundedPlate(Lozenge);
 
@@ -329,7 +339,7 @@ impl Support for RoundedPlate {
     fn reach(&self) -> [f64; 3] {
         let ([u, v], c, r) = (self.0.edges(), self.0.corner(), self.0.radius());
         let corners = [c, add(&c, &u), add(&c, &v), add(&add(&c, &u), &v)];
-        // Up to rounding of the corner and of the sum.
+        // The factor covers the rounding of the corner and of the sum.
         [0, 1, 2].map(|k| (corners.iter().fold(0.0_f64, |m, p| m.max(p[k].abs())) + r) * (1.0 + 1e-14))
     }
 }

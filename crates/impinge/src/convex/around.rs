@@ -1,8 +1,9 @@
-//! A first polytope about the origin, from the simplex that the distance of two cores left: what the expanding polytope begins
-//! with, and often enough to prove that the cores meet.
+//! A first polytope about the origin, built from the simplex that the distance computation left.
+//! The expanding polytope starts with it, and it is often enough to prove that the cores intersect.
 //!
-//! Shapes that stand alike, as most that were placed by hand, leave the origin on a face or an edge of their simplex. Then points to
-//! either side of it make a double pyramid about a face, and eight triangles about an edge.
+//! Shapes that are aligned, as most shapes placed by hand are, leave the origin on a face or an
+//! edge of their simplex. Points on either side then make a double pyramid about a face, or eight
+//! triangles about an edge.
 
 use super::expand::Polytope;
 use super::posed::{Difference, Pair, to_unit_entries};
@@ -10,26 +11,29 @@ use super::simplex;
 use crate::hull::{Hull, HullKind};
 use crate::math::vec3::{cross, sub};
 
-/// A corner that the origin has less of than this is taken for beside the face or edge that holds it, but for rounding: 2^-40.
-const LEAST_WEIGHT: f64 = 1.0 / (1_u64 << 40) as f64;
+/// Minimum weight of a corner in the mean that gives the origin: 2^-40. A smaller weight counts as
+/// zero up to rounding, and the origin then lies on the face or edge of the other corners.
+const MIN_WEIGHT: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Whether the cores certainly have a common point: a polytope of differences is about the origin, by more than these may be off. It
-/// grows by a few points where it is not so at once.
-pub(super) fn certainly_meet(pair: &Pair<'_>, simplex: &[Difference]) -> bool {
-    const MOST_POINTS: usize = 48;
+/// Reports whether the cores certainly have a common point. This is proved if a polytope of
+/// differences contains the origin with a margin above the error of the differences. The polytope
+/// grows by a few points if the first one proves nothing. `false` means undecided.
+pub(super) fn certainly_intersect(pair: &Pair<'_>, simplex: &[Difference]) -> bool {
+    const MAX_POINTS: usize = 48;
     let Some(mut polytope) = about_origin(pair, simplex) else { return false };
     while let Some(nearest) = polytope.nearest() {
         if nearest.lower > pair.point_error() {
             return true;
         }
-        if !polytope.grow(&nearest, pair.support(nearest.direction), MOST_POINTS) {
+        if !polytope.grow(&nearest, pair.support(nearest.direction), MAX_POINTS) {
             break;
         }
     }
     false
 }
 
-/// A polytope about the origin, from what the distance left.
+/// Builds a polytope about the origin from the simplex that the distance computation left. Returns
+/// `None` if no polytope with the origin well inside is found.
 pub(super) fn about_origin(pair: &Pair<'_>, simplex: &[Difference]) -> Option<Polytope> {
     let around = match counting(simplex)[..] {
         [p, q] => around_edge(pair, p, q),
@@ -39,21 +43,23 @@ pub(super) fn about_origin(pair: &Pair<'_>, simplex: &[Difference]) -> Option<Po
     around.or_else(|| hull_of_more(pair, simplex))
 }
 
-/// The corners that the origin has something of.
+/// Returns the corners whose weight in the origin is at least [`MIN_WEIGHT`].
 fn counting(simplex: &[Difference]) -> Vec<Difference> {
     let vectors: Vec<[f64; 3]> = simplex.iter().map(|corner| corner.vector).collect();
     let weights = if vectors.is_empty() { [0.0; 4] } else { simplex::nearest(&vectors).weights };
-    simplex.iter().zip(weights).filter(|&(_, weight)| weight > LEAST_WEIGHT).map(|(corner, _)| *corner).collect()
+    simplex.iter().zip(weights).filter(|&(_, weight)| weight > MIN_WEIGHT).map(|(corner, _)| *corner).collect()
 }
 
-/// A triangle that has the origin inside, and what is farthest to either side of it.
+/// Builds a double pyramid from a triangle with the origin inside and the farthest differences on
+/// either side of it.
 fn around_face(pair: &Pair<'_>, p: Difference, q: Difference, r: Difference) -> Option<Polytope> {
     let up = to_unit_entries(cross(&sub(&q.vector, &p.vector), &sub(&r.vector, &p.vector)));
     let [above, below] = both_ways(up).map(|direction| pair.support(direction));
     Polytope::about_origin(&[p, q, r, above, below])
 }
 
-/// A segment that has the origin inside, and what is farthest in four directions across it.
+/// Builds eight triangles from a segment with the origin inside and the farthest differences in
+/// four directions across it.
 fn around_edge(pair: &Pair<'_>, p: Difference, q: Difference) -> Option<Polytope> {
     let along = to_unit_entries(sub(&q.vector, &p.vector));
     let least = (0..3).min_by(|&i, &j| along[i].abs().total_cmp(&along[j].abs()))?;
@@ -63,7 +69,8 @@ fn around_edge(pair: &Pair<'_>, p: Difference, q: Difference) -> Option<Polytope
     Polytope::about_origin(&[p, q, east, north, west, south])
 }
 
-/// The hull of more points, in directions that boxes have no facets across: for where the border of the set is near.
+/// Builds the hull of more points, in directions that are not normal to facets of boxes. It serves
+/// if the border of the set is near the origin.
 fn hull_of_more(pair: &Pair<'_>, simplex: &[Difference]) -> Option<Polytope> {
     let mut points = simplex.to_vec();
     for direction in DIRECTIONS.into_iter().flat_map(both_ways) {
@@ -84,7 +91,7 @@ fn both_ways(direction: [f64; 3]) -> [[f64; 3]; 2] {
     [direction, direction.map(|x| -x)]
 }
 
-/// Seven directions, of which no plane holds more than three.
+/// Seven directions. No plane holds more than three of them.
 const DIRECTIONS: [[f64; 3]; 7] = [
     [1.0, 0.0, 0.0],
     [0.0, 1.0, 0.0],
@@ -101,13 +108,14 @@ mod tests {
     use super::*;
     use crate::math::Pose;
 
-    /// The corners of a double pyramid that is about the origin, and of an octahedron.
+    /// The corners of a double pyramid and of an octahedron, both about the origin.
     const PYRAMIDS: [[f64; 3]; 5] =
         [[2.0, 0.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
     const OCTAHEDRON: [[f64; 3]; 6] =
         [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
 
-    /// What is found, from the corners at these places, of the differences of a polytope and a point at the origin.
+    /// Returns the result of `ask` for the differences of a polytope, given by its corners, and a
+    /// point at the origin.
     fn found<T>(corners: &[[f64; 3]], ask: impl Fn(&Pair<'_>, Vec<Difference>) -> T) -> T {
         let core = |points| Swept { core: Core::Points(points), pose: &Pose::IDENTITY, radius: [0.0; 2] };
         let (polytope, point) = (core(corners), core(&[[0.0; 3]]));
@@ -125,7 +133,8 @@ mod tests {
         let lower =
             |polytope: Option<Polytope>| polytope.and_then(|mut polytope| polytope.nearest()).map(|near| near.lower);
         found(&PYRAMIDS, |pair, all| {
-            // The nearest planes are those over the edges to the corner that is far away: 2/√10 wide, and 1 high.
+            // The nearest planes are those over the edges to the far corner, whose triangle is
+            // 2/√10 wide and 1 high.
             let least = (2.0_f64 / 7.0).sqrt() / pair.unit;
             for [p, q, r] in [[0, 1, 2], [1, 2, 0], [2, 1, 0]].map(|corners| corners.map(|corner| all[corner])) {
                 let bound = lower(around_face(pair, p, q, r)).expect("a double pyramid");
@@ -144,12 +153,13 @@ mod tests {
     }
 
     #[test]
-    fn a_corner_that_counts_for_next_to_nothing_is_left_out() {
+    fn corners_of_tiny_weight_are_left_out() {
         found(&PYRAMIDS, |pair, all| {
-            // The origin is in the face of the first three, so that the tetrahedron does not hold it well.
+            // The origin is in the face of the first three corners, so the tetrahedron does not
+            // hold it with a margin.
             assert_eq!(counting(&all[..4]).len(), 3);
             assert!(Polytope::about_origin(&all[..4]).is_none() && about_origin(pair, &all[..4]).is_some());
-            assert!(certainly_meet(pair, &all[..4]) && certainly_meet(pair, &[]));
+            assert!(certainly_intersect(pair, &all[..4]) && certainly_intersect(pair, &[]));
         });
     }
 }

@@ -1,4 +1,4 @@
-//! Boxes about convex sets in the world.
+//! Bounding boxes of convex sets in the world frame.
 
 use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
@@ -7,19 +7,20 @@ use super::posed::{Core, Pair, Swept};
 use crate::math::relative::UNIT_ROUNDOFF;
 use crate::simd::{best_level, by_axis, dispatch};
 
-/// Corners of which the images are taken all. Of a hull of 32 that takes a tenth of the time of climbing to the six that count, of
-/// one of 512 a third to two fifths.
-const FEW: usize = 1024;
+/// Maximum number of corners whose images are all computed. For more corners the six extremes are
+/// found by climbing. Computing all images takes 10 % of the time of climbing for a hull of 32
+/// corners, and 33 % to 40 % for a hull of 512.
+const MAX_SCANNED_CORNERS: usize = 1024;
 
 impl Swept<'_> {
-    /// A box of the world that holds the shape.
+    /// Returns a box that holds the shape, as least and greatest corner in the world frame.
     ///
     /// # Accuracy
-    /// Tight but for units of 2^-53 of the magnitudes that sum up to a coordinate: about 8 for corners, and as many as L20
-    /// of docs/proof.md says for other cores.
+    /// The box is tight up to units of 2^-53 of the magnitudes that sum up to a coordinate: about 8
+    /// units for corners, and the number of units in docs/proof.md, L20, for other cores.
     pub(crate) fn world_bounds(&self) -> [[f64; 3]; 2] {
         let [against, along] = match self.core.corners() {
-            Some(corners) if corners.len() <= FEW => self.heights_of_corners(corners),
+            Some(corners) if corners.len() <= MAX_SCANNED_CORNERS => self.heights_of_corners(corners),
             _ => self.heights_of_supports(),
         };
         let at = self.pose.translation();
@@ -30,14 +31,16 @@ impl Swept<'_> {
         ]
     }
 
-    /// How far the core reaches at most against each axis of the world and along it, as seen from the origin of its own frame.
+    /// Returns upper bounds on the reach of the core against each axis of the world and along it,
+    /// measured from the origin of the core's frame.
     ///
-    /// A height is three products and two sums, off by 3.1 u of the magnitudes of its terms, which are at most those at the
-    /// greatest coordinates of any corner, and what is added to it is rounded itself: 4.2 u in all, taken as 8.
+    /// A height is three products and two sums, wrong by 3.1 u of the magnitudes of its terms.
+    /// These are at most the magnitudes at the greatest coordinates of any corner. The added error
+    /// is rounded itself: 4.2 u in all, taken as 8. (u = 2^-53.)
     fn heights_of_corners(&self, corners: &[[f64; 3]]) -> [[f64; 3]; 2] {
         dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || {
             let linear = self.pose.linear();
-            // The images of the three axes, and a lane to fill the vector.
+            // The images of the three axes, and one lane to fill the vector.
             let columns = by_axis!(k => f64x4::from_slice(simd, &[linear[0][k], linear[1][k], linear[2][k], 0.0]));
             let mut low = f64x4::splat(simd, f64::INFINITY);
             let (mut high, mut reach) = (-low, [0.0; 3]);
@@ -48,7 +51,7 @@ impl Swept<'_> {
                 reach = by_axis!(k => if corner[k].abs() > reach[k] { corner[k].abs() } else { reach[k] });
             }
             let sizes = by_axis!(k => columns[k].abs() * f64x4::splat(simd, reach[k]));
-            // Products that vanish lose less than the least normal number together.
+            // Products that underflow lose less than the least normal number together.
             let vanished = f64x4::splat(simd, f64::MIN_POSITIVE);
             let error = (sizes[0] + sizes[1] + sizes[2]) * f64x4::splat(simd, 8.0 * UNIT_ROUNDOFF) + vanished;
             [error - low, high + error].map(|heights| {
@@ -59,7 +62,8 @@ impl Swept<'_> {
         }))
     }
 
-    /// The same by the points that are farthest along the axes.
+    /// Returns the same bounds as [`heights_of_corners`](Self::heights_of_corners), from the
+    /// farthest points along the axes.
     fn heights_of_supports(&self) -> [[f64; 3]; 2] {
         let origin = Swept { core: Core::Points(&[[0.0; 3]]), pose: self.pose, radius: [0.0; 2] };
         let pair = Pair::new(&origin, self);
@@ -81,7 +85,7 @@ mod tests {
     use impinge_testkit::Affine;
     use impinge_testkit::generate::{Rng, poses};
 
-    /// Exactly: how much farther along an axis than a number the image of a corner is.
+    /// Returns exactly how much the image of a corner exceeds a number along an axis.
     fn beyond(pose: &Pose, corner: [f64; 3], axis: usize, number: f64) -> Dyadic {
         let image = dyadic::dot(&pose.linear()[axis].map(Dyadic::from_f64), &corner.map(Dyadic::from_f64));
         &(&image + &Dyadic::from_f64(pose.translation()[axis])) - &Dyadic::from_f64(number)
@@ -103,13 +107,14 @@ mod tests {
             };
             let pose = Pose::new(linear, translation).unwrap();
             let size = rng.choose(&[1e-300, 1e-9, 1.0, 1e9, 1e30]);
-            // Both ways of finding heights, and corners on a grid, of which some are the same.
-            let count = if rng.one_in(40) { FEW + 8 } else { rng.choose(&[1, 3, 8]) };
+            // Both methods of finding heights are tested. The corners are on a grid, so some
+            // coincide.
+            let count = if rng.one_in(40) { MAX_SCANNED_CORNERS + 8 } else { rng.choose(&[1, 3, 8]) };
             let corners: Vec<[f64; 3]> =
                 (0..count).map(|_| [0; 3].map(|_: i32| size * rng.integer(-4, 4) as f64 * 0.37)).collect();
             let swept = Swept { core: Core::Points(&corners), pose: &pose, radius: [0.0; 2] };
             let [min, max] = swept.world_bounds();
-            many += u32::from(count > FEW);
+            many += u32::from(count > MAX_SCANNED_CORNERS);
             for axis in 0..3 {
                 let images = corners.iter().map(|corner| {
                     assert_ne!(beyond(&pose, *corner, axis, min[axis]).sign(), Sign::Negative, "{pose:?} {corners:?}");
@@ -121,7 +126,7 @@ mod tests {
                 let reach = pose.linear()[axis].iter().map(|x| x.abs()).sum::<f64>() * size * 1.5;
                 let slack = 1e-14 * (reach + pose.translation()[axis].abs()) + 1e-290;
                 assert!(low - min[axis] <= slack && max[axis] - high <= slack, "{min:?} {max:?} {low} {high}");
-                // Rounding inwards would leave a corner out.
+                // A box that is rounded inwards would leave out a corner.
                 tight += u32::from(low - min[axis] < 4.0 * f64::EPSILON * low.abs());
             }
         }
@@ -129,14 +134,14 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_widens_a_box_by_no_less_than_its_radius() {
+    fn a_sphere_widens_a_box_by_no_less_than_its_radius() {
         let pose = Pose::from_translation([0.1, -7.0, 1e12]).unwrap();
         let swept = Swept { core: Core::Points(&[[0.25; 3]]), pose: &pose, radius: [0.3; 2] };
         let [min, max] = swept.world_bounds();
         for axis in 0..3 {
             for (end, sign) in [(min[axis], -1.0), (max[axis], 1.0)] {
-                let ball = &Dyadic::from_f64(0.3) * &Dyadic::from_f64(sign);
-                let past = &beyond(&pose, [0.25; 3], axis, end) + &ball;
+                let sphere = &Dyadic::from_f64(0.3) * &Dyadic::from_f64(sign);
+                let past = &beyond(&pose, [0.25; 3], axis, end) + &sphere;
                 assert_ne!(past.sign(), if sign < 0.0 { Sign::Negative } else { Sign::Positive });
             }
         }

@@ -1,13 +1,18 @@
-//! Two boxes, or what affine maps make of them: whether they meet and how deep they are in each other, in closed form.
+//! Intersection and depth in closed form for two boxes under affine maps.
 //!
-//! The set of differences of two parallelepipeds is the sum of six segments about the difference of the centres: a zonotope, each
-//! facet of which is across the directions of two of the segments. So fifteen directions tell all: along some of them the origin is
-//! outside where the boxes are apart; it is inside along all where they meet; and the facet that is nearest to it is the depth. What is
-//! not certain in floats, as for edges that are nearly parallel, is left to the iteration, which is also the oracle of this.
+//! The set of differences of two parallelepipeds is the sum of six segments, moved by the
+//! difference of the centers. It is a zonotope, and each of its facets is perpendicular to the
+//! cross product of two of the segments. So fifteen directions are enough. The boxes are disjoint
+//! if the origin is outside along one direction, and they intersect if it is inside along all. The
+//! nearest facet gives the depth. Whatever is not certain in floats, for example if edges are
+//! nearly parallel, is left to the iteration, which is also the oracle in the tests.
 //!
 //! # Source
-//! Gottschalk, Lin, Manocha, *OBBTree*, SIGGRAPH 1996, for the fifteen axes; McMullen, *On zonotopes*, Transactions of the AMS 159,
-//! 1971, for why they are enough. Ours departs in affine maps, in an error for each direction (docs/proof.md, L33), and in points.
+//! Gottschalk, Lin, Manocha, *OBBTree*, SIGGRAPH 1996, for the fifteen axes; McMullen, *On
+//! zonotopes*, Transactions of the AMS 159, 1971, for the proof that they are enough. Ours departs
+//! in affine maps, in an error bound for each direction (docs/proof.md, L33), and in the points.
+//!
+//! The tests below guard this file, and the benchmark is `shapes` in `impinge-bench`.
 
 use super::core_depth::CoreDepth;
 use super::gjk::SLACK;
@@ -16,21 +21,24 @@ use crate::math::relative::UNIT_ROUNDOFF;
 use crate::math::vec3::{dot, length, sub};
 use crate::volume::Proximity;
 
-/// A segment counts as across a direction where its ends are no farther apart along that than this, next to its length: 2^-40.
-const ACROSS: f64 = 1.0 / (1_u64 << 40) as f64;
+/// Largest cosine of the angle between a segment and a direction that count as perpendicular:
+/// 2^-40.
+const PERPENDICULAR_COSINE: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Points that the sweeps leave farther from where they should be than this, in the common unit, are not taken: 2^-36.
-const MISPLACED: f64 = 1.0 / (1_u64 << 36) as f64;
+/// Maximum distance of the returned points from their exact relation, in the common unit: 2^-36.
+/// Points with a larger error are discarded, and the iteration takes over.
+const MAX_POINT_ERROR: f64 = 1.0 / (1_u64 << 36) as f64;
 
-/// Sweeps over the free segments. Where the facet is a face of one box with a corner of the other, one is enough.
-const SWEEPS: usize = 32;
+/// Maximum number of sweeps over the free segments. One is enough if the facet is made of a face of
+/// one box and a corner of the other.
+const MAX_SWEEPS: usize = 32;
 
 /// Two boxes in the common frame.
 pub(super) struct Boxes<'p> {
     pair: &'p Pair<'p>,
-    /// Half the edges, of A and then of B.
+    /// Half edges of A, then of B.
     edges: [Edge; 6],
-    /// From A's centre to B's.
+    /// Vector from A's center to B's center.
     between: [f64; 3],
 }
 
@@ -38,25 +46,27 @@ pub(super) struct Boxes<'p> {
 #[derive(Clone, Copy)]
 struct Edge {
     vector: [f64; 3],
-    /// Of the pose, exactly; of any length.
+    /// Direction of the edge: an exact column of the pose, of any length.
     direction: [f64; 3],
     is_point: bool,
 }
 
-/// A direction across two edges, and how deep the origin is in the set of differences along it.
+/// Direction perpendicular to two edges, and the depth of the origin in the set of differences
+/// along it.
 struct Slab {
-    /// Towards B.
+    /// Normal towards B, of any length.
     normal: [f64; 3],
     height: f64,
-    /// What the height along the normal may be off by.
+    /// Bound on the error of the height along the normal.
     error: f64,
-    /// What it may be off from that along the true product of the edges, which the normal differs from by `off`.
+    /// Bound on the error of the height along the exact product of the edges, which differs from
+    /// the normal by at most `off`.
     facet_error: f64,
     off: f64,
 }
 
 impl<'p> Boxes<'p> {
-    /// None where one is no box.
+    /// Returns the two boxes in the common frame, or `None` if one core is not a box.
     pub(super) fn of(pair: &'p Pair<'p>) -> Option<Self> {
         let halves = [half_extents(&pair.a.core())?, half_extents(&pair.b.core())?];
         let edge = |set: &Posed<'_>, half: [f64; 3], axis: usize| {
@@ -69,11 +79,11 @@ impl<'p> Boxes<'p> {
                     if at < 3 { edge(&pair.a, halves[0], at) } else { edge(&pair.b, halves[1], at - 3) }
                 },
             );
-        let centres = [&pair.a, &pair.b].map(|set| set.spot([0.0; 3]).point);
-        Some(Self { pair, edges, between: sub(&centres[1], &centres[0]) })
+        let centers = [&pair.a, &pair.b].map(|set| set.spot([0.0; 3]).point);
+        Some(Self { pair, edges, between: sub(&centers[1], &centers[0]) })
     }
 
-    /// Whether the boxes meet, where that is certain.
+    /// Reports whether the boxes intersect, or that floats do not decide it.
     pub(super) fn proximity(&self) -> Proximity {
         let (mut facets, mut is_inside) = (0, true);
         for slab in self.slabs() {
@@ -83,11 +93,13 @@ impl<'p> Boxes<'p> {
             is_inside &= slab.height > slab.facet_error;
             facets += 1;
         }
-        // Inside one slab, the segments span space.
+        // The condition on `facets` matters: if the origin is strictly inside one slab, the
+        // segments span space.
         if is_inside && facets > 0 { Proximity::Meets } else { Proximity::Undecided }
     }
 
-    /// The depth, where its interval is at most so wide, in the common unit, and the boxes meet.
+    /// Returns the depth, or `None` if the interval is wider than `width`, in the common unit, or
+    /// the boxes are not proved to intersect.
     pub(super) fn depth(&self, width: f64) -> Option<CoreDepth> {
         let (mut lower, mut upper, mut direction) = (f64::INFINITY, f64::INFINITY, [0.0; 3]);
         for slab in self.slabs() {
@@ -107,9 +119,10 @@ impl<'p> Boxes<'p> {
         Some(CoreDepth { lower, upper, direction, points })
     }
 
-    /// The directions of all facets of the set of differences; edges that are exactly parallel have none.
+    /// Iterates over the slabs of all facets of the set of differences. Exactly parallel edges have
+    /// no slab.
     fn slabs(&self) -> impl Iterator<Item = Slab> {
-        /// The faces first, which part most boxes that are apart.
+        /// Pairs of edges. The face normals come first because they separate most disjoint boxes.
         const PAIRS: [[usize; 2]; 15] = [
             [0, 1],
             [1, 2],
@@ -152,23 +165,24 @@ impl<'p> Boxes<'p> {
         Slab { normal, height: reach - along.abs(), error, facet_error: error + facet_error, off }
     }
 
-    /// A point of each box whose difference is `depth` along the normal, which is across the nearest facet. The corners along the
-    /// normal are known; along the edges across it, the points go to where they are over each other.
+    /// Returns a point of each box, such that their difference is `depth` along the normal of the
+    /// nearest facet. The corner along the normal is known. Along the edges perpendicular to it,
+    /// the points move until they are over each other. Returns `None` if they do not get there.
     fn points(&self, normal: &[f64; 3], depth: f64) -> Option<[[f64; 3]; 2]> {
         let mut shares = [0.0_f64; 6];
         let mut free = [false; 6];
-        // What is left to go of the difference.
+        // The part of the difference that is still missing.
         let mut rest: [f64; 3] = std::array::from_fn(|k| normal[k] * depth + self.between[k]);
         for (at, edge) in self.edges.iter().enumerate() {
             let along = dot(&edge.vector, normal);
-            free[at] = along.abs() <= ACROSS * length(&edge.vector);
+            free[at] = along.abs() <= PERPENDICULAR_COSINE * length(&edge.vector);
             if !free[at] {
                 shares[at] = along.signum();
                 rest = std::array::from_fn(|k| rest[k] - shares[at] * edge.vector[k]);
             }
         }
-        for _ in 0..SWEEPS {
-            if length(&rest) <= MISPLACED {
+        for _ in 0..MAX_SWEEPS {
+            if length(&rest) <= MAX_POINT_ERROR {
                 break;
             }
             for at in (0..6).filter(|&at| free[at] && !self.edges[at].is_point) {
@@ -178,17 +192,19 @@ impl<'p> Boxes<'p> {
                 shares[at] = share;
             }
         }
-        // The difference of sums is the sum of all, as B's edges go either way.
+        // B's edges may be used in either direction, so the difference of the points is the sum
+        // over all six edges.
         let sum = |from: usize, sign: f64, start: [f64; 3]| -> [f64; 3] {
             (from..from + 3)
                 .fold(start, |sum, at| std::array::from_fn(|k| sum[k] + sign * shares[at] * self.edges[at].vector[k]))
         };
-        let centres = [&self.pair.a, &self.pair.b].map(|set| set.spot([0.0; 3]).point);
-        (length(&rest) <= MISPLACED).then(|| [sum(0, 1.0, centres[0]), sum(3, -1.0, centres[1])])
+        let centers = [&self.pair.a, &self.pair.b].map(|set| set.spot([0.0; 3]).point);
+        (length(&rest) <= MAX_POINT_ERROR).then(|| [sum(0, 1.0, centers[0]), sum(3, -1.0, centers[1])])
     }
 }
 
-/// The half-extents of a core that is a box about its origin, its corners numbered by the sides that they are on.
+/// Returns the half-extents of a core that is a box centered at its origin, or `None` for any other
+/// core. The corners must be numbered by the sides that they are on.
 fn half_extents(core: &Core<'_>) -> Option<[f64; 3]> {
     let Core::Points(corners @ [.., half]) = core else { return None };
     let is_there = |(at, corner): (usize, &[f64; 3])| {
@@ -197,7 +213,8 @@ fn half_extents(core: &Core<'_>) -> Option<[f64; 3]> {
     (corners.len() == 8 && corners.iter().enumerate().all(is_there)).then_some(*half)
 }
 
-/// Whether edges are exactly parallel, or one is a point; never so where they are not.
+/// Reports whether edges are proved to be exactly parallel, or one is a point. Returns `false` for
+/// all edges that are not parallel.
 fn are_parallel(one: &Edge, other: &Edge) -> bool {
     let (u, v) = (&one.direction, &other.direction);
     let is_multiple = u == v || *u == v.map(|x| -x);
@@ -208,7 +225,7 @@ fn are_parallel(one: &Edge, other: &Edge) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::convex::depth::{self, BENT, Effort};
+    use crate::convex::depth::{self, Effort, HULL_FALLBACK_WIDTH};
     use crate::convex::distance;
     use crate::convex::posed::Swept;
     use crate::math::Pose;
@@ -218,7 +235,8 @@ mod tests {
         std::array::from_fn(|at| [0, 1, 2].map(|k| if at >> k & 1 == 1 { half[k] } else { -half[k] }))
     }
 
-    /// A turn by next to nothing about any axis, to first order: edges that are nearly parallel.
+    /// Returns a tiny rotation about a random axis, to first order, which makes edges nearly
+    /// parallel.
     fn nudge(rng: &mut Rng, angle: f64) -> [[f64; 3]; 3] {
         let [x, y, z] = [0; 3].map(|_| angle * rng.uniform(-1.0, 1.0));
         [[1.0, -z, y], [z, 1.0, -x], [-y, x, 1.0]]
@@ -233,8 +251,9 @@ mod tests {
         }
     }
 
-    /// Boxes on grids, turned by quarters, by next to nothing and by anything, flat ones and sheared ones: nothing that is certain here
-    /// is otherwise by the iteration and exact arithmetic, and depths are the same.
+    /// Boxes on grids: turned by quarters, by tiny angles and by random rotations, flat ones and
+    /// sheared ones. Every certain answer must agree with the iteration and exact arithmetic, and
+    /// depths must be equal.
     #[test]
     fn boxes_are_as_the_iteration_finds_them() {
         let mut rng = Rng::new(172);
@@ -256,7 +275,7 @@ mod tests {
             assert!(found == Proximity::Undecided || found == truth, "{a:?} {b:?}: {found:?}, not {truth:?}");
             proximities[usize::from(truth == Proximity::Meets)][found as usize] += 1;
             asked += u32::from(truth == Proximity::Meets);
-            let Some(found) = boxes.depth(BENT) else { continue };
+            let Some(found) = boxes.depth(HULL_FALLBACK_WIDTH) else { continue };
             assert_eq!(truth, Proximity::Meets);
             depths += 1;
             let (other, _) = depth::by_iteration(&pair, Effort::DEPTH);
@@ -272,13 +291,13 @@ mod tests {
             let [p, q] = found.points;
             let off = sub(&sub(&p, &q), &normal.map(|x| x * found.upper));
             assert!(length(&off) < 1e-10, "{a:?} {b:?}: points {p:?} and {q:?}, {} along {normal:?}", found.upper);
-            // Neither point is beyond its box.
+            // Each point is within its box.
             for direction in [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.3, 0.5, -0.7], normal, normal.map(|x| -x)] {
                 assert!(dot(&p, &direction) <= dot(&pair.a.support(direction).point, &direction) + 1e-12);
                 assert!(dot(&q, &direction) <= dot(&pair.b.support(direction).point, &direction) + 1e-12);
             }
         }
-        // Touching, flat in one plane, or too near to it.
+        // The undecided pairs touch, are flat in one plane, or are too near to that.
         let certain = |truth: usize, found: Proximity| {
             f64::from(proximities[truth][found as usize]) / f64::from(proximities[truth].iter().sum::<i32>())
         };
@@ -287,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn only_boxes_are_boxes() {
+    fn cores_that_are_not_boxes_are_rejected() {
         let half = [1.0, 0.0, 3.0];
         assert_eq!(half_extents(&Core::Points(&corners(half))), Some(half));
         let mut other = corners(half);

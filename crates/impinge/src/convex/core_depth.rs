@@ -1,6 +1,7 @@
-//! What is proved of the depth of two cores.
+//! The proved bounds on the depth of two cores.
 
-/// What is proved of the cores, in the common unit; negative where they are apart.
+/// Bounds on the depth of two cores, in the common unit, with a direction and the two points in the
+/// common frame. The depth is negative if the cores are apart.
 pub(super) struct CoreDepth {
     pub(super) lower: f64,
     pub(super) upper: f64,

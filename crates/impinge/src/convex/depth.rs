@@ -1,16 +1,22 @@
-//! How deep two shapes are in each other: the length of the shortest translation that parts them, as a proved interval.
+//! Penetration depth of two shapes: the length of the shortest translation that separates them, as
+//! a proved interval.
 //!
-//! For any direction n, moving B along n by the height of the set of differences along n parts the cores: the upper bound, for
-//! a normal that is therefore always valid. A polytope inscribed in the set of differences holds a ball about the
-//! origin as large as its nearest facet is far: the lower bound. Facets are pushed outwards, those first that are nearest,
-//! until both meet.
+//! For any direction n, moving B along n by the height of the set of differences along n separates
+//! the cores. That gives the upper bound, with a normal that is therefore always valid. A polytope
+//! inscribed in the set of differences holds a sphere about the origin whose radius is the distance
+//! of its nearest facet. That gives the lower bound. The nearest facets are pushed outwards first,
+//! until both bounds agree.
 //!
-//! The inscribed polytope is that of `expand`, as long as the origin is inside. Else it is a [`Hull`], built anew for each round
-//! from all the points so far. That is exact for any points, so nothing can be inverted or left open however flat it is; and it
-//! has a kind, so a set that has grown to a segment only, or has no volume at all, is searched across itself.
+//! The inscribed polytope is the one of `expand` as long as the origin is inside. Otherwise it is a
+//! [`Hull`], built anew in each round from all points so far. A hull is exact for any points, so no
+//! facet can be inverted or undecided, however flat the set is. A hull also has a kind: if it is
+//! only a segment or has no volume, the search goes on perpendicular to it.
 //!
 //! # Source
-//! See `expand`. Ours departs in the exact hull where floats do not do, and in the interval.
+//! See `expand`. Ours departs in the exact hull, used if floats are not enough, and in the
+//! interval.
+//!
+//! The proof is docs/proof.md, L22. The tests are in `tests/it/shapes`.
 
 use super::around::about_origin;
 use super::boxes::Boxes;
@@ -24,60 +30,68 @@ use super::simplex;
 use crate::hull::{Hull, HullKind};
 use crate::math::vec3::{cross, dot, length};
 
-/// The most hulls that are built. Those of polytopes without a volume need some 3 to 8.
-const ROUNDS: usize = 24;
+/// Maximum number of hulls that are built. Polytopes without volume need about 3 to 8.
+const MAX_HULL_ROUNDS: usize = 24;
 
-/// Facets that are pushed in one round: those nearest, of which each costs two supports while the round costs a hull.
-const PUSHED: usize = 16;
+/// Maximum number of facets that are pushed in one round, the nearest first. Each costs two
+/// supports, and the round costs one hull.
+const MAX_PUSHED_FACETS: usize = 16;
 
-/// The width of an interval, in the common unit, that is not worth another round: 2^-46.
-const NARROW: f64 = 64.0 * f64::EPSILON;
+/// Width of an interval, in the common unit, below which another round is not worth its cost:
+/// 2^-46.
+const TARGET_WIDTH: f64 = 64.0 * f64::EPSILON;
 
-/// An interval of polytopes that is wider than this, in the common unit, was left by a polytope that rounding has bent, or by a
-/// set without a volume: 2^-43. Exact hulls narrow it, at some ten times the price.
-pub(super) const BENT: f64 = 1.0 / (1_u64 << 43) as f64;
+/// Width of an interval for polytopes, in the common unit, above which exact hulls are tried:
+/// 2^-43. A wider interval comes from a polytope that rounding has bent, or from a set without
+/// volume. Exact hulls cost about 10 times as much.
+pub(super) const HULL_FALLBACK_WIDTH: f64 = 1.0 / (1_u64 << 43) as f64;
 
-/// When an interval is good enough.
+/// Stopping rule of the depth computation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Effort {
-    /// The width, in the common unit, that is not worth another step.
-    narrow: f64,
-    /// The most points of the expanding polytope. Boxes and small hulls end with some 10; round cores keep the interval that they
-    /// have by then.
-    most_points: usize,
-    /// Whether exact hulls go on where the polytope of round cores has proved nothing.
+    /// Width of the interval, in the common unit, at which the computation stops.
+    target_width: f64,
+    /// Maximum number of points of the expanding polytope. Boxes and small hulls end with about 10.
+    /// Round cores keep the interval that they have at this number.
+    max_points: usize,
+    /// Whether exact hulls continue after the polytope of round cores has proved nothing.
     is_thorough: bool,
 }
 
 impl Effort {
-    /// For a depth of polytopes, which is that of a facet in the end.
-    pub(super) const DEPTH: Self = Self { narrow: NARROW, most_points: 320, is_thorough: true };
+    /// For the depth of polytopes, which ends at the depth of a facet.
+    pub(super) const DEPTH: Self = Self { target_width: TARGET_WIDTH, max_points: 320, is_thorough: true };
 
-    /// For a depth of anything round. What rounding leaves of an interval is up to 2^-44 wide, which more steps do not narrow: they are
-    /// three or four for each two digits before, and would be hundreds. 2^-40.
-    pub(super) const ROUND_DEPTH: Self = Self { narrow: 1.0 / (1_u64 << 40) as f64, ..Self::DEPTH };
+    /// For the depth of round shapes. Rounding leaves an interval up to 2^-44 wide, which more
+    /// steps do not narrow. Before that, three or four steps give two digits; beyond it, hundreds
+    /// would be needed. The width is 2^-40.
+    pub(super) const ROUND_DEPTH: Self = Self { target_width: 1.0 / (1_u64 << 40) as f64, ..Self::DEPTH };
 
-    /// For the normal of a contact, which the next step of a simulation finds anew; where it is deep, this may be too little.
-    pub(super) const CONTACT: Self = Self { narrow: 1.0 / (1 << 24) as f64, most_points: 64, is_thorough: false };
+    /// For the normal of a contact, which the next step of a simulation computes anew. It may be
+    /// too little if the contact is deep.
+    pub(super) const CONTACT: Self = Self { target_width: 1.0 / (1 << 24) as f64, max_points: 64, is_thorough: false };
 }
 
-/// What is proved of the depth of two shapes that meet, in world units.
+/// Bounds on the depth of two intersecting shapes, in world units. The shapes are apart after B has
+/// moved by more than `upper` along `normal`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Depth {
     pub(crate) lower: f64,
     pub(crate) upper: f64,
     pub(crate) normal: [f64; 3],
-    /// The points of A that is deepest in B, and of B that is deepest in A, along the normal.
+    /// The point of A deepest in B and the point of B deepest in A, along the normal, in the world
+    /// frame.
     pub(crate) points: [[f64; 3]; 2],
 }
 
-/// A depth, and the points of the cores, in the common frame, whose difference it is nearly.
+/// A depth, and the points of the cores in the common frame whose difference approximates it.
 pub(super) struct CoreWitness {
     pub(super) depth: Depth,
     pub(super) core: [[f64; 3]; 2],
 }
 
-/// The depth of two shapes; meaningful for any two, and zero at the lower end where they may be apart.
+/// Returns the depth of two shapes. It is meaningful for any two; the lower end is zero if they may
+/// be disjoint.
 pub(crate) fn depth(a: &Swept<'_>, b: &Swept<'_>) -> Depth {
     let are_polytopes = a.core.corners().is_some() && b.core.corners().is_some();
     let effort = if are_polytopes { Effort::DEPTH } else { Effort::ROUND_DEPTH };
@@ -92,7 +106,7 @@ pub(crate) fn depth(a: &Swept<'_>, b: &Swept<'_>) -> Depth {
 
 pub(super) fn depth_in_order(pair: &Pair<'_>, a: &Swept<'_>, b: &Swept<'_>, effort: Effort) -> CoreWitness {
     let sum = |end: usize| a.radius[end] + b.radius[end];
-    let of_boxes = Boxes::of(pair).and_then(|boxes| boxes.depth(effort.narrow.max(BENT)));
+    let of_boxes = Boxes::of(pair).and_then(|boxes| boxes.depth(effort.target_width.max(HULL_FALLBACK_WIDTH)));
     let (core, apart) = of_boxes.map_or_else(|| by_iteration(pair, effort), |core| (core, 0.0));
     let [inside, height] = [core.lower * pair.unit, core.upper * pair.unit];
     let lower = if inside > 0.0 { below(inside + below(sum(0))) } else { below(below(sum(0)) - apart).max(0.0) };
@@ -106,7 +120,7 @@ pub(super) fn depth_in_order(pair: &Pair<'_>, a: &Swept<'_>, b: &Swept<'_>, effo
     CoreWitness { depth, core: core.points }
 }
 
-/// What is proved of the cores, and how far they may be apart, in world units.
+/// Returns the bounds for the cores, and the largest distance that they may have, in world units.
 pub(super) fn by_iteration(pair: &Pair<'_>, effort: Effort) -> (CoreDepth, f64) {
     let gap = gap(pair);
     let [_, apart] = world_bounds(&gap, pair);
@@ -114,13 +128,15 @@ pub(super) fn by_iteration(pair: &Pair<'_>, effort: Effort) -> (CoreDepth, f64) 
     (core, apart)
 }
 
-/// Cores that are apart: the deepest points of the shapes are around the nearest of the cores.
+/// Returns the bounds for cores that are apart. The deepest points of the shapes are near the
+/// nearest points of the cores.
 fn of_apart(pair: &Pair<'_>, gap: &Gap) -> CoreDepth {
     let upper = Push::along(pair, gap.direction).height;
     CoreDepth { lower: -gap.upper, upper, direction: gap.direction, points: gap.points }
 }
 
-/// A direction, what is farthest along it, and how far no difference is beyond.
+/// The farthest difference along a direction, and an upper bound on the height of all differences
+/// along it.
 struct Push {
     farthest: Difference,
     height: f64,
@@ -134,7 +150,7 @@ impl Push {
     }
 }
 
-/// A direction to push along, and a facet's corners where it is across one.
+/// A direction to push along, and the corners of the facet that it is normal to, if there is one.
 struct Candidate {
     lower: f64,
     direction: [f64; 3],
@@ -152,30 +168,32 @@ fn expand(pair: &Pair<'_>, gap: &Gap, effort: Effort) -> CoreDepth {
     if let Some(polytope) = polytope {
         grow(pair, polytope, &mut best, effort);
     }
-    let is_open = match (pair.a.corners(), pair.b.corners()) {
-        (Some(_), Some(_)) => best.upper - best.lower > BENT,
-        _ => best.lower == 0.0 && best.upper > NARROW && (is_flat || effort.is_thorough),
+    let needs_hulls = match (pair.a.corners(), pair.b.corners()) {
+        (Some(_), Some(_)) => best.upper - best.lower > HULL_FALLBACK_WIDTH,
+        _ => best.lower == 0.0 && best.upper > TARGET_WIDTH && (is_flat || effort.is_thorough),
     };
-    if is_open {
+    if needs_hulls {
         by_hulls(pair, known, &mut best);
     }
     if best.lower == 0.0 {
-        // They only touch, as far as is known: nowhere else than where they are nearest.
+        // As far as is known the cores only touch, so the points are the nearest ones.
         best.points = gap.points;
     }
     best
 }
 
-/// Grows a polytope until its nearest facet is one of the set's, or no more is to be gained.
+/// Grows a polytope until its nearest facet belongs to the set of differences, or no more is
+/// gained.
 fn grow(pair: &Pair<'_>, mut polytope: Polytope, best: &mut CoreDepth, effort: Effort) {
     while let Some(nearest) = polytope.nearest() {
-        // What an earlier polytope held, the set holds.
+        // The set holds every polytope that an earlier step had.
         best.lower = best.lower.max(nearest.lower - pair.point_error());
         let push = Push::along(pair, nearest.direction);
         if push.height < best.upper {
             (best.upper, best.direction) = (push.height, nearest.direction);
         }
-        if best.upper - best.lower <= effort.narrow || !polytope.grow(&nearest, push.farthest, effort.most_points) {
+        if best.upper - best.lower <= effort.target_width || !polytope.grow(&nearest, push.farthest, effort.max_points)
+        {
             break;
         }
     }
@@ -186,7 +204,7 @@ fn grow(pair: &Pair<'_>, mut polytope: Polytope, best: &mut CoreDepth, effort: E
     }
 }
 
-/// Looks along a direction, and keeps what it finds.
+/// Computes the support along a direction, and keeps it if it improves the bounds.
 fn offer(pair: &Pair<'_>, best: &mut CoreDepth, known: &mut Vec<Difference>, candidate: &Candidate) {
     let push = Push::along(pair, candidate.direction);
     if push.height < best.upper {
@@ -202,22 +220,25 @@ fn offer(pair: &Pair<'_>, best: &mut CoreDepth, known: &mut Vec<Difference>, can
     }
 }
 
-/// Grows exact hulls of all points so far, which have a kind, and so are grown across themselves where they have no volume.
+/// Grows exact hulls of all points so far. A hull without volume grows perpendicular to itself.
 fn by_hulls(pair: &Pair<'_>, mut known: Vec<Difference>, best: &mut CoreDepth) {
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_HULL_ROUNDS {
         let vectors: Vec<[f64; 3]> = known.iter().map(|difference| difference.vector).collect();
         let Ok(hull) = Hull::new(&vectors) else { break };
         let mut candidates = candidates(&hull, &vectors);
         candidates.sort_by(|x, y| x.lower.total_cmp(&y.lower));
         best.lower =
             candidates.first().map_or(best.lower, |nearest| best.lower.max(nearest.lower - pair.point_error()));
-        if best.upper - best.lower <= NARROW {
+        if best.upper - best.lower <= TARGET_WIDTH {
             break;
         }
         let before = known.len();
-        // One facet may have the best height already and be no farther: then its points are the better ones.
-        for candidate in
-            candidates.iter().filter(|candidate| candidate.lower < best.upper).take(PUSHED).collect::<Vec<_>>()
+        // If a facet already has the best height, its points are the better ones.
+        for candidate in candidates
+            .iter()
+            .filter(|candidate| candidate.lower < best.upper)
+            .take(MAX_PUSHED_FACETS)
+            .collect::<Vec<_>>()
         {
             offer(pair, best, &mut known, candidate);
         }
@@ -233,8 +254,8 @@ fn both_ways(directions: &[[f64; 3]]) -> impl Iterator<Item = [f64; 3]> {
     directions.iter().flat_map(|direction| [*direction, direction.map(|x| -x)])
 }
 
-/// The directions in which the hull of the differences is to grow, each with how far the hull reaches about the origin at
-/// least. A hull without a volume grows across itself.
+/// Returns the directions in which the hull of the differences is to grow, each with a lower bound
+/// on the hull's reach about the origin. A hull without volume grows perpendicular to itself.
 fn candidates(hull: &Hull, vectors: &[[f64; 3]]) -> Vec<Candidate> {
     let faces = hull.faces().iter().filter_map(|face| {
         let face = face.map(|corner| hull.vertices()[corner as usize] as usize);
@@ -257,7 +278,8 @@ fn candidates(hull: &Hull, vectors: &[[f64; 3]]) -> Vec<Candidate> {
     faces.chain(across).collect()
 }
 
-/// The points of A and of B whose difference is nearest to the origin among the hull of some.
+/// Returns the points of A and of B whose difference is nearest to the origin in the hull of the
+/// given differences.
 fn foot(corners: &[Difference]) -> [[f64; 3]; 2] {
     let vectors: Vec<[f64; 3]> = corners.iter().map(|difference| difference.vector).collect();
     means(corners, &simplex::nearest(&vectors).weights)

@@ -1,9 +1,10 @@
-//! Distance and nearness of two swept cores.
+//! Distance of two swept cores, and whether they are within a distance of each other.
 //!
-//! The floats' interval comes first. Where it leaves the answer open, or is loose, and both cores are polytopes, the exact
-//! least distance takes over; for others it stays open, and says so.
+//! Floats compute an interval first. If it does not decide the answer, or is too wide, and both
+//! cores are polytopes, the exact least distance takes over. For other cores the answer may be
+//! undecided.
 
-use super::around::certainly_meet;
+use super::around::certainly_intersect;
 use super::boxes::Boxes;
 use super::facet::Facet;
 use super::gjk::{Gap, gap, gap_until, means};
@@ -13,11 +14,13 @@ use crate::math::dyadic::Dyadic;
 use crate::math::vec3::{dot, sub};
 use crate::volume::Proximity;
 
-/// An interval this wide, next to its upper end, is narrowed by exact arithmetic: 2^-36. Where shapes are well apart the
-/// floats give 2^-48; a gap of 2^-12 of the size is where they come to this.
-const LOOSE: f64 = f64::from_bits((1023 - 36) << 52);
+/// Width of an interval, relative to its upper end, above which exact arithmetic narrows it: 2^-36.
+/// If shapes are well apart, floats give 2^-48. They reach this width at a gap of 2^-12 of the
+/// size.
+const EXACT_DISTANCE_WIDTH: f64 = f64::from_bits((1023 - 36) << 52);
 
-/// What is proved of the distance of two shapes, in world units.
+/// Proved bounds on the distance of two shapes, in world units, with the nearest points in the
+/// world frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Separation {
     pub(crate) lower: f64,
@@ -26,7 +29,8 @@ pub(crate) struct Separation {
     pub(crate) proximity: Proximity,
 }
 
-/// The distance of two shapes, and whether they meet; never at odds.
+/// Returns the distance of two shapes, and whether they intersect. The two answers never contradict
+/// each other.
 pub(crate) fn separation(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
     if a.is_before(b) {
         return separation_in_order(a, b);
@@ -39,14 +43,14 @@ pub(crate) fn separation(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
 fn separation_in_order(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
     let pair = Pair::new(a, b);
     let (mut gap, mut exact) = (gap(&pair), None);
-    if gap.upper - gap.lower > LOOSE * gap.upper && !holds_origin(&pair, &gap) {
+    if gap.upper - gap.lower > EXACT_DISTANCE_WIDTH * gap.upper && !holds_origin(&pair, &gap) {
         exact = least_distance(&pair, &gap.simplex);
         if let Some(least) = &exact {
             [gap.lower, gap.upper] = least.bounds(pair.unit);
             gap.points = means(&least.simplex, &least.weights);
         }
     }
-    let proximity = judge(&pair, [a.radius, b.radius], &gap, exact, 0.0);
+    let proximity = classify(&pair, [a.radius, b.radius], &gap, exact, 0.0);
     let [lower, upper] = world_bounds(&gap, &pair);
     let sum = |end: usize| a.radius[end] + b.radius[end];
     let [lower, upper] = [below(lower - above(sum(1))).max(0.0), above(upper - below(sum(0))).max(0.0)];
@@ -59,7 +63,8 @@ fn separation_in_order(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
     Separation { lower, upper, points, proximity }
 }
 
-/// Whether two shapes are within a distance of each other, which is finite and not negative.
+/// Reports whether two shapes are within `clearance` of each other, in world units. The clearance
+/// must be finite and not negative. `Meets` means that they are.
 pub(crate) fn nearness(a: &Swept<'_>, b: &Swept<'_>, clearance: f64) -> Proximity {
     let [a, b] = if a.is_before(b) { [a, b] } else { [b, a] };
     let pair = Pair::new(a, b);
@@ -67,21 +72,21 @@ pub(crate) fn nearness(a: &Swept<'_>, b: &Swept<'_>, clearance: f64) -> Proximit
         .unwrap_or_else(|| by_iteration(&pair, [a.radius, b.radius], clearance))
 }
 
-/// Decides two boxes in closed form, if it can.
+/// Decides two boxes in closed form. Returns `None` if that is not possible.
 fn by_boxes(pair: &Pair<'_>, radii: [[f64; 2]; 2], clearance: f64) -> Option<Proximity> {
     let answer = Boxes::of(pair)?.proximity();
     let is_plain = [radii[0][1], radii[1][1], clearance] == [0.0; 3];
     (answer == Proximity::Meets || answer == Proximity::Apart && is_plain).then_some(answer)
 }
 
-/// [`nearness`], of any cores.
+/// Returns the same as [`nearness`], for any cores, without the closed form for boxes.
 pub(super) fn by_iteration(pair: &Pair<'_>, radii: [[f64; 2]; 2], clearance: f64) -> Proximity {
     let gap = gap_until(pair, |gap| by_bounds(pair, radii, gap, clearance).is_some());
-    judge(pair, radii, &gap, None, clearance)
+    classify(pair, radii, &gap, None, clearance)
 }
 
-/// What is known from an earlier question about the same two shapes: a direction from A to B along which they were apart, and the
-/// vertices at which climbs over their hulls ended.
+/// State kept from an earlier query about the same two shapes: a direction from A to B along which
+/// they were apart, and the vertices at which the climbs over their hulls ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Coherence {
     direction: [f64; 3],
@@ -94,11 +99,12 @@ impl Coherence {
     }
 }
 
-/// [`nearness`], from what was known last. A gap along the last direction that is not small ends the question; a small one is left to
-/// the iteration, which would find a gap too, so that no answer depends on what was known.
+/// Returns the same as [`nearness`], and starts from `known`, the state of the last query. A large
+/// gap along the last direction decides the query. A small gap is left to the iteration, which
+/// would find it too. So no answer depends on `known`.
 pub(crate) fn nearness_from(a: &Swept<'_>, b: &Swept<'_>, clearance: f64, known: &mut Coherence) -> Proximity {
-    /// Next to the sizes: 2^-20.
-    const NOT_SMALL: f64 = 1.0 / (1 << 20) as f64;
+    /// Minimum gap along the last direction, relative to the sizes, that decides the query: 2^-20.
+    const MIN_DECISIVE_GAP: f64 = 1.0 / (1 << 20) as f64;
     let is_turned = !a.is_before(b);
     let [first, second] = if is_turned { [b, a] } else { [a, b] };
     let pair = Pair::new(first, second);
@@ -113,14 +119,14 @@ pub(crate) fn nearness_from(a: &Swept<'_>, b: &Swept<'_>, clearance: f64, known:
     let is_apart = known.direction != [0.0; 3] && {
         let farthest = pair.support(known.direction);
         let lower = super::gjk::separation(&pair, known.direction, &farthest);
-        (lower - NOT_SMALL * (1.0 + lower)) * pair.unit > radii
+        (lower - MIN_DECISIVE_GAP * (1.0 + lower)) * pair.unit > radii
     };
     let answer = if is_apart {
         Proximity::Apart
     } else {
         let gap = gap(&pair);
         known.direction = if gap.lower > 0.0 { gap.direction } else { [0.0; 3] };
-        judge(&pair, [first.radius, second.radius], &gap, None, clearance)
+        classify(&pair, [first.radius, second.radius], &gap, None, clearance)
     };
     known.vertices = pair.vertices();
     if is_turned {
@@ -129,9 +135,15 @@ pub(crate) fn nearness_from(a: &Swept<'_>, b: &Swept<'_>, clearance: f64, known:
     answer
 }
 
-/// Whether the shapes are within `clearance`, from what is known of their cores; `exact`, if it is there, is about the
-/// same ones.
-fn judge(pair: &Pair<'_>, [a, b]: [[f64; 2]; 2], gap: &Gap, exact: Option<LeastDistance>, clearance: f64) -> Proximity {
+/// Classifies the shapes as within `clearance` of each other or not, from the bounds on their
+/// cores. If `exact` is given, it must be the exact distance of the same cores.
+fn classify(
+    pair: &Pair<'_>,
+    [a, b]: [[f64; 2]; 2],
+    gap: &Gap,
+    exact: Option<LeastDistance>,
+    clearance: f64,
+) -> Proximity {
     if exact.is_none() {
         if let Some(found) = by_bounds(pair, [a, b], gap, clearance) {
             return found;
@@ -141,7 +153,7 @@ fn judge(pair: &Pair<'_>, [a, b]: [[f64; 2]; 2], gap: &Gap, exact: Option<LeastD
         }
     }
     let Some(least) = exact.or_else(|| least_distance(pair, &gap.simplex)) else {
-        let meets = gap.lower == 0.0 && certainly_meet(pair, &gap.simplex);
+        let meets = gap.lower == 0.0 && certainly_intersect(pair, &gap.simplex);
         return if meets { Proximity::Meets } else { Proximity::Undecided };
     };
     let is_within = |end: usize| {
@@ -157,7 +169,7 @@ fn judge(pair: &Pair<'_>, [a, b]: [[f64; 2]; 2], gap: &Gap, exact: Option<LeastD
     }
 }
 
-/// What the bounds of the cores' distance prove.
+/// Returns the answer that the bounds on the cores' distance prove, or `None`.
 #[inline(always)]
 fn by_bounds(pair: &Pair<'_>, [a, b]: [[f64; 2]; 2], gap: &Gap, clearance: f64) -> Option<Proximity> {
     let sum = |end: usize| a[end] + b[end] + clearance;
@@ -171,8 +183,8 @@ fn by_bounds(pair: &Pair<'_>, [a, b]: [[f64; 2]; 2], gap: &Gap, clearance: f64) 
     }
 }
 
-/// Whether the cores certainly have a common point: a tetrahedron of differences is about the origin, by more than these
-/// may be off.
+/// Reports whether the cores certainly have a common point. This is proved if a tetrahedron of
+/// differences contains the origin with a margin above the error of the differences.
 fn holds_origin(pair: &Pair<'_>, gap: &Gap) -> bool {
     let [p, q, r, s] = match gap.simplex[..] {
         [p, q, r, s] => [p.vector, q.vector, r.vector, s.vector],
@@ -184,7 +196,8 @@ fn holds_origin(pair: &Pair<'_>, gap: &Gap) -> bool {
     faces.iter().all(|[a, b, c]| is_outside(a, b, c)) || faces.iter().all(|[a, b, c]| is_outside(a, c, b))
 }
 
-/// The interval in world units. A product with a power of two rounds only where it underflows, and there the ends move apart.
+/// Returns the interval in world units. A product with a power of two rounds only if it underflows;
+/// then the ends are moved outwards.
 pub(super) fn world_bounds(gap: &Gap, pair: &Pair<'_>) -> [f64; 2] {
     let is_rounded = |bound: f64| 0.0 < bound && bound < f64::MIN_POSITIVE;
     let [lower, upper] = [gap.lower * pair.unit, gap.upper * pair.unit];
@@ -195,7 +208,8 @@ pub(super) fn world_bounds(gap: &Gap, pair: &Pair<'_>) -> [f64; 2] {
     ]
 }
 
-/// Points of cores moved to the surfaces around them, towards each other; to one common point where these overlap.
+/// Moves points of cores to the surfaces around them, towards each other. If the surfaces overlap,
+/// both points become one common point.
 fn on_surfaces([p, q]: [[f64; 3]; 2], radius: [f64; 2]) -> [[f64; 3]; 2] {
     let between = sub(&q, &p);
     let direction = to_unit_length(between);
@@ -211,12 +225,12 @@ fn on_surfaces([p, q]: [[f64; 3]; 2], radius: [f64; 2]) -> [[f64; 3]; 2] {
     }
 }
 
-/// Below a sum of a few numbers, by more than its rounding.
+/// Returns a number below the sum of a few numbers, by more than its rounding error.
 pub(super) fn below(sum: f64) -> f64 {
     sum - sum.abs() * super::gjk::SLACK
 }
 
-/// Above a sum of a few numbers, by more than its rounding.
+/// Returns a number above the sum of a few numbers, by more than its rounding error.
 pub(super) fn above(sum: f64) -> f64 {
     sum + sum.abs() * super::gjk::SLACK
 }

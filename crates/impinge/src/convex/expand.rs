@@ -1,15 +1,22 @@
-//! The expanding polytope, grown facet by facet: how deep the origin is in the set of differences of two cores.
+//! The expanding polytope, grown facet by facet. It computes the depth of the origin in the set of
+//! differences of two cores.
 //!
-//! The polytope is a list of oriented triangles that is closed: every directed edge is linked with one that is its reverse. A step takes
-//! the nearest triangle, finds the farthest difference along its normal, and puts a cone from there over the border of the triangles
-//! around that see it. The border of any triangles is closed, so whichever are taken, the list stays so; which ones see a point is a
-//! matter of floats and may be wrong. What is proved needs no more: where all triangles of a closed list have the origin at least
-//! ρ > 0 below their planes, their hull holds the ball of ρ about the origin (docs/proof.md, L29). Where that does not come
-//! about, for sets without a volume or an origin on their border, the hulls of `depth` take over.
+//! The polytope is a closed list of oriented triangles: every directed edge is linked with one that
+//! is its reverse. A step takes the nearest triangle and finds the farthest difference along its
+//! normal. It removes the connected triangles that see that point, and puts a cone from the point
+//! over their border. The border of any triangles is closed, so the list stays closed whichever
+//! triangles are removed. Floats choose these triangles and may choose wrong ones.
+//!
+//! The proof needs no more. If all triangles of a closed list have the origin at least ρ > 0 below
+//! their planes, their hull holds the sphere of radius ρ about the origin (docs/proof.md, L29). If
+//! that fails, for sets without volume or an origin on their border, the hulls of `depth` take
+//! over.
 //!
 //! # Source
-//! Van den Bergen, *Proximity queries and penetration depth computation on 3D game objects*, GDC 2001, whose polytope has to stay
-//! convex; ours only has to stay closed.
+//! Van den Bergen, *Proximity queries and penetration depth computation on 3D game objects*, GDC
+//! 2001, whose polytope has to stay convex; ours only has to stay closed.
+//!
+//! The test is `the_surface_stays_closed` below.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -19,34 +26,38 @@ use super::posed::Difference;
 use super::simplex;
 use crate::math::vec3::{cross, dot, length, sub};
 
-/// How far from a triangle's plane a point counts as in it, in the common unit: 2^-48.
-const IN_PLANE: f64 = 16.0 * f64::EPSILON;
+/// Maximum distance from a triangle's plane, in the common unit, of a point that counts as in the
+/// plane: 2^-48.
+const IN_PLANE_TOLERANCE: f64 = 16.0 * f64::EPSILON;
 
-/// How high a triangle is on its longest edge at least, next to that, to be put beside another in its plane: 2^-30. What would be flatter
-/// is put over both instead.
-const FLAT: f64 = 1.0 / (1 << 30) as f64;
+/// Minimum height of a new triangle on its longest edge, relative to that edge, to be put beside a
+/// triangle in its plane: 2^-30. If the new triangle would be flatter, the point is put over both
+/// instead.
+const MIN_RELATIVE_HEIGHT: f64 = 1.0 / (1 << 30) as f64;
 
-/// A triangle without area is farther from the origin than this, in the common unit, or nothing is proved: 2^-20.
-const FAR: f64 = 1.0 / (1 << 20) as f64;
+/// Minimum distance of a triangle without area from the origin, in the common unit: 2^-20. If it is
+/// nearer, nothing is proved.
+const MIN_DEGENERATE_DISTANCE: f64 = 1.0 / (1 << 20) as f64;
 
-/// Planes are met at one place by a direction where they are so far along it but for this, next to that: 2^-30.
-const SAME: f64 = 1.0 / (1 << 30) as f64;
+/// Maximum relative difference of two distances along a direction that count as one place: 2^-30.
+const SAME_PLACE_TOLERANCE: f64 = 1.0 / (1 << 30) as f64;
 
-/// Triangles for each point, of which a surface without handles has fewer than two: beyond this rounding has made several layers of
-/// them, each step of which may treble their number, and nothing more comes of it.
-const TANGLED: usize = 4;
+/// Maximum number of triangles per point. A surface without handles has fewer than two. With more
+/// than four, rounding has made several layers of triangles. Each step may then triple their
+/// number, and nothing is gained.
+const MAX_TRIANGLES_PER_POINT: usize = 4;
 
 /// A closed list of triangles about the origin.
 pub(super) struct Polytope {
     points: Vec<Difference>,
-    /// The points' vectors, side by side, as every step looks at all of them.
+    /// Vectors of the points, side by side, because every step reads all of them.
     vectors: Vec<[f64; 3]>,
-    /// Those that are no longer in the list keep their places until others need them.
+    /// All triangles. A removed triangle keeps its place until a new one needs it.
     triangles: Vec<Triangle>,
     vacant: Vec<u32>,
-    /// The triangles by what they bound, and some that have left the list.
+    /// Triangles by their bound, with some entries of removed triangles.
     order: BinaryHeap<Entry>,
-    /// What a step works on, kept for its memory.
+    /// Buffers of a step, kept to reuse their memory.
     removed: Vec<u32>,
     border: Vec<BorderEdge>,
     unlinked: Vec<Unlinked>,
@@ -55,37 +66,39 @@ pub(super) struct Polytope {
 #[derive(Clone, Copy)]
 struct Triangle {
     corners: [u32; 3],
-    /// Beyond the edge from each corner to the next.
-    neighbours: [Side; 3],
+    /// Sides beyond the edge from each corner to the next corner.
+    neighbors: [Side; 3],
     is_listed: bool,
     direction: [f64; 3],
-    /// How far below the plane the origin is at least; infinite for a triangle without area, which bounds nothing, and negative
-    /// infinity where that may hold the origin.
+    /// Lower bound on the distance of the origin below the plane. It is infinite for a triangle
+    /// without area, which bounds nothing, and negative infinity if such a triangle may hold the
+    /// origin.
     lower: f64,
-    /// The height of the plane along the direction, which has no length of 1.
+    /// Height of the plane along `direction`, whose length is not 1.
     height: f64,
 }
 
-/// An edge of a triangle: from the corner of that number to the next.
+/// An edge of a triangle: from the corner with this number to the next corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Side {
     triangle: u32,
     edge: u8,
 }
 
-/// An edge of removed triangles, and what is beyond.
+/// An edge of removed triangles, and the side beyond it.
 struct BorderEdge {
     ends: [u32; 2],
     beyond: Side,
 }
 
-/// An edge whose reverse has not come yet.
+/// An edge whose reverse has not been added yet.
 struct Unlinked {
     ends: [u32; 2],
     side: Side,
 }
 
-/// Ordered so that the least bound is the greatest entry; of equal ones the first triangle.
+/// Entry of the queue, ordered so that the least bound is the greatest entry. The first triangle
+/// wins a tie.
 #[derive(PartialEq)]
 struct Entry {
     lower: f64,
@@ -106,18 +119,20 @@ impl Ord for Entry {
     }
 }
 
-/// The triangle that is nearest to the origin.
+/// The triangle nearest to the origin.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearest {
-    /// The ball of this radius is in the hull of the points, as computed; where it is zero or less nothing is proved.
+    /// Radius of a sphere about the origin that the hull of the computed points holds. If it is
+    /// zero or negative, nothing is proved.
     pub(super) lower: f64,
-    /// Across the triangle, outwards; its greatest entry is ±1.
+    /// Outward normal of the triangle. Its greatest entry is ±1.
     pub(super) direction: [f64; 3],
     at: u32,
 }
 
 impl Polytope {
-    /// The hull of four differences and some more, if it holds the origin well inside.
+    /// Builds the hull of four differences and some more. Returns `None` unless it holds the origin
+    /// strictly inside.
     pub(super) fn about_origin(points: &[Difference]) -> Option<Self> {
         let (&[p, q, r, s], more) = points.split_first_chunk()?;
         let is_above = Facet::of(&p.vector, &q.vector, &r.vector)
@@ -134,7 +149,7 @@ impl Polytope {
         polytope.triangles.iter().filter(|triangle| triangle.is_listed).all(is_beyond).then_some(polytope)
     }
 
-    /// The closed surface of these triangles.
+    /// Builds the closed surface of these triangles.
     pub(super) fn new(points: Vec<Difference>, faces: &[[u32; 3]]) -> Self {
         let mut polytope = Self {
             vectors: points.iter().map(|point| point.vector).collect(),
@@ -155,7 +170,7 @@ impl Polytope {
         polytope
     }
 
-    /// The triangle that bounds least.
+    /// Returns the triangle with the least bound, or `None` if no triangle has a finite one.
     pub(super) fn nearest(&mut self) -> Option<Nearest> {
         loop {
             let &Entry { lower, triangle: at } = self.order.peek()?;
@@ -168,24 +183,26 @@ impl Polytope {
         }
     }
 
-    /// Grows to a point that is beyond the plane of a triangle. False where it is a corner already, or there are as many as may be.
-    /// False, too, where the surface is tangled. It is then of no more use.
-    pub(super) fn grow(&mut self, beyond: &Nearest, point: Difference, most_points: usize) -> bool {
+    /// Adds a point that is beyond the plane of a triangle. Returns `false` if it is already a
+    /// corner, or if there are `max_points` points. Also returns `false` if the surface is tangled;
+    /// it is then no longer usable.
+    pub(super) fn grow(&mut self, beyond: &Nearest, point: Difference, max_points: usize) -> bool {
         let [x, y, z] = point.vector;
-        if self.points.len() >= most_points || self.vectors.iter().any(|v| v[0] == x && v[1] == y && v[2] == z) {
+        if self.points.len() >= max_points || self.vectors.iter().any(|v| v[0] == x && v[1] == y && v[2] == z) {
             return false;
         }
         self.put_over(beyond.at, point)
     }
 
-    /// Puts a new point over a triangle that it is beyond, and those around that see it too. False where the surface is tangled.
+    /// Puts a new point over a triangle whose plane it is beyond, and over the triangles around
+    /// that see it too. Returns `false` if the surface is tangled.
     fn put_over(&mut self, at: u32, point: Difference) -> bool {
         let number = self.points.len() as u32;
         self.points.push(point);
         self.vectors.push(point.vector);
         self.remove_seen(at, &point.vector);
         let listed = self.triangles.len() - self.vacant.len();
-        if listed + self.border.len() > TANGLED * self.points.len() {
+        if listed + self.border.len() > MAX_TRIANGLES_PER_POINT * self.points.len() {
             return false;
         }
         let mut border = std::mem::take(&mut self.border);
@@ -199,40 +216,45 @@ impl Polytope {
         true
     }
 
-    /// The points of A and of B whose difference is where the surface is met along a direction from the origin, which it is about.
+    /// Returns the points of A and of B whose difference is the point of the surface along a
+    /// direction from the origin, which must be inside. Returns `None` if no triangle faces the
+    /// direction.
     pub(super) fn points_along(&self, direction: &[f64; 3]) -> Option<[[f64; 3]; 2]> {
         let facing = self.triangles.iter().filter(|triangle| triangle.is_listed && triangle.height.is_finite());
-        // How many times the direction it is to the plane.
+        // Distance to the plane in multiples of the direction.
         let times = |triangle: &Triangle| triangle.height / dot(&triangle.direction, direction).max(0.0);
         let least = facing.clone().map(times).fold(f64::INFINITY, f64::min);
         let place = direction.map(|x| x * least);
-        // Of those in one plane, which has the place inside.
-        let nearest = facing.filter(|triangle| times(triangle) <= least * (1.0 + SAME)).map(|triangle| {
-            let corners = triangle.corners.map(|corner| self.points[corner as usize]);
-            let nearest = simplex::nearest(&corners.map(|corner| sub(&corner.vector, &place)));
-            (dot(&nearest.vector, &nearest.vector), corners, nearest.weights)
-        });
+        // Of the triangles in one plane, the one that holds the place.
+        let nearest =
+            facing.filter(|triangle| times(triangle) <= least * (1.0 + SAME_PLACE_TOLERANCE)).map(|triangle| {
+                let corners = triangle.corners.map(|corner| self.points[corner as usize]);
+                let nearest = simplex::nearest(&corners.map(|corner| sub(&corner.vector, &place)));
+                (dot(&nearest.vector, &nearest.vector), corners, nearest.weights)
+            });
         let (_, corners, weights) = nearest.min_by(|x, y| x.0.total_cmp(&y.0))?;
         Some(super::gjk::means(&corners, &weights))
     }
 
-    /// A triangle whose plane a point is beyond.
+    /// Returns a triangle whose plane the point is beyond.
     fn seen_from(&self, point: &[f64; 3]) -> Option<u32> {
-        let sees =
-            |triangle: &Triangle| triangle.is_listed && dot(&triangle.direction, point) - triangle.height > IN_PLANE;
+        let sees = |triangle: &Triangle| {
+            triangle.is_listed && dot(&triangle.direction, point) - triangle.height > IN_PLANE_TOLERANCE
+        };
         self.triangles.iter().position(sees).map(|at| at as u32)
     }
 
-    /// Removes a triangle, those that see a point and are reached from there over others that do, and triangles without area between
-    /// them, which see nothing and would only be in the way; their border is kept. What has the point in its plane, as the flat end of a
-    /// cylinder has each that comes to its circle, is removed only where the point is not beside it.
+    /// Removes a triangle and all connected triangles that see a point, and keeps their border.
+    /// Triangles without area between them, which see nothing, are removed too. If a triangle has
+    /// the point in its plane, as at the flat end of a cylinder, it is removed only if the point is
+    /// not beside it.
     fn remove_seen(&mut self, first: u32, point: &[f64; 3]) {
         self.triangles[first as usize].is_listed = false;
         self.removed.push(first);
         let mut looked_at = 0;
         while let Some(&at) = self.removed.get(looked_at) {
             looked_at += 1;
-            for beyond in self.triangles[at as usize].neighbours {
+            for beyond in self.triangles[at as usize].neighbors {
                 let next = &mut self.triangles[beyond.triangle as usize];
                 if next.is_listed && !stays(next, beyond.edge, point, &self.vectors) {
                     next.is_listed = false;
@@ -241,8 +263,8 @@ impl Polytope {
             }
         }
         for &at in &self.removed {
-            let Triangle { corners, neighbours, .. } = self.triangles[at as usize];
-            for (edge, beyond) in neighbours.into_iter().enumerate() {
+            let Triangle { corners, neighbors, .. } = self.triangles[at as usize];
+            for (edge, beyond) in neighbors.into_iter().enumerate() {
                 if self.triangles[beyond.triangle as usize].is_listed {
                     self.border.push(BorderEdge { ends: [corners[edge], corners[(edge + 1) % 3]], beyond });
                 }
@@ -255,15 +277,20 @@ impl Polytope {
         let [a, b, c] = corners.map(|corner| self.vectors[corner as usize]);
         let (direction, lower, height) = match Facet::of(&a, &b, &c) {
             Some(Facet { direction, lower }) => (direction, lower, dot(&direction, &a)),
-            // Far from the origin it covers no direction of its own; near, nothing is proved any more.
+            // Far from the origin, the triangle covers no direction of its own. Near the origin,
+            // nothing is proved any more.
             None => {
                 let away = length(&simplex::nearest(&[a, b, c]).vector);
-                ([0.0; 3], if away > FAR { f64::INFINITY } else { f64::NEG_INFINITY }, f64::INFINITY)
+                (
+                    [0.0; 3],
+                    if away > MIN_DEGENERATE_DISTANCE { f64::INFINITY } else { f64::NEG_INFINITY },
+                    f64::INFINITY,
+                )
             }
         };
         let at = self.vacant.pop().unwrap_or(self.triangles.len() as u32);
-        let neighbours = [0, 1, 2].map(|edge| Side { triangle: at, edge });
-        let triangle = Triangle { corners, neighbours, is_listed: true, direction, lower, height };
+        let neighbors = [0, 1, 2].map(|edge| Side { triangle: at, edge });
+        let triangle = Triangle { corners, neighbors, is_listed: true, direction, lower, height };
         match self.triangles.get_mut(at as usize) {
             Some(place) => *place = triangle,
             None => self.triangles.push(triangle),
@@ -273,11 +300,12 @@ impl Polytope {
     }
 
     fn link(&mut self, one: Side, other: Side) {
-        self.triangles[one.triangle as usize].neighbours[usize::from(one.edge)] = other;
-        self.triangles[other.triangle as usize].neighbours[usize::from(other.edge)] = one;
+        self.triangles[one.triangle as usize].neighbors[usize::from(one.edge)] = other;
+        self.triangles[other.triangle as usize].neighbors[usize::from(other.edge)] = one;
     }
 
-    /// Links an edge with one that is its reverse, now or when that comes. Which one does not matter where there are several.
+    /// Links an edge with its reverse, now or when the reverse is added. If there are several, any
+    /// of them serves.
     fn link_with_reverse(&mut self, side: Side) {
         let (corners, edge) = (self.triangles[side.triangle as usize].corners, usize::from(side.edge));
         let [from, to] = [corners[edge], corners[(edge + 1) % 3]];
@@ -291,20 +319,21 @@ impl Polytope {
     }
 }
 
-/// Whether a triangle neither sees a point nor is in the way of the triangle that the point makes with one of its edges.
+/// Reports whether a triangle stays: it does not see the point, and is not in the way of the
+/// triangle that the point makes with one of its edges.
 fn stays(triangle: &Triangle, edge: u8, point: &[f64; 3], vectors: &[[f64; 3]]) -> bool {
     let above = dot(&triangle.direction, point) - triangle.height;
     if triangle.height == f64::INFINITY {
         return false;
     }
-    if above.abs() > IN_PLANE {
+    if above.abs() > IN_PLANE_TOLERANCE {
         return above < 0.0;
     }
     let edge = usize::from(edge);
     let [from, to] = [edge, (edge + 1) % 3].map(|corner| &vectors[triangle.corners[corner] as usize]);
     let (along, away) = (sub(to, from), sub(point, from));
     let longest = dot(&along, &along).max(dot(&away, &away));
-    dot(&cross(&along, &away), &triangle.direction) < -FLAT * longest
+    dot(&cross(&along, &away), &triangle.direction) < -MIN_RELATIVE_HEIGHT * longest
 }
 
 #[cfg(test)]
@@ -317,14 +346,15 @@ mod tests {
         Difference { a: spot(vector), b: spot([0.0; 3]), vector }
     }
 
-    /// However points come, every directed edge is as often there as its reverse.
+    /// Whatever the points are, every directed edge occurs as often as its reverse.
     #[test]
     fn the_surface_stays_closed() {
         let corners = [[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0]];
         let mut polytope = Polytope::about_origin(&corners.map(difference)).expect("about the origin");
         let mut grown = 0;
         for step in 0..60_u32 {
-            // On grids that become larger, so that many are in planes of facets and still beyond others.
+            // Points on grids that become larger, so that many are in planes of facets and beyond
+            // others.
             let digit = |at: u32| f64::from(1 + step / 6) * (f64::from((step * 7 + at * step) % 5) - 2.0);
             let Some(nearest) = polytope.nearest() else { break };
             grown += u32::from(polytope.grow(&nearest, difference([digit(1), digit(3), digit(5)]), 64));
@@ -333,7 +363,7 @@ mod tests {
             for triangle in polytope.triangles.iter().filter(|triangle| triangle.is_listed) {
                 let [p, q, r] = triangle.corners;
                 edges.extend([[p, q], [q, r], [r, p]]);
-                for (edge, side) in triangle.neighbours.iter().enumerate() {
+                for (edge, side) in triangle.neighbors.iter().enumerate() {
                     let other = &polytope.triangles[side.triangle as usize];
                     let [from, to] =
                         [other.corners[usize::from(side.edge)], other.corners[usize::from(side.edge + 1) % 3]];

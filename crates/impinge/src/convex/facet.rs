@@ -1,4 +1,5 @@
-//! How far the plane of a triangle is from the origin, bounded from below, whatever the triangle's shape.
+//! A lower bound on the distance of a triangle's plane from the origin, whatever the triangle's
+//! shape.
 
 use super::posed::to_unit_entries;
 use crate::exact::double_double::{self, DoubleDouble};
@@ -10,23 +11,27 @@ use crate::math::vec3::{dot, length, sub};
 /// The plane of three points of the common frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facet {
-    /// Across the plane, to the side from which the points turn left; its greatest entry is ±1.
+    /// Normal of the plane, on the side from which the points turn left. Its greatest entry is ±1.
     pub(super) direction: [f64; 3],
-    /// How far the plane is from the origin along that direction, or less; negative where the origin is on that side.
+    /// Lower bound on the distance of the plane from the origin along `direction`. It is negative
+    /// if the origin is on that side of the plane.
     pub(super) lower: f64,
 }
 
 impl Facet {
-    /// The facet of three points whose coordinates are at most a few units; none where they are in one line.
+    /// Returns the facet of three points whose coordinates are at most a few units, or `None` if
+    /// they are in one line.
     ///
     /// # Accuracy
-    /// With e, f the edges at one corner a and `N_k` the magnitudes of the two products of component k of the normal n = e × f,
-    /// that is off by 5 u N_k and n·a by 9 u Σ N_k |a_k| (docs/proof.md, L22). Where that is not little next to |n|, integers give
-    /// both.
+    /// Let e and f be the edges at one corner a, and `N_k` the sum of the magnitudes of the two
+    /// products of component k of the normal n = e × f. Component k is wrong by at most 5 u N_k,
+    /// and n·a by at most 9 u Σ N_k |a_k| (docs/proof.md, L22; u = 2^-53). If that is not small
+    /// relative to |n|, doubled floats and last integers compute both.
     pub(super) fn of(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> Option<Self> {
         let (e, f) = (sub(b, a), sub(c, a));
         let (squared_e, squared_f, squared_g) = (dot(&e, &e), dot(&f, &f), dot(&sub(c, b), &sub(c, b)));
-        // From the corner between the shorter edges: two long ones beside a short one are nearly parallel, and lose digits.
+        // Starts at the corner between the two shorter edges. Two long edges beside a short one are
+        // nearly parallel and lose digits.
         let (corner, e, f) = if squared_g >= squared_e.max(squared_f) {
             (a, e, f)
         } else if squared_f >= squared_e {
@@ -49,11 +54,13 @@ impl Facet {
             .or_else(|| Self::exactly(a, b, c))
     }
 
-    /// The facet across a normal that is off by at most `off`, whose product with a corner is at least `height`; none where that is not
-    /// little next to the normal, or its length may have lost digits.
+    /// Returns the facet with a normal that is wrong by at most `off` and whose product with a
+    /// corner is at least `height`. Returns `None` if `off` is not small relative to the normal, or
+    /// if its length may have lost digits.
     fn across(normal: [f64; 3], off: f64, height: f64) -> Option<Self> {
         let across = length(&normal);
-        // 2^-36: of lengths of 2^-18 next to each other no digits are lost that would show in an answer.
+        // The limit is 2^-36. Edges whose lengths differ by a factor of 2^18 lose no digits that
+        // would show in an answer.
         let is_certain = across.is_normal() && off < across * 1.5e-11 && across * across > 1e-280 && height.is_finite();
         is_certain.then(|| {
             let lower = height / if height > 0.0 { across + off } else { across - off };
@@ -61,7 +68,8 @@ impl Facet {
         })
     }
 
-    /// What has no digits left in floats mostly has them here, at a fiftieth of the price of integers.
+    /// Computes the facet in doubled floats. They mostly have digits left if floats have none, and
+    /// cost about 50 times less than integers.
     #[cold]
     fn in_doubled_floats(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> Option<Self> {
         let [a, b, c] = [a, b, c].map(|point| point.map(DoubleDouble::of));
@@ -96,7 +104,8 @@ impl Facet {
     }
 }
 
-/// A vector over its greatest entry, each entry rounded once; none where it is zero.
+/// Returns a vector divided by its greatest entry, each entry rounded once, or `None` if it is
+/// zero.
 pub(super) fn rounded_direction(vector: &[Dyadic; 3]) -> Option<[f64; 3]> {
     let over = |k: usize| {
         let by = |j: usize| Dyadic::nearest_quotient(&vector[j], &vector[k]);

@@ -1,23 +1,25 @@
-//! The corners, edges and facets of a polytope: what contacts are named by.
+//! The corners, edges and facets of a polytope, by which contacts are named.
 
 use crate::hull::Hull;
 
-/// A polytope's corners with their numbers, the edges at each, and its facets as polygons.
+/// Corners of a polytope with their numbers, the edges at each corner, and the facets as polygons.
 ///
-/// A polytope without volume has the facets that its hull has: a polygon two, one for either side, a segment or a point none.
+/// A polytope without volume has the facets of its hull: a polygon has two, one for either side; a
+/// segment or a point has none.
 #[derive(Clone, Debug)]
 pub(crate) struct Facets {
-    /// Of each corner, its number among the points that the shape was made of, and where it is.
+    /// Number of each corner among the points that the shape was made of, and its position in the
+    /// shape's frame.
     pub(super) corners: Vec<(u32, [f64; 3])>,
     /// The other ends of the edges at each corner.
-    pub(super) neighbours: Ragged,
-    /// The corners of each facet, turning left seen from outside.
+    pub(super) neighbors: Ragged,
+    /// The corners of each facet, in counterclockwise order seen from outside.
     pub(super) outlines: Ragged,
     /// The facets at each corner.
     pub(super) facets_at: Ragged,
 }
 
-/// Lists of numbers, one after the other.
+/// Lists of numbers, stored one after the other.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ragged {
     ends: Vec<u32>,
@@ -41,7 +43,8 @@ impl Ragged {
 }
 
 impl Facets {
-    /// The facets of the hull of a few points, whose corners are numbered as the points are.
+    /// Builds the facets of the hull of a few points. Corners have the numbers of the points.
+    /// Returns `None` if the points have no hull.
     pub(crate) fn of_points(points: &[[f64; 3]]) -> Option<Self> {
         let hull = Hull::new(points).ok()?;
         let mut facets = Self::of_hull(&hull);
@@ -51,13 +54,13 @@ impl Facets {
         Some(facets)
     }
 
-    /// The facets of a hull, whose corners have the hull's own numbers.
+    /// Builds the facets of a hull. Corners have the hull's own numbers.
     pub(crate) fn of_hull(hull: &Hull) -> Self {
         let corners: Vec<(u32, [f64; 3])> = (0..).zip(hull.positions().iter().copied()).collect();
-        let mut neighbours = Ragged::default();
+        let mut neighbors = Ragged::default();
         for &(corner, _) in &corners {
-            neighbours.entries.extend(hull.neighbours(corner));
-            neighbours.close();
+            neighbors.entries.extend(hull.neighbours(corner));
+            neighbors.close();
         }
         let outlines = outlines(hull);
         let mut found: Vec<Vec<u32>> = vec![Vec::new(); corners.len()];
@@ -71,21 +74,23 @@ impl Facets {
             facets_at.entries.extend(facets);
             facets_at.close();
         }
-        Self { corners, neighbours, outlines, facets_at }
+        Self { corners, neighbors, outlines, facets_at }
     }
 }
 
-/// The outlines of a hull's facets: its fans, put together across the edges that are none of the hull's.
+/// Returns the outlines of a hull's facets: its fans of triangles, joined across the diagonals,
+/// which are not edges of the hull.
 fn outlines(hull: &Hull) -> Ragged {
     let is_edge = |from: u32, to: u32| hull.neighbours(from).binary_search(&to).is_ok();
-    // Faces are sorted, and a fan's start with its centre: the next one of a fan is found by its first edge.
+    // Faces are sorted, and so are the fans by their first corner. The next face of a fan is found
+    // by its first edge.
     let faces = hull.faces();
     let mut outlines = Ragged::default();
     for face in faces.iter().filter(|face| is_edge(face[0], face[1])) {
         outlines.entries.extend(face);
-        let [centre, _, mut last] = *face;
-        while !is_edge(centre, last) {
-            let Some(next) = faces.get(faces.partition_point(|other| other[..2] < [centre, last][..])) else { break };
+        let [center, _, mut last] = *face;
+        while !is_edge(center, last) {
+            let Some(next) = faces.get(faces.partition_point(|other| other[..2] < [center, last][..])) else { break };
             last = next[2];
             outlines.entries.push(last);
         }
@@ -110,7 +115,7 @@ mod tests {
             assert_eq!((0..3).filter(|&k| same(k)).count(), 1);
         }
         assert!((0..8).all(|corner| facets.facets_at.list(corner).len() == 3));
-        assert!((0..8).all(|corner| facets.neighbours.list(corner).len() == 3));
+        assert!((0..8).all(|corner| facets.neighbors.list(corner).len() == 3));
     }
 
     #[test]

@@ -1,37 +1,42 @@
-//! The part of a core that faces along a direction: a corner, an edge or a facet of a polytope, or such a polygon of a round
-//! core's points.
+//! The part of a core that faces along a direction: a corner, an edge or a facet of a polytope. For
+//! a round core it is a polygon of its points.
 
 use super::facets::Facets;
 use super::posed::{Core, Posed, to_unit_entries, to_unit_length};
 use crate::math::vec3::{cross, dot, length, sub};
 
-/// A facet counts as facing a direction, and an edge as across it, where the sine of the angle that it is off is at most this:
-/// some 14 degrees. More makes contacts of what only leans; less takes corners from what rocks.
-const LEANING: f64 = 0.25;
+/// Maximum sine of the angle between a facet's normal and a direction for the facet to count as
+/// facing it, or between an edge and the plane perpendicular to the direction: about 14 degrees. A
+/// larger value makes contacts of parts that only lean. A smaller value loses corners of shapes
+/// that rock.
+const MAX_FACING_SINE: f64 = 0.25;
 
-/// How far directions are tilted to find the border of what a round core turns to a plane, smallest first: the least that sees
-/// more than one place is the most accurate.
+/// Tilts of the direction that find the border of the part of a round core that faces a plane. The
+/// smallest tilt that sees more than one place is the most accurate, so they are tried in ascending
+/// order.
 const TILTS: [f64; 3] = [1.0 / 65_536.0, 1.0 / 2_048.0, 1.0 / 64.0];
 
-/// Places on a round core that are nearer to each other than this, next to its reach, are one.
-const ONE_PLACE: f64 = 1.0 / 16.0;
+/// Maximum distance of points on a round core that count as one, relative to the core's reach.
+const SAME_PLACE_DISTANCE: f64 = 1.0 / 16.0;
 
-/// A corner of what faces a direction: its number, and where it is in the common frame.
+/// A corner of the facing part: its number, and its position in the common frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Corner {
     pub(super) number: u32,
     pub(super) point: [f64; 3],
 }
 
-/// What faces a direction: a convex polygon, a segment or a point, by its corners in turn.
+/// The part that faces a direction: a convex polygon, a segment or a point, given by its corners in
+/// order.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Facing {
     pub(super) corners: Vec<Corner>,
-    /// The number of the facet, where there are more than two corners.
+    /// Number of the facet. Meaningful only if there are more than two corners.
     pub(super) facet: u32,
 }
 
-/// What faces a direction of length 1 in the common frame. Facets are wanted for polytopes.
+/// Returns the part of a core that faces a direction of length 1 in the common frame. Facets are
+/// needed for polytopes.
 pub(super) fn facing(set: &Posed<'_>, facets: Option<&Facets>, direction: [f64; 3]) -> Facing {
     match facets {
         Some(facets) if !facets.corners.is_empty() => of_polytope(set, facets, direction),
@@ -56,20 +61,20 @@ fn of_polytope(set: &Posed<'_>, facets: &Facets, direction: [f64; 3]) -> Facing 
     });
     let facet = facet.max_by(|x, y| x.0.total_cmp(&y.0).then(y.1.cmp(&x.1)));
     if let Some((cosine, facet)) = facet
-        && cosine * cosine >= 1.0 - LEANING * LEANING
+        && cosine * cosine >= 1.0 - MAX_FACING_SINE * MAX_FACING_SINE
         && cosine > 0.0
     {
         return Facing { corners: facets.outlines.list(facet).iter().map(|&at| corner(at)).collect(), facet };
     }
     let sine = |other: u32| dot(&direction, &to_unit_length(sub(&point(other), &point(farthest)))).abs();
-    let edge = facets.neighbours.list(farthest).iter().map(|&other| (sine(other), other));
-    let edge = edge.min_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1))).filter(|edge| edge.0 <= LEANING);
+    let edge = facets.neighbors.list(farthest).iter().map(|&other| (sine(other), other));
+    let edge = edge.min_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1))).filter(|edge| edge.0 <= MAX_FACING_SINE);
     let corners = std::iter::once(corner(farthest)).chain(edge.map(|(_, other)| corner(other))).collect();
     Facing { corners, facet: 0 }
 }
 
-/// The corners are the farthest points along eight directions about the given one, numbered by those, where they are in more
-/// than one place; else there is one, of number 8.
+/// Returns the farthest points along eight directions about the given one, numbered by direction,
+/// if they are in more than one place. Otherwise returns one point with number 8.
 fn of_round(set: &Posed<'_>, direction: [f64; 3]) -> Facing {
     const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
     const TURNS: [[f64; 2]; 8] =
@@ -77,7 +82,7 @@ fn of_round(set: &Posed<'_>, direction: [f64; 3]) -> Facing {
     let along = set.turned(direction);
     let axis = (0..3).max_by(|&i, &j| along[i].abs().total_cmp(&along[j].abs()).then(j.cmp(&i))).unwrap_or(0);
     let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-    let near = ONE_PLACE * set.reach();
+    let near = SAME_PLACE_DISTANCE * set.reach();
     for tilt in TILTS {
         let mut corners: Vec<Corner> = Vec::with_capacity(8);
         for (number, turn) in (0..).zip(TURNS) {
@@ -96,7 +101,7 @@ fn of_round(set: &Posed<'_>, direction: [f64; 3]) -> Facing {
     Facing { corners: vec![Corner { number: 8, point: set.support(direction).point }], facet: 0 }
 }
 
-/// Twice the area of a polygon as a vector.
+/// Returns the vector area of a polygon times 2.
 fn vector_area(mut outline: impl Iterator<Item = [f64; 3]>) -> [f64; 3] {
     let Some(first) = outline.next() else { return [0.0; 3] };
     let mut area = [0.0; 3];

@@ -1,8 +1,11 @@
-//! Half-spaces in the world, and how convex shapes and other half-spaces lie to them.
+//! Half-spaces in the world, and their position relative to convex shapes and other half-spaces.
 //!
-//! The image of {v : n·v ≤ c} under x = R v + t is {x : m·(x - t) ≤ |det R| c}, where m is the sign of det R times the cofactor
-//! matrix of R, applied to n. All of that is exact, as are the heights of vertices; only a length is a root, and that is
-//! squared where something is decided.
+//! The image of {v : n·v ≤ c} under x = R v + t is {x : m·(x - t) ≤ |det R| c}. Here m is the
+//! cofactor matrix of R, times the sign of det R, applied to n. All of that is exact, and so are
+//! the heights of vertices. Only lengths are roots; they are squared if something is decided.
+//!
+//! The proof is docs/proof.md, L21 and L28. The tests are in `tests/it/shapes/pairs.rs` and
+//! `tests/it/shapes/surfaces.rs`.
 
 use super::depth::Depth;
 use super::distance::{Separation, above, below};
@@ -18,21 +21,23 @@ use crate::math::vec3::{dot, length, sub};
 use crate::math::{Pose, Sign};
 use crate::volume::Proximity;
 
-/// The points of the world that are on one side of a plane.
+/// A half-space in the world: the points on one side of a plane.
 #[derive(Clone, Debug)]
 pub(crate) struct HalfSpace<'a> {
-    /// m, out of the half-space.
+    /// The exact normal m, which points out of the half-space.
     normal: [Dyadic; 3],
-    /// |det R| c, which m·(x - t) does not exceed.
+    /// The exact level |det R| c. Points of the half-space have m·(x - t) of at most this level.
     level: Dyadic,
-    /// m over its greatest entry, and the level over that, each rounded once.
+    /// The normal m divided by its greatest entry, and the level divided by the same entry. Each
+    /// number is rounded once.
     direction: [f64; 3],
     rounded_level: f64,
     pose: &'a Pose,
 }
 
-/// How far out of the half-space a shape starts: the least of m·(x - t) over |m|, less what the half-space has and the
-/// radius. An interval in world units, and the point that is deepest.
+/// Signed distance of a shape above the half-space's plane: the least of m·(x - t) over |m|, minus
+/// the level and the radius. It is negative if the shape reaches into the half-space. It is an
+/// interval in world units, with the deepest point of the shape.
 struct Start {
     lower: f64,
     upper: f64,
@@ -40,7 +45,7 @@ struct Start {
 }
 
 impl<'a> HalfSpace<'a> {
-    /// The image of {v : normal·v ≤ level}; the normal is not zero.
+    /// Builds the image of {v : normal·v ≤ level} under `pose`. The normal must not be zero.
     pub(crate) fn new(normal: [f64; 3], level: f64, pose: &'a Pose) -> Self {
         let [x, y, z] = pose.linear().map(|row| row.map(Dyadic::from_f64));
         // The rows of the cofactor matrix are cross products of the rows of R.
@@ -56,8 +61,8 @@ impl<'a> HalfSpace<'a> {
         Self { rounded_level: scale * direction[greatest], normal, level, direction, pose }
     }
 
-    /// The normal in units of its greatest entry, the point that heights are measured from, and the height of the plane along
-    /// that normal; every number is the exact one rounded once.
+    /// Returns the normal in units of its greatest entry, the point that heights are measured from,
+    /// and the height of the plane along that normal. Every number is the exact one, rounded once.
     pub(crate) fn rounded(&self) -> ([f64; 3], [f64; 3], f64) {
         (self.direction, *self.pose.translation(), self.rounded_level)
     }
@@ -84,7 +89,8 @@ impl<'a> HalfSpace<'a> {
         }
     }
 
-    /// How far a point of the common frame is above the plane, in world units.
+    /// Returns an interval that holds the height of a point of the common frame above the plane, in
+    /// world units.
     pub(super) fn height(&self, pair: &Pair<'_>, point: &[f64; 3]) -> [f64; 2] {
         let across = length(&self.direction);
         let height = dot(&self.direction, point) - self.rounded_level / pair.unit;
@@ -93,8 +99,9 @@ impl<'a> HalfSpace<'a> {
         [below(height / across - error) * pair.unit, above(height / across + error) * pair.unit]
     }
 
-    /// The corners of what a shape turns to the plane, as far as they are in the half-space or at most `margin` above; the lowest
-    /// in any case. The first point of each is on the plane.
+    /// Returns the contacts of a shape with this half-space: the corners of the part that faces the
+    /// plane, if they are in the half-space or at most `margin` above it. The lowest corner is
+    /// always included. The first point of each contact is on the plane.
     pub(crate) fn contacts(&self, shape: &Faceted<'_>, margin: f64) -> Contacts {
         let pair = self.pair(&shape.swept);
         let normal = to_unit_length(self.direction);
@@ -106,7 +113,8 @@ impl<'a> HalfSpace<'a> {
         Contacts { normal, contacts }
     }
 
-    /// The corners of a polytope that are in the half-space or at most `margin` above, numbered in their order.
+    /// Returns the contacts of the corners of a polytope that are in the half-space or at most
+    /// `margin` above it. Corners are numbered in their order.
     pub(super) fn contacts_of_corners(&self, shape: &Swept<'_>, margin: f64) -> Contacts {
         let pair = self.pair(shape);
         let corners = (0..).zip(shape.core.corners().unwrap_or_default());
@@ -129,13 +137,14 @@ impl<'a> HalfSpace<'a> {
         Contact { points, lower, upper, features: [Feature::Face(0), Feature::Vertex(corner.number)] }
     }
 
-    /// The frame in which heights above the plane are taken.
+    /// Returns the common frame in which heights above the plane are computed.
     pub(super) fn pair<'p>(&'p self, shape: &Swept<'p>) -> Pair<'p> {
         let origin = Swept { core: super::posed::Core::Points(&[[0.0; 3]]), pose: self.pose, radius: [0.0; 2] };
         Pair::new(&origin, shape)
     }
 
-    /// Out of the half-space, in the world, of length 1 but for rounding.
+    /// Returns the normal that points out of the half-space, in the world frame. Its length is 1 up
+    /// to rounding.
     pub(crate) fn unit_normal(&self) -> [f64; 3] {
         to_unit_length(self.direction)
     }
@@ -144,8 +153,9 @@ impl<'a> HalfSpace<'a> {
         self.direction
     }
 
-    /// The contact of two half-spaces. One is enough, as their planes have no corners. The depth is infinite where they do not
-    /// face each other, and negative where they face each other across a gap.
+    /// Returns the contact of two half-spaces. There is one, because planes have no corners. The
+    /// depth is infinite if the half-spaces do not face each other, and negative if they face each
+    /// other across a gap.
     pub(crate) fn contact_of_half_spaces(&self, other: &HalfSpace<'_>) -> Contacts {
         let features = [Feature::Face(0); 2];
         let Separation { lower, upper, points, proximity } = self.separation_of_half_spaces(other);
@@ -157,7 +167,8 @@ impl<'a> HalfSpace<'a> {
         Contacts { normal, contacts: vec![Contact { points, lower, upper, features }] }
     }
 
-    /// The least of m·(x - t) less the level over the core, where that is a polytope.
+    /// Returns the least of m·(x - t), minus the level, over the core, exactly. Returns `None` if
+    /// the core is not a polytope.
     fn least_height(&self, shape: &Swept<'_>) -> Option<Dyadic> {
         let origin = self.pose.translation().map(Dyadic::from_f64);
         let height = |corner: &[f64; 3]| {
@@ -168,7 +179,8 @@ impl<'a> HalfSpace<'a> {
         heights.reduce(|least, height| if (&height - &least).sign() == Sign::Negative { height } else { least })
     }
 
-    /// Whether a shape is within a distance of this half-space, which is finite and not negative.
+    /// Reports whether a shape is within `clearance` of this half-space, in world units. The
+    /// clearance must be finite and not negative. `Meets` means that it is.
     pub(crate) fn nearness(&self, shape: &Swept<'_>, clearance: f64) -> Proximity {
         let start = self.start(shape);
         if start.lower > clearance {
@@ -191,7 +203,7 @@ impl<'a> HalfSpace<'a> {
         }
     }
 
-    /// The distance of a shape.
+    /// Returns the distance of a shape from this half-space, in world units.
     pub(crate) fn separation(&self, shape: &Swept<'_>) -> Separation {
         let (start, proximity) = (self.start(shape), self.nearness(shape, 0.0));
         let [lower, upper] = match proximity {
@@ -203,7 +215,8 @@ impl<'a> HalfSpace<'a> {
         Separation { lower, upper, points, proximity }
     }
 
-    /// How deep a shape is in this half-space; the normal is the half-space's.
+    /// Returns the depth of a shape in this half-space, in world units. The normal is the
+    /// half-space's.
     pub(crate) fn depth(&self, shape: &Swept<'_>) -> Depth {
         let start = self.start(shape);
         let lower = (-start.upper).max(0.0);
@@ -211,17 +224,20 @@ impl<'a> HalfSpace<'a> {
         Depth { lower, upper: (-start.lower).max(lower), normal: to_unit_length(self.direction), points }
     }
 
-    /// How far apart two half-spaces are that face each other, and 0 or the negative depth where they overlap; none
-    /// where they do not face each other, and so meet however they are moved. Squared, with its sign, and its divisor.
-    fn facing(&self, other: &HalfSpace<'_>) -> Option<[Dyadic; 2]> {
+    /// Returns the distance between two half-spaces that face each other. It is zero or the
+    /// negative depth if they overlap. It is returned as a quotient: the gap, and the square of its
+    /// divisor. Returns `None` if they do not face each other; they then intersect wherever they
+    /// are moved.
+    fn facing_gap(&self, other: &HalfSpace<'_>) -> Option<[Dyadic; 2]> {
         let crossed = dyadic::cross(&self.normal, &other.normal);
         if crossed.iter().any(|x| x.sign() != Sign::Zero)
             || dyadic::dot(&self.normal, &other.normal).sign() == Sign::Positive
         {
             return None;
         }
-        // The other's plane, along this normal: m_B = -λ m_A, and m_B·(x - t_B) = l_B there. Multiplied by |m_A| |m_B|:
-        // with s = m_A·m_B < 0, m_A·(x - t_A) = (s / m_B²) l_B + m_A·(t_B - t_A).
+        // The other's plane, along this normal: m_B = -λ m_A, and m_B·(x - t_B) = l_B there.
+        // Multiplied by |m_A| |m_B|: with s = m_A·m_B < 0, m_A·(x - t_A) = (s / m_B²) l_B +
+        // m_A·(t_B - t_A).
         let along = dyadic::dot(&self.normal, &other.normal);
         let squared_b = dyadic::dot(&other.normal, &other.normal);
         let offset = [0, 1, 2]
@@ -232,18 +248,19 @@ impl<'a> HalfSpace<'a> {
         Some([gap, &(&squared_b * &squared_b) * &squared_a])
     }
 
-    /// Whether another half-space is within a distance of this one; decided exactly.
+    /// Reports whether another half-space is within `clearance` of this one, in world units. The
+    /// answer is exact.
     pub(crate) fn nearness_of_half_spaces(&self, other: &HalfSpace<'_>, clearance: f64) -> Proximity {
-        let Some([gap, squared]) = self.facing(other) else { return Proximity::Meets };
+        let Some([gap, squared]) = self.facing_gap(other) else { return Proximity::Meets };
         let limit = &Dyadic::product(clearance, clearance) * &squared;
         let is_within = gap.sign() != Sign::Positive || (&(&gap * &gap) - &limit).sign() != Sign::Positive;
         if is_within { Proximity::Meets } else { Proximity::Apart }
     }
 
-    /// The distance of another half-space.
+    /// Returns the distance of another half-space, in world units.
     pub(crate) fn separation_of_half_spaces(&self, other: &HalfSpace<'_>) -> Separation {
         let proximity = self.nearness_of_half_spaces(other, 0.0);
-        let [lower, upper] = match (proximity, self.facing(other)) {
+        let [lower, upper] = match (proximity, self.facing_gap(other)) {
             (Proximity::Apart, Some(facing)) => root_bounds(&facing),
             _ => [0.0; 2],
         };
@@ -251,9 +268,10 @@ impl<'a> HalfSpace<'a> {
         Separation { lower, upper, points: [point, self.moved(point, upper)], proximity }
     }
 
-    /// The depth of another half-space: infinite where they do not face each other.
+    /// Returns the depth of another half-space, in world units. It is infinite if the half-spaces
+    /// do not face each other.
     pub(crate) fn depth_of_half_spaces(&self, other: &HalfSpace<'_>) -> Depth {
-        let [lower, upper] = match self.facing(other) {
+        let [lower, upper] = match self.facing_gap(other) {
             Some(facing) if facing[0].sign() == Sign::Negative => root_bounds(&facing),
             Some(_) => [0.0; 2],
             None => [f64::INFINITY; 2],
@@ -263,8 +281,9 @@ impl<'a> HalfSpace<'a> {
         Depth { lower, upper, normal: to_unit_length(self.direction), points: [point, self.moved(point, -inside)] }
     }
 
-    /// A point of both, where they meet: from the plane, against both normals until the other's plane is reached. Where they
-    /// face each other, but for rounding, the point of the plane is in the other already.
+    /// Returns a point of both half-spaces, if they intersect. It starts on this plane and moves
+    /// against both normals until it reaches the other's plane. If the half-spaces face each other
+    /// up to rounding, the point of this plane is in the other already.
     fn common_point(&self, other: &HalfSpace<'_>) -> [f64; 3] {
         let point = self.on_plane();
         let (n, m) = (to_unit_length(self.direction), to_unit_length(other.direction));
@@ -274,7 +293,7 @@ impl<'a> HalfSpace<'a> {
         if outside > 0.0 && by.is_finite() { std::array::from_fn(|k| point[k] - along[k] * by) } else { point }
     }
 
-    /// A point of the plane, rounded.
+    /// Returns a point of the plane in the world, rounded.
     fn on_plane(&self) -> [f64; 3] {
         let across = dot(&self.direction, &self.direction);
         std::array::from_fn(|k| self.pose.translation()[k] + self.direction[k] * (self.rounded_level / across))
@@ -286,9 +305,10 @@ impl<'a> HalfSpace<'a> {
     }
 }
 
-/// The magnitude of a number over the root of another, from below and from above; what is below 2^-500 is not told from zero.
+/// Returns a lower and an upper bound on the magnitude of a number divided by the root of another.
+/// A result below 2^-500 gets the lower bound zero.
 fn root_bounds([number, squared]: &[Dyadic; 2]) -> [f64; 2] {
-    const LEAST: f64 = f64::from_bits((1023 - 500) << 52);
+    const MIN_ROOT: f64 = f64::from_bits((1023 - 500) << 52);
     let root = Dyadic::nearest_quotient(&(number * number), squared).sqrt();
-    if root < LEAST { [0.0, LEAST] } else { [below(root), above(root)] }
+    if root < MIN_ROOT { [0.0, MIN_ROOT] } else { [below(root), above(root)] }
 }

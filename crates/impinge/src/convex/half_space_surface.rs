@@ -1,4 +1,4 @@
-//! A mesh and a half-space: the faces that reach lowest, found through the mesh's tree.
+//! A mesh and a half-space: finds the faces that reach lowest, through the mesh's tree.
 
 use std::ops::ControlFlow::{self, Continue};
 
@@ -13,7 +13,8 @@ use crate::mesh::FaceSearch;
 use crate::volume::Proximity;
 
 impl HalfSpace<'_> {
-    /// Whether a mesh is within a distance of this half-space, which is finite and not negative; exact.
+    /// Reports whether a mesh is within `clearance` of this half-space, in world units. The
+    /// clearance must be finite and not negative. The answer is exact.
     pub(crate) fn nearness_of_surface(&self, surface: &Surface<'_>, clearance: f64) -> Proximity {
         let mut answer = Proximity::Apart;
         self.search(surface, clearance, |face, cut| {
@@ -26,7 +27,7 @@ impl HalfSpace<'_> {
         answer
     }
 
-    /// The distance of a mesh.
+    /// Returns the distance of a mesh, in world units. It is infinite if the mesh has no faces.
     pub(crate) fn separation_of_surface(&self, surface: &Surface<'_>) -> Separation {
         let mut best: Option<Separation> = None;
         self.search(surface, f64::INFINITY, |face, cut| {
@@ -49,7 +50,8 @@ impl HalfSpace<'_> {
         })
     }
 
-    /// How deep a mesh is in this half-space; the normal is the half-space's. None where the mesh has no faces.
+    /// Returns the depth of a mesh in this half-space, in world units, with the half-space's
+    /// normal. Returns `None` if the mesh has no faces.
     pub(crate) fn depth_of_surface(&self, surface: &Surface<'_>) -> Option<Depth> {
         let mut best: Option<Depth> = None;
         self.search(surface, 0.0, |face, cut| {
@@ -66,7 +68,8 @@ impl HalfSpace<'_> {
         best
     }
 
-    /// The corners of a mesh that are in the half-space, or at most `margin` above it, by face.
+    /// Returns the contacts of the corners of a mesh that are in the half-space, or at most
+    /// `margin` above it, sorted by face.
     pub(crate) fn contacts_of_surface(&self, surface: &Surface<'_>, margin: f64) -> Vec<(u32, Contacts)> {
         let mut found = Vec::new();
         self.faces(surface, margin, |number, face, cut| {
@@ -84,7 +87,8 @@ impl HalfSpace<'_> {
         self.faces(surface, cut, |_, face, cut| visit(face, cut));
     }
 
-    /// Shows the faces that may start below the cut, which is how far above the plane they do; each answers with the new cut.
+    /// Visits the faces whose lowest point may be below `cut`, a height above the plane in world
+    /// units. Each call of `visit` returns the new cut.
     fn faces(&self, surface: &Surface<'_>, cut: f64, visit: impl FnMut(u32, &Swept<'_>, f64) -> f64) {
         let Some(corners) = surface.mesh.local_bounds().map(corners_of_box) else { return };
         let bounds = Swept { core: Core::Points(&corners), pose: surface.pose, radius: [0.0; 2] };
@@ -102,9 +106,9 @@ struct Lowest<'q, V> {
 }
 
 impl<V: FnMut(u32, &Swept<'_>, f64) -> f64> FaceSearch for Lowest<'_, V> {
-    fn bound(&self, centre: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
+    fn bound(&self, center: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
         let direction = self.half_space.direction();
-        let [lower, _] = self.half_space.height(self.pair, &self.pair.b.spot(*centre).point);
+        let [lower, _] = self.half_space.height(self.pair, &self.pair.b.spot(*center).point);
         let linear = self.surface.pose.linear();
         let reach: f64 = (0..3)
             .map(|j| (0..3).map(|k| linear[k][j] * direction[k]).sum::<f64>().abs() * half_extents[j])

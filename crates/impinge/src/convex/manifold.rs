@@ -1,13 +1,18 @@
-//! Where two convex shapes touch or overlap: points on both, a normal, and how deep each is.
+//! Contacts of two convex shapes that touch or overlap: points on both, a normal, and the depth of
+//! each contact.
 //!
-//! The normal is that of the depth, or of the distance where the shapes are apart; the points are where what faces along it, on
-//! either side, lies over each other. So two boxes that lie flat have up to eight points, crossed edges have one, and a
-//! capsule on the ground has two.
+//! The normal is the normal of the depth, or of the distance if the shapes are apart. The points
+//! come from the parts of both shapes that face along it, at the places where they lie over each
+//! other. So two boxes that lie flat on each other have up to eight contacts, crossed edges have
+//! one, and a capsule on the ground has two.
 //!
 //! # Source
-//! Clipping facing polygons is the way of all engines (Gregorius, *Robust Contact Creation for Physics Simulations*, GDC 2015).
-//! Ours departs in that both shapes count alike, that points are means of corners, which gives each depth an interval
-//! (docs/proof.md, L28), and that the deepest points of the depth itself are added where clipping has none as deep.
+//! Clipping facing polygons is the method of all engines (Gregorius, *Robust Contact Creation for
+//! Physics Simulations*, GDC 2015). Ours departs in three ways. Both shapes are treated alike.
+//! Points are means of corners, which gives each depth an interval (docs/proof.md, L28). The
+//! deepest points of the depth itself are added if clipping has none as deep.
+//!
+//! The tests are in `tests/it/shapes/contacts.rs`.
 
 use super::depth::{Effort, depth_in_order};
 use super::distance::{above, below};
@@ -18,14 +23,15 @@ use super::posed::{Pair, Swept};
 use crate::math::relative::UNIT_ROUNDOFF;
 use crate::math::vec3::{cross, dot, sub};
 
-/// A swept core, and the facets of the core where that is a polytope.
+/// A swept core, with the facets of the core if it is a polytope.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Faceted<'a> {
     pub(crate) swept: Swept<'a>,
     pub(crate) facets: Option<&'a Facets>,
 }
 
-/// A contact in the world.
+/// A contact in the world frame: a point on either shape, an interval for the depth in world units,
+/// and the features in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Contact {
     pub(crate) points: [[f64; 3]; 2],
@@ -34,14 +40,15 @@ pub(crate) struct Contact {
     pub(crate) features: [Feature; 2],
 }
 
-/// The contacts along one normal, which leads from the first shape to the second and has length 1; never none.
+/// All contacts along one normal, which points from the first shape to the second and has length 1.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Contacts {
     pub(crate) normal: [f64; 3],
     pub(crate) contacts: Vec<Contact>,
 }
 
-/// The contacts of two shapes that are at most `margin` apart.
+/// Returns the contacts of two shapes that are at most `margin` apart, in world units. There is at
+/// least one.
 pub(crate) fn contacts(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts {
     if a.swept.is_before(&b.swept) {
         return contacts_in_order(a, b, margin);
@@ -59,12 +66,12 @@ impl Contacts {
         self
     }
 
-    /// Leaves at most so many contacts, which is at least one: the deepest, the farthest from it, and then each time the one
-    /// that adds the most area.
-    pub(crate) fn keep(&mut self, most: usize) {
-        if self.contacts.len() > most {
+    /// Keeps at most `max_contacts` contacts, and at least one, sorted by features. It keeps the
+    /// deepest, then the farthest from it, then repeatedly the contact that adds the most area.
+    pub(crate) fn keep(&mut self, max_contacts: usize) {
+        if self.contacts.len() > max_contacts {
             let mut rest = std::mem::take(&mut self.contacts);
-            while self.contacts.len() < most.max(1) && !rest.is_empty() {
+            while self.contacts.len() < max_contacts.max(1) && !rest.is_empty() {
                 let worth = |contact: &Contact| self.worth(contact);
                 let best = (0..rest.len()).max_by(|&i, &j| {
                     worth(&rest[i]).total_cmp(&worth(&rest[j])).then(unordered(&rest[j]).cmp(&unordered(&rest[i])))
@@ -76,9 +83,10 @@ impl Contacts {
         self.contacts.sort_by_key(|contact| contact.features);
     }
 
-    /// What a contact would add to those that are kept; the same for the shapes in either order.
+    /// Returns the value of a contact beside the kept ones. It is the same for the shapes in either
+    /// order.
     fn worth(&self, contact: &Contact) -> f64 {
-        // Twice the middle of the two points.
+        // Twice the midpoint of the two points.
         let middle =
             |contact: &Contact| -> [f64; 3] { std::array::from_fn(|k| contact.points[0][k] + contact.points[1][k]) };
         let at = middle(contact);
@@ -93,7 +101,7 @@ impl Contacts {
                 dot(&cross(&sub(&at, &p), &sub(&at, &q)), &self.normal).abs()
             }
             [first, second, third, ..] => {
-                // How far beyond the side of the triangle that it is farthest beyond.
+                // Distance beyond the side of the triangle for which it is largest.
                 let corners = [first, second, third].map(middle);
                 let side = |i: usize| sub(&corners[(i + 1) % 3], &corners[i]);
                 let turn = dot(&cross(&side(0), &sub(&corners[2], &corners[0])), &self.normal).signum();
@@ -104,15 +112,16 @@ impl Contacts {
     }
 }
 
-/// A contact's features, the lesser first.
+/// Returns a contact's features, the lesser first.
 fn unordered(contact: &Contact) -> [Feature; 2] {
     let mut features = contact.features;
     features.sort();
     features
 }
 
-/// The contacts of two shapes along a direction of length 1 from the first to the second, where their facing sides lie over each
-/// other and are at most `margin` apart; none where they do not.
+/// Returns the contacts of two shapes along a direction of length 1 from the first to the second.
+/// They are the places where the facing sides lie over each other and are at most `margin` apart.
+/// The list may be empty.
 pub(super) fn contacts_along(a: &Faceted<'_>, b: &Faceted<'_>, normal: [f64; 3], margin: f64) -> Contacts {
     if a.swept.is_before(&b.swept) {
         return overlapping(&Pair::new(&a.swept, &b.swept), [a, b], normal, margin);
@@ -132,7 +141,7 @@ fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts 
     let pair = Pair::new(&a.swept, &b.swept);
     let depth = |effort| depth_in_order(&pair, &a.swept, &b.swept, effort);
     let mut found = depth(Effort::CONTACT);
-    if found.depth.upper - found.depth.lower > LOOSE * pair.unit {
+    if found.depth.upper - found.depth.lower > MAX_CONTACT_WIDTH * pair.unit {
         found = depth(Effort::ROUND_DEPTH);
     }
     let normal = found.depth.normal;
@@ -142,7 +151,7 @@ fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts 
     let height = |over: &Over| dot(&normal, &over.points[0]) - dot(&normal, &over.points[1]);
     let witness = Over { points: found.core, features: [facing_a.feature(), facing_b.feature()] };
     let deepest = over.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
-    if deepest.is_nan() || deepest < height(&witness) - WITNESS_SLACK {
+    if deepest.is_nan() || deepest < height(&witness) - MIN_WITNESS_EXCESS {
         over.push(witness);
     }
     let mut contacts = measured(&pair, [a, b], &normal, over);
@@ -151,7 +160,8 @@ fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts 
     Contacts { normal, contacts }
 }
 
-/// Points over each other as contacts, the deepest first; of those in one place, or of the same features, the deepest alone.
+/// Converts points over each other to contacts, the deepest first. Of several contacts in one
+/// place, or with the same features, only the deepest is kept.
 fn measured(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3], over: Vec<Over>) -> Vec<Contact> {
     let height = |over: &Over| dot(normal, &over.points[0]) - dot(normal, &over.points[1]);
     let error = heights_error(pair);
@@ -179,20 +189,21 @@ fn measured(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3], over:
     contacts
 }
 
-/// A depth that is known less well than this, in the common unit, is looked for with all effort: 2^-13. Round shapes that are deep in each
-/// other come to that.
-const LOOSE: f64 = 1.0 / (1 << 13) as f64;
+/// Width of an interval of depths, in the common unit, above which the depth is computed with full
+/// effort: 2^-13. Round shapes that are deep in each other reach it.
+const MAX_CONTACT_WIDTH: f64 = 1.0 / (1 << 13) as f64;
 
-/// How much deeper than any point of the clipped polygons the witness must be to be one more, in the common unit: 2^-20.
-const WITNESS_SLACK: f64 = 1.0 / (1 << 20) as f64;
+/// Minimum extra depth of the witness over all points of the clipped polygons, in the common unit,
+/// for the witness to become a contact: 2^-20.
+const MIN_WITNESS_EXCESS: f64 = 1.0 / (1 << 20) as f64;
 
-/// How far the height of a mean of corners over another may be off that of points of the sets, in the common unit
-/// (docs/proof.md, L28).
+/// Returns a bound on the error of the height of one mean of corners over another, relative to
+/// points of the sets, in the common unit (docs/proof.md, L28).
 fn heights_error(pair: &Pair<'_>) -> f64 {
     2.0 * pair.point_error() + 16.0 * UNIT_ROUNDOFF * pair.extent.iter().sum::<f64>()
 }
 
-/// Corners come before crossings, where both are in one place.
+/// Ranks corners before crossings of edges, for points in one place.
 fn rank(over: &Over) -> (bool, [Feature; 2]) {
     (matches!(over.features, [Feature::Edge(..), Feature::Edge(..)]), over.features)
 }

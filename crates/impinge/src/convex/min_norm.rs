@@ -1,17 +1,22 @@
-//! The least distance of two posed polytopes, exactly: the decision behind every boolean about them.
+//! The exact least distance of two posed polytopes. It decides every boolean query about them.
 //!
-//! The square of that distance is rational. It is found by descending among the simplices that differences of vertices span,
-//! from whichever the floats proposed: the nearest point of the simplex gives a direction; a vertex beyond it gives a simplex
-//! that is strictly nearer, and no vertex beyond it proves the simplex nearest. No simplex can come twice and they are
-//! finitely many, so there is no limit of steps; a good start leaves one or two.
+//! The square of that distance is rational. The descent goes from simplex to simplex, each spanned
+//! by differences of vertices, starting with the one that floats proposed. The nearest point of the
+//! simplex gives a direction. A vertex beyond it gives a simplex that is strictly nearer. If there
+//! is no vertex beyond it, the simplex is nearest. No simplex occurs twice and there are finitely
+//! many, so no limit of steps is needed. A good start leaves one or two.
 //!
-//! Nothing is divided. Of the nearest point x only Δ·x is formed, Δ being the Gram determinant of the simplex, above zero.
+//! Nothing is divided. Only Δ·x of the nearest point x is formed; Δ is the Gram determinant of the
+//! simplex, which is above zero.
 //!
 //! # Source
-//! The descent is that of Wolfe, *Finding the nearest point in a polytope*, Mathematical Programming 11, 1976. The weights are
-//! the determinants of Johnson's subalgorithm (Gilbert, Johnson, Keerthi 1988): with Δ_i(\{i\}) = 1 and
-//! Δ_j(S ∪ \{j\}) = Σ_i Δ_i(S) (y_i·y_k - y_i·y_j), k being any of S, the nearest point is that of the part S all of whose
-//! Δ_i(S) are above zero and none of whose Δ_j(S ∪ \{j\}) is; in exact numbers there is one.
+//! The descent is that of Wolfe, *Finding the nearest point in a polytope*, Mathematical
+//! Programming 11, 1976. The weights are the determinants of Johnson's subalgorithm (Gilbert,
+//! Johnson, Keerthi 1988). With Δ_i(\{i\}) = 1 and Δ_j(S ∪ \{j\}) = Σ_i Δ_i(S) (y_i·y_k - y_i·y_j),
+//! k being any member of S, the nearest point is that of the part S for which all Δ_i(S) are above
+//! zero and no Δ_j(S ∪ \{j\}) is. In exact numbers such a part exists.
+//!
+//! The proof is docs/proof.md, L21, and the tests are in `tests/it/shapes/hulls.rs`.
 
 use super::facet::rounded_direction;
 use super::posed::{Difference, Pair, Posed, Spot};
@@ -22,14 +27,14 @@ use crate::math::vec3::dot;
 
 type Point = [Dyadic; 3];
 
-/// A difference of vertices, exactly.
+/// An exact difference of vertices.
 #[derive(Clone, Debug)]
 struct Vertex {
     rounded: Difference,
     exact: Point,
 }
 
-/// The nearest point of a simplex: Δ x as a vector, Δ, and Δ |x|².
+/// The nearest point x of a simplex, as the vector Δ x, the Gram determinant Δ, and Δ |x|².
 #[derive(Debug)]
 struct Foot {
     vector: Point,
@@ -41,41 +46,43 @@ struct Foot {
 /// The least distance of two polytopes.
 #[derive(Debug)]
 pub(super) struct LeastDistance {
-    /// The square of the distance in world units is the quotient of these, of which the second is above zero.
+    /// The squared distance in world units, as numerator and denominator. The denominator is above
+    /// zero.
     squared: [Dyadic; 2],
-    /// What spans the nearest points, and what each counts for.
+    /// The differences that span the nearest points, and the weight of each.
     pub(super) simplex: Vec<Difference>,
     pub(super) weights: Vec<f64>,
 }
 
 impl LeastDistance {
-    /// Whether the polytopes have a common point.
+    /// Reports whether the polytopes have a common point.
     pub(super) fn is_zero(&self) -> bool {
         !is_positive(self.squared[0].sign())
     }
 
-    /// Whether the distance is at most a root, of which the square is given.
+    /// Reports whether the distance is at most the root of `squared`.
     pub(super) fn is_at_most_root_of(&self, squared: &Dyadic) -> bool {
         !is_positive((&self.squared[0] - &(squared * &self.squared[1])).sign())
     }
 
-    /// The distance in a unit that is a power of two, from below and from above.
+    /// Returns a lower and an upper bound on the distance, in a unit that is a power of two.
     ///
     /// # Accuracy
-    /// The quotient is rounded once and its root once, so two neighbours on either side hold the truth. Below 2^-509 units
-    /// that is all that is said.
+    /// The quotient is rounded once and its root once, so two neighboring floats on either side
+    /// hold the truth. A distance below 2^-509 units gets the lower bound zero.
     pub(super) fn bounds(&self, unit: f64) -> [f64; 2] {
-        const LEAST: f64 = f64::from_bits((1023 - 509) << 52);
+        const MIN_ROOT: f64 = f64::from_bits((1023 - 509) << 52);
         if self.is_zero() {
             return [0.0; 2];
         }
         let numerator = &self.squared[0] * &Dyadic::product(1.0 / unit, 1.0 / unit);
         let root = Dyadic::nearest_quotient(&numerator, &self.squared[1]).sqrt();
-        if root < LEAST { [0.0, LEAST] } else { [root.next_down().next_down(), root.next_up().next_up()] }
+        if root < MIN_ROOT { [0.0, MIN_ROOT] } else { [root.next_down().next_down(), root.next_up().next_up()] }
     }
 }
 
-/// The least distance of two polytopes, from a simplex that is hoped to be near; none where one is no polytope.
+/// Returns the least distance of two polytopes, starting from a simplex that is probably near.
+/// Returns `None` if either core is not a polytope.
 pub(super) fn least_distance(pair: &Pair<'_>, start: &[Difference]) -> Option<LeastDistance> {
     let (corners_a, corners_b) = (pair.a.corners()?, pair.b.corners()?);
     let first = Difference::between(pair.a.spot(*corners_a.first()?), pair.b.spot(*corners_b.first()?));
@@ -102,12 +109,13 @@ fn exactly(pair: &Pair<'_>, rounded: Difference) -> Vertex {
     Vertex { rounded, exact: [0, 1, 2].map(|k| &a[k] - &b[k]) }
 }
 
-/// The nearest point of a simplex, which is left with the vertices that span it.
+/// Returns the nearest point of a simplex, and leaves the simplex with the vertices that span it.
 fn nearest(simplex: &mut Vec<Vertex>) -> Foot {
     let count = simplex.len();
     let products: Vec<Vec<Dyadic>> =
         simplex.iter().map(|y| simplex.iter().map(|z| dyadic::dot(&y.exact, &z.exact)).collect()).collect();
-    // Determinants by part, a set of bits, then by member or by the vertex that would come to it.
+    // Determinants by part (a set of bits), then by member of the part or by the vertex that would
+    // be added.
     let mut determinants = vec![[const { Dyadic::ZERO }; 4]; 1 << count];
     let members = |part: usize| (0..count).filter(move |&i| part >> i & 1 == 1);
     for i in 0..count {
@@ -129,7 +137,7 @@ fn nearest(simplex: &mut Vec<Vertex>) -> Foot {
             break;
         }
     }
-    // Exact arithmetic always finds one; the last part keeps this total.
+    // Exact arithmetic always finds a part. The last part keeps this function total.
     let part = found.unwrap_or((1 << count) - 1);
     let k = part.trailing_zeros() as usize;
     let weights: Vec<Dyadic> = members(part).map(|i| determinants[part][i].clone()).collect();
@@ -138,7 +146,7 @@ fn nearest(simplex: &mut Vec<Vertex>) -> Foot {
     for (i, weight) in members(part).zip(&weights) {
         foot.vector = [0, 1, 2].map(|axis| &foot.vector[axis] + &(weight * &simplex[i].exact[axis]));
         foot.gram = &foot.gram + weight;
-        // x·y is the same for all members, and |x|² at that.
+        // x·y is the same for all members, and equals |x|².
         foot.squared = &foot.squared + &(weight * &products[i][k]);
     }
     let mut position = 0..;
@@ -146,7 +154,8 @@ fn nearest(simplex: &mut Vec<Vertex>) -> Foot {
     foot
 }
 
-/// The difference of vertices that is farthest beyond the plane through the nearest point, if there is any beyond it.
+/// Returns the difference of vertices that is farthest beyond the plane through the nearest point,
+/// or `None` if none is beyond it.
 fn vertex_beyond(pair: &Pair<'_>, foot: &Foot, corners_a: &[[f64; 3]], corners_b: &[[f64; 3]]) -> Option<Vertex> {
     let direction = rounded_direction(&foot.vector)?.map(|x| -x);
     let against = [0, 1, 2].map(|k| &Dyadic::ZERO - &foot.vector[k]);
@@ -156,7 +165,8 @@ fn vertex_beyond(pair: &Pair<'_>, foot: &Foot, corners_a: &[[f64; 3]], corners_b
     is_positive((&foot.squared - &dyadic::dot(&foot.vector, &vertex.exact)).sign()).then_some(vertex)
 }
 
-/// The corner that is farthest along a direction, exactly; the rounded direction and its error spare most comparisons.
+/// Returns the corner that is farthest along a direction, exactly. The rounded direction and its
+/// error avoid most exact comparisons.
 fn farthest(set: &Posed<'_>, corners: &[[f64; 3]], rounded: [f64; 3], exact: &Point, error: f64) -> Spot {
     let height = |spot: &Spot| dot(&rounded, &spot.point);
     let spots = || corners.iter().map(|&corner| set.spot(corner));

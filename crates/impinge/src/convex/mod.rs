@@ -1,17 +1,20 @@
-//! Convex sets: how far apart, how deep in each other, and whether they meet at all.
+//! Convex sets: distance, depth, contacts and intersection.
 //!
-//! A shape is a *core* swept by a ball. Cores are known by their support functions; those that are polytopes are known
-//! by their vertices too, and about them every boolean is decided exactly, whatever the poses are. About round ones what the
-//! floats prove is said, and what they leave open is said to be open.
+//! A shape is a *core* swept by a sphere. Every core has a support function; polytopes have
+//! vertices too. Whether two polytopes intersect is decided exactly, whatever the poses are. For
+//! round cores the answer is the one that floats prove, or undecided.
 //!
-//! - `gjk` finds an interval that holds the distance, and decides nothing;
-//! - `min_norm` finds the least distance of polytopes exactly, where the interval does not do;
-//! - `depth` finds an interval for the depth, with a normal that is valid whatever else went wrong;
-//! - `boxes` does both for two boxes in closed form, where floats are certain;
-//! - `half_space` compares shapes to planes;
-//! - `manifold` finds the points of a contact, from `facets` of polytopes, what is `facing` along the normal, and the `overlap`.
+//! - `gjk` computes an interval that holds the distance, and decides nothing;
+//! - `min_norm` computes the least distance of polytopes exactly, if that interval is not enough;
+//! - `depth` computes an interval that holds the depth, with a normal that is valid whatever
+//!   rounding does;
+//! - `boxes` decides intersection and depth of two boxes in closed form, if floats are certain;
+//! - `half_space` compares shapes with planes;
+//! - `manifold` computes the points of a contact, from the `facets` of polytopes, the parts
+//!   `facing` along the normal, and their `overlap`.
 //!
-//! The errors are derived in docs/proof.md, L20 to L22, L28 and L29.
+//! The errors are derived in docs/proof.md, L20 to L22, L28 and L29. The tests are in
+//! `tests/it/shapes`, and the benchmark is `shapes` in `impinge-bench`.
 
 mod around;
 mod bounds;

@@ -1,43 +1,47 @@
-//! Where two facing polygons lie over each other, seen along a normal: the corners of either over the other, and where edges
-//! cross.
+//! The places where two facing polygons lie over each other, seen along a normal: corners of either
+//! over the other, and crossings of edges.
 //!
-//! These are the corners of the intersection of the polygons' shadows, that is what clipping one against the other (Sutherland,
-//! Hodgman, *Reentrant polygon clipping*, 1974) leaves. All pairs of edges are tried instead, which is as much work, knows what
-//! each corner comes from, and does the same for both. Segments and points are polygons here.
+//! These are the corners of the intersection of the polygons' shadows, which clipping one polygon
+//! against the other would give (Sutherland, Hodgman, *Reentrant polygon clipping*, 1974). Here all
+//! pairs of edges are tried instead. That costs as much, knows the origin of each corner, and
+//! treats both polygons alike. Segments and points are polygons here.
 //!
-//! Every point is a mean of corners by weights that are not negative, so that it is in the core up to rounding, whatever the
-//! shadows look like.
+//! Every point is a mean of corners with weights that are not negative. So it is in the core up to
+//! rounding, whatever the shadows look like.
 
 use super::facing::{Corner, Facing};
 use crate::math::vec3::{cross, dot, length, sub};
 
-/// What is nearer than this in the shadows, in the common unit, lies over each other: 2^-30. It keeps corners that touch borders.
-const SLACK: f64 = 1.0 / (1 << 30) as f64;
+/// Maximum distance in the shadows, in the common unit, of points that count as lying over each
+/// other: 2^-30. It keeps corners that touch borders.
+const SHADOW_TOLERANCE: f64 = 1.0 / (1 << 30) as f64;
 
-/// A corner, an edge or a facet of a shape: a number, or the two of an edge, ascending.
+/// A corner, an edge or a facet of a shape, named by a number, or by two ascending numbers for an
+/// edge.
 ///
-/// Numbers stay the same however a shape moves. Those of corners are the numbers of the points that the shape was made of; a
-/// box has eight, where bit k is set on the positive side of axis k; a hull has its vertices' own. A facet's is one of the
-/// shape's own choice. What a cylinder, a cone, an ellipsoid or a custom set turns to the other shape is a polygon of up to
-/// eight of its points, numbered by direction, or the one point 8.
+/// Numbers stay the same when a shape moves. A corner's number is the number of the point that the
+/// shape was made of. A box has eight corners; bit k of the number is set on the positive side of
+/// axis k. A hull uses its vertices' own numbers. Each shape numbers its facets in its own way. For
+/// a cylinder, a cone, an ellipsoid or a custom set, the part that faces the other shape is a
+/// polygon of up to eight of its points, numbered by direction, or one point with number 8.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Feature {
-    /// A corner, or the centre of a sphere, or the end of a capsule's axis.
+    /// A corner, the center of a sphere, or an end of a capsule's axis.
     Vertex(u32),
     /// The edge between two corners.
     Edge(u32, u32),
-    /// A facet, a half-space's plane, or the face of a mesh.
+    /// A facet, a half-space's plane, or a face of a mesh.
     Face(u32),
 }
 
-/// A point of each facing polygon, one over the other.
+/// A point of each facing polygon. The points lie over each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Over {
     pub(super) points: [[f64; 3]; 2],
     pub(super) features: [Feature; 2],
 }
 
-/// Where two facing polygons lie over each other along a normal of length 1.
+/// Returns the places where two facing polygons lie over each other along a normal of length 1.
 pub(super) fn overlap(a: &Facing, b: &Facing, normal: &[f64; 3]) -> Vec<Over> {
     let axes = across(normal);
     let (a, b) = (Shadow::new(a, &axes), Shadow::new(b, &axes));
@@ -66,7 +70,7 @@ pub(super) fn overlap(a: &Facing, b: &Facing, normal: &[f64; 3]) -> Vec<Over> {
 }
 
 impl Facing {
-    /// What faces as a whole.
+    /// Returns the feature that the whole facing part is.
     pub(super) fn feature(&self) -> Feature {
         match self.corners[..] {
             [only] => Feature::Vertex(only.number),
@@ -80,7 +84,7 @@ impl Facing {
 struct Shadow<'f> {
     facing: &'f Facing,
     at: Vec<[f64; 2]>,
-    /// 1 where the corners turn left, -1 where they turn right.
+    /// 1 if the corners turn left, -1 if they turn right.
     turn: f64,
 }
 
@@ -93,7 +97,7 @@ impl<'f> Shadow<'f> {
         shadow
     }
 
-    /// The point of the polygon over a place of the plane; none where there is none.
+    /// Returns the point of the polygon over a place of the plane, or `None` if there is none.
     fn point_at(&self, place: &[f64; 2]) -> Option<[f64; 3]> {
         let corner = |i: usize| self.facing.corners[i].point;
         let mean = |corners: [usize; 3], weights: [f64; 3]| {
@@ -109,12 +113,13 @@ impl<'f> Shadow<'f> {
                 near(place, &foot).then(|| self.on_edge([0, 1], weight))
             }
             count => {
-                // The outermost of the triangles of a fan that have the place on their inner side.
+                // Of the triangles of a fan, uses the one with the place farthest on its inner
+                // side.
                 let is_outside = |from: usize, to: usize| {
                     let [p, q] = [self.at[from], self.at[to]];
                     let edge = [q[0] - p[0], q[1] - p[1]];
                     self.turn * wedge(edge, [place[0] - p[0], place[1] - p[1]])
-                        < -SLACK * (edge[0].abs() + edge[1].abs())
+                        < -SHADOW_TOLERANCE * (edge[0].abs() + edge[1].abs())
                 };
                 if self.edges().any(|[from, to]| is_outside(from, to)) {
                     return None;
@@ -155,7 +160,8 @@ fn edge_between(from: Corner, to: Corner) -> Feature {
     Feature::Edge(from.number.min(to.number), from.number.max(to.number))
 }
 
-/// Where segments cross inside of both, as the weight of either's end.
+/// Returns the crossing of two segments strictly inside both, as the weight of the end of each
+/// segment, or `None`.
 fn crossing([p, q]: [[f64; 2]; 2], [r, s]: [[f64; 2]; 2]) -> Option<[f64; 2]> {
     let (e, f, between) = ([q[0] - p[0], q[1] - p[1]], [s[0] - r[0], s[1] - r[1]], [r[0] - p[0], r[1] - p[1]]);
     let turn = wedge(e, f);
@@ -163,7 +169,7 @@ fn crossing([p, q]: [[f64; 2]; 2], [r, s]: [[f64; 2]; 2]) -> Option<[f64; 2]> {
     weights.iter().all(|weight| 0.0 < *weight && *weight < 1.0).then_some(weights)
 }
 
-/// What the end of a segment counts for in its point that is nearest to a place.
+/// Returns the weight of the end of a segment in the point of the segment nearest to a place.
 fn share_along(place: &[f64; 2], from: &[f64; 2], to: &[f64; 2]) -> f64 {
     let edge = [to[0] - from[0], to[1] - from[1]];
     let share =
@@ -172,14 +178,14 @@ fn share_along(place: &[f64; 2], from: &[f64; 2], to: &[f64; 2]) -> f64 {
 }
 
 fn near(p: &[f64; 2], q: &[f64; 2]) -> bool {
-    (p[0] - q[0]).abs() <= SLACK && (p[1] - q[1]).abs() <= SLACK
+    (p[0] - q[0]).abs() <= SHADOW_TOLERANCE && (p[1] - q[1]).abs() <= SHADOW_TOLERANCE
 }
 
 fn wedge(p: [f64; 2], q: [f64; 2]) -> f64 {
     p[0] * q[1] - p[1] * q[0]
 }
 
-/// Two directions of length 1 across a direction and each other.
+/// Returns two directions of length 1 that are perpendicular to a direction and to each other.
 pub(super) fn across(normal: &[f64; 3]) -> [[f64; 3]; 2] {
     let least = (0..3).min_by(|&i, &j| normal[i].abs().total_cmp(&normal[j].abs()).then(i.cmp(&j))).unwrap_or(0);
     let axis = std::array::from_fn(|k| f64::from(u8::from(k == least)) - normal[k] * normal[least]);
@@ -188,7 +194,7 @@ pub(super) fn across(normal: &[f64; 3]) -> [[f64; 3]; 2] {
     [x, cross(normal, &x)]
 }
 
-/// Whether two points are one as far as the shadows can tell.
+/// Reports whether two points are one place up to the tolerance of the shadows.
 pub(super) fn is_one_place(p: &[f64; 3], q: &[f64; 3]) -> bool {
-    sub(p, q).iter().all(|x| x.abs() <= 16.0 * SLACK)
+    sub(p, q).iter().all(|x| x.abs() <= 16.0 * SHADOW_TOLERANCE)
 }

@@ -1,7 +1,7 @@
-//! Two convex sets in one frame of floats, and how far what is computed there may be off.
+//! Two convex sets in one frame of floats, with bounds on the errors of computations in it.
 //!
-//! The frame has the world's axes, its origin where the first pose puts its own, and a unit in which all that is asked about
-//! is about as large as one. So products of six coordinates neither overflow nor vanish, whatever the poses are.
+//! The frame has the world's axes and the origin of the first pose. Its unit makes all sizes about
+//! one. So products of six coordinates neither overflow nor underflow, whatever the poses are.
 
 use std::cell::Cell;
 use std::cmp::Ordering;
@@ -12,35 +12,37 @@ use crate::math::Pose;
 use crate::math::relative::{Offset, UNDERFLOW, UNIT_ROUNDOFF};
 use crate::math::vec3::{dot, length};
 
-/// A convex set that is known by its support function, in its own frame.
+/// A convex set in its own frame, defined by its support function.
 ///
-/// What is neither finite nor within [`reach`](Self::reach) is brought within it, so a wrong function gives wrong answers but
-/// never a NaN, a panic or a loop.
+/// A returned coordinate outside [`reach`](Self::reach) is clamped to it, and NaN becomes zero. So
+/// a wrong function gives wrong answers, but never a NaN, a panic or an endless loop.
 pub trait Support: fmt::Debug + Send + Sync {
-    /// A point of the set that is farthest along a direction, which is finite and has its greatest entry at ±1, or is zero.
+    /// Returns a point of the set that is farthest along `direction`. The direction is finite and
+    /// has its greatest entry at ±1, or is zero.
     ///
     /// # Accuracy
-    /// Answers are proved for functions whose point is off by at most 2^-50 of [`reach`](Self::reach), axis by axis, and has
-    /// a product with the direction that is as close to the greatest one.
+    /// Answers are proved for functions whose point is wrong by at most 2^-50 of
+    /// [`reach`](Self::reach) on each axis, and whose product with the direction is as close to the
+    /// greatest one.
     fn support(&self, direction: [f64; 3]) -> [f64; 3];
 
-    /// The greatest magnitude of a coordinate of the set on each axis, or more.
+    /// Returns an upper bound on the magnitude of the set's coordinates on each axis.
     fn reach(&self) -> [f64; 3];
 }
 
-/// What a convex shape is but for its radius.
+/// A convex shape without its radius.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Core<'a> {
     /// The convex hull of a few points.
     Points(&'a [[f64; 3]]),
     /// A polytope with the adjacency of its vertices.
     Hull(&'a Hull),
-    /// Anything else.
+    /// Any other convex set.
     Curved(&'a dyn Support),
 }
 
-/// A core in the world, swept by a ball: what the pose makes of a ball holds one of the lesser radius and lies in one of the
-/// greater.
+/// A core in the world, swept by the image of a sphere under the pose. That image holds a sphere
+/// with the first radius and lies in a sphere with the second, in world units.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Swept<'a> {
     pub(crate) core: Core<'a>,
@@ -48,14 +50,14 @@ pub(crate) struct Swept<'a> {
     pub(crate) radius: [f64; 2],
 }
 
-/// A point of a set: where it is in its own frame, and rounded in the common one.
+/// A point of a set, in the set's own frame and rounded in the common frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spot {
     pub(super) local: [f64; 3],
     pub(super) point: [f64; 3],
 }
 
-/// A point of each set and their difference, which is a point of the set of all differences.
+/// A point of each set and their difference, which belongs to the set of all differences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Difference {
     pub(super) a: Spot,
@@ -70,7 +72,7 @@ pub(super) struct Posed<'a> {
     pose: &'a Pose,
     offset: [f64; 3],
     scale: f64,
-    /// Where the next climb over a hull starts.
+    /// Vertex at which the next climb over a hull starts.
     vertex: Cell<u32>,
 }
 
@@ -79,11 +81,12 @@ pub(super) struct Posed<'a> {
 pub(super) struct Pair<'a> {
     pub(super) a: Posed<'a>,
     pub(super) b: Posed<'a>,
-    /// The common unit is this many world units: a power of two.
+    /// Size of the common unit in world units, a power of two.
     pub(super) unit: f64,
-    /// A bound of the magnitudes that sum up to a coordinate of either set, added up.
+    /// Bound on the sum of the magnitudes of the terms of a coordinate, for both sets together, in
+    /// the common unit.
     pub(super) extent: [f64; 3],
-    /// More than what products that vanish in world units take away.
+    /// Bound on the loss in products that underflow in world units.
     pub(super) underflow: f64,
 }
 
@@ -98,7 +101,7 @@ impl Core<'_> {
         }
     }
 
-    /// A point of the core, in its own frame.
+    /// Returns a point of the core in its own frame.
     pub(super) fn point(&self) -> [f64; 3] {
         match self {
             Self::Curved(set) => {
@@ -109,7 +112,7 @@ impl Core<'_> {
         }
     }
 
-    /// The corners, where the core is a polytope.
+    /// Returns the corners of a polytope, or `None` for any other core.
     pub(super) fn corners(&self) -> Option<&[[f64; 3]]> {
         match self {
             Self::Points(points) => Some(points),
@@ -120,8 +123,9 @@ impl Core<'_> {
 }
 
 impl Swept<'_> {
-    /// Which of two shapes comes first in the arithmetic, whichever was named first, so that swapping them changes no digit:
-    /// the one with the lesser numbers. Shapes in one place that no number here tells apart are taken as they come.
+    /// Reports whether this shape comes before `other` in the arithmetic: the shape with the lesser
+    /// numbers comes first. So swapping the arguments of a query changes no digit. Shapes with
+    /// equal numbers keep their given order.
     pub(super) fn is_before(&self, other: &Self) -> bool {
         let (here, there) = (self.pose.translation(), other.pose.translation());
         if let Some(order) = here.iter().zip(there).map(|(x, y)| x.total_cmp(y)).find(|order| order.is_ne()) {
@@ -170,7 +174,7 @@ impl<'a> Pair<'a> {
         Self { a: posed(a, [0.0; 3]), b: posed(b, offset), unit, extent: world.map(|extent| extent / unit), underflow }
     }
 
-    /// Lets climbs over hulls start here; no answer depends on it.
+    /// Sets the vertices at which climbs over hulls start. No answer depends on them.
     pub(super) fn start_at(&self, vertices: [u32; 2]) {
         for (set, vertex) in [&self.a, &self.b].into_iter().zip(vertices) {
             if let Core::Hull(hull) = set.core
@@ -181,30 +185,32 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// Where the last climbs ended.
+    /// Returns the vertices at which the last climbs ended.
     pub(super) fn vertices(&self) -> [u32; 2] {
         [self.a.vertex.get(), self.b.vertex.get()]
     }
 
-    /// The difference that is farthest along a direction from A to B.
+    /// Returns the farthest difference along a direction from A to B.
     pub(super) fn support(&self, direction: [f64; 3]) -> Difference {
         Difference::between(self.a.support(direction), self.b.support(direction.map(|x| -x)))
     }
 
-    /// How much farther along a direction than its [`support`](Self::support), multiplied out, the set of differences may
-    /// reach (docs/proof.md, L20).
+    /// Returns a bound on how much farther along `direction` the set of differences may reach than
+    /// the product of the direction with its [`support`](Self::support), in the common unit times
+    /// the direction (docs/proof.md, L20).
     pub(super) fn height_error(&self, direction: [f64; 3]) -> f64 {
         let size: f64 = (0..3).map(|k| direction[k].abs() * self.extent[k]).sum();
         let slope: f64 = direction.into_iter().map(f64::abs).sum();
         64.0 * UNIT_ROUNDOFF * size + slope * self.underflow
     }
 
-    /// How far a difference, or a mean of some, may be from one of the set.
+    /// Returns a bound on the distance of a computed difference, or of a mean of differences, from
+    /// a point of the exact set, in the common unit.
     pub(super) fn point_error(&self) -> f64 {
         32.0 * UNIT_ROUNDOFF * self.extent.iter().sum::<f64>() + self.underflow
     }
 
-    /// A point of the common frame in the world.
+    /// Converts a point of the common frame to the world.
     pub(super) fn world(&self, point: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|k| point[k] * self.unit + self.a.pose.translation()[k])
     }
@@ -229,18 +235,19 @@ impl Posed<'_> {
         Spot { local, point }
     }
 
-    /// A point that is farthest along a direction of the common frame.
+    /// Returns a farthest point along a direction of the common frame.
     pub(super) fn support(&self, direction: [f64; 3]) -> Spot {
         self.spot(self.farthest_local(self.turned(direction)))
     }
 
-    /// A direction of the common frame in the set's own, its greatest entry at ±1.
+    /// Converts a direction of the common frame to the set's own frame. Its greatest entry becomes
+    /// ±1.
     pub(super) fn turned(&self, direction: [f64; 3]) -> [f64; 3] {
         let linear = self.pose.linear();
         to_unit_entries(std::array::from_fn(|j| (0..3).map(|k| linear[k][j] * direction[k]).sum::<f64>()))
     }
 
-    /// A point that is farthest along a direction, both in the set's own frame.
+    /// Returns a farthest point along a direction, both in the set's own frame.
     pub(super) fn farthest_local(&self, along: [f64; 3]) -> [f64; 3] {
         match self.core {
             Core::Points(points) => {
@@ -265,7 +272,8 @@ impl Posed<'_> {
         }
     }
 
-    /// The vertex of a hull that is farthest along a direction of the common frame; of anything else the first.
+    /// Returns the vertex of a hull that is farthest along a direction of the common frame, or zero
+    /// for any other core.
     pub(super) fn farthest_vertex(&self, direction: [f64; 3]) -> u32 {
         match self.core {
             Core::Hull(hull) => hull.support_from(self.turned(direction), self.vertex.get()),
@@ -277,34 +285,37 @@ impl Posed<'_> {
         self.core
     }
 
-    /// A bound of the greatest magnitude of a coordinate of the set in its own frame, in the common unit as far as the pose is
-    /// rigid.
+    /// Returns a bound on the magnitude of the set's coordinates in its own frame, in the common
+    /// unit if the pose is rigid.
     pub(super) fn reach(&self) -> f64 {
         self.core.reach().into_iter().fold(0.0, f64::max) * self.scale
     }
 
-    /// The corners, where the core is a polytope.
+    /// Returns the corners of a polytope, or `None` for any other core.
     pub(super) fn corners(&self) -> Option<&[[f64; 3]]> {
         self.core.corners()
     }
 }
 
-/// The vector with its greatest entry at ±1; zero where it is too short for that.
+/// Returns the vector scaled so that its greatest entry is ±1, or zero if it is too short or not
+/// finite.
 pub(super) fn to_unit_entries(vector: [f64; 3]) -> [f64; 3] {
     let largest = vector.into_iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     if largest >= f64::MIN_POSITIVE && largest.is_finite() { vector.map(|x| x / largest) } else { [0.0; 3] }
 }
 
-/// A vector of length 1 along another, no zero of it negative; along an axis where that has no direction.
+/// Returns a vector of length 1 in the direction of another, without negative zeros. Returns the
+/// first axis if the vector has no direction.
 pub(crate) fn to_unit_length(vector: [f64; 3]) -> [f64; 3] {
     let scaled = to_unit_entries(vector);
     let length = length(&scaled);
     if length > 0.0 { scaled.map(|x| x / length + 0.0) } else { [1.0, 0.0, 0.0] }
 }
 
-/// The power of two that a size is at most twice of; 1 for zero. None is so small that its inverse overflows.
+/// Returns the power of two that is at most `size` and more than half of it, or 1 for zero. The
+/// result is never so small that its inverse overflows.
 fn power_of_two_near(size: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff << 52;
-    const LEAST: f64 = f64::from_bits((1023 - 1000) << 52);
-    if size == 0.0 { 1.0 } else { f64::from_bits(size.max(LEAST).to_bits() & EXPONENT) }
+    const MIN_SIZE: f64 = f64::from_bits((1023 - 1000) << 52);
+    if size == 0.0 { 1.0 } else { f64::from_bits(size.max(MIN_SIZE).to_bits() & EXPONENT) }
 }

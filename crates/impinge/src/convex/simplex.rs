@@ -1,10 +1,13 @@
-//! Simplices of up to four differences, and the point of one that is nearest to the origin, in floats.
+//! Simplices of up to four differences, and the point of a simplex nearest to the origin, in
+//! floats.
 //!
-//! Where the origin is on the outer side of some faces, the nearest point is on one of these; where a sign is spoilt by rounding, on
-//! one that is as near to within that. What comes out is judged by others and proves nothing.
+//! If the origin is on the outer side of some faces, the nearest point is on one of them. If
+//! rounding spoils a sign, the result is a point that is nearest up to the rounding. Other modules
+//! validate the result; it proves nothing by itself.
 //!
 //! # Source
-//! Ericson, *Real-Time Collision Detection*, 2005, 5.1.6; ours tells sides by volumes, areas and lengths of the same three products.
+//! Ericson, *Real-Time Collision Detection*, 2005, 5.1.6. Ours decides sides by volumes, areas and
+//! lengths from the same three products.
 
 use super::posed::{Difference, Spot};
 use crate::math::vec3::{cross, dot, sub};
@@ -22,7 +25,8 @@ impl Simplex {
     pub(super) const EMPTY: Self =
         Self { differences: [Difference { a: Self::NOWHERE, b: Self::NOWHERE, vector: [0.0; 3] }; 4], len: 0 };
 
-    /// One more; there is room for it unless the last [`nearest`](Self::nearest) was a tetrahedron about the origin.
+    /// Adds a difference. There is room unless the last [`nearest`](Self::nearest) was a
+    /// tetrahedron about the origin; then the last difference is replaced.
     pub(super) fn push(&mut self, difference: Difference) {
         let at = self.len.min(3);
         self.differences[at] = difference;
@@ -33,7 +37,7 @@ impl Simplex {
         nearest(&self.differences.each_ref().map(|difference| difference.vector)[..self.len])
     }
 
-    /// Leaves those that count.
+    /// Keeps the differences with a positive weight.
     pub(super) fn keep(&mut self, weights: &[f64; 4]) {
         let mut kept = 0;
         for (at, &weight) in weights.iter().enumerate().take(self.len) {
@@ -54,19 +58,19 @@ impl std::ops::Deref for Simplex {
     }
 }
 
-/// The nearest point of a simplex.
+/// The nearest point of a simplex to the origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearest {
-    /// What each point counts for: not negative, and adding up to 1 up to rounding.
+    /// Weights of the points: not negative, with a sum of 1 up to rounding.
     pub(crate) weights: [f64; 4],
-    /// The sum of the points by their weights; zero where a tetrahedron holds the origin.
+    /// The weighted sum of the points. Zero if a tetrahedron holds the origin.
     pub(crate) vector: [f64; 3],
-    /// A direction from the nearest point to the origin: for a triangle its normal, which a point that is close to the origin
-    /// has no digits left for.
+    /// A direction from the nearest point to the origin. For a triangle it is the normal, because a
+    /// point close to the origin has no digits left for a direction.
     pub(super) towards_origin: [f64; 3],
 }
 
-/// The nearest point of the hull of one to four points.
+/// Returns the nearest point to the origin in the hull of one to four points.
 pub(crate) fn nearest(points: &[[f64; 3]]) -> Nearest {
     let mut search = Search { points, least: f64::INFINITY, best: [0; 4], len: 0, weights: [0.0; 4] };
     match points.len() {
@@ -80,7 +84,7 @@ pub(crate) fn nearest(points: &[[f64; 3]]) -> Nearest {
 
 struct Search<'p> {
     points: &'p [[f64; 3]],
-    /// The least squared distance so far, and of which points by which weights.
+    /// The least squared distance so far, with the points and the weights that give it.
     least: f64,
     best: [usize; 4],
     len: usize,
@@ -88,7 +92,8 @@ struct Search<'p> {
 }
 
 impl Search<'_> {
-    /// Looks at the point of the members' affine hull, if it is among them, or at the faces that the origin is beyond.
+    /// Tries the nearest point of the members' affine hull if it is inside the simplex. Otherwise
+    /// tries the faces that the origin is beyond.
     #[inline(always)]
     fn look<const N: usize>(&mut self, members: [usize; N]) {
         let shares = shares(&members.map(|member| self.points[member]));
@@ -97,7 +102,7 @@ impl Search<'_> {
             self.take(members, shares);
             return;
         }
-        // Without area or volume all shares are zero, so all faces count.
+        // Without area or volume all shares are zero, so all faces are tried.
         for left_out in 0..N {
             if beyond[left_out] {
                 let others = |at: usize| members[if at < left_out { at } else { at + 1 }];
@@ -160,8 +165,9 @@ impl Search<'_> {
     }
 }
 
-/// What the points count for in the point of their affine hull that is nearest to the origin, up to a common factor: positive
-/// where that is on the inner side of the face that lacks the point.
+/// Returns the weights of the points, up to a common factor, in the point of their affine hull that
+/// is nearest to the origin. A weight is positive if that point is on the inner side of the face
+/// without the weighted point.
 #[inline(always)]
 fn shares(points: &[[f64; 3]]) -> [f64; 4] {
     match points {
@@ -204,7 +210,7 @@ mod tests {
         assert_eq!((one.vector, one.weights.iter().sum::<f64>()), ([2.0, 0.0, 0.0], 1.0));
     }
 
-    /// No part of the simplex, all of which are tried here, has a point that is nearer.
+    /// Tries all parts of the simplex: none has a nearer point.
     #[test]
     fn no_part_is_nearer() {
         let mut rng = impinge_testkit::generate::Rng::new(171);

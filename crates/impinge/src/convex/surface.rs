@@ -1,8 +1,11 @@
-//! A mesh and a convex set: the faces that are near the set, each of which is one more convex set.
+//! A mesh and a convex set: finds the faces near the set. Each face is a convex set itself.
 //!
-//! The mesh's tree is descended by what is proved of its boxes: the gap between their images' boxes and the set's, and the gap
-//! along the direction from the nearest face so far. What a face says is what `distance` says of a triangle, so a boolean about
-//! a polytope is exact, and where a face leaves it open that is passed on.
+//! The descent of the mesh's tree is pruned by proved bounds: the gap between a node's box and the
+//! set's box, and the gap along the direction from the nearest face so far. Each face gets the
+//! answer of `distance` for a triangle. So a boolean about a polytope is exact, and if a face is
+//! undecided, the answer may be undecided.
+//!
+//! The proof is docs/proof.md, L31, and the tests are in `tests/it/shapes/surfaces.rs`.
 
 use std::cell::Cell;
 use std::ops::ControlFlow::{self, Break, Continue};
@@ -15,7 +18,7 @@ use crate::math::vec3::{dot, length, sub};
 use crate::mesh::{Containment, FaceSearch, Judge, Mesh};
 use crate::volume::Proximity;
 
-/// A mesh in the world: its surface, or all that it winds round too.
+/// A mesh in the world: its surface, or also the region that it encloses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface<'a> {
     pub(crate) mesh: &'a Mesh,
@@ -24,18 +27,20 @@ pub(crate) struct Surface<'a> {
 }
 
 impl<'a> Surface<'a> {
-    /// A face as a convex set; its corners are to be kept by the caller.
+    /// Returns a face as a convex set. The caller keeps its corners.
     pub(super) fn face<'c>(&'c self, corners: &'c [[f64; 3]; 3]) -> Swept<'c> {
         Swept { core: Core::Points(corners), pose: self.pose, radius: [0.0; 2] }
     }
 
-    /// A box of the world that holds the mesh; none where it has no faces.
+    /// Returns a box that holds the mesh, as least and greatest corner in the world frame. Returns
+    /// `None` if the mesh has no faces.
     pub(crate) fn world_bounds(&self) -> Option<[[f64; 3]; 2]> {
         let corners = self.mesh.local_bounds().map(corners_of_box)?;
         Some(Swept { core: Core::Points(&corners), pose: self.pose, radius: [0.0; 2] }.world_bounds())
     }
 
-    /// Whether the mesh and a convex set are within a distance of each other, which is finite and not negative.
+    /// Reports whether the mesh and a convex set are within `clearance` of each other, in world
+    /// units. The clearance must be finite and not negative. `Meets` means that they are.
     pub(crate) fn nearness(&self, shape: &Swept<'_>, clearance: f64) -> Proximity {
         let mut search = Nearness { surface: self, shape, clearance, answer: Proximity::Apart };
         self.search(shape, |beside| Bounded { beside, search: &mut search });
@@ -49,7 +54,8 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// The distance of a convex set.
+    /// Returns the distance of a convex set, in world units. It is infinite if the mesh has no
+    /// faces.
     pub(crate) fn separation(&self, shape: &Swept<'_>) -> Separation {
         let mut search = Separating {
             surface: self,
@@ -78,7 +84,8 @@ impl<'a> Surface<'a> {
         best
     }
 
-    /// The faces that are not proved farther than `margin` from a convex set, ascending.
+    /// Returns the faces that are not proved to be farther than `margin` from a convex set, in
+    /// ascending order.
     pub(crate) fn faces_within(&self, shape: &Swept<'_>, margin: f64) -> Vec<u32> {
         let mut search = Within { surface: self, shape, margin, faces: Vec::new() };
         self.search(shape, |beside| Bounded { beside, search: &mut search });
@@ -86,7 +93,9 @@ impl<'a> Surface<'a> {
         search.faces
     }
 
-    /// Where a point of the set's core is to the mesh, if that is solid. Where no face meets the core, it tells for all of it.
+    /// Returns the position of a point of the set's core relative to the mesh, if the mesh is
+    /// solid, otherwise `Outside`. If no face intersects the core, the answer holds for the whole
+    /// core.
     pub(crate) fn containment(&self, shape: &Swept<'_>) -> Containment {
         if !self.is_solid {
             return Containment::Outside;
@@ -116,14 +125,14 @@ pub(super) fn corners_of_box(bounds: [[f64; 3]; 2]) -> [[f64; 3]; 8] {
     std::array::from_fn(|i| std::array::from_fn(|k| bounds[i >> k & 1][k]))
 }
 
-/// A convex set in a frame that is common with a mesh, as the mesh's boxes see it.
+/// A convex set in the common frame of it and a mesh, prepared for bounds on the mesh's boxes.
 struct Beside<'p> {
     pair: &'p Pair<'p>,
-    /// The set's box, in the common frame.
+    /// Least and greatest coordinate of the set's box on each axis, in the common frame.
     bounds: [[f64; 2]; 3],
     radius: f64,
     error: f64,
-    /// A direction of length 1 from the mesh to the set, and the set's least height along it.
+    /// A direction of length 1 from the mesh to the set, with the set's least height along it.
     plane: Cell<Option<([f64; 3], f64)>>,
 }
 
@@ -141,7 +150,7 @@ impl<'p> Beside<'p> {
         Self { pair, bounds, radius, error, plane: Cell::new(None) }
     }
 
-    /// Looks along a direction of the world from the mesh to the set from now on.
+    /// Adds the gap along a direction of the world, from the mesh to the set, to all later bounds.
     fn look_along(&self, direction: [f64; 3]) {
         let direction = to_unit_length(direction);
         let against = direction.map(|x| -x);
@@ -149,9 +158,10 @@ impl<'p> Beside<'p> {
         self.plane.set(Some((direction, lowest - self.pair.height_error(against) - self.radius)));
     }
 
-    /// How far from the set, in world units, a box of the mesh's frame is at least.
-    fn bound(&self, centre: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
-        let at = self.pair.a.spot(*centre).point;
+    /// Returns a lower bound on the distance, in world units, between the set and a box of the
+    /// mesh's frame.
+    fn bound(&self, center: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
+        let at = self.pair.a.spot(*center).point;
         let linear = self.pair.a.pose().linear();
         let scale = 1.0 / self.pair.unit;
         let gaps: [f64; 3] = std::array::from_fn(|k| {
@@ -170,11 +180,12 @@ impl<'p> Beside<'p> {
     }
 }
 
-/// What is asked of the faces.
+/// A query about the faces near a set.
 trait Search {
     fn cut(&self) -> f64;
 
-    /// Looks at a face; a direction from the mesh to the set in which others may be told to be far.
+    /// Processes a face. May return a direction from the mesh to the set along which other faces
+    /// may be proved far.
     fn visit(&mut self, face: u32) -> ControlFlow<(), Option<[f64; 3]>>;
 }
 
@@ -184,8 +195,8 @@ struct Bounded<'p, 's, S> {
 }
 
 impl<S: Search> FaceSearch for Bounded<'_, '_, S> {
-    fn bound(&self, centre: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
-        self.beside.bound(centre, half_extents)
+    fn bound(&self, center: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
+        self.beside.bound(center, half_extents)
     }
 
     fn cut(&self) -> f64 {
@@ -244,7 +255,7 @@ impl Search for Separating<'_, '_> {
     }
 
     fn visit(&mut self, face: u32) -> ControlFlow<(), Option<[f64; 3]>> {
-        // Nothing is nearer than a common point, and among those the first face counts.
+        // No face is nearer than one with a common point. Of several such faces the first counts.
         if self.best.proximity == Proximity::Meets && face > self.face {
             return Continue(None);
         }

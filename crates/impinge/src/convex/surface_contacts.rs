@@ -1,13 +1,19 @@
-//! The contacts of a mesh and a convex set: those of the faces that are near, put together by their normals.
+//! The contacts of a mesh and a convex set: contacts of the faces near the set, merged by their
+//! normals.
 //!
-//! A face alone knows nothing of its neighbours: the shortest way out of a floor's triangle may lead sideways, through the next
-//! one. So the normal of a face's contact stands only where no face about the corners that it touches reaches farther along it;
-//! else the face's own normal takes its place, and there only what lies over the face counts. Corners that are in the set are
-//! corners of faces that are in it, so all faces about them are at hand.
+//! A face alone does not know its neighbors: the shortest way out of a floor's triangle may lead
+//! sideways, through the next triangle. So the normal of a face's contact is used only if no face
+//! at the touched corners reaches farther along it. Otherwise the face's own normal is used, and
+//! only the part of the set over the face counts. Corners inside the set belong to faces that
+//! intersect it, so all faces at these corners have been found.
 //!
 //! # Source
-//! The trouble is known as that of internal edges, or ghost collisions (Catto, *Box2D*, `b2_collide_edge.cpp`; Rouwe, *Jolt*,
-//! active edges), who look at edges beforehand; here the corners are looked at when they are touched.
+//! The problem is known as internal edges, or ghost collisions. Catto (*Box2D*,
+//! `b2_collide_edge.cpp`) and Rouwe (*Jolt*, active edges) classify edges in advance; here corners
+//! are examined when they are touched.
+//!
+//! The tests are in `tests/it/shapes/surfaces.rs`, among them
+//! `floors_of_triangles_have_one_normal`.
 
 use std::collections::HashMap;
 
@@ -19,14 +25,16 @@ use super::{Facets, HalfSpace};
 use crate::math::relative::UNIT_ROUNDOFF;
 use crate::math::vec3::{cross, dot, sub};
 
-/// Normals whose cosine is at least this are one: 2.5 degrees.
-const ONE_NORMAL: f64 = 1.0 - 1.0 / 1_024.0;
+/// Minimum cosine of the angle between normals that count as one: 2.5 degrees.
+const SAME_NORMAL_COSINE: f64 = 1.0 - 1.0 / 1_024.0;
 
-/// Which positions of a mesh are touched, by the bits of their coordinates, so that those that were given twice are one.
+/// Touched positions of a mesh, by the bits of their coordinates, with their faces. Duplicate
+/// vertices are one position.
 type Corners = HashMap<[u64; 3], Vec<u32>>;
 
 impl Surface<'_> {
-    /// The contacts of this mesh, which comes first, with a convex set that is at most `margin` away; never none where it is.
+    /// Returns the contacts of this mesh, which comes first, with a convex set that is at most
+    /// `margin` away, in world units. There is at least one if the set is that near.
     pub(crate) fn contacts(&self, shape: &Faceted<'_>, margin: f64) -> Vec<Contacts> {
         let faces = self.faces_within(&shape.swept, margin);
         let mut about: Corners = HashMap::new();
@@ -57,7 +65,7 @@ impl Surface<'_> {
         if found.is_empty() { alone.into_iter().collect() } else { found }
     }
 
-    /// The contacts of a half-space, which comes first, with this mesh.
+    /// Returns the contacts of a half-space, which comes first, with this mesh.
     pub(crate) fn contacts_with_half_space(&self, half_space: &HalfSpace<'_>, margin: f64) -> Vec<Contacts> {
         let mut found: Vec<Contacts> = Vec::new();
         for (face, contacts) in half_space.contacts_of_surface(self, margin) {
@@ -66,12 +74,13 @@ impl Surface<'_> {
         found.into_iter().map(Contacts::swapped).collect()
     }
 
-    /// Whether no face about the corners of a face that reach farthest along a direction reaches farther.
+    /// Reports whether no face reaches farther along a direction than this face. Only the faces at
+    /// the corners that reach farthest are compared.
     fn is_outermost(&self, about: &Corners, corners: &[[f64; 3]; 3], direction: &[f64; 3]) -> bool {
         let world = corners.map(|corner| self.pose.apply(corner));
         let heights = world.map(|corner| dot(direction, &corner));
         let highest = heights.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        // What is only a little higher, as in a floor whose corners were rounded, is not beyond.
+        // A slightly higher corner does not count, as in a floor whose corners were rounded.
         let size = (0..3).map(|k| (world[1][k] - world[0][k]).abs() + (world[2][k] - world[0][k]).abs()).sum::<f64>();
         let far = world.iter().flatten().map(|x| x.abs()).fold(0.0, f64::max);
         let slack = size / 1_024.0 + 64.0 * UNIT_ROUNDOFF * far;
@@ -84,8 +93,8 @@ impl Surface<'_> {
         })
     }
 
-    /// The normal of a face in the world: outwards if the mesh is solid, else to the side that a direction points to. None for a
-    /// face without area.
+    /// Returns the normal of a face in the world frame. It points outwards if the mesh is solid,
+    /// otherwise to the side of `direction`. Returns `None` for a face without area.
     fn normal_towards(&self, corners: &[[f64; 3]; 3], direction: &[f64; 3]) -> Option<[f64; 3]> {
         let [p, q, r] = corners.map(|corner| self.pose.apply(corner));
         let area = cross(&sub(&q, &p), &sub(&r, &p));
@@ -97,7 +106,8 @@ impl Surface<'_> {
         Some(if is_turned { normal.map(|x| 0.0 - x) } else { normal })
     }
 
-    /// Features of a triangle as those of the mesh: its vertices, its edges by them, the face.
+    /// Renames the features of a triangle to features of the mesh: its vertices, its edges by
+    /// vertices, and the face.
     fn renamed(&self, mut contacts: Contacts, face: u32) -> Contacts {
         let vertices = self.mesh.faces()[face as usize];
         let vertex = |corner: u32| vertices[corner as usize];
@@ -112,9 +122,10 @@ impl Surface<'_> {
     }
 }
 
-/// Adds contacts to those of the same normal; of contacts in one place the deepest stays, and then the first.
+/// Adds contacts to the contacts with the same normal. Of contacts in one place the deepest stays;
+/// the first wins a tie.
 fn merge(found: &mut Vec<Contacts>, of_face: Contacts) {
-    let Some(same) = found.iter_mut().find(|known| dot(&known.normal, &of_face.normal) >= ONE_NORMAL) else {
+    let Some(same) = found.iter_mut().find(|known| dot(&known.normal, &of_face.normal) >= SAME_NORMAL_COSINE) else {
         found.push(of_face);
         return;
     };

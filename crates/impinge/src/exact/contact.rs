@@ -1,5 +1,5 @@
-//! Of what kind the contact of two faces is, as far as it matters to the solids behind them: only where they meet at
-//! length or in an area can interiors meet there and nowhere near.
+//! Classification of the contact between two faces, as far as it matters to the solids behind them.
+//! Interiors can intersect near a contact only if the faces share a segment or an area.
 
 use super::corners::PairCorners;
 use super::exact_points::Corners;
@@ -7,27 +7,29 @@ use super::placement::Placement;
 use super::triangles::Position;
 use crate::math::Sign::{self, Zero};
 
-/// How two triangles meet; edges are named by the numbers of their corners.
+/// How two triangles intersect. An edge is given by the numbers of its corners, each 0, 1 or 2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Contact {
-    /// Not at all, in a point, or with a triangle without area.
+    /// The triangles are disjoint, share only one point, share no area in one plane, or one of them
+    /// has no area.
     Slight,
-    /// In a segment that runs within both, off their edges.
+    /// The triangles share a segment that runs within both faces, off their edges.
     Across,
-    /// In a segment of this edge of A, within B.
+    /// The triangles share a segment that lies on this edge of A and within B's face.
     EdgeOfA([usize; 2]),
-    /// In a segment of this edge of B, within A.
+    /// The triangles share a segment that lies on this edge of B and within A's face.
     EdgeOfB([usize; 2]),
-    /// In a segment of these edges of both.
+    /// The triangles share a segment that lies on these edges of A and of B.
     Edges([usize; 2], [usize; 2]),
-    /// In an area.
+    /// The triangles lie in one plane and share an area.
     Area {
-        /// Whether the corners of both turn the same way there, in the world.
+        /// Whether the corners of both triangles turn the same way in the world frame.
         same_turn: bool,
     },
 }
 
-/// How triangle `a` of mesh A and triangle `b` of mesh B meet, exactly.
+/// Returns how triangle `a` of mesh A and triangle `b` of mesh B intersect. The answer is exact.
+/// Corners are given in the frame of their mesh.
 pub(crate) fn contact(placement: &Placement, a: &Corners, b: &Corners) -> Contact {
     let mut corners = PairCorners::new(placement, a, b);
     match Position::of(&mut corners) {
@@ -36,7 +38,8 @@ pub(crate) fn contact(placement: &Placement, a: &Corners, b: &Corners) -> Contac
             if !line.overlap_at_length(&mut corners) {
                 return Contact::Slight;
             }
-            // Each meets the common line in an edge, or in a segment between its apex's edges.
+            // Each triangle intersects the common line in one of its edges, or in a segment between
+            // the two edges at its apex.
             let edge =
                 |[_, p, q]: [usize; 3], sides: [Sign; 3]| (sides[p] == Zero && sides[q] == Zero).then_some([p, q]);
             match (edge(line.a, line.side_a), edge(line.b, line.side_b)) {
@@ -61,8 +64,9 @@ fn in_one_plane(corners: &mut PairCorners) -> Contact {
     Contact::Slight
 }
 
-/// Whether an edge of one has none of the other strictly on the inner side: the interiors of convex polygons are apart
-/// exactly then.
+/// Reports whether some edge of one triangle has no corner of the other strictly on its inner side,
+/// in the projection along `axis`. The interiors of two convex polygons are disjoint if and only if
+/// such an edge exists.
 fn separated_weakly(corners: &mut PairCorners, axis: usize, turns: [Sign; 2]) -> bool {
     let sets = [[0, 1, 2], [3, 4, 5]];
     (0..2).any(|own| {

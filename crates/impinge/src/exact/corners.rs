@@ -1,4 +1,5 @@
-//! The six corners of a pair of triangles, and the signs of their determinants by the cheapest tier that is certain.
+//! The six corners of a pair of triangles. The signs of their determinants come from the fastest
+//! tier that is certain of them.
 
 use super::exact_points::{Corners, ExactPoints};
 use super::filter::{self, Errors};
@@ -9,10 +10,10 @@ use super::wide::WidePoints;
 use crate::math::Sign;
 use crate::math::vec3::sub;
 
-/// The dearest arithmetic that a decision took.
+/// Slowest arithmetic that a decision needed. Variants are ordered from the fastest to the slowest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Tier {
-    /// Floats with an error bound, or comparisons of given coordinates.
+    /// Floats with an error bound, or comparisons of stored coordinates.
     Filter,
     /// Integers of one machine word.
     Fixed,
@@ -22,19 +23,20 @@ pub enum Tier {
     Unbounded,
 }
 
-/// Corners by number, those of A being 0, 1, 2 and those of B 3, 4, 5, with whatever is known of their coordinates.
+/// Corners of a pair, with the coordinates known so far. Corners 0, 1 and 2 belong to A, corners 3,
+/// 4 and 5 to B.
 pub(super) struct PairCorners<'p> {
     placement: &'p Placement,
     a: &'p Corners,
     b: &'p Corners,
-    /// B's corners in A's frame, each coordinate off by at most `image_error`.
+    /// B's corners in A's frame. Each coordinate is wrong by at most `image_error`.
     image_b: Corners,
     image_error: [f64; 3],
     exact: Option<Exact>,
 }
 
-/// Exact coordinates in the frame of the placement, in the smallest integers that hold them.
-#[expect(clippy::large_enum_variant, reason = "one a pair, on the stack of its decision")]
+/// Exact coordinates in the exact frame of the placement, in the smallest integers that hold them.
+#[expect(clippy::large_enum_variant, reason = "one value per pair, on the stack")]
 enum Exact {
     Fixed(FixedPoints),
     Wide(WidePoints),
@@ -55,7 +57,7 @@ impl<'p> PairCorners<'p> {
         Self { placement, a, b, image_b, image_error, exact: None }
     }
 
-    /// The dearest tier that was needed so far.
+    /// Returns the slowest tier that was needed so far.
     pub(super) fn tier(&self) -> Tier {
         match self.exact {
             None => Tier::Filter,
@@ -65,7 +67,8 @@ impl<'p> PairCorners<'p> {
         }
     }
 
-    /// On which sides of A's plane the corners of B are; all zero where A has no plane.
+    /// Returns the side of A's plane on which each corner of B lies. Positive is the side of A's
+    /// normal, by the right-hand rule in A's frame. All signs are zero if A has no area.
     pub(super) fn sides_of_a(&mut self) -> [Sign; 3] {
         let [p, q, r] = self.a;
         let (u, v) = (sub(q, p), sub(r, p));
@@ -74,7 +77,8 @@ impl<'p> PairCorners<'p> {
         std::array::from_fn(|j| certain[j].unwrap_or_else(|| self.exact_orient3d(0, 1, 2, 3 + j)))
     }
 
-    /// On which sides of B's plane the corners of A are; all zero where B has no plane.
+    /// Returns the side of B's plane on which each corner of A lies. Positive is the side of B's
+    /// normal, by the right-hand rule in A's frame. All signs are zero if B has no area.
     pub(super) fn sides_of_b(&mut self) -> [Sign; 3] {
         let [p, q, r] = &self.image_b;
         let (u, v) = (sub(q, p), sub(r, p));
@@ -84,8 +88,9 @@ impl<'p> PairCorners<'p> {
         std::array::from_fn(|i| certain[i].unwrap_or_else(|| self.exact_orient3d(3, 4, 5, i)))
     }
 
-    /// The orientation of an edge of A, from corner `a0` to `a1`, and one of B, from its corner `b0` to `b1`; corners
-    /// of either count from zero.
+    /// Returns the orientation of an edge of A and an edge of B: the sign of
+    /// `det(a1 - a0, b0 - a0, b1 - a0)` in A's frame. The corner numbers of both triangles count
+    /// from zero.
     pub(super) fn edges(&mut self, [a0, a1]: [usize; 2], [b0, b1]: [usize; 2]) -> Sign {
         let u = sub(&self.a[a1], &self.a[a0]);
         let v = sub(&self.image_b[b1], &self.image_b[b0]);
@@ -96,19 +101,19 @@ impl<'p> PairCorners<'p> {
         certain.map_or_else(|| self.exact_orient3d(a0, a1, 3 + b0, 3 + b1), |sign| -sign)
     }
 
-    /// The orientation of three corners in the projection along an axis of the exact frame.
+    /// Returns the orientation of three corners in the projection along an axis of the exact frame.
     pub(super) fn orient2d(&mut self, axis: usize, p: usize, q: usize, r: usize) -> Sign {
         self.exact().orient2d(axis, [p, q, r])
     }
 
-    /// How corner `p` compares to corner `q` along an axis of the exact frame.
+    /// Compares corner `p` with corner `q` along an axis of the exact frame.
     pub(super) fn compare(&mut self, axis: usize, p: usize, q: usize) -> Sign {
         self.exact().compare(axis, [p, q])
     }
 
-    /// The sign of `det(q - p, r - p, s - p)` in A's frame.
+    /// Returns the sign of `det(q - p, r - p, s - p)` in A's frame.
     pub(super) fn exact_orient3d(&mut self, p: usize, q: usize, r: usize, s: usize) -> Sign {
-        // The exact frame is A's own, or the world, which A's pose may have mirrored.
+        // The exact frame is A's own frame or the world. A's pose may mirror the world.
         let mirrored = !self.placement.is_shared() && self.placement.world_from_a().mirrors();
         self.exact().orient3d([p, q, r, s]).negated_if(mirrored)
     }
@@ -150,7 +155,8 @@ mod tests {
         }
     }
 
-    /// Every sign that corners can have, by every arithmetic that holds them.
+    /// Compares every sign that the corners can have across all arithmetics that hold the corners.
+    /// Returns whether the fixed and the wide integers hold them.
     fn assert_tiers_agree(placement: &Placement, a: &Corners, b: &Corners) -> [bool; 2] {
         let unbounded = UnboundedPoints::new(placement, a, b);
         let fixed = FixedPoints::new(placement.frame(), a, b);
@@ -202,14 +208,16 @@ mod tests {
         assert!((800..3000).contains(&held[0]) && (2000..4000).contains(&held[1]), "{held:?}");
     }
 
-    /// The largest numbers that each fixed size admits, where an overflow would show.
+    /// Uses the largest numbers that each fixed size accepts, so that an overflow would give a
+    /// wrong sign.
     #[test]
     fn full_words_do_not_overflow() {
         let mut random = Random(2);
         let mut held = [0; 2];
         for case in 0..3000 {
             let bits: i64 = [57, 58, 59, 60, 61][case % 5];
-            // Corners of a cube that fills the span, and units in the last place next to it.
+            // Corners of a cube that fills the span, and corners that differ from them by the last
+            // unit.
             let mut corner = || -> [f64; 3] {
                 std::array::from_fn(|_| {
                     let limit = (2.0_f64).powi(bits as i32);
@@ -226,7 +234,7 @@ mod tests {
             let all = [[1.0, 1.0, -1.0], [1.0, -1.0, 1.0], [-1.0, 1.0, 1.0]];
             let world_from_a = Pose::new(all, corner()).expect("legal");
             let world_from_b = Pose::new(all.map(|row| row.map(|x| -x)), corner()).expect("legal");
-            // The same for three words: span 130 bits more.
+            // The same for three machine words, whose span is about 130 bits larger.
             let wide = 2.0_f64.powi(64);
             let stretched =
                 Pose::new(all.map(|row| row.map(|x| x * wide)), *world_from_a.translation()).expect("legal");

@@ -1,49 +1,54 @@
-//! In what two triangles meet: the piece of an intersection curve that one pair contributes.
+//! The common points of two triangles: the piece of an intersection curve that one pair
+//! contributes.
 //!
-//! The decision is that of `triangles`, asked for all four comparisons on the common line instead of
-//! two. Where the piece ends is said combinatorially, by the corner, edge or face of each triangle that it ends on, so
-//! the pieces of neighbouring pairs link up without comparing coordinates, in touching and degenerate positions too.
+//! The decision is the one of `triangles`, but with all four comparisons on the common line instead
+//! of two. Each end of the piece is described by the corner, edge or face of each triangle that it
+//! lies on. So pieces of neighboring pairs link up without comparing coordinates, in touching and
+//! degenerate positions too.
 
 use super::corners::PairCorners;
 use super::exact_points::Corners;
 use super::feature::Feature;
 use super::joint::{Joint, Side};
 use super::placement::Placement;
-use super::triangles::{CommonLine, Position, Transversal, flat_meet, on_one_side};
+use super::triangles::{CommonLine, Position, Transversal, flat_intersect, on_one_side};
 use crate::math::Sign::{self, Negative, Positive, Zero};
 
-/// What two triangles have in common.
+/// The common points of two triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Crossing<E = Endpoint> {
-    /// Nothing.
+    /// The triangles are disjoint.
     Apart,
-    /// A point, the triangles being in different planes or one of them having no area.
+    /// The triangles share one point, and they lie in different planes or one of them has no area.
     Point(E),
-    /// A segment, the triangles being in different planes. It runs along `normal_a × normal_b` in the world frame, each
-    /// normal being that of the corners in their order by the right-hand rule.
+    /// The triangles lie in different planes and share a segment. It runs along
+    /// `normal_a × normal_b` in the world frame. Each normal follows from the order of the corners
+    /// by the right-hand rule.
     Segment(E, E),
-    /// Some set of points within one plane that holds both triangles, or the common points of two triangles that both
-    /// have no area.
+    /// The triangles share at least one point, and they lie in one plane or both have no area. The
+    /// shared set is not computed.
     Coplanar,
 }
 
-/// A point where a piece of an intersection curve ends.
+/// End of a piece of an intersection curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Endpoint {
-    /// The corner or edge of A that the point is on, or A's face where it is on neither.
+    /// Corner or edge of A that the point lies on, or A's face if it lies on neither.
     pub on_a: Feature,
-    /// The corner or edge of B that the point is on, or B's face where it is on neither.
+    /// Corner or edge of B that the point lies on, or B's face if it lies on neither.
     pub on_b: Feature,
-    /// The point in the world frame, each coordinate rounded to the nearest float. It has the same bits for every pair
-    /// of triangles that meets there.
+    /// Point in the world frame, each coordinate rounded to the nearest float. It has the same bits
+    /// for every pair of triangles that intersects there.
     pub point: [f64; 3],
 }
 
-/// In what triangle `a` of mesh A and triangle `b` of mesh B meet; `Apart` exactly where
-/// [`triangles_intersect`](super::triangles_intersect) is false.
+/// Returns the common points of triangle `a` of mesh A and triangle `b` of mesh B, each given in
+/// the frame of its mesh. Returns `Apart` if and only if
+/// [`triangles_intersect`](super::triangles_intersect) is `false`.
 ///
 /// # Accuracy
-/// Everything but the coordinates of the points is exact; those are the exact ones, rounded to the nearest float.
+/// The variant, the features and the order of the ends are exact. The coordinates of the points are
+/// the exact ones, rounded to the nearest float.
 #[must_use]
 pub fn crossing(placement: &Placement, a: &Corners, b: &Corners) -> Crossing {
     let end = |joint: Joint| Endpoint { on_a: joint.on_a, on_b: joint.on_b, point: joint.point(placement, a, b) };
@@ -51,7 +56,7 @@ pub fn crossing(placement: &Placement, a: &Corners, b: &Corners) -> Crossing {
 }
 
 impl<E> Crossing<E> {
-    /// Where it begins and ends, of a segment, or the only point.
+    /// Iterates over the ends: two for a segment, one for a point, none otherwise.
     pub(crate) fn ends(&self) -> impl Iterator<Item = &E> {
         let ends = match self {
             Self::Apart | Self::Coplanar => [None, None],
@@ -61,7 +66,7 @@ impl<E> Crossing<E> {
         ends.into_iter().flatten()
     }
 
-    /// The same with other ends.
+    /// Returns this crossing with `end` applied to each of its ends.
     pub(crate) fn map<F>(self, mut end: impl FnMut(E) -> F) -> Crossing<F> {
         match self {
             Self::Apart => Crossing::Apart,
@@ -72,7 +77,8 @@ impl<E> Crossing<E> {
     }
 }
 
-/// [`crossing`], with names for points: who has many pairs computes each point once, which takes longer than the decision.
+/// Returns the same as [`crossing`], with names for the points instead of coordinates. A caller
+/// with many pairs can then compute each point once, which takes longer than the decision.
 pub(crate) fn joints(placement: &Placement, a: &Corners, b: &Corners) -> Crossing<Joint> {
     let mut corners = PairCorners::new(placement, a, b);
     match Position::of(&mut corners) {
@@ -86,12 +92,13 @@ pub(crate) fn joints(placement: &Placement, a: &Corners, b: &Corners) -> Crossin
             Some(on_a) => Crossing::Point(Joint { on_a, on_b: segment_feature(&segment), edge_of: Side::B }),
             None => Crossing::Apart,
         },
-        Position::Flat if flat_meet(&mut corners) => Crossing::Coplanar,
+        Position::Flat if flat_intersect(&mut corners) => Crossing::Coplanar,
         Position::Flat => Crossing::Apart,
     }
 }
 
-/// The common part of the intervals `[a2, a1]` and `[b1, b2]` that both triangles have on their common line.
+/// Returns the common part of the intervals `[a2, a1]` and `[b1, b2]` of the two triangles on their
+/// common line.
 fn joints_on(line: &CommonLine, corners: &mut PairCorners, mirrors_a: bool) -> Crossing<Joint> {
     let b1_to_a1 = line.compare(corners, 1, 1);
     let b2_to_a2 = line.compare(corners, 2, 2);
@@ -105,7 +112,7 @@ fn joints_on(line: &CommonLine, corners: &mut PairCorners, mirrors_a: bool) -> C
     let between_a = between_feature(line.a, line.side_a);
     let between_b = between_feature(line.b, line.side_b);
 
-    // The larger of a2 and b1, and which part of the other triangle it is on.
+    // The larger of a2 and b1, and the feature of the other triangle that it lies on.
     let start = match line.compare(corners, 1, 2) {
         Negative => edge_of_a(2, if b2_to_a2 == Zero { on_b(2) } else { between_b }),
         Zero => edge_of_a(2, on_b(1)),
@@ -116,7 +123,8 @@ fn joints_on(line: &CommonLine, corners: &mut PairCorners, mirrors_a: bool) -> C
     if is_point {
         return Crossing::Point(start);
     }
-    // The smaller of a1 and b2. Were it the other end of the other triangle too, the piece would be a point.
+    // The smaller of a1 and b2. It is not the other end of the other triangle: the piece would then
+    // be a point, which was returned above.
     let finish = match line.compare(corners, 2, 1) {
         Positive => edge_of_a(1, between_b),
         Zero => edge_of_a(1, on_b(2)),
@@ -125,7 +133,8 @@ fn joints_on(line: &CommonLine, corners: &mut PairCorners, mirrors_a: bool) -> C
     if line.against_normals != mirrors_a { Crossing::Segment(finish, start) } else { Crossing::Segment(start, finish) }
 }
 
-/// What an edge of a triangle meets the other's plane in: the edge, or an end that is on the plane.
+/// Returns the feature at which an edge of a triangle intersects the other's plane: the edge, or
+/// its end if that lies on the plane.
 fn end_feature(edge: &Transversal) -> Feature {
     let [from, to] = edge.edge;
     if edge.sides[from] == Zero {
@@ -137,18 +146,21 @@ fn end_feature(edge: &Transversal) -> Feature {
     }
 }
 
-/// What a triangle without area meets the other's plane in: any of its corners may be on the plane.
+/// Returns the feature at which a triangle without area intersects the other's plane. Any of its
+/// corners may lie on the plane.
 fn segment_feature(segment: &Transversal) -> Feature {
     let on_plane = segment.sides.iter().position(|&side| side == Zero);
     on_plane.map_or_else(|| end_feature(segment), |corner| Feature::Vertex(corner as u8))
 }
 
-/// What a triangle meets the common line in between its two ends: its face, or the edge that is on the line.
+/// Returns the feature of a triangle that holds the inside of its interval on the common line: its
+/// face, or the edge that lies on the line.
 fn between_feature([_, p, q]: [usize; 3], sides: [Sign; 3]) -> Feature {
     if sides[p] == Zero && sides[q] == Zero { edge_feature(p, q) } else { Feature::Face }
 }
 
-/// What a line meets a triangle in that passes its edges on these sides, or nothing where it misses.
+/// Returns the feature of a triangle that a line passes through, or `None` if it misses the
+/// triangle. `passes` holds the sides on which the line passes the three edges.
 fn passed(passes: [Sign; 3]) -> Option<Feature> {
     if !on_one_side(passes) {
         return None;
@@ -156,7 +168,7 @@ fn passed(passes: [Sign; 3]) -> Option<Feature> {
     let on_edge = |k: usize| passes[k] == Zero;
     Some(match (0..3).find(|&k| on_edge(k)) {
         None => Feature::Face,
-        // Edges 0 and 2 share corner 0; others share the corner after the first.
+        // Edges 0 and 2 share corner 0. Edges k and k + 1 share corner k + 1.
         Some(0) if on_edge(2) => Feature::Vertex(0),
         Some(k) if k < 2 && on_edge(k + 1) => Feature::Vertex(k as u8 + 1),
         Some(k) => Feature::Edge(k as u8),

@@ -1,21 +1,27 @@
-//! Real numbers as the sum of two floats with a bound of what it is off by: twice the digits of a float at some twenty times the price.
+//! Real numbers as the sum of two floats, with a bound on the error. They have twice the digits of
+//! a float and cost about 20 times as much.
 //!
-//! What is rounded to nearest from exact numbers needs a few more digits than a float has, nearly always. These are found here, and
-//! integers are left with what lies between two floats to within the bound.
+//! To round an exact number to the nearest float nearly always takes only a few more digits than a
+//! float has. These numbers provide them. Integers handle the rare number that lies between two
+//! floats to within the bound.
 //!
 //! # Source
-//! Dekker, *A floating-point technique for extending the available precision*, Numerische Mathematik 18, 1971; ours departs in that
-//! every step carries its own bound, so that nothing is assumed of operands.
+//! Dekker, *A floating-point technique for extending the available precision*, Numerische
+//! Mathematik 18, 1971. Ours departs in that every step carries its own bound, so that nothing is
+//! assumed about the operands.
+//!
+//! The proof is docs/proof.md, L8a.
 
-use super::points::{LEAST_SPLIT, product_error, two_sum};
+use super::points::{MIN_SPLIT_PRODUCT, product_error, two_sum};
 use crate::math::Pose;
 use crate::math::relative::{INFLATE, UNDERFLOW, UNIT_ROUNDOFF};
 
-/// Products beyond this are not split: 2^900.
-const GREATEST_SPLIT: f64 = f64::from_bits((1023 + 900) << 52);
+/// Largest magnitude of factors and products that are split without error: 2^900. The splitting of
+/// Dekker overflows for much larger numbers.
+const MAX_SPLIT: f64 = f64::from_bits((1023 + 900) << 52);
 
-/// `high + low`, where high is the float nearest to the sum, and at most `error` away from the number that is meant. An error that
-/// is infinite or NaN says nothing.
+/// A number within `error` of `high + low`, `high` being the float nearest to that sum. An infinite
+/// or NaN error means that nothing is known.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DoubleDouble {
     high: f64,
@@ -28,7 +34,7 @@ impl DoubleDouble {
         Self { high: x, low: 0.0, error: 0.0 }
     }
 
-    /// The exact image of a point of the local frame.
+    /// Returns the image of a point of the local frame in the world frame, with its error bound.
     pub(super) fn world_point(world_from_local: &Pose, point: &[f64; 3]) -> [Self; 3] {
         std::array::from_fn(|axis| {
             let row = &world_from_local.linear()[axis];
@@ -37,16 +43,17 @@ impl DoubleDouble {
         })
     }
 
-    /// The float nearest to the number, where the bound settles it.
+    /// Returns the float nearest to the number, or `None` if the bound does not determine it.
     pub(super) fn nearest(&self) -> Option<f64> {
-        // Rounding is monotonic, so what both ends are rounded to, all between them is.
+        // Rounding is monotonic: if both ends of the interval round to one float, so do all numbers
+        // between them.
         let (least, greatest) = ((self.low - self.error).next_down(), (self.low + self.error).next_up());
         let is_exact = self.low == 0.0 && self.error == 0.0;
         let is_settled = self.high + least == self.high && self.high + greatest == self.high;
         (self.high.is_finite() && (is_exact || is_settled)).then_some(self.high + 0.0)
     }
 
-    /// A float, and more than what it is off by.
+    /// Returns the nearest float and a bound on its error.
     pub(crate) fn rounded(&self) -> [f64; 2] {
         [self.high, (self.low.abs() + self.error) * INFLATE]
     }
@@ -70,38 +77,40 @@ impl DoubleDouble {
         Self { high: -self.high, low: -self.low, error: self.error }
     }
 
-    /// Whether the number is proved to be above zero.
+    /// Reports whether the number is proved to be above zero.
     #[inline]
     pub(super) fn is_positive(&self) -> bool {
         self.high + (self.low - self.error).next_down() > 0.0
     }
 
-    /// A float that is no more than the root of the number, and the same for all numbers that are rounded alike, where the bound
-    /// settles it.
+    /// Returns a float that does not exceed the square root of the number, or `None` if the bound
+    /// does not determine it. All numbers with the same nearest float give the same result.
     pub(super) fn root_below(&self) -> Option<f64> {
         let below = self.high.next_down();
         let is_settled = below > 0.0 && self.low.abs() + self.error <= self.high - below;
         is_settled.then(|| below.sqrt().next_down())
     }
 
-    /// Likewise a float that is no less than the root.
+    /// Returns a float that is not below the square root of the number, or `None` if the bound does
+    /// not determine it. All numbers with the same nearest float give the same result.
     pub(super) fn root_above(&self) -> Option<f64> {
         let above = self.high.next_up();
         let is_settled = self.high >= 0.0 && self.low.abs() + self.error <= above - self.high;
         is_settled.then(|| above.sqrt().next_up())
     }
 
-    /// What the number is off zero by at most, if it is zero but for its bound.
+    /// Returns the error bound if the computed value is zero, otherwise `None`.
     pub(super) fn off_zero(&self) -> Option<f64> {
         (self.high == 0.0 && self.low == 0.0).then_some(self.error)
     }
 
-    /// The number with a bound that is wider by this.
+    /// Returns this number with its error bound increased by `by`.
     pub(super) fn widened(&self, by: f64) -> Self {
         Self { error: (self.error + by) * INFLATE, ..*self }
     }
 
-    /// The greater of two numbers, where neither may be above the result and its error. An error that says nothing stays.
+    /// Returns a number that, to within its error, is not below either of the two. Its error is NaN
+    /// if the error of either is.
     #[inline]
     pub(super) fn greater(&self, other: &Self) -> Self {
         let is_less = self.high < other.high || (self.high == other.high && self.low < other.low);
@@ -118,12 +127,14 @@ impl DoubleDouble {
         let low = product.low + across;
         let rounding = UNIT_ROUNDOFF * (forward.abs() + backward.abs() + across.abs() + low.abs());
         let left_out = (self.low * other.low).abs() + 4.0 * UNDERFLOW;
-        // Of no two errors alone, whose product would be subnormal.
+        // The factors are arranged so that no two errors alone are multiplied, which could give a
+        // subnormal number.
         let input = (self.size() + self.error) * other.error + other.size() * self.error;
         Self::new(product.high, low, product.error + rounding + left_out + input)
     }
 
-    /// What is left of the dividend after two quotients of floats bounds the error.
+    /// Returns the quotient. Its error bound is the remainder of the dividend after two quotients
+    /// of floats.
     #[inline]
     pub(super) fn over(&self, divisor: &Self) -> Self {
         let less = |rest: &Self, quotient: f64| rest.minus(&divisor.times(&Self::of(quotient)));
@@ -136,20 +147,20 @@ impl DoubleDouble {
         Self::new(first, second, error)
     }
 
-    /// Two floats, the first not much smaller than the second, and a bound that is a sum of few floats.
+    /// Builds a number from two floats, the first not much smaller than the second, and a bound
+    /// that is a sum of few floats.
     #[inline]
     fn new(high: f64, low: f64, error: f64) -> Self {
         let (high, low) = two_sum(high, low);
         Self { high, low, error: error * INFLATE }
     }
 
-    /// The product of two floats.
+    /// Returns the product of two floats. The error is infinite if the product cannot be split.
     #[inline]
     fn product(x: f64, y: f64) -> Self {
         let product = x * y;
-        let is_split = (LEAST_SPLIT..=GREATEST_SPLIT).contains(&product.abs())
-            && x.abs() <= GREATEST_SPLIT
-            && y.abs() <= GREATEST_SPLIT;
+        let is_split =
+            (MIN_SPLIT_PRODUCT..=MAX_SPLIT).contains(&product.abs()) && x.abs() <= MAX_SPLIT && y.abs() <= MAX_SPLIT;
         if is_split {
             Self { high: product, low: product_error(x, y, product), error: 0.0 }
         } else {
@@ -188,7 +199,7 @@ mod tests {
         RBig::try_from(x).expect("finite")
     }
 
-    /// Sums, products and quotients stay within their bounds, which are some 2^-100 of the sizes.
+    /// Sums, products and quotients stay within their bounds, which are about 2^-100 of the sizes.
     #[test]
     fn bounds_hold() {
         let mut state = 9_u64;
@@ -207,7 +218,7 @@ mod tests {
             let (value, truth) = match case % 3 {
                 0 => (product.plus(&other).times(&a), (&x * &y + &z * &w) * &x),
                 1 => (product.minus(&other).over(&d.plus(&a)), (&x * &y - &z * &w) / (&w + &x)),
-                // Cancels to what the products lack.
+                // Cancels to the rounding error of the product.
                 _ => (product.minus(&DoubleDouble::of(floats[0] * floats[1])), &x * &y - exact(floats[0] * floats[1])),
             };
             let off = exact(value.high) + exact(value.low) - truth.clone();
@@ -223,14 +234,14 @@ mod tests {
                 settled += 1;
             }
         }
-        // All but what cancels, of which no digits are left to spare.
+        // All cases except cancellation, which leaves no digits to spare.
         assert!(narrow > 2500 && settled > 2500, "{narrow} {settled}");
-        // What vanishes or overflows settles nothing.
+        // Nothing is determined after underflow, overflow or division by zero.
         for [x, y] in [[1e-200, 1e-200], [1e300, 1e300], [1e-320, 3.0]] {
             assert_eq!(DoubleDouble::of(x).times(&DoubleDouble::of(y)).nearest(), None);
         }
         assert_eq!(DoubleDouble::of(1.0).over(&DoubleDouble::of(0.0)).nearest(), None);
-        // A tie between two floats is left open; one beside it is not.
+        // A tie between two floats is undecided.
         let half = DoubleDouble::of(1.0).plus(&DoubleDouble::of(UNIT_ROUNDOFF));
         assert_eq!(DoubleDouble { error: 1e-40, ..half }.nearest(), None);
     }

@@ -1,18 +1,19 @@
-//! What every exact arithmetic answers about the six corners of a pair of triangles.
+//! The interface of every exact arithmetic for the six corners of a pair of triangles.
 
 use crate::math::Sign;
 
-/// The corners of a triangle in the frame of its mesh; single precision is widened, which loses nothing.
+/// The corners of a triangle in the frame of its mesh. Coordinates in single precision are widened,
+/// which is exact.
 pub type Corners = [[f64; 3]; 3];
 
 /// Six corners with exact coordinates in some frame.
 pub(super) trait ExactPoints {
-    /// The sign of `det(q - p, r - p, s - p)` of corners `[p, q, r, s]`.
+    /// Returns the sign of `det(q - p, r - p, s - p)` for corners `[p, q, r, s]`.
     fn orient3d(&self, corners: [usize; 4]) -> Sign;
 
-    /// The sign of `det(q - p, r - p)` of corners `[p, q, r]`, projected along an axis.
+    /// Returns the sign of `det(q - p, r - p)` for corners `[p, q, r]`, projected along an axis.
     fn orient2d(&self, axis: usize, corners: [usize; 3]) -> Sign;
 
-    /// How corner `p` compares to `q` along an axis, of `[p, q]`.
+    /// Compares corner `p` with corner `q` along an axis, for corners `[p, q]`.
     fn compare(&self, axis: usize, corners: [usize; 2]) -> Sign;
 }

@@ -1,4 +1,5 @@
-//! The faces of both meshes that meet in a line, seen along it, and whether some direction across it is inside both solids.
+//! The faces of both meshes that share a line, viewed along it. A fan decides whether some
+//! direction across the line is inside both solids.
 
 use super::corners::PairCorners;
 use super::exact_points::Corners;
@@ -9,22 +10,22 @@ use crate::math::Sign::{self, Negative, Positive, Zero};
 /// A line along an edge of one of the meshes, in the frame of that mesh.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EdgeLine {
-    /// Of B; else of A.
+    /// Whether the edge belongs to B. Otherwise it belongs to A.
     pub(crate) of_b: bool,
     pub(crate) ends: [[f64; 3]; 2],
 }
 
-/// What a face is on one side of a line in its plane.
+/// One half of a face's plane, bounded by the line.
 #[derive(Clone, Copy, Debug)]
 struct HalfPlane {
     of_b: bool,
-    /// A point of it off the line, in the frame of its mesh.
+    /// A point of the half plane off the line, in the frame of its mesh.
     reach: [f64; 3],
-    /// Whether its own solid is just after it, turning about the line counterclockwise.
+    /// Whether the solid of its mesh is directly after it, turning counterclockwise about the line.
     solid_after: bool,
 }
 
-/// The faces of both meshes that meet in a line, seen along it.
+/// The faces of both meshes that share a line, viewed along it.
 pub(crate) struct Fan<'p> {
     placement: &'p Placement,
     one_place: Placement,
@@ -38,13 +39,15 @@ impl<'p> Fan<'p> {
         Self { placement, one_place, line, half_planes: Vec::new() }
     }
 
-    /// Whether right hands of B's frame are left ones of A's. Turning is meant in A's frame.
+    /// Reports whether the frames of A and B have opposite handedness. Turning directions are meant
+    /// in A's frame.
     fn turns_b(&self) -> bool {
         self.placement.world_from_a().mirrors() != self.placement.world_from_b().mirrors()
     }
 
-    /// Adds what a face with area, whose plane holds the line, is on either side of it. `front` and `back` say whether its
-    /// solid is there, the front being where the corners are counterclockwise in the frame of their mesh.
+    /// Adds the half planes of a face with area whose plane holds the line. `front` and `back` tell
+    /// whether the face's solid is on that side. The corners appear counterclockwise from the
+    /// front, in the frame of their mesh.
     pub(crate) fn add(&mut self, of_b: bool, face: &Corners, front: bool, back: bool) {
         let [front, back] = if of_b && self.turns_b() { [back, front] } else { [front, back] };
         for (turn, reach) in self.turns_about_line(of_b, face).into_iter().zip(*face) {
@@ -53,17 +56,18 @@ impl<'p> Fan<'p> {
                 Positive => front,
                 Negative => back,
             };
-            // Two corners on one side are one half plane, and add nothing twice.
+            // Two corners on one side add the same half plane twice, which changes no answer.
             self.half_planes.push(HalfPlane { of_b, reach, solid_after });
         }
     }
 
-    /// For each corner whether it turns about the line as the face does about itself.
+    /// Returns for each corner of the face on which side of the line it lies, in the face's plane.
+    /// Positive means that the line and the corner turn the same way as the face's own corners.
     fn turns_about_line(&self, of_b: bool, face: &Corners) -> [Sign; 3] {
         let [p, q] = self.line.ends;
         let own = of_b == self.line.of_b;
         let (a, b) = match (own, of_b) {
-            // All of one mesh; in its own frame.
+            // All points belong to one mesh and are used in its own frame.
             (true, _) => ([p, q, q], *face),
             (false, true) => ([p, q, q], *face),
             (false, false) => (*face, [p, q, q]),
@@ -80,10 +84,11 @@ impl<'p> Fan<'p> {
         [Zero; 3]
     }
 
-    /// Whether some direction across the line is inside both solids.
+    /// Reports whether some direction across the line is inside both solids.
     ///
-    /// Such directions form open arcs; each begins, turning, at a half plane of one of the meshes, and just after it the
-    /// other mesh is what it is after its own half plane that comes last before.
+    /// Such directions form open arcs. Counterclockwise, each arc begins at a half plane of one
+    /// mesh with the mesh's solid directly after it. There, the other solid is present if and only
+    /// if it is directly after the last half plane of the other mesh before this one.
     pub(crate) fn interiors_meet(&self) -> bool {
         self.half_planes.iter().filter(|start| start.solid_after).any(|start| {
             let others = self.half_planes.iter().filter(|other| other.of_b != start.of_b);
@@ -92,14 +97,15 @@ impl<'p> Fan<'p> {
         })
     }
 
-    /// Whether `x` is met before `y` when turning back from `start`.
+    /// Reports whether `x` comes before `y` when turning back (clockwise) from `start`.
     fn is_nearer_back(&self, start: &HalfPlane, x: &HalfPlane, y: &HalfPlane) -> bool {
         let (back_to_x, back_to_y) = (self.turned_back(start, x), self.turned_back(start, y));
-        // Within one open half turn, x is nearer where y is further back from it.
+        // Within one open half turn, x is nearer if y is further back than x.
         back_to_x < back_to_y || (back_to_x == back_to_y && back_to_x % 2 == 1 && self.orientation(x, y) == Negative)
     }
 
-    /// How far back from `start` a half plane is: 0 for none, 1 for less than half a turn, 2 for half a turn, 3 for more.
+    /// Returns how far back from `start` a half plane is: 0 for the same direction, 1 for less than
+    /// half a turn, 2 for half a turn, 3 for more.
     fn turned_back(&self, start: &HalfPlane, other: &HalfPlane) -> u8 {
         match self.orientation(start, other) {
             Negative => 1,
@@ -109,14 +115,14 @@ impl<'p> Fan<'p> {
         }
     }
 
-    /// The sign in A's frame of the determinant of the line and the reaches of two half planes: positive where the second
-    /// follows less than half a turn after the first.
+    /// Returns the sign in A's frame of the determinant of the line and the points of two half
+    /// planes. It is positive if the second follows less than half a turn after the first.
     fn orientation(&self, r: &HalfPlane, s: &HalfPlane) -> Sign {
         let (mut corners, [p, q, r, s], own) = self.corners(r, s);
         corners.exact_orient3d(p, q, r, s).negated_if(own && self.line.of_b && self.turns_b())
     }
 
-    /// For two half planes in one plane.
+    /// Reports whether two half planes of one plane are on the same side of the line.
     fn on_one_side(&self, r: &HalfPlane, s: &HalfPlane) -> bool {
         let (mut corners, [p, q, r, s], _) = self.corners(r, s);
         (0..3).any(|axis| {
@@ -125,7 +131,8 @@ impl<'p> Fan<'p> {
         })
     }
 
-    /// The ends of the line and both reaches as corners, and whether all are of one mesh and in its own frame.
+    /// Returns the ends of the line and the points of both half planes as corners, and whether all
+    /// belong to one mesh and are in its frame.
     fn corners(&self, r: &HalfPlane, s: &HalfPlane) -> (FourPoints<'_>, [usize; 4], bool) {
         let mut sets = [[[0.0; 3]; 3]; 2];
         let mut used = [0; 2];
@@ -134,7 +141,8 @@ impl<'p> Fan<'p> {
         let points = [(self.line.of_b, p), (self.line.of_b, q), (r.of_b, r.reach), (s.of_b, s.reach)];
         let numbers = std::array::from_fn(|i| {
             let (of_b, point) = points[i];
-            // Four of one mesh do not fit three corners; they have one frame, where the last may stand for another's.
+            // Three corners cannot hold four points of one mesh. The meshes then share one frame,
+            // so the fourth point takes a corner of the other triangle.
             let set = if own { usize::from(i == 3) } else { usize::from(of_b) };
             sets[set][used[set]] = point;
             used[set] += 1;
@@ -144,7 +152,7 @@ impl<'p> Fan<'p> {
     }
 }
 
-/// Six corners and where they are.
+/// Six corners and the placement of their meshes.
 struct FourPoints<'p> {
     sets: [Corners; 2],
     placement: &'p Placement,

@@ -1,12 +1,12 @@
-//! The parts of a triangle.
+//! The parts of a triangle: its corners, edges and face.
 
-/// A part of a triangle. Where a triangle has no area, the names of its parts are not unique: a point that is on two
-/// overlapping edges is said to be on one of them.
+/// A part of a triangle. If the triangle has no area, the name of a point's part is not unique: a
+/// point on two overlapping edges gets the name of one of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Feature {
-    /// The corner of this number.
+    /// The corner with this number (0, 1 or 2).
     Vertex(u8),
-    /// The edge from the corner of this number to the next, without its ends.
+    /// The edge from the corner with this number to the next corner, without its ends.
     Edge(u8),
     /// The triangle without its edges.
     Face,

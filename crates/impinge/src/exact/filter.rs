@@ -1,34 +1,38 @@
-//! Signs of determinants in floats, where a bound of all errors allows.
+//! Signs of determinants in floats, if a bound of all errors allows.
 //!
-//! The determinant is `u × v · w` of three differences of points. A computed difference `u` of points that are each off
-//! by some error stands for the true one, `U = u (1 + ρ) + η` with `|ρ| <= 2^-53` and `|η|` at most the sum of the
-//! errors of both points, component by component. So each of the six products of `U`, `V`, `W` differs from that of
-//! `u`, `v`, `w` by two parts:
+//! The determinant is `u × v · w` of three differences of points, each point with an error. A
+//! computed difference `u` stands for the true one, `U = u (1 + ρ) + η`. Here `|ρ| <= 2^-53`, and
+//! `|η|` is at most the sum of the errors of both points, component by component. So each of the
+//! six products of `U`, `V`, `W` differs from the product of `u`, `v`, `w` by two parts:
 //!
-//! - rounding: three differences, and five operations on the way of a product to the result, each a factor within
-//!   `1 ± 2^-53`; together 8 units and a little, of the product of magnitudes;
-//! - input: `(|u| + η_u)(|v| + η_v)(|w| + η_w) - |u| |v| |w|`, which is expanded into positive terms since the difference
-//!   would cancel (Shewchuk, *Adaptive Precision Floating-Point Arithmetic*, 1997, treats exact input; Burnikel, Funke
-//!   and Seel, *Exact Geometric Computation Using Cascading*, 2001, propagate input errors in this manner).
+//! - rounding: three differences, and five operations on the way of a product to the result, each a
+//!   factor within `1 ± 2^-53`; together slightly more than 8 units of the product of magnitudes;
+//! - input: `(|u| + η_u)(|v| + η_v)(|w| + η_w) - |u| |v| |w|`, expanded into positive terms because
+//!   the difference would cancel (Shewchuk, *Adaptive Precision Floating-Point Arithmetic*, 1997,
+//!   treats exact input; Burnikel, Funke and Seel, *Exact Geometric Computation Using Cascading*,
+//!   2001, propagate input errors in this way).
 //!
-//! Differences of floats do not underflow. Each product may lose 2^-1075, and a dozen of them are multiplied by `w`.
-//! Whatever overflows makes the error infinite or NaN, and nothing is certain then.
+//! Differences of floats do not underflow. Each product may lose 2^-1075, and a dozen of them are
+//! multiplied by `w`. Any overflow makes the error infinite or NaN, and then no sign is certain.
+//!
+//! The proof is docs/proof.md, L5, and the tests are below.
 
 use crate::math::Sign;
 use crate::math::relative::{INFLATE, UNDERFLOW, UNIT_ROUNDOFF};
 use crate::math::vec3::dot;
 
-/// Units of relative rounding: 8 are needed, the rest is for the rounding of the bound itself.
+/// Bound on the relative rounding error: 9 units of 2^-53. Slightly more than 8 are needed; the
+/// rest covers the rounding of the bound itself.
 pub(super) const ROUNDING: f64 = 9.0 * UNIT_ROUNDOFF;
 
-/// Bounds of the errors of three difference vectors, by components.
+/// Error bounds of three difference vectors, by components.
 pub(super) struct Errors<'e> {
     pub(super) u: &'e [f64; 3],
     pub(super) v: &'e [f64; 3],
     pub(super) w: &'e [f64; 3],
 }
 
-/// The signs of `u × v · w` for each `w`.
+/// Returns the sign of `u × v · w` for each `w`, or `None` if it is not certain.
 pub(super) fn signs<const N: usize>(
     u: &[f64; 3],
     v: &[f64; 3],
@@ -57,8 +61,9 @@ pub(super) fn signs<const N: usize>(
     let error = input * INFLATE + rounding * ROUNDING + extent_sum * UNDERFLOW;
     ws.map(|w| {
         let determinant = dot(&normal, &w);
-        // Not certain where either side is NaN. Nor where the determinant overflows: each of its steps is at most the same
-        // step of `rounding`, which overflows with it.
+        // Both comparisons are false if either side is NaN. No sign is returned for a determinant
+        // that overflows either: each of its steps is at most the same step of `rounding`, which
+        // then overflows too.
         if determinant > error {
             Some(Sign::Positive)
         } else if determinant < -error {
@@ -71,9 +76,10 @@ pub(super) fn signs<const N: usize>(
 
 #[cfg(test)]
 mod tests {
-    //! The constants and the terms of the bound were weakened by hand to see one of these fail: `ROUNDING` to 1 unit, the
-    //! input part to a half, `UNDERFLOW` and each term of first order in the errors to nothing. Without the terms of higher
-    //! order no wrong sign was found; they stay since the proof needs them.
+    //! These tests fail if a constant or a term of the bound is weakened: `ROUNDING` to 1 unit, the
+    //! input part to one half, `UNDERFLOW` or any first-order term of the errors to zero. Removing
+    //! the terms of higher order gave no wrong sign in these tests. They remain because the proof
+    //! needs them.
 
     use super::*;
     use crate::math::dyadic::{self, Dyadic};
@@ -82,7 +88,7 @@ mod tests {
     struct Random(u64);
 
     impl Random {
-        /// Uniform in [-1, 1).
+        /// Returns a number uniform in [-1, 1).
         fn unit(&mut self) -> f64 {
             self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
@@ -120,7 +126,7 @@ mod tests {
                 // Far from the origin, so that differences round and cancel.
                 q = q.map(|x| 1e3 * x);
             }
-            // Coplanar but for the rounding of its coordinates.
+            // Coplanar except for the rounding of the coordinates.
             let mut s = combination(&p, &q, &r, random.unit(), random.unit());
             s[0] += random.unit() * [0.0, 2e-15, 2e-14][case % 3];
             let points = [p, q, r, s];
@@ -134,7 +140,8 @@ mod tests {
         assert!(nonzero > 150_000 && certain > 10_000, "{nonzero} {certain}");
     }
 
-    /// Points that are off by exactly their error, each coordinate in the direction that moves the determinant most.
+    /// Each point is moved by exactly its error, each coordinate in the direction that changes the
+    /// determinant most.
     #[test]
     fn input_errors_are_bounded() {
         let mut random = Random(2);
@@ -143,7 +150,7 @@ mod tests {
         for case in 0..200_000 {
             let size = [1e-3, 0.3, 3.0][case / 3 % 3];
             let error: [f64; 3] = std::array::from_fn(|_| size * random.unit().abs());
-            // Which of the four points are off, and by what their differences are then.
+            // Points that are moved.
             let off = [[false, false, false, true], [false, true, true, true], [true; 4]][case % 3];
             let [p, q, r] = std::array::from_fn(|_| random.vector());
             let mut s = combination(&p, &q, &r, random.unit(), random.unit());
@@ -160,7 +167,7 @@ mod tests {
                     points[i][k] + step
                 })
             });
-            // The error of a moved point, which the sum above rounds.
+            // Error of a moved point. The 1e-15 covers the rounding of the sum above.
             let error_of =
                 |i: usize| -> [f64; 3] { std::array::from_fn(|k| if off[i] { error[k] + 1e-15 } else { 0.0 }) };
             let of_difference = |i: usize| -> [f64; 3] { std::array::from_fn(|k| error_of(i)[k] + error_of(0)[k]) };

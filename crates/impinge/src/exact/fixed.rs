@@ -1,27 +1,29 @@
 //! Signs of determinants of integers that fit a machine word.
 //!
-//! Where both poses keep a common grid, the six corners of a pair usually span few enough bits (coordinates in single
-//! precision between 1e-4 and 1e6 do) to be integers below 2^60, and a determinant below 2^187 is exact in a handful of
-//! multiplications.
+//! If both poses keep a common grid, the six corners of a pair usually span few enough bits to be
+//! integers below 2^60. Coordinates in single precision between 1e-4 and 1e6 do. A determinant
+//! below 2^187 is then exact in a handful of multiplications. The proof is docs/proof.md, L6.
 
 use super::exact_points::{Corners, ExactPoints};
 use super::placement::Frame;
 use crate::math::Sign;
 use crate::math::dyadic::decompose;
 
-/// A corner on the common grid, each coordinate below 2^60 in magnitude.
+/// A corner on the common grid. Each coordinate is below 2^60 in magnitude.
 type Point = [i64; 3];
 
-/// Bits that the given coordinates may span. The image of a corner under entries -1, 0, 1 and an offset is a sum of up
-/// to four of them, so 2^60 bounds it; differences are then below 2^61, two-by-two minors below 2^123, and the two
-/// halves of `orientation` below 2^127.
+/// Maximum number of bits that the given coordinates may span. The image of a corner under entries
+/// -1, 0, 1 and an offset is a sum of up to four coordinates, so it is below 2^60. Differences are
+/// then below 2^61, two-by-two minors below 2^123, and the two halves of `orient3d` below 2^127. A
+/// larger span could overflow.
 const SPAN: i32 = 58;
 
 /// The corners of A, then of B, on the finest grid that holds all of them.
 pub(super) struct FixedPoints([Point; 6]);
 
 impl FixedPoints {
-    /// Nothing where the frame has no grid, or the corners span too many bits of it.
+    /// Builds the points. Returns `None` if the frame has no grid, or if the corners span too many
+    /// bits of it.
     pub(super) fn new(frame: &Frame, a: &Corners, b: &Corners) -> Option<Self> {
         match frame {
             Frame::World => None,
@@ -75,7 +77,7 @@ impl ExactPoints for FixedPoints {
     }
 }
 
-/// Multiples of `2^exponent`.
+/// The multiples of `2^exponent`.
 struct Grid {
     exponent: i32,
 }
@@ -98,7 +100,7 @@ impl Grid {
         point.map(|x| {
             let (negative, mantissa, exponent) = decompose(x);
             let shift = exponent - self.exponent;
-            // A multiple of the grid: a right shift drops zeros only.
+            // The value is a multiple of the grid unit, so a right shift drops only zeros.
             let magnitude = if mantissa == 0 {
                 0
             } else if shift < 0 {

@@ -1,4 +1,5 @@
-//! Where two triangles begin or cease to meet: a point by its name, and its coordinates where these are wanted.
+//! End points of intersection curves: each is identified by the features that it lies on. Its
+//! coordinates are computed on request.
 
 use super::double_double::{self, DoubleDouble};
 use super::exact_points::Corners;
@@ -14,21 +15,21 @@ pub(super) enum Side {
     B,
 }
 
-/// A point where a piece of an intersection curve ends: a corner of either triangle, or where an edge of one passes through the
-/// plane of the other.
+/// End of a piece of an intersection curve: a corner of either triangle, or the point where an edge
+/// of one passes through the plane of the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Joint {
-    /// The corner or edge of A that the point is on, or A's face where it is on neither.
+    /// Corner or edge of A that the point lies on, or A's face if it lies on neither.
     pub(crate) on_a: Feature,
-    /// The corner or edge of B that the point is on, or B's face where it is on neither.
+    /// Corner or edge of B that the point lies on, or B's face if it lies on neither.
     pub(crate) on_b: Feature,
-    /// Whose edge passes through the other's plane, where the point is no corner.
+    /// Triangle whose edge passes through the other's plane. Not used if the point is a corner.
     pub(super) edge_of: Side,
 }
 
 impl Joint {
-    /// The point in the world frame, each coordinate rounded to the nearest float, so that it has the same bits for every pair of
-    /// triangles that meets there.
+    /// Returns the point in the world frame, each coordinate rounded to the nearest float. It has
+    /// the same bits for every pair of triangles that intersects there.
     pub(crate) fn point(&self, placement: &Placement, a: &Corners, b: &Corners) -> [f64; 3] {
         let (a, b) = (Posed(placement.world_from_a(), a), Posed(placement.world_from_b(), b));
         match (self.on_a, self.on_b, self.edge_of) {
@@ -36,7 +37,7 @@ impl Joint {
             (_, Feature::Vertex(corner), _) => b.nearest_corner(corner),
             (Feature::Edge(edge), _, Side::A) => a.nearest_on_plane(edge, &b),
             (_, Feature::Edge(edge), Side::B) => b.nearest_on_plane(edge, &a),
-            _ => unreachable!("a joint that is no corner is on the edge that it names"),
+            _ => unreachable!("a joint off all corners lies on an edge of `edge_of`"),
         }
     }
 }
@@ -53,8 +54,9 @@ impl Posed<'_> {
         })
     }
 
-    /// The point where an edge, whose ends are on different sides, meets the plane of another triangle, rounded. With the heights `h` of
-    /// its ends p and q it is `p + h_p / (h_p - h_q) (q - p)`.
+    /// Returns the point where an edge intersects the plane of another triangle, in the world
+    /// frame, rounded to nearest. The ends of the edge must be on different sides. With the heights
+    /// `h` of its ends p and q, the point is `p + h_p / (h_p - h_q) (q - p)`.
     fn nearest_on_plane(&self, edge: u8, other: &Posed<'_>) -> [f64; 3] {
         let ends = [edge, (edge + 1) % 3].map(|corner| &self.1[usize::from(corner)]);
         let rough = || {
@@ -74,7 +76,8 @@ impl Posed<'_> {
     }
 }
 
-/// A point rounded to nearest, where that is settled.
+/// Returns a point rounded to the nearest floats, or `None` if the error bounds do not determine
+/// them.
 fn settled([x, y, z]: &[DoubleDouble; 3]) -> Option<[f64; 3]> {
     Some([x.nearest()?, y.nearest()?, z.nearest()?])
 }

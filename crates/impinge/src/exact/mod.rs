@@ -1,16 +1,20 @@
 //! Exact decisions about closed triangles that two poses place in the world.
 //!
-//! A corner is the real number triple that its floats are, and its image under a pose is taken over the reals; a
-//! triangle is the convex hull of its three images, be that a triangle, a segment or a point. What is decided is the
-//! truth about these sets. Every decision is a tree over signs of determinants (no constructed point, no division, no
-//! tolerance), so it cannot depend on the order of corners or triangles. A sign comes from the first of four tiers
-//! that is certain of it:
+//! The coordinates of a corner are the real numbers that its floats represent. Its image under a
+//! pose is computed over the reals. A triangle is the convex hull of the images of its three
+//! corners: a triangle, a segment or a point. Every decision is true of these sets. It is a
+//! decision tree over signs of determinants, without constructed points, divisions or tolerances.
+//! So the result depends neither on the order of the corners nor on the order of the triangles.
+//! Each sign comes from the first of four tiers that is certain of it:
 //!
-//! - `filter`: floats in A's frame, with a bound of the error that holds whatever the poses are;
-//! - `fixed`: integers of one machine word, where both poses keep a common grid: equal poses, translations, quarter
-//!   turns, mirrors;
+//! - `filter`: floats in A's frame, with an error bound that holds for all poses;
+//! - `fixed`: integers of one machine word, if both poses keep a common grid (equal poses,
+//!   translations, quarter turns, mirrors);
 //! - `wide`: integers of three machine words, which hold most posed corners in single precision;
 //! - `unbounded`: integers of any size.
+//!
+//! The tests are `tests/it/exact_triangles.rs` and `tests/it/exact_crossing.rs`; the proofs are in
+//! docs/proof.md, L5 to L8.
 
 mod contact;
 mod corners;

@@ -1,9 +1,10 @@
-//! Whether two triangles are within a distance of each other, decided exactly.
+//! Exact decision whether two triangles are within a distance of each other.
 //!
-//! The square of the distance of triangles with rational corners is rational, so it compares exactly to the square of a
-//! float (docs/proof.md, L13). Nothing is divided: triangles without a common point are nearest in a corner and an edge,
-//! in two edges or in a corner and a face, and for each of these the side on which a foot lies and the comparison are
-//! signs of polynomials in the corners. All parts are tried, so it does not matter which is nearest.
+//! The squared distance of triangles with rational corners is rational, so it compares exactly to
+//! the square of a float (docs/proof.md, L13). Nothing is divided. Triangles without a common point
+//! are nearest at a corner and an edge, at two edges, or at a corner and a face. For each of these
+//! parts, the side of a foot point and the comparison are signs of polynomials in the corners. All
+//! parts are tried, so it does not matter which is nearest.
 
 use super::exact_points::Corners;
 use super::placement::{Placement, world_point};
@@ -11,26 +12,30 @@ use super::triangles::triangles_intersect;
 use crate::math::Sign::{Negative, Positive, Zero};
 use crate::math::dyadic::{self, Dyadic};
 
-/// Whether triangle `a` of mesh A and triangle `b` of mesh B, placed in the world, have points that are no farther apart
-/// than `clearance`; a negative one is never kept, nor is NaN.
+/// Reports whether triangle `a` of mesh A and triangle `b` of mesh B, placed in the world, have
+/// points no farther apart than `clearance`, in world units. The answer is exact. Returns `false`
+/// if `clearance` is negative or NaN.
 ///
 /// # Complexity
-/// 33 comparisons of integers of some 20 words, 700 at the very worst.
+/// 33 comparisons of integers of about 20 words each, and of 700 words in the worst case.
 #[must_use]
 pub fn triangles_within(placement: &Placement, a: &Corners, b: &Corners, clearance: f64) -> bool {
     parts_within(placement, a, b, clearance, &NearParts { edges: [[true; 3]; 3], feet: [[true; 3]; 2] })
 }
 
-/// Which parts of two triangles may be within a distance of each other.
+/// The pairs of parts of two triangles that may be within a distance of each other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NearParts {
-    /// Each edge of the first, from its corner of that number, with each of the second.
+    /// Whether to compare edge `i` of the first triangle with edge `j` of the second, at `[i][j]`.
+    /// Edge `i` starts at corner `i`.
     pub(crate) edges: [[bool; 3]; 3],
-    /// Each corner of the first with the face of the second, and of the second with that of the first.
+    /// Whether to compare each corner of one triangle with the face of the other: first the corners
+    /// of the first triangle, then the corners of the second.
     pub(crate) feet: [[bool; 3]; 2],
 }
 
-/// Returns what [`triangles_within`] does, if the other parts are known to be farther apart.
+/// Returns the same as [`triangles_within`], if the parts that are not selected are known to be
+/// farther apart than `clearance`.
 pub(crate) fn parts_within(placement: &Placement, a: &Corners, b: &Corners, clearance: f64, parts: &NearParts) -> bool {
     if clearance.is_nan() || clearance < 0.0 {
         return false;
@@ -83,7 +88,7 @@ fn point_near_segment(point: &Point, from: &Point, to: &Point, limit: &Dyadic) -
     at_most(&rest, &(limit * &squared))
 }
 
-/// Whether the nearest points of two lines are inside of their segments, and near.
+/// Reports whether the nearest points of two lines are inside their segments and within the limit.
 fn inner_points_near([p, q]: [&Point; 2], [r, s]: [&Point; 2], limit: &Dyadic) -> bool {
     let (u, v, w) = (difference(q, p), difference(s, r), difference(r, p));
     let normal = dyadic::cross(&u, &v);
@@ -101,7 +106,7 @@ fn inner_points_near([p, q]: [&Point; 2], [r, s]: [&Point; 2], limit: &Dyadic) -
     at_most(&(&across * &across), &(limit * &squared))
 }
 
-/// Whether the foot of a point on a plane is inside of the triangle, and near.
+/// Reports whether the foot of a point on a plane is inside the triangle and within the limit.
 fn foot_near(point: &Point, [a, b, c]: &[Point; 3], limit: &Dyadic) -> bool {
     let (u, v, w) = (difference(b, a), difference(c, a), difference(point, a));
     let normal = dyadic::cross(&u, &v);

@@ -1,10 +1,10 @@
-//! Two poses, and what is derived from them once for all the pairs of triangles that they place.
+//! Two poses, and the values that are derived from them once for all pairs of triangles.
 
 use crate::math::dyadic::Dyadic;
 use crate::math::relative::Offset;
 use crate::math::{Pose, RelativeMap};
 
-/// Where two meshes are: both poses, the map from B's frame to A's, and the cheapest frame for exact arithmetic.
+/// Poses of two meshes, the map from B's frame to A's, and the fastest frame for exact arithmetic.
 #[derive(Clone, Debug)]
 pub struct Placement {
     world_from_a: Pose,
@@ -13,21 +13,21 @@ pub struct Placement {
     frame: Frame,
 }
 
-/// A frame in which the corners of both meshes have exact coordinates. An affine map keeps or flips all orientations
-/// alike, so any will do, up to that flip.
+/// A frame in which the corners of both meshes have exact coordinates. An affine map keeps all
+/// orientations or flips all of them, so any frame serves, up to that flip.
 #[derive(Clone, Debug)]
 pub(super) enum Frame {
     /// The common local frame of equal poses.
     Local,
-    /// The world, moved by A's translation, where both linear parts have entries -1, 0 and 1 only: coordinates are
-    /// sums of given floats, on a grid no finer than theirs.
+    /// The world, moved by A's translation, if all entries of both linear parts are -1, 0 or 1.
+    /// Coordinates are sums of given floats, on a grid no finer than theirs.
     Grid { linear_a: [[i64; 3]; 3], linear_b: [[i64; 3]; 3], offset: [f64; 3] },
     /// The world.
     World,
 }
 
 impl Placement {
-    /// A's and B's places in the world.
+    /// Builds the placement of mesh A at `world_from_a` and mesh B at `world_from_b`.
     #[must_use]
     pub fn new(world_from_a: &Pose, world_from_b: &Pose) -> Self {
         let relative = RelativeMap::a_from_b(world_from_a, world_from_b);
@@ -35,25 +35,25 @@ impl Placement {
         Self { world_from_a: *world_from_a, world_from_b: *world_from_b, relative, frame }
     }
 
-    /// The map from B's frame to A's, with the bounds of its error.
+    /// Returns the map from B's frame to A's, with its error bounds.
     #[must_use]
     pub fn relative(&self) -> &RelativeMap {
         &self.relative
     }
 
-    /// A's place in the world.
+    /// Returns the pose of mesh A.
     #[must_use]
     pub fn world_from_a(&self) -> &Pose {
         &self.world_from_a
     }
 
-    /// B's place in the world.
+    /// Returns the pose of mesh B.
     #[must_use]
     pub fn world_from_b(&self) -> &Pose {
         &self.world_from_b
     }
 
-    /// Whether both are in the same place, so that the answers are those about the local coordinates.
+    /// Reports whether both poses are equal. Answers then follow from the local coordinates alone.
     #[must_use]
     pub fn is_shared(&self) -> bool {
         matches!(self.frame, Frame::Local)
@@ -76,12 +76,12 @@ impl Frame {
     }
 }
 
-/// The exact image of a point of the local frame.
+/// Returns the exact image in the world of a point of the local frame.
 pub(crate) fn world_point(world_from_local: &Pose, point: &[f64; 3]) -> [Dyadic; 3] {
     [0, 1, 2].map(|axis| world_coordinate(world_from_local, axis, point))
 }
 
-/// One coordinate of the exact image of a point of the local frame.
+/// Returns one coordinate of the exact image in the world of a point of the local frame.
 pub(super) fn world_coordinate(world_from_local: &Pose, axis: usize, point: &[f64; 3]) -> Dyadic {
     let row = &world_from_local.linear()[axis];
     let product = |k: usize| Dyadic::product(row[k], point[k]);

@@ -1,10 +1,11 @@
-//! How a point lies to the corners of a mesh: along an axis, beside an edge seen along an axis, and to the plane of a
-//! face. From these signs alone follow whether it is on a triangle, and where a ray that leaves it along an axis of the
-//! mesh crosses one.
+//! The position of a point relative to the corners of a mesh: along an axis, beside an edge viewed
+//! along an axis, and relative to the plane of a face. These signs alone decide whether the point
+//! is on a triangle, and where a ray along an axis of the mesh's frame crosses a triangle.
 //!
-//! The point may belong to another mesh in another place; its coordinates in the mesh's frame are rational then and are
-//! never computed but as floats with a bound. What the bound leaves open is decided in the world frame, where the
-//! columns of the mesh's linear part stand for the axes (Cramer's rule).
+//! The point may belong to another mesh with another pose. Its coordinates in the mesh's frame are
+//! then rational, and are computed only as floats with an error bound. Signs that the bound leaves
+//! undecided are computed exactly in the world frame, where the columns of the mesh's linear part
+//! stand for the axes (Cramer's rule). The proof is docs/proof.md, L16.
 
 use std::cell::OnceCell;
 use std::cmp::Ordering;
@@ -17,57 +18,58 @@ use crate::math::dyadic::{self, Dyadic};
 use crate::math::relative::{INFLATE, UNDERFLOW, UNIT_ROUNDOFF};
 use crate::math::vec3::sub;
 
-/// A point, in the frame of the mesh that it belongs to.
+/// A point in the frame of the mesh that it belongs to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Spot {
-    /// These coordinates.
+    /// The point with these coordinates.
     At([f64; 3]),
-    /// Within a triangle: half of its first corner and a quarter of each other one, exactly.
+    /// A point within a triangle: exactly half of its first corner plus a quarter of each other
+    /// corner.
     Within(Corners),
 }
 
-/// A point beside a mesh, the host; corners are those of the host, in its frame.
+/// A point relative to a mesh, the host. Corners belong to the host and are in its frame.
 pub(crate) struct PosedPoint<'p> {
-    /// In the host's frame, each coordinate off by at most `error`.
+    /// Point in the host's frame. Each coordinate is wrong by at most `error`.
     pub(crate) approximate: [f64; 3],
     pub(crate) error: [f64; 3],
     spot: Spot,
-    /// The host is A and the point's own mesh B; none where both have one frame.
+    /// Placement of the host, as A, and of the point's mesh, as B. `None` if both have one frame.
     placement: Option<&'p Placement>,
     exact: OnceCell<Box<ExactPoint>>,
 }
 
-/// A ray along an axis of the host's frame.
+/// Direction of a ray along an axis of the host's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct AxisRay {
     pub(crate) axis: usize,
-    /// Towards larger coordinates.
+    /// Whether the ray points towards larger coordinates.
     pub(crate) ascending: bool,
 }
 
 struct ExactPoint {
-    /// In the common frame or in the world.
+    /// Exact point, in the common frame or in the world.
     point: [Dyadic; 3],
-    /// The host's axes there; none in the common frame.
+    /// The host's axes in the world, or `None` in the common frame.
     columns: Option<[[Dyadic; 3]; 3]>,
 }
 
 impl AxisRay {
-    /// The other two axes, such that all three in order are a right-handed frame.
+    /// Returns the other two axes, in the order that makes all three a right-handed frame.
     pub(crate) fn across(self) -> [usize; 2] {
         [(self.axis + 1) % 3, (self.axis + 2) % 3]
     }
 }
 
 impl Spot {
-    /// The coordinates in floats, and how far they may be off.
+    /// Returns the coordinates in floats, and bounds on their errors.
     fn rounded(&self) -> ([f64; 3], [f64; 3]) {
         match self {
             Self::At(point) => (*point, [0.0; 3]),
             Self::Within([a, b, c]) => {
                 let mean = |x: f64, y: f64, z: f64| 0.5 * x + (0.25 * y + 0.25 * z);
                 let point = std::array::from_fn(|k| mean(a[k], b[k], c[k]));
-                // Two sums; the products round nothing but subnormal numbers.
+                // Two sums are rounded. The products are exact except for subnormal numbers.
                 let bound = |x: f64| 2.0 * UNIT_ROUNDOFF * INFLATE * x + UNDERFLOW;
                 (point, std::array::from_fn(|k| bound(mean(a[k].abs(), b[k].abs(), c[k].abs()))))
             }
@@ -86,13 +88,13 @@ impl Spot {
 }
 
 impl<'p> PosedPoint<'p> {
-    /// A point of the host's own frame.
+    /// Builds a point of the host's own frame.
     pub(crate) fn local(spot: Spot) -> Self {
         let (approximate, error) = spot.rounded();
         Self { approximate, error, spot, placement: None, exact: OnceCell::new() }
     }
 
-    /// A point of B's frame beside A, the host.
+    /// Builds a point of B's frame relative to A, the host.
     pub(crate) fn new(placement: &'p Placement, spot: Spot) -> Self {
         if placement.is_shared() {
             return Self::local(spot);
@@ -108,10 +110,10 @@ impl<'p> PosedPoint<'p> {
         Self { approximate: map.apply(point), error, spot, placement: Some(placement), exact: OnceCell::new() }
     }
 
-    /// How the point compares to a corner along an axis.
+    /// Compares the point with a corner along an axis of the host's frame.
     pub(crate) fn compare(&self, axis: usize, corner: &[f64; 3]) -> Sign {
         let (difference, error) = (self.approximate[axis] - corner[axis], self.error[axis] * INFLATE);
-        // Differences of floats round but keep their sign.
+        // The difference of two floats may be rounded, but its sign is right.
         if difference > error {
             Positive
         } else if difference < -error {
@@ -123,7 +125,8 @@ impl<'p> PosedPoint<'p> {
         }
     }
 
-    /// On which side of the edge from `a` to `b` the point is, looking against an axis: to the left is positive.
+    /// Returns the side of the edge from `a` to `b` on which the point lies, looking against an
+    /// axis. Left is positive.
     pub(crate) fn beside(&self, axis: usize, a: &[f64; 3], b: &[f64; 3]) -> Sign {
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
         let p = &self.approximate;
@@ -132,7 +135,8 @@ impl<'p> PosedPoint<'p> {
         let determinant = forward - backward;
         let (e_i, e_j) = (self.error[i], self.error[j]);
         let input = (u_i.abs() + v_i.abs() + e_i) * e_j + (u_j.abs() + v_j.abs() + e_j) * e_i;
-        // Two differences, a product and the last difference: four roundings, taken as 5 for that of the bound.
+        // Two differences, a product and the last difference make four roundings. Five units also
+        // cover the rounding of the bound.
         let rounding = 5.0 * UNIT_ROUNDOFF * (forward.abs() + backward.abs());
         let error = input * INFLATE + rounding + UNDERFLOW;
         if determinant > error {
@@ -144,7 +148,8 @@ impl<'p> PosedPoint<'p> {
         }
     }
 
-    /// The sign of `det(b - a, c - a, point - a)`: positive where the normal of the corners points.
+    /// Returns the sign of `det(b - a, c - a, point - a)`. It is positive on the side of the normal
+    /// of the corners.
     pub(crate) fn above(&self, [a, b, c]: &Corners) -> Sign {
         const NONE: [f64; 3] = [0.0; 3];
         let (u, v) = (sub(b, a), sub(c, a));
@@ -158,7 +163,7 @@ impl<'p> PosedPoint<'p> {
         })
     }
 
-    /// Whether the point is on the closed triangle, be that a segment or a point.
+    /// Reports whether the point is on the closed triangle, which may be a segment or a point.
     pub(crate) fn is_on(&self, corners: &Corners) -> bool {
         let within = |axis: usize| {
             let sides = corners.each_ref().map(|corner| self.compare(axis, corner));
@@ -167,7 +172,8 @@ impl<'p> PosedPoint<'p> {
         (0..3).all(within) && self.above(corners) == Zero && self.is_on_in_plane(corners)
     }
 
-    /// For a point within the box of the corners and in their plane, or any point in their box if they have none.
+    /// Reports whether the point is on the triangle. It must be in the box of the corners and in
+    /// their plane; if they have no plane, anywhere in their box.
     fn is_on_in_plane(&self, corners: &Corners) -> bool {
         let [a, b, c] = corners;
         for axis in 0..3 {
@@ -175,7 +181,8 @@ impl<'p> PosedPoint<'p> {
             if sides.contains(&Negative) && sides.contains(&Positive) {
                 return false;
             }
-            // Of one sign, with zeros: within the projection, or in line with one that is a segment.
+            // All sides have one sign or are zero: the point is within the projection, or in line
+            // with a projection that is a segment.
             let turning = PosedPoint::local(Spot::At(*c)).beside(axis, a, b);
             if turning != Zero {
                 return true;
@@ -184,19 +191,21 @@ impl<'p> PosedPoint<'p> {
                 return false;
             }
         }
-        // In one line with a segment, or at a point, by all projections.
+        // By all projections, the point is in line with a segment, or at a point.
         true
     }
 
-    /// How often a ray crosses the triangle from its back to its front: 1, 0, or -1 for the other way. The ray starts
-    /// beside the point, as [`turns_about`](Self::turns_about) says. Zero for a triangle whose plane holds the point.
+    /// Returns how often a ray crosses the triangle from its back to its front: 1, 0, or -1 for the
+    /// other direction. The ray starts beside the point, as [`turns_about`](Self::turns_about)
+    /// defines. Returns 0 for a triangle whose plane holds the point.
     pub(crate) fn crossing(&self, ray: AxisRay, corners: &Corners) -> i32 {
         let turns = self.turns_about(ray, corners);
         if turns == 0 {
             return 0;
         }
-        // The normal points along the axis where the corners turn to the left, and the triangle is ahead of the point on
-        // the axis where the point is on the other side.
+        // If the corners turn to the left, the normal points along the axis. So `behind` is
+        // negative if the point is on the side of smaller coordinates, which puts the triangle
+        // ahead of an ascending ray.
         let behind = self.above(corners).negated_if(turns < 0);
         match (behind, ray.ascending) {
             (Negative, true) => turns,
@@ -205,11 +214,12 @@ impl<'p> PosedPoint<'p> {
         }
     }
 
-    /// How the corners turn about the line of a ray, looking against its axis: 1 to the left, -1 to the right, 0 if the
-    /// line passes the triangle by. The line is beside the point, off by `δ` along the first axis
-    /// [across](AxisRay::across) and by `ε` along the second, with `0 < ε ≪ δ` as small as is needed to pass edges and
-    /// corners on one side (Edelsbrunner and Mücke, *Simulation of Simplicity*, ACM Transactions on Graphics 9(1), 1990,
-    /// here for one point only).
+    /// Returns how the corners turn about the line of a ray, looking against its axis: 1 to the
+    /// left, -1 to the right, 0 if the line misses the triangle. The line is beside the point,
+    /// moved by `δ` along the first axis [across](AxisRay::across) and by `ε` along the second.
+    /// `0 < ε ≪ δ` are as small as is needed to pass edges and corners on one side (Edelsbrunner
+    /// and Mücke, *Simulation of Simplicity*, ACM Transactions on Graphics 9(1), 1990, here for one
+    /// point only).
     pub(crate) fn turns_about(&self, ray: AxisRay, corners: &Corners) -> i32 {
         let [_, j] = ray.across();
         let below = corners.each_ref().map(|corner| self.compare(j, corner) != Negative);
@@ -230,8 +240,9 @@ impl<'p> PosedPoint<'p> {
         turns
     }
 
-    /// [`beside`](Self::beside) for the line of a ray, which [`turns_about`](Self::turns_about) defines: zero only for an
-    /// edge that is a point in this view.
+    /// Returns the same as [`beside`](Self::beside), but for the line of a ray that
+    /// [`turns_about`](Self::turns_about) defines. The sign is zero only for an edge that is a
+    /// point in this view.
     pub(crate) fn ray_beside(&self, ray: AxisRay, a: &[f64; 3], b: &[f64; 3]) -> Sign {
         let [i, j] = ray.across();
         let rises = |axis: usize| Sign::from(b[axis].partial_cmp(&a[axis]).unwrap_or(Ordering::Equal));
@@ -290,7 +301,7 @@ impl<'p> PosedPoint<'p> {
         }
     }
 
-    /// The sign in the host's frame of a determinant that has this sign in the exact frame.
+    /// Converts the sign of a determinant in the exact frame to its sign in the host's frame.
     fn in_host(&self, sign: Sign) -> Sign {
         sign.negated_if(self.placement.is_some_and(|placement| placement.world_from_a().mirrors()))
     }

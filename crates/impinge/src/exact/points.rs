@@ -1,7 +1,9 @@
-//! Exact decisions about stored points, all in one frame: orientations, comparisons along a direction, and coordinates
-//! of images rounded in a stated direction. Hulls and realigned boxes are made of these.
+//! Exact decisions about stored points in one frame: orientations, comparisons along a direction,
+//! and image coordinates rounded in a stated direction. Hulls and realigned boxes are built on
+//! them.
 //!
-//! Each comes with its filter in doubles; what that leaves open goes to the integers of the triangle decisions.
+//! Each decision starts with a filter in doubles. If the filter is undecided, the integers of the
+//! triangle decisions take over. The proof is docs/proof.md, L10, and the tests are below.
 
 use super::corners::PairCorners;
 use super::filter::ROUNDING;
@@ -12,19 +14,22 @@ use crate::math::dyadic::{self, Dyadic};
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
 use crate::math::vec3::{dot, sub};
 
-/// The plane of three points, with one bound of the filter's error for all points near enough.
+/// The plane of three points, with one bound on the filter's error for all points within a given
+/// extent.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plane {
-    anchor: [f64; 3],
+    origin: [f64; 3],
     normal: [f64; 3],
     error: f64,
 }
 
 impl Plane {
-    /// The plane through `p`, `q` and `r`, for points whose coordinates differ from those of `p` by at most `extent`.
+    /// Builds the plane through `p`, `q` and `r`, for points whose coordinates differ from those of
+    /// `p` by at most `extent`.
     ///
     /// # Accuracy
-    /// The bound is that of [`signs`](super::filter::signs) for exact points, with `extent` in the place of the differences to `p`.
+    /// The bound is the one of [`signs`](super::filter::signs) for exact points, with `extent` in
+    /// place of the differences to `p`.
     #[inline]
     pub(crate) fn new(p: &[f64; 3], q: &[f64; 3], r: &[f64; 3], extent: &[f64; 3]) -> Self {
         let (u, v) = (sub(q, p), sub(r, p));
@@ -38,19 +43,21 @@ impl Plane {
             rounding += (forward.abs() + backward.abs()) * extent[k];
             extent_sum += extent[k];
         }
-        Self { anchor: *p, normal, error: rounding * ROUNDING + extent_sum * UNDERFLOW }
+        Self { origin: *p, normal, error: rounding * ROUNDING + extent_sum * UNDERFLOW }
     }
 
-    /// How far `s` is from the plane, rounded, in units of twice the area of the three points.
+    /// Returns the signed distance of `s` from the plane, times twice the area of the three points.
+    /// The result is rounded, without a bound.
     pub(crate) fn height(&self, s: &[f64; 3]) -> f64 {
-        let w = sub(s, &self.anchor);
+        let w = sub(s, &self.origin);
         dot(&self.normal, &w)
     }
 
-    /// On which side `s` is, positive being where the three points turn left; nothing where the filter is not certain.
+    /// Returns the side of the plane on which `s` is, or `None` if the filter is not certain.
+    /// Positive is the side from which the three points turn left.
     #[inline(always)]
     pub(crate) fn side(&self, s: &[f64; 3]) -> Option<Sign> {
-        let w = sub(s, &self.anchor);
+        let w = sub(s, &self.origin);
         let determinant = dot(&self.normal, &w);
         if determinant > self.error {
             Some(Positive)
@@ -62,12 +69,12 @@ impl Plane {
     }
 }
 
-/// The plane of three points, for points however far.
+/// The plane of three points, with an error bound for points at any distance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WidePlane {
-    anchor: [f64; 3],
+    origin: [f64; 3],
     normal: [f64; 3],
-    /// What a unit of each difference makes a determinant be off by.
+    /// Error of a determinant per unit of the difference along each axis.
     rounding: [f64; 3],
 }
 
@@ -81,16 +88,17 @@ impl WidePlane {
             normal[k] = forward - backward;
             rounding[k] = (forward.abs() + backward.abs()) * ROUNDING;
         }
-        Self { anchor: *p, normal, rounding }
+        Self { origin: *p, normal, rounding }
     }
 
-    /// On which side `s` is, positive being where the three points turn left; nothing where the filter is not certain.
+    /// Returns the side of the plane on which `s` is, or `None` if the filter is not certain.
+    /// Positive is the side from which the three points turn left.
     ///
     /// # Accuracy
-    /// The bound is that of [`signs`](super::filter::signs) for exact points.
+    /// The bound is the one of [`signs`](super::filter::signs) for exact points.
     #[inline]
     pub(crate) fn side(&self, s: &[f64; 3]) -> Option<Sign> {
-        let w = sub(s, &self.anchor);
+        let w = sub(s, &self.origin);
         let determinant = dot(&self.normal, &w);
         let size = w.map(f64::abs);
         let rounding = dot(&self.rounding, &size);
@@ -105,18 +113,20 @@ impl WidePlane {
     }
 }
 
-/// The sign of `det(q - p, r - p, s - p)`.
+/// Returns the sign of `det(q - p, r - p, s - p)`.
 pub(crate) fn orient3d(p: &[f64; 3], q: &[f64; 3], r: &[f64; 3], s: &[f64; 3]) -> Sign {
     PairCorners::new(&Placement::new(&Pose::IDENTITY, &Pose::IDENTITY), &[*p, *q, *r], &[*s; 3]).sides_of_a()[0]
 }
 
-/// The sign of `det(q - p, r - p)` in the projection along an axis, the other two axes following it in cyclic order.
+/// Returns the sign of `det(q - p, r - p)` in the projection along an axis. The other two axes
+/// follow it in cyclic order.
 pub(crate) fn orient2d(axis: usize, p: &[f64; 3], q: &[f64; 3], r: &[f64; 3]) -> Sign {
     let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
     let forward = (q[i] - p[i]) * (r[j] - p[j]);
     let backward = (q[j] - p[j]) * (r[i] - p[i]);
     let determinant = forward - backward;
-    // Two differences, the product and the last difference: 4 units and a little of the magnitudes.
+    // Two differences, the product and the last difference: slightly more than 4 units of the
+    // magnitudes.
     let error = 5.0 * UNIT_ROUNDOFF * (forward.abs() + backward.abs()) + UNDERFLOW;
     if determinant > error {
         Positive
@@ -128,18 +138,19 @@ pub(crate) fn orient2d(axis: usize, p: &[f64; 3], q: &[f64; 3], r: &[f64; 3]) ->
     }
 }
 
-/// Whether three points lie on one line, two or all of them being equal included.
+/// Reports whether three points lie on one line. Equal points count as lying on one line with any
+/// third.
 pub(crate) fn collinear(p: &[f64; 3], q: &[f64; 3], r: &[f64; 3]) -> bool {
     (0..3).all(|axis| orient2d(axis, p, q, r) == Zero)
 }
 
-/// How `p` compares to `q` along a direction: the sign of `direction · (p - q)`.
+/// Compares `p` with `q` along a direction: returns the sign of `direction · (p - q)`.
 #[inline]
 pub(crate) fn compare_along(direction: &[f64; 3], p: &[f64; 3], q: &[f64; 3]) -> Sign {
     let difference = sub(p, q);
     let terms: [f64; 3] = std::array::from_fn(|k| direction[k] * difference[k]);
     let value = terms[0] + terms[1] + terms[2];
-    // The difference, the product and two sums: 4 units and a little of the magnitudes.
+    // The difference, the product and two sums: slightly more than 4 units of the magnitudes.
     let error = 5.0 * UNIT_ROUNDOFF * (terms[0].abs() + terms[1].abs() + terms[2].abs()) + UNDERFLOW;
     if value > error {
         Positive
@@ -159,14 +170,17 @@ fn compare_along_exactly(direction: &[f64; 3], p: &[f64; 3], q: &[f64; 3]) -> Si
     dyadic::dot(&direction, &difference).sign()
 }
 
-/// Products at least this large have an error that is a float: 2^-900.
-pub(super) const LEAST_SPLIT: f64 = f64::from_bits((1023 - 900) << 52);
+/// Smallest magnitude of a product whose rounding error is known to be a float: 2^-900. The error
+/// of a much smaller product could underflow.
+pub(super) const MIN_SPLIT_PRODUCT: f64 = f64::from_bits((1023 - 900) << 52);
 
-/// The greatest float that does not exceed coordinate `axis` of the image of a point.
+/// Returns the greatest float that does not exceed coordinate `axis` of the image of a point, in
+/// the world frame.
 ///
 /// # Accuracy
-/// Exact: `row · point + translation` over the reals, rounded towards minus infinity. Error-free transforms (Dekker 1971;
-/// Knuth, volume 2, 4.2.2) give it as an unevaluated sum; where that leaves the direction open, integers decide.
+/// Exact: `row · point + translation` over the reals, rounded towards minus infinity. Error-free
+/// transforms (Dekker 1971; Knuth, volume 2, 4.2.2) give it as an unevaluated sum. If that sum does
+/// not determine the rounding, integers decide.
 #[inline]
 pub(crate) fn image_down(world_from_local: &Pose, axis: usize, point: &[f64; 3]) -> f64 {
     let row = world_from_local.linear()[axis];
@@ -179,7 +193,8 @@ pub(crate) fn image_down(world_from_local: &Pose, axis: usize, point: &[f64; 3])
     })
 }
 
-/// The least float that is not below coordinate `axis` of the image of a point; as [`image_down`].
+/// Returns the least float that is not below coordinate `axis` of the image of a point, in the
+/// world frame. It is exact, as [`image_down`] is.
 #[inline]
 pub(crate) fn image_up(world_from_local: &Pose, axis: usize, point: &[f64; 3]) -> f64 {
     let row = world_from_local.linear()[axis].map(|entry| -entry);
@@ -195,7 +210,7 @@ pub(crate) fn image_up(world_from_local: &Pose, axis: usize, point: &[f64; 3]) -
     }
 }
 
-/// `row · point + translation`, rounded down; nothing where floats do not settle it.
+/// Returns `row · point + translation`, rounded down, or `None` if floats do not determine it.
 #[inline]
 fn rounded_down(row: &[f64; 3], translation: f64, point: &[f64; 3]) -> Option<f64> {
     let mut sum = translation;
@@ -203,7 +218,7 @@ fn rounded_down(row: &[f64; 3], translation: f64, point: &[f64; 3]) -> Option<f6
     for k in 0..3 {
         let product = row[k] * point[k];
         let is_zero = row[k] == 0.0 || point[k] == 0.0;
-        if !is_zero && product.abs() < LEAST_SPLIT {
+        if !is_zero && product.abs() < MIN_SPLIT_PRODUCT {
             return None;
         }
         small[k] = product_error(row[k], point[k], product);
@@ -211,10 +226,12 @@ fn rounded_down(row: &[f64; 3], translation: f64, point: &[f64; 3]) -> Option<f6
     }
     let rest: f64 = small.iter().sum();
     let magnitude: f64 = small.iter().map(|x| x.abs()).sum();
-    // Five sums of six terms; their rounding is relative, as sums do not underflow. The product may.
+    // Five sums of six terms. Their rounding is relative because sums do not underflow; the product
+    // may.
     let error = if magnitude == 0.0 { 0.0 } else { 6.0 * UNIT_ROUNDOFF * magnitude + UNDERFLOW };
-    // The exact value is high + low, up to the error. High is the nearest float to high + low, so that an error far below
-    // its unit in the last place leaves the value between high and its neighbour on the side that low names.
+    // The exact value is high + low, up to the error. High is the float nearest to high + low. So
+    // an error far below high's last unit leaves the value between high and its neighbor on the
+    // side of low's sign.
     let (high, low) = two_sum(sum, rest);
     if error == 0.0 || (low.abs() > error && error < high.abs() * (f64::EPSILON / 256.0)) {
         Some(if low < 0.0 { high.next_down() } else { high })
@@ -223,7 +240,7 @@ fn rounded_down(row: &[f64; 3], translation: f64, point: &[f64; 3]) -> Option<f6
     }
 }
 
-/// Knuth's sum of two floats and its rounding error, which is a float.
+/// Returns the sum of two floats and its rounding error, which is a float (Knuth).
 #[inline]
 pub(super) fn two_sum(x: f64, y: f64) -> (f64, f64) {
     let sum = x + y;
@@ -231,7 +248,8 @@ pub(super) fn two_sum(x: f64, y: f64) -> (f64, f64) {
     (sum, (x - (sum - y_part)) + (y - y_part))
 }
 
-/// What `product`, the rounded product of two floats, lacks of the exact one (Dekker's splitting).
+/// Returns the exact product of two floats minus `product`, their rounded product (Dekker's
+/// splitting).
 #[inline]
 pub(super) fn product_error(x: f64, y: f64, product: f64) -> f64 {
     const SPLITTER: f64 = ((1_u64 << 27) + 1) as f64;
@@ -258,7 +276,8 @@ mod tests {
             self.0 >> 24
         }
 
-        /// A small integer, any float of a few sizes, or a tiny one, so that sums tie, cancel and underflow.
+        /// Returns a small integer, a float of moderate size, or a tiny one, so that sums tie,
+        /// cancel and underflow.
         fn number(&mut self, kind: u64) -> f64 {
             let sign = if self.next().is_multiple_of(2) { 1.0 } else { -1.0 };
             let fraction = f64::from_bits(1023 << 52 | (self.next() << 12 & ((1 << 52) - 1)));
@@ -293,7 +312,7 @@ mod tests {
             let linear = std::array::from_fn(|_| random.point(kind));
             let (point, mut translation) = (random.point(kind / 4), random.point(kind));
             if case % 5 == 0 {
-                // Cancels all but the last bits.
+                // Cancels everything except the last bits.
                 let row: &[f64; 3] = &linear[0];
                 translation[0] = -(row[0] * point[0] + row[1] * point[1] + row[2] * point[2]);
             }
@@ -314,7 +333,7 @@ mod tests {
         assert!(inexact > 10_000 && exactly > 1000, "{inexact} {exactly}");
     }
 
-    /// Values one unit apart, and ties of different points.
+    /// Values that differ by one unit, and ties of different points.
     #[test]
     fn comparisons_along_a_direction_are_exact() {
         let mut random = Random(2);
@@ -323,7 +342,7 @@ mod tests {
             let (direction, p) = (random.point(case / 7), random.point(case));
             let mut q = if case % 3 == 0 { random.point(case) } else { p };
             if case % 2 == 0 {
-                // Moves across the direction as floats have it, and a little along it.
+                // Moves across the direction in floats, and slightly along it.
                 let [i, j] = [case as usize % 3, (case as usize + 1) % 3];
                 q[i] += direction[j];
                 q[j] -= direction[i];

@@ -1,11 +1,14 @@
-//! Whether two faces of one mesh meet in more than the hull of the positions that they share.
+//! Decides whether two faces of one mesh intersect beyond the hull of the positions that they
+//! share.
 //!
-//! Neighbours always meet: in a corner, in an edge. With no, one, two or three distinct shared positions the hull is
-//! empty, a point, a segment or, with all, the very triangle that both are. Both triangles are convex, so that
-//! - with one shared corner they meet in more where the cones that they are at this corner do;
-//! - with two, in more than that edge where they lie in one plane to one side of it, or, without area, in one line beyond
-//!   the same end;
-//! - with three, never.
+//! Neighbors always intersect at their common corner or edge. The hull of zero, one, two or three
+//! distinct shared positions is empty, a point, a segment, or the triangle that both faces are.
+//! Both triangles are convex, so:
+//! - with one shared corner, they share more if the two cones at this corner share more than the
+//!   corner;
+//! - with two shared corners, they share more than the edge if they lie in one plane on one side of
+//!   it, or, without area, in one line beyond the same end;
+//! - with three shared corners, they never share more.
 
 use super::corners::PairCorners;
 use super::exact_points::Corners;
@@ -15,7 +18,8 @@ use super::triangles::{Position, triangles_intersect};
 use crate::math::Sign::{self, Zero};
 use crate::math::vec3::sub;
 
-/// The two faces are of one mesh in one place; equal coordinates are one position, zeros of either sign included.
+/// Reports whether two faces of one mesh with one pose intersect beyond the hull of their shared
+/// positions. Equal coordinates are one position, and zeros of either sign are equal.
 pub(crate) fn meet_beyond_shared(one_place: &Placement, a: &Corners, b: &Corners) -> bool {
     debug_assert!(one_place.is_shared(), "both faces are in one frame");
     let mut shared: [Option<[f64; 3]>; 3] = [None; 3];
@@ -34,7 +38,7 @@ pub(crate) fn meet_beyond_shared(one_place: &Placement, a: &Corners, b: &Corners
     }
 }
 
-/// For two triangles that share the position `v` alone.
+/// Reports whether two triangles that share only the position `v` share more than that point.
 fn beyond_corner(one_place: &Placement, a: &Corners, b: &Corners, v: [f64; 3]) -> bool {
     if stays_to_one_side(a, b, &v) || stays_to_one_side(b, a, &v) {
         return false;
@@ -57,7 +61,8 @@ fn beyond_corner(one_place: &Placement, a: &Corners, b: &Corners, v: [f64; 3]) -
     }
 }
 
-/// Whether the corners of `other` but `v` are certainly all on one side of the plane of `triangle`.
+/// Reports whether the corners of `other` except `v` are certainly all on one side of the plane of
+/// `triangle`.
 fn stays_to_one_side(triangle: &Corners, other: &Corners, v: &[f64; 3]) -> bool {
     let (u, w) = (sub(&triangle[1], &triangle[0]), sub(&triangle[2], &triangle[0]));
     let sides = signs(&u, &w, &other.map(|corner| sub(&corner, v)));
@@ -68,10 +73,11 @@ fn stays_to_one_side(triangle: &Corners, other: &Corners, v: &[f64; 3]) -> bool 
     })
 }
 
-/// For two triangles that share these two positions alone.
+/// Reports whether two triangles that share only these two positions share more than the edge
+/// between them.
 fn beyond_edge(one_place: &Placement, a: &Corners, b: &Corners, ends: [[f64; 3]; 2]) -> bool {
     let third = |own: &Corners| (0..3).find(|&i| !ends.contains(&own[i]));
-    // Where there is no third position the face is the shared edge.
+    // A face without a third position is the shared edge.
     let (Some(third_a), Some(third_b)) = (third(a), third(b)) else { return false };
     let from_end = |corner: &[f64; 3]| sub(corner, &ends[0]);
     let [certain] = signs(&from_end(&ends[1]), &from_end(&a[third_a]), &[from_end(&b[third_b])]);
@@ -87,11 +93,13 @@ fn beyond_edge(one_place: &Placement, a: &Corners, b: &Corners, ends: [[f64; 3];
     for axis in 0..3 {
         let sides = [r, s].map(|corner| corners.orient2d(axis, v, w, corner));
         if sides != [Zero; 2] {
-            // In one plane, seen with one of them off the line of the edge; the other is so too, or has no area.
+            // All corners lie in one plane, and at least one third corner is off the line of the
+            // edge in this view. The other is too, or its triangle has no area.
             return sides[0] == sides[1];
         }
     }
-    // All in one line: beyond the same end, or else the shared edge is all of one of them, or each goes on from another end.
+    // All corners are in one line. The faces share more if both go beyond the same end. Otherwise
+    // the shared edge is all of one face, or the faces go beyond different ends.
     let Some(axis) = (0..3).find(|&axis| corners.compare(axis, v, w) != Zero) else { return false };
     let order = corners.compare(axis, v, w);
     let [beyond_r, beyond_s] =
@@ -104,16 +112,17 @@ fn signs<const N: usize>(u: &[f64; 3], v: &[f64; 3], ws: &[[f64; 3]; N]) -> [Opt
     filter::signs(u, v, ws, &Errors { u: &NONE, v: &NONE, w: &NONE })
 }
 
-/// What a triangle is at one of its corners: all directions between the rays to its other corners; corners that coincide
-/// with the apex have none.
+/// The directions of a triangle at one of its corners: all directions between the rays to its other
+/// corners. A corner that coincides with the apex has no ray.
 struct Cone {
     apex: usize,
     rays: [Option<usize>; 3],
 }
 
 impl Cone {
-    /// Whether the direction to a corner, which is not at the apex, is among those of the cone; all is in one plane, or the
-    /// cone and the direction are in two lines through the apex.
+    /// Reports whether the direction to a corner, which is not at the apex, belongs to the cone.
+    /// All points must lie in one plane, or the cone and the direction in two lines through the
+    /// apex.
     fn holds(&self, corners: &mut PairCorners, corner: usize) -> bool {
         let mut rays = self.rays.into_iter().flatten();
         if let (Some(p), Some(q)) = (rays.next(), rays.next()) {
@@ -129,7 +138,7 @@ impl Cone {
         self.rays.into_iter().flatten().any(|ray| self.along(corners, ray, corner))
     }
 
-    /// Whether a corner is in the same direction from the apex as the end of a ray.
+    /// Reports whether a corner is in the same direction from the apex as the end of a ray.
     fn along(&self, corners: &mut PairCorners, ray: usize, corner: usize) -> bool {
         (0..3).all(|axis| corners.orient2d(axis, self.apex, ray, corner) == Zero)
             && (0..3).all(|axis| corners.compare(axis, self.apex, ray) == corners.compare(axis, self.apex, corner))
@@ -141,7 +150,7 @@ mod tests {
     use super::*;
     use crate::math::Pose;
 
-    fn meet(a: [[i32; 3]; 3], b: [[i32; 3]; 3]) -> bool {
+    fn intersect(a: [[i32; 3]; 3], b: [[i32; 3]; 3]) -> bool {
         let place = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
         let [a, b] = [a, b].map(|corners| corners.map(|corner| corner.map(f64::from)));
         let mut answers = Vec::new();
@@ -150,7 +159,10 @@ mod tests {
             answers.push(meet_beyond_shared(&place, &turned, &b));
             answers.push(meet_beyond_shared(&place, &b, &turned));
         }
-        assert!(answers.iter().all(|&answer| answer == answers[0]), "the order of corners or faces shows");
+        assert!(
+            answers.iter().all(|&answer| answer == answers[0]),
+            "the answer depends on the order of corners or faces"
+        );
         answers[0]
     }
 
@@ -158,42 +170,42 @@ mod tests {
 
     #[test]
     fn one_shared_corner() {
-        assert!(!meet(FLOOR, [[0, 0, 0], [1, 1, 1], [1, 2, 1]]), "to one side");
-        assert!(!meet(FLOOR, [[0, 0, 0], [-1, -1, 1], [-1, -2, -1]]), "crosses the plane elsewhere");
-        assert!(meet(FLOOR, [[0, 0, 0], [1, 1, 1], [1, 1, -1]]), "through the face");
-        assert!(meet(FLOOR, [[0, 0, 0], [1, 1, 0], [1, 1, -1]]), "an edge in the face");
-        assert!(meet(FLOOR, [[0, 0, 0], [9, 0, 0], [1, 1, -1]]), "along an edge");
-        assert!(meet(FLOOR, [[0, 0, 0], [9, 1, 0], [1, 9, 0]]), "in its plane");
-        assert!(meet(FLOOR, [[0, 0, 0], [4, -1, 0], [-1, 4, 0]]), "in its plane, all round it");
-        assert!(!meet(FLOOR, [[0, 0, 0], [-4, 0, 0], [0, -4, 0]]), "in its plane, opposite");
-        assert!(!meet(FLOOR, [[0, 0, 0], [-1, 1, 0], [-2, 1, 0]]), "in its plane, beside");
+        assert!(!intersect(FLOOR, [[0, 0, 0], [1, 1, 1], [1, 2, 1]]), "to one side");
+        assert!(!intersect(FLOOR, [[0, 0, 0], [-1, -1, 1], [-1, -2, -1]]), "crosses the plane elsewhere");
+        assert!(intersect(FLOOR, [[0, 0, 0], [1, 1, 1], [1, 1, -1]]), "through the face");
+        assert!(intersect(FLOOR, [[0, 0, 0], [1, 1, 0], [1, 1, -1]]), "an edge in the face");
+        assert!(intersect(FLOOR, [[0, 0, 0], [9, 0, 0], [1, 1, -1]]), "along an edge");
+        assert!(intersect(FLOOR, [[0, 0, 0], [9, 1, 0], [1, 9, 0]]), "in its plane");
+        assert!(intersect(FLOOR, [[0, 0, 0], [4, -1, 0], [-1, 4, 0]]), "in its plane, all round it");
+        assert!(!intersect(FLOOR, [[0, 0, 0], [-4, 0, 0], [0, -4, 0]]), "in its plane, opposite");
+        assert!(!intersect(FLOOR, [[0, 0, 0], [-1, 1, 0], [-2, 1, 0]]), "in its plane, beside");
     }
 
     #[test]
     fn two_shared_corners() {
-        assert!(!meet(FLOOR, [[0, 0, 0], [4, 0, 0], [0, 0, 4]]), "a wall on it");
-        assert!(!meet(FLOOR, [[0, 0, 0], [4, 0, 0], [0, -4, 0]]), "beside it");
-        assert!(meet(FLOOR, [[0, 0, 0], [4, 0, 0], [9, 1, 0]]), "folded over it");
-        assert!(!meet(FLOOR, FLOOR), "the same");
+        assert!(!intersect(FLOOR, [[0, 0, 0], [4, 0, 0], [0, 0, 4]]), "a wall on it");
+        assert!(!intersect(FLOOR, [[0, 0, 0], [4, 0, 0], [0, -4, 0]]), "beside it");
+        assert!(intersect(FLOOR, [[0, 0, 0], [4, 0, 0], [9, 1, 0]]), "folded over it");
+        assert!(!intersect(FLOOR, FLOOR), "the same");
     }
 
     #[test]
-    fn n11_faces_without_area() {
-        assert!(!meet(FLOOR, [[0, 0, 0], [4, 0, 0], [2, 0, 0]]), "the edge, split");
-        assert!(!meet(FLOOR, [[0, 0, 0], [4, 0, 0], [0, 0, 0]]), "the edge");
-        assert!(!meet(FLOOR, [[0, 0, 0], [4, 0, 0], [9, 0, 0]]), "beyond the edge");
-        assert!(meet(FLOOR, [[0, 0, 0], [2, 0, 0], [2, 0, 0]]), "half of the edge");
-        assert!(meet(FLOOR, [[0, 0, 0], [1, 1, 0], [2, 2, 0]]), "into the face");
-        assert!(meet(FLOOR, [[0, 0, 0], [1, 1, 0], [-1, -1, 0]]), "through the corner into the face");
-        assert!(!meet(FLOOR, [[0, 0, 0], [-1, 1, 0], [1, -1, 0]]), "through the corner, outside");
-        assert!(!meet(FLOOR, [[0, 0, 0], [0, 0, 1], [0, 0, -1]]), "through the corner, across");
-        assert!(!meet(FLOOR, [[0, 0, 0], [0, 0, 0], [0, 0, 0]]), "the corner");
-        assert!(meet(FLOOR, [[1, 1, 0], [1, 1, 0], [1, 1, 0]]), "a point of the face");
+    fn faces_without_area() {
+        assert!(!intersect(FLOOR, [[0, 0, 0], [4, 0, 0], [2, 0, 0]]), "the edge, split");
+        assert!(!intersect(FLOOR, [[0, 0, 0], [4, 0, 0], [0, 0, 0]]), "the edge");
+        assert!(!intersect(FLOOR, [[0, 0, 0], [4, 0, 0], [9, 0, 0]]), "beyond the edge");
+        assert!(intersect(FLOOR, [[0, 0, 0], [2, 0, 0], [2, 0, 0]]), "half of the edge");
+        assert!(intersect(FLOOR, [[0, 0, 0], [1, 1, 0], [2, 2, 0]]), "into the face");
+        assert!(intersect(FLOOR, [[0, 0, 0], [1, 1, 0], [-1, -1, 0]]), "through the corner into the face");
+        assert!(!intersect(FLOOR, [[0, 0, 0], [-1, 1, 0], [1, -1, 0]]), "through the corner, outside");
+        assert!(!intersect(FLOOR, [[0, 0, 0], [0, 0, 1], [0, 0, -1]]), "through the corner, across");
+        assert!(!intersect(FLOOR, [[0, 0, 0], [0, 0, 0], [0, 0, 0]]), "the corner");
+        assert!(intersect(FLOOR, [[1, 1, 0], [1, 1, 0], [1, 1, 0]]), "a point of the face");
         let segment = [[0, 0, 0], [4, 0, 0], [8, 0, 0]];
-        assert!(meet(segment, [[0, 0, 0], [2, 0, 0], [1, 0, 0]]), "part of a segment");
-        assert!(meet(segment, [[0, 0, 0], [4, 0, 0], [9, 0, 0]]), "both beyond one end");
-        assert!(!meet(segment, [[0, 0, 0], [4, 0, 0], [-1, 0, 0]]), "beyond either end");
-        assert!(!meet(segment, [[0, 0, 0], [-4, 0, 0], [-1, 0, 0]]), "opposite");
-        assert!(!meet(segment, [[0, 0, 0], [0, 4, 0], [0, 1, 0]]), "across");
+        assert!(intersect(segment, [[0, 0, 0], [2, 0, 0], [1, 0, 0]]), "part of a segment");
+        assert!(intersect(segment, [[0, 0, 0], [4, 0, 0], [9, 0, 0]]), "both beyond one end");
+        assert!(!intersect(segment, [[0, 0, 0], [4, 0, 0], [-1, 0, 0]]), "beyond either end");
+        assert!(!intersect(segment, [[0, 0, 0], [-4, 0, 0], [-1, 0, 0]]), "opposite");
+        assert!(!intersect(segment, [[0, 0, 0], [0, 4, 0], [0, 1, 0]]), "across");
     }
 }

@@ -1,19 +1,23 @@
-//! Supporting planes: a proof that two sets of points are farther apart than a distance.
+//! Supporting planes: a proof that two sets of points are farther apart than a given distance.
 //!
-//! Both planes are perpendicular to one direction, from A to B. All points of A lie behind the plane of A, and all points of B lie in
-//! front of the plane of B. So the sets are at least as far apart as the planes. The distance of the planes is evaluated in
-//! world units, in double-double numbers with a bound of their error, so a proof is exact (docs/proof.md, L13a). A gap that
-//! exceeds the distance by less than the bound proves nothing. Two triangles take about a microsecond, and the exact comparison
-//! takes ten.
+//! Both planes are perpendicular to one direction, from A to B. All points of A lie behind the
+//! plane of A, and all points of B lie in front of the plane of B. So the sets are at least as far
+//! apart as the planes. The distance of the planes is evaluated in world units, in double-double
+//! numbers with an error bound, so a proof is exact (docs/proof.md, L13a). A gap that exceeds the
+//! distance by less than the bound proves nothing. Two triangles take about 1 microsecond; the
+//! exact comparison takes about 10.
 //!
-//! Source: the support planes of Gilbert, Johnson, Keerthi, *A fast procedure for computing the distance between complex objects in
-//! three-dimensional space*, IEEE Journal of Robotics and Automation 4(2), 1988. Ours departs in the exact evaluation.
+//! Source: the support planes of Gilbert, Johnson, Keerthi, *A fast procedure for computing the
+//! distance between complex objects in three-dimensional space*, IEEE Journal of Robotics and
+//! Automation 4(2), 1988. Ours departs in the exact evaluation.
 //!
-//! The direction decides how much is proved. Where sets face each other with edges or faces, the floats nearest to the
-//! right direction lean by a rounding, which costs as much of the gap as the edge is long. So the direction is made
-//! perpendicular to the edges on which the planes rest.
+//! The direction decides how much is proved. If the sets face each other with edges or faces, the
+//! floats nearest to the right direction are tilted by a rounding error, which loses a part of the
+//! gap that grows with the length of the edge. So the direction is made perpendicular to the edges
+//! that rest on the planes.
 //!
-//! Guarded by the tests `supports_*` below and by `plates_*` in `tests/it/distance/clearances.rs` and `plates.rs`.
+//! The tests `supports_*` below, and `plates_*` in `tests/it/distance/clearances.rs` and
+//! `plates.rs`, guard this file.
 
 use super::double_double::{DoubleDouble, cross, difference, dot};
 use super::exact_points::Corners;
@@ -21,34 +25,37 @@ use super::placement::Placement;
 use crate::math::Pose;
 use crate::math::vec3::{self, Vector};
 
-/// Corners this near to a plane rest on it, relative to the size of the triangles: about 2^-30. More than the rounding of a
-/// direction, and less than what tells corners apart. It decides what is proved, not whether it is true.
-const RESTING: f64 = 1e-9;
+/// Maximum distance of a corner that counts as resting on a plane, relative to the size of the
+/// triangle: about 2^-30. It is above the rounding of a direction, and below the distances between
+/// separate corners. It affects which gaps are proved, but never makes a proof wrong.
+const RESTING_TOLERANCE: f64 = 1e-9;
 
-/// Edges whose directions differ by less than this, as the square of a sine, count as parallel.
-const PARALLEL: f64 = 1e-12;
+/// Squared sine of the angle below which two edges count as parallel.
+const PARALLEL_SINE_SQUARED: f64 = 1e-12;
 
-/// Squares of distances that differ by less than this, relative to them, count as equal. The points that are compared are a
-/// rounding off the nearest ones, sideways, which adds the square of that.
-const EQUAL: f64 = 1e-24;
+/// Maximum relative difference of squared distances that count as equal. The compared points are
+/// off the nearest ones by a rounding error, sideways, which adds its square.
+const EQUAL_DISTANCES: f64 = 1e-24;
 
-/// A direction of the world, of any length, in twice the digits of a float.
+/// A direction in the world frame, of any length, with twice the digits of a float.
 pub(crate) struct Supports {
     direction: [DoubleDouble; 3],
 }
 
 impl Supports {
-    /// The direction near `from_a_to_b` that is perpendicular to the edges on which planes across it would rest.
+    /// Builds the direction near `from_a_to_b`, in the world frame, that is perpendicular to the
+    /// edges resting on the planes across it.
     pub(crate) fn of_triangles(placement: &Placement, a: &Corners, b: &Corners, from_a_to_b: Vector) -> Self {
         let edges_of = |pose: &Pose, corners: &Corners, towards: Vector| {
             let world = corners.map(|corner| DoubleDouble::world_point(pose, &corner));
             let edges = [[0, 1], [1, 2], [2, 0]].map(|[from, to]| difference(&world[to], &world[from]));
             let size = edges.iter().map(|edge| vec3::length(&rounded(edge))).fold(0.0, f64::max);
-            // How far each corner is from the plane, by the heights of the edges that lead to it.
+            // Height of each corner along the direction, from the heights of the edges that lead to
+            // it.
             let [to_1, to_2, _] = edges.each_ref().map(|edge| vec3::dot(&towards, &rounded(edge)));
             let heights = [0.0, to_1, to_1 + to_2];
             let highest = heights.into_iter().fold(f64::NEG_INFINITY, f64::max);
-            let rests = heights.map(|height| highest - height <= RESTING * size * vec3::length(&towards));
+            let rests = heights.map(|height| highest - height <= RESTING_TOLERANCE * size * vec3::length(&towards));
             let resting = [[0, 1], [1, 2], [2, 0]].map(|[from, to]| rests[from] && rests[to]);
             edges.into_iter().zip(resting).filter_map(|(edge, rests)| rests.then_some(edge))
         };
@@ -57,7 +64,8 @@ impl Supports {
         Self { direction: perpendicular(from_a_to_b, resting) }
     }
 
-    /// Whether no point of A and point of B, placed in the world, are as near as `clearance`; false where that is not proved.
+    /// Reports whether all points of A and B, placed in the world, are proved to be farther apart
+    /// than `clearance`, in world units. Returns `false` if that is not proved.
     pub(crate) fn are_farther_than(
         &self,
         placement: &Placement,
@@ -71,8 +79,10 @@ impl Supports {
         gap.is_positive() && gap.times(&gap).minus(&squared).is_positive()
     }
 
-    /// The distance of A and B, placed in the world, as an interval of a few units of the last place: if no two points of them are
-    /// nearer than these points of two triangles, to [`EQUAL`]. The points have these shares of the triangles' second corner and third.
+    /// Returns an interval that holds the distance of A and B, in world units, a few units of the
+    /// last place wide. Returns `None` unless it proves that no two points of A and B are nearer
+    /// than two given points, to within the tolerance [`EQUAL_DISTANCES`]. Each given point lies on
+    /// one of the triangles `corners`; `shares` are its weights of the second and the third corner.
     pub(crate) fn distance(
         &self,
         placement: &Placement,
@@ -88,11 +98,11 @@ impl Supports {
         let least = gap.times(&gap).over(&dot(&self.direction, &self.direction));
         let of_points = squared_distance(placement, corners, shares)?;
         let [difference, error] = of_points.minus(&least).rounded();
-        let are_equal = difference + error <= EQUAL * least.rounded()[0];
+        let are_equal = difference + error <= EQUAL_DISTANCES * least.rounded()[0];
         if are_equal { Some([least.root_below()?, of_points.root_above()?]) } else { None }
     }
 
-    /// How far the planes are apart, at least, times the length of the direction.
+    /// Returns a lower bound on the distance between the planes, times the length of the direction.
     fn gap(
         &self,
         placement: &Placement,
@@ -106,14 +116,15 @@ impl Supports {
     }
 }
 
-/// The square of the distance of two points of triangles. Returns `None` if a share is negative or their sum is above 1.
+/// Returns the squared distance of two points of triangles, in world units. Returns `None` if a
+/// share is negative or their sum is above 1.
 fn squared_distance(placement: &Placement, corners: [&Corners; 2], shares: [[f64; 2]; 2]) -> Option<DoubleDouble> {
     let poses = [placement.world_from_a(), placement.world_from_b()];
     let point = |side: usize| {
         let [s, t] = shares[side];
         let world = corners[side].map(|corner| DoubleDouble::world_point(poses[side], &corner));
         let [u, v] = [1, 2].map(|corner| difference(&world[corner], &world[0]));
-        // With room for the rounding of the sum.
+        // The epsilon leaves room for the rounding of the sum.
         let is_inside = s >= 0.0 && t >= 0.0 && s + t <= 1.0 - f64::EPSILON;
         let [s, t] = [s, t].map(DoubleDouble::of);
         is_inside.then(|| [0, 1, 2].map(|k| world[0][k].plus(&u[k].times(&s)).plus(&v[k].times(&t))))
@@ -122,7 +133,8 @@ fn squared_distance(placement: &Placement, corners: [&Corners; 2], shares: [[f64
     Some(dot(&between, &between))
 }
 
-/// How far the points of a mesh reach along a direction of the world: no less than the greatest product with it.
+/// Returns an upper bound on the products of a direction of the world with the points of a mesh.
+/// The products are at most the sum of the value and its error.
 fn reach(
     direction: &[DoubleDouble; 3],
     world_from_mesh: &Pose,
@@ -133,7 +145,7 @@ fn reach(
     let gradient: [DoubleDouble; 3] =
         std::array::from_fn(|k| dot(direction, &[0, 1, 2].map(|row| DoubleDouble::of(linear[row][k]))));
     let base = dot(direction, &world_from_mesh.translation().map(DoubleDouble::of));
-    // In floats first: those that are surely not the farthest need no more digits.
+    // Plain floats first: points that are surely not the farthest need no more digits.
     let rough_gradient = rounded(&gradient);
     let (mut farthest, mut size, mut extents) = (f64::NEG_INFINITY, 0.0_f64, [0.0_f64; 3]);
     for point in points.clone() {
@@ -142,13 +154,14 @@ fn reach(
         extents = [0, 1, 2].map(|k| extents[k].max(point[k].abs()));
     }
     let surely_less = farthest - 16.0 * f64::EPSILON * size;
-    // Points of a plane across an axis have one product, but for what the zeros of the gradient may be off by.
+    // Points of a plane across an axis have one product, up to the errors of the zeros of the
+    // gradient.
     let off_zero = gradient.each_ref().map(DoubleDouble::off_zero);
     let left_out: f64 = (0..3).filter_map(|k| Some(off_zero[k]? * extents[k])).sum();
     let mut last = [f64::NAN; 3];
     let mut most = DoubleDouble::of(f64::NEG_INFINITY);
     for point in points {
-        // NaN proves nothing.
+        // A comparison with NaN proves nothing.
         let is_surely_less = vec3::dot(&rough_gradient, &point) < surely_less;
         let is_like_last = (0..3).all(|k| point[k] == last[k] || (off_zero[k].is_some() && point[k].is_finite()));
         if !is_surely_less && !is_like_last {
@@ -159,7 +172,8 @@ fn reach(
     most.plus(&base).widened(left_out)
 }
 
-/// The direction near this one that is perpendicular to the first edge and to the next that is not parallel to it.
+/// Returns the direction near `direction` that is perpendicular to the first edge and to the next
+/// one that is not parallel to it.
 fn perpendicular(direction: Vector, mut edges: impl Iterator<Item = [DoubleDouble; 3]>) -> [DoubleDouble; 3] {
     let exact = direction.map(DoubleDouble::of);
     let is_edge = |edge: &[DoubleDouble; 3]| rounded(edge) != [0.0; 3];
@@ -167,7 +181,7 @@ fn perpendicular(direction: Vector, mut edges: impl Iterator<Item = [DoubleDoubl
     let is_across = |second: &[DoubleDouble; 3]| {
         let (u, v) = (rounded(&first), rounded(second));
         let normal = vec3::cross(&u, &v);
-        vec3::dot(&normal, &normal) > PARALLEL * vec3::dot(&u, &u) * vec3::dot(&v, &v)
+        vec3::dot(&normal, &normal) > PARALLEL_SINE_SQUARED * vec3::dot(&u, &u) * vec3::dot(&v, &v)
     };
     if let Some(second) = edges.find(is_across) {
         let normal = cross(&first, &second);
@@ -192,7 +206,7 @@ mod tests {
     use crate::math::vec3::{length, sub};
     use crate::primitive::triangle_triangle;
 
-    /// The line between the nearest points, in floats.
+    /// Returns the vector between the nearest points, in floats.
     fn between(placement: &Placement, a: &Corners, b: &Corners) -> Vector {
         let world = |pose: &Pose, corners: &Corners| corners.map(|corner| pose.apply(corner));
         let nearest = triangle_triangle(&world(placement.world_from_a(), a), &world(placement.world_from_b(), b));
@@ -208,8 +222,9 @@ mod tests {
         )
     }
 
-    /// Triangles of a lattice, flat ones among them: corners, edges and faces are nearest to each other in turn. What is
-    /// proved is true, at the distance and a float to either side; and nearly all that is true and apart is proved.
+    /// Triangles of a lattice, flat ones included, so that corners, edges and faces are nearest to
+    /// each other in turn. Every proof is true, at the distance and one float to either side.
+    /// Nearly all pairs that are farther apart are proved.
     #[test]
     fn supports_prove_what_is_true_and_nearly_all_of_it() {
         let mut rng = Rng::new(4711);
@@ -235,7 +250,7 @@ mod tests {
         assert!(apart > 5000 && proved * 100 >= apart * 98, "{proved} of {apart}");
     }
 
-    /// What overflows, vanishes or is not a number proves nothing.
+    /// Inputs that overflow, vanish or are NaN prove nothing.
     #[test]
     fn supports_prove_nothing_beyond_the_range_of_floats() {
         let placement = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);

@@ -1,38 +1,46 @@
-//! Whether two triangles meet.
+//! Exact decision whether two triangles intersect.
 //!
-//! The decision is that of Guigue and Devillers, *Fast and Robust Triangle-Triangle Overlap Test Using Orientation
-//! Predicates*, Journal of Graphics Tools 8(1), 2003, extended to triangles without area. Let `side_a[i]` be the side of
-//! B's plane that corner i of A is on, and `side_b[j]` likewise.
+//! The algorithm is Guigue and Devillers, *Fast and Robust Triangle-Triangle Overlap Test Using
+//! Orientation Predicates*, Journal of Graphics Tools 8(1), 2003, extended to triangles without
+//! area. Let `side_a[i]` be the side of B's plane on which corner i of A lies, and `side_b[j]` the
+//! side of A's plane on which corner j of B lies.
 //!
-//! 1. All of one triangle strictly on one side of the other's plane: apart.
-//! 2. Both triangles have corners off the other's plane, so both have area, and the planes meet in a line. Each meets
-//!    this line in an interval, bounded by the two edges that leave its [`Apex`]. Where an edge of A and one of B cross
-//!    the line is compared by the orientation of the two edges; two comparisons decide.
-//! 3. The corners of A are off B's plane but not those of B off A's: were A to have area, B would lie in its plane, and
-//!    both would be one; so A is a segment. It crosses B's plane in a point, which is in B where it passes
-//!    the three edges on one side. Likewise with A and B swapped.
-//! 4. All sides zero. If a triangle has area, both lie in its plane, and a projection along an axis is one-to-one there.
-//!    Otherwise both are segments or points: skew, or in one plane, where some projection shows whether they are apart,
-//!    or in one line, where the intervals along the axes do.
+//! 1. All corners of one triangle are strictly on one side of the other's plane: the triangles are
+//!    disjoint.
+//! 2. Both triangles have corners off the other's plane. So both have area, and the planes
+//!    intersect in a line. Each triangle intersects this line in an interval, bounded by the two
+//!    edges that leave its [`Apex`]. The crossings of an edge of A and an edge of B compare by the
+//!    orientation of the two edges. Two comparisons decide.
+//! 3. A has corners off B's plane, but B has none off A's. If A had area, B would lie in its plane
+//!    and both planes would be one; so A is a segment. It crosses B's plane in a point. The point
+//!    is in B if the segment passes the three edges on one side. The case with A and B swapped is
+//!    the same.
+//! 4. All sides are zero. If a triangle has area, both lie in its plane, and a projection along
+//!    some axis is one-to-one there. Otherwise both are segments or points. They are skew, or in
+//!    one plane, in which some projection shows whether they are disjoint, or in one line, on which
+//!    the intervals along the axes do.
+//!
+//! The proof is docs/proof.md, L7, and the tests are `tests/it/exact_triangles.rs`.
 
 use super::corners::{PairCorners, Tier};
 use super::exact_points::Corners;
 use super::placement::Placement;
 use crate::math::Sign::{self, Negative, Positive, Zero};
 
-/// Whether two triangles meet, and what it took to know.
+/// Result of the decision whether two triangles intersect, and the arithmetic that it needed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Decision {
-    /// Whether they have a point in common.
+    /// Whether the triangles have a point in common.
     pub intersects: bool,
-    /// The dearest arithmetic used.
+    /// Slowest arithmetic used.
     pub tier: Tier,
 }
 
-/// Whether triangle `a` of mesh A and triangle `b` of mesh B have a point in common, touching included.
+/// Reports whether triangle `a` of mesh A and triangle `b` of mesh B have a point in common.
+/// Touching triangles intersect. Each triangle is given in the frame of its mesh.
 ///
-/// Decided exactly for the images of the corners under the poses, whatever their size, for every finite coordinate
-/// below 2^128 in magnitude.
+/// The answer is exact for the images of the corners under the poses, whatever their size, for all
+/// finite coordinates below 2^128 in magnitude.
 ///
 /// ```
 /// use impinge::Pose;
@@ -50,7 +58,7 @@ pub fn triangles_intersect(placement: &Placement, a: &Corners, b: &Corners) -> b
     decide_triangles(placement, a, b).intersects
 }
 
-/// [`triangles_intersect`], telling also which arithmetic decided.
+/// Returns the answer of [`triangles_intersect`] and the arithmetic that decided it.
 #[must_use]
 pub fn decide_triangles(placement: &Placement, a: &Corners, b: &Corners) -> Decision {
     if placement.is_shared() && a.iter().any(|corner| b.contains(corner)) {
@@ -62,47 +70,50 @@ pub fn decide_triangles(placement: &Placement, a: &Corners, b: &Corners) -> Deci
         Position::Crossing(line) => line.overlap(&mut corners),
         Position::SegmentOfA(segment) => on_one_side(segment.pass_edges_of_b(&mut corners)),
         Position::SegmentOfB(segment) => on_one_side(segment.pass_edges_of_a(&mut corners)),
-        Position::Flat => flat_meet(&mut corners),
+        Position::Flat => flat_intersect(&mut corners),
     };
     Decision { intersects, tier: corners.tier() }
 }
 
-/// How two triangles lie to the planes of each other.
+/// Position of two triangles relative to each other's planes.
 pub(super) enum Position {
-    /// One is strictly on one side of the other.
+    /// One triangle is strictly on one side of the other's plane.
     Apart,
-    /// Both have area, and each has corners off the other's plane and does not stay on one side of it.
+    /// Both triangles have area, and each has corners off the other's plane without staying on one
+    /// side of it.
     Crossing(CommonLine),
-    /// A is a segment that meets the plane of B, which has area, in one point.
+    /// A is a segment that intersects the plane of B, which has area, in one point.
     SegmentOfA(Transversal),
-    /// B is a segment that meets the plane of A, which has area, in one point.
+    /// B is a segment that intersects the plane of A, which has area, in one point.
     SegmentOfB(Transversal),
-    /// All in one plane, or both without area.
+    /// All corners are in one plane, or both triangles have no area.
     Flat,
 }
 
-/// The line that two planes have in common, with the corners that bound the interval of each triangle on it.
+/// The common line of two planes, with the corners that bound each triangle's interval on it.
 ///
-/// A meets the line between the edges from `a[0]` to `a[1]` and to `a[2]`, B likewise, and the corners are named such
-/// that along one direction of the line A's interval is from edge `a[0] a[2]` to edge `a[0] a[1]` and B's from edge
-/// `b[0] b[1]` to edge `b[0] b[2]`.
+/// A intersects the line between its edges from `a[0]` to `a[1]` and from `a[0]` to `a[2]`. B does
+/// so between its edges from `b[0]` to `b[1]` and from `b[0]` to `b[2]`. The corners are ordered
+/// along one direction of the line: A's interval goes from edge `a[0] a[2]` to edge `a[0] a[1]`,
+/// and B's interval goes from edge `b[0] b[1]` to edge `b[0] b[2]`.
 pub(super) struct CommonLine {
     pub(super) a: [usize; 3],
     pub(super) b: [usize; 3],
     pub(super) side_a: [Sign; 3],
     pub(super) side_b: [Sign; 3],
-    /// Whether that direction is opposite to `normal_a × normal_b` in A's frame.
+    /// Whether the direction that orders the corners is opposite to `normal_a × normal_b` in A's
+    /// frame.
     pub(super) against_normals: bool,
 }
 
-/// An edge with its ends on different sides of a plane, or one of them on it.
+/// An edge with its ends on different sides of a plane, or with one end on it.
 pub(super) struct Transversal {
     pub(super) edge: [usize; 2],
     pub(super) sides: [Sign; 3],
 }
 
-/// A corner that is further up, or further down, than both others by the sign of its side. Where the sides are not all
-/// equal there is one, and both edges that leave it cross the plane.
+/// A corner that is above both others, or below both, by the sign of its side. A triangle has an
+/// apex unless all sides are equal. Both edges that leave the apex cross or touch the plane.
 struct Apex {
     corner: usize,
     up: bool,
@@ -143,11 +154,12 @@ impl Apex {
 }
 
 impl CommonLine {
-    /// Let the planes of A and B be y = 0 and z = 0, with the sides of positive sign towards +y and +z, and A's apex
-    /// up. From `side_b > 0` where y > 0 it follows that A's corners, seen in its plane, turn such that the edge to
-    /// `a[1]` crosses the line y = z = 0 at the larger x; with B's apex up, the edge to `b[2]` does. An apex that is
-    /// down is up once the other triangle's corners turn the other way round. The x axis is along the product of
-    /// both normals, as they are after such turns.
+    /// Let the planes of A and B be y = 0 and z = 0, with positive sides towards +y and +z, and let
+    /// A's apex be up. From `side_b > 0` at y > 0 it follows how A's corners turn, seen in its
+    /// plane: the edge to `a[1]` crosses the line y = z = 0 at the larger x. If B's apex is up, the
+    /// edge to `b[2]` does. An apex that is down becomes one that is up if the other triangle's
+    /// corners turn the other way. The x axis points along the product of both normals after such
+    /// turns.
     fn new(apex_a: Apex, apex_b: Apex, side_a: [Sign; 3], side_b: [Sign; 3]) -> Self {
         let (mut a, mut b) = (apex_a.cycle(), apex_b.cycle());
         if !apex_a.up {
@@ -159,9 +171,9 @@ impl CommonLine {
         Self { a, b, side_a, side_b, against_normals: apex_a.up != apex_b.up }
     }
 
-    /// How the crossing of edge `b[0] b[end_b]` with the line compares to that of edge `a[0] a[end_a]`: with the planes
-    /// as in `new` and both edges leaving their apex downwards, the orientation of the edges is the difference of the
-    /// two x times a positive number.
+    /// Compares the crossing of edge `b[0] b[end_b]` with the line to that of edge `a[0] a[end_a]`.
+    /// With the planes as in `new` and both edges leaving their apex downwards, the orientation of
+    /// the edges is the difference of the two x times a positive number.
     pub(super) fn compare(&self, corners: &mut PairCorners, end_b: usize, end_a: usize) -> Sign {
         corners.edges([self.a[0], self.a[end_a]], [self.b[0], self.b[end_b]])
     }
@@ -170,7 +182,7 @@ impl CommonLine {
         self.compare(corners, 1, 1) <= Zero && self.compare(corners, 2, 2) >= Zero
     }
 
-    /// Whether the intervals have more than a point in common.
+    /// Reports whether the intervals have more than a point in common.
     pub(super) fn overlap_at_length(&self, corners: &mut PairCorners) -> bool {
         self.side_a[self.a[0]] != Zero
             && self.side_b[self.b[0]] != Zero
@@ -185,24 +197,28 @@ impl Transversal {
         Self { edge: [from, to], sides }
     }
 
-    /// On which side this edge of A passes each edge of B, the edge k being from corner k to the next.
+    /// Returns the side on which this edge of A passes each edge of B. Edge k goes from corner k to
+    /// the next corner.
     pub(super) fn pass_edges_of_b(&self, corners: &mut PairCorners) -> [Sign; 3] {
         std::array::from_fn(|k| corners.edges(self.edge, [k, (k + 1) % 3]))
     }
 
-    /// On which side this edge of B passes each edge of A.
+    /// Returns the side on which this edge of B passes each edge of A. Edge k goes from corner k to
+    /// the next corner.
     pub(super) fn pass_edges_of_a(&self, corners: &mut PairCorners) -> [Sign; 3] {
         std::array::from_fn(|k| corners.edges([k, (k + 1) % 3], self.edge))
     }
 }
 
-/// Whether a line that passes the edges of a triangle on these sides, and crosses its plane, does so within it.
+/// Reports whether a line that crosses a triangle's plane does so within the triangle. `passes`
+/// holds the sides on which it passes the three edges.
 pub(super) fn on_one_side(passes: [Sign; 3]) -> bool {
     !(passes.contains(&Negative) && passes.contains(&Positive))
 }
 
-/// Whether triangles meet whose corners are all on the other's plane, or that have no planes.
-pub(super) fn flat_meet(corners: &mut PairCorners) -> bool {
+/// Reports whether two triangles intersect if all their corners are on each other's planes, or if
+/// both have no area.
+pub(super) fn flat_intersect(corners: &mut PairCorners) -> bool {
     if (0..3).any(|axis| ranges_apart(corners, axis)) {
         return false;
     }
@@ -214,7 +230,7 @@ pub(super) fn flat_meet(corners: &mut PairCorners) -> bool {
     !skew(corners) && !(0..3).any(|axis| separated(corners, axis))
 }
 
-/// Whether the ranges of the two along an axis are disjoint.
+/// Reports whether the ranges of the two triangles along an axis are disjoint.
 fn ranges_apart(corners: &mut PairCorners, axis: usize) -> bool {
     let mut a_below_b = true;
     let mut b_below_a = true;
@@ -228,9 +244,10 @@ fn ranges_apart(corners: &mut PairCorners, axis: usize) -> bool {
     a_below_b || b_below_a
 }
 
-/// Whether an edge of one, in the projection along an axis, has all of the other strictly on one side and its own third
-/// corner not there. Convex sets in a plane that are apart have such an edge unless all is in one line: the origin is
-/// outside an edge of their Minkowski difference, and each of its edges is parallel to one of theirs.
+/// Reports whether some edge of one triangle separates the two in the projection along an axis: all
+/// corners of the other are strictly on one side, and its own third corner is not there. Disjoint
+/// convex sets in a plane have such an edge unless they are in one line: the origin is outside an
+/// edge of their Minkowski difference, whose edges are all parallel to edges of the two sets.
 fn separated(corners: &mut PairCorners, axis: usize) -> bool {
     let (a, b) = ([0, 1, 2], [3, 4, 5]);
     [(a, b), (b, a)].into_iter().any(|(own, other)| {
@@ -242,7 +259,7 @@ fn separated(corners: &mut PairCorners, axis: usize) -> bool {
     })
 }
 
-/// Whether two sets without area span space: some corners, two of each, are not in one plane.
+/// Reports whether two sets without area span space: two corners of each are not in one plane.
 fn skew(corners: &mut PairCorners) -> bool {
     let edges = [[0, 1], [1, 2], [2, 0]];
     edges.into_iter().any(|edge_a| edges.into_iter().any(|edge_b| corners.edges(edge_a, edge_b) != Zero))

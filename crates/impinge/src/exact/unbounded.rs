@@ -1,11 +1,11 @@
-//! Signs of determinants of posed coordinates, whatever their size.
+//! Signs of determinants of posed coordinates of any size, in integers of any size.
 
 use super::exact_points::{Corners, ExactPoints};
 use super::placement::{Placement, world_point};
 use crate::math::Sign;
 use crate::math::dyadic::{self, Dyadic};
 
-/// The corners of A, then of B, in the common local frame where there is one, else in the world.
+/// The corners of A, then of B, in the common local frame of equal poses, otherwise in the world.
 pub(super) struct UnboundedPoints([[Dyadic; 3]; 6]);
 
 impl UnboundedPoints {

@@ -1,27 +1,29 @@
 //! Signs of determinants of integers of three machine words.
 //!
-//! A posed coordinate is a sum of three products of 53 bits by the bits of a corner, and a translation. Unless sizes
-//! differ wildly it spans 100 to 180 bits, so along each axis the corners of a pair are integers of 192 bits on a grid
-//! of their own, and a determinant has 576. Everything is of fixed size and on the stack.
+//! A posed coordinate is a sum of a translation and three products of 53 bits by the bits of a
+//! corner. It spans 100 to 180 bits unless sizes differ extremely. So along each axis the corners
+//! of a pair are integers of 192 bits on a grid of their own, and a determinant has 576 bits.
+//! Everything has a fixed size and is on the stack. The proof is docs/proof.md, L6.
 
 use super::exact_points::{Corners, ExactPoints};
 use super::placement::Placement;
 use crate::math::dyadic::decompose;
 use crate::math::{Pose, Sign};
 
-/// Bits that the terms of coordinates may span along an axis. A coordinate is a sum of up to four, so below 2^188;
-/// differences are then below 2^189, two-by-two minors below 2^379 and determinants below 2^570: all fit the words of
-/// their type with room for a sign.
+/// Maximum number of bits that the terms of the coordinates may span along an axis. A coordinate is
+/// a sum of up to four terms, so it is below 2^188. Differences are then below 2^189, two-by-two
+/// minors below 2^379 and determinants below 2^570. All fit the words of their type with room for a
+/// sign; a larger span could overflow.
 const SPAN: i32 = 186;
 
 /// An integer in two's complement, lowest word first.
 #[derive(Clone, Copy)]
 struct Words<const N: usize>([u64; N]);
 
-/// The corners of A, then of B; each axis has its own scale.
+/// The corners of A, then of B. Each axis has its own scale.
 pub(super) struct WidePoints([[Words<3>; 3]; 6]);
 
-/// `± mantissa · 2^exponent`; the mantissa is odd or zero.
+/// The number `± mantissa · 2^exponent`. The mantissa is odd or zero.
 #[derive(Clone, Copy)]
 struct Term {
     negative: bool,
@@ -30,9 +32,9 @@ struct Term {
 }
 
 impl WidePoints {
-    /// Nothing where the terms of the coordinates span too many bits.
+    /// Builds the points. Returns `None` if the terms of the coordinates span too many bits.
     pub(super) fn new(placement: &Placement, a: &Corners, b: &Corners) -> Option<Self> {
-        // The poses do not matter where they are equal.
+        // Equal poses do not affect the answer.
         let (world_from_a, world_from_b) = if placement.is_shared() {
             (&Pose::IDENTITY, &Pose::IDENTITY)
         } else {
@@ -98,7 +100,7 @@ impl Term {
         Self { negative, mantissa: u128::from(mantissa >> zeros), exponent: exponent + zeros as i32 }
     }
 
-    /// The product of the terms of two floats.
+    /// Returns the product of the terms of two floats.
     fn times(&self, other: &Self) -> Self {
         let mantissa = self.mantissa * other.mantissa;
         if mantissa == 0 {
@@ -107,13 +109,13 @@ impl Term {
         Self { negative: self.negative != other.negative, mantissa, exponent: self.exponent + other.exponent }
     }
 
-    /// The magnitude is below two to this power.
+    /// Returns an exponent `e` such that the magnitude is below `2^e`.
     fn top(&self) -> i32 {
         self.exponent + 128 - self.mantissa.leading_zeros() as i32
     }
 }
 
-/// The terms of one coordinate of the image of each corner.
+/// Returns the terms of one coordinate of the image of each corner.
 fn coordinate_terms(pose: &Pose, axis: usize, corners: &[[Term; 3]; 3]) -> [[Term; 4]; 3] {
     let [x, y, z] = pose.linear()[axis].map(Term::new);
     let translation = Term::new(pose.translation()[axis]);
@@ -121,7 +123,7 @@ fn coordinate_terms(pose: &Pose, axis: usize, corners: &[[Term; 3]; 3]) -> [[Ter
 }
 
 impl Words<3> {
-    /// `mantissa · 2^shift`, for a product that fits. A mantissa of zero may come with any shift.
+    /// Returns `mantissa · 2^shift`, which must fit. If the mantissa is zero, any shift is valid.
     fn shifted(mantissa: u128, shift: u32) -> Self {
         if mantissa == 0 {
             return Self([0; 3]);
@@ -153,7 +155,7 @@ impl<const N: usize> Words<N> {
         }))
     }
 
-    /// The product, in `R = N + M` words.
+    /// Returns the product, in `R = N + M` words.
     fn times<const M: usize, const R: usize>(&self, other: &Words<M>) -> Words<R> {
         let mut product = [0; R];
         for i in 0..N {
@@ -166,7 +168,8 @@ impl<const N: usize> Words<N> {
             }
             product[i + M] = carry;
         }
-        // A negative factor was read as 2^(64 N) too much: take away the other factor, that many words up.
+        // Reading a negative factor as unsigned adds 2^(64 N) to it. Subtract the other factor,
+        // shifted up by N words.
         if self.is_negative() {
             subtract_above(&mut product[N..], &other.0);
         }

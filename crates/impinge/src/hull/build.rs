@@ -1,64 +1,69 @@
-//! The surface of the hull of points that span space, by randomised incremental insertion with conflict lists.
+//! The surface of the hull of points that span space, built by randomized incremental insertion
+//! with conflict lists.
 //!
-//! Source: Clarkson and Shor, *Applications of random sampling in computational geometry, II*, 1989, each point remembering
-//! one face that it sees (the outside sets of Barber, Dobkin and Huhdanpaa, *The Quickhull algorithm for convex hulls*, 1996)
-//! rather than all of them. Ours departs in three ways:
+//! Source: Clarkson and Shor, *Applications of random sampling in computational geometry, II*,
+//! 1989, but each point remembers one face that it sees (the outside sets of Barber, Dobkin and
+//! Huhdanpaa, *The Quickhull algorithm for convex hulls*, 1996) rather than all of them. Ours
+//! departs in three ways:
 //!
-//! - *A face is seen from the strict outside of its plane only*, which is decided exactly. What comes out is then a closed
-//!   surface of triangles whose every edge is convex or flat, for coplanar and cospherical points too; points on it
-//!   that are no corners are taken out by `facets`.
-//! - A point whose face vanishes can only see new faces, or is inside: were there a way in its visible region from the faces
-//!   that vanished to one that stayed, the face that was put on the edge crossed between them would be seen too. New
-//!   faces stand around the new point like a cone, and the one that a point sees is found by halving them.
-//! - The order of insertion is the caller's, see `order`.
+//! - *A point sees a face only from the strict outside of its plane*, which is decided exactly. The
+//!   result is a closed surface of triangles whose edges are all convex or flat, for coplanar and
+//!   cospherical points too. `facets` removes points on it that are not corners.
+//! - If a point's face vanishes, the point sees only new faces, or is inside. Otherwise its visible
+//!   region would have a path from the vanished faces to a face that stayed, and the point would
+//!   also see the new face on the edge crossed between them. New faces form a cone around the new
+//!   point, and bisection finds the one that a point sees.
+//! - The caller chooses the order of insertion; see `order`.
 
 use crate::exact::{Plane, collinear, orient3d};
 use crate::math::Sign::{Negative, Positive, Zero};
 use crate::math::vec3::{cross, dot, sub};
 
-/// No face, no point.
+/// Marks that there is no face or no point.
 const NONE: u32 = u32::MAX;
 
-/// With at most so many new faces each is tried in turn; halving takes as long from here on.
-const FEW: usize = 16;
+/// Maximum number of new faces that are tried one by one. With more faces, bisection is faster; at
+/// 16 it costs the same.
+const MAX_SCANNED_FACES: usize = 16;
 
 /// A triangle of the surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Face {
-    /// Its corners, turning left seen from outside.
+    /// Corners, in counterclockwise order seen from outside.
     pub(super) corners: [u32; 3],
     /// The face across the edge from each corner to the next.
     pub(super) across: [u32; 3],
     plane: Plane,
     /// The first of the points that remember this face.
     first: u32,
-    /// The insertion that last looked at this face, and what it saw.
+    /// The last insertion that visited this face, and whether its point sees the face.
     looked: u32,
     seen: bool,
 }
 
-/// An edge between the faces that a new point sees and those that it does not, in the direction in which a face that is
-/// seen has it.
+/// An edge between a face that a new point sees and one that it does not see. Its direction is the
+/// one in the seen face.
 #[derive(Clone, Copy, Debug)]
 struct Edge {
     corners: [u32; 2],
     beyond: u32,
 }
 
-/// A surface that grows.
+/// A growing surface.
 #[derive(Debug)]
 pub(super) struct Surface<'p> {
     points: &'p [[f64; 3]],
-    /// At least how far two points differ along each axis.
+    /// Upper bound on the difference of two points along each axis.
     extent: [f64; 3],
     faces: Vec<Face>,
     is_free: Vec<bool>,
     free: Vec<u32>,
-    /// The face that each point remembers, and the next point that remembers the same.
+    /// The face that each point remembers, and the next point that remembers the same face.
     remembered: Vec<u32>,
     next: Vec<u32>,
     insertion: u32,
-    /// Scratch: the faces that the new point sees, the edges around them, and which edge begins at a corner.
+    /// Buffers: the faces that the new point sees, the edges around them, and the edge that begins
+    /// at each corner.
     seen: Vec<u32>,
     horizon: Vec<Edge>,
     edge_from: Vec<u32>,
@@ -66,11 +71,12 @@ pub(super) struct Surface<'p> {
 }
 
 impl<'p> Surface<'p> {
-    /// The surface of the hull of all points, which are inserted in their order; nothing where they lie in a plane.
+    /// Builds the surface of the hull of all points, inserted in their order. Returns `None` if
+    /// they lie in a plane.
     ///
     /// # Complexity
-    /// O(n log n) expected comparisons for points in general position in an order that is random, and at most
-    /// O(n² log n) for any. Among points of equal coordinates the first one becomes a corner.
+    /// O(n log n) expected comparisons for points in general position in a random order, and at
+    /// most O(n² log n) for any input. Of points with equal coordinates the first becomes a corner.
     pub(super) fn of(points: &'p [[f64; 3]]) -> Option<Self> {
         let start = simplex(points)?;
         let mut surface = Self {
@@ -96,29 +102,33 @@ impl<'p> Surface<'p> {
         Some(surface)
     }
 
-    /// The faces, by numbers that [`Face::across`] uses; those that are not part of the surface are nothing.
+    /// Iterates over the faces, numbered as in [`Face::across`]. Items that are not part of the
+    /// surface are `None`.
     pub(super) fn faces(&self) -> impl Iterator<Item = Option<&Face>> {
         self.faces.iter().zip(&self.is_free).map(|(face, is_free)| (!is_free).then_some(face))
     }
 
-    /// The face of this number.
+    /// Returns the face with this number.
     pub(super) fn face(&self, face: u32) -> &Face {
         &self.faces[face as usize]
     }
 
-    /// Whether two faces with a common edge lie in one plane; `edge` is that of the first.
+    /// Reports whether two faces with a common edge lie in one plane. `edge` is the edge's number
+    /// in the first face.
     pub(super) fn is_flat(&self, face: u32, edge: usize) -> bool {
         let face = self.face(face);
         let start = face.corners[edge];
-        let neighbour = self.face(face.across[edge]);
-        // The neighbour has the edge the other way round, and its third corner before its end there.
-        let Some(at) = neighbour.corners.iter().position(|&corner| corner == start) else { return false };
-        !self.sees_other_side(face, neighbour.corners[(at + 1) % 3])
+        let neighbor = self.face(face.across[edge]);
+        // The neighbor has the edge in the opposite direction, and its third corner comes after the
+        // edge.
+        let Some(at) = neighbor.corners.iter().position(|&corner| corner == start) else { return false };
+        !self.sees_other_side(face, neighbor.corners[(at + 1) % 3])
     }
 
-    /// The tetrahedron of four points that span space, and what each other point sees of it.
+    /// Starts with the tetrahedron of four points that span space, and finds a face that each other
+    /// point sees.
     fn begin(&mut self, [a, b, c, d]: [u32; 4]) {
-        // Each face has the other three corners, and is to the left of what is left.
+        // Each face has three of the corners, and the fourth is on its inner side.
         for (corners, across) in
             [([a, b, c], [1, 2, 3]), ([b, a, d], [0, 3, 2]), ([c, b, d], [0, 1, 3]), ([a, c, d], [0, 2, 1])]
         {
@@ -156,7 +166,7 @@ impl<'p> Surface<'p> {
         face_data.first = point;
     }
 
-    /// Whether a point is strictly outside of a face's plane.
+    /// Reports whether a point is strictly outside a face's plane.
     #[inline]
     fn sees(&self, point: u32, face: u32) -> bool {
         let face = &self.faces[face as usize];
@@ -167,7 +177,7 @@ impl<'p> Surface<'p> {
         }
     }
 
-    /// Whether a corner of the surface is strictly inside of a face's plane.
+    /// Reports whether a corner of the surface is strictly inside a face's plane.
     fn sees_other_side(&self, face: &Face, corner: u32) -> bool {
         let s = &self.points[corner as usize];
         face.plane.side(s).unwrap_or_else(|| self.side_exactly(&face.corners, s)) == Negative
@@ -179,12 +189,13 @@ impl<'p> Surface<'p> {
         orient3d(p, q, r, s)
     }
 
-    /// Puts a point that sees the face it remembers onto the surface.
+    /// Adds a point to the surface. The point must see the face that it remembers.
     fn insert(&mut self, point: u32) {
         self.insertion += 1;
         self.look_around(point, self.remembered[point as usize]);
         self.order_horizon();
-        // The lists of what vanishes are walked once the new faces stand; the faces themselves make room at once.
+        // The lists of the vanished faces are processed after the new faces have been added. The
+        // faces themselves are freed at once.
         let mut orphans = NONE;
         for index in 0..self.seen.len() {
             let face = self.seen[index];
@@ -237,7 +248,7 @@ impl<'p> Surface<'p> {
         }
     }
 
-    /// Brings the edges of the horizon, which is one cycle, into their order around it.
+    /// Sorts the edges of the horizon, which is one cycle, into their order around it.
     fn order_horizon(&mut self) {
         for (index, edge) in self.horizon.iter().enumerate() {
             self.edge_from[edge.corners[0] as usize] = index as u32;
@@ -250,7 +261,7 @@ impl<'p> Surface<'p> {
         }
     }
 
-    /// A face from each edge of the horizon to the new point.
+    /// Adds a face from each edge of the horizon to the new point.
     fn raise_cone(&mut self, point: u32) {
         self.cone.clear();
         for index in 0..self.horizon.len() {
@@ -271,16 +282,18 @@ impl<'p> Surface<'p> {
         }
     }
 
-    /// A face of the cone around `apex` that a point sees, if any.
+    /// Returns a face of the cone around `apex` that a point sees, or `None`.
     ///
-    /// Seen from the apex the cone is a convex polygon `v_0 v_1 ...`, and the plane through apex, `v_0` and `v_i` tells on which
-    /// side of a chord the point is. The sides along the polygon change once at most, as a plane through one edge of
-    /// a convex cone meets it in one other edge at most, so halving finds the wedge that the point is in, and the face there
-    /// is the only one left to ask. A point on such a plane exactly may be behind the apex; then each face is tried.
+    /// Seen from the apex the cone is a convex polygon `v_0 v_1 ...`. The plane through apex, `v_0`
+    /// and `v_i` decides on which side of a chord the point is. The side changes at most once along
+    /// the polygon, because a plane through one edge of a convex cone intersects it in at most one
+    /// other edge. So bisection finds the wedge that holds the point, and only the face of that
+    /// wedge needs to be tested. A point exactly on such a plane may be behind the apex; then all
+    /// faces are tried.
     fn find_in_cone(&self, apex: u32, point: u32) -> Option<u32> {
         let each = || self.cone.iter().copied().find(|&face| self.sees(point, face));
         let len = self.cone.len();
-        if len <= FEW {
+        if len <= MAX_SCANNED_FACES {
             return each();
         }
         for face in [self.cone[0], self.cone[len - 1]] {
@@ -305,9 +318,11 @@ impl<'p> Surface<'p> {
     }
 }
 
-/// Four points that span space, the last on the inner side of the first three; nothing where all lie in a plane.
+/// Returns four points that span space, the last on the inner side of the first three. Returns
+/// `None` if all points lie in a plane.
 ///
-/// Large ones keep faces from being slivers, so each is as far from those before as floats can tell.
+/// A large tetrahedron avoids thin faces, so each point is as far from the points before it as
+/// floats can tell.
 fn simplex(points: &[[f64; 3]]) -> Option<[u32; 4]> {
     let [a, b] = line(points)?;
     let c = off_line(points, a, b)?;
@@ -321,7 +336,8 @@ fn simplex(points: &[[f64; 3]]) -> Option<[u32; 4]> {
     Some(if orient3d(p, q, r, &points[d as usize]) == Negative { [a, b, c, d] } else { [a, c, b, d] })
 }
 
-/// The first and the last point in the lexicographic order of coordinates; nothing where all points are equal.
+/// Returns the first and the last point in the lexicographic order of coordinates, or `None` if all
+/// points are equal.
 pub(super) fn line(points: &[[f64; 3]]) -> Option<[usize; 2]> {
     let (mut low, mut high) = (0, 0);
     for (index, point) in points.iter().enumerate() {
@@ -335,7 +351,7 @@ pub(super) fn line(points: &[[f64; 3]]) -> Option<[usize; 2]> {
     (!points.is_empty() && points[low] != points[high]).then_some([low, high])
 }
 
-/// A point off the line through two different points; nothing where there is none.
+/// Returns a point off the line through two different points, or `None` if there is none.
 pub(super) fn off_line(points: &[[f64; 3]], a: usize, b: usize) -> Option<usize> {
     let (p, q) = (&points[a], &points[b]);
     let area = |s: &[f64; 3]| {
@@ -345,7 +361,8 @@ pub(super) fn off_line(points: &[[f64; 3]], a: usize, b: usize) -> Option<usize>
     farthest(points, area, |s| !collinear(p, q, s))
 }
 
-/// The first point of the greatest measure, provided that it passes the exact test; else the first that passes.
+/// Returns the first point with the greatest measure if it passes the exact test. Otherwise returns
+/// the first point that passes, or `None`.
 fn farthest(
     points: &[[f64; 3]],
     measure: impl Fn(&[f64; 3]) -> f64,
@@ -361,13 +378,13 @@ fn farthest(
     if points.get(best.0).is_some_and(&passes) { Some(best.0) } else { points.iter().position(passes) }
 }
 
-/// How far the points spread along each axis, rounded up.
+/// Returns the extent of the points along each axis, rounded up.
 pub(super) fn extent(points: &[[f64; 3]]) -> [f64; 3] {
     let [low, high] = bounds(points);
     std::array::from_fn(|k| (high[k] - low[k]).next_up())
 }
 
-/// The corners of the box of the points.
+/// Returns the corners of the bounding box of the points.
 pub(super) fn bounds(points: &[[f64; 3]]) -> [[f64; 3]; 2] {
     let folded = |start: f64, pick: fn(f64, f64) -> f64| {
         std::array::from_fn(|k| points.iter().fold(start, |best, point| pick(best, point[k])))

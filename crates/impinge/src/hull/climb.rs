@@ -1,13 +1,17 @@
-//! Climbing from vertex to neighbour to the one that is farthest along a direction (*Notes on Real Time Collision
-//! Detection*, 2.2; Ericson, *Real-Time Collision Detection*, 4.2.5).
+//! Climbing from vertex to neighbor to the vertex that is farthest along a direction (*Notes on
+//! Real Time Collision Detection*, 2.2; Ericson, *Real-Time Collision Detection*, 4.2.5).
 //!
-//! A hull is in the cone of the edges at any of its vertices, so a vertex that none of its neighbours exceeds is one of the
-//! farthest: there are no false summits, and on a plateau none of its vertices needs another. What can go wrong is rounding,
-//! so a step is taken only where it certainly leads up, and the end is confirmed by exact comparisons. Every step leads up
-//! over the reals, however the turn was, so none leads back.
+//! A hull lies in the cone of the edges at each of its vertices. So a vertex that no neighbor
+//! exceeds is one of the farthest: there are no false summits, and no step along a plateau is
+//! needed. Only rounding can mislead. So a step is taken only if it certainly leads up, and exact
+//! comparisons confirm the end. Every step leads up over the reals, whatever the direction was, so
+//! the climb cannot run in circles.
 //!
-//! A way may be long, on needles, or wide, at the tip of a cone. So once it has looked at as many vertices as there are, the
-//! climb gives way to a scan of all of them: no question of more than a few costs more than both.
+//! A path may be long, on needles, or wide, at the tip of a cone. So once a climb has visited as
+//! many vertices as there are, a scan of all vertices takes over. A query on more than a few
+//! vertices then costs at most the sum of both.
+//!
+//! The tests are in `tests/it/hull/support.rs`.
 
 use std::collections::HashSet;
 
@@ -17,11 +21,13 @@ use crate::math::Sign::{Positive, Zero};
 use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
 use crate::math::vec3::dot;
 
-/// As many vertices take no longer to look at than a scan takes to begin.
-const FEW: usize = 128;
+/// Minimum number of vertices that a climb may visit before a scan takes over. Visiting 128 costs
+/// no more than starting a scan.
+const MIN_SCAN_BUDGET: usize = 128;
 
 impl Hull {
-    /// As [`support`](Self::support), found by climbing from a vertex that is hoped to be near: the same answer from any.
+    /// Returns the same vertex as [`support`](Self::support), found by climbing from a vertex that
+    /// is probably near. The answer does not depend on `start`.
     ///
     /// ```
     /// # use impinge::hull::Hull;
@@ -33,11 +39,13 @@ impl Hull {
     /// ```
     ///
     /// # Panics
-    /// Where there is no vertex `start`.
+    /// If there is no vertex `start`.
     ///
     /// # Complexity
-    /// As many steps as vertices lie between the start and the farthest, each looking at all neighbours of one. Once as many
-    /// vertices were looked at as there are, or a hundred, [`support`](Self::support) takes over. Ties are walked through on top.
+    /// One step per vertex on the path from the start to the farthest vertex; each step visits all
+    /// neighbors of one vertex. After as many visits as there are vertices, and at least 128,
+    /// [`support`](Self::support) takes over. Ties cost extra: all equally far vertices are
+    /// visited.
     #[must_use]
     pub fn support_from(&self, direction: [f64; 3], start: u32) -> u32 {
         let direction = usable(direction);
@@ -45,47 +53,48 @@ impl Hull {
     }
 }
 
-/// A vertex that is farthest along a direction.
+/// Returns a vertex that is farthest along a direction.
 ///
 /// # Panics
-/// Where there is no vertex `start`.
+/// If there is no vertex `start`.
 pub(crate) fn climb(hull: &Hull, direction: &[f64; 3], start: u32) -> u32 {
     summit(hull, direction, start).0
 }
 
-/// The least of the vertices that are farthest along a direction, each of which [`climb`] may find.
+/// Returns the least number of the vertices that are farthest along a direction. [`climb`] may
+/// return any of them.
 ///
 /// # Panics
-/// Where there is no vertex `start`.
+/// If there is no vertex `start`.
 fn climb_to_least(hull: &Hull, direction: &[f64; 3], start: u32) -> u32 {
     let (farthest, is_alone) = summit(hull, direction, start);
     if is_alone { farthest } else { least_of_ties(hull, direction, farthest) }
 }
 
-/// A vertex that is farthest along a direction, and whether that is plain of no other.
+/// Returns a vertex that is farthest along a direction, and whether it is certainly the only one.
 fn summit(hull: &Hull, direction: &[f64; 3], start: u32) -> (u32, bool) {
     let positions = hull.positions();
     let value = |vertex: u32| dot(direction, &positions[vertex as usize]);
     let reach = hull.reach();
-    // Three roundings on the way of each product, and as many in a rival's value.
+    // Each product has three roundings, and so has a neighbor's value.
     let size = dot(&direction.map(f64::abs), &reach);
     let error = 8.0 * UNIT_ROUNDOFF * size + UNDERFLOW;
-    let mut budget = positions.len().max(FEW);
+    let mut budget = positions.len().max(MIN_SCAN_BUDGET);
     let (mut at, mut height) = (start, value(start));
     loop {
-        let neighbours = hull.neighbours(at);
-        let Some(left) = budget.checked_sub(neighbours.len()) else {
+        let neighbors = hull.neighbours(at);
+        let Some(left) = budget.checked_sub(neighbors.len()) else {
             return (hull.extremes().along(positions, direction), false);
         };
         budget = left;
         let (mut best, mut best_height) = (at, height);
         let mut is_certain = true;
-        for &neighbour in neighbours {
-            let other = value(neighbour);
+        for &neighbor in neighbors {
+            let other = value(neighbor);
             if other > best_height {
-                (best, best_height) = (neighbour, other);
+                (best, best_height) = (neighbor, other);
             }
-            // Not where either is NaN, after an overflow.
+            // The comparison is false if either side is NaN, after an overflow.
             is_certain &= other < height - error;
         }
         if best_height > height + error {
@@ -97,7 +106,7 @@ fn summit(hull: &Hull, direction: &[f64; 3], start: u32) -> (u32, bool) {
                 let compared = compare_along(direction, &positions[other as usize], &positions[at as usize]);
                 compared == Positive
             };
-            match neighbours.iter().find(is_higher) {
+            match neighbors.iter().find(is_higher) {
                 Some(&higher) => (at, height) = (higher, value(higher)),
                 None => return (at, false),
             }
@@ -105,8 +114,8 @@ fn summit(hull: &Hull, direction: &[f64; 3], start: u32) -> (u32, bool) {
     }
 }
 
-/// The least of the vertices that are as far along a direction as this one, which is one of the farthest: they form a
-/// face of the hull, whose edges connect them.
+/// Returns the least number of the vertices that are as far along a direction as `farthest`, which
+/// is one of the farthest. They form a face of the hull, so its edges connect them.
 fn least_of_ties(hull: &Hull, direction: &[f64; 3], farthest: u32) -> u32 {
     let positions = hull.positions();
     let is_tied =

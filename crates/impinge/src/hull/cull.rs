@@ -1,23 +1,30 @@
-//! Points thrown out early, since a partition of space shows them to be inside (*Notes on Real Time Collision Detection*,
-//! 2.2).
+//! Early culling of points that a partition of space shows to be inside the hull (*Notes on Real
+//! Time Collision Detection*, 2.2).
 //!
-//! Space is parted into the cells of a cube map: the pyramids from a centre through the squares of a grid on each side of a
-//! cube. The outermost point of each cell is kept; the hull of these, the *inner hull*, holds most of the rest. Its gauge
-//! `g(p)`, the centre being the origin, is the factor by which it must grow to reach p: what has `g(p) < 1` is inside. A
-//! gauge is convex and grows with p, so on each half of a square it is at most the linear function that has its values at
-//! the corners, and a point is judged by three numbers of its cell, however many faces the inner hull has.
+//! Space is partitioned into the cells of a cube map: the pyramids from a center through the
+//! squares of a grid on each side of a cube. The outermost point of each cell is kept. The hull of
+//! these points, the *inner hull*, holds most of the rest. With the center as origin, its gauge
+//! `g(p)` is the factor by which it must grow to reach p, so a point with `g(p) < 1` is inside. A
+//! gauge is convex and grows with p. So on each half of a square it is at most the linear function
+//! with its values at the corners. A point is thus tested with three numbers of its cell, however
+//! many faces the inner hull has.
 //!
-//! The gauge at a corner w is found by walking over the faces to the one that the ray to w goes through: where
-//! `w = λ a + μ b + ν c` with no negative factor, a, b, c being points of the inner hull, `g(w) <= λ + μ + ν`. That holds
-//! for any three points, so neither the walk nor the faces need be right for it, and what the rounded sum misses of w is
-//! measured and added: nothing is believed of the arithmetic that is not checked.
+//! The gauge at a corner w is found by walking over the faces to the one that the ray to w passes
+//! through. If `w = λ a + μ b + ν c` with no negative factor, for points a, b, c of the inner hull,
+//! then `g(w) <= λ + μ + ν`. That holds for any three points, so neither the walk nor the faces
+//! need to be right. The difference between the rounded sum and w is measured and added, so every
+//! rounding is checked.
 //!
-//! Source: Akl and Toussaint, *A fast convex hull algorithm*, 1978, keep the extremes of a few directions in this manner; the
-//! cells and the gauge are ours. Nothing depends on what is thrown out but time.
+//! Source: Akl and Toussaint, *A fast convex hull algorithm*, 1978, keep the extremes of a few
+//! directions in this way; the cells and the gauge are ours. Culling affects only the time, never
+//! the hull.
 //!
 //! # Accuracy
-//! All is done in doubles, in coordinates whose box is [-1, 1]³, where points are off by 2^-52. A point goes only where its gauge
-//! is below 1 - [`MARGIN`], and only where no unit along an axis has a gauge above [`MOST_GAUGE`].
+//! All computations are in doubles, in coordinates whose box is [-1, 1]³ and in which points are
+//! wrong by 2^-52. A point is culled only if its gauge is below 1 - [`MARGIN`], and only if no unit
+//! along an axis has a gauge above [`MAX_GAUGE`].
+//!
+//! The tests are below and in `tests/it/hull`.
 
 use rayon::prelude::*;
 
@@ -25,24 +32,26 @@ use super::build::Surface;
 use super::order::insertion_order;
 use crate::math::vec3::{cross, dot};
 
-/// Fewer points than this are put on the hull sooner than judged.
-const LEAST_POINTS: usize = 1000;
+/// Minimum number of points for culling. With fewer points, building the hull of all is faster.
+const MIN_POINTS: usize = 1000;
 
-/// Points that threads take at a time.
+/// Number of points that a thread processes at a time.
 const CHUNK: usize = 1 << 14;
 
-/// How far inside a point must be, in units of its distance from the centre. Rounded points and sums count for 1e-12 of it,
-/// [`MOST_GAUGE`] times their rounding; a larger margin keeps more points.
+/// Minimum distance of a culled point inside the inner hull, relative to its distance from the
+/// center. The rounding of points and sums is at most 1e-12 of that distance: [`MAX_GAUGE`] times
+/// their error. A larger margin keeps more points.
 const MARGIN: f64 = 1e-6;
 
-/// The greatest gauge of a unit along an axis. Beyond, the centre is too near the surface for rounding not to count, and nothing
-/// is thrown out.
-const MOST_GAUGE: f64 = 1e3;
+/// Maximum gauge of a unit along an axis. With a larger gauge the center is so near the surface
+/// that rounding matters, and nothing is culled.
+const MAX_GAUGE: f64 = 1e3;
 
-/// Steps of a walk over faces before it is given up, and with it the corner: twenty times what walks take.
-const MOST_STEPS: usize = 200;
+/// Maximum number of steps of a walk over faces: 20 times the usual number. After that the walk and
+/// its corner are given up.
+const MAX_STEPS: usize = 200;
 
-/// The points that may be on the hull, with their numbers in ascending order.
+/// Returns the points that may be on the hull, with their numbers in ascending order.
 pub(super) fn may_be_on_hull<T: Copy + Into<f64> + Sync>(
     points: &[[T; 3]],
     bounds: [[f64; 3]; 2],
@@ -57,11 +66,12 @@ pub(super) fn may_be_on_hull<T: Copy + Into<f64> + Sync>(
             })
             .collect()
     };
-    // A grid twice as fine keeps a shell of points a quarter as thick, for an inner hull of four times as many.
-    if points.len() < LEAST_POINTS {
+    // A grid that is twice as fine keeps a shell of points a quarter as thick, but its inner hull
+    // has four times as many points.
+    if points.len() < MIN_POINTS {
         return keep(&|_| false);
     }
-    let seeds = match points.len() / LEAST_POINTS {
+    let seeds = match points.len() / MIN_POINTS {
         ..20 => 8,
         20..500 => 16,
         _ => 32,
@@ -74,46 +84,47 @@ pub(super) fn may_be_on_hull<T: Copy + Into<f64> + Sync>(
     }
 }
 
-/// The point in double precision, zeros without a sign.
+/// Converts a point to double precision, with zeros without a sign.
 #[inline(always)]
 pub(crate) fn stored<T: Copy + Into<f64>>(point: [T; 3]) -> [f64; 3] {
     point.map(|x| x.into() + 0.0)
 }
 
-/// Coordinates about a centre, scaled by axis.
+/// Coordinates relative to a center, scaled by axis.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
-    centre: [f64; 3],
+    center: [f64; 3],
     scale: [f64; 3],
 }
 
-/// A cell of a cube map, and where in it a point is.
+/// A cell of a cube map, and the position of a point in it.
 pub(super) struct Place {
-    /// The side: twice the axis, one more where it is the positive end.
+    /// Side of the cube: twice the axis, plus 1 at the positive end.
     pub(super) side: usize,
-    /// The square of the side's grid, and the place within it, from 0 to 1.
+    /// Square of the side's grid. `within` is the position in the square, from 0 to 1.
     pub(super) square: [usize; 2],
     within: [f64; 2],
-    /// The distance from the centre along the side's axis.
+    /// Distance from the center along the side's axis.
     distance: f64,
 }
 
 impl Frame {
-    /// The frame in which the box is [-1, 1]³; nothing where it is flat or its size is out of range.
+    /// Returns the frame in which the box is [-1, 1]³, or `None` if the box is flat or its size is
+    /// out of range.
     fn of_box([low, high]: [[f64; 3]; 2]) -> Option<Self> {
-        let centre = std::array::from_fn(|k| 0.5 * (low[k] + high[k]));
+        let center = std::array::from_fn(|k| 0.5 * (low[k] + high[k]));
         let scale = std::array::from_fn(|k| 2.0 / (high[k] - low[k]));
-        scale.iter().all(|x: &f64| x.is_finite()).then_some(Self { centre, scale })
+        scale.iter().all(|x: &f64| x.is_finite()).then_some(Self { center, scale })
     }
 
     #[inline(always)]
     fn apply(&self, point: &[f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|k| (point[k] - self.centre[k]) * self.scale[k])
+        std::array::from_fn(|k| (point[k] - self.center[k]) * self.scale[k])
     }
 }
 
 impl Place {
-    /// Where a point is on a cube map of `cells` squares along each edge.
+    /// Returns the place of a point on a cube map of `cells` squares along each edge.
     #[inline(always)]
     pub(super) fn of(p: &[f64; 3], cells: usize) -> Self {
         let size = p.map(f64::abs);
@@ -123,7 +134,8 @@ impl Place {
         let half = 0.5 * cells as f64;
         let along = |k: usize| {
             let x = p[k] * per_unit + half;
-            // The centre itself is in no cell: NaN becomes the first one, and its distance of zero is inside anywhere.
+            // The center itself is in no cell. NaN becomes the first cell, and the distance of zero
+            // is inside in any cell.
             let square = (x as usize).min(cells - 1);
             (square, x - square as f64)
         };
@@ -133,11 +145,11 @@ impl Place {
     }
 }
 
-/// The outermost point of each cell, the first one among those as far out.
+/// Returns the outermost point of each cell. Of equally distant points the first is kept.
 fn outermost<T: Copy + Into<f64> + Sync>(points: &[[T; 3]], frame: &Frame, cells: usize) -> Vec<[f64; 3]> {
-    const NOBODY: (f64, u32) = (-1.0, u32::MAX);
+    const EMPTY_CELL: (f64, u32) = (-1.0, u32::MAX);
     let of_chunk = |(chunk, points): (usize, &[[T; 3]])| {
-        let mut best = vec![NOBODY; 6 * cells * cells];
+        let mut best = vec![EMPTY_CELL; 6 * cells * cells];
         for (number, &point) in ((CHUNK * chunk) as u32..).zip(points) {
             let p = frame.apply(&stored(point));
             let Place { side, square: [s, t], .. } = Place::of(&p, cells);
@@ -150,37 +162,38 @@ fn outermost<T: Copy + Into<f64> + Sync>(points: &[[T; 3]], frame: &Frame, cells
         best
     };
     let further = |x: (f64, u32), y: (f64, u32)| if y.0 > x.0 || (y.0 == x.0 && y.1 < x.1) { y } else { x };
-    let best = points
-        .par_chunks(CHUNK)
-        .enumerate()
-        .map(of_chunk)
-        .reduce(|| vec![NOBODY; 6 * cells * cells], |x, y| x.into_iter().zip(y).map(|(x, y)| further(x, y)).collect());
-    best.into_iter().filter(|best| best.1 != NOBODY.1).map(|best| stored(points[best.1 as usize])).collect()
+    let best = points.par_chunks(CHUNK).enumerate().map(of_chunk).reduce(
+        || vec![EMPTY_CELL; 6 * cells * cells],
+        |x, y| x.into_iter().zip(y).map(|(x, y)| further(x, y)).collect(),
+    );
+    best.into_iter().filter(|best| best.1 != EMPTY_CELL.1).map(|best| stored(points[best.1 as usize])).collect()
 }
 
-/// The hull of a few points, as bounds of its gauge on the corners of a cube map about its middle.
+/// The hull of a few points, given by bounds on its gauge at the corners of a cube map about its
+/// middle.
 struct Inner {
     frame: Frame,
     cells: usize,
-    /// For each side and each corner of its grid the gauge of the point there, at distance 1 along the side's axis.
+    /// Gauge at each corner of each side's grid, for the point there at distance 1 along the side's
+    /// axis.
     gauge: Vec<f64>,
 }
 
 impl Inner {
-    /// Nothing where the points lie in a plane, or nearly.
+    /// Builds the inner hull. Returns `None` if the points lie in a plane, or nearly.
     fn hull(points: &[[f64; 3]], scale: [f64; 3], cells: usize) -> Option<Self> {
         let numbered: Vec<_> = points.iter().copied().zip(0..).collect();
         let ordered: Vec<_> = insertion_order(&numbered).into_iter().map(|at| points[at as usize]).collect();
         let surface = Surface::of(&ordered)?;
         let corners: Vec<u32> = surface.faces().flatten().flat_map(|face| face.corners).collect();
         let share = 1.0 / corners.len() as f64;
-        let centre = std::array::from_fn(|k| corners.iter().map(|&corner| ordered[corner as usize][k] * share).sum());
-        let frame = Frame { centre, scale };
+        let center = std::array::from_fn(|k| corners.iter().map(|&corner| ordered[corner as usize][k] * share).sum());
+        let frame = Frame { center, scale };
         let placed: Vec<[f64; 3]> = ordered.iter().map(|point| frame.apply(point)).collect();
         let start = surface.faces().position(|face| face.is_some())? as u32;
         let mut walk = Walk { surface: &surface, points: &placed, at: start };
-        // With `g(r) <= G Σ|r_k|` for any r, the greatest gauge along the axes, G, is at most the greatest sum there, and G times
-        // what that misses.
+        // Let G be the greatest gauge along the axes, so that `g(r) <= G Σ|r_k|` for any r. Then G
+        // is at most the greatest sum there, plus G times the missed part.
         let mut most = 0.0_f64;
         for axis in 0..3 {
             for unit in [-1.0, 1.0] {
@@ -190,7 +203,7 @@ impl Inner {
                 most = most.max(sum / (1.0 - missed));
             }
         }
-        if !(0.0..MOST_GAUGE).contains(&most) {
+        if !(0.0..MAX_GAUGE).contains(&most) {
             return None;
         }
         let at_corner = |w: [f64; 3]| match walk.combine(&w) {
@@ -200,7 +213,7 @@ impl Inner {
         Some(Self { frame, cells, gauge: corners_of_squares(cells).map(at_corner).collect() })
     }
 
-    /// Whether a point is certainly inside.
+    /// Reports whether a point is certainly inside.
     #[inline(always)]
     fn holds(&self, point: &[f64; 3]) -> bool {
         let p = self.frame.apply(point);
@@ -218,15 +231,15 @@ impl Inner {
     }
 }
 
-/// A point as a sum of three of the inner hull with factors that are not negative.
+/// A point as a sum of three points of the inner hull with factors that are not negative.
 struct Combination {
-    /// The sum of the factors.
+    /// Sum of the factors.
     sum: f64,
-    /// The magnitudes of what the sum of points misses, added up over the axes.
+    /// Difference between the sum of points and the point: magnitudes added up over the axes.
     missed: f64,
 }
 
-/// A place on a surface around the origin, from which the next is not far.
+/// A face of a surface around the origin, from which the next target is not far.
 struct Walk<'s> {
     surface: &'s Surface<'s>,
     points: &'s [[f64; 3]],
@@ -234,16 +247,17 @@ struct Walk<'s> {
 }
 
 impl Walk<'_> {
-    /// Walks to the face that the ray to `w` goes through; nothing where it does not arrive.
+    /// Walks to the face that the ray to `w` passes through. Returns `None` if the walk does not
+    /// arrive, or the face is too thin.
     ///
-    /// Source: Devillers, Pion and Teillaud, *Walking in a triangulation*, 2002, the visibility walk; here each triangle is the
-    /// cone over it.
+    /// Source: Devillers, Pion and Teillaud, *Walking in a triangulation*, 2002, the visibility
+    /// walk. Here each triangle stands for the cone over it.
     fn combine(&mut self, w: &[f64; 3]) -> Option<Combination> {
-        for step in 0..MOST_STEPS {
+        for step in 0..MAX_STEPS {
             let face = self.surface.face(self.at);
             let corners = face.corners.map(|corner| &self.points[corner as usize]);
-            // Where w is beyond the plane through an edge and the centre; the first edge differs from step to step, lest
-            // the walk go round in circles.
+            // The edge beyond which w is, seen from the center. The first edge to be tried changes
+            // from step to step, so that the walk does not run in circles.
             let factor = |edge: usize| determinant(corners[edge], corners[(edge + 1) % 3], w);
             let beyond = (0..3).map(|turn| (step + turn) % 3).find(|&edge| factor(edge) < 0.0);
             match beyond {
@@ -255,8 +269,8 @@ impl Walk<'_> {
                         w[k] - (factors[0] * corners[0][k] + factors[1] * corners[1][k] + factors[2] * corners[2][k])
                     };
                     let missed = miss(0).abs() + miss(1).abs() + miss(2).abs();
-                    // Not where the face is so thin, or so near the centre, that the factors mean nothing.
-                    let is_sound = missed < MARGIN / MOST_GAUGE && factors.iter().all(|&factor| factor >= 0.0);
+                    // The factors mean nothing if the face is very thin or very near the center.
+                    let is_sound = missed < MARGIN / MAX_GAUGE && factors.iter().all(|&factor| factor >= 0.0);
                     return is_sound.then(|| Combination { sum: factors.iter().sum(), missed });
                 }
             }
@@ -269,7 +283,8 @@ fn determinant(u: &[f64; 3], v: &[f64; 3], w: &[f64; 3]) -> f64 {
     dot(&cross(u, v), w)
 }
 
-/// The corners of the squares of a cube map, at distance 1 along the axis of their side.
+/// Iterates over the corners of the squares of a cube map, at distance 1 along the axis of their
+/// side.
 fn corners_of_squares(cells: usize) -> impl Iterator<Item = [f64; 3]> {
     let step = 2.0 / cells as f64;
     (0..6).flat_map(move |side| {
@@ -304,26 +319,27 @@ mod tests {
         may_be_on_hull(points, bounds).into_iter().map(|(_, number)| number).collect()
     }
 
-    /// Most of a ball is thrown out, all that is kept is near its surface, and what is on it is kept.
+    /// Most points inside a sphere are culled. All kept points are near its surface, and all points
+    /// on the surface are kept.
     #[test]
-    fn the_inside_of_a_ball_goes() {
+    fn the_inside_of_a_sphere_is_culled() {
         let mut random = Random(1);
         for (count, least_radius) in [(5000, 0.8), (100_000, 0.93)] {
-            let ball: Vec<[f64; 3]> = std::iter::from_fn(|| Some([(); 3].map(|()| random.unit())))
+            let inside: Vec<[f64; 3]> = std::iter::from_fn(|| Some([(); 3].map(|()| random.unit())))
                 .filter(|p| p.iter().map(|x| x * x).sum::<f64>() < 1.0)
                 .take(count)
                 .collect();
-            let kept = kept(&ball);
+            let kept = kept(&inside);
             assert!(kept.len() < count / 4, "{} of {count}", kept.len());
-            let radius = |&number: &u32| ball[number as usize].iter().map(|x| x * x).sum::<f64>().sqrt();
+            let radius = |&number: &u32| inside[number as usize].iter().map(|x| x * x).sum::<f64>().sqrt();
             assert!(kept.iter().map(radius).fold(1.0, f64::min) > least_radius);
-            let sphere: Vec<[f64; 3]> =
-                ball.iter().map(|p| p.map(|x| x / p.iter().map(|x| x * x).sum::<f64>().sqrt())).collect();
-            assert_eq!(may_be_on_hull(&sphere, crate::hull::judge(&sphere).expect("legal")).len(), count);
+            let on_sphere: Vec<[f64; 3]> =
+                inside.iter().map(|p| p.map(|x| x / p.iter().map(|x| x * x).sum::<f64>().sqrt())).collect();
+            assert_eq!(may_be_on_hull(&on_sphere, crate::hull::judge(&on_sphere).expect("legal")).len(), count);
         }
     }
 
-    /// Squeezed, stretched and far away, no vertex of the hull of all is thrown out.
+    /// No vertex of the hull is culled, for points that are squeezed, stretched and far away.
     #[test]
     fn no_vertex_goes() {
         let mut random = Random(2);

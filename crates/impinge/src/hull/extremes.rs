@@ -1,14 +1,18 @@
-//! The points that are farthest along directions, by looking at all of them at the speed of memory.
+//! The farthest points along directions, found by a scan of all points at memory speed.
 //!
-//! Points are packed eight to a block in single precision, about the middle of their box and scaled by a power of two so that
-//! no coordinate exceeds 1. One pass finds the greatest and the least score of every group of points; the few groups
-//! that come within the error of the best are looked at again, and the points within it are compared exactly.
+//! Points are packed eight to a block in single precision, relative to the middle of their box and
+//! scaled by a power of two so that no coordinate exceeds 1. One pass finds the greatest and the
+//! least score of every group of blocks. The few groups within the error of the best are scanned
+//! again, and the points within it are compared exactly.
 //!
 //! # Accuracy
-//! With u = 2^-24, a packed coordinate is off by u times its axis's greatest, an entry of the scaled direction by u times
-//! itself, and the score, of three products and two sums, by 3 u times the sum of the products' magnitudes: 5 u of
-//! `Σ |direction| · reach` and terms in u², taken as 6 u, whether or not multiply and add are fused. [`UNDERFLOW`] holds what is
-//! too small for a float.
+//! With u = 2^-24, a packed coordinate is wrong by u times the greatest coordinate of its axis, and
+//! an entry of the scaled direction by u times itself. The score, of three products and two sums,
+//! is wrong by 3 u times the sum of the products' magnitudes. Together that is 5 u of
+//! `Σ |direction| · reach` and terms in u², taken as 6 u, whether or not multiply and add are
+//! fused. [`UNDERFLOW`] covers losses too small for a float.
+//!
+//! The test is `every_level_finds_the_first_of_the_exact_extremes` below.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
@@ -18,16 +22,18 @@ use crate::exact::compare_along;
 use crate::math::Sign::{self, Negative, Positive};
 use crate::simd::{LANES, Level, best_level, by_axis, dispatch};
 
-/// Blocks of a group. Fewer make more groups to remember and more reductions, more make each second look longer.
-const GROUP: usize = 16;
+/// Number of blocks in a group. Smaller groups need more memory and more reductions. Larger groups
+/// make each second scan longer.
+const GROUP_BLOCKS: usize = 16;
 
-/// More than three products of numbers within 1 lose where they underflow, and entries that are too small for a float.
+/// Bound on the loss in three products of numbers within 1 that underflow, and in entries that are
+/// too small for a float.
 const UNDERFLOW: f64 = 1.0 / (1_u128 << 120) as f64;
 
 /// Eight points by axis.
 type Block = [[f32; LANES]; 3];
 
-/// Points packed for finding the farthest; what they were packed from is handed in again with each question.
+/// Points packed to find the farthest. Each query needs the original points again.
 #[derive(Clone, Debug)]
 pub(crate) struct Extremes {
     blocks: Vec<Block>,
@@ -37,7 +43,7 @@ pub(crate) struct Extremes {
     level: Level,
 }
 
-/// The least and greatest scores of a group, or of all, along `R` directions.
+/// The least and greatest scores of a group, or of all points, along `R` directions.
 #[derive(Clone, Copy)]
 struct Range<const R: usize> {
     min: [f32; R],
@@ -45,7 +51,7 @@ struct Range<const R: usize> {
 }
 
 impl Extremes {
-    /// Packs points, of which there is at least one, all in range.
+    /// Packs points. There must be at least one, and all must be in range.
     pub(crate) fn new<T: Copy + Into<f64>>(points: &[[T; 3]]) -> Self {
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
@@ -56,18 +62,18 @@ impl Extremes {
                 high[k] = high[k].max(p[k]);
             }
         }
-        let centre: [f64; 3] = std::array::from_fn(|k| 0.5 * low[k] + 0.5 * high[k]);
-        let half = (0..3).fold(0.0_f64, |half, k| half.max(high[k] - centre[k]).max(centre[k] - low[k]));
+        let center: [f64; 3] = std::array::from_fn(|k| 0.5 * low[k] + 0.5 * high[k]);
+        let half = (0..3).fold(0.0_f64, |half, k| half.max(high[k] - center[k]).max(center[k] - low[k]));
         let scale = inverse_power(half);
-        let reach = std::array::from_fn(|k| (high[k] - centre[k]).max(centre[k] - low[k]) * scale);
+        let reach = std::array::from_fn(|k| (high[k] - center[k]).max(center[k] - low[k]) * scale);
         let pack = |&point: &[T; 3]| {
             let p = stored(point);
-            [0, 1, 2].map(|k| ((p[k] - centre[k]) * scale) as f32)
+            [0, 1, 2].map(|k| ((p[k] - center[k]) * scale) as f32)
         };
         let blocks = points
             .chunks(LANES)
             .map(|chunk| {
-                // Lanes that are left over repeat the first point, which changes no extreme.
+                // Unused lanes repeat the first point of the block, which changes no extreme.
                 let mut block = [[0.0; LANES]; 3];
                 for lane in 0..LANES {
                     let packed = pack(chunk.get(lane).unwrap_or(&chunk[0]));
@@ -81,17 +87,19 @@ impl Extremes {
         Self { blocks, count: points.len(), reach, level: best_level() }
     }
 
-    /// Bytes that the packed points take.
+    /// Returns the memory that the packed points take, in bytes.
     pub(crate) fn memory(&self) -> usize {
         size_of_val(&self.blocks[..])
     }
 
-    /// The point that is farthest along a direction, the first one where several are.
+    /// Returns the point that is farthest along a direction. Of equally far points, returns the
+    /// first.
     pub(crate) fn along<T: Copy + Into<f64>>(&self, points: &[[T; 3]], direction: &[f64; 3]) -> u32 {
         self.of(points, &[*direction])[0][1]
     }
 
-    /// The points of the least and of the greatest value of each of the forms `row · point`, the first one of each where several are.
+    /// Returns the points with the least and with the greatest value of `row · point` for each row.
+    /// Of equal values, returns the first point.
     pub(crate) fn of<T: Copy + Into<f64>, const R: usize>(
         &self,
         points: &[[T; 3]],
@@ -106,15 +114,15 @@ impl Extremes {
             *error = ((6.0 * f64::from(f32::EPSILON) * 0.5 * size + UNDERFLOW) as f32).next_up();
             *scaled = unit.map(|x| x as f32);
         }
-        let mut groups = Vec::with_capacity(self.blocks.len().div_ceil(GROUP));
+        let mut groups = Vec::with_capacity(self.blocks.len().div_ceil(GROUP_BLOCKS));
         let all = dispatch!(self.level, simd => self.ranges(simd, &scaled, &mut groups));
         let mut found = [[u32::MAX; 2]; R];
         for r in 0..R {
             let best = |wanted: Sign, is_near: &dyn Fn(f32) -> bool, near: &dyn Fn(&Range<R>) -> bool| {
                 let mut best: Option<(u32, [f64; 3])> = None;
                 for (group, _) in groups.iter().enumerate().filter(|(_, range)| near(range)) {
-                    let start = group * GROUP * LANES;
-                    for index in start..(start + GROUP * LANES).min(self.count) {
+                    let start = group * GROUP_BLOCKS * LANES;
+                    for index in start..(start + GROUP_BLOCKS * LANES).min(self.count) {
                         if !is_near(self.score(index, &scaled[r])) {
                             continue;
                         }
@@ -126,7 +134,8 @@ impl Extremes {
                 }
                 best.map_or(0, |best| best.0)
             };
-            // Both the best and its rival may be off by the error, and the second look may round in another way.
+            // Both the best score and another one may be wrong by the error, and the second scan
+            // may round differently.
             let low = all.min[r] + 4.0 * errors[r];
             let high = all.max[r] - 4.0 * errors[r];
             found[r] = [
@@ -137,18 +146,18 @@ impl Extremes {
         found
     }
 
-    /// The score of one point, as each lane has it but for its rounding.
+    /// Returns the score of one point, which equals the score of a lane up to rounding.
     #[inline(always)]
     fn score(&self, index: usize, row: &[f32; 3]) -> f32 {
         let (block, lane) = (&self.blocks[index / LANES], index % LANES);
         row[0] * block[0][lane] + row[1] * block[1][lane] + row[2] * block[2][lane]
     }
 
-    /// The ranges of all groups, and of all points.
+    /// Computes the ranges of all groups, and returns the range of all points.
     #[inline(always)]
     fn ranges<S: Simd, const R: usize>(&self, simd: S, rows: &[[f32; 3]; R], groups: &mut Vec<Range<R>>) -> Range<R> {
         let mut all = Range { min: [f32::INFINITY; R], max: [f32::NEG_INFINITY; R] };
-        for group in self.blocks.chunks(GROUP) {
+        for group in self.blocks.chunks(GROUP_BLOCKS) {
             let mut min = [f32x8::splat(simd, f32::INFINITY); R];
             let mut max = [f32x8::splat(simd, f32::NEG_INFINITY); R];
             for block in group {
@@ -173,7 +182,8 @@ impl Extremes {
     }
 }
 
-/// The power of two that takes a number into [1/2, 1), or as near as powers go; 1 for zero.
+/// Returns the power of two that scales a number into [1/2, 1), or as near as exponents allow, or 1
+/// for zero.
 fn inverse_power(x: f64) -> f64 {
     if x == 0.0 {
         return 1.0;
@@ -196,7 +206,8 @@ mod tests {
         }
     }
 
-    /// Points with many ties and near ties, so that single precision alone would be wrong, at every vector level.
+    /// Points with many ties and near ties, so that single precision alone would be wrong, at every
+    /// vector level.
     #[test]
     fn every_level_finds_the_first_of_the_exact_extremes() {
         let mut random = Random(1);
@@ -221,7 +232,7 @@ mod tests {
                 packed.level = level;
                 for (row, [low, high]) in rows.iter().zip(packed.of(&points, &rows)) {
                     for (found, wanted) in [(low, Positive), (high, Negative)] {
-                        // Nothing is beyond it, and nothing before it is level with it.
+                        // No point is beyond the result, and no earlier point is equally far.
                         for (index, point) in points.iter().enumerate() {
                             let compared = compare_along(row, &points[found as usize], point);
                             assert_ne!(compared, wanted, "{name}");

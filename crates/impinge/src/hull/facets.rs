@@ -1,11 +1,13 @@
-//! From a surface of triangles, some in one plane, to the facets of the hull: polygons whose corners are all extreme.
+//! Converts a surface of triangles, some in one plane, to the facets of the hull: polygons whose
+//! corners are all extreme.
 //!
-//! A corner of the surface is an extreme point exactly where facets of three or more planes meet; with two it is inside an
-//! edge of the hull, with one inside a facet. So no angle is measured: planes are counted.
+//! A corner of the surface is an extreme point if and only if facets of three or more planes share
+//! it. With two planes it is inside an edge of the hull, with one plane inside a facet. So no angle
+//! is measured; planes are counted.
 
 use super::build::Surface;
 
-/// Convex polygons around their facets, turning left seen from outside, by numbers of points.
+/// Convex facets as lists of points by number, in counterclockwise order seen from outside.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Facets {
     corners: Vec<u32>,
@@ -13,7 +15,7 @@ pub(super) struct Facets {
 }
 
 impl Facets {
-    /// The facets of a surface.
+    /// Returns the facets of a surface over `points` points.
     pub(super) fn of(surface: &Surface<'_>, points: usize) -> Self {
         let planes = planes(surface);
         let is_extreme = extreme(surface, &planes, points);
@@ -34,7 +36,7 @@ impl Facets {
         facets
     }
 
-    /// One polygon from both sides.
+    /// Returns both sides of one polygon.
     pub(super) fn of_both_sides(polygon: &[u32]) -> Self {
         let mut facets = Self::default();
         facets.push(polygon.iter().copied());
@@ -42,7 +44,7 @@ impl Facets {
         facets
     }
 
-    /// The corners of each facet.
+    /// Iterates over the facets, each as a list of corners.
     pub(super) fn iter(&self) -> impl Iterator<Item = &[u32]> {
         let mut start = 0;
         self.ends.iter().map(move |&end| {
@@ -58,10 +60,10 @@ impl Facets {
     }
 }
 
-/// Which plane each face is in, by the number of one of its faces.
+/// The plane of each face, given by the number of one of its faces.
 struct Planes {
     plane_of: Vec<u32>,
-    /// The faces, those of one plane in a row.
+    /// All faces. The faces of one plane follow each other.
     faces: Vec<u32>,
     ends: Vec<u32>,
 }
@@ -73,7 +75,8 @@ impl Planes {
     }
 }
 
-/// Faces of one plane are connected, as a facet is convex: they are found by walking over flat edges.
+/// Groups the faces by plane. A facet is convex, so its faces are connected: they are found by
+/// walking over flat edges.
 fn planes(surface: &Surface<'_>) -> Planes {
     const NONE: u32 = u32::MAX;
     let mut planes = Planes { plane_of: Vec::new(), faces: Vec::new(), ends: Vec::new() };
@@ -101,19 +104,19 @@ fn planes(surface: &Surface<'_>) -> Planes {
     planes
 }
 
-/// The points in which three planes or more meet.
+/// Reports for each point whether faces of three or more planes share it.
 fn extreme(surface: &Surface<'_>, planes: &Planes, points: usize) -> Vec<bool> {
-    // Of each corner the first two planes that were met there; a third makes it extreme.
-    let mut met = vec![[u32::MAX; 2]; points];
+    // The first two planes found at each corner. A third plane makes the corner extreme.
+    let mut known_planes = vec![[u32::MAX; 2]; points];
     let mut is_extreme = vec![false; points];
     for &face in &planes.faces {
         let plane = planes.plane_of[face as usize];
         for corner in surface.face(face).corners {
-            let met = &mut met[corner as usize];
-            if met.contains(&plane) {
+            let known_planes = &mut known_planes[corner as usize];
+            if known_planes.contains(&plane) {
                 continue;
             }
-            match met.iter_mut().find(|plane| **plane == u32::MAX) {
+            match known_planes.iter_mut().find(|plane| **plane == u32::MAX) {
                 Some(free) => *free = plane,
                 None => is_extreme[corner as usize] = true,
             }

@@ -4,23 +4,24 @@ use super::build::{line, off_line};
 use crate::exact::orient2d;
 use crate::math::Sign::{Positive, Zero};
 
-/// What points that span no space span instead, by numbers of points; among equal points the first is named.
+/// The hull of points that do not span space, by numbers of points. Of equal points, the first is
+/// named.
 #[derive(Clone, Debug)]
 pub(super) enum Flat {
     /// All points are equal to this one.
     Point(u32),
-    /// All points are on the segment between these.
+    /// All points are on the segment between these two.
     Segment([u32; 2]),
-    /// All points are in the convex polygon of these, each of which is a corner.
+    /// All points are in the convex polygon with these corners.
     Polygon(Vec<u32>),
 }
 
 impl Flat {
-    /// The hull of points in a plane, of which there is at least one.
+    /// Returns the hull of points in a plane. There must be at least one point.
     ///
     /// # Source
-    /// Andrew, *Another efficient algorithm for convex hulls in two dimensions*, 1979, in the projection along an axis in which
-    /// the points are not in a line, exactly decided.
+    /// Andrew, *Another efficient algorithm for convex hulls in two dimensions*, 1979, decided
+    /// exactly in the projection along an axis in which the points are not in a line.
     ///
     /// # Complexity
     /// O(n log n).
@@ -42,7 +43,8 @@ impl Flat {
     }
 }
 
-/// Appends the corners on the right of the way from the first point to the last, which is left out.
+/// Appends the corners on the right of the path from the first point to the last. The last point is
+/// left out.
 fn chain(points: &[[f64; 3]], axis: usize, order: impl Iterator<Item = u32>, polygon: &mut Vec<u32>) {
     let start = polygon.len();
     for point in order {

@@ -1,7 +1,11 @@
-//! Convex hulls of points, with the adjacency of their vertices: what supports, climbs and boxes are asked of.
+//! Convex hulls of points, with the adjacency of their vertices. Support functions, climbs and
+//! bounding boxes are built on them.
 //!
-//! Everything that is decided here is decided exactly, so a hull exists for every set of points: flat, straight, cospherical
+//! Every decision is exact, so a hull exists for every set of points: flat, straight, cospherical
 //! or all in one place.
+//!
+//! The proof is docs/proof.md, L10. The tests are in `tests/it/hull`, and the benchmark is `hulls`
+//! in `impinge-bench`.
 
 mod build;
 mod climb;
@@ -26,13 +30,14 @@ use facets::Facets;
 use flat::Flat;
 pub(crate) use parts::HullParts;
 
-/// Coordinates stay below this magnitude: the range of the proofs.
+/// Exclusive limit on the magnitude of coordinates: 2^128, the range of the proofs.
 const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 
 /// The convex hull of a set of points.
 ///
-/// Its *vertices* are the extreme points of the set, each once: those that are not in the hull of the others. They are
-/// numbered from zero in the order of the points that they are; where points are equal the first is the vertex.
+/// Its *vertices* are the extreme points of the set, each once: the points that are not in the hull
+/// of the others. They are numbered from zero in the order of the given points. If points are
+/// equal, the first is the vertex.
 ///
 /// ```
 /// use impinge::hull::{Hull, HullKind};
@@ -50,24 +55,26 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 /// ```
 ///
 /// # Accuracy
-/// Exact: a point is a vertex, a face a face and a neighbour a neighbour exactly where that is true of the real points that
-/// the floats are. The same points give the same hull, on any number of threads and with any vector unit; vertices and
-/// adjacency do not depend on the order of the points either, but for their numbers.
+/// Exact: vertices, faces and neighbors are those of the hull of the real points that the floats
+/// represent. The same points give the same hull, on any number of threads and with any vector
+/// unit. Apart from the numbers of the points, vertices and adjacency do not depend on the order of
+/// the points either.
 ///
 /// # Complexity
-/// Expected O(n log n) for points in general position, whatever their order. What has no proof is how much slower many
-/// points in one plane may make it; lattices and prisms are measured in docs/realigning.md, and no input takes more than
-/// O(n² log n).
+/// Expected O(n log n) for points in general position, in any order. There is no proof for many
+/// points in one plane; docs/realigning.md has measurements of lattices and prisms. No input takes
+/// more than O(n² log n).
 ///
 /// # Source
-/// See `build` for the insertion, `order` for its order, `cull` for the points thrown out before, `flat` for fewer dimensions.
+/// See `build` for the insertion, `order` for its order, `cull` for the points culled before it,
+/// and `flat` for fewer dimensions.
 #[derive(Clone, Debug)]
 pub struct Hull {
     kind: HullKind,
     vertices: Vec<u32>,
     positions: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
-    /// The neighbours of vertex `i` are those from `first[i]` to `first[i + 1]`.
+    /// The neighbors of vertex `i` are the entries from `first[i]` to `first[i + 1]`.
     first: Vec<u32>,
     neighbours: Vec<u32>,
     extremes: Extremes,
@@ -75,12 +82,12 @@ pub struct Hull {
     reach: [f64; 3],
 }
 
-/// What the hull of a set of points is, by its dimension.
+/// Kind of a hull, by its dimension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum HullKind {
-    /// A point, which all the points are.
+    /// A point, to which all given points are equal.
     Point,
-    /// A segment between two vertices, which are neighbours.
+    /// A segment between two vertices, which are neighbors.
     Segment,
     /// A convex polygon.
     Polygon,
@@ -89,11 +96,14 @@ pub enum HullKind {
 }
 
 impl Hull {
-    /// The hull of points in single or double precision.
+    /// Builds the hull of points in single or double precision.
     ///
     /// # Errors
-    /// [`Empty`](InputErrorKind::Empty) where there are no points; a coordinate that is not finite or not below 2^128 in
-    /// magnitude; more points than can be numbered. There is no other failure.
+    /// - [`Empty`](InputErrorKind::Empty) if there are no points;
+    /// - [`NonFinite`](InputErrorKind::NonFinite) if a coordinate is not finite;
+    /// - [`OutOfRange`](InputErrorKind::OutOfRange) if a coordinate is not below 2^128 in
+    ///   magnitude;
+    /// - [`TooMany`](InputErrorKind::TooMany) if there are 2^32 - 1 points or more.
     pub fn new<T: Copy + Into<f64> + Sync>(points: &[[T; 3]]) -> Result<Self, InputError> {
         let bounds = judge(points)?;
         let kept = cull::may_be_on_hull(points, bounds);
@@ -118,39 +128,41 @@ impl Hull {
         Ok(Self::of_facets(kind, &facets, &numbers, &positions))
     }
 
-    /// What the hull is.
+    /// Returns the kind of the hull, by its dimension.
     #[must_use]
     pub fn kind(&self) -> HullKind {
         self.kind
     }
 
-    /// The number of each vertex among the points that were given, ascending.
+    /// Returns the number of each vertex among the given points, in ascending order.
     #[must_use]
     pub fn vertices(&self) -> &[u32] {
         &self.vertices
     }
 
-    /// Where the vertices are.
+    /// Returns the positions of the vertices.
     #[must_use]
     pub fn positions(&self) -> &[[f64; 3]] {
         &self.positions
     }
 
-    /// The boundary as triangles of vertices, which turn left seen from outside; none where the hull is a point or a segment.
+    /// Returns the boundary as triangles of vertex numbers, in counterclockwise order seen from
+    /// outside. It is empty if the hull is a point or a segment.
     ///
-    /// They form a closed surface in which every edge has one triangle on either side. A facet of more than three corners is
-    /// a fan around its least vertex. A polygon has both its sides, each facing away from the other; the fan of the second is
-    /// around the lesser neighbour of that vertex.
+    /// The triangles form a closed surface in which every edge has one triangle on either side. A
+    /// facet with more than three corners is a fan around its least vertex. A polygon has two sides
+    /// that face away from each other. The fan of its second side is around the lesser neighbor of
+    /// its least vertex.
     #[must_use]
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
     }
 
-    /// The vertices at the other ends of the hull's edges at a vertex, ascending. The inner edges of a fan are no edges of
-    /// the hull.
+    /// Returns the vertices at the other ends of the hull's edges at a vertex, in ascending order.
+    /// The inner edges of a fan are not edges of the hull.
     ///
     /// # Panics
-    /// Where there is no such vertex.
+    /// If the hull has no such vertex.
     #[inline]
     #[must_use]
     pub fn neighbours(&self, vertex: u32) -> &[u32] {
@@ -158,7 +170,8 @@ impl Hull {
         &self.neighbours[self.first[at] as usize..self.first[at + 1] as usize]
     }
 
-    /// Whether a point is inside or on the hull; a point that is not finite is not.
+    /// Reports whether a point is inside the hull or on its boundary. Returns `false` if the point
+    /// is not finite.
     ///
     /// # Accuracy
     /// Exact, for coordinates below 2^128 in magnitude.
@@ -178,7 +191,8 @@ impl Hull {
                 (0..3).all(is_within) && (0..3).all(|axis| orient2d(axis, start, end, &point) == Zero)
             }
             _ => {
-                // Both sides of a polygon have the plane; the edges in it are judged where no face sees the point.
+                // Both sides of a polygon have its plane. If no face sees the point, the polygon's
+                // edges decide.
                 let extent = std::array::from_fn(|k| {
                     self.positions.iter().fold(0.0_f64, |extent, position| extent.max((point[k] - position[k]).abs()))
                 });
@@ -191,23 +205,24 @@ impl Hull {
         }
     }
 
-    /// The vertex that is farthest along a direction, the least one where several are.
+    /// Returns the vertex that is farthest along a direction. Of equally far vertices, returns the
+    /// least number.
     ///
-    /// A direction needs no length of 1. Its entries that are not finite count as zero, and along no direction at all
-    /// every vertex is as far.
+    /// The direction may have any length. Its entries that are not finite count as zero. Along the
+    /// zero direction all vertices are equally far.
     ///
     /// # Accuracy
     /// Exact: the greatest real value of `direction · position`.
     ///
     /// # Complexity
-    /// O(vertices), eight at a time in single precision with the rounding error carried as a bound. Those within the bound
-    /// of the greatest are compared exactly.
+    /// O(vertices), eight at a time in single precision with a bound on the rounding error.
+    /// Vertices within the bound of the greatest are compared exactly.
     #[must_use]
     pub fn support(&self, direction: [f64; 3]) -> u32 {
         self.extremes.along(&self.positions, &usable(direction))
     }
 
-    /// Bytes that the hull holds.
+    /// Returns the memory that the hull holds, in bytes.
     #[must_use]
     pub fn memory(&self) -> usize {
         size_of_val(&self.vertices[..])
@@ -218,12 +233,12 @@ impl Hull {
             + self.extremes.memory()
     }
 
-    /// What finds the extremes of the vertices without climbing.
+    /// Returns the structure that finds extreme vertices without climbing.
     pub(crate) fn extremes(&self) -> &Extremes {
         &self.extremes
     }
 
-    /// The greatest magnitude of a coordinate on each axis.
+    /// Returns the greatest magnitude of a coordinate on each axis.
     pub(crate) fn reach(&self) -> [f64; 3] {
         self.reach
     }
@@ -236,7 +251,8 @@ impl Hull {
         Self { kind, vertices, positions, faces: Vec::new(), first, neighbours, extremes, reach }
     }
 
-    /// From facets by positions in the order of insertion, to vertices in the order of the input.
+    /// Builds the hull from facets. The facets name positions in the order of insertion; the
+    /// vertices are in the order of the input.
     fn of_facets(kind: HullKind, facets: &Facets, numbers: &[u32], positions: &[[f64; 3]]) -> Self {
         let mut corners: Vec<(u32, u32)> =
             facets.iter().flatten().map(|&corner| (numbers[corner as usize], corner)).collect();
@@ -253,7 +269,8 @@ impl Hull {
             let least = (0..polygon.len()).min_by_key(|&at| polygon[at]).unwrap_or(0);
             polygon.rotate_left(least);
             if kind == HullKind::Polygon && number == 1 {
-                // Fans around neighbours have no inner edge in common, so that the two sides have no edge but the outline.
+                // Fans around neighboring vertices have no inner edge in common, so the two sides
+                // share only the outline.
                 let last = polygon.len() - 1;
                 let lesser = if polygon[1] < polygon[last] { 1 } else { last };
                 polygon.rotate_left(lesser);
@@ -262,7 +279,8 @@ impl Hull {
             edges.extend((0..polygon.len()).map(|at| [polygon[at], polygon[(at + 1) % polygon.len()]]));
         }
         faces.par_sort_unstable();
-        // Every edge is there from either side, so that both of its ends have it; a polygon of two sides has no others.
+        // Every edge occurs once from either side, so both of its ends list it. A polygon of two
+        // sides has no other edges.
         edges.par_sort_unstable();
         let mut first = vec![0; corners.len() + 1];
         for [from, _] in &edges {
@@ -284,13 +302,13 @@ impl Hull {
         }
     }
 
-    /// Whether a point in the plane of the polygon is inside it.
+    /// Reports whether a point in the plane of the polygon is inside the polygon.
     fn polygon_contains(&self, point: &[f64; 3]) -> bool {
         let corner = |vertex: u32| &self.positions[vertex as usize];
         let Some([p, q, r]) = self.faces.first().map(|face| face.map(corner)) else { return false };
         let Some(axis) = (0..3).find(|&axis| orient2d(axis, p, q, r) != Zero) else { return false };
         let is_left = orient2d(axis, p, q, r);
-        // One of the triangles of either side; those of the other side are the same.
+        // Uses the triangles of one side. The other side has the same area.
         self.faces.iter().any(|face| {
             let [p, q, r] = face.map(corner);
             orient2d(axis, p, q, r) == is_left
@@ -306,15 +324,15 @@ fn reach(positions: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|k| positions.iter().fold(0.0, |reach: f64, position| reach.max(position[k].abs())))
 }
 
-/// A direction without what is not finite.
+/// Returns the direction with zero in place of entries that are not finite.
 fn usable(direction: [f64; 3]) -> [f64; 3] {
     direction.map(|x| if x.is_finite() { x } else { 0.0 })
 }
 
-/// Judges points as a hull or a box takes them; the corners of their bounding box.
+/// Validates the points of a hull or a box, and returns the corners of their bounding box.
 ///
 /// # Errors
-/// As [`Hull::new`].
+/// The errors of [`Hull::new`].
 pub(crate) fn judge<T: Copy + Into<f64> + Sync>(points: &[[T; 3]]) -> Result<[[f64; 3]; 2], InputError> {
     const CHUNK: usize = 1 << 14;
     if points.is_empty() {
@@ -325,18 +343,18 @@ pub(crate) fn judge<T: Copy + Into<f64> + Sync>(points: &[[T; 3]]) -> Result<[[f
     }
     let empty = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
     let least = |x: [f64; 3], y: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| x[k].min(y[k])) };
-    let most = |x: [f64; 3], y: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| x[k].max(y[k])) };
+    let greatest = |x: [f64; 3], y: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| x[k].max(y[k])) };
     let of_chunk = |points: &[[T; 3]]| {
         points.iter().fold((empty, true), |([low, high], is_good), &point| {
             let p = cull::stored(point);
             let is_in_range = p[0].abs() < LIMIT && p[1].abs() < LIMIT && p[2].abs() < LIMIT;
-            ([least(low, p), most(high, p)], is_good & is_in_range)
+            ([least(low, p), greatest(high, p)], is_good & is_in_range)
         })
     };
-    let (bounds, is_good) = points
-        .par_chunks(CHUNK)
-        .map(of_chunk)
-        .reduce(|| (empty, true), |(x, x_good), (y, y_good)| ([least(x[0], y[0]), most(x[1], y[1])], x_good & y_good));
+    let (bounds, is_good) = points.par_chunks(CHUNK).map(of_chunk).reduce(
+        || (empty, true),
+        |(x, x_good), (y, y_good)| ([least(x[0], y[0]), greatest(x[1], y[1])], x_good & y_good),
+    );
     if is_good {
         return Ok(bounds);
     }

@@ -1,30 +1,33 @@
-//! A hull as the arrays that it consists of, to be stored somewhere and put together again.
+//! A hull as the arrays that it consists of, to be stored and restored.
 
 use super::{Extremes, Hull, HullKind, reach, stored};
 
-/// The arrays of a hull. Its positions are not among them: they are those of the points that the vertices are.
+/// The arrays of a hull. Positions are not included; they are the positions of the points that are
+/// vertices.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct HullParts<'a> {
     pub(crate) kind: HullKind,
-    /// As [`Hull::vertices`].
+    /// Numbers of the vertices, as in [`Hull::vertices`].
     pub(crate) vertices: &'a [u32],
-    /// As [`Hull::faces`].
+    /// Faces, as in [`Hull::faces`].
     pub(crate) faces: &'a [[u32; 3]],
-    /// For each vertex, and once more at the end, where its neighbours begin.
+    /// Start of each vertex's neighbors in `neighbours`, with one more entry for the end.
     pub(crate) first: &'a [u32],
-    /// The neighbours of each vertex, those of one after those of the one before.
+    /// The neighbors of all vertices, one list after the other.
     pub(crate) neighbours: &'a [u32],
 }
 
 impl Hull {
-    /// The arrays that the hull consists of.
+    /// Returns the arrays that the hull consists of.
     pub(crate) fn parts(&self) -> HullParts<'_> {
         let Self { kind, vertices, faces, first, neighbours, .. } = self;
         HullParts { kind: *kind, vertices, faces, first, neighbours }
     }
 
-    /// The hull of these arrays, believed but for what would make a question panic: nothing where an index is out of range,
-    /// or there are not as many of something as its kind has. `position` is asked for each vertex and knows what may be one.
+    /// Builds a hull from these arrays without a proof that they are a hull. Checks only what would
+    /// make a query panic. Returns `None` if an index is out of range, or if the number of entries
+    /// does not fit the kind. `position` is called for each vertex, and returns `None` if there is
+    /// no such point.
     ///
     /// # Complexity
     /// Linear in the arrays.
@@ -63,7 +66,8 @@ impl Hull {
         })
     }
 
-    /// The same hull of points that have other numbers, in the same order.
+    /// Returns the same hull with other numbers for its points. The order of the numbers must stay
+    /// the same.
     pub(crate) fn renumbered(mut self, number: impl Fn(u32) -> u32) -> Self {
         self.vertices.iter_mut().for_each(|vertex| *vertex = number(*vertex));
         self

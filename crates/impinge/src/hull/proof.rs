@@ -1,21 +1,25 @@
-//! Whether a surface that somebody calls the hull of points is that, without building it.
+//! Proves that a given surface is the hull of given points, without building the hull.
 //!
-//! With a centre strictly inside of the planes of all faces, each face is seen from it as a spherical triangle, the right way
-//! round. The surface is closed, so every direction is covered by as many of them as any other; one that is covered once
-//! shows that all are, and that the cones over the faces part space. The gauge of the surface, the factor by which it
-//! must grow to reach a point, is linear on each cone; where no edge is bent inward it is convex across each wall between
-//! two cones, so it is convex, and so is the surface (compare Mehlhorn and others, *Checking geometric programs or verification
-//! of geometric structures*, 1996, who shoot a ray for the same reason).
+//! Let a center be strictly inside the planes of all faces. Seen from it, each face is a spherical
+//! triangle with the right orientation. The surface is closed, so every direction is covered by the
+//! same number of faces. If one direction is covered once, all are, and the cones over the faces
+//! partition space. The gauge of the surface, the factor by which it must grow to reach a point, is
+//! linear on each cone. If no edge is bent inward, the gauge is convex across each wall between two
+//! cones. So it is convex, and so is the surface (compare Mehlhorn and others, *Checking geometric
+//! programs or verification of geometric structures*, 1996, who shoot a ray for the same reason).
 //!
-//! A point is inside where it is not beyond the face in whose cone it lies. That is found by walking from cone to cone, the
-//! gauge of the face at hand growing with each step into another facet (the visibility walk of Devillers, Pion and Teillaud,
-//! *Walking in a triangulation*, 2002, of what is a regular triangulation). Points are taken in the order of their directions,
-//! along a space-filling curve, so that the next one is near.
+//! A point is inside if it is not beyond the face in whose cone it lies. A walk from cone to cone
+//! finds that face. The gauge of the current face grows with each step into another facet (the
+//! visibility walk of Devillers, Pion and Teillaud, *Walking in a triangulation*, 2002, in a
+//! regular triangulation). Points are processed in the order of their directions, along a
+//! space-filling curve, so that the next one is near.
 //!
-//! What is flat, or so thin that no double is inside, is built anew and compared.
+//! If the surface is flat, or so thin that no double is inside, the hull is built anew and
+//! compared.
 //!
 //! # Accuracy
-//! Every decision is exact.
+//! Every decision is exact (docs/proof.md, L27a). The tests are in `tests/it/hull/told_hulls.rs`
+//! and `proxies.rs`.
 
 use rayon::prelude::*;
 
@@ -25,23 +29,25 @@ use super::{Hull, HullKind};
 use crate::exact::{Plane, orient3d};
 use crate::math::Sign::{self, Negative, Positive, Zero};
 
-/// Points that a thread takes at a time, each chunk walking from the same face.
+/// Number of points that a thread processes at a time. Each chunk starts its walk at the same face.
 const CHUNK: usize = 1 << 12;
 
-/// Of so many faces one has a rounded centroid in its own cone, or the hull is built anew.
+/// Number of faces that are tried for a rounded centroid in their own cone. If none of them has
+/// one, the hull is built anew.
 const PROBES: usize = 64;
 
-/// Squares along each edge of the cube map by which directions are ordered: 2^14.
+/// Number of squares along each edge of the cube map that orders directions: 2^14.
 const SQUARES: usize = 1 << 14;
 
 impl Hull {
-    /// Whether this is the hull of its own vertices and other points: each vertex is extreme, no point is outside, faces and
-    /// neighbours are those of the boundary. How a facet is cut into triangles is left open.
+    /// Reports whether this is the hull of its own vertices and `others`: each vertex is extreme,
+    /// no point is outside, and faces and neighbors are those of the boundary. Any triangulation of
+    /// a facet is accepted.
     ///
     /// # Complexity
-    /// O(n log n) for sorting, and one walk from each point's cone to the next one's: with n points and f faces, some n
-    /// steps where they are spread evenly, and n·√f steps on shapes as bad as needles. What is flat or too thin takes what
-    /// [`Hull::new`] takes.
+    /// O(n log n) for sorting, and one walk from each point's cone to the next one's. With n points
+    /// and f faces that is about n steps if the points are spread evenly, and n·√f steps on shapes
+    /// as bad as needles. A flat or very thin surface takes the time of [`Hull::new`].
     pub(crate) fn is_of(&self, others: &[[f64; 3]]) -> bool {
         if self.kind != HullKind::Solid {
             return self.is_rebuilt(others);
@@ -68,33 +74,34 @@ impl Hull {
 /// A surface, and a point strictly inside the planes of all its faces.
 struct Inside<'h> {
     hull: &'h Hull,
-    /// For each face those across the edges from each corner to the next.
+    /// For each face, the faces across the edges from each corner to the next.
     across: Vec<[u32; 3]>,
     /// The corners of the box of the vertices.
     bounds: [[f64; 3]; 2],
-    centre: [f64; 3],
-    /// At least how far two of the vertices, or one of them and the centre, differ along each axis.
+    center: [f64; 3],
+    /// Upper bound on the difference along each axis of two vertices, or of a vertex and the
+    /// center.
     extent: [f64; 3],
 }
 
 impl<'h> Inside<'h> {
-    /// Nothing where the mean of the vertices is not inside.
+    /// Returns `None` if the mean of the vertices is not strictly inside.
     fn of(hull: &'h Hull, across: Vec<[u32; 3]>) -> Option<Self> {
         let share = 1.0 / hull.positions.len() as f64;
-        let centre = std::array::from_fn(|k| hull.positions.iter().map(|position| position[k] * share).sum());
+        let center = std::array::from_fn(|k| hull.positions.iter().map(|position| position[k] * share).sum());
         let bounds = bounds(&hull.positions);
         let extent = extent(&hull.positions);
-        let inside = Self { hull, across, bounds, centre, extent };
+        let inside = Self { hull, across, bounds, center, extent };
         let is_below = |face: &[u32; 3]| {
             let [p, q, r] = inside.corners(face);
-            inside.side([p, q, r], &centre) == Negative
+            inside.side([p, q, r], &center) == Negative
         };
-        // A mean within the box, so that `extent` is that of the centre too.
-        (inside.may_hold(&centre) && hull.faces.par_iter().all(is_below)).then_some(inside)
+        // The mean must be in the box, so that `extent` is valid for the center too.
+        (inside.may_hold(&center) && hull.faces.par_iter().all(is_below)).then_some(inside)
     }
 
-    /// Whether no edge is bent inward, and the neighbours of each vertex are the other ends of its edges
-    /// that are bent at all: three or more, so that it is extreme.
+    /// Reports whether no edge is bent inward, and the neighbors of each vertex are exactly the
+    /// other ends of its bent edges. Each vertex needs three or more, so that it is extreme.
     fn is_convex(&self) -> bool {
         let bends: Option<Vec<[bool; 3]>> = (self.hull.faces.par_iter().zip(&self.across))
             .map(|(face, across)| {
@@ -122,12 +129,13 @@ impl<'h> Inside<'h> {
             });
         let mut edges: Vec<[u32; 2]> = ends.collect();
         edges.par_sort_unstable();
-        let told = (0..self.hull.positions.len() as u32)
+        let given = (0..self.hull.positions.len() as u32)
             .flat_map(|from| self.hull.neighbours(from).iter().map(move |&to| [from, to]));
-        edges.iter().copied().eq(told) && self.hull.first.windows(2).all(|ends| ends[1] - ends[0] >= 3)
+        edges.iter().copied().eq(given) && self.hull.first.windows(2).all(|ends| ends[1] - ends[0] >= 3)
     }
 
-    /// Whether some direction is in the cone of one face alone; nothing where no direction is found that is well inside of one.
+    /// Reports whether some direction is in the cone of only one face. Returns `None` if no
+    /// direction is found well inside a cone.
     fn covers_once(&self) -> Option<bool> {
         let in_cone = |face: &[u32; 3], point: &[f64; 3]| (0..3).all(|edge| self.beside(face, edge, point) != Negative);
         let is_well_in =
@@ -141,7 +149,7 @@ impl<'h> Inside<'h> {
         Some(self.hull.faces.par_iter().filter(|face| in_cone(face, &probe)).count() == 1)
     }
 
-    /// Whether no point is outside.
+    /// Reports whether no point is outside.
     fn hold_all(&self, points: &[[f64; 3]]) -> bool {
         if !points.par_iter().all(|point| self.may_hold(point)) {
             return false;
@@ -163,8 +171,8 @@ impl<'h> Inside<'h> {
         })
     }
 
-    /// Walks to a face in whose cone the point is. On a convex surface no facet is met twice; nothing where, on a facet that
-    /// was cut in a strange way, the walk goes round in circles.
+    /// Walks to a face in whose cone the point is. On a convex surface the walk visits no facet
+    /// twice. Returns `None` if the walk runs in circles, on a facet with an unusual triangulation.
     fn walk(&self, point: &[f64; 3], start: u32) -> Option<u32> {
         let mut at = start;
         for _ in 0..=self.across.len() {
@@ -177,27 +185,30 @@ impl<'h> Inside<'h> {
         None
     }
 
-    /// The place of a point's direction along a space-filling curve over the six sides of a cube.
+    /// Returns the position of a point's direction along a space-filling curve over the six sides
+    /// of a cube.
     fn direction(&self, point: &[f64; 3]) -> u32 {
-        let scaled = std::array::from_fn(|k| (point[k] - self.centre[k]) / self.extent[k]);
+        let scaled = std::array::from_fn(|k| (point[k] - self.center[k]) / self.extent[k]);
         let Place { side, square: [s, t], .. } = Place::of(&scaled, SQUARES);
         let spread = |x: usize| (0..14).fold(0, |spread, bit| spread | (x as u32 >> bit & 1) << (2 * bit));
         (side as u32) << 28 | spread(s) << 1 | spread(t)
     }
 
-    /// Whether a point is in the box of the vertices.
+    /// Reports whether a point is in the box of the vertices.
     fn may_hold(&self, point: &[f64; 3]) -> bool {
         let [low, high] = self.bounds;
         (0..3).all(|k| low[k] <= point[k] && point[k] <= high[k])
     }
 
-    /// On which side of the plane through the centre and an edge of a face a point is, positive being where the face is.
+    /// Returns the side of the plane through the center and an edge of a face on which a point is.
+    /// The face is on the positive side.
     #[inline(always)]
     fn beside(&self, face: &[u32; 3], edge: usize, point: &[f64; 3]) -> Sign {
-        self.side([&self.centre, self.corner(face[edge]), self.corner(face[(edge + 1) % 3])], point)
+        self.side([&self.center, self.corner(face[edge]), self.corner(face[(edge + 1) % 3])], point)
     }
 
-    /// On which side of the plane through three points another one is, all of them in the box of the vertices.
+    /// Returns the side of the plane through three points on which another point is. All points
+    /// must be in the box of the vertices.
     #[inline(always)]
     fn side(&self, [p, q, r]: [&[f64; 3]; 3], point: &[f64; 3]) -> Sign {
         Plane::new(p, q, r, &self.extent).side(point).unwrap_or_else(|| orient3d(p, q, r, point))
@@ -213,9 +224,10 @@ impl<'h> Inside<'h> {
 }
 
 impl Hull {
-    /// For each face those across the edges from each corner to the next; nothing where some edge has not as many faces on one
-    /// side as on the other. That there is one on either side follows once each direction is covered once: two on the
-    /// same side would overlap.
+    /// Returns for each face the faces across the edges from each corner to the next. Returns
+    /// `None` if some edge does not have as many faces on one side as on the other. Exactly one
+    /// face on either side follows once each direction is covered once: two faces on the same side
+    /// would overlap.
     fn across(&self) -> Option<Vec<[u32; 3]>> {
         let sorted = |turn: fn([u32; 2]) -> [u32; 2]| {
             let edges = (0_u32..).zip(&self.faces).flat_map(|(number, face)| {

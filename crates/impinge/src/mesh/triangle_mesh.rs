@@ -55,14 +55,20 @@ pub(super) struct Data {
     pub(super) cost: OnceLock<f64>,
     /// Cost of each subtree when it was built; computed before the first refit.
     pub(super) costs_as_built: OnceLock<Arc<[f64]>>,
-    /// How the faces are connected; computed when first needed.
+    pub(super) derived: Derived,
+}
+
+/// Values that follow from the positions of the vertices, each computed when first needed. A refit
+/// replaces them all.
+#[derive(Debug, Default)]
+pub(super) struct Derived {
+    /// How the faces are connected.
     pub(super) topology: OnceLock<Topology>,
-    /// Moments of the faces below each node; computed when a winding number first needs them.
+    /// Moments of the faces below each node; winding numbers need them.
     pub(super) far_field: OnceLock<FarField>,
-    /// Components of the faces that are connected along edges; computed when first needed.
+    /// Components of the faces that are connected along edges.
     pub(super) sheets: OnceLock<Components>,
-    /// Boxes about the border, and the distance beyond which it does not matter; computed when
-    /// first needed.
+    /// Boxes about the border, and the distance beyond which it does not matter.
     pub(super) cap: OnceLock<Cap>,
 }
 
@@ -93,7 +99,7 @@ impl Mesh {
 
     /// Returns how the faces are connected, computed at the first call.
     pub(crate) fn topology(&self) -> &Topology {
-        let slot = &self.0.topology;
+        let slot = &self.0.derived.topology;
         // Computed before the slot is locked. A thread that waits for the parallel sort may run
         // another task that needs the slot, which would be a deadlock.
         if slot.get().is_none() {
@@ -127,7 +133,7 @@ impl Mesh {
     /// Returns the moments of the faces below each node, computed at the first call.
     pub(crate) fn far_field(&self) -> &FarField {
         let data = &*self.0;
-        data.far_field.get_or_init(|| FarField::of(&data.tree, &data.leaves, &data.frame, |face| self.corners(face)))
+        data.derived.far_field.get_or_init(|| FarField::of(&data.tree, &data.leaves, &data.frame, |face| self.corners(face)))
     }
 
     /// Returns the number of bytes of the mesh, its hierarchy and its packets. A packet is made
@@ -151,8 +157,7 @@ impl Data {
         tree: WideTree,
         leaves: Arc<Buffer<Leaf>>,
     ) -> Self {
-        let (cost, costs_as_built, topology, far_field) = Default::default();
-        let (sheets, cap) = Default::default();
+        let (cost, costs_as_built, derived) = Default::default();
         let (stamp, packet_cache) = (Stamp::new(), PacketCache::new(leaves.len()));
         let half_extents = frame.half_extents(&tree);
         Self {
@@ -166,10 +171,7 @@ impl Data {
             packet_cache,
             cost,
             costs_as_built,
-            topology,
-            far_field,
-            sheets,
-            cap,
+            derived,
         }
     }
 }

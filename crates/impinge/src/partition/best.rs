@@ -1,12 +1,13 @@
-//! The boxes that are nearest to a point, and their distances.
+//! The boxes nearest to a point, and their distances.
 
 use super::neighbour::Neighbour;
 use crate::volume::MinMax;
 
-/// Coordinates of boxes are at most this: 2^320.
+/// Largest magnitude of a coordinate of a valid box: 2^320.
 pub(super) const LIMIT: f64 = f64::from_bits((1023 + 320) << 52);
 
-/// The squared distance from a point to a box. Every step is monotone, so that it is never more for a box that holds another.
+/// Returns the squared distance from a point to a box, zero inside. Every operation is monotone, so
+/// the result for a box is never larger than the result for a box inside it.
 #[inline]
 pub(super) fn distance_squared(point: &[f64; 3], bounds: &MinMax) -> f64 {
     let (min, max) = (bounds.min(), bounds.max());
@@ -14,16 +15,16 @@ pub(super) fn distance_squared(point: &[f64; 3], bounds: &MinMax) -> f64 {
     x * x + y * y + z * z
 }
 
-/// Whether these are coordinates of a point that can be near to something.
+/// Reports whether all coordinates of the point are finite and at most [`LIMIT`] in magnitude.
 pub(super) fn in_range(point: &[f64; 3]) -> bool {
     point.iter().all(|x| x.abs() <= LIMIT)
 }
 
-/// The `count` least of these, in order.
+/// The `count` nearest boxes offered so far.
 #[derive(Debug)]
 pub(super) struct Best {
     count: usize,
-    /// A heap with the greatest on top.
+    /// Heap with the farthest box on top.
     heap: std::collections::BinaryHeap<Ordered>,
 }
 
@@ -55,7 +56,8 @@ impl Best {
         Self { count, heap: std::collections::BinaryHeap::new() }
     }
 
-    /// What is farther than this is of no interest; what is as far may be, by its key.
+    /// Returns the squared distance beyond which boxes are rejected. A box at exactly this distance
+    /// may still enter, depending on its key.
     #[inline]
     pub(super) fn limit(&self) -> f64 {
         match self.heap.peek() {
@@ -75,7 +77,7 @@ impl Best {
         }
     }
 
-    /// As [`offer`](Self::offer), for a box that may have been offered before.
+    /// Like [`offer`](Self::offer), for a box that may have been offered before.
     #[inline]
     pub(super) fn offer_once(&mut self, key: u32, distance_squared: f64) {
         if distance_squared <= self.limit() && self.heap.iter().all(|found| found.0.key != key) {

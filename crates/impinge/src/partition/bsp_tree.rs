@@ -1,8 +1,10 @@
-//! The BSP tree over boxes: space split by the planes of their own faces, with boxes across a plane kept at it.
+//! The BSP tree over boxes: space split by planes through faces of the boxes, with boxes that cross
+//! a plane stored at it.
 //!
-//! Source: Fuchs, Kedem, Naylor, *On visible surface generation by a priori tree structures*, 1980; Ericson, 8.1 and 8.2 (planes of
-//! the scene's own, judged by balance and by what they cut), 8.1.3 (node-storing). The faces of boxes lie across the axes, so
-//! planes do. Triangles have one of their own, with planes in any direction.
+//! Source: Fuchs, Kedem, Naylor, *On visible surface generation by a priori tree structures*, 1980;
+//! Ericson, 8.1 and 8.2 (planes taken from the scene, rated by balance and by the number of objects
+//! they cut), 8.1.3 (node-storing). The faces of boxes are perpendicular to the axes, and so are
+//! the planes. Triangles have their own BSP tree, with planes in any direction.
 
 use std::ops::ControlFlow;
 
@@ -10,23 +12,26 @@ use super::plane_tree::{PlaneTree, Split};
 use super::{Cells, Held, Holds, Items, Partition, Visitor, Work};
 use crate::volume::{BoundingVolume, MinMax};
 
-/// Boxes of a node that is not split.
+/// Maximum number of boxes in a node that is not split.
 const CAPACITY: usize = 8;
 
-/// Faces that are tried on each axis: quantiles, of which one is near enough to the best.
-const TRIED: usize = 7;
+/// Number of candidate faces per axis: evenly spaced quantiles. With seven, one is close enough to
+/// the best plane.
+const CANDIDATES_PER_AXIS: usize = 7;
 
-/// What a box across a plane costs against one that is too many on a side: it is looked at from both (Ericson, 8.3.3, has 8
-/// for polygons, which are cut).
-const ACROSS: usize = 2;
+/// Cost of a box across a plane, relative to one box of imbalance. It is 2 because queries on both
+/// sides compare such a box (Ericson, 8.3.3, uses 8 for polygons, which are cut).
+const ACROSS_COST: usize = 2;
 
-/// Splits from the root.
-const DEEPEST: usize = 48;
+/// Maximum depth of a node, in splits from the root.
+const MAX_DEPTH: usize = 48;
 
-/// A BSP tree over boxes that stand still, such as rooms: its planes pass between them where they can.
+/// A BSP tree over boxes that do not move, such as rooms. Its planes pass between the boxes if
+/// possible.
 ///
 /// # Complexity
-/// Built in O(n log n) for boxes that can be parted. A question O(depth + boxes near it + boxes across the planes near it).
+/// Building takes O(n log n) for boxes that planes can separate. A query takes O(depth + boxes near
+/// it + boxes across the planes near it).
 ///
 /// ```
 /// use impinge::partition::{BspTree, Partition};
@@ -38,22 +43,23 @@ const DEEPEST: usize = 48;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct BspTree(
-    /// Boxes on one side of a plane, which may touch it, are below that side's child. Boxes across it are in the node, with
-    /// a box around them.
+    /// Boxes on one side of a plane, which may touch it, are in that side's subtree. Boxes across
+    /// the plane are in the node, with a box around them.
     PlaneTree<Option<MinMax>>,
 );
 
 impl BspTree {
-    /// The tree of these boxes, whose keys are their places.
+    /// Returns the tree of these boxes. The key of a box is its index in `boxes`.
     #[must_use]
     pub fn build(boxes: &[MinMax]) -> Self {
-        Self(PlaneTree::build(boxes, around, part))
+        Self(PlaneTree::build(boxes, around, split_node))
     }
 }
 
-/// Splits the boxes by the best plane, if there is one, and keeps those across it.
-fn part(held: Vec<Held>, depth: usize) -> (Vec<Held>, Option<Split>) {
-    let split = if held.len() > CAPACITY && depth < DEEPEST { best_plane(&held) } else { None };
+/// Splits the boxes of a node by the best plane, if there is one, and keeps the boxes across it in
+/// the node.
+fn split_node(held: Vec<Held>, depth: usize) -> (Vec<Held>, Option<Split>) {
+    let split = if held.len() > CAPACITY && depth < MAX_DEPTH { best_plane(&held) } else { None };
     let Some((axis, plane)) = split else { return (held, None) };
     let (mut below, mut above, mut across) = (Vec::new(), Vec::new(), Vec::new());
     for held in held {
@@ -66,12 +72,13 @@ fn part(held: Vec<Held>, depth: usize) -> (Vec<Held>, Option<Split>) {
     (across, Some((axis, plane, [below, above])))
 }
 
-/// Returns the least box around some boxes, or `None` if the slice is empty.
+/// Returns the smallest box around the boxes, or `None` if the slice is empty.
 fn around(held: &[Held]) -> Option<MinMax> {
     held.iter().map(|held| held.bounds).reduce(|all, one| all.merged(&one))
 }
 
-/// Where a box lies to a plane.
+/// Position of a box relative to a plane. A box that touches the plane from one side is on that
+/// side.
 enum Side {
     Below,
     Above,
@@ -88,15 +95,16 @@ fn side(bounds: &MinMax, axis: usize, plane: f64) -> Side {
     }
 }
 
-/// The plane of a face that parts the boxes best; none that parts off less than an eighth of them.
+/// Returns the plane through a face with the lowest cost, or `None` if every candidate separates
+/// off less than 1/8 of the boxes.
 fn best_plane(held: &[Held]) -> Option<(usize, f64)> {
     let mut best = (usize::MAX, None);
     for axis in 0..3 {
         let mut faces: Vec<f64> =
             held.iter().flat_map(|held| [held.bounds.min()[axis], held.bounds.max()[axis]]).collect();
         faces.sort_unstable_by(f64::total_cmp);
-        for tried in 1..=TRIED {
-            let plane = faces[tried * faces.len() / (TRIED + 1)];
+        for candidate in 1..=CANDIDATES_PER_AXIS {
+            let plane = faces[candidate * faces.len() / (CANDIDATES_PER_AXIS + 1)];
             let (mut below, mut above) = (0_usize, 0_usize);
             for held in held {
                 match side(&held.bounds, axis, plane) {
@@ -106,7 +114,7 @@ fn best_plane(held: &[Held]) -> Option<(usize, f64)> {
                 }
             }
             let across = held.len() - below - above;
-            let cost = below.abs_diff(above) + ACROSS * across;
+            let cost = below.abs_diff(above) + ACROSS_COST * across;
             if below.max(above) + across <= held.len() - held.len() / 8 && cost < best.0 {
                 best = (cost, Some((axis, plane)));
             }
@@ -140,7 +148,7 @@ impl Partition for BspTree {
                 }
             }
             if let Some([below, above]) = self.0.children(at) {
-                // What touches the plane may meet what is on either side.
+                // A query box that touches the plane may overlap boxes on either side.
                 if bounds.max()[node.axis] >= node.plane {
                     stack.push(above);
                 }

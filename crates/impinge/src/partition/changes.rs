@@ -1,34 +1,35 @@
-//! What a step does to boxes, and to the pairs that meet.
+//! The moves of a step, and the pairs that begin or end in it.
 
 use crate::volume::MinMax;
 
-/// Where a box goes.
+/// A change to one box: a new position, or removal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
-    /// Of the box; one that is not there comes.
+    /// Key of the box. If the key has no box yet, the move inserts it.
     pub key: u32,
-    /// Its new place; none where it goes.
+    /// New box, or `None` to remove the box.
     pub to: Option<MinMax>,
 }
 
-/// The pairs that began and that ended in a step, both sorted, with the lesser key first. Kept by the caller, so that a
-/// step allocates nothing.
+/// Pairs that began and pairs that ended in a step, both sorted, with the smaller key first. The
+/// caller keeps this value, so that a step need not allocate.
 #[derive(Clone, Debug, Default)]
 pub struct Changes {
     began: Vec<[u32; 2]>,
     ended: Vec<[u32; 2]>,
-    /// Each time that a pair began or ended while boxes moved one after the other.
+    /// One note for each time that a pair began (`true`) or ended (`false`) while boxes moved one
+    /// after the other.
     notes: Vec<([u32; 2], bool)>,
 }
 
 impl Changes {
-    /// Pairs that meet now and did not before.
+    /// Returns the pairs that overlap now and did not before the step, sorted.
     #[must_use]
     pub fn began(&self) -> &[[u32; 2]] {
         &self.began
     }
 
-    /// Pairs that met before and do not now.
+    /// Returns the pairs that overlapped before the step and do not now, sorted.
     #[must_use]
     pub fn ended(&self) -> &[[u32; 2]] {
         &self.ended
@@ -40,12 +41,13 @@ impl Changes {
         self.notes.clear();
     }
 
-    /// Notes that a pair began or ended when one box moved.
+    /// Records that a pair began or ended when one box moved.
     pub(super) fn note(&mut self, key: u32, other: u32, began: bool) {
         self.notes.push(([key.min(other), key.max(other)], began));
     }
 
-    /// Makes sorted lists of the notes. What happens to a pair alternates, so that an even number of notes is none.
+    /// Turns the notes into sorted lists. Beginnings and ends of a pair alternate, so an even
+    /// number of notes cancels.
     pub(super) fn settle(&mut self) {
         self.notes.sort_unstable();
         for notes in self.notes.chunk_by(|one, other| one.0 == other.0) {
@@ -64,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pair_that_begins_and_ends_did_neither() {
+    fn a_pair_that_begins_and_ends_is_not_listed() {
         let mut changes = Changes::default();
         changes.note(7, 3, true);
         changes.note(3, 7, false);

@@ -1,6 +1,7 @@
-//! Public partitions that differ from each other in their constructors alone.
+//! Implementations for public partitions that differ only in their constructors.
 
-/// Implements all traits of a partition that boxes are inserted into, for a tuple struct around another such partition.
+/// Implements all traits of a dynamic partition for a tuple struct that wraps another dynamic
+/// partition.
 macro_rules! forward_to_inner {
     ($partition:ident) => {
         impl Holds for $partition {

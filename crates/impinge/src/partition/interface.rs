@@ -1,4 +1,4 @@
-//! What every partition can do, and how it does it if it has no better way.
+//! The interface of all partitions, with default implementations for kinds that have no faster way.
 
 use std::ops::ControlFlow;
 
@@ -9,76 +9,83 @@ use super::neighbour::Neighbour;
 use super::ray::Ray;
 use crate::volume::{BoundingVolume, MinMax};
 
-/// What places along a ray may be off by, of the sizes that they are sums of: far more than what they are, 2^-49.
-const PLACES: f64 = 1.0 / (1_u64 << 40) as f64;
+/// Bound on the error of a computed position along a ray, relative to the sum of the sizes of its
+/// terms. The true error is at most 2^-49; 2^-40 is a generous margin that makes the searched boxes
+/// only slightly larger.
+const POSITION_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Called with the key of each box that is found; `Break` ends the search.
+/// Callback that receives the key of each box found. If it returns `Break`, the search ends.
 pub type Visitor<'v> = dyn FnMut(u32) -> ControlFlow<()> + 'v;
 
-/// What a kind of partition does to space, and so where a box can be.
+/// How a kind of partition divides space, and so in which cells a box is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cells {
-    /// Cells that share no inner point: a point is in one of them. A box is in each that it reaches into, or in the smallest
-    /// that holds it, or at the plane that parts it.
+    /// Disjoint cells: no two cells share an inner point. A box is stored in every cell that it
+    /// reaches into, in the smallest cell that contains it, or at the plane that it crosses.
     Disjoint,
-    /// Cells that are enlarged until each box fits into one; neighbours overlap by what was added.
+    /// Loose cells, which are enlarged until each box fits into one cell. Neighboring cells overlap
+    /// by the enlargement.
     Loose,
-    /// Volumes about the boxes, which may overlap; a box is in one leaf.
+    /// Volumes around the boxes, which may overlap. Each box is in one leaf.
     Volumes,
-    /// No cells: the boxes in the order of their ends along axes.
+    /// No cells: the boxes are sorted by their ends along one or three axes.
     Order,
 }
 
-/// What a search touched, for judging how well a partition stands.
+/// Counters of the work of a search, for measuring how well a partition fits a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
-    /// Nodes or cells.
+    /// Number of nodes or cells visited.
     pub nodes: u64,
-    /// Boxes that were compared with the one that is asked about.
+    /// Number of boxes compared with the query box.
     pub boxes: u64,
 }
 
-/// Boxes under keys, which can be asked where they are.
+/// A set of boxes under keys, which can be searched by position.
 ///
-/// What is found comes in no order unless it is said, but in the same one for the same calls.
+/// Results come in no particular order unless a method says otherwise, but the same calls return
+/// them in the same order.
 pub trait Partition: Holds {
-    /// What this kind does to space.
+    /// Returns how this kind of partition divides space.
     fn cells(&self) -> Cells;
 
-    /// How many boxes there are.
+    /// Returns the number of boxes.
     fn len(&self) -> usize {
         self.items().len()
     }
 
-    /// Whether there are none.
+    /// Returns `true` if the partition holds no boxes.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The box of this key.
+    /// Returns the box under a key, or `None` if there is none.
     fn get(&self, key: u32) -> Option<MinMax> {
         self.items().get(key).copied()
     }
 
-    /// A box that holds all boxes, and may be larger than needed after some went; none where there are none.
+    /// Returns a box that contains all boxes, or `None` if the partition is empty. It may be larger
+    /// than necessary after boxes were moved or removed.
     fn bounds(&self) -> Option<MinMax> {
         self.items().bounds()
     }
 
-    /// Visits every box, by ascending keys.
+    /// Visits every box, in ascending order of keys.
     fn each(&self, visit: &mut dyn FnMut(u32, &MinMax)) {
         self.items().iter().for_each(|(key, bounds)| visit(key, bounds));
     }
 
-    /// Visits each box that meets this one, once, and adds what was touched to `work`.
+    /// Visits each box that overlaps `bounds`, once, and adds the work done to `work`. The overlap
+    /// test is exact.
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()>;
 
-    /// Visits each box that meets this one, once. Exact.
+    /// Visits each box that overlaps `bounds`, once. The overlap test is exact.
     fn overlapping(&self, bounds: &MinMax, visit: &mut Visitor<'_>) -> ControlFlow<()> {
         self.overlapping_counted(bounds, &mut Work::default(), visit)
     }
 
-    /// Visits each box that holds this point, once. Exact; nothing holds a point that is not finite.
+    /// Visits each box that contains the point, once. The test is exact; no box contains a point
+    /// with a NaN or infinite coordinate.
     fn at(&self, point: [f64; 3], visit: &mut Visitor<'_>) -> ControlFlow<()> {
         match MinMax::new(point, point) {
             Ok(bounds) => self.overlapping(&bounds, visit),
@@ -86,23 +93,29 @@ pub trait Partition: Holds {
         }
     }
 
-    /// Visits each box that the ray meets, once, with where it enters: [`Ray::enters`]. The visitor returns how far along
-    /// the ray to go on looking: what it was given as `reach` or less, so that a caller who wants the first hit looks no
-    /// further than the best one, and a negative number to end the search.
+    /// Visits each box that the ray enters, once, with the ray parameter of the entry
+    /// ([`Ray::enters`]).
+    ///
+    /// The visitor returns how far along the ray to search on. It returns the `reach` that it
+    /// received to continue, a smaller number to search less far (the `t` of the best hit so far,
+    /// to find the first hit), or a negative number to end the search.
     fn ray(&self, ray: &Ray, visit: &mut dyn FnMut(RayVisit) -> f64) {
         march(self, ray, visit);
     }
 
-    /// The `count` boxes that are nearest to the point, or all where there are fewer: by distance, equal ones by key.
-    /// None for a point that is not finite or beyond 2^320.
+    /// Returns the `count` boxes nearest to the point, or all boxes if there are fewer, sorted by
+    /// distance and then by key. Returns an empty list if the point is not finite or has a
+    /// coordinate beyond 2^320.
     ///
     /// # Source
-    /// A search in cubes that double, of which the first has about one box: ours, for partitions that have no better way.
+    /// Ours, for partitions that have no faster way: a search in cubes that double in size. The
+    /// first cube holds about one box.
     fn nearest(&self, point: [f64; 3], count: usize) -> Vec<Neighbour> {
         nearest_in_cubes(self, point, count)
     }
 
-    /// All pairs of boxes that meet: sorted, each once, the lesser key first. Exact.
+    /// Returns all pairs of boxes that overlap: sorted, without duplicates, the smaller key first.
+    /// Exact.
     fn pairs(&self) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
         self.each(&mut |key, bounds| {
@@ -118,7 +131,8 @@ pub trait Partition: Holds {
         pairs
     }
 
-    /// All pairs of a box of this partition and one of the other that meet, in this order: sorted. Exact.
+    /// Returns all overlapping pairs of a box of this partition and a box of `other`, in this
+    /// order: sorted. Exact.
     fn pairs_with(&self, other: &dyn Partition) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
         self.each(&mut |key, bounds| {
@@ -133,30 +147,32 @@ pub trait Partition: Holds {
     }
 }
 
-/// A box that a ray meets.
+/// A box that a ray enters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayVisit {
-    /// Of the box.
+    /// Key of the box.
     pub key: u32,
-    /// Where the ray enters it, in units of its direction; zero where it starts inside.
+    /// Ray parameter at which the ray enters the box, in multiples of the ray's direction. It is
+    /// zero if the ray starts inside.
     pub t: f64,
-    /// How far the ray is followed so far.
+    /// Ray parameter up to which the search currently continues.
     pub reach: f64,
 }
 
-/// A partition whose boxes come, go and move.
+/// A partition whose boxes can be inserted, removed and moved.
 pub trait Dynamic: Partition {
-    /// Puts a box under a key, in place of the one that is there, which is returned: the way to move it, too.
+    /// Stores a box under a key, and returns the box that was there before. This also moves a box.
     ///
-    /// Memory grows with the greatest key that was ever used; keys are below 2^32 - 1.
+    /// Memory grows with the largest key ever used. Keys must be below 2^32 - 1.
     fn insert(&mut self, key: u32, bounds: MinMax) -> Option<MinMax>;
 
-    /// Takes the box of a key away, and returns it.
+    /// Removes the box under a key and returns it, or returns `None` if there is none.
     fn remove(&mut self, key: u32) -> Option<MinMax>;
 
-    /// Does all these moves, and says which pairs meet that did not before them, and which no longer do.
+    /// Applies all moves, and writes to `changes` which pairs began to overlap and which ceased to.
     ///
-    /// The answer does not depend on the order of moves of different keys; of several of one key the last holds.
+    /// The result does not depend on the order of moves of different keys. If a key is moved
+    /// several times, its last move counts.
     fn step(&mut self, moves: &[Move], changes: &mut Changes) {
         changes.clear();
         for step in moves {
@@ -170,17 +186,17 @@ pub trait Dynamic: Partition {
     }
 }
 
-/// Notes which pairs of this box begin and end when it alone moves.
+/// Records in `changes` which pairs begin and end if one box alone moves.
 pub(super) fn record<P: Partition + ?Sized>(partition: &P, step: &Move, changes: &mut Changes) {
     let key = step.key;
     let from = partition.get(key);
-    let meets = |one: &Option<MinMax>, other: &MinMax| one.as_ref().is_some_and(|one| one.overlaps(other));
+    let overlaps = |one: &Option<MinMax>, other: &MinMax| one.as_ref().is_some_and(|one| one.overlaps(other));
     let mut look = |around: &MinMax, begins: bool, ends: bool| {
         let _ = partition.overlapping(around, &mut |other| {
             if other != key
                 && let Some(bounds) = partition.get(other)
             {
-                let (before, after) = (meets(&from, &bounds), meets(&step.to, &bounds));
+                let (before, after) = (overlaps(&from, &bounds), overlaps(&step.to, &bounds));
                 if before != after && if after { begins } else { ends } {
                     changes.note(key, other, after);
                 }
@@ -189,7 +205,8 @@ pub(super) fn record<P: Partition + ?Sized>(partition: &P, step: &Move, changes:
         });
     };
     match (&from, &step.to) {
-        // A short way: what is about both places is little more than what is about one.
+        // The move is short: one search around both positions costs little more than a search
+        // around one.
         (Some(from), Some(to)) if from.overlaps(to) => look(&from.merged(to), true, true),
         (from, to) => {
             from.iter().for_each(|from| look(from, false, true));
@@ -198,13 +215,15 @@ pub(super) fn record<P: Partition + ?Sized>(partition: &P, step: &Move, changes:
     }
 }
 
-/// How far apart boxes are, if they are spread evenly: the longest edge of the bounds over the cube root of their number.
+/// Returns the distance between neighboring boxes if they were spread evenly: the longest edge of
+/// the bounds divided by the cube root of the number of boxes.
 fn spacing(bounds: &MinMax, len: usize) -> f64 {
     let extent = (0..3).map(|axis| bounds.max()[axis] - bounds.min()[axis]).fold(0.0, f64::max);
     extent / (len as f64).cbrt().max(1.0)
 }
 
-/// The nearest boxes, by cubes about the point that double until they hold enough.
+/// Returns the nearest boxes, by searching cubes around the point that double in size until they
+/// hold enough boxes.
 fn nearest_in_cubes<P: Partition + ?Sized>(partition: &P, point: [f64; 3], count: usize) -> Vec<Neighbour> {
     let Some(bounds) = partition.bounds().filter(|_| in_range(&point) && count > 0) else { return Vec::new() };
     let mut radius = distance_squared(&point, &bounds).sqrt() + spacing(&bounds, partition.len());
@@ -219,7 +238,7 @@ fn nearest_in_cubes<P: Partition + ?Sized>(partition: &P, point: [f64; 3], count
             }
             ControlFlow::Continue(())
         });
-        // What is outside is farther than the radius along some axis, also after rounding.
+        // A box outside the cube is farther than the radius along some axis, even after rounding.
         if best.limit() < radius * radius || cube.encloses(&bounds) {
             return best.into_sorted();
         }
@@ -227,8 +246,9 @@ fn nearest_in_cubes<P: Partition + ?Sized>(partition: &P, point: [f64; 3], count
     }
 }
 
-/// Follows the ray in as many steps as there are boxes along an edge, if they are spread evenly, and asks for what meets
-/// the box about each step. A box is visited in the step in which the ray enters it.
+/// Follows the ray in steps and searches the bounding box of each step. The number of steps is the
+/// cube root of the number of boxes, which is their number along an edge if they are spread evenly.
+/// A box is visited in the step in which the ray enters it.
 fn march<P: Partition + ?Sized>(partition: &P, ray: &Ray, visit: &mut dyn FnMut(RayVisit) -> f64) {
     let Some(bounds) = partition.bounds() else { return };
     let Some([enter, leave]) = ray.through(&bounds) else { return };
@@ -255,11 +275,12 @@ fn march<P: Partition + ?Sized>(partition: &P, ray: &Ray, visit: &mut dyn FnMut(
     }
 }
 
-/// A box about the ray from `start` to `end`, and about what a box that it enters there may be off by.
+/// Returns a box around the ray from `start` to `end`, enlarged by the error bound of a computed
+/// entry point.
 fn about(ray: &Ray, start: f64, end: f64) -> MinMax {
     let (origin, direction) = (ray.origin(), ray.direction());
     let place = |axis: usize, t: f64| origin[axis] + direction[axis] * t;
-    let slack = |axis: usize| PLACES * (origin[axis].abs() + direction[axis].abs() * end) + f64::MIN_POSITIVE;
+    let slack = |axis: usize| POSITION_ERROR * (origin[axis].abs() + direction[axis].abs() * end) + f64::MIN_POSITIVE;
     let low = [0, 1, 2].map(|axis| (place(axis, start).min(place(axis, end)) - slack(axis)).clamp(-LIMIT, LIMIT));
     let high = [0, 1, 2].map(|axis| (place(axis, start).max(place(axis, end)) + slack(axis)).clamp(-LIMIT, LIMIT));
     MinMax::from_ordered(low, high)

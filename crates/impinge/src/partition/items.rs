@@ -1,11 +1,12 @@
-//! The boxes of a partition by their keys, and a box about all of them.
+//! The boxes of a partition by key, and a box around all of them.
 
 use crate::simd::prefetch;
 use crate::volume::{BoundingVolume, MinMax};
 
-/// What has its boxes by their keys: every partition, and nothing outside of this module.
+/// Access to the boxes of a partition by key. Every partition implements it; it cannot be
+/// implemented outside this module.
 pub trait Holds {
-    /// The boxes.
+    /// Returns the boxes by key.
     fn items(&self) -> &Items;
 }
 
@@ -16,20 +17,21 @@ pub(super) struct Held {
     pub(super) key: u32,
 }
 
-/// Boxes by key.
+/// The boxes of a partition, indexed by key.
 #[derive(Clone, Debug, Default)]
 pub struct Items {
-    /// By key; what has no bit in `present` means nothing.
+    /// Boxes indexed by key. An entry is meaningless if its bit in `present` is not set.
     boxes: Vec<MinMax>,
     present: Vec<u64>,
     len: usize,
     bounds: Option<MinMax>,
-    /// Boxes that moved or went since `bounds` was exact.
+    /// Number of moves and removals since `bounds` was exact.
     stale: usize,
 }
 
-/// Changes beyond the number of boxes after which the bounds are made anew, so that few boxes are not scanned each time.
-const STALE: usize = 64;
+/// Number of changes, beyond the number of boxes, after which the bounds are recomputed. It keeps
+/// partitions with few boxes from being scanned after nearly every change.
+const EXTRA_STALE: usize = 64;
 
 impl Items {
     pub(super) fn len(&self) -> usize {
@@ -45,14 +47,14 @@ impl Items {
         (word >> (key % 64) & 1 == 1).then(|| &self.boxes[key as usize])
     }
 
-    /// Asks for the memory of a box.
+    /// Prefetches the box of a key.
     pub(super) fn prefetch(&self, key: u32) {
         if let Some(bounds) = self.boxes.get(key as usize) {
             prefetch(bounds);
         }
     }
 
-    /// Puts a box under a key, and returns the one that was there.
+    /// Stores a box under a key, and returns the box that was there before.
     pub(super) fn insert(&mut self, key: u32, bounds: MinMax) -> Option<MinMax> {
         let before = self.get(key).copied();
         let at = key as usize;
@@ -70,20 +72,20 @@ impl Items {
         before
     }
 
-    /// Puts a box in the place of the one that a key has.
+    /// Replaces the box of a key that is present.
     #[inline]
     pub(super) fn replace(&mut self, key: u32, bounds: MinMax) {
         if let Some(own) = self.boxes.get_mut(key as usize) {
             *own = bounds;
         }
-        // Most boxes stay within what there was.
+        // Most boxes stay within the current bounds.
         if !self.bounds.is_some_and(|all| all.encloses(&bounds)) {
             self.bounds = Some(self.bounds.map_or(bounds, |all| all.merged(&bounds)));
         }
         self.age();
     }
 
-    /// Takes a box away.
+    /// Removes a box and returns it, or returns `None` if the key has no box.
     pub(super) fn remove(&mut self, key: u32) -> Option<MinMax> {
         let before = *self.get(key)?;
         self.present[key as usize / 64] &= !(1 << (key % 64));
@@ -92,11 +94,12 @@ impl Items {
         Some(before)
     }
 
-    /// Makes the bounds exact from time to time, at a constant price for each change.
+    /// Counts a change, and makes the bounds exact often enough at an amortized constant cost per
+    /// change.
     #[inline]
     fn age(&mut self) {
         self.stale += 1;
-        if self.len == 0 || self.stale > self.len + STALE {
+        if self.len == 0 || self.stale > self.len + EXTRA_STALE {
             self.measure();
         }
     }
@@ -107,7 +110,7 @@ impl Items {
         self.bounds = self.iter().map(|(_, bounds)| *bounds).reduce(|all, one| all.merged(&one));
     }
 
-    /// By ascending keys.
+    /// Returns the boxes in ascending order of their keys.
     pub(super) fn iter(&self) -> impl Iterator<Item = (u32, &MinMax)> {
         self.present.iter().enumerate().flat_map(move |(at, &word)| {
             let mut rest = word;
@@ -130,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn boxes_stand_under_their_keys_and_the_bounds_follow() {
+    fn boxes_are_found_by_key_and_the_bounds_follow() {
         let mut items = Items::default();
         for key in [70, 3, 64, 127] {
             assert_eq!(items.insert(key, at(f64::from(key))), None);
@@ -140,7 +143,7 @@ mod tests {
         assert_eq!((items.remove(127), items.remove(5), items.remove(9999)), (None, None, None));
         let found: Vec<_> = items.iter().map(|(key, bounds)| (key, *bounds)).collect();
         assert_eq!(found, [(3, at(-5.0)), (64, at(64.0)), (70, at(70.0))]);
-        for _ in 0..2 * STALE {
+        for _ in 0..2 * EXTRA_STALE {
             items.insert(70, at(70.0));
         }
         assert_eq!(items.bounds(), Some(MinMax::from_ordered([-5.0; 3], [71.0; 3])));

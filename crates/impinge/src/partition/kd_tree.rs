@@ -1,8 +1,9 @@
-//! The k-d tree: space split by planes across the axes, with each box in every cell that it reaches into.
+//! The k-d tree: space split by axis-aligned planes, with each box stored in every cell that it
+//! reaches into.
 //!
-//! Source: Bentley, *Multidimensional binary search trees used for associative searching*, 1975; Ericson, 7.3.7. Ours departs in
-//! leaves of several boxes, and in that boxes on both sides of a plane are counted, so that there are never more than three
-//! copies of a box on average.
+//! Source: Bentley, *Multidimensional binary search trees used for associative searching*, 1975;
+//! Ericson, 7.3.7. Ours departs in two ways: leaves hold several boxes, and the number of boxes on
+//! both sides of planes is limited, so that a box has at most three copies on average.
 
 use std::ops::ControlFlow;
 
@@ -12,21 +13,23 @@ use super::{Cells, Held, Holds, Items, Neighbour, Partition, Visitor, Work};
 use crate::math::vec3::dot;
 use crate::volume::{BoundingVolume, MinMax};
 
-/// Boxes of a leaf that is not split.
+/// Maximum number of boxes in a leaf that is not split.
 const CAPACITY: usize = 8;
 
-/// Copies beyond one for each box, on average.
-const MORE_COPIES: usize = 2;
+/// Maximum number of copies of a box beyond the first, on average over the whole tree.
+const EXTRA_COPIES: usize = 2;
 
-/// Splits from the root. Halving ends after 32; more is for boxes on both sides.
-const DEEPEST: usize = 40;
+/// Maximum depth of a node, in splits from the root. Halving ends after 32 splits; the rest allows
+/// for boxes on both sides of a plane.
+const MAX_DEPTH: usize = 40;
 
-/// A k-d tree over boxes that stand still, and points, which are boxes without an extent: the kind for many questions of
-/// what is near to points.
+/// A k-d tree over boxes that do not move, or over points, which are boxes of zero size. It is made
+/// for many searches for the nearest boxes or points.
 ///
 /// # Complexity
-/// Built in O(n log n). A question O(log n + cells and boxes near it) for points and boxes that are small against their
-/// distances; boxes that all overlap are in few, large leaves.
+/// Building takes O(n log n). A query takes O(log n + cells and boxes near it) for points, and for
+/// boxes that are small compared with their distances. Boxes that all overlap are stored in a few
+/// large leaves.
 ///
 /// ```
 /// use impinge::partition::{KdTree, Partition};
@@ -39,32 +42,34 @@ const DEEPEST: usize = 40;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct KdTree(
-    /// Boxes are copied to each leaf that they reach into. A box on a plane reaches above it only.
+    /// A box is copied to each leaf that it reaches into. A box that lies in a plane is stored
+    /// above it only.
     PlaneTree<()>,
 );
 
 impl KdTree {
-    /// The tree of these boxes, whose keys are their places.
+    /// Returns the tree of these boxes. The key of a box is its index in `boxes`.
     #[must_use]
     pub fn build(boxes: &[MinMax]) -> Self {
-        let mut spare = MORE_COPIES * boxes.len();
-        Self(PlaneTree::build(boxes, |_| (), |held, depth| part(held, depth, &mut spare)))
+        let mut spare = EXTRA_COPIES * boxes.len();
+        Self(PlaneTree::build(boxes, |_| (), |held, depth| split_node(held, depth, &mut spare)))
     }
 
-    /// The tree of these points, whose keys are their places.
+    /// Returns the tree of these points. The key of a point is its index in `points`.
     ///
     /// # Errors
-    /// As [`MinMax::new`], for the first point that is not finite or beyond 2^320.
+    /// Returns the error of [`MinMax::new`] for the first point that is not finite or has a
+    /// coordinate beyond 2^320.
     pub fn of_points(points: &[[f64; 3]]) -> Result<Self, crate::input::InputError> {
         let boxes: Result<Vec<MinMax>, _> = points.iter().map(|&point| MinMax::new(point, point)).collect();
         Ok(Self::build(&boxes?))
     }
 }
 
-/// Splits the boxes if both sides are smaller and few boxes are on both. `spare` is the number of copies that the whole tree
-/// may still make.
-fn part(mut held: Vec<Held>, depth: usize, spare: &mut usize) -> (Vec<Held>, Option<Split>) {
-    let split = if held.len() > CAPACITY && depth < DEEPEST { plane_for(&mut held) } else { None };
+/// Splits the boxes of a node if both sides get fewer boxes and few boxes are on both sides.
+/// `spare` is the number of copies that the whole tree may still make.
+fn split_node(mut held: Vec<Held>, depth: usize, spare: &mut usize) -> (Vec<Held>, Option<Split>) {
+    let split = if held.len() > CAPACITY && depth < MAX_DEPTH { plane_for(&mut held) } else { None };
     let Some((axis, plane)) = split else { return (held, None) };
     let is_below = |held: &&Held| held.bounds.min()[axis] < plane;
     let is_above = |held: &&Held| held.bounds.max()[axis] >= plane;
@@ -78,20 +83,20 @@ fn part(mut held: Vec<Held>, depth: usize, spare: &mut usize) -> (Vec<Held>, Opt
     (Vec::new(), Some((axis, plane, sides)))
 }
 
-/// A plane through the middle of the boxes across the axis along which their centres are spread most; none where these
-/// are in one place.
+/// Returns a plane through the median center of the boxes, across the axis along which the centers
+/// are spread most. Returns `None` if all centers coincide.
 fn plane_for(held: &mut [Held]) -> Option<(usize, f64)> {
-    let centre = |held: &Held, axis: usize| 0.5 * held.bounds.min()[axis] + 0.5 * held.bounds.max()[axis];
+    let center = |held: &Held, axis: usize| 0.5 * held.bounds.min()[axis] + 0.5 * held.bounds.max()[axis];
     let extents = [0, 1, 2].map(|axis| {
-        let centres = held.iter().map(|held| centre(held, axis));
-        centres.clone().fold(f64::MIN, f64::max) - centres.fold(f64::MAX, f64::min)
+        let centers = held.iter().map(|held| center(held, axis));
+        centers.clone().fold(f64::MIN, f64::max) - centers.fold(f64::MAX, f64::min)
     });
     let axis = (0..3).fold(0, |best, axis| if extents[axis] > extents[best] { axis } else { best });
     let middle = held.len() / 2;
     held.select_nth_unstable_by(middle, |one, other| {
-        centre(one, axis).total_cmp(&centre(other, axis)).then(one.key.cmp(&other.key))
+        center(one, axis).total_cmp(&center(other, axis)).then(one.key.cmp(&other.key))
     });
-    (extents[axis] > 0.0).then(|| (axis, centre(&held[middle], axis)))
+    (extents[axis] > 0.0).then(|| (axis, center(&held[middle], axis)))
 }
 
 impl Holds for KdTree {
@@ -105,7 +110,8 @@ impl Partition for KdTree {
         Cells::Disjoint
     }
 
-    /// A box is visited in the cell of the least corner of what it shares with the one that is asked about.
+    /// A box that is in several cells is visited once: in the cell that contains the minimum corner
+    /// of its intersection with the query box.
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {
         const ALL: [[f64; 3]; 2] = [[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]];
         let (min, max) = (bounds.min(), bounds.max());
@@ -140,12 +146,13 @@ impl Partition for KdTree {
         ControlFlow::Continue(())
     }
 
-    /// The near side of each plane first, the other where it is not too far. Cells are as far as the sum of the squares of
-    /// how far the planes about them are along each axis (Arya, Mount, *Algorithms for fast vector quantization*, 1993).
+    /// Descends to the near side of each plane first, and to the far side only if it is not too
+    /// far. The squared distance to a cell is the sum of squares of the distances to its planes
+    /// along each axis (Arya, Mount, *Algorithms for fast vector quantization*, 1993).
     fn nearest(&self, point: [f64; 3], count: usize) -> Vec<Neighbour> {
         let mut best = Best::new(count);
         let Some(root) = self.0.root().filter(|_| in_range(&point) && count > 0) else { return Vec::new() };
-        let mut stack = Vec::with_capacity(DEEPEST);
+        let mut stack = Vec::with_capacity(MAX_DEPTH);
         stack.push((root, [0.0_f64; 3]));
         while let Some((mut at, away)) = stack.pop() {
             if dot(&away, &away) > best.limit() {

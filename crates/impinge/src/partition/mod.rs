@@ -1,26 +1,30 @@
-//! Space partitioning: which of many boxes are where (*Notes on Real Time Collision Detection*, introduction; Ericson,
-//! chapters 6 and 7). Nothing here knows what is in a box.
+//! Space partitioning: finding which of many boxes overlap, and where (*Notes on Real Time
+//! Collision Detection*, introduction; Ericson, chapters 6 and 7). Nothing in this module knows
+//! what a box contains.
 //!
-//! A partition holds closed boxes, [`MinMax`](crate::volume::MinMax), under keys that the caller chooses: dense numbers, as memory grows with the
-//! greatest. Every kind answers the same questions with the same answers, to the bit; they differ in what they cost, and
-//! in what they do to space, which [`Cells`] tells:
+//! A partition stores closed boxes, [`MinMax`](crate::volume::MinMax), under keys that the caller
+//! chooses. Use small consecutive numbers as keys, because memory grows with the largest key. All
+//! kinds return the same answers to the same queries, bit for bit. They differ in speed and in how
+//! they divide space, which [`Cells`] describes:
 //!
 //! | kind | space | boxes come and go | made for |
 //! |---|---|---|---|
-//! | [`BoxTree`] | volumes that may overlap | yes | anything; the fewest surprises |
-//! | [`ColumnSweep`] | columns, made anew each time | no: all pairs and nothing else | scenes in which most boxes move |
-//! | [`UniformGrid`] | disjoint cells in a block | yes | boxes of like size that fill a known space |
-//! | [`HashedGrid`] | disjoint cells without an end | yes | boxes of like size anywhere |
-//! | [`HierarchicalGrid`] | disjoint cells of many sizes | yes | boxes of unlike sizes, of which few move |
-//! | [`Octree`] | disjoint cubes in cubes | yes | scenes that are dense here and empty there, boxes of unlike sizes |
-//! | [`LooseOctree`] | loose cubes in cubes | yes | the same, where boxes lie across the middles of cells |
-//! | [`KdTree`] | disjoint cells | no | points and small boxes that stand, and what is nearest |
-//! | [`BspTree`] | disjoint cells, planes of the boxes' own | no | rooms and walls that stand |
-//! | [`SweepOneAxis`], [`SweepThreeAxes`] | an order along axes | yes | few boxes, or such as move little in long scenes |
+//! | [`BoxTree`] | volumes that may overlap | yes | general use; the most predictable kind |
+//! | [`ColumnSweep`] | columns, rebuilt on every call | no: returns all pairs, has no other query | scenes in which most boxes move |
+//! | [`UniformGrid`] | disjoint cells in a block | yes | boxes of similar size that fill a known region |
+//! | [`HashedGrid`] | disjoint cells without bounds | yes | boxes of similar size anywhere |
+//! | [`HierarchicalGrid`] | disjoint cells of many sizes | yes | boxes of different sizes, few of which move |
+//! | [`Octree`] | nested disjoint cubes | yes | scenes with dense and empty regions, boxes of different sizes |
+//! | [`LooseOctree`] | nested loose cubes | yes | the same, if boxes lie across the middles of cells |
+//! | [`KdTree`] | disjoint cells | no | points and small boxes that do not move, nearest-neighbor queries |
+//! | [`BspTree`] | disjoint cells, split at faces of the boxes | no | rooms and walls that do not move |
+//! | [`SweepOneAxis`], [`SweepThreeAxes`] | an order along axes | yes | few boxes, or long scenes in which boxes move little |
 //!
-//! Touching counts everywhere. Boxes are judged when they are made ([`MinMax::new`](crate::volume::MinMax::new)), so that no question has errors; no
-//! box is too large, too small or too far away, and any number of them may be equal. Pairs come sorted, each once, with
-//! the lesser key first. The same calls give the same bytes on any machine.
+//! Boxes that touch overlap. Boxes are validated when they are made
+//! ([`MinMax::new`](crate::volume::MinMax::new)), so queries return no errors. No valid box is too
+//! large, too small or too far away, and any number of boxes may be equal. Lists of pairs are
+//! sorted, without duplicates, with the smaller key of each pair first. The same calls return the
+//! same bytes on every machine.
 //!
 //! ```
 //! use std::ops::ControlFlow;
@@ -38,13 +42,13 @@
 //! let mut changes = Changes::default();
 //! tree.step(&[Move { key: 3, to: Some(beside) }, Move { key: 2, to: None }], &mut changes);
 //! assert_eq!((changes.began(), changes.ended()), (&[[0, 3]][..], &[][..]));
-//! let mut met = Vec::new();
+//! let mut found = Vec::new();
 //! let _ = tree.at([1.0, 0.5, 0.5], &mut |key| {
-//!     met.push(key);
+//!     found.push(key);
 //!     ControlFlow::Continue(())
 //! });
-//! met.sort();
-//! assert_eq!(met, [0, 3]);
+//! found.sort();
+//! assert_eq!(found, [0, 3]);
 //! # Ok::<(), impinge::InputError>(())
 //! ```
 

@@ -1,13 +1,15 @@
-//! What a search for the nearest boxes finds.
+//! The result of a search for the nearest boxes.
 
-/// A box that is near.
+/// A box near a point, with its distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Neighbour {
-    /// Of the box.
+    /// Key of the box.
     pub key: u32,
-    /// From the point to the nearest point of the box, zero inside.
+    /// Squared distance from the point to the nearest point of the box; zero if the point is
+    /// inside.
     ///
     /// # Accuracy
-    /// Three squares of rounded differences and two sums: within 2^-51 of itself.
+    /// It is computed from three squares of rounded differences and two sums: the relative error is
+    /// at most 2^-51.
     pub distance_squared: f64,
 }

@@ -1,30 +1,35 @@
-//! Octrees: cubes in cubes, each of which is split where it holds many boxes (Ericson, 7.3).
+//! Octrees: nested cubes, each of which is split if it holds many boxes (Ericson, 7.3).
 
 use std::ops::ControlFlow;
 
 use super::{Cells, Changes, Dynamic, Held, Holds, Items, Move, Partition, Visitor, Work, forward_to_inner};
 use crate::volume::{BoundingVolume, MinMax};
 
-/// Boxes that a cell holds before it is split: comparing so many costs about as much as opening eight cells.
+/// Maximum number of boxes in a cell before it is split. Comparing 16 boxes costs about as much as
+/// visiting eight cells.
 const CAPACITY: usize = 16;
 
-/// Boxes below a split cell at which it is joined again: so much fewer that none is split and joined by one box that comes
-/// and goes.
-const JOINED: u32 = 8;
+/// Number of boxes at or below a split cell at which its children are joined again. It is well
+/// below [`CAPACITY`], so that one box that is inserted and removed repeatedly does not split and
+/// join a cell each time.
+const JOIN_COUNT: u32 = 8;
 
-/// Splits from the root: cells are 2^-20 of it then, and boxes that are closer are compared.
-const DEEPEST: usize = 20;
+/// Maximum depth of a cell, in splits from the root. The deepest cells have 2^-20 of the root's
+/// edge; boxes closer to each other than that are compared.
+const MAX_DEPTH: usize = 20;
 
-/// Not a node.
+/// Node number that stands for "no node".
 const NONE: u32 = u32::MAX;
 
-/// An octree whose cells share no inner point, with each box in the smallest cell that holds it.
+/// An octree whose cells are disjoint, with each box in the smallest cell that contains it.
 ///
-/// A box across the middle of a cell stays there however small it is, so that large cells collect small boxes and every
-/// question near a middle looks at them: [`LooseOctree`] is the cure. Boxes outside the root are in the root.
+/// A box across the middle of a cell stays in that cell, however small it is. Large cells therefore
+/// collect small boxes, and every query near a middle compares them; [`LooseOctree`] avoids this.
+/// Boxes outside the root are stored in the root.
 ///
 /// # Complexity
-/// A change O(depth), at most 20; a question O(cells and boxes near it, and boxes across the middles of these cells).
+/// A change takes O(depth), and the depth is at most 20. A query takes O(cells and boxes near it,
+/// and boxes across the middles of these cells).
 ///
 /// ```
 /// use impinge::partition::{Dynamic, Octree, Partition};
@@ -39,14 +44,16 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Debug)]
 pub struct Octree(Tree<false>);
 
-/// An octree whose cells are twice as wide as those that they are made of, so that a box is about as deep as it is small,
-/// wherever it lies.
+/// An octree whose cells are enlarged to twice their width, so that the depth of a box depends on
+/// its size and hardly on its position.
 ///
 /// # Complexity
-/// As [`Octree`]; a question opens up to eight times as many cells, none of which holds boxes that are small and far.
+/// As for [`Octree`], except that a query visits up to eight times as many cells, none of which
+/// holds small boxes far away.
 ///
 /// # Source
-/// Ulrich, *Loose octrees*, Game Programming Gems, 2000; ours departs in that cells are split only where they hold many.
+/// Ulrich, *Loose octrees*, Game Programming Gems, 2000. Ours departs in that cells are split only
+/// if they hold many boxes.
 ///
 /// ```
 /// use impinge::partition::{Dynamic, LooseOctree, Partition};
@@ -67,18 +74,18 @@ struct Node {
     parent: u32,
     children: Option<[u32; 8]>,
     held: Vec<Held>,
-    /// Boxes here and below.
+    /// Number of boxes in this node and below it.
     count: u32,
     depth: usize,
 }
 
 #[derive(Clone, Debug)]
 struct Tree<const LOOSE: bool> {
-    /// The root first.
+    /// Nodes, the root first.
     nodes: Vec<Node>,
-    /// Nodes out of use: the first of eight each.
+    /// Unused nodes, in groups of eight: the first node of each group.
     free: Vec<u32>,
-    /// The node of each key.
+    /// Number of the node that holds the box, by key.
     homes: Vec<u32>,
     items: Items,
 }
@@ -88,7 +95,7 @@ impl Node {
         [0, 1, 2].map(|axis| 0.5 * self.low[axis] + 0.5 * self.high[axis])
     }
 
-    /// Where boxes of this cell may be.
+    /// Returns the region in which boxes of this cell lie, as its minimum and maximum corner.
     fn space<const LOOSE: bool>(&self) -> [[f64; 3]; 2] {
         if !LOOSE {
             return [self.low, self.high];
@@ -97,16 +104,17 @@ impl Node {
         [[0, 1, 2].map(|axis| self.low[axis] - margin[axis]), [0, 1, 2].map(|axis| self.high[axis] + margin[axis])]
     }
 
-    /// The child about the middle of a box.
+    /// Returns the child octant that contains the center of a box.
     fn octant(&self, bounds: &MinMax) -> usize {
         let middle = self.middle();
-        let centre = [0, 1, 2].map(|axis| 0.5 * bounds.min()[axis] + 0.5 * bounds.max()[axis]);
-        (0..3).map(|axis| usize::from(centre[axis] > middle[axis]) << axis).sum()
+        let center = [0, 1, 2].map(|axis| 0.5 * bounds.min()[axis] + 0.5 * bounds.max()[axis]);
+        (0..3).map(|axis| usize::from(center[axis] > middle[axis]) << axis).sum()
     }
 }
 
 impl<const LOOSE: bool> Tree<LOOSE> {
-    /// A tree of nothing over the least cube about `bounds`.
+    /// Returns an empty tree, whose root is the smallest cube that contains `bounds` and starts at
+    /// its minimum corner.
     fn over(bounds: &MinMax) -> Self {
         let edge = (0..3).map(|axis| bounds.max()[axis] - bounds.min()[axis]).fold(0.0, f64::max);
         let (low, high) = (bounds.min(), bounds.min().map(|x| x + edge));
@@ -114,7 +122,8 @@ impl<const LOOSE: bool> Tree<LOOSE> {
         Self { nodes: vec![root], free: Vec::new(), homes: Vec::new(), items: Items::default() }
     }
 
-    /// The child of a split node that holds this box.
+    /// Returns the child of a split node that contains this box; `None` if the node is a leaf or no
+    /// child contains it.
     fn child_for(&self, at: u32, bounds: &MinMax) -> Option<u32> {
         let node = &self.nodes[at as usize];
         let child = node.children?[node.octant(bounds)];
@@ -133,12 +142,12 @@ impl<const LOOSE: bool> Tree<LOOSE> {
         self.homes[held.key as usize] = at;
         let node = &mut self.nodes[at as usize];
         node.held.push(held);
-        if node.children.is_none() && node.held.len() > CAPACITY && node.depth < DEEPEST {
+        if node.children.is_none() && node.held.len() > CAPACITY && node.depth < MAX_DEPTH {
             self.split(at);
         }
     }
 
-    /// Splits a leaf, and those of its children that hold too many.
+    /// Splits a leaf, then every child that still holds more than [`CAPACITY`] boxes.
     fn split(&mut self, first: u32) {
         let mut full = vec![first];
         while let Some(at) = full.pop() {
@@ -165,13 +174,14 @@ impl<const LOOSE: bool> Tree<LOOSE> {
                 self.nodes[home as usize].held.push(held);
                 self.nodes[home as usize].count += u32::from(home != at);
             }
-            if depth < DEEPEST {
+            if depth < MAX_DEPTH {
                 full.extend((start..start + 8).filter(|&child| self.nodes[child as usize].held.len() > CAPACITY));
             }
         }
     }
 
-    /// Takes a box out of its node, and joins the topmost cell that has become nearly empty.
+    /// Takes a box out of its node, and joins the topmost split cell that has at most
+    /// [`JOIN_COUNT`] boxes left.
     fn take(&mut self, key: u32) {
         let home = self.homes[key as usize];
         let held = &mut self.nodes[home as usize].held;
@@ -182,7 +192,7 @@ impl<const LOOSE: bool> Tree<LOOSE> {
         while at != NONE {
             let node = &mut self.nodes[at as usize];
             node.count -= 1;
-            if node.children.is_some() && node.count <= JOINED {
+            if node.children.is_some() && node.count <= JOIN_COUNT {
                 joined = Some(at);
             }
             at = node.parent;
@@ -267,7 +277,8 @@ impl<const LOOSE: bool> Dynamic for Tree<LOOSE> {
 }
 
 impl Octree {
-    /// Returns an empty tree, whose root is the least cube from the least corner of `bounds` that holds it.
+    /// Returns an empty tree, whose root is the smallest cube that contains `bounds` and starts at
+    /// its minimum corner.
     #[must_use]
     pub fn over(bounds: &MinMax) -> Self {
         Self(Tree::over(bounds))
@@ -275,7 +286,8 @@ impl Octree {
 }
 
 impl LooseOctree {
-    /// Returns an empty tree, whose root is the least cube from the least corner of `bounds` that holds it.
+    /// Returns an empty tree, whose root is the smallest cube that contains `bounds` and starts at
+    /// its minimum corner.
     #[must_use]
     pub fn over(bounds: &MinMax) -> Self {
         Self(Tree::over(bounds))

@@ -1,9 +1,9 @@
-//! Rays against boxes.
+//! Rays and their intersection with boxes.
 
 use crate::input::{InputError, InputErrorKind};
 use crate::volume::MinMax;
 
-/// What is at `origin + t direction` for t from 0 to a reach.
+/// A ray: the points `origin + t * direction` for `t` from 0 to `reach`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     origin: [f64; 3],
@@ -11,24 +11,29 @@ pub struct Ray {
     reach: f64,
 }
 
-/// The least direction: 2^-600 along its longest axis, so that no way through a box overflows.
-const LEAST_DIRECTION: f64 = f64::from_bits((1023 - 600) << 52);
+/// Minimum magnitude of the largest component of a direction: 2^-600. With it no ray parameter at a
+/// box overflows.
+const MIN_DIRECTION: f64 = f64::from_bits((1023 - 600) << 52);
 
-/// Of a quotient of a difference, which is twice rounded by 2^-53; this covers the product with it, too.
+/// Bound on the relative error of a ray parameter: a difference and a quotient, each rounded by at
+/// most 2^-53, and the product with `1 ± ROUNDING` itself.
 const ROUNDING: f64 = 1.0 / (1_u64 << 51) as f64;
 
 impl Ray {
-    /// The ray from `origin` along `direction`, of any length, as far as `reach` times that.
+    /// Returns the ray from `origin` along `direction` that ends at `origin + reach * direction`.
+    /// The direction may have any length, and `reach` may be infinite.
     ///
     /// # Errors
-    /// [`NonFinite`](InputErrorKind::NonFinite) and [`OutOfRange`](InputErrorKind::OutOfRange) (beyond 2^300) for `"ray
-    /// origin"` 0 and `"ray direction"` 0; [`ZeroDirection`](InputErrorKind::ZeroDirection) where no component is at least
-    /// 2^-600; [`NonFinite`](InputErrorKind::NonFinite) for a `"ray reach"` that is NaN and
-    /// [`Negative`](InputErrorKind::Negative) for one below zero; it may be infinite.
+    /// Returns [`NonFinite`](InputErrorKind::NonFinite) or
+    /// [`OutOfRange`](InputErrorKind::OutOfRange) (beyond 2^300) for an invalid `"ray origin"` or
+    /// `"ray direction"`, with index 0. Returns [`ZeroDirection`](InputErrorKind::ZeroDirection) if
+    /// no component of the direction is at least 2^-600 in magnitude. Returns
+    /// [`NonFinite`](InputErrorKind::NonFinite) if the `"ray reach"` is NaN, and
+    /// [`Negative`](InputErrorKind::Negative) if it is below zero.
     pub fn new(origin: [f64; 3], direction: [f64; 3], reach: f64) -> Result<Self, InputError> {
         InputError::judge_row(&origin, "ray origin", 0)?;
         InputError::judge_row(&direction, "ray direction", 0)?;
-        if direction.iter().all(|d| d.abs() < LEAST_DIRECTION) {
+        if direction.iter().all(|d| d.abs() < MIN_DIRECTION) {
             return Err(InputError::new(InputErrorKind::ZeroDirection { index: 0 }));
         }
         if reach.is_nan() {
@@ -40,41 +45,45 @@ impl Ray {
         Ok(Self { origin, direction, reach })
     }
 
-    /// Where it starts.
+    /// Returns the point at which the ray starts.
     #[must_use]
     pub fn origin(&self) -> [f64; 3] {
         self.origin
     }
 
-    /// Where it goes, for each unit of t.
+    /// Returns the direction of the ray: the displacement per unit of `t`.
     #[must_use]
     pub fn direction(&self) -> [f64; 3] {
         self.direction
     }
 
-    /// The greatest t.
+    /// Returns the largest value of `t` on the ray.
     #[must_use]
     pub fn reach(&self) -> f64 {
         self.reach
     }
 
-    /// Where it enters the closed box, not below zero; none where it is proved to miss.
+    /// Returns the parameter `t >= 0` at which the ray enters the closed box, or `None` if the ray
+    /// provably misses it.
     ///
     /// # Accuracy
-    /// Conservative: never none for a ray that meets the box, and t never later than the true one. Both are off by
-    /// 2^-50 of themselves at most, so that a box may count as met which the ray passes closer than that. A box that
-    /// holds another is never met later.
+    /// Conservative: it never returns `None` for a ray that hits the box, and `t` is never larger
+    /// than the exact value. The computed ends of the interval have a relative error of at most
+    /// 2^-50, so a box may be reported that the ray passes at less than that distance. A box that
+    /// contains another is never entered later.
     ///
     /// # Source
-    /// Ize, *Robust BVH ray traversal*, JCGT 2(2), 2013; ours divides, where zeros are asked apart, so that no NaN arises,
-    /// and widens both ends.
+    /// Ize, *Robust BVH ray traversal*, JCGT 2(2), 2013. Ours divides instead of multiplying by
+    /// reciprocals, handles zero components separately so that no NaN arises, and widens both ends
+    /// of the interval.
     #[inline]
     #[must_use]
     pub fn enters(&self, bounds: &MinMax) -> Option<f64> {
         self.through(bounds).map(|[enter, _]| enter).filter(|&enter| enter <= self.reach)
     }
 
-    /// Where it enters and leaves the box, its reach aside.
+    /// Returns the parameters at which the ray enters and leaves the box, or `None` if it misses
+    /// it. Ignores `reach`.
     #[inline]
     pub(crate) fn through(&self, bounds: &MinMax) -> Option<[f64; 2]> {
         let (min, max) = (bounds.min(), bounds.max());
@@ -91,7 +100,7 @@ impl Ray {
             enter = enter.max((near - origin) / direction * (1.0 - ROUNDING));
             leave = leave.min((far - origin) / direction * (1.0 + ROUNDING));
         }
-        // Quotients too small for a float are off by less than the least normal number.
+        // A quotient that underflows has an error below the smallest normal number.
         (enter <= leave + f64::MIN_POSITIVE).then_some([enter, leave])
     }
 }
@@ -121,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_ray_is_refused() {
+    fn invalid_rays_are_rejected() {
         let kind = |origin, direction, reach| Ray::new(origin, direction, reach).unwrap_err().kind().clone();
         assert_eq!(kind([0.0; 3], [0.0, -0.0, 1e-200], 1.0), InputErrorKind::ZeroDirection { index: 0 });
         assert_eq!(kind([0.0; 3], [1.0; 3], f64::NAN), InputErrorKind::NonFinite { what: "ray reach", index: 0 });

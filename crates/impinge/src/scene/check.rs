@@ -1,74 +1,81 @@
-//! Which pairs of parts intersect, penetrate or come near.
+//! Checks which pairs of parts intersect, penetrate or come near.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
 
 use super::configurations::Configurations;
-use super::near::{Standing, pairs_near};
+use super::near::{PlacedPart, pairs_near};
 use super::parts::{PartId, Scene};
 use crate::mesh::Interrupt;
 use crate::query::batch::{Answers, Execution, Status, Stopped};
 use crate::query::{Cache, Penetrates, Proximity, Query, penetrates};
 
-/// What is asked about each pair of parts.
+/// Question that a check answers for each pair of parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Question {
-    /// As [`intersects`](crate::query::intersects).
+    /// Whether the parts intersect, as [`intersects`](crate::query::intersects).
     Intersects,
-    /// As [`penetrates`](crate::query::penetrates()): whether their interiors intersect. Meshes are taken as solids.
+    /// Whether the interiors of the parts intersect, as [`penetrates`](crate::query::penetrates()).
+    /// Meshes count as solids.
     Penetrates,
-    /// As [`within`](crate::query::within()) this clearance, in world units.
+    /// Whether the distance of the parts is at most this clearance, in world units, as
+    /// [`within`](crate::query::within()).
     Within(f64),
 }
 
-/// When a configuration is done.
+/// When the check of a configuration ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stop {
-    /// At the first pair of which the answer is yes, in the order of the parts.
+    /// At the first pair for which the answer is yes, in the order of the parts.
     First,
-    /// Once all pairs were asked about.
+    /// After all pairs were checked.
     All,
 }
 
-/// A pair of parts of which the answer is yes.
+/// A pair of parts for which the answer is yes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FoundPair {
-    /// The parts, the lesser first.
+    /// The two parts, the smaller handle first.
     pub parts: [PartId; 2],
-    /// Whether it is the safe answer: nothing was proved about the pair, or a pose is faulty.
+    /// `true` if the answer is yes only to be safe: nothing was proved about the pair, or a pose is
+    /// faulty.
     pub is_undecided: bool,
 }
 
 impl Scene {
-    /// Returns the pairs of parts of which the answer is yes, as they stand in the scene, sorted. Undecided pairs are among them.
+    /// Returns the pairs of parts for which the answer is yes, in the poses of the scene, sorted.
+    /// Undecided pairs are included.
     ///
     /// # Errors
-    /// As [`check`](Self::check).
+    /// Returns the errors of [`check`](Self::check).
     ///
     /// # Complexity
-    /// The broad phase takes about linear time, and each pair whose boxes are near what the verb takes.
+    /// The broad phase takes about linear time. Each pair whose boxes are near costs one query.
     pub fn pairs(&self, question: Question) -> Result<Vec<[PartId; 2]>, Stopped> {
         let mut found = self.check(question, Stop::All, &self.configurations(), Execution::default())?;
         let pairs = found.values.pop().unwrap_or_default();
         Ok(pairs.into_iter().map(|pair| pair.parts).collect())
     }
 
-    /// Returns for each configuration the pairs of parts of which the answer is yes, sorted; the first alone if the check stops there.
+    /// Returns for each configuration the pairs of parts for which the answer is yes, sorted. With
+    /// [`Stop::First`] it returns the first pair only.
     ///
-    /// A part with a faulty pose counts as near every other. The status of a configuration is that of its first part with a faulty
-    /// pose, else whether one of the pairs found is undecided. Pairs of parts that stand still are asked about once. Consecutive
+    /// A part with a faulty pose counts as near every other part. If a configuration has faulty
+    /// poses, its status is that of the first such part. Otherwise it depends on whether one of the
+    /// pairs found is undecided. Pairs of parts that do not move are checked once. Consecutive
     /// configurations share a [`Cache`] for each pair.
     ///
     /// # Errors
-    /// [`Stopped`] if the interrupt of `execution` asked for it, or if there is no memory for the answers.
+    /// Returns [`Stopped`] if the interrupt of `execution` requested it, or if there is not enough
+    /// memory for the answers.
     ///
     /// # Panics
-    /// If the configurations are of another scene.
+    /// Panics if the configurations belong to another scene.
     ///
     /// # Complexity
-    /// For each configuration the broad phase takes about linear time in the parts, and each pair whose boxes are near what the verb
-    /// takes.
+    /// For each configuration, the broad phase takes about linear time in the number of parts. Each
+    /// pair whose boxes are near costs one query.
     pub fn check(
         &self,
         question: Question,
@@ -76,11 +83,14 @@ impl Scene {
         configurations: &Configurations<'_>,
         execution: Execution<'_>,
     ) -> Result<Answers<Vec<FoundPair>>, Stopped> {
-        assert!(std::ptr::eq(self, configurations.scene()), "the configurations are of another scene");
+        assert!(
+            std::ptr::eq(self, configurations.scene()),
+            "the configurations belong to another scene: make them with `configurations` of this scene"
+        );
         let rows = configurations.rows();
-        let mut check = Check { scene: self, question, configurations, standing: Vec::new(), still: Vec::new() };
+        let mut check = Check { scene: self, question, configurations, placed_parts: Vec::new(), still: Vec::new() };
         if rows > 0 {
-            check.standing = check.still_parts();
+            check.placed_parts = check.still_parts();
             check.still = check.still_pairs(execution)?;
         }
         let found = execution.rows(rows, HashMap::new, |caches, row, interrupt| {
@@ -97,37 +107,39 @@ struct Check<'c> {
     scene: &'c Scene,
     question: Question,
     configurations: &'c Configurations<'c>,
-    /// Where the parts stand that have one pose in all configurations; the others are nowhere.
-    standing: Vec<Standing>,
-    /// The pairs of such parts of which the answer is yes, sorted.
+    /// Placements of the parts that have one pose in all configurations. The other parts are
+    /// [`PlacedPart::Nowhere`].
+    placed_parts: Vec<PlacedPart>,
+    /// Pairs of parts that do not move for which the answer is yes, sorted.
     still: Vec<FoundPair>,
 }
 
 impl Check<'_> {
-    /// Returns where the parts stand that have one pose in all configurations.
-    fn still_parts(&self) -> Vec<Standing> {
+    /// Returns the placements of the parts that have one pose in all configurations; the other
+    /// parts are nowhere.
+    fn still_parts(&self) -> Vec<PlacedPart> {
         let of = |part: PartId| {
-            if self.configurations.is_still(part) { self.placed(part, 0) } else { Standing::Nowhere }
+            if self.configurations.is_still(part) { self.placed(part, 0) } else { PlacedPart::Nowhere }
         };
         self.scene.parts().map(of).collect()
     }
 
-    /// Answers for the pairs of these parts.
+    /// Returns the pairs of parts that do not move for which the answer is yes.
     fn still_pairs(&self, execution: Execution<'_>) -> Result<Vec<FoundPair>, Stopped> {
-        let standing: Vec<Cow<'_, Standing>> = self.standing.iter().map(Cow::Borrowed).collect();
-        let pairs = pairs_near(self.scene, &standing, |_, _| true);
+        let placed_parts: Vec<Cow<'_, PlacedPart>> = self.placed_parts.iter().map(Cow::Borrowed).collect();
+        let pairs = pairs_near(self.scene, &placed_parts, |_, _| true);
         let quiet = execution.without_progress();
         let found = quiet.rows(pairs.len(), Cache::default, |cache, at, interrupt| {
-            self.pair(pairs[at], &standing, cache, interrupt)
+            self.pair(pairs[at], &placed_parts, cache, interrupt)
         })?;
         Ok(found.into_iter().flatten().collect())
     }
 
-    /// Returns where all parts stand in a row.
-    fn standing(&self, row: usize) -> Vec<Cow<'_, Standing>> {
+    /// Returns the placements of all parts in a row.
+    fn placed_parts(&self, row: usize) -> Vec<Cow<'_, PlacedPart>> {
         let of = |part: PartId| {
             if self.configurations.is_still(part) {
-                Cow::Borrowed(&self.standing[part.index()])
+                Cow::Borrowed(&self.placed_parts[part.index()])
             } else {
                 Cow::Owned(self.placed(part, row))
             }
@@ -135,15 +147,15 @@ impl Check<'_> {
         self.scene.parts().map(of).collect()
     }
 
-    /// Returns where a part stands in a row.
-    fn placed(&self, part: PartId, row: usize) -> Standing {
+    /// Returns the placement of a part in a row.
+    fn placed(&self, part: PartId, row: usize) -> PlacedPart {
         let clearance = if let Question::Within(clearance) = self.question { clearance } else { 0.0 };
         let pose = self.configurations.pose(part, row);
         let placed = pose.ok().and_then(|pose| self.scene.shape(part).at(*pose).ok());
-        placed.map_or(Standing::Anywhere, |placed| Standing::new(placed, clearance))
+        placed.map_or(PlacedPart::Anywhere, |placed| PlacedPart::new(placed, clearance))
     }
 
-    /// Returns the pairs of a row of which the answer is yes.
+    /// Returns the pairs of a row for which the answer is yes.
     fn row(
         &self,
         row: usize,
@@ -151,20 +163,20 @@ impl Check<'_> {
         caches: &mut HashMap<[PartId; 2], Cache>,
         interrupt: Interrupt<'_>,
     ) -> Vec<FoundPair> {
-        let standing = self.standing(row);
+        let placed_parts = self.placed_parts(row);
         let moves = |part: PartId| !self.configurations.is_still(part);
-        let pairs = pairs_near(self.scene, &standing, |a, b| moves(a) || moves(b));
+        let pairs = pairs_near(self.scene, &placed_parts, |a, b| moves(a) || moves(b));
         let first_still = self.still.first();
         let mut found = Vec::new();
         for pair in pairs {
-            // Whatever was found until then is discarded.
+            // The caller discards an interrupted result.
             if interrupt.is_wanted() {
                 break;
             }
             if stop == Stop::First && first_still.is_some_and(|still| still.parts < pair) {
                 break;
             }
-            found.extend(self.pair(pair, &standing, caches.entry(pair).or_default(), interrupt));
+            found.extend(self.pair(pair, &placed_parts, caches.entry(pair).or_default(), interrupt));
             if stop == Stop::First && !found.is_empty() {
                 return found;
             }
@@ -179,15 +191,15 @@ impl Check<'_> {
         found
     }
 
-    /// Returns the pair if the answer is yes.
+    /// Returns the pair if the answer for it is yes, and `None` otherwise.
     fn pair(
         &self,
         parts: [PartId; 2],
-        standing: &[Cow<'_, Standing>],
+        placed_parts: &[Cow<'_, PlacedPart>],
         cache: &mut Cache,
         interrupt: Interrupt<'_>,
     ) -> Option<FoundPair> {
-        let [Some(a), Some(b)] = parts.map(|part| standing[part.index()].placed()) else {
+        let [Some(a), Some(b)] = parts.map(|part| placed_parts[part.index()].placed()) else {
             return Some(FoundPair { parts, is_undecided: true });
         };
         let query = Query::new().with_cache(cache).with_interrupt(interrupt);
@@ -204,7 +216,7 @@ impl Check<'_> {
         (proximity != Proximity::Apart).then_some(FoundPair { parts, is_undecided })
     }
 
-    /// Returns the status of a row by its poses.
+    /// Returns the status of a row, given its poses.
     fn status(&self, row: usize) -> Status {
         let fault = self.scene.parts().find_map(|part| self.configurations.pose(part, row).err());
         fault.map_or(Status::Ok, Status::of)

@@ -1,4 +1,4 @@
-//! Rows of poses for the parts that move.
+//! Rows of poses for the parts of a scene that move.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -9,35 +9,36 @@ use crate::input::InputError;
 use crate::math::Pose;
 use crate::query::batch::{Broadcast, BroadcastError, Poses};
 
-/// Configurations of a scene: for each part that moves a pose in each row. Leading axes broadcast as in NumPy. A part without poses
-/// stands where the scene has it.
+/// Configurations of a scene: a pose in each row for each part that moves. Leading axes broadcast
+/// as in NumPy. A part without poses keeps the pose that it has in the scene.
 #[derive(Clone, Debug)]
 pub struct Configurations<'s> {
     scene: &'s Scene,
-    /// The common leading axes.
+    /// Common leading axes of all poses.
     shape: Vec<usize>,
     rows: usize,
     moves: BTreeMap<PartId, Moves>,
 }
 
-/// The poses of a part, and which of them each row takes: the second operand.
+/// The poses of a part, and the map from rows to them (the second operand of the broadcast).
 #[derive(Clone, Debug)]
 struct Moves {
     poses: Poses,
     broadcast: Broadcast,
 }
 
-/// Poses of a part whose leading axes do not fit those of the parts before.
+/// Error if the leading axes of a part's poses do not broadcast with those of the earlier parts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConfigurationsError {
-    /// The part.
+    /// Part whose poses were refused.
     pub part: PartId,
-    /// The common leading axes before, and those of the part.
+    /// The common leading axes so far, and those of the part.
     pub error: BroadcastError,
 }
 
 impl Scene {
-    /// Returns the one configuration in which all parts stand where the scene has them. Poses can be set for parts that move.
+    /// Returns a single configuration in which all parts have the poses of the scene. Set poses for
+    /// the parts that move with [`Configurations::set`].
     #[must_use]
     pub fn configurations(&self) -> Configurations<'_> {
         Configurations { scene: self, shape: Vec::new(), rows: 1, moves: BTreeMap::new() }
@@ -45,13 +46,13 @@ impl Scene {
 }
 
 impl<'s> Configurations<'s> {
-    /// Sets the poses of a part. A pose that the part cannot stand becomes a faulty row.
+    /// Sets the poses of a part. A pose at which the part cannot be placed becomes a faulty row.
     ///
     /// # Errors
-    /// If the leading axes do not broadcast with those of the parts before.
+    /// Returns an error if the leading axes do not broadcast with those of the earlier parts.
     ///
     /// # Panics
-    /// If the part is of another scene, which has more parts.
+    /// Panics if the part belongs to another scene with more parts.
     pub fn set(&mut self, part: PartId, poses: impl Into<Poses>) -> Result<(), ConfigurationsError> {
         let mut poses = poses.into();
         let refused = |error| ConfigurationsError { part, error };
@@ -71,13 +72,14 @@ impl<'s> Configurations<'s> {
         Ok(())
     }
 
-    /// Returns the leading axes; none for a single configuration.
+    /// Returns the common leading axes. The slice is empty for a single configuration.
     #[must_use]
     pub fn shape(&self) -> &[usize] {
         &self.shape
     }
 
-    /// Returns the first faulty pose: its part, its row among the poses of that, and its error.
+    /// Returns the first faulty pose: its part, its row among the poses of that part, and its
+    /// error.
     #[must_use]
     pub fn first_fault(&self) -> Option<(PartId, usize, &InputError)> {
         self.moves.iter().find_map(|(&part, moves)| moves.poses.first_fault().map(|(row, error)| (part, row, error)))
@@ -87,18 +89,18 @@ impl<'s> Configurations<'s> {
         self.scene
     }
 
-    /// Returns the number of rows.
+    /// Returns the number of configurations.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Reports whether a part has one pose in all configurations.
+    /// Reports whether a part has the same pose in all configurations.
     pub(super) fn is_still(&self, part: PartId) -> bool {
         self.moves.get(&part).is_none_or(|moves| moves.poses.len() == 1)
     }
 
-    /// Returns the pose of a part in a row; the error if that is faulty.
+    /// Returns the pose of a part in a row, or the error if the pose is faulty.
     pub(super) fn pose(&self, part: PartId, row: usize) -> Result<&Pose, &InputError> {
         match self.moves.get(&part) {
             None => Ok(&self.scene.part(part).world_from_part),

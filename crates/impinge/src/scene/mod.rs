@@ -1,9 +1,11 @@
-//! Many parts at once: which pairs of them intersect, penetrate or come near, in one configuration or in many.
+//! Many parts at once: which pairs of parts intersect, penetrate or come near, in one configuration
+//! or in many.
 //!
-//! A [`Scene`] has named parts, each a mesh, a solid, a shape or a compound with a pose. Parts may share meshes and shapes, which
-//! are cheap to clone. Pairs can be ignored one by one, such as neighboring links of a robot, and parts of one group are not asked
-//! about among themselves. [`Scene::pairs`] answers for all pairs of parts as they stand. [`Scene::check`] answers for many
-//! [`Configurations`], each a row of poses for the parts that move.
+//! A [`Scene`] has named parts, each a mesh, a solid, a shape or a compound with a pose. Parts may
+//! share meshes and shapes, which are fast to clone. You can ignore single pairs, such as
+//! neighboring links of a robot, and put parts into groups whose parts are not checked against each
+//! other. [`Scene::pairs`] checks all pairs of parts in their current poses. [`Scene::check`]
+//! checks many [`Configurations`], each a row of poses for the parts that move.
 //!
 //! ```
 //! use impinge::query::batch::{Execution, Poses};
@@ -25,7 +27,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! `parts` has the scene, `configurations` the rows of poses, `near` the broad phase of a row, and `check` the verbs.
+//! `parts` contains the scene, `configurations` the rows of poses, `near` the broad phase of a row,
+//! and `check` the checks. Guarded by `tests/it/scene`.
 
 mod check;
 mod configurations;

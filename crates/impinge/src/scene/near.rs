@@ -1,4 +1,4 @@
-//! The broad phase of a configuration: pairs of parts whose boxes are near each other.
+//! The broad phase of a configuration: finds the pairs of parts whose boxes are near each other.
 
 use std::borrow::Cow;
 
@@ -7,33 +7,35 @@ use crate::partition::ColumnSweep;
 use crate::shape::PlacedShape;
 use crate::volume::MinMax;
 
-/// Maximum number of bounded parts whose boxes are compared pair by pair. Of more the column sweep finds those that overlap.
-const FEW: usize = 24;
+/// Maximum number of bounded parts whose boxes are compared pair by pair. For more parts the column
+/// sweep finds the overlapping boxes.
+const MAX_PAIRWISE: usize = 24;
 
-/// A part where it stands in a configuration.
+/// A part at its pose in a configuration.
 #[derive(Clone, Debug)]
-pub(super) enum Standing {
-    /// Its pose is faulty, so it may be anywhere.
+pub(super) enum PlacedPart {
+    /// The pose is faulty, so the part may be anywhere.
     Anywhere,
-    /// Placed, with a box that holds it; none if it is unbounded.
+    /// The placed part, with a box that contains it, enlarged by half the clearance. `None` if no
+    /// box bounds the part.
     Placed(Box<PlacedShape>, Option<MinMax>),
-    /// An empty mesh, which is nowhere.
+    /// The part is empty, so it is nowhere.
     Nowhere,
 }
 
-impl Standing {
+impl PlacedPart {
     pub(super) fn new(placed: PlacedShape, clearance: f64) -> Self {
         if placed.is_unbounded() {
             return Self::Placed(Box::new(placed), None);
         }
         let Some([min, max]) = placed.bounds() else { return Self::Nowhere };
-        // Each of two parts grows by half of the clearance, and by what rounding may take.
+        // Each of the two parts grows by half of the clearance, rounded up.
         let grow = |x: f64| if clearance > 0.0 { (x + (0.5 * clearance).next_up()).next_up() } else { x };
         let grown = MinMax::new(min.map(|x| -grow(-x)), max.map(grow));
         Self::Placed(Box::new(placed), grown.ok())
     }
 
-    /// Returns the box; none if the part may be anywhere.
+    /// Returns the box, or `None` if there is none.
     fn bounds(&self) -> Option<&MinMax> {
         match self {
             Self::Placed(_, bounds) => bounds.as_ref(),
@@ -53,10 +55,11 @@ impl Standing {
     }
 }
 
-/// Returns the pairs of parts that the scene admits and whose boxes are not apart, sorted, the lesser first; of those that are wanted.
+/// Returns the pairs of parts that the scene admits, for which `is_wanted` returns `true`, and
+/// whose boxes are not proved apart. The pairs are sorted, the smaller part first.
 pub(super) fn pairs_near(
     scene: &Scene,
-    standing: &[Cow<'_, Standing>],
+    placed_parts: &[Cow<'_, PlacedPart>],
     is_wanted: impl Fn(PartId, PartId) -> bool,
 ) -> Vec<[PartId; 2]> {
     let parts: Vec<PartId> = scene.parts().collect();
@@ -67,8 +70,8 @@ pub(super) fn pairs_near(
         }
     };
     let bounded: Vec<(PartId, MinMax)> =
-        parts.iter().filter_map(|&part| Some((part, *standing[part.index()].bounds()?))).collect();
-    if bounded.len() <= FEW {
+        parts.iter().filter_map(|&part| Some((part, *placed_parts[part.index()].bounds()?))).collect();
+    if bounded.len() <= MAX_PAIRWISE {
         for (i, (a, bounds_a)) in bounded.iter().enumerate() {
             for (b, bounds_b) in &bounded[i + 1..] {
                 if overlap(bounds_a, bounds_b) {
@@ -84,15 +87,15 @@ pub(super) fn pairs_near(
             offer(bounded[a as usize].0, bounded[b as usize].0);
         }
     }
-    // What has no box is near everything.
+    // A part without a box is near every part.
     let is_unbounded = |part: PartId| {
-        let standing = &standing[part.index()];
-        !standing.is_nowhere() && standing.bounds().is_none()
+        let placed = &placed_parts[part.index()];
+        !placed.is_nowhere() && placed.bounds().is_none()
     };
     for &a in parts.iter().filter(|&&part| is_unbounded(part)) {
         for &b in &parts {
             let is_second = is_unbounded(b) && b < a;
-            if !is_second && !standing[b.index()].is_nowhere() {
+            if !is_second && !placed_parts[b.index()].is_nowhere() {
                 offer(a, b);
             }
         }

@@ -1,4 +1,4 @@
-//! The parts of a scene, and which pairs of them are asked about.
+//! The parts of a scene, and the pairs of them that are checked.
 
 use std::collections::{HashMap, HashSet};
 use std::error::Error;
@@ -8,7 +8,7 @@ use crate::input::InputError;
 use crate::math::Pose;
 use crate::shape::Shape;
 
-/// A part of a scene, by its place in the order in which parts were added.
+/// Handle of a part of a scene: its index in the order in which parts were added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PartId(u32);
 
@@ -17,7 +17,7 @@ pub struct PartId(u32);
 pub struct Scene {
     parts: Vec<Part>,
     by_name: HashMap<String, PartId>,
-    /// Pairs that are not asked about, the lesser part first.
+    /// Pairs that are not checked, the smaller part first.
     ignored: HashSet<[PartId; 2]>,
 }
 
@@ -29,28 +29,28 @@ pub(super) struct Part {
     group: Option<u32>,
 }
 
-/// Why a part was refused.
+/// The reason why a part was refused.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// Another part has this name.
+    /// Another part already has this name.
     NameTaken {
         /// The name.
         name: String,
     },
-    /// The part cannot stand at its pose.
+    /// The part cannot be placed at its pose.
     Pose {
-        /// The name of the part.
+        /// Name of the part.
         name: String,
-        /// Why not.
+        /// The error of the pose.
         error: InputError,
     },
-    /// There are 2^32 - 1 parts, the most that there may be.
+    /// The scene already has 2^32 - 1 parts, the maximum.
     Full,
 }
 
 impl PartId {
-    /// Returns the place of the part in the order in which parts were added.
+    /// Returns the index of the part in the order in which parts were added.
     #[must_use]
     pub fn index(self) -> usize {
         self.0 as usize
@@ -64,10 +64,12 @@ impl Scene {
         Self::default()
     }
 
-    /// Adds a part: a mesh, a solid (`mesh.solid()`), a shape or a compound, at a pose.
+    /// Adds a part: a mesh, a solid (`mesh.solid()`), a shape or a compound, at a pose. The pose
+    /// maps the part's frame to the world frame.
     ///
     /// # Errors
-    /// If another part has the name, or the part cannot stand at the pose, as a round shape at one that is not rigid.
+    /// Returns an error if another part has the name, or if the part cannot be placed at the pose,
+    /// for example a round shape at a pose that is not rigid.
     pub fn add(
         &mut self,
         name: impl Into<String>,
@@ -90,7 +92,7 @@ impl Scene {
         Ok(part)
     }
 
-    /// Returns the part with a name.
+    /// Returns the part with this name, or `None` if there is none.
     #[must_use]
     pub fn find(&self, name: &str) -> Option<PartId> {
         self.by_name.get(name).copied()
@@ -104,43 +106,44 @@ impl Scene {
     /// Returns the name of a part.
     ///
     /// # Panics
-    /// As all methods that take a part: if it is of another scene, which has more parts.
+    /// Panics if the part belongs to another scene with more parts, as do all methods that take a
+    /// part.
     #[must_use]
     pub fn name(&self, part: PartId) -> &str {
         &self.part(part).name
     }
 
-    /// Returns what a part is made of.
+    /// Returns the shape of a part, in its own frame.
     ///
     /// # Panics
-    /// As [`name`](Self::name).
+    /// As for [`name`](Self::name).
     #[must_use]
     pub fn shape(&self, part: PartId) -> &Shape {
         &self.part(part).shape
     }
 
-    /// Leaves a pair of parts out of all later questions.
+    /// Excludes a pair of parts from all later checks.
     ///
     /// # Panics
-    /// As [`name`](Self::name).
+    /// As for [`name`](Self::name).
     pub fn ignore(&mut self, a: PartId, b: PartId) {
-        assert!(a.max(b).index() < self.parts.len(), "there is no such part");
+        assert!(a.max(b).index() < self.parts.len(), "the scene has no such part: the handle belongs to another scene");
         self.ignored.insert([a.min(b), a.max(b)]);
     }
 
-    /// Puts a part into a group. Parts of one group are not asked about among themselves; a part without a group is asked about with
-    /// all others.
+    /// Puts a part into a group. Parts of the same group are not checked against each other. A part
+    /// without a group is checked against all other parts.
     ///
     /// # Panics
-    /// As [`name`](Self::name).
+    /// As for [`name`](Self::name).
     pub fn set_group(&mut self, part: PartId, group: Option<u32>) {
         self.parts[part.index()].group = group;
     }
 
-    /// Reports whether a pair of parts is asked about.
+    /// Reports whether a pair of parts is checked.
     ///
     /// # Panics
-    /// As [`name`](Self::name).
+    /// As for [`name`](Self::name).
     #[must_use]
     pub fn admits(&self, a: PartId, b: PartId) -> bool {
         let [group_a, group_b] = [a, b].map(|part| self.part(part).group);
@@ -156,7 +159,7 @@ impl Scene {
 impl fmt::Display for SceneError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NameTaken { name } => write!(f, "there is a part {name:?} already"),
+            Self::NameTaken { name } => write!(f, "there is a part {name:?} already: choose another name"),
             Self::Pose { name, error } => write!(f, "part {name:?}: {error}"),
             Self::Full => f.write_str("a scene has at most 2^32 - 1 parts"),
         }

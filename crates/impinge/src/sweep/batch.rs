@@ -7,30 +7,31 @@ use crate::input::InputError;
 use crate::query::batch::{Broadcast, Execution, Stopped};
 use crate::shape::Shape;
 
-/// The [`time_of_impact`] of two things for each row of motions, which `broadcast` names. It has an error if one of the two cannot
-/// stand a motion.
+/// Returns the [`time_of_impact`] of two things for each row of `broadcast`, which selects two
+/// motions. A row holds an error if a motion is not valid for one of the two things.
 ///
 /// ```
 /// use impinge::query::batch::{Broadcast, Execution};
 /// use impinge::sweep::{Motion, times_of_impact};
-/// use impinge::{Pose, Shape};
+/// use impinge::{InputError, Pose, Shape};
 ///
-/// let (ball, floor) = (Shape::sphere([0.0; 3], 0.5)?, Shape::half_space([0.0, 0.0, 1.0], 0.0)?);
+/// let (sphere, floor) = (Shape::sphere([0.0; 3], 0.5)?, Shape::half_space([0.0, 0.0, 1.0], 0.0)?);
 /// let fall = |from: f64| {
 ///     Motion::between(Pose::from_translation([0.0, 0.0, from])?, Pose::from_translation([0.0, 0.0, from - 4.0])?)
 /// };
 /// let (falls, rest) = ([fall(2.5)?, fall(9.0)?], [Motion::default()]);
 /// let broadcast = Broadcast::new(&[2], &[])?;
-/// let found = times_of_impact(&ball, &floor, [&falls, &rest], &broadcast, Execution::default())?;
-/// assert_eq!(found.into_iter().map(|impact| Ok(impact?.hit())).collect::<Result<Vec<_>, impinge::InputError>>()?, [true, false]);
+/// let found = times_of_impact(&sphere, &floor, [&falls, &rest], &broadcast, Execution::default())?;
+/// let hits = found.into_iter().map(|impact| impact.map(|impact| impact.hit()));
+/// assert_eq!(hits.collect::<Result<Vec<bool>, InputError>>()?, [true, false]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// As [`Execution::rows`].
+/// The errors of [`Execution::rows`].
 ///
 /// # Panics
-/// If `broadcast` names a motion that there is not.
+/// If `broadcast` selects a motion that does not exist.
 pub fn times_of_impact(
     a: impl Into<Shape>,
     b: impl Into<Shape>,

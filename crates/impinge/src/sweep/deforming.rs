@@ -1,12 +1,14 @@
-//! Surfaces whose vertices move along lines, and every pair of features of theirs that touches on the way.
+//! Surfaces whose vertices move along lines, and all pairs of their features that touch on the way.
 //!
-//! Triangles that do not touch at the start first touch in a vertex and a face or in two edges. A pair of features can
-//! touch only where the boxes of both over the whole motion overlap, and those are within the boxes of any face that
-//! they belong to. So pairs of faces are found by a tree of boxes, and each vertex and each edge is asked about with
-//! one face alone.
+//! Triangles that do not touch at the start first touch at a vertex and a face, or at two edges.
+//! Two features can touch only if their boxes over the whole motion overlap. Each of these boxes
+//! lies in the box of any face that the feature belongs to. So a tree of boxes finds pairs of
+//! faces, and each vertex and each edge is tested with only one of its faces.
 //!
-//! Source: Curtis, Tamstorf, Manocha, *Fast Collision Detection for Deformable Models using Representative-Triangles*,
-//! I3D 2008.
+//! Source: Curtis, Tamstorf, Manocha, *Fast Collision Detection for Deformable Models using
+//! Representative-Triangles*, I3D 2008.
+//!
+//! The proof is docs/proof.md, L25. The tests are in `tests/it/sweep/deforming.rs`.
 
 use rayon::prelude::*;
 
@@ -18,70 +20,75 @@ use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 use crate::volume::Aabb;
 
-/// Coordinates are at most this, 2^126, so that boxes about them are finite in single precision.
+/// Largest magnitude of a coordinate: 2^126. It keeps the boxes finite in single precision.
 const LIMIT: f64 = (1_u128 << 126) as f64;
 
-/// Triangles whose vertices move evenly along lines, from one array of positions to another; all in one frame.
+/// Triangles whose vertices move along lines at constant speed, from one array of positions to
+/// another, all in one frame.
 #[derive(Debug)]
 pub struct Deforming<'m> {
     faces: &'m [[u32; 3]],
     t0: &'m [[f64; 3]],
     t1: &'m [[f64; 3]],
-    /// For each face, which of its vertices (bits 0 to 2) and of its edges (bits 3 to 5) it stands for: those of which
-    /// it is the first face.
-    stands_for: Vec<u8>,
+    /// Vertices (bits 0 to 2) and edges (bits 3 to 5) that each face represents. Each feature is
+    /// represented by its first face.
+    represents: Vec<u8>,
     /// The faces' boxes over the whole motion.
     boxes: Vec<Aabb>,
-    /// Of the boxes.
+    /// Tree over `boxes`.
     tree: GenericTree<Aabb, 8>,
 }
 
-/// Two features that touch. Faces and vertices are rows of what was given, edges the rows of their ends, the lesser
-/// first.
+/// Two features that touch. A face or a vertex is given by its row in the input. An edge is given
+/// by the rows of its ends, the lesser first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Features {
     /// A vertex of the first surface and a face of the second.
     VertexFace {
-        /// The vertex.
+        /// Row of the vertex.
         vertex: u32,
-        /// The face.
+        /// Row of the face.
         face: u32,
     },
     /// A face of the first surface and a vertex of the second.
     FaceVertex {
-        /// The face.
+        /// Row of the face.
         face: u32,
-        /// The vertex.
+        /// Row of the vertex.
         vertex: u32,
     },
-    /// An edge of each.
+    /// An edge of either surface.
     EdgeEdge {
-        /// The edge of the first surface.
+        /// Edge of the first surface.
         edge_a: [u32; 2],
-        /// The edge of the second surface.
+        /// Edge of the second surface.
         edge_b: [u32; 2],
     },
 }
 
-/// Two features and when they first touch.
+/// Two features, and the time at which they first touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweptContact {
-    /// What touches.
+    /// The features that touch.
     pub features: Features,
-    /// When; a contact that is not decided is listed too.
+    /// The time of first contact. An undecided contact is listed too.
     pub impact: Impact,
 }
 
 impl<'m> Deforming<'m> {
-    /// Judges the arrays and builds the tree.
+    /// Validates the arrays and builds the tree. `t0` and `t1` hold the positions at the start and
+    /// at the end.
     ///
-    /// # Errors A coordinate that is not finite or above 2^126, rows at the end being counted on from those at the
-    /// start; an index without a vertex at both ends; more vertices or faces than can be numbered.
+    /// # Errors
+    /// - A coordinate is not finite, or above 2^126 in magnitude. The reported row counts the rows
+    ///   of `t0`, then those of `t1`.
+    /// - An index has no vertex in `t0` or in `t1`.
+    /// - There are more vertices or faces than can be numbered.
     ///
     /// # Complexity
     /// O(n log n).
     pub fn new(faces: &'m [[u32; 3]], t0: &'m [[f64; 3]], t1: &'m [[f64; 3]]) -> Result<Self, InputError> {
-        judge(faces, t0, t1)?;
+        validate(faces, t0, t1)?;
         let corners = |face: u32| faces[face as usize].map(|vertex| vertex as usize);
         let swept = |face: u32| corners(face).into_iter().flat_map(|vertex| [t0[vertex], t1[vertex]]);
         let boxes: Vec<Aabb> = (0..faces.len() as u32)
@@ -96,11 +103,11 @@ impl<'m> Deforming<'m> {
         let tree = GenericTree::new(&binary, points_of, Enclosure::Layered);
         // Finite points always have a box.
         let tree = tree.ok_or_else(|| InputError::new(InputErrorKind::Empty { what: "points" }))?;
-        Ok(Self { faces, t0, t1, stands_for: stands_for(faces), boxes, tree })
+        Ok(Self { faces, t0, t1, represents: represents(faces), boxes, tree })
     }
 
-    /// Every pair of a vertex and a face, or of two edges, of this and of another surface that touch, sorted, without
-    /// duplicates.
+    /// Returns every pair of a vertex and a face, or of two edges, of this surface and another one
+    /// that touch during the motion. The pairs are sorted and unique.
     ///
     /// ```
     /// use impinge::sweep::{Deforming, Features};
@@ -117,11 +124,13 @@ impl<'m> Deforming<'m> {
     /// # Ok::<(), impinge::InputError>(())
     /// ```
     ///
-    /// # Accuracy That of [`vertex_face`](super::vertex_face): none is missed, and what is listed touches, unless its
-    /// impact is not decided.
+    /// # Accuracy
+    /// The accuracy of [`vertex_face`](super::vertex_face): no contact is missed, and every listed
+    /// pair touches unless its impact is undecided.
     ///
     /// # Complexity
-    /// Grows with the pairs of faces whose boxes over the whole motion overlap, on all cores of the current rayon pool.
+    /// Proportional to the number of pairs of faces whose boxes over the whole motion overlap. The
+    /// work is done on all cores of the current rayon pool.
     #[must_use]
     pub fn contacts(&self, other: &Deforming<'_>) -> Vec<SweptContact> {
         let mut pairs = Vec::new();
@@ -150,11 +159,11 @@ impl<'m> Deforming<'m> {
         }))
     }
 
-    /// Every pair of a vertex and a face, or of two edges, of this surface that have no vertex in common and touch,
-    /// sorted, without duplicates; of two edges the lesser comes first.
+    /// Returns every pair of a vertex and a face, or of two edges, of this surface that touch
+    /// during the motion and have no vertex in common. The pairs are sorted and unique. Of two
+    /// edges, the lesser comes first.
     ///
-    /// # Accuracy
-    /// As [`contacts`](Self::contacts), and so is the complexity.
+    /// Accuracy and complexity are those of [`contacts`](Self::contacts).
     #[must_use]
     pub fn self_contacts(&self) -> Vec<SweptContact> {
         let mut pairs = Vec::new();
@@ -181,19 +190,19 @@ impl<'m> Deforming<'m> {
         }))
     }
 
-    /// The vertices that a face stands for.
+    /// Iterates over the vertices that a face represents.
     fn vertices_of(&self, face: u32) -> impl Iterator<Item = u32> {
-        let (bits, vertices) = (self.stands_for[face as usize], self.faces[face as usize]);
+        let (bits, vertices) = (self.represents[face as usize], self.faces[face as usize]);
         (0..3).filter(move |k| bits >> k & 1 == 1).map(move |k| vertices[k])
     }
 
-    /// The edges that a face stands for.
+    /// Iterates over the edges that a face represents.
     fn edges_of(&self, face: u32) -> impl Iterator<Item = [u32; 2]> {
-        let (bits, vertices) = (self.stands_for[face as usize], self.faces[face as usize]);
+        let (bits, vertices) = (self.represents[face as usize], self.faces[face as usize]);
         (0..3).filter(move |k| bits >> (3 + k) & 1 == 1).map(move |k| edge(&vertices, k))
     }
 
-    /// Positions at both ends of the motion.
+    /// Returns a vertex's positions at both ends of the motion.
     fn ends(&self, vertex: u32) -> [[f64; 3]; 2] {
         [self.t0[vertex as usize], self.t1[vertex as usize]]
     }
@@ -228,14 +237,15 @@ fn sorted(found: impl ParallelIterator<Item = SweptContact>) -> Vec<SweptContact
     found
 }
 
-/// An edge of a face, the lesser vertex first.
+/// Returns an edge of a face, the lesser vertex first.
 fn edge(vertices: &[u32; 3], k: usize) -> [u32; 2] {
     let (a, b) = (vertices[k], vertices[(k + 1) % 3]);
     [a.min(b), a.max(b)]
 }
 
-/// Bits as [`Deforming`] keeps them. An edge from a vertex to itself is nobody's.
-fn stands_for(faces: &[[u32; 3]]) -> Vec<u8> {
+/// Returns the features that each face represents, as bits (see [`Deforming`]). An edge from a
+/// vertex to itself is represented by no face.
+fn represents(faces: &[[u32; 3]]) -> Vec<u8> {
     let mut features: Vec<([u32; 2], u32, u8)> = Vec::with_capacity(6 * faces.len());
     for (face, vertices) in (0..).zip(faces) {
         for k in 0..3 {
@@ -256,7 +266,7 @@ fn stands_for(faces: &[[u32; 3]]) -> Vec<u8> {
     bits
 }
 
-fn judge(faces: &[[u32; 3]], t0: &[[f64; 3]], t1: &[[f64; 3]]) -> Result<(), InputError> {
+fn validate(faces: &[[u32; 3]], t0: &[[f64; 3]], t1: &[[f64; 3]]) -> Result<(), InputError> {
     let too_many = |what, count| Err(InputError::new(InputErrorKind::TooMany { what, count }));
     if t0.len() > u32::MAX as usize {
         return too_many("vertices", t0.len());

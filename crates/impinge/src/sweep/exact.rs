@@ -1,27 +1,31 @@
-//! Contact judged over short intervals in exact arithmetic, where doubles cannot tell.
+//! Contact over short intervals of time, in exact arithmetic. It is used if doubles are not
+//! certain.
 
-use super::floats::Judgement;
+use super::floats::Verdict;
 use super::impact::Impact;
 use super::polynomials::{Polynomials, Split};
-use super::span::{MEETS_LEVEL, Span};
+use super::span::{CONTACT_LEVEL, Span};
 use crate::math::Sign::{self, Negative, Positive, Zero};
 use crate::math::dyadic::Dyadic;
 
-/// How often the motion is halved at most. Contact that is missed by less than what 2^-96 of the motion changes is not
-/// told from contact; more costs time for those that touch without crossing at a time that is no binary fraction.
-const DEEPEST: u32 = 96;
+/// Maximum number of times that the motion is halved. A miss by less than the change over 2^-96 of
+/// the motion is not distinguished from contact. A larger number costs time for pairs that touch
+/// without crossing, at a time that is not a binary fraction.
+const MAX_LEVEL: u32 = 96;
 
-/// What it costs to take up an interval in the middle of the motion, in those that come from halving.
+/// Cost of evaluating an interval in the middle of the motion, in units of an interval that comes
+/// from halving.
 const FRESH_WORK: u32 = 16;
 
 /// The corners as exact numbers.
 pub(super) struct Exact {
     polynomials: Polynomials<Dyadic>,
-    /// By axis, the differences between corners of one simplex and the other, at both ends of the motion.
+    /// Differences by axis between corners of one simplex and of the other, at both ends of the
+    /// motion.
     differences: [Vec<[Dyadic; 2]>; 3],
 }
 
-/// Polynomials over one interval, by positive multiples of their Bernstein coefficients.
+/// Polynomials over one interval, as positive multiples of their Bernstein coefficients.
 struct Node {
     span: Span,
     polynomials: Polynomials<Dyadic>,
@@ -38,16 +42,17 @@ impl Exact {
         Self { polynomials: Polynomials::new(&start, &end, split), differences }
     }
 
-    /// The polynomials, each divided by the sum of its coefficients' magnitudes, which leaves signs as they are, and then
-    /// every coefficient rounded to the nearest float.
+    /// Returns the polynomials, each divided by the sum of its coefficients' magnitudes, with every
+    /// coefficient then rounded to the nearest float. The division keeps all signs.
     pub(super) fn rounded(&self) -> Polynomials<f64> {
         let Polynomials { volume, areas } = &self.polynomials;
-        Polynomials { volume: normalised(volume), areas: areas.each_ref().map(|axis| axis.each_ref().map(normalised)) }
+        Polynomials { volume: normalized(volume), areas: areas.each_ref().map(|axis| axis.each_ref().map(normalized)) }
     }
 
-    /// The first contact within `span`; nothing where it is disproved there.
+    /// Returns the first contact within `span`, or `None` if contact is disproved there.
     ///
-    /// Takes one of `work` for each interval that is looked at; with none left, the answer is the safe one.
+    /// Each interval takes one unit of `work`. If no work is left, the result is undecided, which
+    /// is the safe answer.
     pub(super) fn first_contact(&self, span: Span, work: &mut u32) -> Option<Impact> {
         *work = work.saturating_sub(FRESH_WORK);
         let mut stack = vec![self.node(span)];
@@ -58,18 +63,18 @@ impl Exact {
                 return Some(undecided);
             }
             *work -= 1;
-            let judgement = self.judge(&node);
-            if judgement == Judgement::Apart {
+            let verdict = self.classify(&node);
+            if verdict == Verdict::Apart {
                 continue;
             }
             if self.touches_at_start(&node) {
                 return Some(Impact { t_lower: span.low(), t_upper: span.low_above() });
             }
-            if span.level >= MEETS_LEVEL {
-                if judgement == Judgement::Meets || self.touches_at_end(&node) {
+            if span.level >= CONTACT_LEVEL {
+                if verdict == Verdict::Contact || self.touches_at_end(&node) {
                     return Some(Impact { t_lower: span.low(), t_upper: span.high() });
                 }
-                if span.level >= DEEPEST {
+                if span.level >= MAX_LEVEL {
                     return Some(undecided);
                 }
             }
@@ -86,7 +91,7 @@ impl Exact {
         let mix = |x: &Dyadic, y: &Dyadic, t: &Dyadic| &(x * &(&one - t)) + &(y * t);
         let halve =
             |c: &[Dyadic], t: &Dyadic| -> Vec<Dyadic> { c.windows(2).map(|pair| mix(&pair[0], &pair[1], t)).collect() };
-        // The value of the polar form at `low` so often and at `high` for the rest.
+        // Value of the polar form at `low` taken `at_low` times and at `high` for the rest.
         let polar = |c: &[Dyadic], at_low: usize| {
             let mut c = c.to_vec();
             while c.len() > 1 {
@@ -103,27 +108,27 @@ impl Exact {
         Node { span, polynomials: Polynomials { volume, areas } }
     }
 
-    fn judge(&self, node: &Node) -> Judgement {
+    fn classify(&self, node: &Node) -> Verdict {
         let Polynomials { volume, areas } = &node.polynomials;
         if common_sign(volume).is_some() {
-            return Judgement::Apart;
+            return Verdict::Apart;
         }
         let mut is_inside = false;
         for axis in areas {
             let signs = axis.each_ref().map(common_sign);
             if signs.contains(&Some(Positive)) && signs.contains(&Some(Negative)) {
-                return Judgement::Apart;
+                return Verdict::Apart;
             }
             is_inside |= !signs.contains(&None);
         }
         if is_inside {
             let crosses = volume[0].sign() != Zero && volume[0].sign() == -volume[3].sign();
-            return if crosses { Judgement::Meets } else { Judgement::Open };
+            return if crosses { Verdict::Contact } else { Verdict::Undecided };
         }
         if self.are_separated(&[node.span.index, node.span.index + 1], node.span.level) {
-            return Judgement::Apart;
+            return Verdict::Apart;
         }
-        Judgement::Open
+        Verdict::Undecided
     }
 
     fn touches_at_start(&self, node: &Node) -> bool {
@@ -140,8 +145,8 @@ impl Exact {
             && !self.are_separated(&[node.span.index + 1], node.span.level)
     }
 
-    /// Whether the corners of one simplex are beyond those of the other along some axis, at all of some times that are
-    /// so many `2^-level`.
+    /// Reports whether the corners of one simplex are beyond those of the other along some axis at
+    /// all given times. The times are multiples of `2^-level`.
     fn are_separated(&self, times: &[u128], level: u32) -> bool {
         let one = Dyadic::from_f64(1.0);
         let times: Vec<Dyadic> = times.iter().map(|&index| exact_time(index, level)).collect();
@@ -187,7 +192,7 @@ impl Node {
     }
 }
 
-fn normalised<const N: usize>(coefficients: &[Dyadic; N]) -> [f64; N] {
+fn normalized<const N: usize>(coefficients: &[Dyadic; N]) -> [f64; N] {
     let sum = coefficients.iter().fold(Dyadic::ZERO, |sum, x| if x.sign() == Negative { &sum - x } else { &sum + x });
     if sum.sign() == Zero {
         return [0.0; N];
@@ -195,22 +200,22 @@ fn normalised<const N: usize>(coefficients: &[Dyadic; N]) -> [f64; N] {
     coefficients.each_ref().map(|x| Dyadic::nearest_quotient(x, &sum))
 }
 
-/// `index / 2^level`.
+/// Returns the time `index / 2^level`, exactly.
 fn exact_time(index: u128, level: u32) -> Dyadic {
-    // No index has more than 97 bits: both parts are exact.
+    // No index has more than 97 bits, so both parts are exact.
     let (high, low) = ((index >> 50) as f64, (index & ((1 << 50) - 1)) as f64);
     let step = f64::from_bits(u64::from(1023 - level) << 52);
     let fifty = (1_u64 << 50) as f64;
     &Dyadic::product(high, step * fifty) + &Dyadic::product(low, step)
 }
 
-/// The sign of all of some numbers, where it is one and not zero.
+/// Returns the common sign of some numbers, or `None` if their signs differ or one is zero.
 fn common_sign<const N: usize>(values: &[Dyadic; N]) -> Option<Sign> {
     let sign = values[0].sign();
     (sign != Zero && values.iter().all(|x| x.sign() == sign)).then_some(sign)
 }
 
-/// Whether no two of some signs are opposite.
+/// Reports whether no two signs are opposite.
 fn agree(signs: [Sign; 4]) -> bool {
     !(signs.contains(&Positive) && signs.contains(&Negative))
 }

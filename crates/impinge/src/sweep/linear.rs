@@ -1,33 +1,40 @@
-//! The first contact of a vertex with a face, and of two edges, while their corners move along lines.
+//! The first contact of a vertex with a face, and of two edges, when their corners move along
+//! lines.
 //!
-//! The interval of times is halved, earlier half first, until contact is disproved, proved, or neither can be
-//! (`polynomials` says by what). Doubles decide nearly all of it, and exact arithmetic the rest.
+//! The interval of times is halved, earlier half first, until contact is disproved, proved, or
+//! undecidable; `polynomials` has the criteria. Doubles decide nearly all cases, and exact
+//! arithmetic decides the rest.
 //!
-//! Source: what is halved is time alone, where Wang, Ferguson, Schneider, Jiang, Attene, Panozzo, *A Large Scale
-//! Benchmark and an Inclusion-Based Algorithm for Continuous Collision Detection*, ACM TOG 40(5), 2021, halves time
-//! and both parameters of the face; so contact that is missed is told from contact however narrowly.
+//! Source: only time is halved. Wang, Ferguson, Schneider, Jiang, Attene, Panozzo, *A Large Scale
+//! Benchmark and an Inclusion-Based Algorithm for Continuous Collision Detection*, ACM TOG 40(5),
+//! 2021, halve time and both parameters of the face. So ours distinguishes a miss from contact
+//! however narrow it is.
+//!
+//! The proof is docs/proof.md, L23. The tests are in `tests/it/sweep`, and the benchmark is `ccd`
+//! in `impinge-bench`.
 
 use super::exact::Exact;
-use super::floats::{Floats, Judgement, stay_apart};
+use super::floats::{Floats, Verdict, are_always_apart};
 use super::impact::Impact;
 use super::polynomials::Split;
-use super::span::{MEETS_LEVEL, Span};
+use super::span::{CONTACT_LEVEL, Span};
 use crate::input::{InputError, InputErrorKind};
 
-/// Intervals that are looked at in doubles, a tenth of a microsecond each, before and after their coefficients are
-/// computed exactly. Contact takes about fifty.
+/// Maximum number of intervals evaluated in doubles, before and again after their coefficients are
+/// computed exactly. Each costs 0.1 microseconds. Contact takes about 50.
 const FLOAT_WORK: u32 = 256;
 
-/// Intervals that are looked at in exact arithmetic, some microseconds each.
+/// Maximum number of intervals evaluated in exact arithmetic. Each costs some microseconds.
 const EXACT_WORK: u32 = 1024;
 
-/// The largest magnitude of a coordinate, that of a mesh's vertices.
+/// Exclusive limit on the magnitude of a coordinate: 2^128, as for the vertices of a mesh.
 const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 
-/// When a moving vertex and a moving face first touch.
+/// Returns the time at which a moving vertex and a moving face first touch.
 ///
-/// Rows are the vertex and the three corners of the face, at the start and at the end; each moves from one to the other
-/// along a line, evenly. A face without area is the segment or the point that it spans.
+/// `t0` and `t1` hold the vertex and the three corners of the face at the start and at the end.
+/// Each point moves along a line at constant speed. A face without area is the segment or the point
+/// that it spans.
 ///
 /// ```
 /// use impinge::sweep;
@@ -43,24 +50,29 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 /// ```
 ///
 /// # Errors
-/// [`NonFinite`](InputErrorKind::NonFinite) and [`OutOfRange`](InputErrorKind::OutOfRange), where a coordinate is not
-/// below 2^128; corners at the end are counted on from those at the start.
+/// [`NonFinite`](InputErrorKind::NonFinite) if a coordinate is not finite, and
+/// [`OutOfRange`](InputErrorKind::OutOfRange) if its magnitude is not below 2^128. The reported row
+/// counts the corners of `t0`, then those of `t1`.
 ///
-/// # Accuracy The truth about the real motion lies in the interval that is returned: infinite times where there is no
-/// contact. Where contact is proved, the interval is at most 2^-30 wide, mostly 2^-40. What is not decided in bounded
-/// work has an infinite `t_upper`; that is contact, or a miss by less than 2^-96 of the motion, or one that stays that
-/// close for long. Tested against an exact oracle in `tests/it/sweep`.
+/// # Accuracy
+/// The returned interval holds the true first time of the real motion; both times are infinite if
+/// there is no contact. If contact is proved, the interval is at most 2^-30 wide, mostly 2^-40. A
+/// result that is not decided within the limit on work has an infinite `t_upper`. Then there is
+/// contact, or a miss by less than 2^-96 of the motion, or a miss that stays that close for long.
+/// An exact oracle tests this in `tests/it/sweep`.
 ///
-/// # Complexity Constant: well under a microsecond for most that do not touch, some microseconds for those that do,
-/// and milliseconds at the worst.
+/// # Complexity
+/// Constant: well under a microsecond for most pairs that do not touch, some microseconds for pairs
+/// that do, and milliseconds in the worst case.
 pub fn vertex_face(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4]) -> Result<Impact, InputError> {
-    judge(t0, t1)?;
+    validate(t0, t1)?;
     Ok(first_contact(t0, t1, Split::VertexFace))
 }
 
-/// When two moving edges first touch.
+/// Returns the time at which two moving edges first touch.
 ///
-/// Rows are the ends of one edge, then those of the other. An edge without length is a point.
+/// `t0` and `t1` hold the ends of one edge, then those of the other, at the start and at the end.
+/// An edge without length is a point.
 ///
 /// ```
 /// use impinge::sweep;
@@ -74,13 +86,13 @@ pub fn vertex_face(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4]) -> Result<Impact, Inp
 /// ```
 ///
 /// # Errors
-/// As [`vertex_face`], and so are accuracy and complexity.
+/// The errors of [`vertex_face`]. Accuracy and complexity are the same too.
 pub fn edge_edge(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4]) -> Result<Impact, InputError> {
-    judge(t0, t1)?;
+    validate(t0, t1)?;
     Ok(first_contact(t0, t1, Split::EdgeEdge))
 }
 
-fn judge(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4]) -> Result<(), InputError> {
+fn validate(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4]) -> Result<(), InputError> {
     for (index, row) in t0.iter().chain(t1).enumerate() {
         if !row.iter().all(|x| x.is_finite()) {
             return Err(InputError::new(InputErrorKind::NonFinite { what: "corner", index }));
@@ -92,30 +104,30 @@ fn judge(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4]) -> Result<(), InputError> {
     Ok(())
 }
 
-/// The first contact of corners that are in range.
+/// Returns the first contact of corners that are in range.
 pub(super) fn first_contact(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4], split: Split) -> Impact {
-    if stay_apart(t0, t1, split) {
+    if are_always_apart(t0, t1, split) {
         return Impact::NEVER;
     }
     let mut floats = Floats::new(t0, t1, split);
     let mut exact: Option<Exact> = None;
     let (mut float_work, mut exact_work) = (FLOAT_WORK, EXACT_WORK);
-    // Each interval with whether areas are known to be of one sign there, and the end of the shortest interval about
-    // it that is proved to hold contact.
-    let mut stack = [(Span::WHOLE, false, f64::INFINITY); MEETS_LEVEL as usize + 2];
+    // Each interval, with two more values: whether areas are known to have one sign there, and the
+    // end of the shortest interval around it that is proved to hold contact.
+    let mut stack = [(Span::WHOLE, false, f64::INFINITY); CONTACT_LEVEL as usize + 2];
     let mut height = 1;
     while height > 0 {
         height -= 1;
         let (span, mut is_inside, mut t_upper) = stack[height];
         let (low, high) = (span.low(), span.high());
-        let judgement = floats.judge(low, high, &mut is_inside);
-        match judgement {
-            Judgement::Apart => continue,
-            Judgement::Meets => t_upper = high,
-            Judgement::Open | Judgement::Blind => {}
+        let verdict = floats.classify(low, high, &mut is_inside);
+        match verdict {
+            Verdict::Apart => continue,
+            Verdict::Contact => t_upper = high,
+            Verdict::Undecided | Verdict::Blind => {}
         }
-        let is_worth_halving = span.level < MEETS_LEVEL && judgement != Judgement::Blind;
-        if !is_worth_halving && t_upper - low <= WIDEST {
+        let is_worth_halving = span.level < CONTACT_LEVEL && verdict != Verdict::Blind;
+        if !is_worth_halving && t_upper - low <= MAX_CONTACT_WIDTH {
             return Impact { t_lower: low, t_upper };
         }
         if is_worth_halving && float_work > 0 {
@@ -127,7 +139,8 @@ pub(super) fn first_contact(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4], split: Split
             continue;
         }
         let Some(exact) = &exact else {
-            // Doubles once more, but rounded from exact numbers: what cancels in them has cancelled already.
+            // Uses doubles once more, but rounded from exact numbers: cancellation has then already
+            // happened exactly.
             let known = exact.insert(Exact::new(t0, t1, split));
             floats.sharpen(known.rounded());
             float_work = FLOAT_WORK;
@@ -141,5 +154,6 @@ pub(super) fn first_contact(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4], split: Split
     Impact::NEVER
 }
 
-/// How wide an interval that is proved to hold contact may be where doubles do not tell more about it: 2^-30.
-const WIDEST: f64 = 1.0 / (1_u64 << 30) as f64;
+/// Maximum width of an interval with proved contact that is returned if doubles prove nothing more
+/// about it: 2^-30.
+const MAX_CONTACT_WIDTH: f64 = 1.0 / (1_u64 << 30) as f64;

@@ -1,4 +1,11 @@
-//! When moving things first touch.
+//! Continuous collision detection: the times at which moving things first touch.
+//!
+//! - `time_of_impact` handles meshes and shapes that move rigidly;
+//! - `linear` handles a vertex and a face, or two edges, whose corners move along lines;
+//! - `deforming` handles surfaces whose vertices move along lines.
+//!
+//! The proofs are in docs/proof.md, L23 to L25. The tests are in `tests/it/sweep`, and the
+//! benchmark is `ccd` in `impinge-bench`.
 
 mod batch;
 mod deforming;

@@ -1,42 +1,47 @@
-//! A rigid motion over the time from 0 to 1: a screw, or what joins two poses.
+//! A rigid motion over the time from 0 to 1: a screw, or the motion between two poses.
 //!
-//! The sine and cosine of the platform take no part: a turn is a quaternion of a small angle, by its series, squared
-//! as often as the angle was halved.
+//! The platform's sine and cosine are not used, so results do not depend on it. A rotation is a
+//! quaternion of a small angle, computed by its series, and squared as often as the angle was
+//! halved.
+//!
+//! The proof is docs/proof.md, L24. The tests are in `tests/it/sweep/rigid.rs`.
 
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 use crate::math::arctangent::angle;
 use crate::math::vec3::scaled_length;
 
-/// The greatest Frobenius norm of RᵀR - I that passes for rigid, as for round shapes.
-const RIGID: f64 = 1e-4;
+/// Maximum Frobenius norm of RᵀR - I of a linear part that counts as rigid, as for round shapes.
+const MAX_DEVIATION: f64 = 1e-4;
 
-/// The largest magnitude of an entry of a velocity or a pivot, that of a translation.
+/// Maximum magnitude of an entry of a velocity or a pivot: 2^300, as for a translation.
 const LIMIT: f64 = f64::from_bits((1023 + 300) << 52);
 
-/// The fastest turn, in radians: 2^20. An error of the angle grows with it.
+/// Maximum magnitude of an entry of the angular velocity, in radians: 2^20. The error of the
+/// rotation grows with the angle.
 const ANGULAR_LIMIT: f64 = (1 << 20) as f64;
 
 const UNIT: f64 = 0.5 * f64::EPSILON;
 
-/// Where a rigid body is at each time from 0 to 1.
+/// The poses of a rigid body at all times from 0 to 1.
 ///
-/// With P₀ the first pose, p the pivot, l the linear and w the angular velocity, all of them the reals that the floats
-/// are, a point v of the body is at time t at `p + l t + exp(t [w]) (P₀ v - p) + t D v`: D is zero for a screw, and
-/// for a motion between two poses it is what the linear part of the second differs by from the turn of the first,
-/// which is no more than rounding or the first's deviation from a rotation.
+/// Let P₀ be the first pose, p the pivot, l the linear and w the angular velocity, each being the
+/// real numbers that its floats represent. A point v of the body is at time t at
+/// `p + l t + exp(t [w]) (P₀ v - p) + t D v`, in the world frame. D is zero for a screw. For a
+/// motion between two poses, D is the difference between the second linear part and the rotated
+/// first one. That is only rounding, and the first linear part's deviation from a rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     world_from_body_t0: Pose,
     linear: [f64; 3],
     angular: [f64; 3],
     pivot: [f64; 3],
-    /// D, rounded.
+    /// The matrix D, rounded.
     difference: [[f64; 3]; 3],
 }
 
 impl Motion {
-    /// A body that rests.
+    /// Returns the motion of a body at rest.
     #[must_use]
     pub fn resting(world_from_body: Pose) -> Self {
         let pivot = *world_from_body.translation();
@@ -49,8 +54,9 @@ impl Motion {
         }
     }
 
-    /// From one pose to another: the origin of the body's frame moves evenly along a line, and the body turns evenly
-    /// about it by the least angle. Poses with equal linear parts need not be rigid, as nothing turns then.
+    /// Returns the motion from one pose to another. The origin of the body's frame moves along a
+    /// line at constant speed, and the body turns about it by the smallest angle at constant speed.
+    /// Poses with equal linear parts need not be rigid, because then nothing turns.
     ///
     /// ```
     /// use impinge::Pose;
@@ -64,8 +70,8 @@ impl Motion {
     /// ```
     ///
     /// # Errors
-    /// [`NotRigid`](InputErrorKind::NotRigid) where the linear parts differ and one is off a rotation by more than
-    /// 1e-4, or one mirrors and the other does not.
+    /// [`NotRigid`](InputErrorKind::NotRigid) if the linear parts differ and one deviates from a
+    /// rotation by more than 1e-4, or only one of the poses mirrors.
     pub fn between(world_from_body_t0: Pose, world_from_body_t1: Pose) -> Result<Self, InputError> {
         let (from, to) = (world_from_body_t0.linear(), world_from_body_t1.linear());
         let (start, end) = (world_from_body_t0.translation(), world_from_body_t1.translation());
@@ -75,12 +81,13 @@ impl Motion {
             return Ok(resting);
         }
         let deviation = deviation(from).max(deviation(to));
-        if deviation > RIGID {
+        if deviation > MAX_DEVIATION {
             return Err(InputError::new(InputErrorKind::NotRigid { deviation }));
         }
         if world_from_body_t0.mirrors() != world_from_body_t1.mirrors() {
             let kind = InputErrorKind::NotRigid { deviation: 2.0 };
-            return Err(InputError::new(kind).with_hint("one pose mirrors and the other does not"));
+            return Err(InputError::new(kind)
+                .with_hint("one pose mirrors and the other does not; give two poses of the same handedness"));
         }
         let turn = [0, 1, 2].map(|i| [0, 1, 2].map(|j| (0..3).map(|k| to[i][k] * from[j][k]).sum::<f64>()));
         let turning = Self { angular: rotation_vector(&turn), ..resting };
@@ -89,14 +96,17 @@ impl Motion {
         Ok(Self { difference, ..turning })
     }
 
-    /// A screw: the body turns about an axis through `pivot`, evenly by the vector `angular` in radians over the whole
-    /// time, any number of turns, while the pivot moves evenly by `linear`; all in the world frame. Without a pivot
-    /// that is the origin of the body's frame.
+    /// Returns a screw motion. The body turns about an axis through `pivot` at constant speed, by
+    /// the vector `angular` in radians over the whole time; any number of turns is valid. The pivot
+    /// moves by `linear` at constant speed. All vectors are in the world frame. `None` as pivot
+    /// means the origin of the body's frame.
     ///
     /// # Errors
-    /// [`NonFinite`](InputErrorKind::NonFinite), [`OutOfRange`](InputErrorKind::OutOfRange) beyond 2^20 radians or
-    /// 2^300 units;
-    /// [`NotRigid`](InputErrorKind::NotRigid) where the body turns and the pose is off a rotation by more than 1e-4.
+    /// - [`NonFinite`](InputErrorKind::NonFinite) if an entry is not finite;
+    /// - [`OutOfRange`](InputErrorKind::OutOfRange) if an entry is beyond 2^20 radians or 2^300
+    ///   units;
+    /// - [`NotRigid`](InputErrorKind::NotRigid) if the body turns and the pose deviates from a
+    ///   rotation by more than 1e-4.
     pub fn screw(
         world_from_body_t0: Pose,
         linear: [f64; 3],
@@ -109,27 +119,28 @@ impl Motion {
             ("angular velocity", angular, ANGULAR_LIMIT, "2^20"),
             ("pivot", pivot, LIMIT, "2^300"),
         ];
-        for (what, row, most, limit) in rows {
+        for (what, row, largest, limit) in rows {
             for (index, x) in row.into_iter().enumerate() {
                 if !x.is_finite() {
                     return Err(InputError::new(InputErrorKind::NonFinite { what, index }));
                 }
-                if x.abs() > most {
+                if x.abs() > largest {
                     return Err(InputError::new(InputErrorKind::OutOfRange { what, index, limit }));
                 }
             }
         }
         let deviation = deviation(world_from_body_t0.linear());
-        if angular != [0.0; 3] && deviation > RIGID {
+        if angular != [0.0; 3] && deviation > MAX_DEVIATION {
             return Err(InputError::new(InputErrorKind::NotRigid { deviation }));
         }
         Ok(Self { linear, angular, pivot, ..Self::resting(world_from_body_t0) })
     }
 
-    /// The pose at a time from 0 to 1, rounded; exactly the first pose at 0. Times outside are taken as the nearer end.
+    /// Returns the pose at a time from 0 to 1, rounded. At time 0 it is exactly the first pose.
+    /// Times outside [0, 1] count as the nearer end, and NaN as 0.
     ///
     /// # Accuracy
-    /// Some 1e-15 of the distances from pivot and origin for each radian.
+    /// About 1e-15 of the distances from pivot and origin, for each radian.
     #[must_use]
     pub fn at(&self, t: f64) -> Pose {
         let start = &self.world_from_body_t0;
@@ -142,18 +153,20 @@ impl Motion {
             let moved = turned[k][0] * arm[0] + turned[k][1] * arm[1] + turned[k][2] * arm[2];
             moved + (self.pivot[k] + t * self.linear[k])
         });
-        // A pose that nearly is a rotation is invertible, and where nothing turns the linear part is the first one's; a
-        // translation beyond the range of poses stays at its limit, where nothing is near anything.
+        // A pose that is nearly a rotation is invertible. If nothing turns, the linear part is the
+        // first one's. A translation beyond the range of poses stays at its limit, where nothing is
+        // near anything.
         let within = translation.map(|x| x.clamp(-LIMIT, LIMIT));
         Pose::new(linear, within).unwrap_or(*start)
     }
 
-    /// The velocity of the pivot.
+    /// Returns the velocity of the pivot, in world units over the whole time.
     pub(super) fn linear(&self) -> [f64; 3] {
         self.linear
     }
 
-    /// No less than the speed, at any time, of any of some points of the body, apart from the velocity of the pivot.
+    /// Returns an upper bound on the speed of some points of the body at any time, without the
+    /// velocity of the pivot.
     pub(super) fn turning_speed(&self, points: impl Iterator<Item = [f64; 3]>) -> f64 {
         if self.angular == [0.0; 3] {
             return 0.0;
@@ -167,16 +180,17 @@ impl Motion {
             let velocity = [y * w - z * v, z * u - x * w, x * v - y * u];
             squared = squared.max(velocity.iter().map(|x| x * x).sum());
         }
-        // Images are off by 8 u of what they are summed up from, and products by as much again.
+        // Images are wrong by 8 u of their summands, and products by as much again.
         let sizes = 2.0 * reach + length(*self.world_from_body_t0.translation()) + length(self.pivot);
         let rounding = 64.0 * UNIT * length(self.angular) * sizes;
         let difference = length(self.difference.map(length)) + self.rotation_error();
-        // The last is for squares that vanish; it is not zero, as the body does not rest.
+        // The last summand covers squares that underflow. It is not zero because the body is not at
+        // rest.
         (squared.sqrt() + rounding + difference * reach) * (1.0 + 1e-12) + 1e-150
     }
 
-    /// No less than what the image of a point, no farther than `reach` from the body's origin, under [`at`](Self::at)
-    /// is off by, at any time but zero.
+    /// Returns an upper bound on the error of [`at`](Self::at), at any time except zero, for the
+    /// image of a point within `reach` of the body's origin.
     pub(super) fn error(&self, reach: f64) -> f64 {
         let start = self.world_from_body_t0.translation();
         let stretch = length(self.world_from_body_t0.linear().map(length));
@@ -186,17 +200,17 @@ impl Motion {
         ((turning + 32.0 * UNIT) * (arm + 3.0 * stretch * reach) + 32.0 * UNIT * sizes) * (1.0 + 1e-12)
     }
 
-    /// No less than the operator norm by which [`rotation`](Self::rotation) is off.
+    /// Returns an upper bound on the error of [`rotation`](Self::rotation), as an operator norm.
     ///
-    /// The quaternion of the smallest angle is off by 16 u at most, the halved product of time and velocity, the
-    /// series and their product together. Each squaring doubles that and adds less than 8 u: after k of them there are
-    /// 2^k · 24 u, with 2^k at most 8 |w| + 1, which turn the matrix by four times as much; its own rounding is below
-    /// 40 u.
+    /// The quaternion of the smallest angle is wrong by at most 16 u: the halved product of time
+    /// and velocity, the series and their product together. Each squaring doubles that and adds
+    /// less than 8 u. After k squarings it is 2^k · 24 u, with 2^k at most 8 |w| + 1. The matrix is
+    /// wrong by four times as much, and its own rounding is below 40 u.
     fn rotation_error(&self) -> f64 {
         UNIT * (160.0 + 800.0 * length(self.angular))
     }
 
-    /// exp(t [w]), rounded.
+    /// Returns exp(t [w]), rounded.
     fn rotation(&self, t: f64) -> [[f64; 3]; 3] {
         if self.angular == [0.0; 3] {
             return *Pose::IDENTITY.linear();
@@ -231,14 +245,14 @@ impl Motion {
 }
 
 impl Default for Motion {
-    /// A body that rests where its frame is the world.
+    /// Returns the motion of a body at rest whose frame is the world frame.
     fn default() -> Self {
         Self::resting(Pose::IDENTITY)
     }
 }
 
-/// The axis times the angle, between 0 and π, of a matrix that nearly is a rotation (Shepperd 1978). What it is off by
-/// is in the difference that a motion keeps.
+/// Returns the axis times the angle, between 0 and π, of a matrix that is nearly a rotation
+/// (Shepperd 1978). A motion stores the remaining error in its difference D.
 fn rotation_vector(m: &[[f64; 3]; 3]) -> [f64; 3] {
     let trace = m[0][0] + m[1][1] + m[2][2];
     let squares = [trace, m[0][0], m[1][1], m[2][2]].map(|x| (1.0 + 2.0 * x - trace).max(0.0));
@@ -261,7 +275,7 @@ fn rotation_vector(m: &[[f64; 3]; 3]) -> [f64; 3] {
     v.map(|x| factor * x)
 }
 
-/// The Frobenius norm of RᵀR - I.
+/// Returns the Frobenius norm of RᵀR - I.
 fn deviation(m: &[[f64; 3]; 3]) -> f64 {
     let entry = |i: usize, j: usize| m.iter().map(|row| row[i] * row[j]).sum::<f64>() - f64::from(u8::from(i == j));
     let squares = (0..9).map(|k| entry(k / 3, k % 3).powi(2)).sum::<f64>();

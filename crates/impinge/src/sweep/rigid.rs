@@ -1,22 +1,25 @@
-//! When two meshes that move rigidly first touch, by conservative advancement ([`time_of_impact`](super::time_of_impact)).
+//! The time at which two rigidly moving meshes first touch, by conservative advancement (see
+//! [`time_of_impact`](super::time_of_impact)).
 
 use super::impact::Impact;
 use super::motion::Motion;
 use crate::mesh::{Mesh, PlacedMesh};
 use crate::query::{Cache, Query, intersects};
 
-/// Steps at most. Meshes that go for each other take one or two for each turn of a radian; those that pass each other
-/// closely take one for each gap's length of their way.
-const STEPS: usize = 1024;
+/// Maximum number of steps. Meshes that approach each other directly take one or two for each
+/// radian of rotation. Meshes that pass closely take one for each piece of their path as long as
+/// the gap.
+const MAX_STEPS: usize = 1024;
 
-/// Meshes nearer than this share of their sizes count as touching where no more can be proved: 2^-38.
+/// Maximum distance of meshes that count as touching, relative to the sum of their sizes: 2^-38.
+/// Nothing more can be proved below it.
 pub(super) const TOUCHING: f64 = 1.0 / (1_u64 << 38) as f64;
 
-/// More than a length whose square vanishes.
+/// Bound on a length whose square underflows.
 pub(super) const VANISHING: f64 = 1e-150;
 
-/// When two meshes, as surfaces or as solids, first touch while each moves rigidly. What starts outside a solid meets its surface
-/// first.
+/// Returns the time at which two rigidly moving meshes first touch. Each mesh is a surface or a
+/// solid. A mesh that starts outside a solid touches its surface first.
 pub(super) fn of_meshes([a, b]: [&Mesh; 2], is_solid: [bool; 2], motion_a: &Motion, motion_b: &Motion) -> Impact {
     if a.faces().is_empty() || b.faces().is_empty() {
         return Impact::NEVER;
@@ -45,23 +48,25 @@ pub(super) fn of_meshes([a, b]: [&Mesh; 2], is_solid: [bool; 2], motion_a: &Moti
     Impact { t_lower: t, t_upper: contact_after(t, |t| intersects(a.at(motion_a.at(t)), b.at(motion_b.at(t)))) }
 }
 
-/// How two bodies approach each other.
+/// Bounds on the approach of two bodies.
 pub(super) struct Course {
-    /// No two of their points approach each other faster.
+    /// Upper bound on the speed at which any two of their points approach each other, in world
+    /// units over the whole time.
     pub(super) speed: f64,
-    /// What rounded poses add to or take from a distance at most, but at the start.
+    /// Bound on the error of a distance that comes from rounded poses. At time 0 there is none.
     pub(super) error: f64,
-    /// A distance that counts as none.
+    /// Distance that counts as touching.
     pub(super) touching: f64,
 }
 
 impl Course {
-    /// A time before which nothing touches, where the bodies nearly do or the steps were spent; none where they stay apart. The
-    /// distance at a time is not above the true one.
+    /// Returns a time before which nothing touches, or `None` if the bodies stay apart. At that
+    /// time the bodies nearly touch, or the limit on steps was reached. `distance` must return a
+    /// lower bound on the distance at a time.
     pub(super) fn first_contact(&self, mut distance: impl FnMut(f64) -> f64) -> Option<f64> {
         let Self { speed, error, touching } = *self;
         let mut t = 0.0_f64;
-        for _ in 0..STEPS {
+        for _ in 0..MAX_STEPS {
             let gap = distance(t) - if t == 0.0 { 0.0 } else { error };
             if gap > speed * (1.0 - t) * (1.0 + 1e-12) {
                 return None;
@@ -76,13 +81,15 @@ impl Course {
     }
 }
 
-/// A time from `t` on at which the meshes intersect, looked for in growing steps.
+/// Returns a time at or after `t` at which the meshes intersect, or infinity. It tries growing
+/// steps.
 pub(super) fn contact_after(t: f64, intersect: impl Fn(f64) -> bool) -> f64 {
     let steps = (0..13).map(|k| 16.0 * TOUCHING * (1_u64 << (2 * k)) as f64);
     std::iter::once(0.0).chain(steps).map(|step| (t + step).min(1.0)).find(|&t| intersect(t)).unwrap_or(f64::INFINITY)
 }
 
-/// How far the farthest vertex is from the origin of the mesh's frame, or more.
+/// Returns an upper bound on the distance of the farthest vertex from the origin of the mesh's
+/// frame.
 fn reach(mesh: &Mesh) -> f64 {
     let squared = points(mesh).map(|p| p.iter().map(|x| x * x).sum::<f64>()).fold(0.0, f64::max);
     squared.sqrt() * (1.0 + 1e-12) + VANISHING

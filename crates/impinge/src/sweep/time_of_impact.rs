@@ -1,4 +1,5 @@
-//! When two things that move rigidly first touch: two meshes, or shapes by the same advancement.
+//! The time at which two rigidly moving things first touch: meshes, or shapes by the same
+//! advancement.
 
 use super::impact::Impact;
 use super::motion::Motion;
@@ -8,10 +9,11 @@ use crate::math::Pose;
 use crate::query::{distance, intersects};
 use crate::shape::{PlacedShape, Shape};
 
-/// When two things first touch while each moves rigidly: meshes, as surfaces or as solids, shapes and compounds.
+/// Returns the time at which two things first touch when each moves rigidly. They may be meshes, as
+/// surfaces or as solids, shapes or compounds.
 ///
-/// Things that touch or overlap at the start, or of which one starts inside the other, a solid, give 0. Those that pass through each
-/// other between the start and the end are found.
+/// The time is 0 if the things touch or overlap at the start, or if one starts inside the other, a
+/// solid. Things that pass through each other between the start and the end are found.
 ///
 /// ```
 /// use impinge::sweep::{Impact, Motion, time_of_impact};
@@ -23,8 +25,8 @@ use crate::shape::{PlacedShape, Shape};
 /// let impact = time_of_impact(&mesh, &mesh, &Motion::default(), &fall)?;
 /// assert!(impact.hit() && impact.t_lower <= 0.75 && impact.t_lower > 0.75 - 1e-9);
 ///
-/// let ball = Shape::sphere([0.0; 3], 0.5)?;
-/// let impact = time_of_impact(&mesh, &ball, &Motion::default(), &fall)?;
+/// let sphere = Shape::sphere([0.0; 3], 0.5)?;
+/// let impact = time_of_impact(&mesh, &sphere, &Motion::default(), &fall)?;
 /// assert!(impact.hit() && impact.t_lower <= 0.625 && impact.t_lower > 0.625 - 1e-9);
 ///
 /// let corners = vec![[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]];
@@ -37,23 +39,28 @@ use crate::shape::{PlacedShape, Shape};
 /// ```
 ///
 /// # Accuracy
-/// Nothing touches before `t_lower`. Either the two are nearer to each other there than 2^-37 of their sizes, or the steps were
-/// spent. `t_upper` is a time at which they intersect, or are not proved apart, where [`Motion::at`] places them; it is infinite if
-/// none was found, as when they graze each other. If a mesh is open and nothing is proved about what it contains, contact at the
-/// start is the safe answer. A half-space that turns sweeps everything far out at any speed: such a question is left open from the
-/// start on.
+/// Nothing touches before `t_lower`. At that time the two are nearer to each other than 2^-37 of
+/// their sizes, or the limit on steps was reached. `t_upper` is a time at which they intersect, or
+/// are not proved apart, at the poses of [`Motion::at`]. It is infinite if no such time was found,
+/// for example if they graze each other.
+///
+/// If a mesh is open and nothing is proved about its interior, contact at the start is the safe
+/// answer. A half-space that turns sweeps distant regions at any speed, so such a query is
+/// undecided from the start on.
 ///
 /// # Errors
-/// As [`Shape::at`], for either shape where its motion takes it. Meshes stand any motion.
+/// The errors of [`Shape::at`], for either shape at a pose of its motion. Every motion is valid for
+/// a mesh.
 ///
 /// # Complexity
-/// A distance of the two for each step, of meshes from the witness of the step before; 1024 steps at most. A sum over the
-/// vertices of meshes once.
+/// One distance per step, at most 1024 steps. For meshes each distance starts from the witness of
+/// the step before. The vertices of meshes are summed up once.
 ///
 /// # Source
-/// Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996, section 2.3; ours advances by a proved lower bound of
-/// the distance, less what rounded poses are off by, over a proved upper bound of the speed of any two points towards each other
-/// (docs/proof.md, L24; for a shape with the corners of its box for its vertices).
+/// Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996, section 2.3. Ours
+/// advances by a proved lower bound on the distance, minus the error of rounded poses, divided by a
+/// proved upper bound on the approach speed of any two points (docs/proof.md, L24; for a shape, the
+/// corners of its box take the place of the vertices).
 pub fn time_of_impact(
     a: impl Into<Shape>,
     b: impl Into<Shape>,
@@ -68,7 +75,7 @@ pub fn time_of_impact(
     of_shapes(&a, &b, motion_a, motion_b)
 }
 
-/// [`time_of_impact`] of two things of which one is no mesh.
+/// Returns the [`time_of_impact`] of two things of which at least one is not a mesh.
 fn of_shapes(a: &Shape, b: &Shape, motion_a: &Motion, motion_b: &Motion) -> Result<Impact, InputError> {
     let at = |t: f64| -> Result<[PlacedShape; 2], InputError> { Ok([a.at(motion_a.at(t))?, b.at(motion_b.at(t))?]) };
     let [here, there] = at(0.0)?;
@@ -88,23 +95,23 @@ fn of_shapes(a: &Shape, b: &Shape, motion_a: &Motion, motion_b: &Motion) -> Resu
         error: body_a.error + body_b.error,
         touching: TOUCHING * (body_a.reach + body_b.reach),
     };
-    let mut refused = None;
+    let mut shape_error = None;
     let found = course.first_contact(|t| match at(t) {
         Ok([a, b]) => distance(&a, &b).lower,
         Err(error) => {
-            refused = Some(error);
+            shape_error = Some(error);
             f64::NAN
         }
     });
-    if let Some(error) = refused {
+    if let Some(error) = shape_error {
         return Err(error);
     }
     let Some(t) = found else { return Ok(Impact::NEVER) };
-    let meet = |t: f64| at(t).is_ok_and(|[a, b]| intersects(&a, &b));
-    Ok(Impact { t_lower: t, t_upper: contact_after(t, meet) })
+    let intersect = |t: f64| at(t).is_ok_and(|[a, b]| intersects(&a, &b));
+    Ok(Impact { t_lower: t, t_upper: contact_after(t, intersect) })
 }
 
-/// What counts of a moving shape.
+/// Bounds on a moving shape.
 struct Body {
     reach: f64,
     turning: f64,
@@ -112,7 +119,7 @@ struct Body {
 }
 
 impl Body {
-    /// None for a half-space that turns.
+    /// Returns the bounds, or `None` for a half-space that turns.
     fn of(shape: &Shape, motion: &Motion) -> Result<Option<Self>, InputError> {
         let still = shape.at(Pose::IDENTITY)?;
         let corners = match still.bounds() {

@@ -1,20 +1,22 @@
-//! The axis-aligned bounding box in its min-max form (*Notes on Real Time Collision Detection*, 2.1; Ericson, 4.2).
+//! The axis-aligned bounding box in its min-max form, in single precision (*Notes on Real Time
+//! Collision Detection*, 2.1; Ericson, 4.2).
 
-/// A closed axis-aligned box; the empty box has its corners the wrong way round and is the unit of [`union`](Self::union).
+/// A closed axis-aligned box. The empty box has its corners the wrong way round and is the neutral
+/// element of [`union`](Self::union).
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C)]
 pub struct Aabb {
-    /// The least coordinate on each axis.
+    /// The smallest coordinate on each axis.
     pub min: [f32; 3],
-    /// The greatest coordinate on each axis.
+    /// The largest coordinate on each axis.
     pub max: [f32; 3],
 }
 
 impl Aabb {
-    /// The box of nothing.
+    /// The empty box, which overlaps nothing.
     pub const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
 
-    /// The least box of these points, exactly; empty where there are none.
+    /// Returns the smallest box that holds the points, exactly. Without points the box is empty.
     #[inline]
     #[must_use]
     pub fn of_points<const N: usize>(points: [[f32; 3]; N]) -> Self {
@@ -28,7 +30,7 @@ impl Aabb {
         bounds
     }
 
-    /// The least box that holds both, exactly.
+    /// Returns the smallest box that holds both boxes, exactly.
     #[inline]
     #[must_use]
     pub fn union(self, other: Self) -> Self {
@@ -40,14 +42,15 @@ impl Aabb {
         bounds
     }
 
-    /// Whether the boxes have a point in common.
+    /// Reports whether the boxes have a point in common. Touching boxes overlap.
     #[inline]
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         (0..3).all(|axis| self.min[axis] <= other.max[axis] && other.min[axis] <= self.max[axis])
     }
 
-    /// The box with every bound moved outward to the next float, which makes up for coordinates rounded to nearest.
+    /// Returns the box with every bound moved outward to the next float. This covers coordinates
+    /// that were rounded to nearest.
     #[inline]
     #[must_use]
     pub fn next_outward(self) -> Self {

@@ -1,4 +1,6 @@
-//! One box against many, eight at a time (*Notes*, algorithm 2.1).
+//! Tests one box against many, eight at a time (*Notes*, algorithm 2.1).
+//!
+//! Tests: `tests/it/volumes/batch.rs`.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
@@ -6,7 +8,7 @@ use fearless_simd::{Simd, f32x8};
 use super::Aabb;
 use crate::simd::{LANES, Level, best_level, by_axis, dispatch};
 
-/// Boxes laid side by side by axis, for the question which of them one box overlaps.
+/// Boxes in structure-of-arrays layout, to find those that overlap a given box.
 ///
 /// ```
 /// use impinge::volume::{Aabb, AabbBatch};
@@ -22,7 +24,7 @@ pub struct AabbBatch {
     len: usize,
 }
 
-/// Eight boxes by axis; lanes beyond the last box hold the empty one, which overlaps nothing.
+/// Eight boxes by axis. Lanes beyond the last box hold the empty box, which overlaps nothing.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct Packet {
@@ -41,12 +43,16 @@ impl FromIterator<Aabb> for AabbBatch {
 }
 
 impl AabbBatch {
-    /// Adds a box at the end. One with a coordinate that is not a number overlaps nothing but may be named as if it did.
+    /// Appends a box. A box with a NaN coordinate overlaps nothing, but
+    /// [`overlapping`](Self::overlapping) may still report it.
     ///
     /// # Panics
-    /// Where there would be more boxes than 32 bits can number.
+    /// If the batch already holds 2^32 boxes.
     pub fn push(&mut self, one: &Aabb) {
-        assert!(u32::try_from(self.len).is_ok(), "at most 2^32 boxes");
+        assert!(
+            u32::try_from(self.len).is_ok(),
+            "an AabbBatch holds at most 2^32 boxes: split the boxes over several batches"
+        );
         let lane = self.len % LANES;
         if lane == 0 {
             self.packets.push(Packet { min: [[f32::INFINITY; LANES]; 3], max: [[f32::NEG_INFINITY; LANES]; 3] });
@@ -60,27 +66,29 @@ impl AabbBatch {
         self.len += 1;
     }
 
-    /// How many boxes there are.
+    /// Returns the number of boxes.
     #[must_use]
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether there are none.
+    /// Reports whether the batch has no boxes.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// Appends the numbers of the boxes that overlap this one, in ascending order; exact, touching counts.
+    /// Appends the indices of the boxes that overlap this one to `found`, in ascending order. The
+    /// test is exact; touching boxes overlap.
     ///
     /// # Complexity
-    /// One pass: 24 bytes and six comparisons a box.
+    /// One pass over memory: 24 bytes and six comparisons per box.
     pub fn overlapping(&self, one: &Aabb, found: &mut Vec<u32>) {
         self.overlapping_at(best_level(), one, found);
     }
 
-    /// The same on a vector unit of the caller's choice; the answer does not depend on it.
+    /// Does the same as [`overlapping`](Self::overlapping) on the given vector unit. The result
+    /// does not depend on the vector unit.
     pub fn overlapping_at(&self, level: Level, one: &Aabb, found: &mut Vec<u32>) {
         dispatch!(level, simd => scan(simd, &self.packets, one, found));
     }

@@ -1,39 +1,44 @@
-//! What every bounding volume can do, for code that wants any of them: trees over volumes, comparisons, laws.
+//! The operations that every bounding volume has, for generic code such as trees over volumes,
+//! comparisons and property tests.
 
 use crate::input::InputError;
 use crate::math::Pose;
 
-/// A bounding volume: never empty, finite, and never smaller than what it was made from.
+/// A bounding volume: never empty, always finite, and never smaller than the input it was made
+/// from.
 pub trait BoundingVolume: Copy + PartialEq + std::fmt::Debug + Send + Sync {
-    /// The volume of these points, by the default construction of its kind.
+    /// Returns the volume that encloses the points, built by the default construction of its kind.
     ///
     /// # Errors
-    /// [`Empty`](crate::input::InputErrorKind::Empty) without points;
-    /// [`NonFinite`](crate::input::InputErrorKind::NonFinite) and
-    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) name the first vertex that is not finite or not below
-    /// 2^128.
+    /// Returns [`Empty`](crate::input::InputErrorKind::Empty) if there are no points. Returns
+    /// [`NonFinite`](crate::input::InputErrorKind::NonFinite) if a coordinate is not finite, and
+    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) if its magnitude is 2^128 or more,
+    /// with the index of the first such vertex.
     fn of_points(points: &[[f64; 3]]) -> Result<Self, InputError>;
 
-    /// Whether the two are not proved apart; touching counts.
+    /// Reports whether the two volumes may overlap: `false` is returned only if they are proved
+    /// apart. Touching volumes overlap.
     fn overlaps(&self, other: &Self) -> bool;
 
-    /// Whether the point is not proved outside; the boundary counts as inside.
+    /// Reports whether the point may be inside: `false` is returned only if it is proved outside.
+    /// The boundary counts as inside.
     fn contains(&self, point: [f64; 3]) -> bool;
 
-    /// A volume of the same kind that holds both.
+    /// Returns a volume of the same kind that encloses both.
     #[must_use]
     fn merged(&self, other: &Self) -> Self;
 
-    /// A volume of the same kind that holds the image.
+    /// Returns a volume of the same kind that encloses the image of this one under the pose.
     ///
     /// # Errors
-    /// [`NotRigid`](crate::input::InputErrorKind::NotRigid) where the kind only stands rigid motions and the pose is none
-    /// within 1e-4; [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) where the image leaves the range of 2^320.
+    /// Returns [`NotRigid`](crate::input::InputErrorKind::NotRigid) if this kind of volume supports
+    /// only rigid motions and the pose is not rigid within 1e-4. Returns
+    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) if the image exceeds 2^320.
     fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError>;
 
-    /// What it encloses, in cubic units, rounded.
+    /// Returns the enclosed volume in cubic units, rounded.
     fn volume(&self) -> f64;
 
-    /// The area of its surface, in square units, rounded; both sides of what is flat.
+    /// Returns the surface area in square units, rounded. For a flat volume both sides count.
     fn surface_area(&self) -> f64;
 }

@@ -8,7 +8,8 @@ use super::rounding::add_up;
 use crate::input::InputError;
 use crate::math::vec3::{squared_distance, sub};
 
-/// The points within `radius` of the segment between two ends, which may be one point.
+/// All points within `radius` of the segment between two ends. The ends may coincide, which makes a
+/// sphere.
 ///
 /// ```
 /// use impinge::volume::{BoundingVolume, Capsule};
@@ -26,40 +27,42 @@ pub struct Capsule {
 const _: () = assert!(size_of::<Capsule>() == 56);
 
 impl Capsule {
-    /// The capsule between two ends.
+    /// Builds the capsule between two ends.
     ///
     /// # Errors
-    /// [`NonFinite`](crate::input::InputErrorKind::NonFinite), [`OutOfRange`](crate::input::InputErrorKind::OutOfRange)
-    /// (beyond 2^320), [`Negative`](crate::input::InputErrorKind::Negative) for the radius.
+    /// Returns [`NonFinite`](crate::input::InputErrorKind::NonFinite) or
+    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) for a bad end or
+    /// radius, and [`Negative`](crate::input::InputErrorKind::Negative) for a negative radius.
     pub fn new(start: [f64; 3], end: [f64; 3], radius: f64) -> Result<Self, InputError> {
         in_range("capsule end", start.into_iter().chain(end))?;
         lengths_in_range("radius", [radius])?;
         Ok(Self { ends: [start, end], radius })
     }
 
-    /// From numbers that are known to be in range.
+    /// Builds the capsule from numbers that are known to be valid.
     pub(super) fn from_valid(ends: [[f64; 3]; 2], radius: f64) -> Self {
         Self { ends, radius }
     }
 
-    /// The ends of the segment.
+    /// Returns the ends of the segment.
     #[must_use]
     pub fn ends(&self) -> [[f64; 3]; 2] {
         self.ends
     }
 
-    /// The radius.
+    /// Returns the radius.
     #[must_use]
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// The segment; its edge is the rounded difference of the ends, which the bounds of [`round`] count.
+    /// Returns the segment. Its edge is the rounded difference of the ends; the bounds of [`round`]
+    /// account for that rounding.
     pub(super) fn core(&self) -> Core {
         Core { corner: self.ends[0], edges: [sub(&self.ends[1], &self.ends[0]), [0.0; 3]], dimension: 1 }
     }
 
-    /// The capsule about a segment that holds spheres, given as centres and radii.
+    /// Returns the capsule around a segment that encloses the given spheres (centers and radii).
     pub(super) fn about(ends: [[f64; 3]; 2], spheres: &[([f64; 3], f64)]) -> Self {
         let core = Self { ends, radius: 0.0 }.core();
         let reach = |&(centre, radius): &([f64; 3], f64)| add_up(round::distance_to_core(centre, &core), radius);

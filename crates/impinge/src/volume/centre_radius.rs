@@ -1,4 +1,6 @@
-//! The axis-aligned box by its centre and its half-extents, or radii (*Notes*, 2.1, listing 2.3).
+//! The axis-aligned box as center and half-extents, or radii (*Notes*, 2.1, listing 2.3).
+//!
+//! Tests: `tests/it/volumes/boxes.rs`. Benchmark: `box_forms`.
 
 use super::min_max::{in_range, lengths_in_range};
 use super::rounding::{add_down, add_up, mul_down, mul_up};
@@ -6,10 +8,11 @@ use super::{BoundingVolume, MinMax};
 use crate::input::InputError;
 use crate::math::Pose;
 
-/// The closed box of the points `centre + e` with `|e| ≤ half_extents`, the sum being that of real numbers.
+/// The closed box of the points `centre + e` with `|e| ≤ half_extents` on each axis, as a sum of
+/// real numbers.
 ///
-/// The form that turns for the fewest products: nine for the centre and nine for the half-extents, and nine in all where
-/// the centre is the pivot.
+/// This form needs the fewest products to move: nine for the center and nine for the half-extents,
+/// or nine in all if the center is the pivot.
 ///
 /// ```
 /// use impinge::volume::{CentreRadius, MinMax};
@@ -26,35 +29,37 @@ pub struct CentreRadius {
 const _: () = assert!(size_of::<CentreRadius>() == 48);
 
 impl CentreRadius {
-    /// The box about a centre.
+    /// Builds the box around a center.
     ///
     /// # Errors
-    /// [`NonFinite`](crate::input::InputErrorKind::NonFinite), [`OutOfRange`](crate::input::InputErrorKind::OutOfRange)
-    /// (beyond 2^320) and, for half-extents, [`Negative`](crate::input::InputErrorKind::Negative) name the axis.
+    /// Returns [`NonFinite`](crate::input::InputErrorKind::NonFinite),
+    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) or, for
+    /// half-extents, [`Negative`](crate::input::InputErrorKind::Negative), with the index of the
+    /// axis.
     pub fn new(centre: [f64; 3], half_extents: [f64; 3]) -> Result<Self, InputError> {
         in_range("box coordinate", centre)?;
         lengths_in_range("half-extent", half_extents)?;
         Ok(Self { centre, half_extents })
     }
 
-    /// From numbers that are known to be in range.
+    /// Builds the box from numbers that are known to be valid.
     pub(super) fn from_valid(centre: [f64; 3], half_extents: [f64; 3]) -> Self {
         Self { centre, half_extents }
     }
 
-    /// The centre.
+    /// Returns the center.
     #[must_use]
     pub fn centre(&self) -> [f64; 3] {
         self.centre
     }
 
-    /// Half the lengths along the axes.
+    /// Returns half the lengths along the axes.
     #[must_use]
     pub fn half_extents(&self) -> [f64; 3] {
         self.half_extents
     }
 
-    /// Whether every point of the other box is in this one; true only where it is proved.
+    /// Reports whether every point of the other box is proved to be in this one.
     #[must_use]
     pub fn encloses(&self, other: &Self) -> bool {
         (0..3).all(|axis| {
@@ -64,14 +69,15 @@ impl CentreRadius {
     }
 }
 
-/// Never smaller: the centre is rounded to nearest and the half-extents reach both corners from there, rounded up.
+/// Converts without shrinking: the center is rounded to nearest, and the half-extents, rounded up,
+/// reach both corners from there.
 impl From<MinMax> for CentreRadius {
     fn from(bounds: MinMax) -> Self {
         about_middle(bounds.min(), bounds.max())
     }
 }
 
-/// Never smaller: both corners are rounded outward.
+/// Converts without shrinking: both corners are rounded outward.
 impl From<CentreRadius> for MinMax {
     fn from(bounds: CentreRadius) -> Self {
         let CentreRadius { centre, half_extents } = bounds;
@@ -87,24 +93,26 @@ impl BoundingVolume for CentreRadius {
         MinMax::of(points).map(Self::from)
     }
 
-    /// Says *apart* where the distance of the centres exceeds the sum of the half-extents by more than a unit in the last
-    /// place of that sum; boxes whose gap is smaller count as overlapping.
+    /// Returns `false` if the distance of the centers exceeds the sum of the half-extents by more
+    /// than one unit in the last place of that sum. Boxes with a smaller gap count as overlapping.
     #[inline]
     fn overlaps(&self, other: &Self) -> bool {
         (0..3).all(|axis| {
-            // Rounding is monotonic: a rounded difference above a double is a difference above it.
+            // Rounding is monotonic: if the rounded difference exceeds a double, so does the exact
+            // one.
             let sum = (self.half_extents[axis] + other.half_extents[axis]).next_up();
             (self.centre[axis] - other.centre[axis]).abs() <= sum
         })
     }
 
-    /// As [`overlaps`](BoundingVolume::overlaps) with a box of one point, but exact.
+    /// Reports whether the point is inside. Exact, unlike [`overlaps`](BoundingVolume::overlaps).
     fn contains(&self, point: [f64; 3]) -> bool {
         (0..3).all(|axis| distance_on_axis(point[axis], self.centre[axis]) <= self.half_extents[axis])
     }
 
     fn merged(&self, other: &Self) -> Self {
-        // Of one in the other the outer one is the union, and need not grow by the rounding of its corners.
+        // If one box encloses the other, it is the union. It need not grow by the rounding of its
+        // corners.
         if self.encloses(other) {
             *self
         } else if other.encloses(self) {
@@ -115,7 +123,7 @@ impl BoundingVolume for CentreRadius {
         }
     }
 
-    /// Any affine map.
+    /// Accepts any affine map.
     ///
     /// # Source
     /// Arvo 1990; Ericson 4.2.6.
@@ -146,7 +154,7 @@ impl BoundingVolume for CentreRadius {
     }
 }
 
-/// About the rounded middle of two corners, reaching both.
+/// Returns the box around the rounded midpoint of two corners that reaches both.
 fn about_middle(min: [f64; 3], max: [f64; 3]) -> CentreRadius {
     let centre: [f64; 3] = std::array::from_fn(|axis| 0.5 * min[axis] + 0.5 * max[axis]);
     let half_extents =
@@ -154,7 +162,7 @@ fn about_middle(min: [f64; 3], max: [f64; 3]) -> CentreRadius {
     CentreRadius { centre, half_extents }
 }
 
-/// A double not below `|a - b|`.
+/// Returns a double not below `|a - b|`.
 fn distance_on_axis(a: f64, b: f64) -> f64 {
     add_up(a.max(b), -a.min(b))
 }

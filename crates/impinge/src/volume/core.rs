@@ -1,20 +1,23 @@
-//! The cores of the round volumes, a point, a segment or a parallelogram, and the closest points of two of them.
+//! The cores of the round volumes (a point, a segment or a parallelogram) and the closest points of
+//! two cores.
 //!
-//! What is computed here is rounded and proves nothing; [`round`](super::round) turns it into bounds, which hold however
-//! wrong it is. So the closed forms are the plain ones: every edge against every edge, every corner against the other
-//! face, and every edge through the other face.
+//! The results are rounded and prove nothing by themselves. [`round`](super::round) turns them into
+//! bounds, which hold however wrong the points are. So the plain closed forms suffice: every edge
+//! against every edge, every corner against the other face, and every edge through the other face.
 //!
 //! Source: Ericson 5.1.2 (point and segment), 5.1.9 (two segments), 5.1.4 (point and rectangle).
+//!
+//! Tests: `tests/it/volumes/round.rs`.
 
 use crate::math::vec3::{add, cross, dot, squared_distance, sub};
 
-/// The convex hull of a corner and what two edges span from there: a point where both are zero, a segment where the second
-/// is.
+/// The convex hull of a corner and the two edges from there: a point if both edges are zero, a
+/// segment if the second edge is zero, otherwise a parallelogram.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Core {
     pub(super) corner: [f64; 3],
     pub(super) edges: [[f64; 3]; 2],
-    /// How many of the edges there are.
+    /// Number of edges used: 0 for a point, 1 for a segment, 2 for a parallelogram.
     pub(super) dimension: usize,
 }
 
@@ -23,7 +26,7 @@ impl Core {
         Self { corner, edges: [[0.0; 3]; 2], dimension: 0 }
     }
 
-    /// The corners, rounded; the first [`count`](Self::count) are distinct ones.
+    /// Returns the corners, rounded. Only the first [`count`](Self::count) are distinct.
     #[inline(always)]
     pub(super) fn corners(&self) -> [[f64; 3]; 4] {
         let [u, v] = self.edges;
@@ -31,13 +34,13 @@ impl Core {
         [c, add(&c, &u), add(&c, &v), add(&add(&c, &u), &v)]
     }
 
-    /// How many corners there are.
+    /// Number of distinct corners: 1, 2 or 4.
     #[inline(always)]
     pub(super) fn count(&self) -> usize {
         1 << self.dimension
     }
 
-    /// The point of this core that is closest to `p`, rounded.
+    /// Returns the point of this core that is closest to `p`, rounded.
     pub(super) fn closest_to(&self, p: [f64; 3]) -> [f64; 3] {
         let [u, v] = self.edges;
         let w = sub(&p, &self.corner);
@@ -45,7 +48,7 @@ impl Core {
             0 => self.corner,
             1 => along(self.corner, u, parameter(w, u)),
             _ => {
-                // Of the unconstrained minimum if it is inside, else of the best of the four edges.
+                // The unconstrained minimum if it is inside, else the best point of the four edges.
                 let (uu, uv, vv) = (dot(&u, &u), dot(&u, &v), dot(&v, &v));
                 let determinant = uu * vv - uv * uv;
                 let (s, t) = (vv * dot(&w, &u) - uv * dot(&w, &v), uu * dot(&w, &v) - uv * dot(&w, &u));
@@ -66,7 +69,7 @@ impl Core {
         }
     }
 
-    /// The sides: start and edge.
+    /// Returns the sides, each as its start and its edge vector.
     fn sides(&self) -> impl Iterator<Item = ([f64; 3], [f64; 3])> {
         let [u, v] = self.edges;
         let c = self.corner;
@@ -75,7 +78,7 @@ impl Core {
     }
 }
 
-/// A point of each core, as close to each other as any two, up to rounding.
+/// Returns a point of each core so that their distance is minimal, up to rounding.
 pub(super) fn closest_points(a: &Core, b: &Core) -> ([f64; 3], [f64; 3]) {
     match (a.dimension, b.dimension) {
         (0, _) => (a.corner, b.closest_to(a.corner)),
@@ -85,7 +88,7 @@ pub(super) fn closest_points(a: &Core, b: &Core) -> ([f64; 3], [f64; 3]) {
     }
 }
 
-/// Where at least one is a parallelogram.
+/// Handles pairs of which at least one core is a parallelogram.
 fn closest_of_faces(a: &Core, b: &Core) -> ([f64; 3], [f64; 3]) {
     let mut best = (f64::INFINITY, (a.corner, b.corner));
     let mut offer = |p: [f64; 3], q: [f64; 3]| {
@@ -117,7 +120,8 @@ fn closest_of_faces(a: &Core, b: &Core) -> ([f64; 3], [f64; 3]) {
     best.1
 }
 
-/// Where a side passes through a parallelogram, if it does.
+/// Returns the point where a side passes through a parallelogram, or `None` if it does not or if
+/// `face` is no parallelogram.
 fn through((from, edge): ([f64; 3], [f64; 3]), face: &Core) -> Option<[f64; 3]> {
     if face.dimension < 2 {
         return None;
@@ -145,12 +149,13 @@ fn closest_of_segments((p, d): ([f64; 3], [f64; 3]), (q, e): ([f64; 3], [f64; 3]
     let ratio = |x: f64, y: f64| if y > 0.0 { (x / y).clamp(0.0, 1.0) } else { 0.0 };
     let s = ratio(b * f - c * g, a * g - b * b);
     let t = ratio(b * s + f, g);
-    // With t clamped, s is the best for it; where it was not, this changes nothing but rounding.
+    // With t clamped, this s is the best for it. If t was not clamped, only rounding changes.
     let s = ratio(b * t - c, a);
     (along(p, d, s), along(q, e, t))
 }
 
-/// The parameter in [0, 1] of the point on an edge that is closest to the offset `w` from its start.
+/// Returns the parameter in [0, 1] of the point on an edge that is closest to the offset `w` from
+/// its start. The parameter is 0 for an edge of length zero.
 #[inline(always)]
 fn parameter(w: [f64; 3], edge: [f64; 3]) -> f64 {
     let squared = dot(&edge, &edge);

@@ -1,27 +1,32 @@
-//! Discrete-orientation polytopes: slabs in fixed directions (Klosowski, Held, Mitchell, Sowizral and Zikan, *Efficient
-//! collision detection using bounding volume hierarchies of k-DOPs*, 1998; Ericson 4.6).
+//! Discrete-orientation polytopes: intersections of slabs in fixed directions (Klosowski, Held,
+//! Mitchell, Sowizral and Zikan, *Efficient collision detection using bounding volume hierarchies
+//! of k-DOPs*, 1998; Ericson 4.6).
+//!
+//! Tests: `tests/it/volumes/fitted.rs`, `tests/it/volumes/laws.rs`. Benchmark: `volumes`.
 
 use super::BoundingVolume;
-use super::points::{Coordinate, judge, widen};
+use super::points::{Coordinate, validated_bounds, widen};
 use super::rounding::{LIMIT, add_down, add_up, mul_up};
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 use crate::math::vec3::{add, cross, dot, scale, sub};
 
-/// Axes, edges and corners of the cube, in the order in which the kinds take them.
+/// Directions to the faces, edges and corners of a cube, in the order in which the polytopes use
+/// them.
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 const EDGES: [[f64; 3]; 6] =
     [[1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [0.0, 1.0, 1.0], [0.0, 1.0, -1.0]];
 const CORNERS: [[f64; 3]; 4] = [[1.0, 1.0, 1.0], [1.0, 1.0, -1.0], [1.0, -1.0, 1.0], [1.0, -1.0, -1.0]];
 
-/// The points x with low ≤ n · x ≤ high for each of `D` fixed directions n, whose entries are -1, 0 and 1: exactly the slabs
-/// that the numbers say.
+/// The points x with low ≤ n · x ≤ high for each of `D` fixed directions n, whose entries are -1, 0
+/// and 1. The set is exactly the one that the numbers define.
 ///
 /// ```
 /// use impinge::volume::{BoundingVolume, Kdop14};
 /// let corner = Kdop14::of_points(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])?;
 /// let other = Kdop14::of_points(&[[1.0; 3], [0.5; 3]])?;
-/// assert!(!corner.overlaps(&other)); // their boxes overlap, but x + y + z is at most 1 in the one, at least 1.5 in the other
+/// // Their boxes overlap, but x + y + z is at most 1 in one and at least 1.5 in the other.
+/// assert!(!corner.overlaps(&other));
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,19 +35,19 @@ pub struct Kdop<const D: usize> {
     high: [f64; D],
 }
 
-/// Six faces of the cube and eight corners.
+/// Polytope with the 6 face directions and the 8 corner directions of a cube.
 pub type Kdop14 = Kdop<7>;
 
-/// Six faces of the cube and twelve edges.
+/// Polytope with the 6 face directions and the 12 edge directions of a cube.
 pub type Kdop18 = Kdop<9>;
 
-/// Six faces of the cube, twelve edges and eight corners.
+/// Polytope with the 6 face, 12 edge and 8 corner directions of a cube.
 pub type Kdop26 = Kdop<13>;
 
 const _: () = assert!(size_of::<Kdop14>() == 112 && size_of::<Kdop18>() == 144 && size_of::<Kdop26>() == 208);
 
 impl<const D: usize> Kdop<D> {
-    /// The directions, axes first; not of unit length.
+    /// The slab directions, coordinate axes first. They are not of unit length.
     pub const DIRECTIONS: [[f64; 3]; D] = {
         assert!(D == 7 || D == 9 || D == 13, "14, 18 or 26 faces");
         let mut directions = [[0.0; 3]; D];
@@ -62,18 +67,19 @@ impl<const D: usize> Kdop<D> {
         directions
     };
 
-    /// The polytope between these bounds.
+    /// Builds the polytope from the lower and upper bounds of n · x.
     ///
     /// # Errors
-    /// [`NonFinite`](InputErrorKind::NonFinite) and [`OutOfRange`](InputErrorKind::OutOfRange) (beyond 3 · 2^320) name the slab,
-    /// [`Negative`](InputErrorKind::Negative) one whose bounds are the wrong way round.
+    /// Returns [`NonFinite`](InputErrorKind::NonFinite) or
+    /// [`OutOfRange`](InputErrorKind::OutOfRange) (beyond 3 · 2^320) with the index of the slab,
+    /// and [`Negative`](InputErrorKind::Negative) if a lower bound exceeds its upper bound.
     pub fn new(low: [f64; D], high: [f64; D]) -> Result<Self, InputError> {
         for (index, (low, high)) in low.into_iter().zip(high).enumerate() {
             if !(low.is_finite() && high.is_finite()) {
                 return Err(InputError::new(InputErrorKind::NonFinite { what: "slab", index }));
             }
             if low.abs().max(high.abs()) > 3.0 * LIMIT {
-                return Err(InputError::new(InputErrorKind::OutOfRange { what: "slab", index, limit: "2^320" }));
+                return Err(InputError::new(InputErrorKind::OutOfRange { what: "slab", index, limit: "3 * 2^320" }));
             }
             if low > high {
                 return Err(InputError::new(InputErrorKind::Negative { what: "slab", index }));
@@ -82,15 +88,16 @@ impl<const D: usize> Kdop<D> {
         Ok(Self { low, high })
     }
 
-    /// The least of these points: every slab is the exact one, rounded outward.
+    /// Returns the smallest polytope that holds the points. Every bound is the exact one, rounded
+    /// outward.
     ///
     /// # Errors
-    /// As [`BoundingVolume::of_points`].
+    /// Same as [`BoundingVolume::of_points`].
     ///
     /// # Complexity
-    /// Two passes over memory, D dot products a point.
+    /// Two passes over memory; D dot products per point.
     pub fn of<T: Coordinate>(points: &[[T; 3]]) -> Result<Self, InputError> {
-        judge(points)?;
+        validated_bounds(points)?;
         let mut kdop = Self { low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D] };
         for &point in points {
             let point = widen(point);
@@ -103,19 +110,19 @@ impl<const D: usize> Kdop<D> {
         Ok(kdop)
     }
 
-    /// The least of n · x, for each direction.
+    /// Returns the minimum of n · x for each direction.
     #[must_use]
     pub fn low(&self) -> [f64; D] {
         self.low
     }
 
-    /// The greatest of n · x, for each direction.
+    /// Returns the maximum of n · x for each direction.
     #[must_use]
     pub fn high(&self) -> [f64; D] {
         self.high
     }
 
-    /// Whether the point is proved to be inside.
+    /// Reports whether the point is proved to be inside.
     pub(super) fn certainly_contains(&self, point: [f64; 3]) -> bool {
         (0..D).all(|k| {
             let [low, high] = project(&Self::DIRECTIONS[k], point);
@@ -123,17 +130,19 @@ impl<const D: usize> Kdop<D> {
         })
     }
 
-    /// A bound on d · x over the polytope, for d known within `off` in each component.
+    /// Returns an upper bound of d · x over the polytope, for a d known within `off` in each
+    /// component.
     ///
-    /// Weak duality of linear programming: where d = Σ λᵢ nᵢ with λᵢ ≥ 0 and nᵢ normals of faces, d · x ≤ Σ λᵢ hᵢ. The
-    /// three normals are those around d in the division of the sphere of directions that the symmetries of the cube make,
-    /// which are the right ones where all faces are there; what rounding leaves of d is paid by the box.
+    /// Weak duality of linear programming: if d = Σ λᵢ nᵢ with λᵢ ≥ 0 and nᵢ normals of faces, then
+    /// d · x ≤ Σ λᵢ hᵢ. The three normals are those around d in the division of the sphere of
+    /// directions by the symmetries of the cube. They give the tightest bound if every direction
+    /// has a face. The part of d that rounding leaves over is bounded by the axis-aligned box.
     fn support_up(&self, d: [f64; 3], off: [f64; 3]) -> f64 {
         let mut order = [0, 1, 2];
         order.sort_by(|&i, &j| d[j].abs().total_cmp(&d[i].abs()));
         let sign: [f64; 3] = d.map(|x| if x < 0.0 { -1.0 } else { 1.0 });
         let [a, b, c] = order.map(|axis| d[axis].abs());
-        // Entries by rank: how much of the largest, middle and smallest component.
+        // Each cone normal lists its entries for the largest, middle and smallest component of d.
         let cone: [(f64, [f64; 3]); 3] = match D {
             7 => [(a - b, [1.0, 0.0, 0.0]), (0.5 * (b + c), [1.0, 1.0, 1.0]), (0.5 * (b - c), [1.0, 1.0, -1.0])],
             9 if a >= b + c => [(a - b - c, [1.0, 0.0, 0.0]), (b, [1.0, 1.0, 0.0]), (c, [1.0, 0.0, 1.0])],
@@ -166,7 +175,7 @@ impl<const D: usize> Kdop<D> {
         bound
     }
 
-    /// The greatest n · x for a direction of the list, or the opposite of one.
+    /// Returns the maximum of n · x for a direction of the list or its opposite.
     fn height(&self, normal: [f64; 3]) -> f64 {
         let opposite = normal.map(|x| -x);
         for (k, &direction) in Self::DIRECTIONS.iter().enumerate() {
@@ -180,7 +189,8 @@ impl<const D: usize> Kdop<D> {
         f64::INFINITY
     }
 
-    /// The faces that there are: for each its distance from `origin` and its area.
+    /// Returns the distance from `origin` and the area of each face, both rounded. A face that does
+    /// not exist has area zero.
     fn faces(&self, origin: [f64; 3]) -> Vec<(f64, f64)> {
         let half_spaces: Vec<([f64; 3], f64)> = (0..D)
             .flat_map(|k| {
@@ -212,7 +222,8 @@ impl<const D: usize> BoundingVolume for Kdop<D> {
         Self::of(points)
     }
 
-    /// Exact comparisons: apart where a slab is. Two polytopes that no slab separates may still be apart.
+    /// Compares slabs exactly: the polytopes are apart if they are apart in some slab direction.
+    /// Two polytopes that no slab separates may still be apart.
     #[inline]
     fn overlaps(&self, other: &Self) -> bool {
         (0..D).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
@@ -225,7 +236,8 @@ impl<const D: usize> BoundingVolume for Kdop<D> {
         })
     }
 
-    /// Exact: the least polytope of these directions that holds both, where both are the least of what they hold.
+    /// Computes the union exactly. The result is the smallest polytope of these directions that
+    /// holds both, if both are the smallest ones that hold their contents.
     fn merged(&self, other: &Self) -> Self {
         Self {
             low: std::array::from_fn(|k| self.low[k].min(other.low[k])),
@@ -233,8 +245,8 @@ impl<const D: usize> BoundingVolume for Kdop<D> {
         }
     }
 
-    /// Any affine map. The image has faces in other directions, so this grows, as a turned box does: turn the polytope of
-    /// the original, never the last one.
+    /// Accepts any affine map. The faces of the image have other directions, so the result is
+    /// larger, as with a rotated box. Always move the original polytope, never a moved one.
     fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
         let (linear, translation) = (world_from_local.linear(), world_from_local.translation());
         let mut moved = *self;
@@ -251,7 +263,7 @@ impl<const D: usize> BoundingVolume for Kdop<D> {
             moved.low[k] = add_down(-self.support_up(d.map(|x| -x), off), shift[0]);
         }
         if let Some(index) = moved.low.iter().chain(&moved.high).position(|x| x.is_nan() || x.abs() > 3.0 * LIMIT) {
-            let error = InputErrorKind::OutOfRange { what: "slab", index: index % D, limit: "2^320" };
+            let error = InputErrorKind::OutOfRange { what: "slab", index: index % D, limit: "3 * 2^320" };
             return Err(InputError::new(error));
         }
         Ok(moved)
@@ -268,13 +280,15 @@ impl<const D: usize> BoundingVolume for Kdop<D> {
     }
 }
 
-/// Bounds on n · x for a direction of entries -1, 0 and 1: the exact sum, rounded either way.
+/// Returns lower and upper bounds of n · x for a direction with entries -1, 0 and 1: the sum,
+/// rounded down and up.
 fn project(direction: &[f64; 3], point: [f64; 3]) -> [f64; 2] {
     let [x, y, z] = std::array::from_fn(|axis| direction[axis] * point[axis]);
     [add_down(add_down(x, y), z), add_up(add_up(x, y), z)]
 }
 
-/// A square of this half-edge in the plane n · x = height, n of unit length.
+/// Returns a square with the given half edge length in the plane n · x = height, with n of unit
+/// length.
 fn square(normal: [f64; 3], height: f64, half: f64) -> Vec<[f64; 3]> {
     let [u, v, _] = {
         let [n, u, v] = super::obb::orthonormal([normal, AXES[0], AXES[1]]);
@@ -286,7 +300,7 @@ fn square(normal: [f64; 3], height: f64, half: f64) -> Vec<[f64; 3]> {
         .to_vec()
 }
 
-/// What of a convex polygon is in the half-space n · x ≤ height (Sutherland and Hodgman).
+/// Returns the part of a convex polygon in the half-space n · x ≤ height (Sutherland and Hodgman).
 fn clip(polygon: &[[f64; 3]], n: [f64; 3], height: f64) -> Vec<[f64; 3]> {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (at, &p) in polygon.iter().enumerate() {
@@ -302,7 +316,7 @@ fn clip(polygon: &[[f64; 3]], n: [f64; 3], height: f64) -> Vec<[f64; 3]> {
     kept
 }
 
-/// The area of a convex polygon with this unit normal.
+/// Returns the area of a convex polygon with the given unit normal.
 fn area(polygon: &[[f64; 3]], normal: [f64; 3]) -> f64 {
     let fan = polygon.windows(2).skip(1).map(|pair| cross(&sub(&pair[0], &polygon[0]), &sub(&pair[1], &polygon[0])));
     0.5 * fan.map(|product| dot(&product, &normal)).sum::<f64>().abs()

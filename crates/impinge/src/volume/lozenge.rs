@@ -1,5 +1,5 @@
-//! The lozenge: a rectangle swept by a sphere (*Notes*, 2.3; Larsen, Gottschalk, Lin and Manocha, *Fast proximity queries
-//! with swept sphere volumes*, 1999; Ericson 4.5).
+//! The lozenge: a rectangle swept by a sphere (*Notes*, 2.3; Larsen, Gottschalk, Lin and Manocha,
+//! *Fast proximity queries with swept sphere volumes*, 1999; Ericson 4.5).
 
 use super::core::Core;
 use super::min_max::{in_range, lengths_in_range};
@@ -9,16 +9,17 @@ use super::rounding::add_up;
 use crate::input::InputError;
 use crate::math::vec3::{cross, dot, normalized};
 
-/// The points within `radius` of `corner + s·u + t·v` for s and t in [0, 1].
+/// All points within `radius` of `corner + s·u + t·v` for s and t in [0, 1].
 ///
-/// The edges u and v are meant to be at right angles and stay so up to rounding; whatever their angle, the set is the one
-/// that the numbers say. An edge of length zero makes a capsule, two a sphere.
+/// The edges u and v should be perpendicular, and are so up to rounding. For any other angle the
+/// set is still exactly the one defined above. One edge of length zero makes a capsule, two make a
+/// sphere.
 ///
 /// ```
 /// use impinge::volume::{Lozenge, BoundingSphere, Round};
 /// let plate = Lozenge::new([0.0; 3], [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0]], 0.5)?;
-/// let ball = BoundingSphere::new([2.0, 2.0, 3.0], 0.5)?;
-/// let bounds = plate.distance(&ball);
+/// let sphere = BoundingSphere::new([2.0, 2.0, 3.0], 0.5)?;
+/// let bounds = plate.distance(&sphere);
 /// assert!(bounds.lower <= 2.0 && 2.0 <= bounds.upper && bounds.upper - bounds.lower < 1e-12);
 /// # Ok::<(), impinge::InputError>(())
 /// ```
@@ -32,53 +33,55 @@ pub struct Lozenge {
 const _: () = assert!(size_of::<Lozenge>() == 80);
 
 impl Lozenge {
-    /// The lozenge of a corner, the two edges from there, and a radius.
+    /// Builds the lozenge from a corner, the two edge vectors from there, and a radius.
     ///
     /// # Errors
-    /// [`NonFinite`](crate::input::InputErrorKind::NonFinite), [`OutOfRange`](crate::input::InputErrorKind::OutOfRange)
-    /// (beyond 2^320), [`Negative`](crate::input::InputErrorKind::Negative) for the radius.
+    /// Returns [`NonFinite`](crate::input::InputErrorKind::NonFinite) or
+    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) for a bad number,
+    /// and [`Negative`](crate::input::InputErrorKind::Negative) for a negative radius.
     pub fn new(corner: [f64; 3], edges: [[f64; 3]; 2], radius: f64) -> Result<Self, InputError> {
         in_range("lozenge corner or edge", corner.into_iter().chain(edges.into_iter().flatten()))?;
         lengths_in_range("radius", [radius])?;
         Ok(Self { corner, edges, radius })
     }
 
-    /// From numbers that are known to be in range.
+    /// Builds the lozenge from numbers that are known to be valid.
     pub(super) fn from_valid(corner: [f64; 3], edges: [[f64; 3]; 2], radius: f64) -> Self {
         Self { corner, edges, radius }
     }
 
-    /// The corner of the rectangle from which the edges go.
+    /// Returns the corner of the rectangle from which the edges start.
     #[must_use]
     pub fn corner(&self) -> [f64; 3] {
         self.corner
     }
 
-    /// The two edges of the rectangle.
+    /// Returns the two edge vectors of the rectangle.
     #[must_use]
     pub fn edges(&self) -> [[f64; 3]; 2] {
         self.edges
     }
 
-    /// The radius.
+    /// Returns the radius.
     #[must_use]
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// The rectangle.
+    /// Returns the rectangle.
     pub(super) fn core(&self) -> Core {
         Core { corner: self.corner, edges: self.edges, dimension: 2 }
     }
 
-    /// The lozenge about a rectangle that holds spheres, given as centres and radii.
+    /// Returns the lozenge around a rectangle that encloses the given spheres (centers and radii).
     pub(super) fn about(corner: [f64; 3], edges: [[f64; 3]; 2], spheres: &[([f64; 3], f64)]) -> Self {
         let core = Core { corner, edges, dimension: 2 };
         let reach = |&(centre, radius): &([f64; 3], f64)| add_up(round::distance_to_core(centre, &core), radius);
         Self { corner, edges, radius: spheres.iter().map(reach).fold(0.0, f64::max) }
     }
 
-    /// Unit vectors along the edges, and across; any that will do where an edge has no direction.
+    /// Returns three unit vectors: two in the plane of the rectangle, the first along an edge, and
+    /// the normal. If an edge has length zero, any perpendicular directions are used.
     pub(super) fn frame(&self) -> [[f64; 3]; 3] {
         let [u, v] = self.edges;
         let first = normalized(&u).or_else(|| normalized(&v)).unwrap_or([1.0, 0.0, 0.0]);
@@ -100,9 +103,9 @@ impl Lozenge {
         dot(&normal, &normal).sqrt()
     }
 
-    /// The radius, and what its corners as computed may be off by.
+    /// Returns the radius plus the error bound of the computed corners.
     pub(super) fn widened(&self) -> f64 {
-        add_up(self.radius, round::off(&self.core()))
+        add_up(self.radius, round::point_error(&self.core()))
     }
 }
 

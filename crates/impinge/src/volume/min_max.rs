@@ -1,13 +1,17 @@
-//! The axis-aligned box by its least and greatest corner, in double precision (*Notes*, 2.1, listing 2.1).
+//! The axis-aligned box as its smallest and largest corner, in double precision (*Notes*, 2.1,
+//! listing 2.1).
+//!
+//! Tests: `tests/it/volumes/boxes.rs`. Benchmark: `box_forms`.
 
 use super::rounding::{LIMIT, add_down, add_up, f32_down, f32_up, mul_down, mul_up};
 use super::{Aabb, BoundingVolume};
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 
-/// The closed box between two corners, not empty.
+/// The closed box between two corners. It is never empty.
 ///
-/// The form with the cheapest test, six comparisons, and the only one in which every operation but moving is exact.
+/// This form has the fastest test, six comparisons, and is the only one in which every operation
+/// but moving is exact.
 ///
 /// ```
 /// use impinge::volume::{BoundingVolume, MinMax};
@@ -26,14 +30,16 @@ pub struct MinMax {
 const _: () = assert!(size_of::<MinMax>() == 48);
 
 impl MinMax {
-    /// The box between two corners.
+    /// Builds the box between two corners.
     ///
     /// # Errors
-    /// [`NonFinite`](InputErrorKind::NonFinite) and [`OutOfRange`](InputErrorKind::OutOfRange) (beyond 2^320) name the
-    /// coordinate, those of `max` counted from 3; [`Negative`](InputErrorKind::Negative) the axis on which the corners are
-    /// the wrong way round.
+    /// Returns [`NonFinite`](InputErrorKind::NonFinite) or
+    /// [`OutOfRange`](InputErrorKind::OutOfRange) (beyond 2^320) with the index of the coordinate;
+    /// those of `max` count from 3. Returns [`Negative`](InputErrorKind::Negative) with the axis on
+    /// which `min` exceeds `max`.
     pub fn new(min: [f64; 3], max: [f64; 3]) -> Result<Self, InputError> {
-        // Without a branch, as worlds make many boxes; what is not a number is not in order.
+        // Valid boxes pass without a branch per axis, because worlds build many boxes. NaN fails
+        // the comparisons.
         if (0..3).fold(true, |is_box, k| is_box & (-LIMIT <= min[k]) & (min[k] <= max[k]) & (max[k] <= LIMIT)) {
             return Ok(Self { min, max });
         }
@@ -44,36 +50,37 @@ impl MinMax {
         }
     }
 
-    /// This box of a tree, exactly; none where it is empty or not finite.
+    /// Converts a tree's box, exactly. Returns `None` if it is empty or not finite.
     #[must_use]
     pub fn from_aabb(aabb: &Aabb) -> Option<Self> {
         Self::new(aabb.min.map(f64::from), aabb.max.map(f64::from)).ok()
     }
 
-    /// The least box of a tree that holds this one; coordinates beyond single precision become infinite.
+    /// Returns the smallest single-precision box that holds this one. A bound that would have to
+    /// lie beyond single precision becomes infinite.
     #[must_use]
     pub fn to_aabb(&self) -> Aabb {
         Aabb { min: self.min.map(f32_down), max: self.max.map(f32_up) }
     }
 
-    /// Between corners that are known to be in order and finite.
+    /// Builds the box between corners that are known to be ordered and finite.
     pub(crate) const fn from_ordered(min: [f64; 3], max: [f64; 3]) -> Self {
         Self { min, max }
     }
 
-    /// The least coordinates.
+    /// Returns the smallest coordinate on each axis.
     #[must_use]
     pub fn min(&self) -> [f64; 3] {
         self.min
     }
 
-    /// The greatest coordinates.
+    /// Returns the largest coordinate on each axis.
     #[must_use]
     pub fn max(&self) -> [f64; 3] {
         self.max
     }
 
-    /// Whether every point of the other box is in this one, exactly.
+    /// Reports whether every point of the other box is in this one, exactly.
     #[must_use]
     pub fn encloses(&self, other: &Self) -> bool {
         (0..3).all(|axis| self.min[axis] <= other.min[axis] && other.max[axis] <= self.max[axis])
@@ -85,18 +92,18 @@ impl BoundingVolume for MinMax {
         Self::of(points)
     }
 
-    /// Exact (*Notes*, algorithm 2.1).
+    /// Reports whether the boxes overlap, exactly (*Notes*, algorithm 2.1).
     #[inline]
     fn overlaps(&self, other: &Self) -> bool {
         (0..3).all(|axis| self.min[axis] <= other.max[axis] && other.min[axis] <= self.max[axis])
     }
 
-    /// Exact.
+    /// Reports whether the point is inside, exactly.
     fn contains(&self, point: [f64; 3]) -> bool {
         (0..3).all(|axis| self.min[axis] <= point[axis] && point[axis] <= self.max[axis])
     }
 
-    /// Exact: the least box that holds both.
+    /// Returns the smallest box that holds both, exactly.
     fn merged(&self, other: &Self) -> Self {
         Self {
             min: std::array::from_fn(|axis| self.min[axis].min(other.min[axis])),
@@ -104,12 +111,12 @@ impl BoundingVolume for MinMax {
         }
     }
 
-    /// The least box of the image, every sum and product rounded outward: any affine map, and exact where no sum or
-    /// product rounds.
+    /// Returns the smallest box of the image, with every sum and product rounded outward. It
+    /// accepts any affine map and is exact if no sum or product rounds.
     ///
     /// # Source
-    /// Arvo, *Transforming axis-aligned bounding boxes*, Graphics Gems 1990. Example 2.2.3 of the *Notes* uses x in all
-    /// three terms; term j takes coordinate j.
+    /// Arvo, *Transforming axis-aligned bounding boxes*, Graphics Gems 1990. Example 2.2.3 of the
+    /// *Notes* uses x in all three terms, which is wrong: term j takes coordinate j.
     fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
         let (linear, translation) = (world_from_local.linear(), world_from_local.translation());
         let (mut min, mut max) = (*translation, *translation);
@@ -140,10 +147,10 @@ fn extents(bounds: &MinMax) -> [f64; 3] {
     std::array::from_fn(|axis| bounds.max[axis] - bounds.min[axis])
 }
 
-/// Whether all these numbers are finite and within [`LIMIT`].
+/// Checks that all numbers are finite and within [`LIMIT`]. `what` names them in the error.
 ///
 /// # Errors
-/// For the first that is not.
+/// Returns an error with the index of the first invalid number.
 pub(super) fn in_range(what: &'static str, numbers: impl IntoIterator<Item = f64>) -> Result<(), InputError> {
     for (index, number) in numbers.into_iter().enumerate() {
         if !number.is_finite() {
@@ -156,10 +163,11 @@ pub(super) fn in_range(what: &'static str, numbers: impl IntoIterator<Item = f64
     Ok(())
 }
 
-/// Whether all these lengths are finite, within [`LIMIT`] and not negative.
+/// Checks that all lengths are finite, within [`LIMIT`] and not negative. `what` names them in the
+/// error.
 ///
 /// # Errors
-/// For the first that is not.
+/// Returns an error with the index of the first invalid length.
 pub(super) fn lengths_in_range<const N: usize>(what: &'static str, lengths: [f64; N]) -> Result<(), InputError> {
     in_range(what, lengths)?;
     match lengths.iter().position(|&length| length < 0.0) {

@@ -1,4 +1,6 @@
-//! The axis-aligned box by its least corner and its widths (*Notes*, 2.1, listing 2.2).
+//! The axis-aligned box as its smallest corner and its widths (*Notes*, 2.1, listing 2.2).
+//!
+//! Tests: `tests/it/volumes/boxes.rs`. Benchmark: `box_forms`.
 
 use super::min_max::{in_range, lengths_in_range};
 use super::rounding::{add_down, add_up, mul_down, mul_up, two_sum};
@@ -6,16 +8,18 @@ use super::{BoundingVolume, MinMax};
 use crate::input::InputError;
 use crate::math::Pose;
 
-/// The closed box of the points `min + w` with `0 ≤ w ≤ widths`, the sum being that of real numbers.
+/// The closed box of the points `min + w` with `0 ≤ w ≤ widths` on each axis, as a sum of real
+/// numbers.
 ///
-/// Widths are small where corners are far from the origin, which is what [`PackedMinWidths`](super::PackedMinWidths)
-/// profits from.
+/// Widths are small even if the corners are far from the origin, which lets
+/// [`PackedMinWidths`](super::PackedMinWidths) store them as small integers.
 ///
 /// ```
 /// use impinge::volume::{MinMax, MinWidths};
 /// let bounds = MinMax::new([0.1; 3], [0.7; 3])?;
 /// let by_widths = MinWidths::from(bounds);
-/// assert!(MinMax::from(by_widths).encloses(&bounds)); // 0.7 - 0.1 is no double: the widths are rounded up
+/// // 0.7 - 0.1 is not a double, so the widths are rounded up.
+/// assert!(MinMax::from(by_widths).encloses(&bounds));
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,35 +31,36 @@ pub struct MinWidths {
 const _: () = assert!(size_of::<MinWidths>() == 48);
 
 impl MinWidths {
-    /// The box from a corner on.
+    /// Builds the box from its smallest corner and its widths.
     ///
     /// # Errors
-    /// [`NonFinite`](crate::input::InputErrorKind::NonFinite), [`OutOfRange`](crate::input::InputErrorKind::OutOfRange)
-    /// (beyond 2^320) and, for widths, [`Negative`](crate::input::InputErrorKind::Negative) name the axis.
+    /// Returns [`NonFinite`](crate::input::InputErrorKind::NonFinite),
+    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) or, for widths,
+    /// [`Negative`](crate::input::InputErrorKind::Negative), with the index of the axis.
     pub fn new(min: [f64; 3], widths: [f64; 3]) -> Result<Self, InputError> {
         in_range("box coordinate", min)?;
         lengths_in_range("box width", widths)?;
         Ok(Self { min, widths })
     }
 
-    /// From numbers that are known to be in range.
+    /// Builds the box from numbers that are known to be valid.
     pub(super) fn from_valid(min: [f64; 3], widths: [f64; 3]) -> Self {
         Self { min, widths }
     }
 
-    /// The least coordinates.
+    /// Returns the smallest coordinate on each axis.
     #[must_use]
     pub fn min(&self) -> [f64; 3] {
         self.min
     }
 
-    /// The lengths along the axes.
+    /// Returns the lengths along the axes.
     #[must_use]
     pub fn widths(&self) -> [f64; 3] {
         self.widths
     }
 
-    /// Whether every point of the other box is in this one; true only where it is proved.
+    /// Reports whether every point of the other box is proved to be in this one.
     #[must_use]
     pub fn encloses(&self, other: &Self) -> bool {
         (0..3).all(|axis| {
@@ -65,7 +70,7 @@ impl MinWidths {
     }
 }
 
-/// Never smaller: widths are rounded up.
+/// Converts without shrinking: the widths are rounded up.
 impl From<MinMax> for MinWidths {
     fn from(bounds: MinMax) -> Self {
         let (min, max) = (bounds.min(), bounds.max());
@@ -73,7 +78,7 @@ impl From<MinMax> for MinWidths {
     }
 }
 
-/// Never smaller: the greatest corner is rounded up.
+/// Converts without shrinking: the largest corner is rounded up.
 impl From<MinWidths> for MinMax {
     fn from(bounds: MinWidths) -> Self {
         let MinWidths { min, widths } = bounds;
@@ -86,8 +91,9 @@ impl BoundingVolume for MinWidths {
         MinMax::of(points).map(Self::from)
     }
 
-    /// Exact, without ever computing a greatest corner: a box lies beyond another where the difference of their least
-    /// corners exceeds its width.
+    /// Reports whether the boxes overlap, exactly and without computing the largest corner. The
+    /// boxes are apart on an axis if the difference of their smallest corners exceeds the width of
+    /// the lower box.
     #[inline]
     fn overlaps(&self, other: &Self) -> bool {
         (0..3).all(|axis| {
@@ -96,19 +102,20 @@ impl BoundingVolume for MinWidths {
         })
     }
 
-    /// Exact.
+    /// Reports whether the point is inside, exactly.
     fn contains(&self, point: [f64; 3]) -> bool {
         (0..3).all(|axis| self.min[axis] <= point[axis] && !exceeds(point[axis], self.min[axis], self.widths[axis]))
     }
 
-    /// The least corners are exact, the widths rounded up.
+    /// Returns a box that holds both. The smallest corner is exact; the widths are rounded up.
     fn merged(&self, other: &Self) -> Self {
         let min: [f64; 3] = std::array::from_fn(|axis| self.min[axis].min(other.min[axis]));
         let reach = |part: &Self, axis: usize| add_up(add_up(part.min[axis], -min[axis]), part.widths[axis]);
         Self { min, widths: std::array::from_fn(|axis| reach(self, axis).max(reach(other, axis))) }
     }
 
-    /// Any affine map. The widths turn by themselves, as half-extents do; they take up what the corner's rounding left out.
+    /// Accepts any affine map. The widths are transformed separately, like half-extents, and then
+    /// enlarged by the rounding error of the corner.
     fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
         let (linear, translation) = (world_from_local.linear(), world_from_local.translation());
         let (mut low, mut high, mut widths) = (*translation, *translation, [0.0; 3]);
@@ -139,8 +146,8 @@ impl BoundingVolume for MinWidths {
     }
 }
 
-/// Whether `to - from > width` over the reals. Rounding is monotonic, so only where the rounded difference is the width
-/// itself does what rounding lost decide.
+/// Reports whether `to - from > width` for real numbers. Rounding is monotonic, so the rounding
+/// error decides only if the rounded difference equals the width.
 #[inline(always)]
 fn exceeds(to: f64, from: f64, width: f64) -> bool {
     let (difference, lost) = two_sum(to, -from);

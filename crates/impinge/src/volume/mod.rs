@@ -1,20 +1,21 @@
-//! Bounding volumes: what may be in the way, for less than asking the thing itself (*Notes on Real Time Collision
-//! Detection*, chapter 2; Ericson, chapter 4).
+//! Bounding volumes: simple shapes that enclose geometry and are faster to test than the geometry
+//! itself (*Notes on Real Time Collision Detection*, chapter 2; Ericson, chapter 4).
 //!
-//! | volume | bytes | what it is |
+//! | volume | bytes | shape |
 //! |---|---|---|
 //! | [`Aabb`] | 24 | axis-aligned box in single precision, for trees |
 //! | [`MinMax`], [`MinWidths`], [`CentreRadius`] | 48 | the three forms of an axis-aligned box |
-//! | [`PackedMinWidths`], [`PackedCentreRadius`] | 20, 16 | the last two, extents as integers of 16 or 8 bits |
-//! | [`BoundingSphere`] | 32 | centre and radius |
+//! | [`PackedMinWidths`], [`PackedCentreRadius`] | 20, 16 | the last two with integer extents |
+//! | [`BoundingSphere`] | 32 | center and radius |
 //! | [`Capsule`] | 56 | a segment swept by a sphere |
 //! | [`Lozenge`] | 80 | a rectangle swept by a sphere |
 //! | [`Obb`] | 120 | oriented box |
-//! | [`Kdop14`], [`Kdop18`], [`Kdop26`] | 112 to 208 | polytope with 7, 9 or 13 pairs of parallel faces |
+//! | [`Kdop14`], [`Kdop18`], [`Kdop26`] | 112 to 208 | polytope with 7, 9 or 13 face pairs |
 //!
-//! Each is the set of *real* points that its numbers define, and is wrong in one direction only: whatever is computed from
-//! it, a conversion, a union or a moved copy, holds the exact result; a test says *apart* only where that is proved.
-//! [`fit`] makes them from points; [`Proxies`] are one of each kind about a convex hull.
+//! Each volume is the set of *real* points that its numbers define, and rounding errs in one
+//! direction only. Every conversion, union or moved copy encloses the exact result. A test reports
+//! *apart* only if that is proved. [`fit`] builds volumes from points; [`Proxies`] holds one volume
+//! of each kind around a convex hull.
 
 mod aabb;
 mod batch;

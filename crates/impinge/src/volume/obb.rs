@@ -1,18 +1,21 @@
-//! The oriented box (*Notes*, 2.3: what principal components also give; Ericson 4.4).
+//! The oriented box (*Notes*, 2.3, where principal components lead to it; Ericson 4.4).
+//!
+//! Tests: `tests/it/volumes/fitted.rs`, `tests/it/volumes/exact.rs`. Benchmark: `volumes`.
 
 use super::min_max::{in_range, lengths_in_range};
 use super::rounding::{add_down, add_up, mul_down, mul_up};
 use crate::input::{InputError, InputErrorKind};
 use crate::math::vec3::{add, dot, normalized, scale, sub};
 
-/// The most by which the axes may deviate from being orthonormal: far more than rounding them takes, far less than what
-/// would loosen a box. Axes from single precision are to be orthonormalised first.
-const ORTHONORMAL: f64 = 1.0 / (1_u64 << 40) as f64;
+/// Maximum deviation of the axes from orthonormal ones: 2^-40. Rounding orthonormal axes to doubles
+/// stays far below it. A much larger value would make boxes loose. Axes from single precision must
+/// be orthonormalized first.
+const MAX_DEVIATION: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// The points `centre + Σ tᵢ axisᵢ` with |tᵢ| ≤ half-extentᵢ.
 ///
-/// Axes are doubles, so they are orthonormal but for rounding; the set is the parallelepiped that the numbers say, and
-/// whatever makes a box counts that deviation into its half-extents.
+/// The axes are doubles, so they are orthonormal only up to rounding. The set is the parallelepiped
+/// that the numbers define; constructions enlarge the half-extents by that deviation.
 ///
 /// ```
 /// use impinge::volume::{BoundingVolume, Obb};
@@ -31,61 +34,66 @@ pub struct Obb {
 const _: () = assert!(size_of::<Obb>() == 120);
 
 impl Obb {
-    /// The box about a centre, with these axes.
+    /// Builds the box from its center, its axes and its half-extents.
     ///
     /// # Errors
-    /// [`NonFinite`](InputErrorKind::NonFinite), [`OutOfRange`](InputErrorKind::OutOfRange) (beyond 2^320),
-    /// [`Negative`](InputErrorKind::Negative) for a half-extent, and [`NotRigid`](InputErrorKind::NotRigid) where the axes
-    /// deviate from orthonormal ones by more than 2^-40.
+    /// Returns [`NonFinite`](InputErrorKind::NonFinite) or
+    /// [`OutOfRange`](InputErrorKind::OutOfRange) (beyond 2^320) for a bad number,
+    /// [`Negative`](InputErrorKind::Negative) for a negative half-extent, and
+    /// [`NotRigid`](InputErrorKind::NotRigid) if the axes deviate from orthonormal ones by more
+    /// than 2^-40.
     pub fn new(centre: [f64; 3], axes: [[f64; 3]; 3], half_extents: [f64; 3]) -> Result<Self, InputError> {
-        in_range("box centre or axis", centre.into_iter().chain(axes.into_iter().flatten()))?;
+        in_range("box center or axis", centre.into_iter().chain(axes.into_iter().flatten()))?;
         lengths_in_range("half-extent", half_extents)?;
         let deviation = deviation(&axes);
-        if deviation > ORTHONORMAL {
+        if deviation > MAX_DEVIATION {
             return Err(InputError::new(InputErrorKind::NotRigid { deviation })
-                .with_hint("the axes of a box are orthonormal: normalise them"));
+                .with_hint("the axes of a box must be orthonormal: normalize them and make them perpendicular"));
         }
         Ok(Self { centre, axes, half_extents })
     }
 
-    /// The centre.
+    /// Returns the center.
     #[must_use]
     pub fn centre(&self) -> [f64; 3] {
         self.centre
     }
 
-    /// The axes, one a row.
+    /// Returns the axes, one per row.
     #[must_use]
     pub fn axes(&self) -> [[f64; 3]; 3] {
         self.axes
     }
 
-    /// Half the lengths along the axes.
+    /// Returns half the lengths along the axes.
     #[must_use]
     pub fn half_extents(&self) -> [f64; 3] {
         self.half_extents
     }
 
-    /// The box with these axes, orthonormal up to rounding, about some centre, that holds all points which have a
-    /// projection on each axis from the centre, axis · (x - centre), of magnitude at most `reach`, rounded up.
+    /// Returns a box with the given center and axes that encloses every point x whose projections
+    /// are within `reach`: `|axis · (x - centre)| ≤ reach` on each axis. The axes must be
+    /// orthonormal up to rounding; the half-extents are rounded up.
     ///
-    /// With y the projections and s the coordinates of a point, y = G s for the Gram matrix G of the axes, so
-    /// |s - y| ≤ κ |s| ≤ κ / (1 - κ) |y| in the maximum norm, κ being that of G - I.
+    /// With y the projections and s the coordinates of a point, y = G s for the Gram matrix G of
+    /// the axes. So |s - y| ≤ κ |s| ≤ κ / (1 - κ) |y| in the maximum norm, with κ the norm of G -
+    /// I.
     pub(super) fn of_reach(centre: [f64; 3], axes: [[f64; 3]; 3], reach: [f64; 3]) -> Self {
         let deviation = deviation(&axes);
         let largest = reach.into_iter().fold(0.0, f64::max);
-        // κ is below 2^-40, so 2 κ is more than κ / (1 - κ).
+        // κ is below 2^-40, so 2 κ exceeds κ / (1 - κ).
         let skew = mul_up(2.0 * deviation, largest);
         Self { centre, axes, half_extents: reach.map(|y| add_up(y, skew)) }
     }
 
-    /// The box about a centre with these axes, orthonormal up to rounding, that holds the points.
+    /// Returns the box with the given center and axes that encloses the points. The axes must be
+    /// orthonormal up to rounding.
     pub(super) fn about(centre: [f64; 3], axes: [[f64; 3]; 3], points: &[[f64; 3]]) -> Self {
         let reach = |axis| points.iter().map(|&point| projection_up(axis, point, centre)).fold(0.0, f64::max);
         Self::of_reach(centre, axes, axes.map(reach))
     }
 
-    /// The corners, rounded.
+    /// Returns the eight corners, rounded.
     #[must_use]
     pub fn corners(&self) -> [[f64; 3]; 8] {
         std::array::from_fn(|corner| {
@@ -96,7 +104,7 @@ impl Obb {
         })
     }
 
-    /// The box with these axes that holds several parallelepipeds.
+    /// Returns a box with the given axes that encloses several parallelepipeds.
     pub(super) fn around(axes: [[f64; 3]; 3], parts: &[Generated]) -> Self {
         let origin = parts[0].centre;
         let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
@@ -114,31 +122,31 @@ impl Obb {
     }
 
     pub(super) fn generated(&self) -> Generated {
-        Generated { centre: self.centre, generators: self.axes, half_extents: self.half_extents, off: 0.0 }
+        Generated { centre: self.centre, generators: self.axes, half_extents: self.half_extents, error: 0.0 }
     }
 }
 
-/// A parallelepiped of any generators, each point of which may be off by up to `off`.
+/// A parallelepiped with arbitrary generators. Each of its points has an error of up to `error`.
 pub(super) struct Generated {
     pub(super) centre: [f64; 3],
     pub(super) generators: [[f64; 3]; 3],
     pub(super) half_extents: [f64; 3],
-    pub(super) off: f64,
+    pub(super) error: f64,
 }
 
 impl Generated {
-    /// A double not below |axis · (x - centre)| for any point x.
+    /// Returns a double not below `|axis · (x - centre)|` for any point x of the parallelepiped.
     fn reach(&self, axis: [f64; 3], centre: [f64; 3]) -> f64 {
         let mut reach = projection_up(axis, self.centre, centre);
         for (generator, half) in self.generators.iter().zip(self.half_extents) {
             reach = add_up(reach, mul_up(half, projection_up(axis, *generator, [0.0; 3])));
         }
-        // An axis is at most 1 + 2^-40 long.
-        add_up(reach, mul_up(self.off, 1.0 + ORTHONORMAL))
+        // The length of an axis is at most 1 + 2^-40.
+        add_up(reach, mul_up(self.error, 1.0 + MAX_DEVIATION))
     }
 }
 
-/// A double not below |axis · (p - q)|, and exact where no operation rounds.
+/// Returns a double not below |axis · (p - q)|. It is exact if no operation rounds.
 pub(super) fn projection_up(axis: [f64; 3], p: [f64; 3], q: [f64; 3]) -> f64 {
     let (mut low, mut high) = (0.0, 0.0);
     for k in 0..3 {
@@ -149,7 +157,8 @@ pub(super) fn projection_up(axis: [f64; 3], p: [f64; 3], q: [f64; 3]) -> f64 {
     high.max(-low)
 }
 
-/// A bound on the maximum norm of G - I, G being the Gram matrix of the axes; zero where they are exactly orthonormal.
+/// Returns a bound on the maximum norm of G - I, with G the Gram matrix of the axes. The bound is
+/// zero if the axes are exactly orthonormal.
 pub(super) fn deviation(axes: &[[f64; 3]; 3]) -> f64 {
     let mut worst = 0.0_f64;
     for i in 0..3 {
@@ -167,10 +176,12 @@ pub(super) fn deviation(axes: &[[f64; 3]; 3]) -> f64 {
     worst
 }
 
-/// Orthonormal axes, up to rounding: the first along the first vector, the second in the plane of the first two.
+/// Returns orthonormal axes, up to rounding: the first along the first vector, the second in the
+/// plane of the first two. Zero or dependent vectors are skipped, and coordinate axes complete the
+/// frame.
 ///
 /// # Source
-/// Gram and Schmidt, twice over, as one pass leaves what cancels.
+/// Gram and Schmidt, done twice, because one pass leaves an error if the vectors nearly cancel.
 pub(super) fn orthonormal(vectors: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mut axes = [[0.0; 3]; 3];
@@ -188,7 +199,7 @@ pub(super) fn orthonormal(vectors: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
             left = dot(&axis, &axis);
             axis = normalized(&axis).unwrap_or([0.0; 3]);
         }
-        // What was nearly in the span of the others has no direction of its own.
+        // A vector that was nearly in the span of the others has no reliable direction of its own.
         if left > 0.5 && dot(&axis, &axis) > 0.5 {
             axes[found] = axis;
             found += 1;

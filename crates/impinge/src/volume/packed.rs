@@ -1,9 +1,12 @@
-//! Boxes whose extents are small integers (*Notes*, 2.1: dimensions or radii "as integers, which can be more tightly packed
-//! than floats").
+//! Boxes whose extents are small integers (*Notes*, 2.1: dimensions or radii "as integers, which
+//! can be more tightly packed than floats").
 //!
-//! The corner or centre is in single precision and each extent a number of steps, whose length is a power of two of the
-//! box's own: 16 bytes with steps of 8 bits and 20 with 16, where six singles take 24. Decoding is exact in double
-//! precision, so a packed box *is* the box that it decodes to; only packing rounds, and it rounds outward.
+//! The corner or center is in single precision. Each extent is a number of steps; the step length
+//! is a power of two that each box stores. A box takes 16 bytes with 8-bit steps and 20 bytes with
+//! 16-bit steps, where six singles take 24. Decoding is exact in double precision, so a packed box
+//! *is* the box it decodes to. Only packing rounds, and it rounds outward.
+//!
+//! Tests: `tests/it/volumes/boxes.rs`. Benchmark: `box_forms`.
 
 use super::rounding::{add_up, f32_down};
 use super::{BoundingVolume, CentreRadius, MinMax, MinWidths};
@@ -15,19 +18,19 @@ mod sealed {
     impl Sealed for u16 {}
 }
 
-/// An unsigned integer that counts steps: `u8` or `u16`. The exponent of the step takes as many bytes, so that no byte of
-/// a packed box is padding with `u8`, and two are with `u16`.
+/// An unsigned integer that counts steps: `u8` or `u16`. The exponent of the step length has the
+/// same size, so a packed box has no padding bytes.
 pub trait Steps: sealed::Sealed + Copy + PartialEq + std::fmt::Debug + Send + Sync + Into<u32> + 'static {
-    /// The integer that holds the exponent of the step.
+    /// The integer type that holds the exponent of the step length.
     type Exponent: Copy + PartialEq + std::fmt::Debug + Send + Sync + Into<i32> + 'static;
 
-    /// The most steps.
+    /// Maximum number of steps.
     const MOST: u32;
 
-    /// A count of steps, at most [`MOST`](Self::MOST).
+    /// Converts a number of steps, at most [`MOST`](Self::MOST).
     fn from_count(count: u32) -> Self;
 
-    /// An exponent between -126 and 127.
+    /// Converts an exponent between -126 and 127.
     fn exponent(exponent: i32) -> Self::Exponent;
 }
 
@@ -88,10 +91,10 @@ const _: () = assert!(size_of::<PackedMinWidths<u8>>() == 16 && size_of::<Packed
 const _: () = assert!(size_of::<PackedMinWidths<u16>>() == 20 && size_of::<PackedCentreRadius<u16>>() == 20);
 const _: () = assert!(size_of::<super::Aabb>() == 24);
 
-/// Never smaller.
+/// Packs without shrinking.
 ///
 /// # Errors
-/// [`OutOfRange`](InputErrorKind::OutOfRange) where a coordinate is beyond 2^127.
+/// Returns [`OutOfRange`](InputErrorKind::OutOfRange) if a coordinate exceeds 2^127.
 impl<T: Steps> TryFrom<MinWidths> for PackedMinWidths<T> {
     type Error = InputError;
 
@@ -106,10 +109,10 @@ impl<T: Steps> TryFrom<MinWidths> for PackedMinWidths<T> {
     }
 }
 
-/// Never smaller.
+/// Packs without shrinking.
 ///
 /// # Errors
-/// [`OutOfRange`](InputErrorKind::OutOfRange) where a coordinate is beyond 2^127.
+/// Returns [`OutOfRange`](InputErrorKind::OutOfRange) if a coordinate exceeds 2^127.
 impl<T: Steps> TryFrom<CentreRadius> for PackedCentreRadius<T> {
     type Error = InputError;
 
@@ -141,22 +144,23 @@ impl<T: Steps> From<PackedCentreRadius<T>> for CentreRadius {
 }
 
 impl<T: Steps> PackedMinWidths<T> {
-    /// Whether the two overlap, exactly; touching counts.
+    /// Reports whether the two boxes overlap, exactly. Touching boxes overlap.
     #[inline]
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         MinWidths::from(*self).overlaps(&MinWidths::from(*other))
     }
 
-    /// A packed box that holds both.
+    /// Returns a packed box that encloses both.
     ///
     /// # Errors
-    /// As packing: beyond 2^127.
+    /// Returns [`OutOfRange`](InputErrorKind::OutOfRange) if a coordinate of the union exceeds
+    /// 2^127.
     pub fn merged(&self, other: &Self) -> Result<Self, InputError> {
         MinWidths::from(*self).merged(&MinWidths::from(*other)).try_into()
     }
 
-    /// What it encloses, in cubic units, rounded.
+    /// Returns the enclosed volume in cubic units, rounded.
     #[must_use]
     pub fn volume(&self) -> f64 {
         MinWidths::from(*self).volume()
@@ -164,60 +168,65 @@ impl<T: Steps> PackedMinWidths<T> {
 }
 
 impl<T: Steps> PackedCentreRadius<T> {
-    /// Whether the two are not proved apart, as [`CentreRadius`] decides it; touching counts.
+    /// Reports whether the two boxes may overlap, by the test of [`CentreRadius`]: `false` is
+    /// returned only if they are proved apart. Touching boxes overlap.
     #[inline]
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         CentreRadius::from(*self).overlaps(&CentreRadius::from(*other))
     }
 
-    /// A packed box that holds both.
+    /// Returns a packed box that encloses both.
     ///
     /// # Errors
-    /// As packing: beyond 2^127.
+    /// Returns [`OutOfRange`](InputErrorKind::OutOfRange) if a coordinate of the union exceeds
+    /// 2^127.
     pub fn merged(&self, other: &Self) -> Result<Self, InputError> {
         CentreRadius::from(*self).merged(&CentreRadius::from(*other)).try_into()
     }
 
-    /// What it encloses, in cubic units, rounded.
+    /// Returns the enclosed volume in cubic units, rounded.
     #[must_use]
     pub fn volume(&self) -> f64 {
         CentreRadius::from(*self).volume()
     }
 }
 
-/// The box in double precision, exactly up to one outward rounding of its greatest corner.
+/// Converts to double precision: the largest corner is rounded outward once, the rest is exact.
 impl<T: Steps> From<PackedMinWidths<T>> for MinMax {
     fn from(packed: PackedMinWidths<T>) -> Self {
         MinWidths::from(packed).into()
     }
 }
 
-/// The box in double precision, up to one outward rounding of each corner.
+/// Converts to double precision: each corner is rounded outward once.
 impl<T: Steps> From<PackedCentreRadius<T>> for MinMax {
     fn from(packed: PackedCentreRadius<T>) -> Self {
         CentreRadius::from(packed).into()
     }
 }
 
-/// Lengths as numbers of steps, rounded up, and the exponent of the least step by which the longest is not too many.
-fn pack<T: Steps>(anchor: [f64; 3], lengths: [f64; 3]) -> Result<([T; 3], T::Exponent), InputError> {
-    const LARGEST: f64 = (1_u128 << 127) as f64;
-    /// Below single precision: what is shorter becomes one step of this.
-    const LEAST_EXPONENT: i32 = -126;
-    let numbers = anchor.into_iter().chain(lengths);
-    if let Some(index) = numbers.map(f64::abs).position(|x| x > LARGEST) {
+/// Returns the lengths as numbers of steps, rounded up, and the exponent of the step length. The
+/// exponent is the smallest for which the longest length fits.
+fn pack<T: Steps>(position: [f64; 3], lengths: [f64; 3]) -> Result<([T; 3], T::Exponent), InputError> {
+    const MAX_COORDINATE: f64 = (1_u128 << 127) as f64;
+    /// Smallest exponent of single precision. A positive length below this step takes one step.
+    const MIN_EXPONENT: i32 = -126;
+    let numbers = position.into_iter().chain(lengths);
+    if let Some(index) = numbers.map(f64::abs).position(|x| x > MAX_COORDINATE) {
         let what = "box coordinate";
         return Err(InputError::new(InputErrorKind::OutOfRange { what, index: index % 3, limit: "2^127" }));
     }
     let longest = lengths.into_iter().fold(0.0, f64::max);
-    // Within 2 of the exponent that is wanted: as many bits as the integer has, below the leading bit of the longest.
+    // This is within 2 of the result: the leading bit of the longest length, less the number of
+    // bits of the integer.
     let leading = (longest.to_bits() >> 52) as i32 - 1023;
-    let mut exponent = (leading - T::MOST.count_ones() as i32).max(LEAST_EXPONENT);
+    let mut exponent = (leading - T::MOST.count_ones() as i32).max(MIN_EXPONENT);
     while (longest / power_of_two(exponent)).ceil() > f64::from(T::MOST) {
         exponent += 1;
     }
-    // Dividing by a power of two is exact unless it underflows, and what is not zero then still takes one step.
+    // Dividing by a power of two is exact unless it underflows. A positive length that underflows
+    // still takes one step.
     let steps = lengths.map(|length| {
         let count = (length / power_of_two(exponent)).ceil() as u32;
         T::from_count(if length > 0.0 { count.max(1) } else { 0 })
@@ -225,7 +234,7 @@ fn pack<T: Steps>(anchor: [f64; 3], lengths: [f64; 3]) -> Result<([T; 3], T::Exp
     Ok((steps, T::exponent(exponent)))
 }
 
-/// `2^exponent`, for an exponent of single precision.
+/// Returns `2^exponent` for an exponent in the range of single precision.
 fn power_of_two(exponent: i32) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }

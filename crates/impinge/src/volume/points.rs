@@ -1,4 +1,6 @@
-//! Points as they are given, judged once.
+//! Points as they are given, validated once.
+//!
+//! Tests: `tests/it/volumes/refusals.rs`.
 
 use std::ops::{Add, Sub};
 
@@ -14,7 +16,8 @@ mod sealed {
     impl Sealed for f64 {}
 }
 
-/// A coordinate in single or double precision: the real number that the float is.
+/// A coordinate in single or double precision. Its value is exactly the real number that the float
+/// represents.
 pub trait Coordinate:
     sealed::Sealed + Copy + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Send + Sync + Into<f64> + 'static
 {
@@ -24,7 +27,7 @@ pub trait Coordinate:
     /// Positive infinity.
     const INFINITE: Self;
 
-    /// The same number with the other sign.
+    /// Returns the same number with the opposite sign.
     #[must_use]
     fn negated(self) -> Self;
 }
@@ -50,40 +53,41 @@ impl Coordinate for f64 {
 }
 
 impl MinMax {
-    /// The least box of these points, exactly.
+    /// Returns the smallest box that holds the points, exactly.
     ///
     /// # Errors
-    /// As [`BoundingVolume::of_points`](super::BoundingVolume::of_points).
+    /// Same as [`BoundingVolume::of_points`](super::BoundingVolume::of_points).
     ///
     /// # Complexity
     /// One pass over memory.
     pub fn of<T: Coordinate>(points: &[[T; 3]]) -> Result<Self, InputError> {
-        judge(points)
+        validated_bounds(points)
     }
 }
 
-/// The point in double precision, which holds either kind without rounding.
+/// Converts the point to double precision, without rounding.
 #[inline(always)]
 pub(super) fn widen<T: Coordinate>(point: [T; 3]) -> [f64; 3] {
     point.map(Into::into)
 }
 
-/// Coordinates looked at side by side: four points, so that every lane stays on one axis, no lane has to move and the bounds
-/// stay in registers.
+/// Number of coordinates processed side by side: those of four points. Since 12 is a multiple of 3,
+/// every lane stays on one axis, no lane has to move, and the bounds stay in registers.
 const LANES: usize = 12;
 
-/// Coordinates are below this.
+/// Exclusive upper bound of the magnitude of a coordinate: 2^128.
 const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 
-/// The box of the points, exactly, zeros being positive.
+/// Validates the points and returns their bounding box, exactly. Zeros in the box are positive.
 ///
 /// # Errors
-/// Without points, or where one is not finite or not below 2^128.
-pub(super) fn judge<T: Coordinate>(points: &[[T; 3]]) -> Result<MinMax, InputError> {
-    bounds(points).ok_or_else(|| first_bad(points))
+/// Returns an error if there are no points, or if a coordinate is not finite or has a magnitude of
+/// 2^128 or more.
+pub(super) fn validated_bounds<T: Coordinate>(points: &[[T; 3]]) -> Result<MinMax, InputError> {
+    bounds(points).ok_or_else(|| first_invalid(points))
 }
 
-/// As [`judge`], with nothing said of what is wrong.
+/// Does the same as [`validated_bounds`] but returns `None` for invalid points, without the reason.
 pub(super) fn bounds<T: Coordinate>(points: &[[T; 3]]) -> Option<MinMax> {
     dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || bounds_by_lanes(points)))
 }
@@ -93,15 +97,16 @@ fn bounds_by_lanes<T: Coordinate>(points: &[[T; 3]]) -> Option<MinMax> {
     let (mut min, mut max) = ([T::INFINITE; LANES], [T::INFINITE.negated(); LANES]);
     let flat = points.as_flattened();
     let (groups, rest) = flat.as_chunks::<LANES>();
-    // NaN fails every comparison, so that it is kept out of the bounds; what is not zero when taken from itself finds it.
+    // NaN fails every comparison, so it never enters the bounds. `x - x` is zero only for finite
+    // numbers, so the sum detects NaN and infinity.
     let mut poison = [T::ZERO; LANES];
     for group in groups {
         for (lane, &x) in group.iter().enumerate() {
-            look(&mut min[lane], &mut max[lane], &mut poison[lane], x);
+            include_coordinate(&mut min[lane], &mut max[lane], &mut poison[lane], x);
         }
     }
     for (lane, &x) in rest.iter().enumerate() {
-        look(&mut min[lane], &mut max[lane], &mut poison[lane], x);
+        include_coordinate(&mut min[lane], &mut max[lane], &mut poison[lane], x);
     }
     let on_axis = |axis: usize| (axis..LANES).step_by(3);
     let low: [f64; 3] =
@@ -113,17 +118,18 @@ fn bounds_by_lanes<T: Coordinate>(points: &[[T; 3]]) -> Option<MinMax> {
     (in_range && poison.iter().all(|&sum| sum == T::ZERO)).then(|| MinMax::from_ordered(low, high))
 }
 
-/// Takes one coordinate into the bounds of its lane.
+/// Includes one coordinate in the bounds of its lane.
 #[inline(always)]
 #[allow(clippy::eq_op, reason = "zero for what is finite and for nothing else")]
-fn look<T: Coordinate>(min: &mut T, max: &mut T, poison: &mut T, x: T) {
+fn include_coordinate<T: Coordinate>(min: &mut T, max: &mut T, poison: &mut T, x: T) {
     *min = if x < *min { x } else { *min };
     *max = if x > *max { x } else { *max };
     *poison = *poison + (x - x);
 }
 
-/// The error for points without bounds: the first that is not finite or out of range.
-fn first_bad<T: Coordinate>(points: &[[T; 3]]) -> InputError {
+/// Returns the error for invalid points: the first one that is not finite or out of range. Without
+/// such a point the error is that the set is empty.
+fn first_invalid<T: Coordinate>(points: &[[T; 3]]) -> InputError {
     for (index, &point) in points.iter().enumerate() {
         for x in widen(point) {
             if !x.is_finite() {

@@ -1,32 +1,37 @@
-//! How far a pose is from a rigid motion, and where it takes a point: both with bounds.
+//! Measures how far a pose is from a rigid motion, and maps points and directions with error
+//! bounds.
 
 use super::rounding::{HALF_ULP, add_down, add_up, length_up, mul_down, mul_up};
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 
-/// The greatest deviation that passes for rigid. A rotation stored in single precision deviates by about 1e-7, one from
-/// a file with five decimals by 1e-5; a scale or shear that was meant deviates by more.
-const RIGID: f64 = 1e-4;
+/// Maximum deviation from a rigid motion (Frobenius norm of RᵀR - I) that still counts as rigid. A
+/// rotation stored in single precision deviates by about 1e-7, one from a file with five decimals
+/// by 1e-5. An intended scale or shear deviates by more.
+const MAX_DEVIATION: f64 = 1e-4;
 
-/// A bound on the factor by which the pose stretches any length; 1 exactly where its linear part is exactly orthogonal.
+/// Returns a bound on the factor by which the pose stretches any length. The bound is exactly 1 if
+/// the linear part is exactly orthogonal.
 ///
-/// That is so of floats only with one entry of ±1 in each row and column: a row is whole numbers over a power of two, whose squares
-/// add up to a power of four, and three squares whose sum is a multiple of four are all even.
+/// For floats that requires exactly one entry of ±1 in each row and column. Proof: scale a row to
+/// integers over a power of two; their squares sum to a power of four. Three squares whose sum is a
+/// multiple of four are all even, so the integers can be halved until the sum is 1.
 ///
 /// # Accuracy
-/// The greatest singular value σ of R has σ² ≤ 1 + ‖RᵀR - I‖, so σ ≤ 1 + ‖RᵀR - I‖ / 2, for which the Frobenius norm serves. An entry of
-/// RᵀR - I is three products, two sums and a difference: it is off by 3.1 u of the magnitudes of the products and u of itself, and where
-/// products vanish by less than the least normal number.
+/// The largest singular value σ of R satisfies σ² ≤ 1 + ‖RᵀR - I‖, so σ ≤ 1 + ‖RᵀR - I‖ / 2; the
+/// Frobenius norm is used. An entry of RᵀR - I is three products, two sums and a difference. Its
+/// error is at most 3.1 u of the magnitudes of the products and u of the entry itself. If products
+/// underflow, the error also includes less than the smallest normal number.
 ///
 /// # Errors
-/// [`NotRigid`](InputErrorKind::NotRigid).
+/// Returns [`NotRigid`](InputErrorKind::NotRigid) if the Frobenius norm of RᵀR - I exceeds 1e-4.
 pub(crate) fn stretch(pose: &Pose) -> Result<f64, InputError> {
     let linear = pose.linear();
     let is_exact = linear.as_flattened().iter().all(|x| *x == 0.0 || x.abs() == 1.0);
     let mut squares = 0.0;
     for i in 0..3 {
         for j in i..3 {
-            // What is off the diagonal stands on either side of it.
+            // An entry off the diagonal occurs twice.
             let (one, times) = if i == j { (1.0, 1.0) } else { (0.0, 2.0) };
             let products = linear.map(|row| row[i] * row[j]);
             let entry = (products[0] + products[1] + products[2] - one).abs();
@@ -37,14 +42,15 @@ pub(crate) fn stretch(pose: &Pose) -> Result<f64, InputError> {
         }
     }
     let deviation = squares.sqrt() * (1.0 + 16.0 * HALF_ULP);
-    if deviation > RIGID {
-        return Err(InputError::new(InputErrorKind::NotRigid { deviation })
-            .with_hint("only meshes, boxes and polytopes with fixed directions can be scaled or sheared"));
+    if deviation > MAX_DEVIATION {
+        return Err(InputError::new(InputErrorKind::NotRigid { deviation }).with_hint(
+            "only meshes, boxes and k-DOPs can be scaled or sheared: remove scale and shear from the pose",
+        ));
     }
     Ok(add_up(1.0, 0.5 * deviation))
 }
 
-/// The image of a point, rounded, and a bound on how far it is from the exact one.
+/// Returns the image of a point, rounded, and a bound on its distance from the exact image.
 pub(super) fn image(pose: &Pose, point: [f64; 3]) -> ([f64; 3], f64) {
     let image = pose.apply(point);
     let off = std::array::from_fn(|axis| {
@@ -58,7 +64,8 @@ pub(super) fn image(pose: &Pose, point: [f64; 3]) -> ([f64; 3], f64) {
     (image, length_up(off))
 }
 
-/// The image of a direction under the linear part, rounded, and a bound on how far it is from the exact one.
+/// Returns the image of a direction under the linear part, rounded, and a bound on its distance
+/// from the exact image.
 pub(super) fn direction(pose: &Pose, direction: [f64; 3]) -> ([f64; 3], f64) {
     let linear = pose.linear();
     let (mut nearest, mut off) = ([0.0; 3], [0.0; 3]);

@@ -1,31 +1,35 @@
-//! Volumes that are a point, segment or parallelogram swept by a sphere, and the distance between any two of them.
+//! Volumes that are a point, segment or parallelogram swept by a sphere, and the distance between
+//! any two of them.
 //!
-//! The closest points of the cores are computed in the plain way; then the result is *judged*, so that no rounding before
-//! can matter. With n the vector between them, no point of B's core is nearer to one of A's than
-//! (min n·b - max n·a) / |n|, whatever n is: the lower bound. The points are of the cores up to a known rounding: the upper
-//! bound.
+//! The closest points of the cores are computed with plain formulas. The bounds are then proved
+//! from the result alone, so rounding in those formulas cannot make them wrong. Let n be the vector
+//! between the closest points. Lower bound: no point of B's core is nearer to one of A's than (min
+//! n·b - max n·a) / |n|, whatever n is. Upper bound: the points lie on the cores up to a known
+//! rounding error.
+//!
+//! Tests: `tests/it/volumes/round.rs`. Benchmark: `volumes`.
 
 use super::core::{Core, closest_points};
 use super::rounding::{HALF_ULP, add_down, add_up, distance_up, div_down, length_up};
 use crate::math::vec3::{dot, sub};
 
-/// How far two sets are apart: a proved interval.
+/// The distance of two sets as a proved interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DistanceBounds {
-    /// The distance is not below this; not negative.
+    /// Lower bound of the distance, never negative.
     pub lower: f64,
-    /// The distance is not above this; zero where a common point is proved.
+    /// Upper bound of the distance. It is zero if a common point is proved.
     pub upper: f64,
 }
 
-/// What is proved of two closed sets.
+/// The proved relation of two closed sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Proximity {
     /// They have no common point.
     Apart,
-    /// They have one.
+    /// They have a common point.
     Meets,
-    /// Rounding leaves it open: they touch, or nearly do. To be taken as a hit.
+    /// Rounding leaves it undecided: they touch or nearly touch. Treat this as a hit.
     Undecided,
 }
 
@@ -40,24 +44,24 @@ pub(super) mod sealed {
     }
 }
 
-/// A volume that is a core swept by a sphere: [`BoundingSphere`](super::BoundingSphere), [`Capsule`](super::Capsule) or
-/// [`Lozenge`](super::Lozenge).
+/// A volume that is a core swept by a sphere: [`BoundingSphere`](super::BoundingSphere),
+/// [`Capsule`](super::Capsule) or [`Lozenge`](super::Lozenge).
 ///
 /// ```
 /// use impinge::volume::{BoundingSphere, Capsule, Proximity, Round};
 /// let pill = Capsule::new([0.0; 3], [4.0, 0.0, 0.0], 1.0)?;
-/// let ball = BoundingSphere::new([2.0, 5.0, 0.0], 1.0)?;
-/// let bounds = pill.distance(&ball);
+/// let sphere = BoundingSphere::new([2.0, 5.0, 0.0], 1.0)?;
+/// let bounds = pill.distance(&sphere);
 /// assert!(bounds.lower <= 3.0 && 3.0 <= bounds.upper && bounds.upper - bounds.lower < 1e-12);
-/// assert_eq!(pill.proximity(&ball), Proximity::Apart);
+/// assert_eq!(pill.proximity(&sphere), Proximity::Apart);
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 pub trait Round: sealed::Swept + Sized {
-    /// The distance of the two solids, zero where they meet.
+    /// Returns the distance of the two solids as an interval. The distance is zero if they overlap.
     ///
     /// # Accuracy
-    /// The interval is at most about 2^-46 of the size of the cores and of their distance wide (tests:
-    /// `tests/it/volumes/round.rs`).
+    /// The width of the interval is at most about 2^-46 of the size of the cores and of their
+    /// distance (tests: `tests/it/volumes/round.rs`).
     fn distance<B: Round>(&self, other: &B) -> DistanceBounds {
         let (lower, upper) = core_distance(&self.core(), &other.core());
         DistanceBounds {
@@ -66,7 +70,7 @@ pub trait Round: sealed::Swept + Sized {
         }
     }
 
-    /// Whether the two are proved apart, proved to meet, or neither.
+    /// Reports whether the two are proved apart, proved to overlap, or undecided.
     fn proximity<B: Round>(&self, other: &B) -> Proximity {
         let DistanceBounds { lower, upper } = self.distance(other);
         if lower > 0.0 {
@@ -78,28 +82,32 @@ pub trait Round: sealed::Swept + Sized {
         }
     }
 
-    /// Whether the two are not proved apart, whatever their kinds.
+    /// Reports whether the two may overlap: `false` is returned only if they are proved apart. The
+    /// two may be of different kinds.
     fn meets<B: Round>(&self, other: &B) -> bool {
         self.proximity(other) != Proximity::Apart
     }
 }
 
-/// Bounds on the distance of two cores.
+/// Returns lower and upper bounds of the distance of two cores.
 fn core_distance(a: &Core, b: &Core) -> (f64, f64) {
     let (p, q) = closest_points(a, b);
-    let upper = add_up(distance_up(p, q), add_up(off(a), off(b)));
+    let upper = add_up(distance_up(p, q), add_up(point_error(a), point_error(b)));
     (separation(a, b, p, sub(&q, &p)).max(0.0), upper)
 }
 
-/// A double not below the distance of a point to a core.
+/// Returns a double not below the distance from a point to a core.
 pub(super) fn distance_to_core(point: [f64; 3], core: &Core) -> f64 {
-    add_up(distance_up(point, core.closest_to(point)), off(core))
+    add_up(distance_up(point, core.closest_to(point)), point_error(core))
 }
 
-/// How far a corner or a point of a core, as computed, may be from the one that is meant: a coordinate is the sum of a
-/// corner's and at most two products, rounded four times, and no partial sum exceeds the three magnitudes. Eight half
-/// units cover the second order and this sum; the diagonal of a cube is less than twice its edge.
-pub(super) fn off(core: &Core) -> f64 {
+/// Returns a bound on the distance between a computed point or corner of a core and the exact one.
+///
+/// A coordinate is the sum of a corner's coordinate and at most two products. It is rounded four
+/// times, and no partial sum exceeds the sum of the three magnitudes. Eight half units cover the
+/// second order and the rounding here. The factor 2 is for three axes: the diagonal of a cube is
+/// less than twice its edge.
+pub(super) fn point_error(core: &Core) -> f64 {
     if core.dimension == 0 {
         return 0.0;
     }
@@ -108,7 +116,8 @@ pub(super) fn off(core: &Core) -> f64 {
     2.0 * (8.0 * HALF_ULP * size + f64::MIN_POSITIVE)
 }
 
-/// A distance along `n` by which the cores are certainly apart; negative or zero where there is none.
+/// Returns a distance along `n` by which the cores are proved apart; zero or negative if none is
+/// proved. `origin` is a point near the cores that keeps the numbers small.
 fn separation(a: &Core, b: &Core, origin: [f64; 3], n: [f64; 3]) -> f64 {
     let (mut furthest, mut nearest, mut size) = (f64::NEG_INFINITY, f64::INFINITY, 0.0_f64);
     let mut project = |corner: [f64; 3]| {
@@ -122,16 +131,17 @@ fn separation(a: &Core, b: &Core, origin: [f64; 3], n: [f64; 3]) -> f64 {
     for &corner in &b.corners()[..b.count()] {
         nearest = nearest.min(project(corner));
     }
-    // A product has the roundings of the difference, its own and two sums: 5 half units of |n|·|offset| with the second
-    // order, for each of two projections, and one for their difference; 16 in all cover this sum too. What underflows
-    // is below 2^-1020 in sum.
+    // A product has the rounding of the difference, its own and two sums. That makes 5 half units
+    // of |n|·|offset| with the second order, for each of two projections, and one for their
+    // difference. 16 half units cover this and the rounding of `slope` and `size`. Underflow loses
+    // less than 2^-1020 in total.
     let slope = n[0].abs() + n[1].abs() + n[2].abs();
     let error = 16.0 * HALF_ULP * slope * size + 16.0 * f64::MIN_POSITIVE;
     let gap = (nearest - furthest) - error;
-    // Compared so that NaN proves nothing.
+    // NaN fails this comparison, so it proves nothing.
     if gap > 0.0 {
         let length = length_up(n);
-        add_down(div_down(gap, length), -add_up(off(a), off(b)))
+        add_down(div_down(gap, length), -add_up(point_error(a), point_error(b)))
     } else {
         0.0
     }

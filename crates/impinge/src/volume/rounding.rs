@@ -1,21 +1,24 @@
-//! Sums, products and roots of doubles rounded upward or downward, in plain IEEE arithmetic.
+//! Sums, products and roots of doubles, rounded up or down, in plain IEEE arithmetic.
 //!
-//! A result that is exact is left as it is, so that what was on a grid stays on it; all others move to the neighbour on
-//! the safe side. No fused multiply-add takes part: the bits are those of every machine.
+//! An exact result is kept, so numbers on a grid stay on it. Any other result moves to the
+//! neighboring double on the safe side. Fused multiply-add is not used, so the bits are the same on
+//! every machine.
 //!
-//! Source: Knuth, *The Art of Computer Programming*, volume 2, 4.2.2 (the error of a sum); Dekker 1971 (of a product).
+//! Source: Knuth, *The Art of Computer Programming*, volume 2, 4.2.2 (the error of a sum); Dekker
+//! 1971 (the error of a product).
 
-/// The range in which volumes are proved: 2^320, beyond every posed coordinate (below 2^301); squares and sums of squares
-/// of what is below it are far from overflowing.
+/// Largest magnitude for which volumes are proved: 2^320. Every posed coordinate is smaller (below
+/// 2^301). Squares, and sums of squares, of smaller numbers are far from overflow.
 pub(super) const LIMIT: f64 = f64::from_bits((1023 + 320) << 52);
 
-/// Half a unit in the last place: the relative error of one rounding, 2^-53.
+/// Relative error of one rounding, half a unit in the last place: 2^-53.
 pub(super) const HALF_ULP: f64 = 0.5 * f64::EPSILON;
 
-/// Products below this, 2^-960, may have lost bits of their error to underflow.
+/// Threshold for underflow, 2^-960: the rounding error of a smaller product may itself have lost
+/// bits.
 const TINY: f64 = f64::from_bits((1023 - 960) << 52);
 
-/// `a + b` rounded to nearest, and what that lost; exact barring overflow.
+/// Returns `a + b` rounded to nearest, and its rounding error. Exact unless it overflows.
 #[inline(always)]
 pub(super) fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
@@ -23,7 +26,8 @@ pub(super) fn two_sum(a: f64, b: f64) -> (f64, f64) {
     (sum, (a - (sum - b_part)) + (b - b_part))
 }
 
-/// `a · b` rounded to nearest, and what that lost; exact where the product is zero or between 2^-960 and 2^990.
+/// Returns `a · b` rounded to nearest, and its rounding error. Exact if the product is zero or its
+/// magnitude is between 2^-960 and 2^990.
 #[inline(always)]
 pub(super) fn two_product(a: f64, b: f64) -> (f64, f64) {
     const SPLITTER: f64 = (1_u32 << 27) as f64 + 1.0;
@@ -37,20 +41,20 @@ pub(super) fn two_product(a: f64, b: f64) -> (f64, f64) {
     (product, a_low * b_low - (((product - a_high * b_high) - a_low * b_high) - a_high * b_low))
 }
 
-/// The least double that is not below `a + b`.
+/// Returns the smallest double that is not below `a + b`.
 #[inline(always)]
 pub(super) fn add_up(a: f64, b: f64) -> f64 {
     let (sum, lost) = two_sum(a, b);
     if lost > 0.0 { sum.next_up() } else { sum }
 }
 
-/// The greatest double that is not above `a + b`.
+/// Returns the largest double that is not above `a + b`.
 #[inline(always)]
 pub(super) fn add_down(a: f64, b: f64) -> f64 {
     0.0 - add_up(-a, -b)
 }
 
-/// A double not below `a · b`.
+/// Returns a double not below `a · b`.
 #[inline(always)]
 pub(super) fn mul_up(a: f64, b: f64) -> f64 {
     let (product, lost) = two_product(a, b);
@@ -63,49 +67,51 @@ pub(super) fn mul_up(a: f64, b: f64) -> f64 {
     }
 }
 
-/// A double not above `a · b`.
+/// Returns a double not above `a · b`.
 #[inline(always)]
 pub(super) fn mul_down(a: f64, b: f64) -> f64 {
     0.0 - mul_up(-a, b)
 }
 
-/// A double not above `a / b`, for `a` not negative and `b` positive.
+/// Returns a double not above `a / b`, for non-negative `a` and positive `b`.
 #[inline(always)]
 pub(super) fn div_down(a: f64, b: f64) -> f64 {
     let quotient = a / b;
     if mul_up(quotient, b) <= a { quotient } else { quotient.next_down() }
 }
 
-/// A double not below the root of `x`, which is not negative.
+/// Returns a double not below the square root of `x`, for non-negative `x`.
 #[inline(always)]
 pub(super) fn sqrt_up(x: f64) -> f64 {
     let root = x.sqrt();
     if mul_down(root, root) >= x { root } else { root.next_up() }
 }
 
-/// A double not below the length of `vector`.
+/// Returns a double not below the length of `vector`.
 ///
 /// # Accuracy
-/// Two units in the last place, where no square underflows.
+/// Two units in the last place, unless a square underflows.
 #[inline(always)]
 pub(super) fn length_up([x, y, z]: [f64; 3]) -> f64 {
     sqrt_up(add_up(add_up(mul_up(x, x), mul_up(y, y)), mul_up(z, z)))
 }
 
-/// A double not below the distance of two points.
+/// Returns a double not below the distance of two points.
 #[inline(always)]
 pub(super) fn distance_up(p: [f64; 3], q: [f64; 3]) -> f64 {
     length_up(std::array::from_fn(|axis| add_up(p[axis].max(q[axis]), -p[axis].min(q[axis]))))
 }
 
-/// The greatest single not above `x`; minus infinity where there is none.
+/// Returns the largest single that is not above `x`. It is minus infinity if every finite single is
+/// above.
 #[inline(always)]
 pub(super) fn f32_down(x: f64) -> f32 {
     let nearest = x as f32;
     if f64::from(nearest) > x { nearest.next_down() } else { nearest }
 }
 
-/// The least single not below `x`; infinity where there is none.
+/// Returns the smallest single that is not below `x`. It is infinity if every finite single is
+/// below.
 #[inline(always)]
 pub(super) fn f32_up(x: f64) -> f32 {
     -f32_down(-x)
@@ -122,14 +128,14 @@ mod tests {
         RBig::try_from(x).expect("finite")
     }
 
-    /// Few bits and many, of like and of unlike size.
+    /// Numbers with few or many bits, of similar and of very different size.
     fn number(rng: &mut Rng) -> f64 {
         let mantissa = if rng.one_in(2) { rng.integer(-8, 8) as f64 } else { rng.uniform(-1.0, 1.0) };
         mantissa * 2_f64.powi(rng.integer(-3, 3) as i32 * rng.choose(&[1, 20, 100]))
     }
 
     #[test]
-    fn every_result_is_on_its_side_and_next_to_the_truth() {
+    fn every_result_is_a_bound_next_to_the_exact_value() {
         let mut rng = Rng::new(1);
         let mut kept = 0;
         for _ in 0..20_000 {
@@ -157,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn products_that_vanish_stay_on_their_side() {
+    fn underflowing_products_are_rounded_outward() {
         let tiny = f64::from_bits(3);
         assert_eq!((mul_down(tiny, 0.5), mul_up(tiny, tiny)), (f64::from_bits(1), f64::from_bits(1)));
         assert_eq!((mul_up(-tiny, tiny), mul_down(-tiny, tiny)), (f64::from_bits(1), -f64::from_bits(1)));

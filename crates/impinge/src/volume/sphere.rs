@@ -9,7 +9,7 @@ use crate::math::Sign;
 use crate::math::dyadic::Dyadic;
 use crate::math::vec3::squared_distance;
 
-/// The closed ball about `centre`; a radius of zero is a point.
+/// The closed solid sphere around `centre`. A radius of zero makes a point.
 ///
 /// ```
 /// use impinge::volume::{BoundingSphere, BoundingVolume};
@@ -27,35 +27,36 @@ pub struct BoundingSphere {
 const _: () = assert!(size_of::<BoundingSphere>() == 32);
 
 impl BoundingSphere {
-    /// The sphere about a centre.
+    /// Builds the sphere around a center.
     ///
     /// # Errors
-    /// [`NonFinite`](crate::input::InputErrorKind::NonFinite), [`OutOfRange`](crate::input::InputErrorKind::OutOfRange)
-    /// (beyond 2^320), [`Negative`](crate::input::InputErrorKind::Negative) for the radius.
+    /// Returns [`NonFinite`](crate::input::InputErrorKind::NonFinite) or
+    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) for a bad number,
+    /// and [`Negative`](crate::input::InputErrorKind::Negative) for a negative radius.
     pub fn new(centre: [f64; 3], radius: f64) -> Result<Self, InputError> {
-        in_range("centre", centre)?;
+        in_range("sphere center", centre)?;
         lengths_in_range("radius", [radius])?;
         Ok(Self { centre, radius })
     }
 
-    /// From numbers that are known to be in range.
+    /// Builds the sphere from numbers that are known to be valid.
     pub(super) fn from_valid(centre: [f64; 3], radius: f64) -> Self {
         Self { centre, radius }
     }
 
-    /// The centre.
+    /// Returns the center.
     #[must_use]
     pub fn centre(&self) -> [f64; 3] {
         self.centre
     }
 
-    /// The radius.
+    /// Returns the radius.
     #[must_use]
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// Whether every point of the other sphere is in this one, exactly.
+    /// Reports whether every point of the other sphere is in this one, exactly.
     #[must_use]
     pub fn encloses(&self, other: &Self) -> bool {
         self.radius >= other.radius
@@ -63,7 +64,10 @@ impl BoundingSphere {
     }
 }
 
-/// How the distance of two points compares to `r + s`, which is not negative: exactly.
+/// Returns the sign of |p - q| - (r + s), exactly. The sum `r + s` must not be negative.
+///
+/// Doubles decide unless the difference is within their error bound; exact arithmetic decides the
+/// rest.
 #[inline]
 pub(super) fn distance_against(p: [f64; 3], q: [f64; 3], r: f64, s: f64) -> Sign {
     /// Squares below this, 2^-900, may have lost bits to underflow.
@@ -71,7 +75,8 @@ pub(super) fn distance_against(p: [f64; 3], q: [f64; 3], r: f64, s: f64) -> Sign
     let squared_distance = squared_distance(&q, &p);
     let sum = r + s;
     let squared_sum = sum * sum;
-    // Two roundings of each difference in its square, one of the square and two of the sums; three of the other side.
+    // The squared distance has two roundings of each difference, one of each square and two of the
+    // sums. The squared sum has three.
     let margin = 8.0 * f64::EPSILON * (squared_distance + squared_sum);
     let difference = squared_distance - squared_sum;
     if difference.abs() > margin && margin > TINY {

@@ -1,4 +1,4 @@
-//! What is put into a world: a shape, where it stands, and what it has to do with others.
+//! The bodies of a world: shape, pose, and traits that decide about pairs.
 
 use std::fmt;
 use std::sync::Arc;
@@ -8,10 +8,10 @@ use crate::input::InputError;
 use crate::math::Pose;
 use crate::shape::Shape;
 
-/// The name of a body in its world. It never comes to mean another body: once that is removed, whatever takes the handle says
-/// that it is stale.
+/// Handle of a body in its world. It never refers to another body: after the body is removed, every
+/// method that takes the handle returns an error that it is stale.
 ///
-/// Handles of two worlds look alike; a world knows its own only.
+/// Handles of two worlds look alike. Use a handle only with its own world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BodyId {
     index: u32,
@@ -23,7 +23,7 @@ impl BodyId {
         Self { index, generation }
     }
 
-    /// The place in the world's arrays.
+    /// Returns the body's place in the world's arrays.
     pub(super) fn index(self) -> usize {
         self.index as usize
     }
@@ -32,13 +32,15 @@ impl BodyId {
         self.generation
     }
 
-    /// The handle as one number, for languages and files that know no handles: in the same order, and never zero.
+    /// Returns the handle as one number, for languages and files without handles. Numbers have the
+    /// same order as handles and are never zero.
     #[must_use]
     pub fn to_bits(self) -> u64 {
         u64::from(self.index) << 32 | u64::from(self.generation)
     }
 
-    /// The handle of a number that [`to_bits`](Self::to_bits) made; any other number is a stale handle at worst.
+    /// Returns the handle of a number that [`to_bits`](Self::to_bits) returned. Any other number
+    /// gives a stale handle or that of some body.
     #[must_use]
     pub fn from_bits(bits: u64) -> Self {
         Self { index: (bits >> 32) as u32, generation: bits as u32 }
@@ -51,32 +53,34 @@ impl fmt::Display for BodyId {
     }
 }
 
-/// What moves a body, and so which pairs are looked for: those of which one body at least is [`Moving`](Self::Moving).
+/// How a body is moved. Pairs are reported only if at least one of their bodies is
+/// [`Moving`](Self::Moving).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Kind {
-    /// Stands where it was put: walls, terrain. A step that moves one is refused.
+    /// Does not move: walls, terrain. Steps refuse to move it.
     Static,
-    /// Moves as it is told, whatever it runs into: doors, lifts, conveyor belts.
+    /// Moves on a given path, whatever it collides with: doors, lifts, conveyor belts.
     Kinematic,
-    /// Reacts to what it meets.
+    /// Reacts to the bodies that it collides with.
     #[default]
     Moving,
 }
 
-/// On which of 32 layers a body is, and those on which it meets others. Both bodies of a pair have to want it.
+/// The layers, out of 32, that a body is on, and the layers whose bodies it collides with. A pair
+/// is admitted only if each body collides with a layer of the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Layers {
-    /// The layers that the body is on, as bits.
+    /// Layers that the body is on, one bit each.
     pub on: u32,
-    /// The layers whose bodies it meets, as bits.
+    /// Layers whose bodies this body collides with, one bit each.
     pub meets: u32,
 }
 
 impl Layers {
-    /// On every layer, meeting all.
+    /// The body is on every layer and collides with every layer.
     pub const ALL: Self = Self { on: u32::MAX, meets: u32::MAX };
 
-    /// Whether each of two bodies meets a layer of the other.
+    /// Reports whether each of two bodies collides with a layer of the other.
     #[must_use]
     pub fn admit(self, other: Self) -> bool {
         self.meets & other.on != 0 && other.meets & self.on != 0
@@ -89,21 +93,23 @@ impl Default for Layers {
     }
 }
 
-/// All that a filter sees of a body.
+/// The properties of a body that decide about its pairs. Filters receive them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Traits {
-    /// What moves it.
+    /// How the body is moved.
     pub kind: Kind,
-    /// Whom it meets.
+    /// Layers of the body, and the layers that it collides with.
     pub layers: Layers,
-    /// Bodies with one owner never meet: the limbs of one character, a weapon and who holds it.
+    /// Owner of the body. Bodies with the same owner never form a pair, for example the limbs of
+    /// one character, or a weapon and its bearer.
     pub owner: Option<u64>,
-    /// The user's own number. Reports are sorted by it, so bodies with tags of their own are reported in the same order in
-    /// whatever order they came.
+    /// A number chosen by the user. Reports are sorted by it, so bodies with different tags are
+    /// reported in the same order, whatever the order in which they were inserted.
     pub tag: u64,
 }
 
-/// Everything about a body that is not in a world yet; cheap to clone, as many bodies share one shape.
+/// All properties of a body that is not in a world yet. Cloning is fast, because clones share the
+/// shape.
 ///
 /// ```
 /// use impinge::{Pose, shape::Shape, world::{Body, Kind, World}};
@@ -127,79 +133,81 @@ pub struct Body {
 }
 
 impl Body {
-    /// A moving body of this shape, where its own frame is the world.
+    /// Returns a moving body with this shape, whose frame is the world frame.
     #[must_use]
     pub fn new(shape: Shape) -> Self {
         let (outline, traits) = (Arc::new(Outline::new()), Traits::default());
         Self { shape, outline, world_from_body: Pose::IDENTITY, traits }
     }
 
-    /// Its shape.
+    /// Returns the shape of the body, in the body's frame.
     #[must_use]
     pub fn shape(&self) -> &Shape {
         &self.shape
     }
 
-    /// Where it is.
+    /// Returns the pose of the body: the map from its frame to the world frame.
     #[must_use]
     pub fn world_from_body(&self) -> &Pose {
         &self.world_from_body
     }
 
-    /// Whom it meets, and its tag.
+    /// Returns the kind, layers, owner and tag of the body.
     #[must_use]
     pub fn traits(&self) -> &Traits {
         &self.traits
     }
 
-    /// How its box is found.
+    /// Returns how the body's box follows it.
     #[must_use]
     pub fn realignment(&self) -> Realignment {
         self.outline.realignment()
     }
 
-    /// The same body elsewhere; whether its shape stands the pose is judged where it is inserted.
+    /// Returns the same body at another pose. The pose is validated when the body is inserted.
     #[must_use]
     pub fn at(mut self, world_from_body: Pose) -> Self {
         self.world_from_body = world_from_body;
         self
     }
 
-    /// The same body, moved by something else.
+    /// Returns the same body with another kind.
     #[must_use]
     pub fn kind(mut self, kind: Kind) -> Self {
         self.traits.kind = kind;
         self
     }
 
-    /// The same body on other layers.
+    /// Returns the same body with other layers.
     #[must_use]
     pub fn layers(mut self, layers: Layers) -> Self {
         self.traits.layers = layers;
         self
     }
 
-    /// The same body as one of a group whose bodies do not meet each other.
+    /// Returns the same body with an owner. Bodies of the same owner do not form pairs.
     #[must_use]
     pub fn owner(mut self, owner: u64) -> Self {
         self.traits.owner = Some(owner);
         self
     }
 
-    /// The same body with a number of the user's.
+    /// Returns the same body with another tag.
     #[must_use]
     pub fn tag(mut self, tag: u64) -> Self {
         self.traits.tag = tag;
         self
     }
 
-    /// The same body, its box in the world found in another way. No answer depends on it.
+    /// Returns the same body, whose box follows it in another way. No result depends on it.
     ///
     /// # Errors
-    /// As [`Hull::new`](crate::hull::Hull::new), for the ways that need a hull.
+    /// Returns the error of [`Hull::new`](crate::hull::Hull::new) if the way needs a convex hull
+    /// that cannot be built.
     ///
     /// # Complexity
-    /// One pass over the vertices, and their convex hull for those ways; clone the body to share it.
+    /// One pass over the vertices, and their convex hull if the way needs one. Clones of the
+    /// returned body share the result.
     pub fn realigned_by(mut self, way: Realignment) -> Result<Self, InputError> {
         self.outline = Arc::new(Outline::by(&self.shape, way)?);
         Ok(self)

@@ -1,24 +1,26 @@
-//! Which bodies changed since the last step, and how.
+//! Records which bodies changed since the last step, and how.
 
-/// How a body changed since the last step; the greater holds the lesser.
+/// How a body changed since the last step. A greater value includes the smaller ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Change {
-    /// It did not.
+    /// The body did not change.
     No,
-    /// A step moved it.
+    /// A step moved the body.
     Moved,
-    /// Its pose or its shape, by something else than a step; or it moved and no box bounds it.
+    /// Its pose or its shape was changed by another call than a step, or a step moved a body that
+    /// no box bounds.
     Place,
-    /// Whom it meets.
+    /// Its traits changed, so pairs must be filtered again.
     Traits,
 }
 
-/// How the body in each place changed. Apart from the bodies, as a step asks it of every pair.
+/// The change of the body in each place. It is apart from the bodies, because a step reads it for
+/// every pair.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Changed {
-    /// By place; bodies beyond the last did not change.
+    /// Change by place. Bodies beyond the end did not change.
     how: Vec<Change>,
-    /// The places of those that did; perhaps of some that are gone or changed twice.
+    /// Places of bodies that changed. It may contain places of removed bodies, and places twice.
     places: Vec<u32>,
 }
 
@@ -27,13 +29,13 @@ impl Changed {
         self.places.is_empty()
     }
 
-    /// How the body in a place changed.
+    /// Returns the change of the body in a place.
     #[inline]
     pub(super) fn of(&self, place: u32) -> Change {
         self.how.get(place as usize).copied().unwrap_or(Change::No)
     }
 
-    /// Notes that it did.
+    /// Records a change of the body in a place.
     pub(super) fn mark(&mut self, place: u32, change: Change) {
         let at = place as usize;
         if at >= self.how.len() {
@@ -45,14 +47,15 @@ impl Changed {
         self.how[at] = self.how[at].max(change);
     }
 
-    /// Notes that the body in a place is gone.
+    /// Forgets the change of the body in a place, for example because it was removed.
     pub(super) fn forget(&mut self, place: u32) {
         if let Some(how) = self.how.get_mut(place as usize) {
             *how = Change::No;
         }
     }
 
-    /// Takes the places of the bodies that changed out, in order; how they did stands until they are forgotten.
+    /// Takes out the places of the changed bodies, sorted. The changes themselves remain until they
+    /// are forgotten.
     pub(super) fn take(&mut self) -> Vec<u32> {
         let mut places = std::mem::take(&mut self.places);
         places.retain(|&place| self.of(place) != Change::No);
@@ -67,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_greatest_change_counts_and_what_is_gone_did_not_change() {
+    fn the_greatest_change_counts_and_removed_bodies_did_not_change() {
         let mut changed = Changed::default();
         assert!(changed.is_empty() && changed.of(7) == Change::No);
         for (place, change) in [(5, Change::Moved), (2, Change::Traits), (5, Change::Place), (2, Change::Moved)] {
@@ -76,7 +79,7 @@ mod tests {
         changed.mark(9, Change::No);
         changed.mark(3, Change::Moved);
         changed.forget(3);
-        // Another body in a place that one left.
+        // Another body in the place of a removed one.
         changed.forget(2);
         changed.mark(2, Change::Moved);
         assert_eq!(changed.take(), [2, 5]);

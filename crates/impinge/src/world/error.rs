@@ -1,37 +1,37 @@
-//! Why a world did not do what it was told.
+//! Errors of worlds.
 
 use std::fmt;
 
 use super::body::BodyId;
 use crate::input::InputError;
 
-/// Why a world refused; it is as it was before.
+/// The reason why a world refused a call. The world is unchanged.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum WorldError {
-    /// The body is not, or no longer, in this world.
+    /// The body is not in this world, or was removed from it.
     Stale {
-        /// The handle that was given.
+        /// The handle that was passed.
         body: BodyId,
     },
-    /// A step was to move a static body.
+    /// A step was asked to move a static body.
     Static {
-        /// The body.
+        /// Handle of the body.
         body: BodyId,
     },
-    /// The pose, the shape or the mesh does not suit the body.
+    /// The pose, the shape or the mesh is invalid for the body.
     Input {
-        /// The body; none where it was to be inserted.
+        /// Handle of the body, or `None` if the body was to be inserted.
         body: Option<BodyId>,
-        /// What is wrong.
+        /// The error of the input.
         error: InputError,
     },
-    /// Only a body that is a mesh can be refitted.
+    /// The body is not a mesh, so it cannot be refitted.
     NotAMesh {
-        /// The body.
+        /// Handle of the body.
         body: BodyId,
     },
-    /// There are 2^32 - 1 bodies, or there were so many in one place that its handles are spent.
+    /// All 2^32 - 1 places for bodies are in use, or have used up their handles.
     Full,
 }
 
@@ -39,11 +39,13 @@ impl fmt::Display for WorldError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Stale { body } => write!(f, "body {body} is not in this world (any more)"),
-            Self::Static { body } => write!(f, "body {body} is static: a step cannot move it"),
+            Self::Static { body } => write!(f, "body {body} is static, so a step cannot move it: set its pose instead"),
             Self::Input { body: Some(body), error } => write!(f, "body {body}: {error}"),
             Self::Input { body: None, error } => write!(f, "the body cannot be inserted: {error}"),
-            Self::NotAMesh { body } => write!(f, "body {body} is not a mesh, so it cannot be refitted"),
-            Self::Full => write!(f, "there are no more handles"),
+            Self::NotAMesh { body } => {
+                write!(f, "body {body} is not a mesh, so it cannot be refitted: set its shape instead")
+            }
+            Self::Full => write!(f, "the world has no free places for bodies (at most 2^32 - 1): remove some first"),
         }
     }
 }
@@ -58,7 +60,7 @@ impl std::error::Error for WorldError {
 }
 
 impl From<InputError> for WorldError {
-    /// An error that belongs to no body in the world.
+    /// Returns an error that refers to no body in the world.
     fn from(error: InputError) -> Self {
         Self::Input { body: None, error }
     }

@@ -1,59 +1,62 @@
-//! What a step reports: pairs that began and ended, and those that there are.
+//! The report of a step: the pairs that began, ended and exist.
 
 use super::body::BodyId;
 use crate::query::{Manifold, Proximity};
 
-/// Two bodies: the first has the lesser tag or, where tags are equal, the lesser handle.
+/// Two bodies. The first has the smaller tag or, if the tags are equal, the smaller handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PairKey {
-    /// The first body's tag.
+    /// Tag of the first body.
     pub tag_a: u64,
-    /// The second body's tag.
+    /// Tag of the second body.
     pub tag_b: u64,
-    /// The first body.
+    /// Handle of the first body.
     pub a: BodyId,
-    /// The second body.
+    /// Handle of the second body.
     pub b: BodyId,
 }
 
-/// A pair that meets.
+/// A pair of bodies that intersect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair<'w> {
-    /// Its bodies.
+    /// The bodies.
     pub key: PairKey,
-    /// How sure it is that they meet; always [`Meets`](Proximity::Meets) among meshes, boxes and hulls.
+    /// Certainty of the intersection. It is always [`Meets`](Proximity::Meets) for meshes, boxes
+    /// and hulls, except with [`NarrowPhase::Boxes`](super::NarrowPhase::Boxes).
     pub proximity: Proximity,
-    /// Where they meet, as [`contacts`](crate::query::contacts) says; none where the world was not asked for contacts.
+    /// Contacts in the world frame, as returned by [`contacts`](crate::query::contacts). Empty if
+    /// the world does not compute contacts.
     pub manifolds: &'w [Manifold],
 }
 
-/// What changed at a step; each list is sorted, and no pair is in both.
+/// The changes of a step. Both lists are sorted, and no pair is in both.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Events {
-    /// Pairs that meet now and did not before.
+    /// Pairs that intersect now and did not before the step.
     pub began: Vec<PairKey>,
-    /// Pairs that met before and do not now; a body that was removed is named by its stale handle.
+    /// Pairs that intersected before the step and do not now. A body that was removed appears with
+    /// its stale handle.
     pub ended: Vec<PairKey>,
-    /// What the step had to do.
+    /// Amount of work that the step did.
     pub work: Work,
 }
 
-/// How much work a step was: counters that depend on nothing but the bodies.
+/// Counters of the work of a step. They depend on nothing but the bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
-    /// Bodies that changed.
+    /// Number of bodies that changed.
     pub changed: usize,
-    /// Pairs of boxes that came to overlap.
+    /// Number of pairs of boxes that began to overlap.
     pub gained: usize,
-    /// Pairs of boxes that ceased to.
+    /// Number of pairs of boxes that ceased to overlap.
     pub lost: usize,
-    /// Pairs of shapes that were looked at.
+    /// Number of pairs of shapes that the narrow phase processed.
     pub examined: usize,
-    /// Pairs of boxes that overlap now.
+    /// Number of pairs of boxes that overlap now.
     pub candidates: usize,
 }
 
-/// Pairs in the order of reports.
+/// Returns the pairs in the order of reports.
 pub(super) fn sorted(mut pairs: Vec<Pair<'_>>) -> Vec<Pair<'_>> {
     pairs.sort_unstable_by_key(|pair| pair.key);
     pairs

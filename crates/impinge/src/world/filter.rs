@@ -1,17 +1,19 @@
-//! Whether two bodies may meet at all.
+//! Decides which pairs of bodies are considered at all.
 
 use std::fmt;
 
 use super::body::{BodyId, Kind, Traits};
 
-/// The user's say about pairs: asked inside the broad phase, for pairs whose boxes overlap and that kinds, layers and owners
-/// admit.
+/// A user's filter for pairs of bodies. The broad phase calls it for pairs whose boxes overlap and
+/// that kinds, layers and owners admit. Functions of two bodies implement it.
 ///
-/// It has to give the same answer whenever it is asked about the same two bodies, until [`World::set_filter`](super::World::set_filter) or
-/// [`World::set_traits`](super::World::set_traits) is called; it is asked from many threads, when the boxes come to overlap
-/// and, about pairs that it refused, perhaps again. Functions of two bodies are filters.
+/// It must return the same result for the same two bodies until
+/// [`World::set_filter`](super::World::set_filter) or
+/// [`World::set_traits`](super::World::set_traits) is called. It is called from many threads, when
+/// boxes begin to overlap, and possibly again for pairs that it refused.
 pub trait PairFilter: Send + Sync {
-    /// Whether these two may meet; the first has the lesser tag, or handle.
+    /// Returns `true` if the two bodies may form a pair. The first has the smaller tag or, if the
+    /// tags are equal, the smaller handle.
     fn admits(&self, a: (BodyId, &Traits), b: (BodyId, &Traits)) -> bool;
 }
 
@@ -28,7 +30,7 @@ impl fmt::Debug for dyn PairFilter {
 }
 
 impl Traits {
-    /// Whether kinds, layers and owners of two bodies admit the pair.
+    /// Reports whether kinds, layers and owners of two bodies admit the pair.
     #[must_use]
     pub fn admit(&self, other: &Self) -> bool {
         (self.kind == Kind::Moving || other.kind == Kind::Moving)

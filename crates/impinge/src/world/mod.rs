@@ -1,20 +1,29 @@
-//! Worlds of many bodies that the caller moves: which of them meet, since when, where and how deep.
+//! Worlds of many bodies that the caller moves: which of them intersect, since when, where and how
+//! deep.
 //!
-//! There are no dynamics. The caller inserts [bodies](Body), hands every [`step`](World::step) the new poses and reads which
-//! pairs began to meet, which ended, and which [persist](World::pairs), with their contacts. A step goes through four phases:
+//! There are no dynamics. The caller inserts [bodies](Body), passes the new poses to every
+//! [`step`](World::step), and reads which pairs began, which ended, and which
+//! [persist](World::pairs), with their contacts. A step has four phases:
 //!
-//! 1. the poses are judged, all of them before any is taken, and boxes realigned to them, in the way that each body asks for;
-//! 2. the bodies and their boxes take the new places;
-//! 3. the broad phase finds the pairs whose boxes overlap and that layers, owners and the user's filter admit. The filter runs
-//!    inside it, so that what it refuses is never stored;
-//! 4. the narrow phase decides the pairs of which a body moved, on all cores of the current rayon pool.
+//! 1. All poses are validated before any is applied, and boxes are realigned to them in the way
+//!    that each body chooses.
+//! 2. The bodies and their boxes are moved.
+//! 3. The broad phase finds the pairs whose boxes overlap and that layers, owners and the user's
+//!    filter admit. The filter runs inside the broad phase, so that refused pairs are never stored.
+//! 4. The narrow phase decides the pairs of which a body changed, on all threads of the current
+//!    rayon pool.
 //!
-//! A pair is a candidate exactly where the two boxes in double precision overlap, whatever structure found it. So no answer
-//! depends on the [broad phase](BroadPhase), on the number of threads or on the order in which bodies came: reports are sorted by
-//! the bodies' [tags](Traits::tag), then by their handles. Nothing is ever dropped: there are no capacities.
+//! A pair is a candidate if and only if its two boxes overlap in double precision, whichever
+//! structure found it. No result therefore depends on the [broad phase](BroadPhase), on the number
+//! of threads or on the order in which bodies were inserted. Reports are sorted by the bodies'
+//! [tags](Traits::tag), then by their handles. No pair is ever dropped, because there are no
+//! capacity limits.
 //!
-//! What counts as meeting is what [`query`](crate::query) says of the two shapes in their poses: exact for meshes, boxes and
-//! hulls, with touching counted.
+//! Two bodies intersect if [`query`](crate::query) reports so for their shapes in their poses. The
+//! decision is exact for meshes, boxes and hulls; touching counts. A pair that is undecided is
+//! reported as if it intersected.
+//!
+//! Guarded by `tests/it/worlds`, measured by the benchmark `worlds`.
 
 mod body;
 mod broad;
@@ -60,33 +69,33 @@ use pairs::Link;
 use placed::Placed;
 use state::{Resident, State};
 
-/// How a world works.
+/// Options of a world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
-    /// How pairs of boxes are found.
+    /// Method by which pairs of overlapping boxes are found.
     pub broad_phase: BroadPhase,
-    /// What is found out about them.
+    /// Facts that are computed about pairs of overlapping boxes.
     pub narrow_phase: NarrowPhase,
 }
 
-/// Many bodies, and which of them meet.
+/// Many bodies, and which of them intersect.
 ///
 /// ```
 /// use impinge::{Pose, shape::Shape, world::{Body, World}};
 ///
-/// let ball = Body::new(Shape::sphere([0.0; 3], 1.0)?);
+/// let sphere = Body::new(Shape::sphere([0.0; 3], 1.0)?);
 /// let mut world = World::new();
-/// let still = world.insert(ball.clone())?;
-/// let moving = world.insert(ball.at(Pose::from_translation([5.0, 0.0, 0.0])?))?;
+/// let still = world.insert(sphere.clone())?;
+/// let moving = world.insert(sphere.at(Pose::from_translation([5.0, 0.0, 0.0])?))?;
 /// assert!(world.step(&[])?.began.is_empty());
 ///
 /// world.step(&[(moving, Pose::from_translation([1.5, 0.0, 0.0])?)])?;
-/// let pair = world.pair(still, moving)?.expect("they meet");
+/// let pair = world.pair(still, moving)?.expect("they intersect");
 /// assert!((pair.manifolds[0].points[0].upper - 0.5).abs() < 1e-12);
 ///
 /// world.remove(moving)?;
 /// assert_eq!(world.step(&[])?.ended.len(), 1);
-/// assert!(world.traits(moving).is_err()); // the handle is stale, for good
+/// assert!(world.traits(moving).is_err()); // the handle is stale forever
 /// # Ok::<(), impinge::world::WorldError>(())
 /// ```
 #[derive(Clone, Debug, Default)]
@@ -96,110 +105,113 @@ pub struct World {
     state: State,
 }
 
-/// All of a world that steps change; what [`World::save`] returned.
+/// Everything in a world that steps change, as returned by [`World::save`].
 ///
-/// It costs a copy of the bodies' records and of the broad phase, while the shapes are shared.
+/// Saving copies the data of the bodies and of the broad phase. Shapes are shared, not copied.
 #[derive(Clone, Debug)]
 pub struct Snapshot(State);
 
 type Filter = Arc<dyn PairFilter>;
 
 impl World {
-    /// An empty world: every choice left to it, contacts found.
+    /// Returns an empty world with default options: it chooses the broad phase itself and computes
+    /// contacts.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// An empty world that works as stated.
+    /// Returns an empty world with these options.
     #[must_use]
     pub fn with_options(options: Options) -> Self {
         Self { options, filter: None, state: State { broad: Broad::new(options.broad_phase), ..State::default() } }
     }
 
-    /// How the world works.
+    /// Returns the options of the world.
     #[must_use]
     pub fn options(&self) -> &Options {
         &self.options
     }
 
-    /// How many bodies there are.
+    /// Returns the number of bodies.
     #[must_use]
     pub fn len(&self) -> usize {
         self.state.residents.len()
     }
 
-    /// Whether there are none.
+    /// Returns `true` if the world has no bodies.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Every body, by handle.
+    /// Returns the handles of all bodies, sorted.
     pub fn bodies(&self) -> impl Iterator<Item = BodyId> {
         self.state.residents.iter().map(|(id, _)| id)
     }
 
-    /// Puts a body into the world; what it meets is told by the next step.
+    /// Inserts a body. The next step reports the pairs that it is in.
     ///
     /// # Errors
-    /// [`Input`](WorldError::Input) where the shape does not stand the pose, [`Full`](WorldError::Full).
+    /// Returns [`Input`](WorldError::Input) if the shape cannot be placed at the pose, and
+    /// [`Full`](WorldError::Full) if there are no more handles.
     pub fn insert(&mut self, body: Body) -> Result<BodyId, WorldError> {
         let placed = Placed::new(&body.shape, body.world_from_body)?;
         let mut extremes = Extremes::default();
         let bounds = body.outline.bounds(placed.stands(), &mut extremes);
         let resident = Resident { placed, outline: body.outline, extremes, traits: body.traits };
         let id = self.state.residents.insert(resident).ok_or(WorldError::Full)?;
-        self.state.shift(id.index() as u32, bounds);
+        self.state.update_bounds(id.index() as u32, bounds);
         self.state.changed.mark(id.index() as u32, Change::Traits);
         Ok(id)
     }
 
-    /// Takes a body out of the world, and its handle out of use. Pairs that it was in are gone at once, and are told as ended
-    /// by the next step.
+    /// Removes a body and returns it. Its handle becomes stale. Its pairs disappear at once, and
+    /// the next step reports them as ended.
     ///
     /// # Errors
-    /// [`Stale`](WorldError::Stale).
+    /// Returns [`Stale`](WorldError::Stale) if the body is not in the world.
     pub fn remove(&mut self, body: BodyId) -> Result<Body, WorldError> {
         let index = self.resident(body).map(|_| body.index() as u32)?;
         let links: Vec<Link> = self.state.pairs.of(index).to_vec();
         for link in links {
-            self.state.part(link.pair);
+            self.state.remove_pair(link.pair);
         }
         let resident = self.state.residents.remove(body).ok_or(WorldError::Stale { body })?;
-        self.state.shift(index, Bounds::Nowhere);
+        self.state.update_bounds(index, Bounds::Nowhere);
         self.state.changed.forget(index);
         Ok(resident.into_body())
     }
 
-    /// Where a body is.
+    /// Returns the pose of a body: the map from the body's frame to the world frame.
     ///
     /// # Errors
-    /// [`Stale`](WorldError::Stale).
+    /// Returns [`Stale`](WorldError::Stale) if the body is not in the world.
     pub fn pose(&self, body: BodyId) -> Result<&Pose, WorldError> {
         Ok(self.resident(body)?.placed.world_from_body())
     }
 
-    /// Whom a body meets, and its tag.
+    /// Returns the kind, layers, owner and tag of a body.
     ///
     /// # Errors
-    /// [`Stale`](WorldError::Stale).
+    /// Returns [`Stale`](WorldError::Stale) if the body is not in the world.
     pub fn traits(&self, body: BodyId) -> Result<&Traits, WorldError> {
         Ok(&self.resident(body)?.traits)
     }
 
-    /// A body as it is now: what [`remove`](Self::remove) would return.
+    /// Returns a copy of a body in its current state, as [`remove`](Self::remove) would return it.
     ///
     /// # Errors
-    /// [`Stale`](WorldError::Stale).
+    /// Returns [`Stale`](WorldError::Stale) if the body is not in the world.
     pub fn body(&self, body: BodyId) -> Result<Body, WorldError> {
         Ok(self.resident(body)?.clone().into_body())
     }
 
-    /// The box about a body in the world; none about a half-space, or where there is nothing to bound.
+    /// Returns the box around a body in the world frame. Returns `None` for a half-space, and for a
+    /// body that is empty.
     ///
     /// # Errors
-    /// [`Stale`](WorldError::Stale).
+    /// Returns [`Stale`](WorldError::Stale) if the body is not in the world.
     pub fn bounds(&self, body: BodyId) -> Result<Option<crate::volume::MinMax>, WorldError> {
         self.resident(body)?;
         Ok(match *self.state.bounds_of(body.index() as u32) {
@@ -208,11 +220,11 @@ impl World {
         })
     }
 
-    /// Changes what moves a body, whom it meets and who owns it, from the next step on; its tag stays, as reports are sorted
-    /// by it.
+    /// Changes the kind, layers and owner of a body, from the next step on. The tag stays as it is,
+    /// because reports are sorted by it.
     ///
     /// # Errors
-    /// [`Stale`](WorldError::Stale).
+    /// Returns [`Stale`](WorldError::Stale) if the body is not in the world.
     pub fn set_traits(&mut self, body: BodyId, traits: Traits) -> Result<(), WorldError> {
         let resident = self.resident_mut(body)?;
         resident.traits = Traits { tag: resident.traits.tag, ..traits };
@@ -220,10 +232,12 @@ impl World {
         Ok(())
     }
 
-    /// Puts a body elsewhere at once, one that is static too; what it meets there is told by the next step.
+    /// Sets the pose of a body at once, also of a static body. The next step reports the pairs that
+    /// this changes.
     ///
     /// # Errors
-    /// [`Stale`](WorldError::Stale), and [`Input`](WorldError::Input) where the shape does not stand the pose.
+    /// Returns [`Stale`](WorldError::Stale) if the body is not in the world, and
+    /// [`Input`](WorldError::Input) if the shape cannot be placed at the pose.
     pub fn set_pose(&mut self, body: BodyId, world_from_body: Pose) -> Result<(), WorldError> {
         let resident = self.resident(body)?;
         let placed = resident.placed.moved(world_from_body).map_err(|error| refused(body, error))?;
@@ -231,14 +245,15 @@ impl World {
         Ok(())
     }
 
-    /// Gives a body another shape: a mesh that was deformed, a pose of a character. Its box follows it in the same way as
-    /// before.
+    /// Gives a body another shape, for example a deformed mesh or another pose of a character. Its
+    /// box is realigned in the same way as before.
     ///
     /// # Errors
-    /// [`Stale`](WorldError::Stale), and [`Input`](WorldError::Input) where the shape does not stand the pose.
+    /// Returns [`Stale`](WorldError::Stale) if the body is not in the world, and
+    /// [`Input`](WorldError::Input) if the shape cannot be placed at the body's pose.
     ///
     /// # Complexity
-    /// One pass over the vertices, and their convex hull for the ways of realigning that need one.
+    /// One pass over the vertices, and their convex hull if the way of realigning needs one.
     pub fn set_shape(&mut self, body: BodyId, shape: &Shape) -> Result<(), WorldError> {
         let resident = self.resident(body)?;
         let outline = Outline::by(shape, resident.outline.realignment()).map_err(|error| refused(body, error))?;
@@ -247,8 +262,9 @@ impl World {
         Ok(())
     }
 
-    /// Moves the vertices of a body that is a mesh, by [`Mesh::refitted`](crate::Mesh::refitted); other bodies of the mesh keep
-    /// it as it is. Whoever deforms one mesh for many bodies refits it and calls [`set_shape`](Self::set_shape) for each.
+    /// Moves the vertices of a body that is a mesh, by [`Mesh::refitted`](crate::Mesh::refitted).
+    /// Other bodies with the same mesh do not change. To deform one mesh for many bodies, refit it
+    /// once and call [`set_shape`](Self::set_shape) for each body.
     ///
     /// ```
     /// use impinge::{Mesh, Positions, shape::Shape, world::{Body, World}};
@@ -264,7 +280,9 @@ impl World {
     /// ```
     ///
     /// # Errors
-    /// [`Stale`](WorldError::Stale), [`NotAMesh`](WorldError::NotAMesh), and [`Input`](WorldError::Input) as the refit.
+    /// Returns [`Stale`](WorldError::Stale) if the body is not in the world,
+    /// [`NotAMesh`](WorldError::NotAMesh) if it is not a mesh, and [`Input`](WorldError::Input) if
+    /// the refit fails.
     pub fn refit(&mut self, body: BodyId, positions: impl Into<Positions>) -> Result<Aging, WorldError> {
         let placed = self.resident(body)?.placed.mesh().ok_or(WorldError::NotAMesh { body })?;
         let mesh = placed.mesh.refitted(positions).map_err(|error| refused(body, error))?;
@@ -273,13 +291,15 @@ impl World {
         Ok(mesh.aging())
     }
 
-    /// Asks this filter about every pair that layers and owners admit, from the next step on; all pairs are asked for anew.
+    /// Sets a filter, which decides about every pair that kinds, layers and owners admit, from the
+    /// next step on. The next step filters all pairs again.
     pub fn set_filter(&mut self, filter: impl PairFilter + 'static) {
         self.filter = Some(Arc::new(filter));
         self.refilter();
     }
 
-    /// Admits every pair that layers and owners do, from the next step on.
+    /// Removes the filter, so that every pair is admitted that kinds, layers and owners admit, from
+    /// the next step on.
     pub fn clear_filter(&mut self) {
         self.filter = None;
         self.refilter();
@@ -290,32 +310,34 @@ impl World {
         all.into_iter().for_each(|body| self.state.changed.mark(body.index() as u32, Change::Traits));
     }
 
-    /// All that steps change, for going back to it.
+    /// Returns a snapshot of everything that steps change.
     ///
-    /// From a snapshot on, the same steps give the same bytes, whatever came between: worlds can be rolled back and played
-    /// again. The filter is not part of it.
+    /// After [`restore`](Self::restore), the same steps return the same bytes, whatever happened in
+    /// between, so worlds can be rolled back and replayed. The filter is not part of the snapshot.
     #[must_use]
     pub fn save(&self) -> Snapshot {
         Snapshot(self.state.clone())
     }
 
-    /// Goes back to a snapshot, of this world or of another one with the same options. Handles are those of that time.
+    /// Goes back to a snapshot of this world, or of another world with the same options. Handles
+    /// are those of the snapshot.
     pub fn restore(&mut self, snapshot: &Snapshot) {
         self.state.clone_from(&snapshot.0);
     }
 
-    /// The pairs that met at the last step, sorted; those of bodies that were removed since are gone.
+    /// Returns the pairs that intersected at the last step, sorted. Pairs of bodies that were
+    /// removed since then are not among them.
     ///
     /// # Complexity
-    /// O(p + k log k) for k of p pairs of boxes.
+    /// O(p + k log k) for k intersecting pairs out of p pairs of overlapping boxes.
     pub fn pairs(&self) -> impl Iterator<Item = Pair<'_>> {
         sorted(self.state.pairs.iter().filter_map(|entry| self.state.pair(entry)).collect()).into_iter()
     }
 
-    /// The pairs that a body was in at the last step, sorted.
+    /// Returns the intersecting pairs that contained a body at the last step, sorted.
     ///
     /// # Errors
-    /// [`Stale`](WorldError::Stale).
+    /// Returns [`Stale`](WorldError::Stale) if the body is not in the world.
     pub fn pairs_of(&self, body: BodyId) -> Result<impl Iterator<Item = Pair<'_>>, WorldError> {
         self.resident(body)?;
         let entries =
@@ -323,10 +345,10 @@ impl World {
         Ok(sorted(entries.filter_map(|entry| self.state.pair(entry)).collect()).into_iter())
     }
 
-    /// The pair of two bodies; none where they did not meet at the last step.
+    /// Returns the pair of two bodies, or `None` if they did not intersect at the last step.
     ///
     /// # Errors
-    /// [`Stale`](WorldError::Stale).
+    /// Returns [`Stale`](WorldError::Stale) if one of the bodies is not in the world.
     pub fn pair(&self, one: BodyId, other: BodyId) -> Result<Option<Pair<'_>>, WorldError> {
         self.resident(one)?;
         self.resident(other)?;
@@ -338,7 +360,8 @@ impl World {
         self.state.residents.get(body).ok_or(WorldError::Stale { body })
     }
 
-    /// Whether two different bodies, given in the order of reports, may meet.
+    /// Reports whether kinds, layers, owners and the filter admit a pair of two different bodies,
+    /// given in the order of reports.
     fn admits(&self, a: (BodyId, &Resident), b: (BodyId, &Resident)) -> bool {
         a.1.traits.admit(&b.1.traits)
             && self.filter.as_ref().is_none_or(|filter| filter.admits((a.0, &a.1.traits), (b.0, &b.1.traits)))

@@ -1,22 +1,23 @@
-//! The narrow phase: what two bodies whose boxes overlap have in common.
+//! The narrow phase: decides whether two bodies whose boxes overlap intersect, and finds their
+//! contacts.
 
 use super::placed::Placed;
 use crate::query::{self, Manifold, Proximity};
 
-/// What is found out about pairs whose boxes overlap.
+/// Facts that are computed about pairs whose boxes overlap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum NarrowPhase {
-    /// Nothing: the pairs are those of the boxes, and all undecided. For triggers that may be coarse, and for measuring the
-    /// broad phase.
+    /// None: all pairs whose boxes overlap are reported, as undecided. For coarse triggers, and for
+    /// measuring the broad phase.
     Boxes,
-    /// Whether the bodies meet.
+    /// Whether the bodies intersect.
     Intersections,
-    /// Whether they do, and their contacts.
+    /// Whether the bodies intersect, and their contacts.
     #[default]
     Contacts,
 }
 
-/// A pair that is not proved apart.
+/// Result for a pair that is not proved apart.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Meeting {
     pub(super) proximity: Proximity,
@@ -24,16 +25,16 @@ pub(super) struct Meeting {
 }
 
 impl NarrowPhase {
-    /// How many pairs are one task at least.
-    pub(super) fn least_shared(self) -> usize {
+    /// Returns the minimum number of pairs per parallel task.
+    pub(super) fn min_task(self) -> usize {
         match self {
             Self::Boxes => 4096,
-            // Some microseconds at least, and a millisecond for meshes.
+            // A pair takes at least some microseconds, and up to a millisecond for meshes.
             Self::Intersections | Self::Contacts => 4,
         }
     }
 
-    /// What is to be known about two bodies; none where they are apart.
+    /// Computes the result for two bodies. Returns `None` if they are apart.
     pub(super) fn examine(self, a: &Placed, b: &Placed) -> Option<Meeting> {
         let proximity =
             if self == Self::Boxes { Proximity::Undecided } else { query::proximity(a.in_world(), b.in_world()) };

@@ -1,4 +1,4 @@
-//! The boxes of bodies in the world, found in the way that each body asks for.
+//! The boxes of bodies in the world, computed in the way that each body chooses.
 
 use std::sync::Arc;
 
@@ -12,25 +12,28 @@ use crate::shape::{Form, PlacedShape, Shape, Stand};
 use crate::volume::realign::{ClimbingHull, LooseBox, Realign, RotatedBox, TightHull};
 use crate::volume::{BoundingVolume, MinMax};
 
-/// How the box of a body follows it when it turns (see [`realign`](crate::volume::realign)). A tighter box makes fewer
-/// pairs whose shapes have to be looked at; no answer depends on it. Compounds and half-spaces always have their own.
+/// How the box of a body follows the body when it rotates (see
+/// [`realign`](crate::volume::realign)). A tighter box gives fewer candidate pairs. No result
+/// depends on it. Compounds and half-spaces always use [`Own`](Self::Own).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Realignment {
-    /// The shape's own, [`PlacedShape::bounds`](crate::shape::PlacedShape::bounds): tight for convex shapes, that of the turned
-    /// box for meshes.
+    /// The shape's own box, [`PlacedShape::bounds`](crate::shape::PlacedShape::bounds): tight for
+    /// convex shapes; for meshes, the box around the rotated box.
     #[default]
     Own,
-    /// The box of the turned box, for any shape: some nanoseconds, and up to √3 times too long.
+    /// The box around the rotated box, for any shape. It takes a few nanoseconds, and its edges are
+    /// up to √3 times too long.
     Rotated,
-    /// The box of the sphere about the body's origin: it keeps its size.
+    /// The box around the sphere about the body's origin. Its size never changes.
     Loose,
-    /// Tight, by all vertices of the hull.
+    /// A tight box, computed from all vertices of the convex hull.
     Hull,
-    /// Tight, by climbing on the hull from where the last extremes were: for bodies that turn little in a step.
+    /// A tight box, computed by climbing on the convex hull from the last extreme vertices. For
+    /// bodies that rotate little per step.
     Climbing,
 }
 
-/// What is kept of a shape, to bound it in any pose; shared by all bodies of one shape.
+/// Precomputed data of a shape, to bound it in any pose. All bodies with the same shape share it.
 #[derive(Clone, Debug)]
 pub(super) struct Outline {
     realignment: Realignment,
@@ -46,30 +49,33 @@ enum Way {
     Climbing(Arc<Hull>),
 }
 
-/// Where in the world a body may be.
+/// The region of the world in which a body may be.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum Bounds {
-    /// It is empty, or there is none.
+    /// Nowhere: the body is empty, or there is no body.
     #[default]
     Nowhere,
+    /// In a box.
     Box(MinMax),
-    /// Behind a plane.
+    /// In a half-space.
     Behind(Plane),
-    /// A part of it is behind a plane.
+    /// Anywhere: a part of the body is a half-space.
     Anywhere,
 }
 
-/// Where the last climb ended; zero where there was none.
+/// Extreme vertices at which the last climb ended; zero if there was none.
 pub(super) type Extremes = [[u32; 2]; 3];
 
 impl Outline {
-    /// By the shape's own box.
+    /// Returns the outline that uses the shape's own box.
     pub(super) fn new() -> Self {
         Self { realignment: Realignment::Own, way: Way::Own }
     }
 
+    /// Computes the outline for a way of realignment.
+    ///
     /// # Errors
-    /// As [`Hull::new`], for ways that need one.
+    /// Returns the error of [`Hull::new`] if the way needs a hull.
     pub(super) fn by(shape: &Shape, realignment: Realignment) -> Result<Self, InputError> {
         let points = if realignment == Realignment::Own { Vec::new() } else { points(shape)? };
         let way = match realignment {
@@ -87,7 +93,8 @@ impl Outline {
         self.realignment
     }
 
-    /// Where a body of this shape is that stands so.
+    /// Returns the bounds of a body with this shape at this pose. Updates `extremes` if the way
+    /// climbs on a hull.
     pub(super) fn bounds(&self, (shape, stand): (&PlacedShape, &Stand), extremes: &mut Extremes) -> Bounds {
         let pose = stand.world_from_local();
         let core = match &self.way {
@@ -107,7 +114,7 @@ impl Outline {
 }
 
 impl Bounds {
-    /// Whether two bodies are not proved apart.
+    /// Returns `false` if the two bodies are proved apart, and `true` otherwise.
     pub(super) fn overlap(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Nowhere, _) | (_, Self::Nowhere) => false,
@@ -120,11 +127,12 @@ impl Bounds {
     }
 }
 
-/// The points whose hull is the core of a shape, or holds it; none where the shape has several parts or no box bounds it.
+/// Returns the points whose hull is the core of a shape or contains it. Returns an empty list if
+/// the shape has several parts or no box bounds it.
 fn points(shape: &Shape) -> Result<Vec<[f64; 3]>, InputError> {
     let placed = shape.at(Pose::IDENTITY)?;
     let [part] = placed.parts() else { return Ok(Vec::new()) };
-    // A compound of one part, too, may be elsewhere than its part.
+    // The part of a compound of one part may have a pose of its own.
     if part.world_from_local() != &Pose::IDENTITY {
         return Ok(Vec::new());
     }
@@ -142,7 +150,7 @@ fn points(shape: &Shape) -> Result<Vec<[f64; 3]>, InputError> {
     })
 }
 
-/// The vertices that some face uses, each once.
+/// Returns the vertices that at least one face uses, each once.
 fn corners(mesh: &Mesh) -> Vec<[f64; 3]> {
     let positions = mesh.positions();
     let mut is_used = vec![false; positions.len()];
@@ -150,10 +158,11 @@ fn corners(mesh: &Mesh) -> Vec<[f64; 3]> {
     (0..positions.len()).filter(|&vertex| is_used[vertex]).map(|vertex| positions.get(vertex)).collect()
 }
 
-/// By the shape's own box.
+/// Returns the bounds by the shape's own box.
 fn own(shape: &PlacedShape, stand: &Stand) -> Bounds {
     if let Some([min, max]) = stand.bounds() {
-        // Shapes and poses are in range, and so are boxes about them; what were not may be anywhere.
+        // Shapes and poses are in range, so boxes around them are valid. A body whose box is not
+        // may be anywhere.
         return MinMax::new(min, max).map_or(Bounds::Anywhere, Bounds::Box);
     }
     if let [_] = shape.parts()
@@ -164,7 +173,8 @@ fn own(shape: &PlacedShape, stand: &Stand) -> Bounds {
     if shape.is_unbounded() { Bounds::Anywhere } else { Bounds::Nowhere }
 }
 
-/// About the core that a box holds, swept by the shape's ball.
+/// Returns the bounds of a shape whose core is in a box: the box enlarged by the radius of the
+/// shape's sphere.
 fn swept(core: &MinMax, shape: &PlacedShape, stand: &Stand) -> Bounds {
     let radius = match shape.form_at(stand) {
         Form::Convex(swept) => swept.radius[1],

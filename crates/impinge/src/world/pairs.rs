@@ -1,4 +1,5 @@
-//! The pairs that the broad phase left, each with what the narrow phase made of it, found from either body.
+//! The candidate pairs of the broad phase, each with its result of the narrow phase. A pair can be
+//! found from either body.
 
 use super::narrow::Meeting;
 
@@ -7,32 +8,32 @@ use super::narrow::Meeting;
 pub(super) struct Pairs {
     entries: Vec<Option<Entry>>,
     free: Vec<u32>,
-    /// By place of the body.
+    /// Pairs of each body, by the body's place.
     links: Vec<Vec<Link>>,
 }
 
-/// A pair.
+/// A candidate pair.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
-    /// The places of the bodies, in the order in which they are reported.
+    /// Places of the bodies, in the order in which they are reported.
     pub(super) bodies: [u32; 2],
-    /// Where the pair is in the list of each.
+    /// Index of the pair in the list of each body.
     places: [u32; 2],
-    /// None where the bodies are apart, or were not looked at yet.
+    /// Result of the narrow phase. `None` if the bodies are apart, or were not processed yet.
     pub(super) meeting: Option<Meeting>,
 }
 
 /// A pair in the list of one of its bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Link {
-    /// The other body.
+    /// Place of the other body.
     pub(super) other: u32,
-    /// The number of the pair.
+    /// Number of the pair.
     pub(super) pair: u32,
 }
 
 impl Pairs {
-    /// Adds a pair that is not there yet.
+    /// Adds a pair, which must be new, and returns its number.
     pub(super) fn add(&mut self, bodies: [u32; 2]) -> u32 {
         let pair = self.free.pop().unwrap_or_else(|| {
             self.entries.push(None);
@@ -50,7 +51,7 @@ impl Pairs {
         pair
     }
 
-    /// Takes a pair out, in constant time however many others its bodies have.
+    /// Removes a pair, in constant time however many pairs its bodies are in.
     pub(super) fn remove(&mut self, pair: u32) -> Option<Entry> {
         let entry = self.entries.get_mut(pair as usize)?.take()?;
         self.free.push(pair);
@@ -58,20 +59,20 @@ impl Pairs {
             let (body, place) = (entry.bodies[side], entry.places[side] as usize);
             let links = &mut self.links[body as usize];
             links.swap_remove(place);
-            // The last of the list is now in this place.
+            // The last link of the list is now at this index.
             if let Some(moved) = links.get(place)
                 && let Some(other) = &mut self.entries[moved.pair as usize]
             {
                 other.places[usize::from(other.bodies[0] != body)] = place as u32;
             }
-            if links.is_empty() && links.capacity() > MOST_KEPT {
+            if links.is_empty() && links.capacity() > MAX_KEPT {
                 *links = Vec::new();
             }
         }
         Some(entry)
     }
 
-    /// The pairs of a body.
+    /// Returns the pairs of a body.
     pub(super) fn of(&self, body: u32) -> &[Link] {
         self.links.get(body as usize).map_or(&[], Vec::as_slice)
     }
@@ -84,25 +85,27 @@ impl Pairs {
         self.entries.get_mut(pair as usize)?.as_mut()
     }
 
-    /// The pair of two bodies, looked for in the shorter list.
+    /// Returns the number of the pair of two bodies, searching the shorter list. Returns `None` if
+    /// there is no such pair.
     pub(super) fn find(&self, one: u32, other: u32) -> Option<u32> {
         let (of, sought) = if self.of(one).len() <= self.of(other).len() { (one, other) } else { (other, one) };
         self.of(of).iter().find(|link| link.other == sought).map(|link| link.pair)
     }
 
-    /// Every pair, in no order that means anything.
+    /// Returns all pairs, in no particular order.
     pub(super) fn iter(&self) -> impl Iterator<Item = &Entry> {
         self.entries.iter().flatten()
     }
 
-    /// How many pairs there are.
+    /// Returns the number of pairs.
     pub(super) fn len(&self) -> usize {
         self.entries.len() - self.free.len()
     }
 }
 
-/// A list of more places than this is given back when it is empty, so that a body that once met a crowd does not keep the room for it.
-const MOST_KEPT: usize = 64;
+/// Maximum capacity that the empty list of a body keeps. Larger lists are freed, so that a body
+/// that was once in a crowd does not keep the memory.
+const MAX_KEPT: usize = 64;
 
 #[cfg(test)]
 mod tests {
@@ -111,7 +114,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     #[test]
-    fn lists_and_pairs_agree_whatever_comes_and_goes() {
+    fn lists_and_pairs_agree_after_any_changes() {
         let mut rng = Rng::new(72);
         let mut pairs = Pairs::default();
         let mut expected = BTreeSet::new();

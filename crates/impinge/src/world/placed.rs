@@ -1,70 +1,73 @@
-//! The shape of a body in its place.
+//! The shape of a body at its pose.
 
 use crate::input::InputError;
 use crate::math::Pose;
 use crate::mesh::PlacedMesh;
 use crate::shape::{PlacedShape, Shape, Stand};
 
-/// A shape in the world, and what it was made of.
+/// A shape placed in the world, together with the shape itself.
 #[derive(Clone, Debug)]
 pub(super) struct Placed {
     shape: Shape,
     in_world: PlacedShape,
 }
 
-/// A placed shape as it will be in another pose.
+/// A validated placement of a shape at another pose.
 #[derive(Clone, Debug)]
-pub(super) enum Judged {
-    /// A shape of one part, of which nothing changes but how it stands.
+pub(super) enum ValidPlacement {
+    /// Placement of a shape of one part, of which only the pose changes.
     Alone(Stand),
-    /// A compound, of which every part is.
+    /// Placement of a compound, of which every part changes.
     Compound(Box<Placed>),
 }
 
 impl Placed {
+    /// Places a shape.
+    ///
     /// # Errors
-    /// As [`Shape::at`].
+    /// Returns the error of [`Shape::at`].
     pub(super) fn new(shape: &Shape, world_from_body: Pose) -> Result<Self, InputError> {
         Ok(Self { shape: shape.clone(), in_world: shape.at(world_from_body)? })
     }
 
-    /// The same elsewhere.
+    /// Returns the shape placed at another pose.
     ///
     /// # Errors
-    /// As [`Shape::at`].
+    /// Returns the error of [`Shape::at`].
     pub(super) fn moved(&self, world_from_body: Pose) -> Result<Self, InputError> {
         Self::new(&self.shape, world_from_body)
     }
 
-    /// The same elsewhere, for [`follow`](Self::follow).
+    /// Validates another pose, and returns the placement for [`follow`](Self::follow).
     ///
     /// # Errors
-    /// As [`Shape::at`].
-    pub(super) fn judge(&self, world_from_body: &Pose) -> Result<Judged, InputError> {
+    /// Returns the error of [`Shape::at`].
+    pub(super) fn validate_at(&self, world_from_body: &Pose) -> Result<ValidPlacement, InputError> {
         match self.in_world.stand_at(world_from_body)? {
-            Some(stand) => Ok(Judged::Alone(stand)),
-            None => Ok(Judged::Compound(Box::new(self.moved(*world_from_body)?))),
+            Some(stand) => Ok(ValidPlacement::Alone(stand)),
+            None => Ok(ValidPlacement::Compound(Box::new(self.moved(*world_from_body)?))),
         }
     }
 
-    /// The shape and how it stands once it follows.
-    pub(super) fn standing<'a>(&'a self, judged: &'a Judged) -> (&'a PlacedShape, &'a Stand) {
-        match judged {
-            Judged::Alone(stand) => (&self.in_world, stand),
-            Judged::Compound(placed) => placed.stands(),
+    /// Returns the shape and its pose as they will be after [`follow`](Self::follow).
+    pub(super) fn standing<'a>(&'a self, placement: &'a ValidPlacement) -> (&'a PlacedShape, &'a Stand) {
+        match placement {
+            ValidPlacement::Alone(stand) => (&self.in_world, stand),
+            ValidPlacement::Compound(placed) => placed.stands(),
         }
     }
 
-    /// The shape and how it stands.
+    /// Returns the shape and its current pose.
     pub(super) fn stands(&self) -> (&PlacedShape, &Stand) {
         (&self.in_world, self.in_world.stand())
     }
 
-    /// Moves the shape to where it was judged. A shape of one part is the mesh that it is wherever it goes.
-    pub(super) fn follow(&mut self, judged: Judged) {
-        match judged {
-            Judged::Alone(stand) => self.in_world.follow(stand),
-            Judged::Compound(placed) => *self = *placed,
+    /// Moves the shape to a validated placement. A shape of one part keeps its data, such as its
+    /// mesh.
+    pub(super) fn follow(&mut self, placement: ValidPlacement) {
+        match placement {
+            ValidPlacement::Alone(stand) => self.in_world.follow(stand),
+            ValidPlacement::Compound(placed) => *self = *placed,
         }
     }
 
@@ -80,7 +83,7 @@ impl Placed {
         self.in_world.world_from_local()
     }
 
-    /// The mesh that the shape is, in its own frame; none if it is something else.
+    /// Returns the mesh if the shape is a mesh, in its own frame, or `None` otherwise.
     pub(super) fn mesh(&self) -> Option<PlacedMesh<'_>> {
         self.in_world.as_mesh().filter(|mesh| mesh.world_from_mesh == *self.world_from_body())
     }

@@ -1,11 +1,13 @@
-//! The plane of a half-space in the world, for telling in a few nanoseconds that a box is clear of it.
+//! The plane of a half-space in the world, for proving in a few nanoseconds that a box is apart
+//! from the half-space.
 
 use crate::convex::HalfSpace;
 use crate::volume::MinMax;
 
-/// The points x with `direction·(x - origin) ≤ level`.
+/// A half-space: the points x with `direction·(x - origin) ≤ level`.
 ///
-/// Every entry of the direction, and the level, is the exact one rounded once, in units of the normal's greatest entry.
+/// Every entry of the direction, and the level, is the exact value rounded once, in units of the
+/// normal's largest entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Plane {
     direction: [f64; 3],
@@ -13,12 +15,14 @@ pub(super) struct Plane {
     level: f64,
 }
 
-/// More than the units of 2^-53 by which a height may be off: 1 for the direction, 1 for the difference to the origin, 1 for
-/// the product, 3 for the sum with the level, 1 for the level; taken twice.
+/// Bound on the relative error of a height. The error is at most 7 units of 2^-53: 1 for the
+/// direction, 1 for the difference to the origin, 1 for the product, 3 for the sum with the level,
+/// 1 for the level. The bound is more than twice that.
 const ROUNDING: f64 = 16.0 * 0.5 * f64::EPSILON;
 
-/// More than what is lost where an entry of the direction, or a product, vanishes: 2^-1074, times a coordinate below 2^321.
-const VANISHED: f64 = f64::from_bits((1023 - 700) << 52);
+/// Bound on the error by underflow, if an entry of the direction or a product vanishes: 2^-1074
+/// times a coordinate below 2^321, generously rounded up.
+const UNDERFLOW: f64 = f64::from_bits((1023 - 700) << 52);
 
 impl Plane {
     pub(super) fn of(half_space: &HalfSpace<'_>) -> Self {
@@ -26,7 +30,7 @@ impl Plane {
         Self { direction, origin, level }
     }
 
-    /// Whether a box is not proved clear of the half-space.
+    /// Returns `false` if the box is proved to be apart from the half-space, and `true` otherwise.
     pub(super) fn reaches(&self, bounds: &MinMax) -> bool {
         let (min, max) = (bounds.min(), bounds.max());
         let (mut least, mut size) = (-self.level, self.level.abs());
@@ -35,8 +39,8 @@ impl Plane {
             least += (self.direction[k] * low).min(self.direction[k] * high);
             size += self.direction[k].abs() * low.abs().max(high.abs());
         }
-        // What is no number is not proved.
-        let is_clear = least > ROUNDING * size + VANISHED;
+        // Negated, so that a NaN proves nothing.
+        let is_clear = least > ROUNDING * size + UNDERFLOW;
         !is_clear
     }
 }
@@ -49,7 +53,7 @@ mod tests {
     use crate::shape::Shape;
     use impinge_testkit::generate::{Rng, poses};
 
-    /// A box that is not reached is apart from the half-space by exact arithmetic; one far off is not reached.
+    /// A box that is proved apart is apart by exact arithmetic, and a box far away is proved apart.
     #[test]
     fn boxes_that_are_clear_are_apart() {
         let mut rng = Rng::new(71);
@@ -70,18 +74,18 @@ mod tests {
             let size = rng.choose(&[0.0, 1e-9, 1.0, 100.0]);
             let bounds = MinMax::of(&[corner, corner.map(|x| x + size * rng.choose(&[-1.0, 1.0]))]).unwrap();
             let (min, max) = (bounds.min(), bounds.max());
-            let centre: [f64; 3] = std::array::from_fn(|k| 0.5 * (min[k] + max[k]));
-            let outer = [0, 1, 2].map(|k| (max[k] - centre[k]).max(centre[k] - min[k]));
-            let shape = Shape::cuboid(outer).unwrap().at(Pose::from_translation(centre).unwrap()).unwrap();
+            let center: [f64; 3] = std::array::from_fn(|k| 0.5 * (min[k] + max[k]));
+            let outer = [0, 1, 2].map(|k| (max[k] - center[k]).max(center[k] - min[k]));
+            let shape = Shape::cuboid(outer).unwrap().at(Pose::from_translation(center).unwrap()).unwrap();
             let half_space = Shape::half_space(normal, level).unwrap().at(pose).unwrap();
-            let meets = query::intersects(&shape, &half_space);
+            let intersects = query::intersects(&shape, &half_space);
             if plane.reaches(&bounds) {
-                doubtful += u32::from(!meets);
+                doubtful += u32::from(!intersects);
             } else {
                 clear += 1;
                 // The cuboid may be a rounding larger than the box.
                 assert!(
-                    !meets
+                    !intersects
                         || size > 0.0
                             && query::penetration(&shape, &half_space).is_some_and(|p| p.lower < 1e-12 * size),
                     "{normal:?} {level} {pose:?} {bounds:?}"

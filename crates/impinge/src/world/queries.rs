@@ -1,4 +1,4 @@
-//! Questions to a world that is at rest: what a ray meets, what is in a box, about a point, or in the way of a shape.
+//! Queries to a world between steps: the bodies in a box, at a point, or intersecting a shape.
 
 use rayon::prelude::*;
 
@@ -15,16 +15,18 @@ use crate::volume::MinMax;
 /// A body that a query found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BodyHit {
-    /// Its tag, by which hits are sorted first.
+    /// Tag of the body. Hits are sorted by tags, then by handles.
     pub tag: u64,
-    /// Its handle.
+    /// Handle of the body.
     pub body: BodyId,
 }
 
 impl World {
-    /// The bodies whose boxes overlap a box, sorted, those of half-spaces that it reaches among them; each that is `wanted`.
+    /// Returns the bodies whose boxes overlap a box, and the half-spaces that reach into it,
+    /// sorted. Only bodies for which `wanted` returns `true` are considered.
     ///
-    /// Queries see bodies where they are: inserted, moved by the last step or put elsewhere since.
+    /// Queries see bodies at their current poses: as inserted, as moved by the last step, or as set
+    /// since then.
     #[must_use]
     pub fn overlapping_boxes(&self, bounds: &MinMax, mut wanted: impl FnMut(&Traits) -> bool) -> Vec<BodyHit> {
         let mut found = self.near(&Bounds::Box(*bounds));
@@ -32,21 +34,22 @@ impl World {
         hits(found.into_iter())
     }
 
-    /// The bodies that meet a shape in a pose, sorted; each that is `wanted`. Decided as for pairs of bodies.
+    /// Returns the bodies that intersect a shape at a pose, sorted, decided as for pairs of bodies.
+    /// Only bodies for which `wanted` returns `true` are considered.
     ///
     /// ```
     /// use impinge::{Pose, shape::Shape, world::{Body, Layers, World}};
     ///
     /// let mut world = World::new();
-    /// let ball = world.insert(Body::new(Shape::sphere([0.0; 3], 1.0)?))?;
+    /// let sphere = world.insert(Body::new(Shape::sphere([0.0; 3], 1.0)?))?;
     /// let probe = Shape::capsule([0.0; 3], [0.0, 0.0, 3.0], 0.25)?;
     /// let found = world.overlapping(&probe, Pose::from_translation([0.0, 0.0, 1.0])?, |traits| traits.layers.on & 1 != 0)?;
-    /// assert_eq!(found[0].body, ball);
+    /// assert_eq!(found[0].body, sphere);
     /// # Ok::<(), impinge::world::WorldError>(())
     /// ```
     ///
     /// # Errors
-    /// Where the shape does not stand the pose.
+    /// Returns an error if the shape cannot be placed at the pose.
     pub fn overlapping(
         &self,
         shape: &Shape,
@@ -64,15 +67,16 @@ impl World {
         Ok(hits(found.into_iter()))
     }
 
-    /// The bodies that hold a point, sorted; each that is `wanted`. The surface of a mesh holds what is on it.
+    /// Returns the bodies that contain a point, sorted. Only bodies for which `wanted` returns
+    /// `true` are considered. A mesh that is not solid contains only the points of its surface.
     ///
     /// # Errors
-    /// Where a coordinate is not finite or not below 2^128.
+    /// Returns an error if a coordinate is not finite, or is 2^128 or more in magnitude.
     pub fn at_point(&self, point: [f64; 3], wanted: impl FnMut(&Traits) -> bool) -> Result<Vec<BodyHit>, InputError> {
         self.overlapping(&Shape::point(point)?, Pose::IDENTITY, wanted)
     }
 
-    /// The bodies whose boxes overlap.
+    /// Returns the bodies whose bounds overlap `bounds`.
     fn near(&self, bounds: &Bounds) -> Vec<(BodyId, &Resident)> {
         let state = &self.state;
         let mut found = Vec::new();

@@ -1,4 +1,4 @@
-//! Snapshots as plain data, for files and for other processes, and snapshots of such data.
+//! Conversion between snapshots and plain data, for files and other processes.
 
 use std::fmt;
 
@@ -13,78 +13,83 @@ use super::{Change, Options, Resident, Snapshot, State};
 use crate::input::InputError;
 use crate::query::{ContactPoint, Manifold, Proximity};
 
-/// All that a [`Snapshot`] knows, as data that anybody may keep.
+/// The contents of a [`Snapshot`] as plain data.
 ///
 /// ```
 /// use impinge::{Pose, shape::Shape, world::{Body, Snapshot, World}};
 ///
-/// let ball = Body::new(Shape::sphere([0.0; 3], 1.0)?);
+/// let sphere = Body::new(Shape::sphere([0.0; 3], 1.0)?);
 /// let mut world = World::new();
-/// let still = world.insert(ball.clone())?;
-/// let moving = world.insert(ball.at(Pose::from_translation([1.5, 0.0, 0.0])?))?;
+/// let still = world.insert(sphere.clone())?;
+/// let moving = world.insert(sphere.at(Pose::from_translation([1.5, 0.0, 0.0])?))?;
 /// world.step(&[])?;
 ///
 /// let record = world.save().to_record();
 /// let mut other = World::new();
-/// other.restore(&Snapshot::from_record(&record, other.options()).expect("it was recorded"));
+/// other.restore(&Snapshot::from_record(&record, other.options()).expect("the record is valid"));
 /// assert_eq!(other.pair(still, moving)?, world.pair(still, moving)?);
 /// # Ok::<(), impinge::world::WorldError>(())
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Record {
-    /// The bodies, by handle.
+    /// Bodies, sorted by handle.
     pub bodies: Vec<RecordedBody>,
-    /// How often each place for a body was taken or freed; odd where a body is in it, and where its handles are spent.
+    /// Number of times that each place for a body was taken or freed. It is odd if a body is in the
+    /// place, or if the handles of the place are used up.
     pub generations: Vec<u32>,
-    /// The places that are free; the last is taken next.
+    /// Places that are free; the last one is taken next.
     pub free: Vec<u32>,
-    /// The pairs of bodies whose boxes overlapped at the last step, sorted.
+    /// Pairs of bodies whose boxes overlapped at the last step, sorted.
     pub pairs: Vec<RecordedPair>,
-    /// Pairs that ended as a body was removed, for the next report.
+    /// Pairs that ended because a body was removed, for the next report.
     pub departed: Vec<PairKey>,
 }
 
 /// A body of a [`Record`].
 #[derive(Clone, Debug)]
 pub struct RecordedBody {
-    /// Its handle.
+    /// Handle of the body.
     pub id: BodyId,
-    /// All that is to be known about it.
+    /// Shape, pose and traits of the body.
     pub body: Body,
-    /// Since the last step.
+    /// Change of the body since the last step.
     pub change: Change,
 }
 
 /// A pair of a [`Record`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedPair {
-    /// The bodies: the first has the lesser tag or, where tags are equal, the lesser handle.
+    /// Handles of the bodies. The first has the smaller tag or, if the tags are equal, the smaller
+    /// handle.
     pub bodies: [BodyId; 2],
-    /// How sure it is that they meet, and where they do; none where they do not, or were not looked at yet.
+    /// Certainty of the intersection, and the contacts. `None` if the bodies are apart, or were not
+    /// processed yet.
     pub meeting: Option<(Proximity, Vec<Manifold>)>,
 }
 
-/// Why a record is none that a snapshot made.
+/// The reason why a record is invalid.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RecordFlaw {
     /// Handles, generations and free places contradict each other.
     Places,
-    /// A shape does not stand its pose.
+    /// A shape cannot be placed at its pose.
     Input {
-        /// The body.
+        /// Handle of the body.
         body: BodyId,
-        /// What is wrong.
+        /// The error of the shape or the pose.
         error: InputError,
     },
-    /// A pair is of a body that there is not, of one body alone, in the wrong order, or there twice.
+    /// A pair names a missing body or the same body twice, is in the wrong order, or is listed
+    /// twice.
     Pair {
-        /// Its row in [`Record::pairs`].
+        /// Index of the pair in [`Record::pairs`].
         row: usize,
     },
-    /// A pair that meets is apart, or a contact is nowhere or of no depth.
+    /// A result of a pair says that the pair is apart, or a contact has a coordinate that is not
+    /// finite or a depth that is NaN.
     Contact {
-        /// The row of its pair in [`Record::pairs`].
+        /// Index of the pair in [`Record::pairs`].
         row: usize,
     },
 }
@@ -92,10 +97,14 @@ pub enum RecordFlaw {
 impl fmt::Display for RecordFlaw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Places => write!(f, "handles and places contradict each other"),
+            Self::Places => write!(f, "the handles, generations and free places of the record contradict each other"),
             Self::Input { body, error } => write!(f, "body {body}: {error}"),
-            Self::Pair { row } => write!(f, "pair {row} is none of two bodies in their order, or is there twice"),
-            Self::Contact { row } => write!(f, "pair {row} meets nowhere, or has contacts that are not finite"),
+            Self::Pair { row } => {
+                write!(f, "pair {row} does not name two bodies of the record in their order, or is listed twice")
+            }
+            Self::Contact { row } => {
+                write!(f, "pair {row} has a result although it is apart, or has contacts that are not finite")
+            }
         }
     }
 }
@@ -110,7 +119,8 @@ impl std::error::Error for RecordFlaw {
 }
 
 impl Snapshot {
-    /// The snapshot as data: the same for the same bodies, whatever way pairs are found in. Shapes are shared.
+    /// Returns the snapshot as plain data. The data are the same for the same bodies, whichever
+    /// broad phase is used. Shapes are shared, not copied.
     ///
     /// # Complexity
     /// O(n + p log p) for n bodies and p pairs of boxes.
@@ -138,16 +148,17 @@ impl Snapshot {
         }
     }
 
-    /// The snapshot that such data is of, for worlds with these options: from there the same steps give the same bytes.
+    /// Returns the snapshot for a record, for worlds with these options. After it is restored, the
+    /// same steps return the same bytes.
     ///
-    /// What is said of the pairs is believed: where they are not those of the last step, neither is what the world says of them until
-    /// their bodies change.
+    /// Results of pairs are not computed again. If they are not those of the last step, the world
+    /// reports wrong pairs until their bodies change.
     ///
     /// # Errors
-    /// Where the parts of the record contradict each other.
+    /// Returns an error if the parts of the record contradict each other.
     ///
     /// # Complexity
-    /// That of inserting the bodies, and O(p log p) for p pairs.
+    /// As for inserting the bodies, and O(p log p) for p pairs.
     pub fn from_record(record: &Record, options: &Options) -> Result<Self, RecordFlaw> {
         let (mut residents, mut places) = (Vec::with_capacity(record.bodies.len()), Vec::new());
         for RecordedBody { id, body, change } in &record.bodies {
@@ -162,7 +173,7 @@ impl Snapshot {
         let broad = Broad::new(options.broad_phase);
         let mut state = State { residents, broad, departed: record.departed.clone(), ..State::default() };
         for (place, bounds, change) in places {
-            state.shift(place, bounds);
+            state.update_bounds(place, bounds);
             state.changed.mark(place, change);
         }
         state.pair_up(&record.pairs)?;
@@ -171,7 +182,7 @@ impl Snapshot {
 }
 
 impl State {
-    /// Adds recorded pairs, once they are judged.
+    /// Validates recorded pairs and adds them.
     fn pair_up(&mut self, pairs: &[RecordedPair]) -> Result<(), RecordFlaw> {
         let mut rows: Vec<(PairKey, usize)> = Vec::with_capacity(pairs.len());
         for (row, pair) in pairs.iter().enumerate() {
@@ -200,7 +211,8 @@ impl State {
     }
 }
 
-/// Depths may be infinite: those of half-spaces in each other are.
+/// Reports whether all coordinates of the contacts are finite and no depth is NaN. Depths may be
+/// infinite, as those of two half-spaces are.
 fn is_finite(manifold: &Manifold) -> bool {
     let is_point = |point: [f64; 3]| point.iter().all(|x| x.is_finite());
     let is_contact =

@@ -1,4 +1,4 @@
-//! Places for bodies, used again and again, and handles that tell the bodies in one place from each other.
+//! Reusable places for bodies, with handles that distinguish successive bodies in one place.
 
 use super::body::BodyId;
 use crate::simd::prefetch;
@@ -7,14 +7,15 @@ use crate::simd::prefetch;
 #[derive(Clone, Debug)]
 pub(super) struct Slots<T> {
     slots: Vec<Slot<T>>,
-    /// Places out of use, the last one freed on top.
+    /// Places that are free; the last one is taken next.
     free: Vec<u32>,
     count: usize,
 }
 
 #[derive(Clone, Debug)]
 struct Slot<T> {
-    /// Odd while the place is in use. A place whose numbers are spent is never used again.
+    /// Number of times that the place was taken or freed. It is odd while the place is in use. A
+    /// place that reaches the largest number is never used again.
     generation: u32,
     value: Option<T>,
 }
@@ -26,7 +27,8 @@ impl<T> Default for Slots<T> {
 }
 
 impl<T> Slots<T> {
-    /// Puts a value into a place; none where there are no more.
+    /// Stores a value in a free place and returns its handle, or `None` if there are no more
+    /// places.
     pub(super) fn insert(&mut self, value: T) -> Option<BodyId> {
         if let Some(index) = self.free.pop() {
             let slot = &mut self.slots[index as usize];
@@ -46,7 +48,7 @@ impl<T> Slots<T> {
         let slot = &mut self.slots[id.index()];
         let value = slot.value.take();
         self.count -= 1;
-        // The last number is odd: a place that has had it is not freed.
+        // The largest generation is odd. A place that has reached it is not freed.
         if let Some(next) = slot.generation.checked_add(1) {
             slot.generation = next;
             self.free.push(id.index() as u32);
@@ -59,7 +61,7 @@ impl<T> Slots<T> {
         slot.value.as_ref()
     }
 
-    /// Asks for the memory of a value.
+    /// Prefetches a value.
     pub(super) fn prefetch(&self, id: BodyId) {
         if let Some(slot) = self.slots.get(id.index()) {
             prefetch(slot);
@@ -71,25 +73,26 @@ impl<T> Slots<T> {
         slot.value.as_mut()
     }
 
-    /// The value in a place, and its handle.
+    /// Returns the value in a place, and its handle.
     pub(super) fn at(&self, index: u32) -> Option<(BodyId, &T)> {
         let slot = self.slots.get(index as usize)?;
         Some((BodyId::new(index, slot.generation), slot.value.as_ref()?))
     }
 
-    /// Everything that is in a place, by place.
+    /// Returns all values with their handles, by place.
     pub(super) fn iter(&self) -> impl Iterator<Item = (BodyId, &T)> {
         (0..self.slots.len() as u32).filter_map(|index| self.at(index))
     }
 
-    /// The numbers of all places, and which of them are out of use.
+    /// Returns the generations of all places, and the list of free places.
     pub(super) fn places(&self) -> (Vec<u32>, Vec<u32>) {
         (self.slots.iter().map(|slot| slot.generation).collect(), self.free.clone())
     }
 
-    /// Values in such places; none where these contradict each other.
+    /// Returns the given values in places with these generations, or `None` if the arguments
+    /// contradict each other.
     pub(super) fn of(generations: &[u32], free: &[u32], values: Vec<(BodyId, T)>) -> Option<Self> {
-        // One place less than there are numbers: the last number names none.
+        // One place fewer than there are numbers, because the largest number is not a place.
         let is_countable = u32::try_from(generations.len()).is_ok_and(|count| count < u32::MAX);
         let mut slots: Vec<Slot<T>> = generations.iter().map(|&generation| Slot { generation, value: None }).collect();
         let count = values.len();
@@ -112,7 +115,7 @@ impl<T> Slots<T> {
         (is_countable && is_consistent).then(|| Self { slots, free: free.to_vec(), count })
     }
 
-    /// How many values there are.
+    /// Returns the number of values.
     pub(super) fn len(&self) -> usize {
         self.count
     }
@@ -123,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_handle_never_comes_to_mean_another_value() {
+    fn a_handle_never_refers_to_another_value() {
         let mut slots = Slots::default();
         let first = slots.insert('a').unwrap();
         assert_eq!(slots.remove(first), Some('a'));
@@ -133,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn a_place_whose_numbers_are_spent_is_left() {
+    fn a_place_with_the_last_generation_is_not_reused() {
         let mut slots = Slots::default();
         let first = slots.insert(0).unwrap();
         slots.slots[0].generation = u32::MAX;

@@ -1,4 +1,4 @@
-//! Bodies that come, change and go, and the boxes and pairs that follow them.
+//! The state of a world: bodies, and the boxes and pairs that follow them.
 
 use std::sync::Arc;
 
@@ -15,15 +15,16 @@ use super::slots::Slots;
 #[derive(Clone, Debug, Default)]
 pub(super) struct State {
     pub(super) residents: Slots<Resident>,
-    /// Where the body in each place may be, by place: apart from the bodies, as a step asks it of every pair.
+    /// Bounds of the body in each place. They are apart from the bodies, because a step reads them
+    /// for every pair.
     pub(super) bounds: Vec<Bounds>,
-    /// Bodies that no box bounds.
+    /// Places of bodies that no box bounds.
     pub(super) unbounded: Vec<u32>,
     pub(super) broad: Broad,
     pub(super) pairs: Pairs,
-    /// Since the last step.
+    /// Changes since the last step.
     pub(super) changed: Changed,
-    /// Pairs that ended as a body was removed, for the next report.
+    /// Pairs that ended because a body was removed, for the next report.
     pub(super) departed: Vec<PairKey>,
     pub(super) events: Events,
 }
@@ -38,7 +39,7 @@ pub(super) struct Resident {
 }
 
 impl State {
-    /// Puts something else in the place of a body.
+    /// Replaces the placed shape of a body, and its outline if there is a new one.
     pub(super) fn replace(&mut self, body: BodyId, placed: Placed, outline: Option<Arc<Outline>>) {
         let Some(resident) = self.residents.get_mut(body) else { return };
         resident.placed = placed;
@@ -46,18 +47,19 @@ impl State {
             resident.outline = outline;
         }
         let bounds = resident.outline.bounds(resident.placed.stands(), &mut resident.extremes);
-        self.shift(body.index() as u32, bounds);
+        self.update_bounds(body.index() as u32, bounds);
         self.changed.mark(body.index() as u32, Change::Place);
     }
 
-    /// Where the body in a place may be.
+    /// Returns the bounds of the body in a place.
     #[inline]
     pub(super) fn bounds_of(&self, place: u32) -> &Bounds {
         self.bounds.get(place as usize).unwrap_or(&Bounds::Nowhere)
     }
 
-    /// Notes where the body in a place is from now on, and returns where it was; the broad phase is not told.
-    pub(super) fn rebound(&mut self, place: u32, bounds: Bounds) -> Bounds {
+    /// Stores new bounds of the body in a place and returns the old ones. Does not update the broad
+    /// phase.
+    pub(super) fn replace_bounds(&mut self, place: u32, bounds: Bounds) -> Bounds {
         let at = place as usize;
         if at >= self.bounds.len() {
             self.bounds.resize(at + 1, Bounds::Nowhere);
@@ -65,14 +67,14 @@ impl State {
         std::mem::replace(&mut self.bounds[at], bounds)
     }
 
-    /// The body in a place comes to be somewhere else, or nowhere any more.
-    pub(super) fn shift(&mut self, place: u32, bounds: Bounds) {
-        let before = self.rebound(place, bounds);
-        self.tell(place, &before, &bounds);
+    /// Stores new bounds of the body in a place, and updates the broad phase.
+    pub(super) fn update_bounds(&mut self, place: u32, bounds: Bounds) {
+        let before = self.replace_bounds(place, bounds);
+        self.update_structures(place, &before, &bounds);
     }
 
-    /// Tells the broad phase, or whoever has the bodies that no box bounds, where the body in a place was and is.
-    pub(super) fn tell(&mut self, place: u32, before: &Bounds, now: &Bounds) {
+    /// Updates the broad phase and the list of unbounded bodies after the bounds of a body changed.
+    pub(super) fn update_structures(&mut self, place: u32, before: &Bounds, now: &Bounds) {
         match (before, now) {
             (Bounds::Box(_), Bounds::Box(_)) | (Bounds::Nowhere, _) => {}
             (Bounds::Box(_), _) => self.broad.remove(place),
@@ -85,8 +87,9 @@ impl State {
         }
     }
 
-    /// Takes a pair out, and notes for the next report that it ended where its bodies met; whether it was there.
-    pub(super) fn part(&mut self, pair: u32) -> bool {
+    /// Removes a pair, and records it as ended for the next report if its bodies intersected.
+    /// Returns `false` if there was no such pair.
+    pub(super) fn remove_pair(&mut self, pair: u32) -> bool {
         let Some(entry) = self.pairs.remove(pair) else { return false };
         if entry.meeting.is_some()
             && let Some(key) = self.key(entry.bodies)
@@ -96,13 +99,13 @@ impl State {
         true
     }
 
-    /// The name of a pair of places.
+    /// Returns the key of a pair, given the places of its bodies.
     pub(super) fn key(&self, [a, b]: [u32; 2]) -> Option<PairKey> {
         let ((a, resident_a), (b, resident_b)) = (self.residents.at(a)?, self.residents.at(b)?);
         Some(PairKey { tag_a: resident_a.traits.tag, tag_b: resident_b.traits.tag, a, b })
     }
 
-    /// A pair, where it meets.
+    /// Returns a pair as it is reported, or `None` if its bodies do not intersect.
     pub(super) fn pair<'w>(&self, entry: &'w Entry) -> Option<Pair<'w>> {
         let meeting = entry.meeting.as_ref()?;
         Some(Pair { key: self.key(entry.bodies)?, proximity: meeting.proximity, manifolds: &meeting.manifolds })

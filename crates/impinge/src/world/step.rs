@@ -1,47 +1,48 @@
-//! A step: new poses in, what changed out.
+//! A step: takes new poses, and reports the pairs that changed.
 
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
 use super::body::{BodyId, Kind};
-use super::broad::Told;
+use super::broad::KnownPairs;
 use super::error::WorldError;
 use super::events::{Events, Work};
 use super::narrow::Meeting;
 use super::outline::{Bounds, Extremes};
-use super::placed::Judged;
+use super::placed::ValidPlacement;
 use super::{Change, State, World, refused};
 use crate::math::Pose;
 use crate::partition::Move;
 use crate::simd::prefetch;
 
-/// Bodies, or pairs, that are one task at least: less work than this is done sooner than handed over.
-const LEAST_SHARED: usize = 64;
+/// Minimum number of bodies or pairs per parallel task. With fewer, starting a task costs more than
+/// it saves.
+const MIN_TASK: usize = 64;
 
-/// Bodies whose memory is asked for at once: a processor waits for so many places in memory at the same time, and they stay in
-/// its first caches meanwhile.
-const TOGETHER: usize = 16;
+/// Number of bodies whose memory is prefetched together. A processor loads about this number of
+/// places at the same time, and they stay in its first caches until they are used.
+const PREFETCH_BATCH: usize = 16;
 
-/// The phases of a step, for whoever measures them.
+/// The phases of a step, for measuring them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Phase {
-    /// Poses are judged, and boxes realigned to them.
+    /// Validates the poses, and realigns boxes to them.
     Realign,
-    /// The bodies take their new places, and the broad phase is told.
+    /// Moves the bodies, and updates the broad phase.
     Take,
-    /// Pairs of boxes that came to overlap are found, and those that ceased to.
+    /// Finds pairs of boxes that began to overlap, and pairs that ceased to.
     Broad,
-    /// Pairs of shapes are looked at.
+    /// Processes pairs of shapes.
     Narrow,
-    /// What changed is put in order.
+    /// Sorts the changes.
     Report,
 }
 
 impl World {
-    /// Moves bodies and says what changed. Bodies that are not named stay where they are; of two poses for one body the last
-    /// counts.
+    /// Moves bodies and returns the pairs that began and ended. Bodies that are not named keep
+    /// their poses. If a body is named several times, its last pose counts.
     ///
     /// ```
     /// # use impinge::{Pose, shape::Shape, world::{Body, World}};
@@ -49,33 +50,36 @@ impl World {
     /// # let body = world.insert(Body::new(Shape::cuboid([1.0; 3])?))?;
     /// let events = world.step(&[(body, Pose::from_translation([0.0, 0.5, 0.0])?)])?;
     /// for pair in &events.began {
-    ///     println!("{} meets {}", pair.a, pair.b);
+    ///     println!("{} intersects {}", pair.a, pair.b);
     /// }
     /// # Ok::<(), impinge::world::WorldError>(())
     /// ```
     ///
     /// # Errors
-    /// [`Stale`](WorldError::Stale), [`Static`](WorldError::Static), and [`Input`](WorldError::Input) where a shape does not
-    /// stand a pose, for the first move that is wrong. Then nothing has changed.
+    /// Returns the error of the first invalid move: [`Stale`](WorldError::Stale) if the body is not
+    /// in the world, [`Static`](WorldError::Static) if it is static, or
+    /// [`Input`](WorldError::Input) if its shape cannot be placed at the pose. The world is then
+    /// unchanged.
     ///
     /// # Complexity
-    /// Grows with the bodies that changed and the pairs that they are in; what stands still costs nothing. Shared out to all
-    /// cores of the current rayon pool.
+    /// Proportional to the number of bodies that changed and the pairs that they are in. Bodies
+    /// that rest cost nothing. The work is shared among all threads of the current rayon pool.
     pub fn step(&mut self, moves: &[(BodyId, Pose)]) -> Result<&Events, WorldError> {
         self.step_observed(moves, &mut |_| ())
     }
 
-    /// [`step`](Self::step), telling whenever a phase is done.
+    /// Does a [`step`](Self::step), and calls `observe` at the end of each phase.
     ///
     /// # Errors
-    /// As [`step`](Self::step).
+    /// Returns the same errors as [`step`](Self::step).
     pub fn step_observed(
         &mut self,
         moves: &[(BodyId, Pose)],
         observe: &mut (dyn FnMut(Phase) + Send),
     ) -> Result<&Events, WorldError> {
-        // Whoever calls from outside the pool would wait for a thread to wake at each thing that is shared out: so once for all of them.
-        if moves.len() >= 2 * LEAST_SHARED {
+        // A caller outside the pool would wait for a thread to wake at each parallel loop. Entering
+        // the pool once avoids that.
+        if moves.len() >= 2 * MIN_TASK {
             rayon::scope(|_| self.advance(moves, observe))?;
         } else {
             self.advance(moves, observe)?;
@@ -84,15 +88,15 @@ impl World {
     }
 
     fn advance(&mut self, moves: &[(BodyId, Pose)], observe: &mut dyn FnMut(Phase)) -> Result<(), WorldError> {
-        let next = self.judge(moves)?;
+        let next = self.validate(moves)?;
         observe(Phase::Realign);
-        let told = self.take(moves, next);
+        let known = self.take(moves, next);
         let changed = self.state.changed.take();
         observe(Phase::Take);
         let mut work = Work { changed: changed.len(), ..Work::default() };
-        let (lost, found) = self.recandidates(&changed, &told);
+        let (lost, found) = self.changed_candidates(&changed, &known);
         for pair in lost {
-            work.lost += usize::from(self.state.part(pair));
+            work.lost += usize::from(self.state.remove_pair(pair));
         }
         for [one, other] in found {
             if self.state.pairs.find(one, other).is_none() {
@@ -112,13 +116,14 @@ impl World {
         Ok(())
     }
 
-    /// The bodies as they will be in their new poses; none where a body is in this pose already.
-    fn judge(&self, moves: &[(BodyId, Pose)]) -> Result<Vec<Option<Next>>, WorldError> {
+    /// Validates all moves, and returns the bodies in their new poses. An entry is `None` if the
+    /// body is already in this pose.
+    fn validate(&self, moves: &[(BodyId, Pose)]) -> Result<Vec<Option<Next>>, WorldError> {
         let refused: Mutex<Option<(usize, WorldError)>> = Mutex::new(None);
-        let next = moves.par_iter().enumerate().with_min_len(LEAST_SHARED).map(|(at, (body, pose))| {
-            if at % TOGETHER == 0 {
-                let [now, after] = [at, at + TOGETHER].map(|first| &moves[moves.len().min(first)..]);
-                self.prefetch(&now[..now.len().min(TOGETHER)], &after[..after.len().min(TOGETHER)]);
+        let next = moves.par_iter().enumerate().with_min_len(MIN_TASK).map(|(at, (body, pose))| {
+            if at % PREFETCH_BATCH == 0 {
+                let [now, after] = [at, at + PREFETCH_BATCH].map(|first| &moves[moves.len().min(first)..]);
+                self.prefetch(&now[..now.len().min(PREFETCH_BATCH)], &after[..after.len().min(PREFETCH_BATCH)]);
             }
             self.next(*body, pose).unwrap_or_else(|error| {
                 let mut refused = refused.lock().unwrap_or_else(PoisonError::into_inner);
@@ -135,7 +140,8 @@ impl World {
         }
     }
 
-    /// A body as it will be in another pose; none where it is in this pose already.
+    /// Validates a move, and returns the body in its new pose, or `None` if it is already in this
+    /// pose.
     fn next(&self, body: BodyId, pose: &Pose) -> Result<Option<Next>, WorldError> {
         let resident = self.resident(body)?;
         if resident.traits.kind == Kind::Static {
@@ -144,13 +150,14 @@ impl World {
         if resident.placed.world_from_body() == pose {
             return Ok(None);
         }
-        let judged = resident.placed.judge(pose).map_err(|error| refused(body, error))?;
+        let placement = resident.placed.validate_at(pose).map_err(|error| refused(body, error))?;
         let mut extremes = resident.extremes;
-        let bounds = resident.outline.bounds(resident.placed.standing(&judged), &mut extremes);
-        Ok(Some(Next { judged, bounds, extremes }))
+        let bounds = resident.outline.bounds(resident.placed.standing(&placement), &mut extremes);
+        Ok(Some(Next { placement, bounds, extremes }))
     }
 
-    /// Asks for the memory of bodies that are to move after these, and for what these refer to, one level of it after the other.
+    /// Prefetches the bodies `after`, which move next, and the data that the bodies `now` refer to,
+    /// one level after the other.
     fn prefetch(&self, now: &[(BodyId, Pose)], after: &[(BodyId, Pose)]) {
         after.iter().for_each(|&(body, _)| self.state.residents.prefetch(body));
         let residents = || now.iter().filter_map(|&(body, _)| self.state.residents.get(body));
@@ -161,43 +168,45 @@ impl World {
         residents().for_each(|resident| resident.placed.in_world().prefetch_corners());
     }
 
-    /// Puts the bodies and their boxes where they were judged to be; what the broad phase says about pairs then.
-    fn take(&mut self, moves: &[(BodyId, Pose)], mut next: Vec<Option<Next>>) -> Told {
+    /// Moves the bodies and their boxes, and returns the facts about pairs that the broad phase
+    /// knows afterwards.
+    fn take(&mut self, moves: &[(BodyId, Pose)], mut next: Vec<Option<Next>>) -> KnownPairs {
         let state = &mut self.state;
         let mut boxes = Vec::with_capacity(moves.len());
         let order = last_of_each(moves);
         for (nth, &(body, at)) in order.iter().enumerate() {
-            if let Some(&(ahead, _)) = order.get(nth + TOGETHER) {
+            if let Some(&(ahead, _)) = order.get(nth + PREFETCH_BATCH) {
                 state.residents.prefetch(ahead);
             }
             let (Some(resident), Some(next)) = (state.residents.get_mut(body), next[at as usize].take()) else {
                 continue;
             };
-            let Next { judged, bounds, extremes } = next;
-            resident.placed.follow(judged);
+            let Next { placement, bounds, extremes } = next;
+            resident.placed.follow(placement);
             resident.extremes = extremes;
             let place = body.index() as u32;
-            let before = state.rebound(place, bounds);
+            let before = state.replace_bounds(place, bounds);
             state.changed.mark(place, Change::Moved);
             match (&before, &bounds) {
                 _ if before == bounds => {}
                 (Bounds::Box(_), Bounds::Box(bounds)) => boxes.push(Move { key: place, to: Some(*bounds) }),
                 _ => {
-                    state.tell(place, &before, &bounds);
+                    state.update_structures(place, &before, &bounds);
                     state.changed.mark(place, Change::Place);
                 }
             }
         }
         state.broad.adapt(boxes.len());
-        // Where nothing changed there is nothing to tell.
-        if state.changed.is_empty() { Told::Nothing } else { state.broad.step(&boxes) }
+        // If nothing changed, the broad phase need not be updated.
+        if state.changed.is_empty() { KnownPairs::Nothing } else { state.broad.step(&boxes) }
     }
 
-    /// Pairs of boxes that ceased to overlap, and that came to; perhaps more than once.
-    fn recandidates(&self, changed: &[u32], told: &Told) -> (Vec<u32>, Vec<[u32; 2]>) {
-        let search = Search { world: self, told };
+    /// Returns the pairs whose boxes ceased to overlap, and the pairs whose boxes began to. A pair
+    /// may be listed more than once.
+    fn changed_candidates(&self, changed: &[u32], known: &KnownPairs) -> (Vec<u32>, Vec<[u32; 2]>) {
+        let search = Search { world: self, known };
         let (lost, found): (Vec<Vec<u32>>, Vec<Vec<[u32; 2]>>) = changed
-            .par_chunks(LEAST_SHARED)
+            .par_chunks(MIN_TASK)
             .map(|changed| {
                 let (mut lost, mut found) = (Vec::new(), Vec::new());
                 for &index in changed {
@@ -207,36 +216,36 @@ impl World {
             })
             .unzip();
         let (lost, mut found) = (lost.concat(), found.concat());
-        let told = match told {
-            Told::Nothing => &[],
-            Told::Changes(changes) => changes.began(),
-            Told::All(pairs) => &pairs[..],
+        let known = match known {
+            KnownPairs::Nothing => &[],
+            KnownPairs::Changes(changes) => changes.began(),
+            KnownPairs::All(pairs) => &pairs[..],
         };
         let State { pairs, changed, .. } = &self.state;
         let is_new = |&&[one, other]: &&[u32; 2]| {
             changed.of(one).max(changed.of(other)) != Change::No
                 && pairs.find(one, other).is_none()
-                && self.may_meet(one, other)
+                && self.may_collide(one, other)
         };
-        found.par_extend(told.par_iter().with_min_len(LEAST_SHARED).filter(is_new));
+        found.par_extend(known.par_iter().with_min_len(MIN_TASK).filter(is_new));
         (lost, found)
     }
 
-    /// Whether the bodies in two places may meet.
-    fn may_meet(&self, one: u32, other: u32) -> bool {
+    /// Reports whether the bodies in two places are admitted as a pair.
+    fn may_collide(&self, one: u32, other: u32) -> bool {
         let residents = &self.state.residents;
         let (Some(one), Some(other)) = (residents.at(one), residents.at(other)) else { return false };
         let is_before = (one.1.traits.tag, one.0) < (other.1.traits.tag, other.0);
         if is_before { self.admits(one, other) } else { self.admits(other, one) }
     }
 
-    /// Whether the body in one place is reported before that in another.
+    /// Reports whether the body in one place is reported before the body in another place.
     fn is_before(&self, one: u32, other: u32) -> bool {
         let key = |index| self.state.residents.at(index).map(|(id, resident)| (resident.traits.tag, id));
         key(one) < key(other)
     }
 
-    /// The pairs of which a body changed, each once.
+    /// Returns the pairs of which at least one body changed, each once.
     fn pairs_to_examine(&self, changed: &[u32]) -> Vec<u32> {
         let state = &self.state;
         let mut pairs = Vec::new();
@@ -250,7 +259,7 @@ impl World {
         pairs
     }
 
-    /// What the narrow phase makes of these pairs.
+    /// Runs the narrow phase for these pairs.
     fn examine(&self, pairs: &[u32]) -> Vec<Option<Meeting>> {
         let narrow = self.options.narrow_phase;
         let placed = |index| self.state.residents.at(index).map(|(_, resident)| &resident.placed);
@@ -258,10 +267,10 @@ impl World {
             let [a, b] = self.state.pairs.get(pair)?.bodies;
             narrow.examine(placed(a)?, placed(b)?)
         };
-        pairs.par_iter().with_min_len(narrow.least_shared()).map(examine).collect()
+        pairs.par_iter().with_min_len(narrow.min_task()).map(examine).collect()
     }
 
-    /// Keeps what was found, and notes what is new.
+    /// Stores the results of the narrow phase, and reports the pairs that began and ended.
     fn report(&mut self, changed: &[u32], pairs: &[u32], meetings: Vec<Option<Meeting>>, work: Work) {
         let state = &mut self.state;
         let mut events = Events { work, ..std::mem::take(&mut state.events) };
@@ -270,13 +279,13 @@ impl World {
         events.ended.append(&mut state.departed);
         for (&pair, meeting) in pairs.iter().zip(meetings) {
             let Some(entry) = state.pairs.get_mut(pair) else { continue };
-            let (met, meets) = (entry.meeting.is_some(), meeting.is_some());
+            let (before, now) = (entry.meeting.is_some(), meeting.is_some());
             let bodies = entry.bodies;
             entry.meeting = meeting;
-            if met != meets
+            if before != now
                 && let Some(key) = state.key(bodies)
             {
-                if meets { events.began.push(key) } else { events.ended.push(key) }
+                if now { events.began.push(key) } else { events.ended.push(key) }
             }
         }
         changed.iter().for_each(|&index| state.changed.forget(index));
@@ -286,14 +295,14 @@ impl World {
     }
 }
 
-/// A body as it will be after a step, but for what does not change.
+/// The parts of a body that a step changes, after the step.
 struct Next {
-    judged: Judged,
+    placement: ValidPlacement,
     bounds: Bounds,
     extremes: Extremes,
 }
 
-/// The bodies that move, in order, and where in a list the move is that counts: of several of one body the last.
+/// Returns the bodies that move, in order, each with the index of its last move in the list.
 fn last_of_each(moves: &[(BodyId, Pose)]) -> Vec<(BodyId, u32)> {
     let mut order: Vec<(BodyId, u32)> = (0..).zip(moves).map(|(at, &(body, _))| (body, at)).collect();
     order.sort_unstable();
@@ -307,30 +316,35 @@ fn last_of_each(moves: &[(BodyId, Pose)]) -> Vec<(BodyId, u32)> {
     order
 }
 
-/// Who looks for the pairs of whom.
+/// Search for the pairs of changed bodies.
 struct Search<'w> {
     world: &'w World,
-    told: &'w Told,
+    known: &'w KnownPairs,
 }
 
 impl Search<'_> {
-    /// Whether pairs are to be looked for about the body in this place; else the broad phase told of them.
+    /// Reports whether pairs of the body in this place must be searched for. If not, the broad
+    /// phase has reported them.
     fn asks(&self, index: u32) -> bool {
         let change = self.world.state.changed.of(index);
-        match self.told {
-            Told::Nothing => change > Change::No,
-            Told::Changes(_) => change > Change::Moved,
-            Told::All(_) => false,
+        match self.known {
+            KnownPairs::Nothing => change > Change::No,
+            KnownPairs::Changes(_) => change > Change::Moved,
+            KnownPairs::All(_) => false,
         }
     }
 
-    /// Of two bodies that ask, or that changed and do not, the one in the lesser place sees to their pair; of one that asks and one
-    /// that does not, the first. Of two that do not the broad phase told, unless no box bounds one of them.
+    /// Adds the pairs of a changed body that ended to `lost` and those that began to `found`.
+    ///
+    /// Each pair is handled by one of its bodies. If both bodies search, or if both changed and do
+    /// not search, the body in the smaller place handles it. If one body searches, that body
+    /// handles it. The broad phase has reported new pairs of two bodies that do not search, unless
+    /// one of them has no bounding box.
     fn of(&self, index: u32, lost: &mut Vec<u32>, found: &mut Vec<[u32; 2]>) {
         let state = &self.world.state;
         let (asks, links) = (self.asks(index), state.pairs.of(index));
         if !asks && links.is_empty() && state.unbounded.is_empty() {
-            return; // as most do of many that move
+            return; // the common case if many bodies move
         }
         let bounds = state.bounds_of(index);
         let is_others = |other: u32| match (asks, self.asks(other)) {
@@ -340,16 +354,17 @@ impl Search<'_> {
         };
         for link in links.iter().filter(|link| !is_others(link.other)) {
             let is_filtered = || state.changed.of(index).max(state.changed.of(link.other)) == Change::Traits;
-            if !bounds.overlap(state.bounds_of(link.other)) || is_filtered() && !self.world.may_meet(index, link.other)
+            if !bounds.overlap(state.bounds_of(link.other))
+                || is_filtered() && !self.world.may_collide(index, link.other)
             {
                 lost.push(link.pair);
             }
         }
-        let mut meet = |other: u32| {
+        let mut offer = |other: u32| {
             if other != index
                 && !is_others(other)
                 && bounds.overlap(state.bounds_of(other))
-                && self.world.may_meet(index, other)
+                && self.world.may_collide(index, other)
                 && state.pairs.find(index, other).is_none()
             {
                 found.push([index, other]);
@@ -359,11 +374,11 @@ impl Search<'_> {
             Bounds::Nowhere => {}
             Bounds::Box(bounds) => {
                 if asks {
-                    state.broad.for_each_overlapping(bounds, &mut meet);
+                    state.broad.for_each_overlapping(bounds, &mut offer);
                 }
-                state.unbounded.iter().for_each(|&other| meet(other));
+                state.unbounded.iter().for_each(|&other| offer(other));
             }
-            Bounds::Behind(_) | Bounds::Anywhere => state.residents.iter().for_each(|(id, _)| meet(id.index() as u32)),
+            Bounds::Behind(_) | Bounds::Anywhere => state.residents.iter().for_each(|(id, _)| offer(id.index() as u32)),
         }
     }
 }

@@ -1,26 +1,29 @@
-//! Where the picture is taken from: in parallel projection, from a little above and to the side.
+//! The camera: a parallel projection, seen from a little above and to the side.
 
 /// A parallel projection to pixels.
 pub(crate) struct Camera {
-    /// Right, down and away from the viewer, as unit vectors of the mesh's frame.
+    /// Directions right, down and away from the viewer, as unit vectors in the mesh frame.
     axes: [[f64; 3]; 3],
-    /// The point that is seen in the middle.
-    centre: [f64; 3],
-    /// Pixels for each unit of length.
+    /// Point of the mesh frame at the center of the picture.
+    center: [f64; 3],
+    /// Pixels per unit of length.
     scale: f64,
     size: [u32; 2],
 }
 
-/// A point as it is seen: pixels to the right and down, and how far away in pixels.
+/// A projected point: pixels to the right, pixels down, and depth in pixels (larger is farther
+/// away).
 pub(crate) type Seen = [f64; 3];
 
-/// The part of the picture that is left free on each side.
+/// Margin on each side, as a share of the longer side of the picture.
 const MARGIN: f64 = 0.04;
 
 impl Camera {
-    /// Sees all of the boxes, given by their (least, greatest) corners; the longer side of the picture has this many pixels.
+    /// Builds a camera that shows all boxes, given by their (minimum, maximum) corners. The longer
+    /// side of the picture has `longer_side` pixels.
     pub(crate) fn around(boxes: &[[[f64; 3]; 2]], up: usize, longer_side: u32) -> Self {
-        // From the front right, turned by less than half a right angle, so that no two edges of a box hide each other.
+        // View from the front right, turned by less than 45 degrees, so that no two edges of a box
+        // hide each other.
         let mut away = [0.0; 3];
         away[up] = -0.42;
         away[(up + 1) % 3] = -0.88;
@@ -30,9 +33,9 @@ impl Camera {
         vertical[up] = -1.0;
         let right = unit(cross(vertical, away));
         let down = cross(away, right);
-        let mut camera = Self { axes: [right, down, away], centre: [0.0; 3], scale: 1.0, size: [longer_side; 2] };
+        let mut camera = Self { axes: [right, down, away], center: [0.0; 3], scale: 1.0, size: [longer_side; 2] };
 
-        // In shares of the greatest coordinate, so that nothing overflows.
+        // Divide by the largest coordinate, so that nothing overflows.
         let reach = boxes.as_flattened().as_flattened().iter().fold(0.0_f64, |reach, x| reach.max(x.abs()));
         if reach == 0.0 {
             return camera;
@@ -46,7 +49,7 @@ impl Camera {
             }
         }
         let middle: [f64; 3] = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]));
-        camera.centre =
+        camera.center =
             std::array::from_fn(|axis| (0..3).map(|i| middle[i] * camera.axes[i][axis]).sum::<f64>() * reach);
         let extent = [0, 1].map(|axis| high[axis] - low[axis]);
         let longest = extent[0].max(extent[1]);
@@ -59,29 +62,30 @@ impl Camera {
         camera
     }
 
-    /// The directions that point right and down in the picture.
+    /// Returns the directions that point right and down in the picture.
     pub(crate) fn right_and_down(&self) -> [[f64; 3]; 2] {
         [self.axes[0], self.axes[1]]
     }
 
-    /// Width and height in pixels.
+    /// Returns width and height in pixels.
     pub(crate) fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// Where a point is seen.
+    /// Projects a point into the picture.
     pub(crate) fn project(&self, point: [f64; 3]) -> Seen {
-        let seen = self.along_axes(std::array::from_fn(|axis| (point[axis] - self.centre[axis]) * self.scale));
+        let seen = self.along_axes(std::array::from_fn(|axis| (point[axis] - self.center[axis]) * self.scale));
         [seen[0] + 0.5 * f64::from(self.size[0]), seen[1] + 0.5 * f64::from(self.size[1]), seen[2]]
     }
 
-    /// How bright a triangle looks from both sides: 0 where it is seen edge on, 1 where the light falls on it upright.
+    /// Returns the brightness of a triangle, the same from both sides: 0 if it is seen edge on, 1
+    /// if the light is perpendicular to it.
     pub(crate) fn shade(&self, corners: &[[f64; 3]; 3]) -> f64 {
         let [a, b, c] = corners.map(|corner| self.project(corner));
         let from_a = |p: Seen| [0, 1, 2].map(|axis| p[axis] - a[axis]);
         let normal = cross(from_a(b), from_a(c));
         let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
-        // Over the viewer's left shoulder.
+        // The light comes over the viewer's left shoulder.
         let light = unit([-0.35, -0.55, -1.0]);
         let facing = (0..3).map(|axis| normal[axis] * light[axis]).sum::<f64>().abs();
         if length > 0.0 && length.is_finite() { facing / length } else { 0.0 }
@@ -92,7 +96,8 @@ impl Camera {
     }
 }
 
-/// The eight corners of a box: bit k of a corner's number says whether it has the greatest k-th coordinate.
+/// Returns the eight corners of a box. Bit k of a corner's index is set if the corner has the
+/// maximum k-th coordinate.
 pub(crate) fn corners([min, max]: &[[f64; 3]; 2]) -> [[f64; 3]; 8] {
     std::array::from_fn(|corner| {
         std::array::from_fn(|axis| if corner >> axis & 1 == 1 { max[axis] } else { min[axis] })
@@ -113,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn everything_is_in_the_picture_whatever_its_size() {
+    fn boxes_of_any_size_fit_into_the_picture() {
         for scale in [1e-30, 1.0, 1e38] {
             for up in 0..3 {
                 let boxes = [[[-scale, 0.0, 0.0], [scale, scale, 3.0 * scale]], [[0.0; 3], [2.0 * scale; 3]]];
@@ -132,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_is_a_picture_too() {
+    fn a_box_without_extent_is_projected_to_finite_coordinates() {
         let camera = Camera::around(&[[[3.0; 3]; 2]], 1, 400);
         assert!(camera.project([3.0; 3]).iter().all(|x| x.is_finite()));
         assert_eq!(Camera::around(&[], 1, 400).size(), [400, 400]);

@@ -1,5 +1,5 @@
-//! A picture of a mesh in grey with boxes over it: a small software renderer, for PNG, and the same with the boxes as
-//! vectors, for SVG.
+//! Draws a mesh in gray with boxes over it, with a small software renderer. PNG files hold pixels
+//! only; SVG files hold the mesh as pixels and the boxes as vectors.
 
 pub(crate) mod camera;
 pub(crate) mod canvas;
@@ -17,10 +17,10 @@ use camera::Camera;
 use canvas::Canvas;
 use strokes::Stroke;
 
-/// The longer side of the picture, in pixels.
+/// Longer side of the picture, in pixels.
 const LONGER_SIDE: u32 = 1600;
 
-/// The forms of the file.
+/// Format of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PictureFormat {
     Png,
@@ -28,10 +28,10 @@ pub(super) enum PictureFormat {
 }
 
 impl PictureFormat {
-    /// What the extension asks for.
+    /// Returns the format that the extension stands for.
     ///
     /// # Errors
-    /// Where it asks for neither.
+    /// Returns an error if the extension is neither `.png` nor `.svg`.
     pub(super) fn of(path: &Path) -> Result<Self, Failure> {
         match output::extension(path).as_str() {
             "png" => Ok(Self::Png),
@@ -48,7 +48,8 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    /// Draws the mesh and the (least, greatest) corners of boxes, `up` being the axis that points up.
+    /// Draws the mesh and boxes, given by their (minimum, maximum) corners in the mesh frame. `up`
+    /// is the axis that points up in the picture.
     pub(super) fn draw(mesh: &Mesh, boxes: &[[[f64; 3]; 2]], up: usize) -> Self {
         let camera = Camera::around(boxes, up, LONGER_SIDE);
         let mut canvas = Canvas::new(camera.size());
@@ -60,10 +61,10 @@ impl Picture {
         Self { canvas, strokes }
     }
 
-    /// Writes the file.
+    /// Writes the picture as a file.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// Returns an error if the file cannot be written.
     pub(super) fn write(mut self, format: PictureFormat, out: &mut dyn Write) -> io::Result<()> {
         match format {
             PictureFormat::Png => {

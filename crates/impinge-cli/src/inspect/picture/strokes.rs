@@ -1,41 +1,43 @@
-//! The edges of boxes as lines, strong where they are seen and faint behind the mesh.
+//! The edges of boxes as lines: strong if visible, faint if hidden by the mesh.
 
 use super::camera::{Camera, Seen, corners};
 use super::canvas::Canvas;
 
-/// A line on the picture, in pixels.
+/// A line in the picture, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stroke {
     pub(crate) ends: [[f64; 2]; 2],
-    pub(crate) colour: [u8; 3],
+    pub(crate) color: [u8; 3],
     pub(crate) opacity: f64,
     pub(crate) width: f64,
 }
 
-/// Pixels between two looks at whether an edge is hidden.
+/// Distance between two visibility checks along an edge, in pixels. A larger value cuts edges less
+/// precisely.
 const STEP: f64 = 1.5;
 
-/// Pixels of depth within which an edge that lies on the mesh counts as in front of it.
+/// Depth tolerance in pixels, so that an edge on the surface of the mesh counts as visible.
 const TOLERANCE: f64 = 1.5;
 
-/// Colours that neighbours are told apart by (Okabe, Ito, *Color universal design*, 2008, without yellow and black).
-pub(crate) const COLOURS: [[u8; 3]; 6] =
+/// Colors that are easy to tell apart (Okabe, Ito, *Color universal design*, 2008, without yellow
+/// and black).
+pub(crate) const COLORS: [[u8; 3]; 6] =
     [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [230, 159, 0]];
 
-/// The edges of all boxes: those that are hidden first, so that the others lie over them.
+/// Returns the edges of all boxes, hidden parts first, so that visible parts are drawn over them.
 pub(crate) fn of_boxes(boxes: &[[[f64; 3]; 2]], camera: &Camera, canvas: &Canvas) -> Vec<Stroke> {
     let width = if boxes.len() > 40 { 1.5 } else { 2.0 };
     let mut strokes = Vec::new();
     for (number, bounds) in boxes.iter().enumerate() {
         let seen = corners(bounds).map(|corner| camera.project(corner));
-        let colour = COLOURS[number % COLOURS.len()];
+        let color = COLORS[number % COLORS.len()];
         for from in 0..8_usize {
             for axis in 0..3 {
                 let to = from | 1 << axis;
                 if to != from {
                     runs(seen[from], seen[to], canvas, |ends, is_seen| {
                         let opacity = if is_seen { 0.95 } else { 0.22 };
-                        strokes.push(Stroke { ends, colour, opacity, width });
+                        strokes.push(Stroke { ends, color, opacity, width });
                     });
                 }
             }
@@ -45,7 +47,8 @@ pub(crate) fn of_boxes(boxes: &[[[f64; 3]; 2]], camera: &Camera, canvas: &Canvas
     strokes
 }
 
-/// Cuts an edge where it goes behind the mesh or comes out.
+/// Cuts an edge into visible and hidden runs and calls `run` with each run's ends and whether it is
+/// visible.
 fn runs(from: Seen, to: Seen, canvas: &Canvas, mut run: impl FnMut([[f64; 2]; 2], bool)) {
     let length = (to[0] - from[0]).hypot(to[1] - from[1]);
     let steps = (length / STEP).ceil().max(1.0) as usize;
@@ -72,7 +75,7 @@ mod tests {
     #[test]
     fn an_edge_is_cut_where_it_is_hidden() {
         let mut canvas = Canvas::new([100, 100]);
-        // A wall over the right half, at depth 10.
+        // A triangle covers the right half at depth 10.
         canvas.fill([[50.0, -100.0, 10.0], [50.0, 300.0, 10.0], [300.0, 50.0, 10.0]], 1.0);
         let mut found = Vec::new();
         runs([10.0, 50.0, 20.0], [90.0, 50.0, 20.0], &canvas, |ends, is_seen| found.push((ends, is_seen)));

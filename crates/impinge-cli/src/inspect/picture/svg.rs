@@ -1,4 +1,4 @@
-//! The picture as SVG: the mesh as pixels inside, the boxes as vectors over it.
+//! Writes the picture as SVG: the mesh as an embedded PNG image, the boxes as vectors over it.
 
 use std::io::{self, Write};
 
@@ -11,7 +11,7 @@ use super::strokes::Stroke;
 /// Writes the file.
 ///
 /// # Errors
-/// Where it cannot be written.
+/// Returns an error if the file cannot be written.
 pub(super) fn write(out: &mut dyn Write, canvas: &Canvas, strokes: &[Stroke]) -> io::Result<()> {
     let [width, height] = canvas.size();
     writeln!(
@@ -21,9 +21,9 @@ pub(super) fn write(out: &mut dyn Write, canvas: &Canvas, strokes: &[Stroke]) ->
     let image = STANDARD.encode(canvas.png()?);
     writeln!(out, r#"<image width="{width}" height="{height}" href="data:image/png;base64,{image}"/>"#)?;
     writeln!(out, r#"<g fill="none" stroke-linecap="round">"#)?;
-    // Neighbours that look alike are one path.
-    for alike in strokes.chunk_by(|a, b| (a.colour, a.opacity, a.width) == (b.colour, b.opacity, b.width)) {
-        let [Stroke { colour: [r, g, b], opacity, width, .. }, ..] = alike else { continue };
+    // Consecutive strokes of the same style form one path.
+    for alike in strokes.chunk_by(|a, b| (a.color, a.opacity, a.width) == (b.color, b.opacity, b.width)) {
+        let [Stroke { color: [r, g, b], opacity, width, .. }, ..] = alike else { continue };
         write!(
             out,
             r##"<path stroke="#{r:02x}{g:02x}{b:02x}" stroke-opacity="{opacity}" stroke-width="{width}" d=""##

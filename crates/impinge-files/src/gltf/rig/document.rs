@@ -1,5 +1,6 @@
-//! The part of a glTF document that makes a mesh a character: skins, weights, morph targets and animations. It is read only
-//! where a rig is asked for, so that what is wrong with it keeps no mesh from being loaded.
+//! The fields of a glTF document that make a mesh a character: skins, weights, morph targets and
+//! animations. They are parsed only if a rig is requested, so errors in them do not keep a mesh
+//! from being loaded.
 
 use serde::Deserialize;
 
@@ -34,7 +35,7 @@ pub(super) struct RigPrimitive {
     pub(super) targets: Vec<MorphTarget>,
 }
 
-/// Up to sixteen joints a vertex, in sets of four.
+/// Up to 16 joints per vertex, in sets of four.
 #[derive(Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub(super) struct RigAttributes {
@@ -49,7 +50,7 @@ pub(super) struct RigAttributes {
 }
 
 impl RigAttributes {
-    /// The accessors of joints and weights of each set.
+    /// Returns the accessors of joints and weights of each set.
     pub(super) fn sets(&self) -> [(Option<u32>, Option<u32>); 4] {
         [
             (self.joints_0, self.weights_0),

@@ -1,10 +1,10 @@
 //! Rigged characters from glTF 2.0: skins, joints, weights, morph targets and animations.
 //!
-//! - Every node is a bone, in the order of the file. A node with a matrix is taken apart into translation, rotation and
-//!   scale, which glTF wants to be possible.
-//! - The surface is that of the scene which is loaded: all its meshes in one. A mesh with a skin follows its joints and not its
-//!   own node; one without follows its node whole.
-//! - Channels that move no node, or something else of it than its transform and its morph weights, are left out.
+//! - Every node is a bone, in the order of the file. The matrix of a node is decomposed into
+//!   translation, rotation and scale; glTF requires that this is possible.
+//! - All meshes of the loaded scene form one surface. A mesh with a skin follows its joints and not
+//!   its own node. A mesh without a skin follows its node rigidly.
+//! - Channels are skipped unless they move the transform or the morph weights of a node.
 
 mod document;
 mod motion;
@@ -33,7 +33,7 @@ use crate::{
 };
 use document::{RigDocument, RigMesh, RigPrimitive};
 
-/// Reads the rig of a document whose external buffers lie in `folder`.
+/// Reads the rig of a document. External buffers must lie in `folder`; `None` reads none.
 pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Rig, LoadError> {
     let mut warnings = crate::model::Warnings::default();
     let (json, chunk) = match format {
@@ -52,7 +52,7 @@ pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Resul
     let source = Source { document: &document, buffers: &buffers, json_len: json.len() as u64 };
     let len = bytes.len() as u64 + buffers.total_len();
     let instances = scene::instances(&document, &mut warnings, Budget::for_nodes(len))?;
-    // A bone has one place.
+    // A bone has exactly one parent.
     if let Some(shared) = warnings.into_vec().into_iter().find(|w| w.kind == WarningKind::SharedNodes) {
         let error = LoadError::syntax("nodes with one parent each", b"one that is reached twice");
         return Err(match shared.first {
@@ -68,14 +68,14 @@ pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Resul
     reader.into_rig()
 }
 
-/// What the joints of a skin, or of a node, became.
+/// The first joint that was made for a skin or for a node.
 struct JointRange {
     skin: Option<u32>,
     node: Option<u32>,
     first: u32,
 }
 
-/// Where vertices came from, for errors.
+/// The first vertex of a primitive and its place in the file, for errors.
 struct VertexRange {
     first: usize,
     place: String,
@@ -85,7 +85,7 @@ struct RigReader<'a> {
     reader: Reader<'a>,
     extra: &'a RigDocument,
     budget: Budget,
-    /// How many numbers of each kind were stored.
+    /// Number of items stored so far.
     stored: u64,
     positions: Vec<[f64; 3]>,
     influences: Vec<Vec<Influence>>,
@@ -93,7 +93,7 @@ struct RigReader<'a> {
     joint_ranges: Vec<JointRange>,
     vertex_ranges: Vec<VertexRange>,
     morphs: Vec<Morph>,
-    /// The first morph target of each node that has any.
+    /// For each node, the first morph target of its mesh; `None` if there is none.
     morphs_of_node: Vec<Option<u32>>,
 }
 
@@ -118,8 +118,8 @@ impl<'a> RigReader<'a> {
         self.reader.source.document
     }
 
-    /// Counts what is about to be read, over all meshes and animations: what entries name again and again would otherwise
-    /// take any amount of memory.
+    /// Counts items that are about to be read, over all meshes and animations. Returns an error if
+    /// they exceed the budget, because entries may refer to the same data many times.
     fn count(&mut self, what: &'static str, more: u64) -> Result<(), LoadError> {
         self.stored = self.stored.saturating_add(more);
         self.budget.check(what, self.stored)
@@ -150,7 +150,7 @@ impl<'a> RigReader<'a> {
             let mode = primitive.mode.unwrap_or(4);
             let Some(accessor) = primitive.attributes.position.filter(|_| mode >= 4) else { continue };
             self.count("vertices", self.reader.source.count(accessor)?)?;
-            // Draco leaves accessors without data, which would all be at the origin.
+            // Draco leaves accessors without data, so all vertices would be at the origin.
             if primitive.extensions.draco.is_some() {
                 return Err(super::extensions::lacking("KHR_draco_mesh_compression"));
             }
@@ -172,7 +172,7 @@ impl<'a> RigReader<'a> {
         Ok(())
     }
 
-    /// The joints of a skin, read once for all meshes that follow it; the number of the first.
+    /// Adds the joints of a skin, once for all meshes that follow it. Returns the first joint.
     fn joints_of_skin(&mut self, skin: u32) -> Result<u32, LoadError> {
         if let Some(known) = self.joint_ranges.iter().find(|range| range.skin == Some(skin)) {
             return Ok(known.first);
@@ -202,7 +202,8 @@ impl<'a> RigReader<'a> {
         Ok(first)
     }
 
-    /// A joint for what follows a node whole. Meshes without a node follow none, so the first bone, which stands still.
+    /// Adds a joint for a mesh that follows its node rigidly. A mesh without a node follows the
+    /// first bone, which does not move. Returns the index of the joint.
     fn joint_of_node(&mut self, node: Option<usize>) -> u32 {
         let first = self.joints.len() as u32;
         let bone = node.unwrap_or(0) as u32;
@@ -211,7 +212,7 @@ impl<'a> RigReader<'a> {
         first
     }
 
-    /// The influences of the next `len` vertices.
+    /// Adds the influences of the next `len` vertices.
     fn weights(&mut self, primitive: &RigPrimitive, len: usize, joint: u32, skinned: bool) -> Result<(), LoadError> {
         let first = self.influences.len();
         if !skinned {
@@ -235,7 +236,8 @@ impl<'a> RigReader<'a> {
                 }
             }
             for (vertex, (names, shares)) in names.iter().zip(&shares).take(len).enumerate() {
-                // Names were read from integers of 16 bits. Weights of exactly zero name nothing.
+                // Joints were read from integers of at most 16 bits, so the casts are exact.
+                // Weights of exactly zero are skipped.
                 let used = (0..4).filter(|&k| shares[k] != 0.0);
                 let influence = |k: usize| Influence { joint: joint + names[k] as u32, weight: shares[k] };
                 self.influences[first + vertex].extend(used.map(influence));
@@ -256,7 +258,7 @@ impl<'a> RigReader<'a> {
         }
     }
 
-    /// The offsets of morph targets of vertices from `first` on.
+    /// Adds the offsets of morph targets for vertices from `first` on.
     fn targets(&mut self, primitive: &RigPrimitive, first: usize, len: usize, morph: usize) -> Result<(), LoadError> {
         for (at, target) in primitive.targets.iter().enumerate() {
             let Some(accessor) = target.position else { continue };
@@ -311,7 +313,7 @@ impl<'a> RigReader<'a> {
         nodes.iter().zip(parents).enumerate().map(bone).collect()
     }
 
-    /// What is wrong with the rig, in terms of the file.
+    /// Converts an error of the rig into an error that names the place in the file.
     fn error(&self, error: &RigError) -> LoadError {
         let place = match error.place() {
             RigPlace::Bone(node) => Some(format!("node {node}")),
@@ -342,7 +344,8 @@ fn broken(kind: RigErrorKind, place: Option<String>) -> LoadError {
 
 const IDENTITY: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// Where a node stands, its matrix taken apart where it has one.
+/// Returns the transform of a node; a matrix is decomposed. Returns an error if the matrix shears
+/// or has a scale of zero.
 fn transform(node: &Node) -> Result<Transform, LoadError> {
     let Some(m) = node.matrix.as_deref() else {
         let [x, y, z, w] = node.rotation.as_deref().copied().unwrap_or([0.0, 0.0, 0.0, 1.0]);
@@ -352,7 +355,8 @@ fn transform(node: &Node) -> Result<Transform, LoadError> {
             scale: node.scale.as_deref().copied().unwrap_or([1.0; 3]),
         });
     };
-    // More than rounding to single precision takes, far less than what anybody shears.
+    // Maximum cosine between two axes of a matrix. It is larger than errors of single precision,
+    // and far smaller than an intended shear.
     const SHEAR: f64 = 1e-3;
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let columns = [0, 1, 2].map(|k| [m[4 * k], m[4 * k + 1], m[4 * k + 2]]);
@@ -374,7 +378,8 @@ fn transform(node: &Node) -> Result<Transform, LoadError> {
     Ok(Transform { translation: [m[12], m[13], m[14]], rotation_wxyz: quaternion(&axes), scale })
 }
 
-/// The quaternion (w, x, y, z), of any length, of a rotation by its columns: the longest of four expressions for it.
+/// Returns a quaternion (w, x, y, z), of any length, of a rotation given by its columns: the
+/// longest result of four formulas.
 fn quaternion([x, y, z]: &[[f64; 3]; 3]) -> [f64; 4] {
     let (a, b, c) = (y[2] - z[1], z[0] - x[2], x[1] - y[0]);
     let (d, e, f) = (x[1] + y[0], y[2] + z[1], z[0] + x[2]);
@@ -389,7 +394,7 @@ fn quaternion([x, y, z]: &[[f64; 3]; 3]) -> [f64; 4] {
     candidates[(0..4).max_by(|&i, &j| size(i).total_cmp(&size(j))).unwrap_or(0)]
 }
 
-/// How many morph targets a mesh has: as many as the primitive that has most.
+/// Returns the number of morph targets of a mesh: the maximum over its primitives.
 fn targets_of(mesh: &RigMesh) -> usize {
     mesh.primitives.iter().map(|primitive| primitive.targets.len()).max().unwrap_or(0)
 }

@@ -1,4 +1,4 @@
-//! The animations of a document as channels of bones and morph targets.
+//! Reads the animations of a document as channels of bones and morph targets.
 
 use impinge::character::{Animation, Channel, Interpolation, RigError, RigErrorKind, RigPlace, Target};
 
@@ -6,13 +6,13 @@ use super::document::{ChannelEntry, SamplerEntry};
 use super::{F32, I8, I16, RigReader, U8, U16, broken, missing, name, targets_of};
 use crate::error::{LoadError, Place};
 
-/// All animations.
+/// Returns all animations.
 pub(super) fn animations(reader: &mut RigReader<'_>) -> Result<Vec<Animation>, LoadError> {
     let entries = &reader.extra.animations;
     let mut animations = Vec::with_capacity(entries.len());
     for (index, entry) in entries.iter().enumerate() {
         let mut channels = Vec::new();
-        // For errors, the sampler of each channel.
+        // The sampler of each channel, for errors.
         let mut samplers = Vec::new();
         for (at, channel) in entry.channels.iter().enumerate() {
             let place = || Place::Entry(format!("animation {index}, channel {at}"));
@@ -31,7 +31,7 @@ pub(super) fn animations(reader: &mut RigReader<'_>) -> Result<Vec<Animation>, L
     Ok(animations)
 }
 
-/// An error of a channel, with the accessor that it lies in.
+/// Converts an error of a channel into an error that names the accessor.
 fn in_file(error: &RigError, samplers: &[&SamplerEntry]) -> LoadError {
     let kind = error.kind().clone();
     let of_times = matches!(kind, RigErrorKind::TimesNotIncreasing)
@@ -47,7 +47,8 @@ fn in_file(error: &RigError, samplers: &[&SamplerEntry]) -> LoadError {
     broken(kind, place)
 }
 
-/// The channel, or one for each morph target; none for what does not move the rig.
+/// Returns the channel, or one channel per morph target. Returns no channel if it does not move the
+/// rig.
 fn read_channel(
     reader: &mut RigReader<'_>,
     channel: &ChannelEntry,
@@ -97,8 +98,9 @@ fn read_channel(
     Ok(vec![Channel { target, interpolation, times, values: flat }])
 }
 
-/// The weights of several targets, key by key, as a channel for each. Where the count is wrong, the first channel gets all
-/// values, so that it is refused.
+/// Splits the weights of several morph targets, which are stored key by key, into a channel per
+/// target. If the number of weights is wrong, the first channel gets all of them, so that it is
+/// rejected later.
 fn split(first: u32, count: usize, interpolation: Interpolation, times: &[f64], flat: Vec<f64>) -> Vec<Channel> {
     let parts = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
     let channel = |morph: u32, values| Channel {

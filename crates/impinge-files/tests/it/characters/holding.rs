@@ -1,4 +1,5 @@
-//! That conservative volumes hold all vertices at all times, and how much snug ones leave out.
+//! Tests that conservative volumes contain all vertices at all times, and how many vertices snug
+//! volumes leave out.
 
 use std::path::Path;
 
@@ -10,7 +11,7 @@ use impinge_files::load_rig;
 
 use super::{Random, aimed, dot, fitted, robot, sub};
 
-/// How far a point is outside of a volume, by textbook formulas.
+/// Returns how far a point is outside of a volume, by textbook formulas; negative inside.
 fn outside(volume: &HitVolume, point: [f64; 3]) -> f64 {
     let distance = |a, b| dot(sub(a, b), sub(a, b)).sqrt();
     match volume {
@@ -28,18 +29,19 @@ fn outside(volume: &HitVolume, point: [f64; 3]) -> f64 {
     }
 }
 
-/// Checks every vertex of every part against its volume: at rest, at every other key of all animations, just before those, and at
-/// a random time after each. Returns how many were checked and how near to the border the nearest was.
-fn all_are_held(rig: &Rig, character: &Character, random: &mut Random) -> (u64, f64) {
-    let mut held = vec![vec![false; rig.skin().positions().len()]; character.parts().len()];
+/// Asserts that every vertex of every part is inside its volume: at rest, at every other key of all
+/// animations, just before the next key, and at a random time between them. Returns the number of
+/// checks, and the least distance of a vertex from the border.
+fn assert_all_are_contained(rig: &Rig, character: &Character, random: &mut Random) -> (u64, f64) {
+    let mut belongs = vec![vec![false; rig.skin().positions().len()]; character.parts().len()];
     for (face, &part) in rig.skin().faces().iter().zip(character.part_of_face()) {
-        face.iter().for_each(|&corner| held[part as usize][corner as usize] = true);
+        face.iter().for_each(|&corner| belongs[part as usize][corner as usize] = true);
     }
     let (mut vertices, mut checked, mut nearest) = (Vec::new(), 0_u64, f64::INFINITY);
     let mut check = |pose: &RigPose| {
         rig.skin().skinned(pose, &mut vertices);
-        for ((part, frame), held) in character.parts().iter().zip(character.frames(pose)).zip(&held) {
-            for (vertex, point) in vertices.iter().enumerate().filter(|(vertex, _)| held[*vertex]) {
+        for ((part, frame), belongs) in character.parts().iter().zip(character.frames(pose)).zip(&belongs) {
+            for (vertex, point) in vertices.iter().enumerate().filter(|(vertex, _)| belongs[*vertex]) {
                 let out = outside(part.volume(), frame.local(*point));
                 assert!(out <= 0.0, "vertex {vertex} is {out} out of {}", part.name);
                 nearest = nearest.min(-out);
@@ -69,14 +71,14 @@ fn no_vertex_is_outside_at_any_key_or_between() {
         let mut plan = Plan::automatic(&rig, volumes).unwrap();
         plan.parts.iter_mut().for_each(|part| part.kind = kinds);
         let character = Character::fit(&rig, &plan, Mode::Conservative).unwrap();
-        let (checked, nearest) = all_are_held(&rig, &character, &mut random);
-        // Some vertex is nearly at the border, as volumes are no larger than they must be.
+        let (checked, nearest) = assert_all_are_contained(&rig, &character, &mut random);
+        // Some vertex is almost on the border, because volumes are no larger than necessary.
         assert!(checked > 2_000_000 && nearest < 0.02, "{checked} {nearest}");
     }
 }
 
 #[test]
-fn no_vertex_of_a_body_of_one_piece_is_outside() {
+fn no_vertex_is_outside_if_vertices_are_shared_among_bones() {
     let Some(folder) = std::env::var_os("IMPINGE_DATA") else {
         eprintln!("skipped: IMPINGE_DATA names no folder of real files");
         return;
@@ -85,9 +87,9 @@ fn no_vertex_of_a_body_of_one_piece_is_outside() {
     let mut random = Random(17);
     for volumes in [6, 12] {
         let mut character = fitted(&rig, volumes, Mode::Conservative);
-        let (checked, _) = all_are_held(&rig, &character, &mut random);
+        let (checked, _) = assert_all_are_contained(&rig, &character, &mut random);
         assert!(checked > 40_000, "{checked}");
-        // And no ray that meets the surface misses what it is opened into.
+        // No ray that hits the surface misses the refined volumes.
         character.refine(&rig, 32).unwrap();
         let mut surface = Surface::new(&rig, &rig.rest_pose().unwrap()).unwrap();
         let (mut vertices, mut hits) = (Vec::new(), 0);
@@ -108,7 +110,8 @@ fn no_vertex_of_a_body_of_one_piece_is_outside() {
     }
 }
 
-/// A chain of three bones whose skin bulges: every target and every interpolation, jumps among them.
+/// Returns a rig of three bones in a chain whose skin bulges, with every target and every
+/// interpolation, including steps.
 pub(super) fn bulging(random: &mut Random) -> Rig {
     let bone = |parent: Option<u32>| Bone {
         name: format!("bone {}", parent.map_or(0, |parent| parent + 1)),
@@ -159,7 +162,7 @@ pub(super) fn bulging(random: &mut Random) -> Rig {
 }
 
 #[test]
-fn jumps_and_morph_targets_are_held() {
+fn volumes_contain_vertices_with_step_channels_and_morph_targets() {
     let mut random = Random(23);
     let mut bulged = 0;
     for _ in 0..12 {
@@ -168,10 +171,10 @@ fn jumps_and_morph_targets_are_held() {
             let mut plan = Plan::automatic(&rig, 3).unwrap();
             plan.parts.iter_mut().for_each(|part| part.kind = kind);
             let character = Character::fit(&rig, &plan, Mode::Conservative).unwrap();
-            let (checked, nearest) = all_are_held(&rig, &character, &mut random);
+            let (checked, nearest) = assert_all_are_contained(&rig, &character, &mut random);
             assert!(checked >= 90 * 8 && nearest < 0.2, "{checked} {nearest}");
         }
-        // The targets matter: without their channels other places are reached.
+        // The morph targets matter: their weights change during the animation.
         let rest = rig.rest_pose().unwrap();
         let moved = rig.pose_at(0, 0.5).unwrap();
         bulged += u32::from((moved.morph_weights()[0] - rest.morph_weights()[0]).abs() > 0.1);
@@ -180,7 +183,7 @@ fn jumps_and_morph_targets_are_held() {
 }
 
 #[test]
-fn snug_volumes_leak_as_little_as_they_say() {
+fn snug_volumes_leak_little_and_are_smaller() {
     let rig = robot();
     let (snug, all) = (fitted(&rig, 6, Mode::Snug), fitted(&rig, 6, Mode::Conservative));
     let leaks = snug.leaks(&rig).unwrap();

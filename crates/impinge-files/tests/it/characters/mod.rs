@@ -1,4 +1,4 @@
-//! Hit volumes of a real character: what they hold, what rays and punches strike, what they are saved as.
+//! Tests of hit volumes of a real character: containment, rays, strikes, and saving.
 
 mod holding;
 mod rays;
@@ -21,7 +21,7 @@ fn fitted(rig: &Rig, volumes: usize, mode: Mode) -> Character {
     Character::fit(rig, &Plan::automatic(rig, volumes).unwrap(), mode).unwrap()
 }
 
-/// Numbers from 0 to 1, the same in every run.
+/// Pseudorandom numbers from 0 to 1, the same in every run.
 struct Random(u64);
 
 impl Random {
@@ -59,7 +59,7 @@ fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|k| a[k] - b[k])
 }
 
-/// A ray at a random point of the surface, from outside.
+/// Returns a ray from outside at a random point of the surface.
 fn aimed(rig: &Rig, vertices: &[[f64; 3]], random: &mut Random) -> Ray {
     let face = rig.skin().faces()[(random.next() * rig.skin().faces().len() as f64) as usize];
     let (u, v) = (random.next(), random.next());
@@ -71,7 +71,7 @@ fn aimed(rig: &Rig, vertices: &[[f64; 3]], random: &mut Random) -> Ray {
 }
 
 #[test]
-fn parts_are_what_a_person_would_say() {
+fn automatic_parts_are_head_torso_and_limbs() {
     let rig = robot();
     let character = fitted(&rig, 6, Mode::Conservative);
     let mut parts: Vec<(&str, VolumeKind)> =
@@ -80,7 +80,7 @@ fn parts_are_what_a_person_would_say() {
     let names: Vec<&str> = parts.iter().map(|part| part.0).collect();
     assert_eq!(names, ["head", "left arm", "left leg", "right arm", "right leg", "torso"]);
     assert_eq!((parts[0].1, parts[1].1, parts[2].1), (VolumeKind::Sphere, VolumeKind::Capsule, VolumeKind::Capsule));
-    // A budget is a budget, and what is merged is never lost.
+    // The maximum number of volumes is kept, and merging loses no bones.
     for volumes in [1, 2, 7, 12, 1000] {
         let plan = Plan::automatic(&rig, volumes).unwrap();
         assert!(plan.parts.len() <= volumes && plan.parts.len() >= volumes.min(12), "{volumes}");
@@ -93,7 +93,7 @@ fn parts_are_what_a_person_would_say() {
 }
 
 #[test]
-fn some_bones_are_posed_as_all_are() {
+fn posing_some_bones_gives_the_same_frames_as_posing_all() {
     let rig = robot();
     let character = fitted(&rig, 6, Mode::Snug);
     let bones = character.bones(&rig);

@@ -1,4 +1,4 @@
-//! Rays against characters.
+//! Tests of rays against characters.
 
 use impinge::Pose;
 use impinge::character::{Character, HitHull, HitPart, HitVolume, Mode, Posed, Rig, Surface};
@@ -10,7 +10,7 @@ use impinge::volume::{BoundingSphere, Capsule, Lozenge, Obb, Proximity};
 use super::{Random, aimed, dot, fitted, robot, sub};
 
 #[test]
-fn rays_strike_the_part_that_the_mesh_says() {
+fn rays_hit_every_part_that_the_mesh_hits_and_mostly_first() {
     let rig = robot();
     let mut character = fitted(&rig, 6, Mode::Conservative);
     let mut rights = Vec::new();
@@ -47,7 +47,7 @@ fn rays_strike_the_part_that_the_mesh_says() {
     assert!(rights[0] > 0.7 && rights[1] >= 0.95, "{rights:?}");
 }
 
-/// A rig of one bone that stands still, and a face.
+/// Returns a rig of one bone that does not move, and one face.
 fn still() -> Rig {
     use impinge::character::{Bone, Influence, Joint, Skeleton, Skin, Transform};
     let bone = Bone { name: "bone".into(), parent: None, rest: Transform::IDENTITY };
@@ -75,9 +75,9 @@ fn alone(rig: &Rig, volume: HitVolume) -> Character {
     Character::of_parts(rig, vec![HitPart::new("it".into(), vec![0], 0, volume, 1.0)]).unwrap()
 }
 
-/// Against the distance of a segment, which shares no code with the closed forms.
+/// Compares rays with the distance of a segment, which shares no code with the closed forms.
 #[test]
-fn rays_agree_with_distances() {
+fn rays_agree_with_distances_of_segments() {
     let rig = still();
     let pose = rig.rest_pose().unwrap();
     let mut random = Random(11);
@@ -90,7 +90,7 @@ fn rays_agree_with_distances() {
             let mut origin = random.vector(2.5);
             let mut direction = if case % 2 == 0 { random.vector(1.0) } else { sub(random.vector(0.6), origin) };
             if case % 5 == 0 {
-                // Along an axis, on a grid.
+                // A ray along an axis, on a grid.
                 origin = origin.map(|x| (4.0 * x).round() / 4.0);
                 direction = [0, 1, 2].map(|k| if k == case % 3 { -2.0 } else { 0.0 });
             }
@@ -105,7 +105,8 @@ fn rays_agree_with_distances() {
             }
             let Some(hit) = hit else { continue };
             hits += 1;
-            // The point is of the border, unless the ray starts inside, and nothing was met before.
+            // The hit point is on the border unless the ray starts inside, and there is no hit
+            // before it.
             let here = |t: f64| Shape::point(ray.at(t)).unwrap().at(Pose::IDENTITY).unwrap();
             assert!(query::distance(here(hit.t), &placed).upper < 1e-6, "{case} {hit:?}");
             if hit.t > 0.0 {

@@ -1,4 +1,4 @@
-//! Characters and plans as text.
+//! Tests of characters and plans as text.
 
 use impinge::character::{Character, Mode, Posed, VolumeKind};
 use impinge::mesh::Ray;
@@ -7,7 +7,7 @@ use impinge_files::{character_text, parse_character, parse_plan};
 use super::{Random, fitted, robot};
 
 #[test]
-fn a_saved_character_is_the_same_and_a_plan_overrides() {
+fn saved_characters_round_trip_and_plans_override_the_automatic_choice() {
     let rig = robot();
     let character = fitted(&rig, 8, Mode::Conservative);
     let text = character_text(&rig, &character);

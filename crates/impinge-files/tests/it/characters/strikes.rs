@@ -1,4 +1,4 @@
-//! Moving volumes, shapes, meshes and other characters against characters.
+//! Tests of moving volumes, shapes, meshes and other characters against characters.
 
 use impinge::character::{HitVolume, Mode, Posed, Surface};
 use impinge::query;
@@ -9,7 +9,7 @@ use impinge::{Mesh, Pose, Positions};
 use super::{Random, aimed, dot, fitted, robot};
 
 #[test]
-fn a_punch_through_the_body_in_one_step_is_caught() {
+fn a_punch_through_the_body_in_one_step_is_detected() {
     let rig = robot();
     let character = fitted(&rig, 6, Mode::Conservative);
     let mut random = Random(5);
@@ -22,7 +22,7 @@ fn a_punch_through_the_body_in_one_step_is_caught() {
         rig.skin().skinned(&pose, &mut vertices);
         let posed = Posed::new(&character, &pose);
         let ray = aimed(&rig, &vertices, &mut random);
-        // Forty units in a step: in front of the body at its start, behind it at its end.
+        // The fist moves forty units in a step: from in front of the body to behind it.
         let [from, to] = [0.0, 40.0].map(|t| Pose::from_translation(ray.at(t)).unwrap());
         let strikes = posed.strikes(&posed, &fist, &from, &to).unwrap();
         assert!(strikes.is_sorted_by(|a, b| a.t <= b.t));
@@ -80,7 +80,7 @@ fn strikes_on_moving_parts_are_never_late() {
 }
 
 #[test]
-fn shapes_meshes_and_characters_strike_alike() {
+fn shapes_meshes_and_characters_strike_the_same_parts() {
     let rig = robot();
     let character = fitted(&rig, 12, Mode::Conservative);
     let mut random = Random(13);
@@ -101,7 +101,7 @@ fn shapes_meshes_and_characters_strike_alike() {
             let placed = character.parts()[part as usize].volume().placed(frame.pose().unwrap()).unwrap();
             let truth = query::intersects(&placed, &shape);
             assert_eq!(by_shape.iter().any(|hit| hit.part == part), truth);
-            // The surface of the mesh is not its inside, so a part may be in it whole.
+            // The mesh is only a surface, so a part may be entirely inside it.
             let of_mesh = by_mesh.iter().any(|hit| hit.part == part);
             assert!(truth || !of_mesh, "part {part}");
             struck += u32::from(of_mesh);

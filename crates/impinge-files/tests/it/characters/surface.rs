@@ -1,4 +1,5 @@
-//! Rays at the skinned surface that skin what they come near, against the surface that is skinned as a whole.
+//! Tests of rays that skin only the nearby part of the surface, against the surface that is skinned
+//! as a whole.
 
 use std::path::Path;
 
@@ -10,8 +11,8 @@ use impinge_files::load_rig;
 use super::holding::bulging;
 use super::{Random, aimed, fitted, robot, sub};
 
-/// Rays at points of the surface, at vertices and at middles of edges, where faces tie, along an axis, from the surface itself, and
-/// past it.
+/// Returns a ray: at points of the surface; at vertices and midpoints of edges, where faces tie;
+/// along an axis; from the surface itself; or past it.
 fn ray(rig: &Rig, vertices: &[[f64; 3]], random: &mut Random, case: usize) -> Ray {
     let face = rig.skin().faces()[(random.next() * rig.skin().faces().len() as f64) as usize];
     let [a, b, _] = face.map(|corner| vertices[corner as usize]);
@@ -30,8 +31,9 @@ fn ray(rig: &Rig, vertices: &[[f64; 3]], random: &mut Random, case: usize) -> Ra
     }
 }
 
-/// Asks about rays in random poses; returns how many of them meet the surface.
-fn all_agree(rig: &Rig, random: &mut Random, poses: usize, rays: usize) -> usize {
+/// Asserts that both methods agree for rays in random poses. Returns the number of rays that hit
+/// the surface.
+fn assert_all_agree(rig: &Rig, random: &mut Random, poses: usize, rays: usize) -> usize {
     let character = fitted(rig, 6, Mode::Snug);
     let rest = rig.rest_pose().unwrap();
     let mut whole = Surface::new(rig, &rest).unwrap();
@@ -53,31 +55,31 @@ fn all_agree(rig: &Rig, random: &mut Random, poses: usize, rays: usize) -> usize
 }
 
 #[test]
-fn rays_meet_what_they_meet_of_the_whole_surface() {
-    let hits = all_agree(&robot(), &mut Random(31), 100, 100);
+fn rays_hit_the_same_point_as_on_the_whole_surface() {
+    let hits = assert_all_agree(&robot(), &mut Random(31), 100, 100);
     assert!((8_000..9_900).contains(&hits), "{hits}");
 }
 
 #[test]
-fn so_they_do_where_vertices_are_shared_among_bones() {
+fn rays_agree_if_vertices_are_shared_among_bones() {
     let Some(folder) = std::env::var_os("IMPINGE_DATA") else {
         eprintln!("skipped: IMPINGE_DATA names no folder of real files");
         return;
     };
     let rig = load_rig(Path::new(&folder).join("characters/greenman.glb")).unwrap();
-    let hits = all_agree(&rig, &mut Random(37), 250, 40);
+    let hits = assert_all_agree(&rig, &mut Random(37), 250, 40);
     assert!((8_000..9_900).contains(&hits), "{hits}");
 }
 
 #[test]
-fn so_they_do_where_surfaces_swell_and_bulge() {
+fn rays_agree_on_surfaces_with_morph_targets_and_scales() {
     let mut random = Random(41);
-    let hits: usize = (0..12).map(|_| all_agree(&bulging(&mut random), &mut random, 20, 40)).sum();
+    let hits: usize = (0..12).map(|_| assert_all_agree(&bulging(&mut random), &mut random, 20, 40)).sum();
     assert!((5_500..9_000).contains(&hits), "{hits}");
 }
 
 #[test]
-fn a_surface_elsewhere_is_that_of_moved_vertices() {
+fn a_moved_surface_equals_the_mesh_of_moved_vertices() {
     let rig = robot();
     let character = fitted(&rig, 6, Mode::Snug);
     let mut near = SurfaceRays::new(&character, &rig, &rig.rest_pose().unwrap());

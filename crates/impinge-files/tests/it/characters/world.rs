@@ -1,4 +1,4 @@
-//! Characters whose parts are bodies of a world, against all pairs of parts.
+//! Tests of characters whose parts are bodies of a world, against all pairs of parts.
 
 use std::collections::BTreeSet;
 
@@ -15,7 +15,7 @@ fn ordered(a: BodyId, b: BodyId) -> (BodyId, BodyId) {
     (a.min(b), a.max(b))
 }
 
-/// All pairs of parts of different characters whose shapes meet.
+/// Returns all pairs of parts of different characters whose shapes intersect.
 fn brute_force(crowd: &[(Posed<'_>, PartBodies)]) -> Pairs {
     let mut pairs = Pairs::new();
     let placed = |posed: &Posed<'_>, part: usize| {
@@ -36,7 +36,7 @@ fn brute_force(crowd: &[(Posed<'_>, PartBodies)]) -> Pairs {
 }
 
 #[test]
-fn events_of_parts_are_those_of_all_pairs() {
+fn events_of_parts_equal_those_of_brute_force() {
     let rig = robot();
     let characters = [fitted(&rig, 12, Mode::Conservative), fitted(&rig, 5, Mode::Snug)];
     let mut random = Random(21);
@@ -73,13 +73,13 @@ fn events_of_parts_are_those_of_all_pairs() {
         }
         (began, ended) = (began + events.began.len(), ended + events.ended.len());
         assert_eq!(now, brute_force(&crowd), "{frame}");
-        // The volumes of one character overlap, but no pair is of one.
+        // The volumes of one character overlap, but no pair is within one character.
         let owner = |body: BodyId| crowd.iter().position(|(_, bodies)| bodies.part(body).is_some()).unwrap();
         assert!(now.iter().all(|&(a, b)| owner(a) != owner(b)));
     }
     assert!(began > 60 && ended > 30, "{began} {ended}");
 
-    // Who is taken out ends all that it was in, and leaves the others.
+    // Removing a character ends all of its pairs, and leaves the others.
     let (_, bodies) = crowd.pop().unwrap();
     let own: BTreeSet<BodyId> = bodies.bodies().iter().copied().collect();
     let clone = bodies.clone();
@@ -93,7 +93,7 @@ fn events_of_parts_are_those_of_all_pairs() {
 }
 
 #[test]
-fn self_hits_are_of_parts_without_an_owner_alone() {
+fn parts_of_one_character_form_pairs_only_without_an_owner() {
     let rig = robot();
     let character = fitted(&rig, 12, Mode::Conservative);
     let posed = Posed::new(&character, &rig.rest_pose().unwrap());
@@ -104,9 +104,9 @@ fn self_hits_are_of_parts_without_an_owner_alone() {
         let traits = Traits { owner, layers, kind: Kind::Moving, tag: u64::MAX };
         let bodies = PartBodies::insert(&mut world, &posed, traits).unwrap();
         assert_eq!(!world.step(&[]).unwrap().began.is_empty(), meets);
-        // Tags go round.
+        // Tags wrap around.
         assert_eq!(world.traits(bodies.bodies()[1]).unwrap().tag, 0);
-        // A floor strikes the feet, and is of no part.
+        // A floor intersects the feet, and belongs to no part.
         let floor = Shape::half_space([0.0, 1.0, 0.0], 0.05).unwrap();
         let floor = world.insert(Body::new(floor).kind(Kind::Static).layers(Layers { on: 3, meets: 3 })).unwrap();
         let struck: BTreeSet<&str> = world

@@ -1,4 +1,5 @@
-//! The tables of `docs/files.md`, which say what a file may contain and what becomes of it. Every row has samples.
+//! Tests of the tables of `docs/files.md`, which list the content that a file may have and the
+//! result. Every row has samples.
 
 use std::{collections::HashSet, fs};
 
@@ -8,13 +9,13 @@ use tempfile::tempdir;
 mod scenes;
 mod text;
 
-/// A row of a table, with the samples that show that it is true.
+/// A row of a table, with samples that show that it is true.
 pub(crate) struct Dialect {
     /// The format, which names the table.
     pub(crate) format: Format,
-    /// The first column: what the file contains.
+    /// The first column: the content of the file.
     pub(crate) what: &'static str,
-    /// The second column: what becomes of it.
+    /// The second column: the result.
     pub(crate) answer: &'static str,
     /// The samples, each as the name and the content of a file.
     pub(crate) files: Vec<(&'static str, Vec<u8>)>,
@@ -22,7 +23,7 @@ pub(crate) struct Dialect {
     pub(crate) expect: Expect,
 }
 
-/// What loading a file must give.
+/// The expected result of loading a file.
 pub(crate) enum Expect {
     /// A model with this number of triangles and these warnings.
     Triangles { count: usize, warnings: &'static [WarningKind] },
@@ -35,7 +36,7 @@ fn rows() -> Vec<Dialect> {
 }
 
 #[test]
-fn every_sample_gives_what_its_row_says() {
+fn every_sample_gives_the_result_of_its_row() {
     let folder = tempdir().unwrap();
     let mut wrong = Vec::new();
     for row in rows() {
@@ -64,7 +65,7 @@ fn every_sample_gives_what_its_row_says() {
 const HEADER: &str = "| The file has | Result |";
 
 #[test]
-fn the_tables_are_the_rows() {
+fn the_tables_in_the_docs_equal_the_rows() {
     let docs = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/files.md")).unwrap();
     let rows = rows();
     for format in Format::ALL {
@@ -82,7 +83,7 @@ fn the_tables_are_the_rows() {
 }
 
 #[test]
-fn no_row_is_there_twice() {
+fn rows_are_unique() {
     let mut seen = HashSet::new();
     for row in rows() {
         assert!(seen.insert((row.format, row.what)), "{}: {}", row.format, row.what);

@@ -25,12 +25,12 @@ fn utf16(text: &str) -> Vec<u8> {
     format!("\u{FEFF}{text}").encode_utf16().flat_map(u16::to_le_bytes).collect()
 }
 
-/// The corners (0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0) as f32.
+/// Returns the corners (0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0) as f32.
 fn square() -> Vec<u8> {
     [0_f32, 0., 0., 1., 0., 0., 0., 1., 0., 1., 1., 0.].iter().flat_map(|x| x.to_le_bytes()).collect()
 }
 
-/// A document of version 2.0 whose buffer, view and accessor 0 are the square.
+/// Returns a document of version 2.0 whose buffer, view and accessor 0 are the square.
 fn document(rest: &str) -> String {
     let text = BASE64_STANDARD.encode(square());
     format!(
@@ -41,14 +41,14 @@ fn document(rest: &str) -> String {
     )
 }
 
-/// A document with one mesh of this primitive, and whatever else.
+/// Returns a document with one mesh of this primitive, and further entries.
 fn with_primitive(primitive: &str, rest: &str) -> Vec<u8> {
     document(&format!(r#""meshes": [{{"primitives": [{{{primitive}}}]}}] {rest}"#)).into_bytes()
 }
 
 const STRIP: &str = r#""attributes": {"POSITION": 0}, "mode": 5"#;
 
-/// A document with the square as a strip of two triangles, and whatever else.
+/// Returns a document with the square as a strip of two triangles, and further entries.
 fn strip(rest: &str) -> Vec<u8> {
     with_primitive(STRIP, rest)
 }
@@ -195,7 +195,7 @@ fn package(entries: &[(&str, &[u8])]) -> Vec<u8> {
     zip.finish().unwrap().into_inner()
 }
 
-/// A model of one triangle, with these attributes, whatever else in its mesh, and these items.
+/// Returns a model of one triangle, with attributes, more elements in its mesh, and items.
 fn model(attributes: &str, in_mesh: &str, items: &str) -> String {
     format!(
         r#"<model {attributes}><resources><object id="1"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>
@@ -260,7 +260,7 @@ fn three_mf() -> Vec<Dialect> {
     ]
 }
 
-/// A COLLADA document with a square in the geometry `g` of these primitives, and whatever else.
+/// Returns a COLLADA document with a square in the geometry `g`, and more elements.
 fn scene(primitives: &str, rest: &str) -> String {
     let primitives = primitives.replace("INPUT", r##"<input semantic="VERTEX" source="#v" offset="0"/>"##);
     format!(
@@ -271,7 +271,7 @@ fn scene(primitives: &str, rest: &str) -> String {
     )
 }
 
-/// The square in a scene with these nodes.
+/// Returns the square in a scene with these nodes.
 fn nodes(nodes: &str) -> Vec<u8> {
     let scenes = format!("<library_visual_scenes><visual_scene>{nodes}</visual_scene></library_visual_scenes>");
     scene(QUAD, &scenes).into_bytes()

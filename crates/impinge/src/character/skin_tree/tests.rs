@@ -5,13 +5,14 @@ use super::*;
 
 const JOINTS: u32 = 5;
 
-/// Numbers from -1 to 1.
+/// Returns a number from -1 to 1.
 fn random(state: &mut u64) -> f64 {
     *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
     (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
-/// A sheet over five bones, whose vertices follow one to three of them, on a grid of weights.
+/// Builds a sheet over five bones. Each vertex follows one to three of them, with weights on a
+/// grid.
 fn sheet(state: &mut u64) -> Rig {
     let bones = (0..JOINTS).map(|at| Bone { name: at.to_string(), parent: None, rest: Transform::IDENTITY });
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
@@ -37,16 +38,17 @@ fn sheet(state: &mut u64) -> Rig {
     Rig::new(Skeleton::new(bones.collect()).unwrap(), skin, vec![]).unwrap()
 }
 
-/// The faces below a node.
+/// Returns the faces below a node.
 fn faces_of(tree: &SkinTree, node: u32) -> Vec<u32> {
-    match tree.below(node) {
-        Below::Nodes(nodes) => nodes.iter().flat_map(|&node| faces_of(tree, node)).collect(),
-        Below::Faces { faces, .. } => tree.faces(*faces).iter().map(|own| own.face).collect(),
+    match tree.children(node) {
+        Children::Nodes(nodes) => nodes.iter().flat_map(|&node| faces_of(tree, node)).collect(),
+        Children::Faces { faces, .. } => tree.faces(*faces).iter().map(|own| own.face).collect(),
     }
 }
 
-/// How far the vertices of each node are from the centre of its sphere, in radii; the most of all nodes.
-fn checked(rig: &Rig, tree: &SkinTree, pose: &SkinPose) -> f64 {
+/// Checks that the spheres of all nodes enclose their vertices. Returns the largest distance of a
+/// vertex from its center, in radii.
+fn largest_share(rig: &Rig, tree: &SkinTree, pose: &SkinPose) -> f64 {
     let mut vertices = Vec::new();
     rig.skin().morphed(&pose.morph_weights, &mut vertices);
     for (vertex, point) in vertices.iter_mut().enumerate() {
@@ -65,7 +67,7 @@ fn checked(rig: &Rig, tree: &SkinTree, pose: &SkinPose) -> f64 {
 }
 
 #[test]
-fn spheres_hold_in_any_pose() {
+fn spheres_enclose_their_faces_in_any_pose() {
     let mut state = 3;
     let rig = sheet(&mut state);
     let tree = SkinTree::new(&rig);
@@ -75,7 +77,8 @@ fn spheres_hold_in_any_pose() {
     assert_eq!(sorted, (0..rig.skin().faces().len() as u32).collect::<Vec<_>>());
     let mut nearest = 0.0_f64;
     for case in 0..60 {
-        // Any affine maps at all, of very different sizes, some that are nearly flat, and some that agree about a point.
+        // Arbitrary affine maps of very different sizes. Some are nearly flat, and some agree at a
+        // point.
         let size = [1.0, 1e-3, 1e3][case % 3];
         let mut map = |joint: u32| {
             let size = size * if joint as usize == case % 4 { 20.0 } else { 1.0 };
@@ -88,13 +91,13 @@ fn spheres_hold_in_any_pose() {
         let stretches = palette.iter().map(|(linear, _)| stretch(linear)).collect();
         let morph_weights = vec![random(&mut state), 3.0 * random(&mut state)];
         let origin = [0; 3].map(|_| [0.0, 1e9][case % 2] * random(&mut state));
-        nearest = nearest.max(checked(&rig, &tree, &SkinPose { palette, stretches, morph_weights, origin }));
+        nearest = nearest.max(largest_share(&rig, &tree, &SkinPose { palette, stretches, morph_weights, origin }));
     }
     assert!(nearest > 0.9, "{nearest}: a bound that is never nearly reached is none");
 }
 
 #[test]
-fn spheres_of_what_moves_as_one_are_as_tight_as_at_rest() {
+fn spheres_of_a_rigid_motion_are_as_tight_as_at_rest() {
     let mut state = 5;
     let rig = sheet(&mut state);
     let tree = SkinTree::new(&rig);
@@ -105,7 +108,7 @@ fn spheres_of_what_moves_as_one_are_as_tight_as_at_rest() {
         morph_weights: vec![0.0; 2],
         origin: [0.0; 3],
     };
-    assert!(checked(&rig, &tree, &pose) > 1.0 - 1e-9);
+    assert!(largest_share(&rig, &tree, &pose) > 1.0 - 1e-9);
     for (at, node) in (0..).zip(&tree.nodes) {
         assert!(tree.sphere(at, &pose).1 <= node.radius * (1.0 + 1e-9));
     }

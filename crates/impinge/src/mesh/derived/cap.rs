@@ -1,15 +1,19 @@
-//! Where an open mesh is as good as a closed one: far enough from its border.
+//! The distance from the border beyond which an open mesh may be treated as closed (docs/proof.md,
+//! L19a).
 //!
-//! Let a surface, the cap, have the border of the mesh turned round as its own. Both together are
-//! closed and wind round every point off them an integer number of times. The mesh alone winds
-//! round it that often less the solid angle of the cap over 4π. A cap of area S is seen from a
-//! point at distance d under a solid angle of at most S / d². So beyond the reach of the border, d
-//! = √(S / 2π), the two differ by less than 1/2: a point is in the solid of the mesh exactly if the
-//! integer is not zero. Beyond twice the reach they differ by less than 1/8.
+//! Let the cap be a surface that has the border of the mesh, reversed, as its own border. The mesh
+//! and the cap together are closed and wind around every point off them an integer number of times.
+//! The winding number of the mesh alone is that integer less the solid angle of the cap over 4π. A
+//! cap of area S is seen from a point at distance d under a solid angle of at most S / d². So
+//! beyond the reach of the border, d = √(S / 2π), the two differ by less than 1/2: a point is in
+//! the solid of the mesh exactly if the integer is not zero. Beyond twice the reach they differ by
+//! less than 1/8.
 //!
-//! Any cap will do, and a small one proves more. Each loop of the border is closed by clipping the
-//! ear of least area again and again. A crack between faces whose edges do not quite fit has a cap
-//! of next to no area.
+//! Any cap is valid, and a smaller cap proves more. Each loop of the border is closed by clipping
+//! the ear of least area repeatedly. A crack between faces whose edges do not quite fit has a cap
+//! of nearly no area.
+//!
+//! Guarded by `tests/it/solids/open.rs`.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -26,23 +30,23 @@ use crate::volume::{BoundingVolume, MinMax};
 /// mesh is that of a closed mesh. There are no boxes if the mesh is closed.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cap {
-    /// In the frame of the mesh.
+    /// The boxes, in the mesh's own frame.
     boxes: Vec<MinMax>,
-    /// Distance from the boxes, in the unit of that frame.
+    /// Distance from the boxes, in the unit of the mesh's own frame.
     reach: f64,
 }
 
-/// Maximum number of loops that have a box of their own. Every face that is asked about is compared
-/// to each box, so more boxes cost time, and fewer prove less about a mesh with many small holes.
+/// Maximum number of loops that have a box of their own. Every face in question is compared to each
+/// box, so more boxes cost time, and fewer boxes prove less about a mesh with many small holes.
 const MAX_BOXES: usize = 256;
 
-/// Bound for the rounding error of one triangle's area, in units of the squared size of the border.
-/// The differences, the cross product and the root add up to less than 16 units of 2^-53, as no
-/// coordinate of a difference is above 1; this is four times as much.
+/// Error bound of one triangle's area, in units of the squared size of the border. The differences,
+/// the cross product and the root add up to less than 16 units of 2^-53, because no coordinate of a
+/// difference is above 1. This is four times as much.
 const AREA_ERROR: f64 = 1.0 / (1_u64 << 47) as f64;
 
 impl Cap {
-    /// The boxes about the cap of a border between vertices at these positions.
+    /// Computes the boxes about the cap of a border between vertices at these positions.
     ///
     /// # Complexity
     /// O(n log n) in the edges of the border.
@@ -62,22 +66,23 @@ impl Cap {
         Self { boxes, reach }
     }
 
-    /// Reports whether a triangle of the mesh is proved to be beyond twice the reach of the border.
+    /// Reports whether a triangle of the mesh, in the mesh's own frame, is proved to be beyond
+    /// twice the reach of the border.
     pub(crate) fn is_far_from(&self, corners: &Corners) -> bool {
         let bounds = bounds_of(corners.iter().copied());
         bounds.is_some_and(|bounds| self.boxes.iter().all(|near| !grown(near, 2.0 * self.reach).overlaps(&bounds)))
     }
 
-    /// Returns boxes in the world that hold all that is within reach of the border.
+    /// Returns boxes in the world that hold everything within reach of the border.
     ///
     /// # Errors
-    /// A box is beyond the range of [`MinMax`].
+    /// Returns an error if a box is beyond the range of [`MinMax`].
     pub(in crate::mesh) fn within_reach(&self, world_from_mesh: &Pose) -> Result<Vec<MinMax>, InputError> {
         self.boxes.iter().map(|near| grown(near, self.reach).moved(world_from_mesh)).collect()
     }
 }
 
-/// Takes a border apart into loops, each a list of vertices.
+/// Splits a border into loops, each a list of vertices.
 fn loops_of(border: &[BorderEdge]) -> Vec<Vec<u32>> {
     let mut next: HashMap<u32, Vec<u32>> = HashMap::new();
     let mut starts = Vec::new();
@@ -88,7 +93,8 @@ fn loops_of(border: &[BorderEdge]) -> Vec<Vec<u32>> {
             starts.push(from);
         }
     }
-    // As many edges lead to a vertex as from it, so a walk ends nowhere but where it has been.
+    // Each vertex has as many edges that lead to it as edges that leave it, so a walk can only end
+    // at a vertex that it has passed.
     let mut loops = Vec::new();
     for start in starts {
         let mut path = vec![start];
@@ -108,8 +114,8 @@ fn loops_of(border: &[BorderEdge]) -> Vec<Vec<u32>> {
     loops
 }
 
-/// Returns an upper bound for the area of a cap of a loop, by clipping the ear of least area again
-/// and again; `between` is the vector from one vertex to another.
+/// Returns an upper bound for the area of a cap of a loop, by clipping the ear of least area
+/// repeatedly. `between` returns the vector from one vertex to another.
 fn area_of_cap(path: &[u32], between: impl Fn(u32, u32) -> [f64; 3]) -> f64 {
     let len = path.len();
     let (mut before, mut after): (Vec<usize>, Vec<usize>) =
@@ -117,7 +123,7 @@ fn area_of_cap(path: &[u32], between: impl Fn(u32, u32) -> [f64; 3]) -> f64 {
     let ear = |before: &[usize], after: &[usize], i: usize| {
         let (u, v) = (between(path[i], path[before[i]]), between(path[i], path[after[i]]));
         let area = 0.5 * length(&cross(&u, &v));
-        // Numbers that are not negative are ordered as their bits are.
+        // Numbers that are not negative have the same order as their bits.
         (Reverse(area.to_bits()), i)
     };
     let mut ears: BinaryHeap<(Reverse<u64>, usize)> = (0..len).map(|i| ear(&before, &after, i)).collect();
@@ -144,12 +150,12 @@ fn scaled_difference(from: [f64; 3], to: [f64; 3], size: f64) -> [f64; 3] {
     std::array::from_fn(|k| (to[k] - from[k]) / size)
 }
 
-/// Returns the least box of some points, or `None` if there are none.
+/// Returns the smallest box of some points, or `None` if there are no points.
 pub(in crate::mesh) fn bounds_of(points: impl Iterator<Item = [f64; 3]>) -> Option<MinMax> {
     points.map(|point| MinMax::from_ordered(point, point)).reduce(|all, point| all.merged(&point))
 }
 
-/// Returns a box that holds all that is no farther than a distance from a box along each axis.
+/// Returns a box, grown on every side by a distance and rounded outward.
 fn grown(bounds: &MinMax, by: f64) -> MinMax {
     MinMax::from_ordered(bounds.min().map(|x| (x - by).next_down()), bounds.max().map(|x| (x + by).next_up()))
 }

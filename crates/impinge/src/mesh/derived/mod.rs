@@ -1,9 +1,9 @@
 //! Values that are computed from the arrays of a mesh when a query first needs them, and cached.
 //!
 //! `topology` has vertices at equal positions, the border and the connected components. `cap` has
-//! boxes about the border, beyond which an open mesh is as good as a closed one. `moments` has the
-//! moments of the faces below each node, for winding numbers. None of them knows `Mesh`, which
-//! owns them.
+//! boxes about the border, beyond which an open mesh may be treated as closed. `moments` has the
+//! moments of the faces below each node, for winding numbers. None of them uses `Mesh`, which owns
+//! them.
 
 pub(super) mod cap;
 pub(super) mod moments;

@@ -1,7 +1,10 @@
-//! The moments of the faces below each node of a tree, about a center of each node, for winding numbers seen from afar.
+//! The moments of the faces below each node of a tree, about a center of each node, for winding
+//! numbers seen from afar (docs/proof.md, L17).
 //!
-//! Source: Barill, Dickson, Schmidt, Levin and Jacobson, *Fast Winding Numbers for Soups and Clouds*, ACM Transactions on
-//! Graphics 37(4), 2018.
+//! Source: Barill, Dickson, Schmidt, Levin and Jacobson, *Fast Winding Numbers for Soups and
+//! Clouds*, ACM Transactions on Graphics 37(4), 2018.
+//!
+//! Guarded by `tests/it/solids/winding.rs`.
 
 use crate::exact::Corners;
 use crate::hierarchy::{Child, Node, WideTree};
@@ -9,37 +12,42 @@ use crate::math::vec3::{cross, length, scale, sub};
 use crate::mesh::storage::frame::{PACKING_ERROR, PackedFrame};
 use crate::mesh::storage::leaf::Leaf;
 
-/// The faces below one node, in the packed frame.
+/// The moments of the faces below one node, in the packed frame. `y` is a point of a face relative
+/// to the center.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::mesh) struct Group {
-    pub(in crate::mesh) centre: [f64; 3],
-    /// No point of the faces is farther from the centre.
+    pub(in crate::mesh) center: [f64; 3],
+    /// Upper bound of the distance of any point of the faces from the center.
     pub(in crate::mesh) radius: f64,
-    /// No less than the areas of the faces add up to.
+    /// Upper bound of the sum of the areas of the faces.
     pub(in crate::mesh) area: f64,
-    /// The products of the lengths of two edges of each face, added up: what rounding an area vector is relative to.
+    /// Sum over the faces of the product of the lengths of two edges. The rounding error of area
+    /// vectors is relative to it.
     pub(in crate::mesh) size: f64,
-    /// The sum of the area vectors.
+    /// Sum of the area vectors.
     pub(in crate::mesh) zeroth: [f64; 3],
-    /// `first[i][j]`: the area vectors' component i times the integral of y_j.
+    /// `first[i][j]`: sum over the faces of component i of the area vector times the mean of y_j
+    /// over the face.
     pub(in crate::mesh) first: [[f64; 3]; 3],
-    /// `second[i]`: likewise of y_j y_k, for jk = 00, 11, 22, 12, 20, 01.
+    /// `second[i]`: sum over the faces of component i of the area vector times the mean of y_j y_k
+    /// over the face, for jk = 00, 11, 22, 12, 20, 01.
     pub(in crate::mesh) second: [[f64; 6]; 3],
 }
 
-/// The groups of all nodes.
+/// The groups of all nodes, by node.
 #[derive(Debug)]
 pub(crate) struct FarField {
     pub(in crate::mesh) groups: Vec<Group>,
 }
 
-/// Where an index of a symmetric pair is in [`Group::second`].
+/// Returns the index of a symmetric pair in the rows of [`Group::second`].
 pub(in crate::mesh) fn pair(j: usize, k: usize) -> usize {
     if j == k { j } else { 6 - j - k }
 }
 
 impl FarField {
-    /// The groups of a tree over leaves, for a mesh with this frame and these corners of faces.
+    /// Computes the groups of a tree over leaves, for a mesh with this frame and these corners of
+    /// faces.
     ///
     /// # Complexity
     /// O(n).
@@ -72,7 +80,7 @@ impl FarField {
 
 impl Group {
     const EMPTY: Self = Self {
-        centre: [0.0; 3],
+        center: [0.0; 3],
         radius: 0.0,
         area: 0.0,
         size: 0.0,
@@ -81,31 +89,32 @@ impl Group {
         second: [[0.0; 6]; 3],
     };
 
-    /// Without faces, about the middle of the boxes of a node's children.
+    /// Returns a group without faces, about the middle of the boxes of a node's children.
     fn about_box_of(node: &Node) -> Self {
-        let (mut centre, mut squared) = ([0.0; 3], 0.0);
+        let (mut center, mut squared) = ([0.0; 3], 0.0);
         for axis in 0..3 {
             let lanes = 0..node.count();
             let low = lanes.clone().fold(f64::INFINITY, |low, lane| low.min(f64::from(node.min[axis][lane])));
             let high = lanes.fold(f64::NEG_INFINITY, |high, lane| high.max(f64::from(node.max[axis][lane])));
-            centre[axis] = 0.5 * (low + high);
+            center[axis] = 0.5 * (low + high);
             squared += (0.5 * (high - low)).powi(2);
         }
-        // More than what the corners and the root are off by.
+        // Pays for the errors of the corners and of the root.
         let radius = squared.sqrt() * (1.0 + 1e-12) + 4.0 * PACKING_ERROR;
-        Self { centre, radius, ..Self::EMPTY }
+        Self { center, radius, ..Self::EMPTY }
     }
 
     fn add_face(&mut self, frame: &PackedFrame, corners: &Corners) {
-        // Edges from the stored corners, so that those of a face as small as packing rounds have a direction.
+        // Edges are computed from the stored corners, so that the edges of a face as small as the
+        // packing error have a direction.
         let edge = |to: usize| -> [f64; 3] { std::array::from_fn(|k| (corners[to][k] - corners[0][k]) * frame.scale) };
         let (u, v) = (edge(1), edge(2));
         let normal = scale(&cross(&u, &v), 0.5);
         let size = length(&u) * length(&v);
         self.size += size;
         self.area += length(&normal) + 8.0 * f64::EPSILON * size;
-        let [a, b, c] = corners.map(|corner| sub(&frame.pack(corner), &self.centre));
-        // Means over the triangle of y and of y yᵀ, with its corners and their sum.
+        let [a, b, c] = corners.map(|corner| sub(&frame.pack(corner), &self.center));
+        // Means over the triangle of y and of y yᵀ, from its corners and their sum.
         let sum: [f64; 3] = std::array::from_fn(|k| a[k] + b[k] + c[k]);
         for j in 0..3 {
             for i in 0..3 {
@@ -123,9 +132,9 @@ impl Group {
         }
     }
 
-    /// Moves the other group's moments to this centre and adds them.
+    /// Moves the other group's moments to this center and adds them.
     fn add_group(&mut self, other: &Self) {
-        let d: [f64; 3] = std::array::from_fn(|k| other.centre[k] - self.centre[k]);
+        let d: [f64; 3] = std::array::from_fn(|k| other.center[k] - self.center[k]);
         for i in 0..3 {
             let (zeroth, first) = (other.zeroth[i], &other.first[i]);
             for j in 0..3 {

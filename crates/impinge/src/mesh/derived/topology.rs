@@ -1,5 +1,6 @@
-//! What hangs together: vertices at one position, the border of a mesh, and its connected components. Positions decide
-//! and not indices, as many formats repeat a vertex for each of its faces.
+//! Connectivity of a mesh: vertices at one position, the border of the mesh, and its connected
+//! components. Positions decide, not indices, because many formats repeat a vertex for each of its
+//! faces.
 
 use std::sync::OnceLock;
 
@@ -7,38 +8,40 @@ use rayon::prelude::*;
 
 use crate::mesh::storage::positions::Positions;
 
-/// How the faces of a mesh hang together.
+/// The connectivity of the faces of a mesh.
 #[derive(Debug)]
 pub(crate) struct Topology {
-    /// For each vertex the first one at its position.
+    /// For each vertex the first vertex at its position.
     pub(crate) first_at: Vec<u32>,
-    /// Edges that the faces run through more often one way than the other; none where the mesh is closed.
+    /// Edges that the faces run along more often one way than the other. Empty if the mesh is
+    /// closed.
     pub(crate) border: Vec<BorderEdge>,
-    /// The faces that are connected by shared vertices.
+    /// The sets of faces that are connected by shared vertices.
     pub(crate) components: Components,
-    /// Made when a question first goes from face to face.
+    /// The faces at each vertex, computed when a query first needs them.
     faces_at: OnceLock<FacesAt>,
 }
 
-/// A partition of faces; its parts are numbered in the order of their first faces.
+/// A partition of faces into parts, which are numbered in the order of their first faces.
 #[derive(Debug)]
 pub(crate) struct Components {
-    /// For each face the number of its part, or [`NONE`](Self::NONE) if it is in none.
+    /// For each face the number of its part, or [`NONE`](Self::NONE) if it is in no part.
     pub(crate) of_face: Vec<u32>,
     /// The first face of each part.
     pub(crate) first_faces: Vec<u32>,
 }
 
-/// The faces at each vertex that is the first at its position.
+/// The faces at each vertex that is the first one at its position.
 #[derive(Debug)]
 struct FacesAt {
-    /// Where the faces of each vertex end in the list; they start where those of the vertex before end.
+    /// End of each vertex's faces in the list. They start at the end of the previous vertex's
+    /// faces.
     ends: Vec<usize>,
     faces: Vec<u32>,
 }
 
-/// An edge between two vertices, each the first at its position, and how often faces run from the first to the second
-/// more than back.
+/// An edge between two vertices, each the first one at its position. `times` is the number of faces
+/// that run from `from` to `to`, less the number of faces that run back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct BorderEdge {
     pub(crate) from: u32,
@@ -47,6 +50,8 @@ pub(crate) struct BorderEdge {
 }
 
 impl Topology {
+    /// Computes the connectivity of faces between vertices at these positions.
+    ///
     /// # Complexity
     /// O(n log n), by sorting.
     pub(crate) fn of(positions: &Positions, faces: &[[u32; 3]]) -> Self {
@@ -63,8 +68,9 @@ impl Topology {
         Self { first_at, border, components, faces_at: OnceLock::new() }
     }
 
-    /// The faces at a vertex, which is the first at its position, ascending; one that has it twice comes twice. `faces` are those
-    /// that this is of.
+    /// Returns the faces at a vertex in ascending order. The vertex must be the first one at its
+    /// position. A face that has the vertex twice occurs twice. `faces` must be the faces from
+    /// which this connectivity was computed.
     ///
     /// # Complexity
     /// O(n) the first time, then constant.
@@ -74,7 +80,7 @@ impl Topology {
         &faces[start..ends[vertex as usize]]
     }
 
-    /// The border of some faces, named by the vertices of [`first_at`](Self::first_at).
+    /// Returns the border of some faces, named by the vertices of [`first_at`](Self::first_at).
     pub(crate) fn border_of(&self, faces: impl Iterator<Item = [u32; 3]>) -> Vec<BorderEdge> {
         let named: Vec<[u32; 3]> = faces.map(|face| face.map(|vertex| self.first_at[vertex as usize])).collect();
         border_of(named.into_par_iter())
@@ -82,11 +88,11 @@ impl Topology {
 }
 
 impl Components {
-    /// The number of a face that is in no part.
+    /// Number that stands for no part.
     pub(crate) const NONE: u32 = u32::MAX;
 
-    /// Returns the parts of faces that have equal roots, which are below `len`; a face without a
-    /// root is in no part.
+    /// Returns the sets of faces that have equal roots. All roots must be below `len`. A face
+    /// without a root is in no part.
     pub(in crate::mesh) fn numbered(len: usize, roots: impl Iterator<Item = Option<u32>>) -> Self {
         let mut number_of = vec![Self::NONE; len];
         let mut first_faces = Vec::new();
@@ -111,7 +117,7 @@ impl FacesAt {
         let corners = || faces.iter().map(|face| face.map(|vertex| first_at[vertex as usize] as usize));
         let mut ends = vec![0_usize; first_at.len()];
         corners().flatten().for_each(|vertex| ends[vertex] += 1);
-        // Where each list starts; filling it moves that to where it ends.
+        // The start of each list. Filling the list moves it to the end.
         let mut start = 0;
         for end in &mut ends {
             (start, *end) = (start + *end, start);
@@ -127,9 +133,11 @@ impl FacesAt {
     }
 }
 
-/// The boundary of a chain of faces, edge by edge.
+/// Returns the edges that the faces run along more often one way than the other, with the
+/// difference.
 fn border_of(faces: impl ParallelIterator<Item = [u32; 3]>) -> Vec<BorderEdge> {
-    // Both ends in one number, the smaller first, and which way the face runs in another.
+    // Both ends in one number, the smaller first, and whether the face runs from the smaller to the
+    // larger.
     let mut edges: Vec<(u64, bool)> = faces
         .flat_map_iter(|[a, b, c]| [[a, b], [b, c], [c, a]])
         .filter(|[from, to]| from != to)
@@ -144,15 +152,16 @@ fn border_of(faces: impl ParallelIterator<Item = [u32; 3]>) -> Vec<BorderEdge> {
     edges.chunk_by(|x, y| x.0 == y.0).filter_map(net).collect()
 }
 
-/// For each vertex the first one whose coordinates are equal, zeros of either sign being so.
+/// Returns for each vertex the first vertex with equal coordinates. Zeros of either sign are equal.
 fn first_at_position(positions: &Positions) -> Vec<u32> {
     match positions {
-        // Adding zero turns the negative zero into the positive one.
+        // Adding zero turns negative zero into positive zero.
         Positions::F32(vertices) => first_equal(vertices, |v| v.map(|x| (x + 0.0).to_bits())),
         Positions::F64(vertices) => first_equal(vertices, |v| v.map(|x| (x + 0.0).to_bits())),
     }
 }
 
+/// Returns for each vertex the first vertex with an equal key.
 fn first_equal<V: Sync, K: Ord + Copy + Send>(vertices: &[V], key: impl Fn(&V) -> K + Sync + Send) -> Vec<u32> {
     let mut sorted: Vec<(K, u32)> =
         vertices.par_iter().enumerate().map(|(number, vertex)| (key(vertex), number as u32)).collect();
@@ -166,15 +175,18 @@ fn first_equal<V: Sync, K: Ord + Copy + Send>(vertices: &[V], key: impl Fn(&V) -
     first
 }
 
-/// Union by index with path halving (Tarjan and van Leeuwen, *Worst-case Analysis of Set Union Algorithms*, JACM 31(2),
-/// 1984): the root of a set is its least member, so that the order of joining does not show.
+/// Disjoint sets, by union by index with path halving (Tarjan and van Leeuwen, *Worst-case Analysis
+/// of Set Union Algorithms*, JACM 31(2), 1984). The root of a set is its least member, so it does
+/// not depend on the order of joins.
 pub(crate) struct DisjointSets(Vec<u32>);
 
 impl DisjointSets {
+    /// Creates `len` sets of one member each.
     pub(crate) fn new(len: usize) -> Self {
         Self((0..len as u32).collect())
     }
 
+    /// Returns the root of a member's set.
     pub(crate) fn root(&mut self, mut member: u32) -> u32 {
         while self.0[member as usize] != member {
             let above = self.0[member as usize];
@@ -184,6 +196,7 @@ impl DisjointSets {
         member
     }
 
+    /// Joins the sets of two members.
     pub(crate) fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));
         self.0[a.max(b) as usize] = a.min(b);
@@ -202,10 +215,10 @@ mod tests {
     const FACES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
 
     #[test]
-    fn a_soup_is_closed_where_its_positions_are() {
+    fn a_soup_is_closed_if_its_positions_close_it() {
         let welded = topology(&CORNERS, &FACES);
         assert!(welded.border.is_empty());
-        // Each face with vertices of its own, one of them with a negative zero.
+        // Each face has its own vertices, and one of them has a negative zero.
         let mut vertices: Vec<[f32; 3]> = FACES.iter().flatten().map(|&vertex| CORNERS[vertex as usize]).collect();
         vertices[0][1] = -0.0;
         let soup: Vec<[u32; 3]> = (0..4).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();

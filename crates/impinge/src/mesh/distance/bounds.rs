@@ -1,13 +1,16 @@
-//! Lower bounds of distances between nodes of two trees: which frame they are compared in, and how.
+//! Lower bounds of the distances between nodes of two trees, and the frame in which their boxes are
+//! compared.
 //!
-//! Boxes are compared in the host's packed frame where the host's pose keeps the shape of things (a rotation with a scale,
-//! within [`SHAPE_KEPT`]), as its boxes are then used as they are; else both are carried to the metric frame. In either,
-//! a unit is at least `per_unit` units of the metric frame.
+//! Boxes are compared in the host's packed frame if the host's pose is nearly a rotation with a
+//! uniform scale (within [`MAX_SHAPE_DEVIATION`]). The host's boxes are then used as they are
+//! stored. Otherwise the boxes of both meshes are carried to the metric frame. One unit of the
+//! frame of comparison is at least `per_unit` metric units.
 //!
-//! Two kinds of bounds, of which the meshes' gap decides:
-//! - *near*: the distance of the boxes, squared;
-//! - *far*, where single precision would not tell nodes apart next to the gap: what is left of the gap along its own direction
-//!   once the nodes' boxes have reached into it. The gap itself is left out of the numbers that are compared.
+//! There are two kinds of bounds. The gap between the meshes decides which one is used:
+//! - *near*: the squared distance of the boxes;
+//! - *far*: the part of the gap, along its own direction, that the boxes of the nodes do not cover.
+//!   It is used if single precision could not distinguish the nodes next to the gap. The gap itself
+//!   is left out of the compared numbers.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
@@ -24,55 +27,68 @@ use crate::mesh::{HostChoice, PlacedMesh};
 use crate::simd::{LANES, Lanes3, by_axis, dot as dot3, load3, outlined};
 use crate::volume::Aabb;
 
-/// The largest relative deviation of a host's squared lengths from a common scale with which its packed frame is used:
-/// 2^-10. Bounds are looser by that much; beyond it, carrying both trees costs less than the looseness.
-const SHAPE_KEPT: f64 = 1.0 / 1024.0;
+/// Maximum relative deviation of the host's squared lengths from a common scale for which boxes are
+/// compared in the host's packed frame: 2^-10. The bounds are looser by the same ratio. Beyond it,
+/// carrying both trees to the metric frame costs less than loose bounds.
+const MAX_SHAPE_DEVIATION: f64 = 1.0 / 1024.0;
 
-/// Gaps of more than this many times the meshes' size are *far*: 2^10, as squares in single precision tell apart 2^-22.
+/// Ratio of the gap between two meshes to their size above which bounds are *far*: 2^10, because
+/// squares in single precision distinguish 2^-22.
 const FAR: f64 = 1024.0;
 
-/// More than the relative rounding of a lower bound's evaluation, seven operations, and of its comparison: 2^-20.
+/// Bound for the relative rounding error of a near bound, which takes seven operations, and of its
+/// comparison: 2^-20.
 const ROUNDING: f64 = 1.0 / (1_u64 << 20) as f64;
 
-/// Bounds of eight boxes from one.
+/// Lower bounds of the distances of eight boxes from one box.
 pub(super) struct LaneBounds {
+    /// Bound of each lane, comparable with [`Bounds::limit`].
     pub(super) bounds: [f32; LANES],
-    /// What is least is worth looking at first.
+    /// Order in which the boxes are worth processing, least first.
     pub(super) order: [f32; LANES],
-    /// The lanes, in use or not, whose bound is not above the limit; one that is not a number proves nothing.
+    /// Lanes whose bound is not above the limit, as bits. The bits of unused lanes may be set, so
+    /// callers mask them out. A bound that is NaN proves nothing, so its bit is set.
     pub(super) near: u32,
 }
 
-/// How much the square of twice the distance of centres counts beside that of the gap: boxes of surfaces that are near each other
-/// overlap, and then only centres say where to look first. Of 0, 1/100, 1/16, 1/4, 1 and 4 this one opened fewest nodes: for two
-/// knots almost in touch 265, where the gap alone opened 667.
-const CENTRES: f32 = 1.0 / 16.0;
+/// Weight of the squared doubled distance of the centers of two boxes in their order, beside the
+/// squared gap. Boxes of surfaces that are near each other overlap, and then only the centers show
+/// which pair to process first. Of the weights 0, 1/100, 1/16, 1/4, 1 and 4 this one opened the
+/// fewest nodes: 265 for two knots that almost touch, compared with 667 for the gap alone.
+const CENTER_WEIGHT: f32 = 1.0 / 16.0;
 
-/// How nodes of the two trees are compared.
+/// The frame in which the nodes of two trees are compared, and the kind of their bounds.
 #[derive(Clone, Debug)]
 pub(super) struct Bounds {
     /// Which mesh is the host.
     pub(super) sides: Sides,
-    /// What carries boxes of the host and of the guest there; none for a host's that are used as they are.
+    /// Maps of the boxes of host and guest into the frame of comparison. `None` for the host if its
+    /// boxes are used as they are.
     maps: [Option<BoxMap>; 2],
-    /// Metric units, at least, for one unit of the frame of the boxes.
+    /// Minimum number of metric units for one unit of the frame of comparison.
     per_unit: f64,
+    /// The gap between the meshes, if the bounds are *far*.
     far: Option<Far>,
-    /// How the guest lies in the host's packed frame, where boxes are compared there.
+    /// Map from the guest's packed frame to the host's, if boxes are compared in the host's.
     pub(super) relative: Option<RelativeFrame>,
 }
 
-/// The gap between the centres, as a direction of about unit length, and how much of it there is along it.
+/// The gap between the centers of two meshes that are far apart.
 #[derive(Clone, Copy, Debug)]
 struct Far {
+    /// Direction from the host to the guest in the metric frame, of about unit length.
     direction: [f32; 3],
+    /// Upper bound of the length of `direction`.
     length: f64,
+    /// Length of the gap along `direction`, in metric units.
     along: f64,
-    /// More than what sums of products of boxes and direction are off by.
+    /// Bound for the rounding error of the sums of products of boxes and direction, in metric
+    /// units.
     slack: f64,
 }
 
 impl Bounds {
+    /// Chooses the host, the frame of comparison and the kind of bounds for two meshes.
     pub(super) fn new(a: PlacedMesh<'_>, b: PlacedMesh<'_>, metric: &Metric, choice: HostChoice) -> Self {
         match choice {
             HostChoice::First => Self::hosted(a, b, metric, Sides::FIRST_HOSTS).0,
@@ -85,7 +101,7 @@ impl Bounds {
         }
     }
 
-    /// The bounds with this host, and how much of the metric frame rounding blurs.
+    /// Returns the bounds for this host, and the size of their rounding error in metric units.
     fn hosted(host: PlacedMesh<'_>, guest: PlacedMesh<'_>, metric: &Metric, sides: Sides) -> (Self, f64) {
         let [host_side, guest_side] = sides.host_guest([0, 1]);
         let gap = sub(&metric.maps[guest_side].offset, &metric.maps[host_side].offset);
@@ -120,7 +136,8 @@ impl Bounds {
         (bounds, blur)
     }
 
-    /// Boxes of a node of the host, or of the guest, in the frame of comparison.
+    /// Returns the boxes of a node's children in the frame of comparison. `side` is 0 for a node of
+    /// the host and 1 for the guest.
     #[inline(always)]
     pub(super) fn carry<S: Simd>(&self, simd: S, side: usize, node: &Node) -> BoxLanes {
         match &self.maps[side] {
@@ -129,7 +146,8 @@ impl Bounds {
         }
     }
 
-    /// The number that bounds of nodes are compared to, so that all that is above it is farther away than `metric`.
+    /// Returns the limit for the bounds of nodes: nodes whose bound is above it are farther apart
+    /// than `metric`, in metric units.
     pub(super) fn limit(&self, metric: f64) -> f32 {
         let reached = metric / self.per_unit;
         let limit = match &self.far {
@@ -139,8 +157,9 @@ impl Bounds {
         (limit as f32).next_up()
     }
 
-    /// Bounds of the distances of eight boxes from one, in the numbers that [`limit`](Self::limit) gives, as one of which
-    /// `limit` says what matters; `guest_is_many` says on which side the eight are.
+    /// Computes lower bounds of the distances of eight boxes from one box. They are comparable with
+    /// [`limit`](Self::limit), and `limit` is such a number. `guest_is_many` tells whether the
+    /// eight boxes are the guest's.
     #[inline(always)]
     pub(super) fn of<S: Simd>(
         &self,
@@ -154,10 +173,11 @@ impl Bounds {
         let (lower, order) = match &self.far {
             None => {
                 let squared = squared_gaps(simd, (&min, &max), one);
-                (squared, by_centres(simd, squared, (&min, &max), one))
+                (squared, by_centers(simd, squared, (&min, &max), one))
             }
             Some(far) => {
-                // What the guest's boxes reach towards the host, less what the host's reach towards the guest.
+                // How far the guest's boxes reach towards the host, less how far the host's boxes
+                // reach towards the guest.
                 let mut sum = f32x8::splat(simd, 0.0);
                 for axis in 0..3 {
                     let n = f32x8::splat(simd, far.direction[axis]);
@@ -184,7 +204,7 @@ impl Far {
         let size = length(gap);
         let direction = gap.map(|x| (x / size) as f32);
         let wide = direction.map(f64::from);
-        // Three products and two sums for each of two boxes; and the gap itself.
+        // Three products and two sums for each of two boxes, and the error of the gap.
         let slack = 32.0 * HALF_ULP * metric.extent + metric.error;
         Self { direction, length: length(&wide) * (1.0 + 1e-12), along: dot(&wide, gap), slack }
     }
@@ -199,7 +219,7 @@ fn carried<S: Simd>(simd: S, map: &BoxMap, node: &Node) -> BoxLanes {
     )
 }
 
-/// The squares of the distances of eight boxes from one.
+/// Returns the squared distances of eight boxes from one box.
 #[inline(always)]
 pub(super) fn squared_gaps<S: Simd>(simd: S, many: (&[f32x8<S>; 3], &[f32x8<S>; 3]), one: &Aabb) -> f32x8<S> {
     let (min, max) = many;
@@ -211,9 +231,10 @@ pub(super) fn squared_gaps<S: Simd>(simd: S, many: (&[f32x8<S>; 3], &[f32x8<S>; 
     gaps[0] * gaps[0] + gaps[1] * gaps[1] + gaps[2] * gaps[2]
 }
 
-/// What is least for the box to look at first, of eight at these squared distances from one.
+/// Returns numbers by which eight boxes are ordered against one box, least first. `squared` has
+/// their squared distances from it.
 #[inline(always)]
-pub(super) fn by_centres<S: Simd>(
+pub(super) fn by_centers<S: Simd>(
     simd: S,
     squared: f32x8<S>,
     (min, max): (&[f32x8<S>; 3], &[f32x8<S>; 3]),
@@ -221,19 +242,20 @@ pub(super) fn by_centres<S: Simd>(
 ) -> f32x8<S> {
     let doubled: Lanes3<S> =
         by_axis!(axis => (min[axis] + max[axis]) - f32x8::splat(simd, one.min[axis] + one.max[axis]));
-    squared + dot3(&doubled, &doubled) * CENTRES
+    squared + dot3(&doubled, &doubled) * CENTER_WEIGHT
 }
 
-/// Bounds of the stretch of a matrix that keeps the shape of things, the lower and the upper; none for others.
+/// Returns a lower and an upper bound of the factor by which a matrix stretches lengths. Returns
+/// `None` unless the matrix is nearly a rotation with a uniform scale.
 fn stretch(linear: &[Vector; 3]) -> Option<[f64; 2]> {
     let column = |j: usize| [linear[0][j], linear[1][j], linear[2][j]];
     let gram = [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot(&column(i), &column(j))));
     let squared = (gram[0][0] + gram[1][1] + gram[2][2]) / 3.0;
     let deviation =
         |i: usize| (0..3).map(|j| (gram[i][j] - if i == j { squared } else { 0.0 }).abs()).sum::<f64>() / squared;
-    // The largest sum of magnitudes in a row bounds what a symmetric matrix stretches by.
+    // The largest sum of magnitudes in a row bounds the stretch by a symmetric matrix.
     let worst = deviation(0).max(deviation(1)).max(deviation(2)) + 1e-14;
-    // Squares that vanish or overflow make this NaN or infinite, and so no shape.
-    let keeps_shape = worst <= SHAPE_KEPT && squared > f64::MIN_POSITIVE * 1e20;
+    // If the squares vanish or overflow, `worst` is NaN or infinite, and the result is `None`.
+    let keeps_shape = worst <= MAX_SHAPE_DEVIATION && squared > f64::MIN_POSITIVE * 1e20;
     keeps_shape.then(|| [1.0 - worst, 1.0 + worst].map(|share| (squared * share).sqrt()))
 }

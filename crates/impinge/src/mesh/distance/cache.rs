@@ -1,8 +1,9 @@
 //! A direct-mapped cache.
 
-/// The last values of a costly computation, by number. There are `SLOTS` slots, a power of two.
+/// The most recent results of a costly computation, by number. There are `SLOTS` slots, a power of
+/// two.
 pub(super) struct Cache<T, const SLOTS: usize> {
-    /// For each slot one more than the place of its value, or zero for an empty slot.
+    /// Index of each slot's value in `kept`, plus one. Zero for an empty slot.
     places: [u16; SLOTS],
     kept: Vec<T>,
 }
@@ -12,13 +13,14 @@ impl<T, const SLOTS: usize> Cache<T, SLOTS> {
         Self { places: [0; SLOTS], kept: Vec::new() }
     }
 
-    /// Returns the value of a number, and computes it if it is not cached.
+    /// Returns the value of a number. Computes the value with `make` if it is not cached.
     #[inline(always)]
     pub(super) fn get(&mut self, number: u32, number_of: impl Fn(&T) -> u32, make: impl FnOnce(u32) -> T) -> &T {
         self.get_current(number, |kept| number_of(kept) == number, make)
     }
 
-    /// Returns the value of a number, and computes it if the value in its slot is not current.
+    /// Returns the value of a number. Computes the value with `make` if the value in its slot is
+    /// not current.
     #[inline(always)]
     pub(super) fn get_current(
         &mut self,

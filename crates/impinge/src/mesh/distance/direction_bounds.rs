@@ -1,13 +1,20 @@
-//! How far parts of the meshes reach along the direction between the witnesses: a bound that boxes cannot give.
+//! Lower bounds of distances along the direction between the witnesses, the nearest points so far.
+//! Boxes alone cannot give them.
 //!
-//! A patch of triangles is thin along its normal, its box is as thick as the patch is wide. Near the nearest points of two
-//! smooth surfaces box bounds therefore leave open all patches around, each with each. Along the direction `n` from one
-//! witness to the other every point of a pair of parts is at least `min n·guest - max n·host` apart, and these two numbers
-//! are had part by part: of a leaf from its corners, of a node from its box and its slab, once for a direction. Any
-//! direction gives a bound; an old one only gives a weaker one.
+//! A group of neighboring triangles is thin along its normal, but its box is as thick as the group
+//! is wide. Near the nearest points of two smooth surfaces, bounds by boxes therefore prune none of
+//! the pairs of groups around them. Along the direction `n` from one witness to the other, the
+//! points of two parts are at least `min n·guest - max n·host` apart. These two numbers are
+//! computed part by part, once for each direction: for a leaf from its corners, for a node from its
+//! box and its slab. This file calls them *reaches*: how far a part reaches beyond its own mesh's
+//! witness, towards the other mesh. Every direction gives a valid bound, and an old direction gives
+//! a weaker one.
 //!
-//! Source: the supporting planes of Gilbert, Johnson, Keerthi, *A fast procedure for computing the distance between complex
-//! objects in three-dimensional space*, IEEE Journal of Robotics and Automation 4(2), 1988, here as lower bounds for parts.
+//! Source: the supporting planes of Gilbert, Johnson, Keerthi, *A fast procedure for computing the
+//! distance between complex objects in three-dimensional space*, IEEE Journal of Robotics and
+//! Automation 4(2), 1988. Ours uses them as lower bounds for parts.
+//!
+//! Guarded by the test below, and by `tests/it/distance/meshes.rs`.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
@@ -25,35 +32,38 @@ use crate::simd::{ALL_LANES, LANES, load, outlined};
 /// Number of nodes of either mesh whose reaches are cached, a power of two.
 const CACHED_NODES: usize = 256;
 
-/// Relative decrease of the distance after which the reaches of nodes are computed along a new direction: 2^-10. A smaller one would
-/// compute them anew for little gain: a direction that is off by an angle φ loosens bounds by about φ²/2, which is this.
-const STALE: f64 = 1.0 / 1024.0;
+/// Relative decrease of the distance after which the reaches of nodes are computed along a new
+/// direction: 2^-10. A smaller value computes them more often for little gain: a direction that is
+/// off by an angle φ loosens bounds by about φ²/2, which is this value. A larger value leaves the
+/// bounds looser.
+const MIN_DECREASE: f64 = 1.0 / 1024.0;
 
-/// More than what the sum of two reaches is off by, and this number's own rounding, relative to the sum: 2^-21.
+/// Bound for the rounding error of the sum of two reaches and of the threshold, relative to the
+/// threshold: 2^-21.
 const SUM_ROUNDING: f64 = 1.0 / (1_u64 << 21) as f64;
 
-/// A direction in the metric frame and what is known along it.
+/// The direction between the witnesses in the metric frame, and the reaches of nodes along it.
 pub(super) struct DirectionBounds<'m> {
     /// The host and the guest.
     meshes: [&'m Mesh; 2],
-    /// Direction between the best witnesses.
+    /// Direction between the best witnesses so far. The triangles of leaves are compared along it.
     newest: Option<Direction>,
-    /// Direction along which the reaches of nodes are computed, which is not always the newest, and its number.
+    /// Direction along which the reaches of nodes are computed. It may be older than `newest`.
     of_nodes: Option<Direction>,
     version: u32,
     nodes: [Cache<Reaches, CACHED_NODES>; 2],
 }
 
-/// A direction from the host's witness to the guest's.
+/// A direction from the host's witness to the guest's witness.
 #[derive(Clone, Copy)]
 struct Direction {
     supports: [SupportBound; 2],
     threshold: Threshold,
-    /// Distance at which the direction was taken.
+    /// Distance of the witnesses when the direction was taken, in metric units.
     value: f64,
 }
 
-/// How far the children of a node reach.
+/// Reaches of the children of a node.
 #[derive(Clone, Copy)]
 struct Reaches {
     node: u32,
@@ -61,32 +71,35 @@ struct Reaches {
     lanes: [f32; LANES],
 }
 
-/// Eight parts of the host and eight of the guest, by how far they reach towards each other.
+/// Reaches of eight parts of the host and of eight parts of the guest.
 pub(super) struct Reached {
     host: [f32; LANES],
     guest: [f32; LANES],
     threshold: Threshold,
 }
 
-/// How far two children reach towards each other, both together, and the number of the direction along which they do.
+/// Sum of the reaches of two children towards each other, in metric units.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
+    /// Sum of both reaches, in metric units.
     pub(super) both: f32,
+    /// Number of the direction along which `both` was computed.
     pub(super) along: u32,
 }
 
-/// How far parts have to reach towards each other to matter.
+/// The sum of reaches below which two parts are proved to be far apart.
 #[derive(Clone, Copy)]
 pub(super) struct Threshold {
-    /// How far the witnesses are apart along the direction.
+    /// Distance of the witnesses along the direction, in metric units.
     gap: f64,
-    /// What metric coordinates and sums of their products are off by.
+    /// Error bound of metric coordinates and of sums of their products.
     error: f64,
 }
 
 impl Threshold {
-    /// Two parts that reach less far than this, both together, are farther apart than `cut`: they are apart by the gap
-    /// between the witnesses, less both reaches, over the length of the direction, which is one within rounding.
+    /// Returns the sum of reaches below which two parts are farther apart than `cut`, in metric
+    /// units. The distance of two parts is at least the gap between the witnesses less both
+    /// reaches, divided by the length of the direction. That length is one within rounding.
     #[inline(always)]
     pub(super) fn at(self, cut: f64) -> f32 {
         let most = self.gap - cut;
@@ -95,7 +108,8 @@ impl Threshold {
 }
 
 impl Reached {
-    /// For each of the guest's lanes the host's that are not proved to be farther away than `cut`; all where nothing is known.
+    /// Returns for each guest lane the host lanes that are not proved to be farther away than
+    /// `cut`, as bits. Returns all lanes if there is no direction.
     #[inline(always)]
     pub(super) fn near<S: Simd>(reached: &Option<Self>, simd: S, cut: f64) -> [u32; LANES] {
         let Some(reached) = reached else { return [ALL_LANES; LANES] };
@@ -108,14 +122,14 @@ impl Reached {
         near
     }
 
-    /// Whether two parts are proved to be farther apart than `cut`.
+    /// Reports whether two parts are proved to be farther apart than `cut`, in metric units.
     #[inline(always)]
     pub(super) fn are_apart(reached: &Option<Self>, [host_lane, guest_lane]: [usize; 2], cut: f64) -> bool {
         let Some(reached) = reached else { return false };
         reached.host[host_lane] + reached.guest[guest_lane] < reached.threshold.at(cut)
     }
 
-    /// How far two parts reach, both together; without bound where nothing is known.
+    /// Returns the sum of the reaches of two parts, or infinity if there is no direction.
     #[inline(always)]
     pub(super) fn both(reached: &Option<Self>, [host_lane, guest_lane]: [usize; 2]) -> f32 {
         reached.as_ref().map_or(
@@ -136,19 +150,19 @@ impl<'m> DirectionBounds<'m> {
     pub(super) fn update(&mut self, scene: &Scene<'_>, best: Option<&Valued>) {
         if let Some(best) = best {
             let (sides, on) = (scene.sides(), [&best.witness.on_a, &best.witness.on_b]);
-            self.turn_to(sides.map(|side| on[side]), best.value, &scene.metric, sides);
+            self.set_direction(sides.map(|side| on[side]), best.value, &scene.metric, sides);
         }
     }
 
-    /// Takes the direction between two witnesses, of the host and of the guest, if they are nearer than the last ones. `sides` are
-    /// the places of host and guest in the metric.
-    fn turn_to(&mut self, [on_host, on_guest]: [&Vector; 2], value: f64, metric: &Metric, sides: [usize; 2]) {
+    /// Takes the direction from the host's witness to the guest's, if they are nearer than the last
+    /// witnesses. `sides` has the indices of host and guest among the two meshes.
+    fn set_direction(&mut self, [on_host, on_guest]: [&Vector; 2], value: f64, metric: &Metric, sides: [usize; 2]) {
         if self.newest.is_some_and(|newest| value >= newest.value) {
             return;
         }
         let between = sub(on_guest, on_host);
         let size = length(&between);
-        // Points that coincide have none.
+        // Coinciding points have no direction between them.
         if size > f64::MIN_POSITIVE {
             let along = between.map(|x| x / size);
             let [level_host, level_guest] = [dot(&along, on_host), dot(&along, on_guest)];
@@ -163,14 +177,14 @@ impl<'m> DirectionBounds<'m> {
             let threshold = Threshold { gap: level_guest - level_host, error: metric.error };
             let newest = Direction { supports, threshold, value };
             self.newest = Some(newest);
-            if self.of_nodes.is_none_or(|old| value < old.value * (1.0 - STALE)) {
+            if self.of_nodes.is_none_or(|old| value < old.value * (1.0 - MIN_DECREASE)) {
                 self.of_nodes = Some(newest);
                 self.version += 1;
             }
         }
     }
 
-    /// How the children of two nodes reach towards each other; none without a direction.
+    /// Returns the reaches of the children of two nodes, or `None` without a direction.
     #[inline(always)]
     pub(super) fn of_nodes<S: Simd>(&mut self, simd: S, nodes: [u32; 2]) -> Option<Reached> {
         let direction = self.of_nodes?;
@@ -179,7 +193,8 @@ impl<'m> DirectionBounds<'m> {
         Some(Reached { host, guest, threshold: direction.threshold })
     }
 
-    /// Whether two children are proved to be farther apart than `cut`; `reach` is what was known of them.
+    /// Reports whether two children are proved to be farther apart than `cut`. `reach` is their
+    /// reach when they were queued. It is computed again if the direction has changed since.
     #[inline(always)]
     pub(super) fn are_apart<S: Simd>(&mut self, simd: S, reach: Reach, slots: [Slot; 2], cut: f64) -> bool {
         let Some(direction) = self.of_nodes else { return false };
@@ -194,14 +209,14 @@ impl<'m> DirectionBounds<'m> {
         both < direction.threshold.at(cut)
     }
 
-    /// The number of the direction along which nodes reach; zero while there is none.
+    /// Returns the number of the direction along which nodes reach, or zero without a direction.
     #[inline(always)]
     pub(super) fn along(&self) -> u32 {
         self.version
     }
 
-    /// How far the children of a node of one side reach, and one child of the other, together; nothing bounds them
-    /// without a direction.
+    /// Returns the reaches of the children of a node of one side, each added to the reach of one
+    /// child of the other side. Returns `None` without a direction.
     #[inline(always)]
     pub(super) fn of_one<S: Simd>(
         &mut self,
@@ -216,7 +231,7 @@ impl<'m> DirectionBounds<'m> {
         Some((many + f32x8::splat(simd, one), direction.threshold))
     }
 
-    /// How the triangles of two leaves reach towards each other.
+    /// Returns the reaches of the triangles of two leaves, or `None` without a direction.
     #[inline(always)]
     pub(super) fn of_leaves<S: Simd>(&self, simd: S, leaves: [&Packet<'_>; 2]) -> Option<Reached> {
         let direction = self.newest?;
@@ -225,6 +240,8 @@ impl<'m> DirectionBounds<'m> {
         Some(Reached { host, guest, threshold: direction.threshold })
     }
 
+    /// Returns the reaches of the children of a node of one side, from the cache if they are
+    /// current.
     #[inline(always)]
     fn reaches<S: Simd>(&mut self, simd: S, side: usize, node: u32, direction: &Direction) -> &Reaches {
         let (mesh, version, support) = (self.meshes[side], self.version, &direction.supports[side]);
@@ -258,7 +275,7 @@ mod tests {
     use crate::mesh::storage::positions::Positions;
     use crate::simd::{dispatch, levels};
 
-    /// How far the faces below a child reach, by their metric corners.
+    /// Returns how far the faces below a child reach, by their metric corners.
     fn reach(mesh: &Mesh, metric: &Metric, side: usize, along: &Vector, level: f64, child: Child) -> f64 {
         match child {
             Child::Leaf(leaf) => mesh.leaf(leaf).faces.iter().fold(f64::NEG_INFINITY, |most, &face| {
@@ -279,7 +296,7 @@ mod tests {
         let knot = torus_knot(96, 24, TREFOIL);
         let mesh = Mesh::new(Positions::F64(knot.vertices), knot.faces).expect("a mesh");
         let mut rng = Rng::new(33);
-        let (mut said, mut reached, mut parts) = (0.0, 0.0, 0);
+        let (mut bounded, mut reached, mut parts) = (0.0, 0.0, 0);
         for round in 0..12 {
             let pose = |map: Affine| Pose::new(map.linear, map.translation).expect("a pose");
             let poses = [
@@ -291,7 +308,7 @@ mod tests {
             let on = [0, 1].map(|side| metric.maps[side].apply(mesh.corners(rng.integer(0, 4000) as u32)[0]));
             let between = sub(&on[1], &on[0]);
             let along = between.map(|x| x / length(&between));
-            direction_bounds.turn_to([&on[0], &on[1]], length(&between), &metric, [0, 1]);
+            direction_bounds.set_direction([&on[0], &on[1]], length(&between), &metric, [0, 1]);
             for node in 0..mesh.0.tree.nodes().len() as u32 {
                 let mut found = Vec::new();
                 for (_, level) in levels() {
@@ -299,7 +316,7 @@ mod tests {
                         dispatch!(level, simd => direction_bounds.of_nodes(simd, [node, node])).expect("a direction");
                     found.push([reached.host, reached.guest]);
                 }
-                assert!(found.iter().all(|reaches| *reaches == found[0]), "another bound at another level");
+                assert!(found.iter().all(|reaches| *reaches == found[0]), "the bounds depend on the vector level");
                 let of = &mesh.0.tree.nodes()[node as usize];
                 for side in [0, 1] {
                     let towards = if side == 0 { along } else { along.map(|x| -x) };
@@ -311,13 +328,13 @@ mod tests {
                             "round {round}, node {node}: {truth} above {bound}"
                         );
                         if !of.holds_leaves() {
-                            (said, reached, parts) = (said + bound, reached + truth, parts + 1);
+                            (bounded, reached, parts) = (bounded + bound, reached + truth, parts + 1);
                         }
                     }
                 }
             }
         }
-        let looseness = (said - reached) / f64::from(parts);
-        assert!(parts > 1000 && looseness < 0.02, "{parts} parts, {looseness} too far");
+        let looseness = (bounded - reached) / f64::from(parts);
+        assert!(parts > 1000 && looseness < 0.02, "{parts} parts, looser than the truth by {looseness}");
     }
 }

@@ -1,4 +1,7 @@
-//! Compares the triangles of two leaves, by bounds that cost more and more.
+//! Compares the triangles of two leaves by several bounds. Faster bounds come first, and tighter
+//! ones that cost more follow.
+//!
+//! Guarded by `tests/it/distance/meshes.rs`.
 
 use std::ops::ControlFlow::{self, Continue};
 
@@ -13,10 +16,11 @@ use super::scene::Scene;
 use crate::mesh::storage::packet::Packet;
 use crate::simd::{LANES, bits};
 
-/// Number of leaves of either mesh that are cached in the metric frame, a power of two. They fill half of a second-level cache.
+/// Number of leaves of either mesh that are cached in the metric frame, a power of two. They fill
+/// half of a second-level cache.
 const CACHED_LEAVES: usize = 128;
 
-/// The leaves of host and guest that were carried into the metric frame last.
+/// The leaves of host and guest that were most recently carried into the metric frame.
 pub(super) type LeafCaches = [Cache<Leaf, CACHED_LEAVES>; 2];
 
 /// The parts of a search that change when two leaves are compared.
@@ -24,7 +28,8 @@ pub(super) struct Progress<'s, 'm> {
     pub(super) answer: &'s mut Answer,
     pub(super) leaves: &'s mut LeafCaches,
     pub(super) direction_bounds: &'s mut DirectionBounds<'m>,
-    /// How many times as far as the limit of the answer bounds are sought, if they are kept; else one.
+    /// Factor on the answer's limit up to which bounds are computed: above one if a frontier keeps
+    /// the bounds, else one.
     pub(super) beyond: f32,
 }
 
@@ -32,23 +37,25 @@ pub(super) struct Progress<'s, 'm> {
 struct LeafPair<'l, S: Simd> {
     simd: S,
     facing: Facing<'l, S>,
+    /// Reaches of the triangles along the newest direction, if there is one.
     reached: Option<Reached>,
     packets: &'l [Packet<'l>; 2],
-    /// The places of host and guest among the two meshes.
+    /// Indices of host and guest among the two meshes.
     sides: [usize; 2],
 }
 
-/// The lanes of a guest leaf that are still to be compared.
+/// The guest lanes that are still to be compared.
 struct GuestLanes {
-    /// For each guest lane the host lanes that are not proved too far away.
+    /// For each guest lane the host lanes that are not proved too far away, as bits.
     near: [u32; LANES],
-    /// The guest lanes that have such host lanes.
+    /// Guest lanes that have such host lanes, as bits.
     left: u32,
-    /// The guest lane with the least number is compared first.
+    /// Order of the guest lanes: the lane with the least number is compared first.
     order: [f32; LANES],
 }
 
-/// Compares the triangles of two leaves. Returns a lower bound of the distances of their pairs, in metric units.
+/// Compares the triangles of two leaves. Returns a lower bound of the distances of their pairs, in
+/// metric units. Breaks if the query is answered.
 #[inline(always)]
 pub(super) fn process_leaves<S: Simd, const KEEPS: bool>(
     simd: S,
@@ -87,7 +94,8 @@ pub(super) fn process_leaves<S: Simd, const KEEPS: bool>(
     Continue(least)
 }
 
-/// Leaves out the lanes that hold no triangle. Returns the host lanes of each guest lane, and the guest lanes that have any.
+/// Removes the lanes that hold no triangle. Returns the host lanes of each guest lane, and the
+/// guest lanes that have any, as bits.
 #[inline(always)]
 fn lanes_in_use(mut near: [u32; LANES], [host, guest]: &[Packet<'_>; 2]) -> ([u32; LANES], u32) {
     let mut near_guests = 0;
@@ -99,7 +107,8 @@ fn lanes_in_use(mut near: [u32; LANES], [host, guest]: &[Packet<'_>; 2]) -> ([u3
 }
 
 impl<S: Simd> LeafPair<'_, S> {
-    /// Leaves out the lanes that are farther than a limit along the line between the leaves, or by their boxes.
+    /// Removes the lanes that are farther away than `limit` along the line between the leaves, or
+    /// by their boxes.
     #[inline(always)]
     fn near_by_boxes(&self, mut near: [u32; LANES], near_guests: u32, limit: f32) -> GuestLanes {
         let near_between = self.facing.near_between(limit);
@@ -114,8 +123,8 @@ impl<S: Simd> LeafPair<'_, S> {
         GuestLanes { near, left, order }
     }
 
-    /// Compares the triangles of the lanes, the nearest guest lane first. Returns a lower bound of the distances of all pairs of
-    /// the leaves.
+    /// Compares the triangles of the lanes, the nearest guest lane first. Returns a lower bound of
+    /// the distances of all pairs of the leaves, in metric units.
     #[inline(always)]
     fn process_lanes<const KEEPS: bool>(
         &self,
@@ -133,7 +142,8 @@ impl<S: Simd> LeafPair<'_, S> {
             let mut near = near[guest_lane];
             limit = answer.limit * beyond;
             if KEEPS {
-                // A pair that is farther than the nearest so far does not lower the bound of the leaves.
+                // A pair that is farther than the nearest pair so far does not lower the bound of
+                // the leaves.
                 limit = limit.min(least.max(answer.limit));
             }
             if limit < of_boxes {
@@ -154,7 +164,8 @@ impl<S: Simd> LeafPair<'_, S> {
         Continue(least.min(limit))
     }
 
-    /// Raises the bounds of a batch and gives its nearest pairs their values. `least` is lowered to the bounds.
+    /// Raises the bounds of a batch and computes the values of its nearest pairs. Lowers `least` to
+    /// the bounds.
     #[inline]
     fn process_batch<const KEEPS: bool>(
         &self,
@@ -184,7 +195,7 @@ impl<S: Simd> LeafPair<'_, S> {
     }
 }
 
-/// Returns that of some lanes, at least one, which has the least number.
+/// Returns the lane with the least number. At least one bit of `lanes` must be set.
 #[inline(always)]
 fn least_of(lanes: u32, numbers: &[f32; LANES]) -> usize {
     bits(lanes).fold(

@@ -1,17 +1,25 @@
-//! The nearest points of two meshes, by branch and bound over both trees.
+//! Finds the nearest points of two meshes by branch and bound over both trees.
 //!
-//! Source: Larsen, Gottschalk, Lin, Manocha, *Fast proximity queries with swept sphere volumes*, ICRA 2000, for distance by
-//! the descent of two trees; ours opens eight children against eight, nearest first, on bounds that are proved.
+//! Source: Larsen, Gottschalk, Lin, Manocha, *Fast proximity queries with swept sphere volumes*,
+//! ICRA 2000, for distance by the descent of two trees. Ours departs in two ways: it compares eight
+//! children with eight, nearest first, and its bounds are proved (docs/proof.md, L14).
 //!
-//! Whether the meshes intersect is asked first, and decided exactly. Where they do not, every pair of faces has a *value*,
-//! the distance of their metric corners by the closed form, which depends on nothing but the pair and the query. The answer
-//! is the least (value, face of a, face of b) of all pairs. A pair is left out only where it is proved to be worse. So
-//! neither the order of the descent nor the vector unit can be seen in the answer.
+//! Whether the meshes intersect is decided first, exactly. If they do not intersect, every pair of
+//! faces has a *value*: the distance of its metric corners (see `metric`), computed by the closed
+//! form. It depends only on the pair and on the query. The answer is the least (value, face of a,
+//! face of b) of all pairs. A pair is skipped only if it is proved to be worse. So the answer
+//! depends neither on the order of the descent nor on the vector unit.
 //!
-//! `nearest` has the verbs, and `search` the search itself. `metric` maps both meshes to one frame, `bounds` has lower bounds of
-//! the distances of boxes, `line_bound` and `direction_bounds` bounds along single directions. `scene` has the values that stay as
-//! they are, `answer` the best pair so far. `leaf_pair` compares the triangles of two leaves. `frontier` and `warm_start` keep the
-//! end of a search for the next one.
+//! - `nearest` has the verbs, and `search` has the search.
+//! - `metric` maps both meshes to one frame, in which distances are measured.
+//! - `bounds` has lower bounds of the distances of boxes. `line_bound` and `direction_bounds` have
+//!   bounds along single directions.
+//! - `scene` has the values that do not change during a search. `answer` has the best pair so far.
+//! - `leaf_pair` compares the triangles of two leaves.
+//! - `frontier` and `warm_start` keep the end of a search for the next search.
+//!
+//! Guarded by `tests/it/distance`, above all `meshes.rs`, and by the benchmark `distance` of
+//! `impinge-bench`.
 
 mod answer;
 mod bounds;

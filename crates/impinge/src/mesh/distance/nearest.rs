@@ -1,4 +1,6 @@
 //! The two verbs: the nearest points of two meshes, and faces within a clearance.
+//!
+//! Guarded by `tests/it/distance/meshes.rs`, `clearances.rs` and `plates.rs`.
 
 use super::far_apart;
 use super::scene::{Nearest, intersecting};
@@ -6,9 +8,10 @@ use super::search::Search;
 use super::warm_start::WarmStart;
 use crate::mesh::{HostChoice, Options, PlacedMesh, first_hit};
 
-/// Returns the nearest points of two meshes, or `None` if a mesh has no faces.
+/// Returns the nearest points of two meshes in the world, or `None` if a mesh has no faces.
 ///
-/// If the meshes intersect, the faces are the first pair that the descent finds with the host of the smaller error.
+/// If the meshes intersect, the faces are the first pair that the descent finds with the host of
+/// the smaller error.
 pub(crate) fn nearest(
     a: PlacedMesh<'_>,
     b: PlacedMesh<'_>,
@@ -35,8 +38,8 @@ pub(crate) fn nearest(
     nearest
 }
 
-/// Returns the nearest points by resuming at the frontier of the last search. Returns `None` if there is no frontier or if it does
-/// not prove that the meshes are apart.
+/// Returns the nearest points by resuming at the frontier of the last search. Returns `None` if
+/// there is no frontier or if the resumed search does not prove that the meshes are apart.
 fn nearest_from_frontier(
     a: PlacedMesh<'_>,
     b: PlacedMesh<'_>,
@@ -57,7 +60,9 @@ fn nearest_from_frontier(
     nearest
 }
 
-/// Returns a pair of faces that are no farther apart than `clearance`, or `None` if there is none.
+/// Returns a pair of faces that are no farther apart than `clearance`, in world units, or `None` if
+/// there is no such pair. Returns `None` if the clearance is negative or NaN. An interrupted search
+/// returns the first faces.
 pub(crate) fn within(
     a: PlacedMesh<'_>,
     b: PlacedMesh<'_>,

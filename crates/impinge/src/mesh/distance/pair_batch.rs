@@ -1,11 +1,13 @@
-//! Pairs of triangles of two leaves in a batch of eight: a tight bound of eight pairs takes as long as that of one.
+//! Pairs of triangles of two leaves in a batch of eight: tight bounds of eight pairs take as long
+//! as the bound of one pair.
 
 use fearless_simd::Simd;
 
 use super::leaf::Facing;
 use crate::simd::{Choice, LANES, outlined};
 
-/// Up to eight pairs of triangles, by their lanes in the host's leaf and in the guest's, and lower bounds of their distances.
+/// Up to eight pairs of triangles, by their lanes in the host's leaf and in the guest's, with lower
+/// bounds of their distances in metric units.
 pub(super) struct PairBatch {
     lanes: [[usize; 2]; LANES],
     lower: [f32; LANES],
@@ -28,7 +30,8 @@ impl PairBatch {
         self.count == LANES
     }
 
-    /// Raises the bounds, if the caller wants them or if that takes no longer than the value of one pair.
+    /// Raises the bounds if `is_wanted` is set, or if that takes no longer than the value of one
+    /// pair.
     #[inline(always)]
     pub(super) fn raise<S: Simd>(&mut self, simd: S, facing: &Facing<'_, S>, is_wanted: bool) {
         if self.count > usize::from(!is_wanted) {
@@ -55,7 +58,8 @@ impl PairBatch {
         [0, 1].map(|side| Choice::new(self.lanes.map(|lanes| lanes[side])))
     }
 
-    /// Removes and returns the pair of the least bound. If that bound is above `limit`, clears the batch and returns `None`.
+    /// Removes and returns the pair with the least bound. If that bound is above `limit`, clears
+    /// the batch and returns `None`.
     #[inline(always)]
     pub(super) fn take_nearest(&mut self, limit: f32) -> Option<([usize; 2], f32)> {
         let nearest =

@@ -1,4 +1,4 @@
-//! The values that do not change during a search, and the conversion of its numbers to world units.
+//! The values that do not change during a search, and the conversion of its results to world units.
 
 use super::bounds::Bounds;
 use super::metric::Metric;
@@ -12,8 +12,11 @@ use crate::primitive::{
 /// The nearest points of two meshes, in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Nearest {
+    /// Lower bound of the distance, in world units.
     pub(crate) lower: f64,
+    /// Upper bound of the distance, in world units.
     pub(crate) upper: f64,
+    /// The nearest points, of the first and the second mesh, rounded.
     pub(crate) points: [Vector; 2],
     pub(crate) faces: [u32; 2],
 }
@@ -27,12 +30,13 @@ pub(super) struct Valued {
 }
 
 impl Valued {
+    /// Reports whether this pair has the smaller value, or equal values and the first faces.
     pub(super) fn precedes(&self, other: &Self) -> bool {
         self.value < other.value || (self.value == other.value && self.faces < other.faces)
     }
 }
 
-/// Values that do not change during a search.
+/// The values that do not change during a search.
 pub(super) struct Scene<'a> {
     pub(super) meshes: [&'a Mesh; 2],
     pub(super) metric: Metric,
@@ -43,18 +47,19 @@ pub(super) struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Returns the places of the host and the guest among the two meshes.
+    /// Returns the indices of the host and the guest among the two meshes.
     #[inline(always)]
     pub(super) fn sides(&self) -> [usize; 2] {
         self.bounds.sides.host_guest([0, 1])
     }
 
+    /// Returns the corners of two faces in the metric frame.
     pub(super) fn corners(&self, faces: [u32; 2]) -> [[Vector; 3]; 2] {
         [0, 1].map(|m| self.meshes[m].corners(faces[m]).map(|corner| self.metric.maps[m].apply(corner)))
     }
 
-    /// Reports whether two faces are within the clearance, exactly. Only parts of them whose computed
-    /// distance does not settle it are compared exactly.
+    /// Reports whether two faces are within the clearance, exactly. Only the edges and corners
+    /// whose computed distance does not decide are compared exactly.
     pub(super) fn within(&self, faces: [u32; 2], witness: &Witness) -> bool {
         if self.supports(faces, witness).are_farther_than(
             &self.placement,
@@ -75,15 +80,16 @@ impl Scene<'_> {
         parts_within(&self.placement, &a, &b, self.clearance, &parts)
     }
 
-    /// Reports whether planes that two faces rest on, perpendicular to the line between their nearest points, prove that the
-    /// whole meshes are farther apart than the clearance.
+    /// Reports whether planes that two faces rest on, perpendicular to the line between their
+    /// nearest points, prove that the whole meshes are farther apart than the clearance.
     pub(super) fn are_farther_by_planes(&self, best: &Valued) -> bool {
         let supports = self.supports(best.faces, &best.witness);
         supports.are_farther_than(&self.placement, self.vertices(0), self.vertices(1), self.clearance)
     }
 
-    /// Returns the distance of the meshes as an interval, if such planes prove that no two faces are nearer than these. It is
-    /// then the same for all pairs of faces that tie.
+    /// Returns an interval of the distance of the meshes in world units, if such planes prove that
+    /// no two faces are nearer than the best pair. The interval is then the same for all pairs of
+    /// faces that tie. Returns `None` if the planes do not prove it.
     pub(super) fn distance_by_planes(&self, best: &Valued) -> Option<[f64; 2]> {
         let supports = self.supports(best.faces, &best.witness);
         let corners = [0, 1].map(|m| self.meshes[m].corners(best.faces[m]));
@@ -92,13 +98,14 @@ impl Scene<'_> {
         supports.distance(&self.placement, self.vertices(0), self.vertices(1), corners.each_ref(), shares)
     }
 
-    /// The vertices of a mesh. Those that no face uses are among them, and can only spoil a proof.
+    /// Returns the vertices of a mesh. Vertices that no face uses are among them, which can make a
+    /// proof fail but never makes it wrong.
     fn vertices(&self, m: usize) -> impl Iterator<Item = [f64; 3]> + Clone + use<'_> {
         let vertices = self.meshes[m].0.vertices.slice();
         (0..vertices.len()).map(move |vertex| vertices.get(vertex))
     }
 
-    /// Number of vertices of both meshes.
+    /// Returns the number of vertices of both meshes.
     pub(super) fn vertex_count(&self) -> usize {
         self.meshes.iter().map(|mesh| mesh.0.vertices.slice().len()).sum()
     }
@@ -108,17 +115,19 @@ impl Scene<'_> {
         Supports::of_triangles(&self.placement, &corners[0], &corners[1], sub(&witness.on_b, &witness.on_a))
     }
 
-    /// Returns an upper bound of the distance of triangles of this value, in world units.
+    /// Returns an upper bound of the distance of triangles with this value, in world units.
     pub(super) fn upper(&self, value: f64) -> f64 {
         ((value * (1.0 + 4.0 * f64::EPSILON) + self.metric.error) / self.metric.scale).next_up()
     }
 
-    /// Returns a lower bound of the distance of triangles whose values are not smaller, in world units.
+    /// Returns a lower bound of the distance of triangles whose value is not smaller, in world
+    /// units.
     pub(super) fn lower(&self, value: f64) -> f64 {
         ((value * (1.0 - 4.0 * f64::EPSILON) - self.metric.error) / self.metric.scale).next_down().max(0.0)
     }
 
-    /// Returns the result for the best pair, whose value may be above the least value by `doubt`.
+    /// Returns the result for the best pair. `doubt` bounds how far its value may be above the
+    /// least value, in metric units.
     pub(super) fn finish(&self, best: &Valued, doubt: f64) -> Nearest {
         let faces = best.faces;
         let Witness { on_a, on_b, .. } = best.witness;
@@ -128,8 +137,9 @@ impl Scene<'_> {
     }
 }
 
-/// Returns the shares of the second corner and of the third in a point of a triangle, with room for rounding in their sum. Returns
-/// `None` for a triangle without area.
+/// Returns the barycentric shares of the second and the third corner in a point of a triangle. They
+/// are not negative, and their sum leaves room for rounding. Returns `None` for a triangle without
+/// area.
 fn shares([first, second, third]: &[Vector; 3], point: &Vector) -> Option<[f64; 2]> {
     let (u, v, w) = (sub(second, first), sub(third, first), sub(point, first));
     let (uu, uv, vv, wu, wv) = (dot(&u, &u), dot(&u, &v), dot(&v, &v), dot(&w, &u), dot(&w, &v));
@@ -145,7 +155,7 @@ pub(super) fn intersecting(a: PlacedMesh<'_>, b: PlacedMesh<'_>, faces: [u32; 2]
     let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
     let corners = [a.mesh.corners(faces[0]), b.mesh.corners(faces[1])];
     let common = common_point(&placement, &corners[0], &corners[1]).unwrap_or_else(|| {
-        // Parts of one plane: the closed form finds a common point.
+        // If the faces lie in one plane, the closed form finds a common point.
         let metric = Metric::new(a, b);
         let [a, b] = [0, 1].map(|m| corners[m].map(|corner| metric.maps[m].apply(corner)));
         metric.to_world(triangle_triangle(&a, &b).on_a)

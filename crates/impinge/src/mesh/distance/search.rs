@@ -1,4 +1,6 @@
 //! The search: pairs of children are processed in the order of their bounds, the nearest first.
+//!
+//! Guarded by `tests/it/distance/meshes.rs`, `frontier/tests.rs` and the benchmark `distance`.
 
 use std::ops::ControlFlow::{self, Continue};
 
@@ -27,14 +29,14 @@ use crate::mesh::{Options, PlacedMesh};
 use crate::simd::{LANES, Level, bits, by_axis, dispatch, outlined};
 use crate::volume::Aabb;
 
-/// Number of processed pairs of leaves above which a search counts as costly. It then takes some milliseconds, and a frontier makes
-/// similar searches after it faster.
-const COSTLY: usize = 1 << 13;
+/// Number of processed leaf pairs above which a search counts as costly. Such a search takes some
+/// milliseconds, and a frontier makes similar searches after it faster.
+const COSTLY_PAIRS: usize = 1 << 13;
 
-/// Maximum ratio of the sizes of two boxes whose nodes are opened together. Above it only the larger node is opened.
-const OPENED_TOGETHER: f32 = 4.0;
+/// Maximum ratio of the sizes of two boxes up to which both nodes are opened, not only the larger.
+const MAX_SIZE_RATIO: f32 = 4.0;
 
-/// The two sides of a search, by their places.
+/// Indices of the two sides of a search.
 const HOST: usize = 0;
 const GUEST: usize = 1;
 
@@ -44,6 +46,7 @@ pub(super) struct Search<'a> {
     pub(super) answer: Answer,
     nodes: [&'a [Node]; 2],
     packets: [Packets<'a>; 2],
+    /// Stack of the pairs of children that are not yet processed, the nearest last.
     tasks: Vec<Task>,
     found: Sorted,
     leaves: LeafCaches,
@@ -52,13 +55,13 @@ pub(super) struct Search<'a> {
     line_bound: LineBound,
     /// Node pairs at which the search ends, if they are kept.
     frontier: Option<Frontier>,
-    /// Number of processed pairs of leaves.
+    /// Number of processed leaf pairs.
     leaf_pairs: usize,
     pub(super) slices: Slices<'a>,
 }
 
 impl<'a> Search<'a> {
-    /// Creates a search. Returns `None` if a mesh has no faces.
+    /// Creates a search with a clearance in world units. Returns `None` if a mesh has no faces.
     pub(super) fn new(a: PlacedMesh<'a>, b: PlacedMesh<'a>, options: &Options<'a>, clearance: f64) -> Option<Self> {
         if a.mesh.faces().is_empty() || b.mesh.faces().is_empty() {
             return None;
@@ -89,7 +92,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Processes these faces first, if they exist.
+    /// Processes these faces first, if both exist. Breaks if they answer the query.
     pub(super) fn try_faces(&mut self, faces: Option<[u32; 2]>) -> ControlFlow<()> {
         let scene = &self.scene;
         let exists = |faces: &[u32; 2]| [0, 1].iter().all(|&m| (faces[m] as usize) < scene.meshes[m].faces().len());
@@ -100,7 +103,8 @@ impl<'a> Search<'a> {
         Continue(())
     }
 
-    /// Searches from the roots. Keeps a frontier if the meshes have hardly moved `since` the last search that was costly.
+    /// Searches from the roots. Keeps a frontier if the meshes have hardly moved since `since`,
+    /// their relative frame at the last costly search.
     pub(super) fn run(&mut self, options: &Options<'_>, since: Option<&RelativeFrame>) {
         self.frontier = since.and_then(|since| Frontier::new(&self.scene, since, self.nodes, options, self.answer.cut));
         let found = if self.frontier.is_some() {
@@ -116,7 +120,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Resumes at the pairs that a frontier does not prove far. Returns `false` without a search if the frontier is of no use.
+    /// Resumes at the pairs that `frontier` does not prove far. Returns `false` if it is of no use.
     pub(super) fn resume(&mut self, frontier: Frontier, options: &Options<'_>) -> bool {
         let Some(frontier) = frontier.moved(&self.scene, self.nodes[GUEST], options, self.answer.cut) else {
             return false;
@@ -128,25 +132,26 @@ impl<'a> Search<'a> {
         true
     }
 
-    /// Returns the state for the next search.
+    /// Returns the state for the next search. `faces` are the faces that it tries first.
     pub(super) fn into_warm_start(self, faces: Option<[u32; 2]>) -> WarmStart {
         let costly =
-            if self.leaf_pairs > COSTLY || self.frontier.is_some() { self.scene.bounds.relative } else { None };
+            if self.leaf_pairs > COSTLY_PAIRS || self.frontier.is_some() { self.scene.bounds.relative } else { None };
         WarmStart { faces, frontier: self.frontier, costly }
     }
 
-    /// Returns the nearest points so far.
+    /// Returns the nearest points so far, in the world.
     pub(super) fn nearest(&mut self) -> Option<Nearest> {
         self.answer.nearest(&self.scene, self.slices.is_interrupted)
     }
 
-    /// Runs [`advance`](Self::advance) with a vector unit. Both callers share the one copy that is
+    /// Runs [`advance`](Self::advance) on a vector unit. Both callers share the one copy that is
     /// compiled for each unit.
     #[inline(never)]
     fn advance_on(&mut self, level: Level) -> ControlFlow<()> {
         dispatch!(level, simd => self.advance(simd))
     }
 
+    /// Searches from the roots, without a frontier.
     #[inline(always)]
     fn descend<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
         self.open_both::<S, false>(simd, 0, 0);
@@ -173,7 +178,7 @@ impl<'a> Search<'a> {
         Continue(())
     }
 
-    /// Processes the tasks until none is left.
+    /// Processes all tasks. Breaks if the query is answered or interrupted.
     #[inline(always)]
     fn process_tasks<S: Simd, const KEEPS: bool>(&mut self, simd: S) -> ControlFlow<()> {
         while let Some(task) = self.tasks.pop() {
@@ -192,19 +197,19 @@ impl<'a> Search<'a> {
             let (host_lane, guest_lane) = (usize::from(host.lane), usize::from(guest.lane));
             let (host_box, guest_box) = (host_node.lane_bounds(host_lane), guest_node.lane_bounds(guest_lane));
             let line = self.line_bound.line(&host_box, &guest_box);
-            let left = line.left();
-            if left.is_longer(cut) {
-                self.raise::<KEEPS>(&task, left.length());
+            let remainder = line.remainder();
+            if remainder.is_longer(cut) {
+                self.raise::<KEEPS>(&task, remainder.length());
                 continue;
             }
             let entries = self.entries();
-            // Which node to open, if not both. One call of each function below keeps the compiled code small.
+            // The node to open, if not both. One call of each function keeps the code small.
             let one = match (host_node.child(host_lane), guest_node.child(guest_lane)) {
                 (Child::Leaf(host), Child::Leaf(guest)) => {
                     let packets = [self.packets[HOST].get(simd, host), self.packets[GUEST].get(simd, guest)];
-                    let left = line.left_by_leaves(&packets);
-                    if left.is_longer(cut) {
-                        self.raise::<KEEPS>(&task, left.length());
+                    let remainder = line.remainder_of_leaves(&packets);
+                    if remainder.is_longer(cut) {
+                        self.raise::<KEEPS>(&task, remainder.length());
                     } else {
                         let least = self.process_leaves::<S, KEEPS>(simd, [host, guest], &packets)?;
                         self.leaf_pairs += 1;
@@ -217,9 +222,9 @@ impl<'a> Search<'a> {
                 (Child::Inner(host_node), Child::Inner(guest_node)) => {
                     let host_size = size(&self.box_of(simd, HOST, host));
                     let guest_size = size(&self.box_of(simd, GUEST, guest));
-                    if host_size > OPENED_TOGETHER * guest_size {
+                    if host_size > MAX_SIZE_RATIO * guest_size {
                         Some((HOST, host_node, guest))
-                    } else if guest_size > OPENED_TOGETHER * host_size {
+                    } else if guest_size > MAX_SIZE_RATIO * host_size {
                         Some((GUEST, guest_node, host))
                     } else {
                         self.open_both::<S, KEEPS>(simd, host_node, guest_node);
@@ -230,7 +235,7 @@ impl<'a> Search<'a> {
             if let Some((side, node, other)) = one {
                 self.open_one::<S, KEEPS>(simd, side, node, other);
             }
-            // Children without an entry keep their bound and are opened again.
+            // Children without an entry keep their bound and are opened again in the next search.
             if KEEPS
                 && self.entries() > entries
                 && let Some(frontier) = &mut self.frontier
@@ -241,7 +246,7 @@ impl<'a> Search<'a> {
         Continue(())
     }
 
-    /// Compares the triangles of two leaves. Returns a lower bound of the distances of their pairs, in metric units.
+    /// Compares the triangles of two leaves. Returns a lower bound of their metric distances.
     #[inline(always)]
     fn process_leaves<S: Simd, const KEEPS: bool>(
         &mut self,
@@ -249,7 +254,7 @@ impl<'a> Search<'a> {
         leaves: [u32; 2],
         packets: &[Packet<'_>; 2],
     ) -> ControlFlow<(), f32> {
-        // Bounds that a frontier keeps are sought beyond what matters.
+        // Bounds that a frontier keeps are computed beyond the distance that matters.
         let beyond = if KEEPS { self.frontier.as_ref().map_or(1.0, Frontier::beyond) } else { 1.0 };
         let Self { scene, answer, leaves: cached, direction_bounds, .. } = self;
         let progress = Progress { answer, leaves: cached, direction_bounds, beyond };
@@ -269,7 +274,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Adds an entry for two nodes to the frontier, with the bounds of their boxes.
+    /// Adds an entry for two nodes to the frontier, with the bounds of their boxes. Returns its
+    /// index, or [`NO_ENTRY`].
     #[inline(always)]
     fn entry_of_both<S: Simd, const KEEPS: bool>(&mut self, simd: S, host: u32, guest: u32) -> u32 {
         let Self { scene, answer, nodes, carried: [carried_host, carried_guest], frontier, .. } = self;
@@ -281,7 +287,7 @@ impl<'a> Search<'a> {
                 let (host_node, guest_node) = (&nodes[HOST][host as usize], &nodes[GUEST][guest as usize]);
                 let host_boxes = carried_boxes(carried_host, host, || scene.bounds.carry(simd, HOST, host_node));
                 let guest_boxes = carried_boxes(carried_guest, guest, || scene.bounds.carry(simd, GUEST, guest_node));
-                let Some(entry) = frontier.open([host, guest]) else { return NO_ENTRY };
+                let Some(entry) = frontier.add_entry([host, guest]) else { return NO_ENTRY };
                 for guest_lane in 0..guest_node.count() {
                     let guest_box = guest_boxes.lane(guest_lane);
                     let bounds = scene.bounds.of(simd, host_boxes, &guest_box, false, answer.node_limit).bounds;
@@ -310,7 +316,7 @@ impl<'a> Search<'a> {
                 let bounds = scene.bounds.of(simd, many, &one, side == GUEST, answer.node_limit).bounds;
                 let pair = |opened: Slot| if side == HOST { [opened, other] } else { [other, opened] };
                 let nodes = pair(Slot { node, lane: 0 }).map(|slot| slot.node);
-                let Some(entry) = frontier.open(nodes) else { return NO_ENTRY };
+                let Some(entry) = frontier.add_entry(nodes) else { return NO_ENTRY };
                 for lane in 0..opened.count() {
                     frontier.keep(entry, pair(Slot { node, lane: lane as u8 }), bounds[lane]);
                 }
@@ -319,6 +325,7 @@ impl<'a> Search<'a> {
         )
     }
 
+    /// Compares the children of two nodes, and queues the near pairs.
     #[inline(always)]
     fn open_both<S: Simd, const KEEPS: bool>(&mut self, simd: S, host: u32, guest: u32) {
         let entry = self.entry_of_both::<S, KEEPS>(simd, host, guest);
@@ -347,7 +354,7 @@ impl<'a> Search<'a> {
         });
     }
 
-    /// Compares the children of a node of one side with one child of the other.
+    /// Compares the children of a node with one child of the other side, and queues the near pairs.
     #[inline(always)]
     fn open_one<S: Simd, const KEEPS: bool>(&mut self, simd: S, side: usize, node: u32, other: Slot) {
         let one = self.box_of(simd, 1 - side, other);
@@ -374,7 +381,7 @@ impl<'a> Search<'a> {
         });
     }
 
-    /// Returns the carried box of a child of a node of one side.
+    /// Returns the box of a child of a node of one side, in the frame of comparison.
     #[inline(always)]
     fn box_of<S: Simd>(&mut self, simd: S, side: usize, slot: Slot) -> Aabb {
         let Self { scene, nodes, carried, .. } = self;

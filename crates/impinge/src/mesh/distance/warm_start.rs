@@ -1,4 +1,4 @@
-//! What a search keeps for the next search of the same two meshes.
+//! The state that a search keeps for the next search of the same two meshes.
 
 use super::frontier::Frontier;
 use super::relative_frame::RelativeFrame;
@@ -6,7 +6,7 @@ use super::relative_frame::RelativeFrame;
 /// State that a search keeps for the next search of the same two meshes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WarmStart {
-    /// Faces that were nearest.
+    /// Faces that were nearest, which the next search tries first.
     pub(super) faces: Option<[u32; 2]>,
     /// Node pairs at which the search ended, if they were kept.
     pub(super) frontier: Option<Frontier>,

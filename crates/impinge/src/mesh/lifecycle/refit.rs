@@ -17,7 +17,7 @@ use crate::input::InputError;
 use crate::mesh::storage::frame::PackedFrame;
 use crate::mesh::storage::positions::{Positions, Vertices};
 use crate::mesh::storage::stamp::Stamp;
-use crate::mesh::triangle_mesh::{Data, Mesh};
+use crate::mesh::triangle_mesh::{Data, Derived, Mesh};
 
 impl Mesh {
     /// Moves the vertices. Faces and their numbers are kept, and so is the number of vertices.
@@ -92,8 +92,7 @@ impl Data {
     fn fit(&mut self, positions: Positions, frame: PackedFrame) {
         self.stamp = Stamp::new();
         self.vertices = Vertices::Given(positions);
-        self.topology.take();
-        self.far_field.take();
+        self.derived = Derived::default();
         self.packet_cache.clear();
         self.frame = frame;
         let moved = Moved { vertices: self.vertices.slice(), faces: &self.faces, frame: &self.frame };

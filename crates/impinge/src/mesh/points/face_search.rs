@@ -1,4 +1,7 @@
-//! The faces of a mesh that may be near something, found through the tree by whatever bound the asker has for boxes.
+//! Finds the faces of a mesh that may be near something, through the tree, by a caller's bound for
+//! boxes (docs/proof.md, L31).
+//!
+//! Guarded by `tests/it/shapes/surfaces.rs`.
 
 use std::ops::ControlFlow::{self, Break};
 
@@ -7,24 +10,26 @@ use crate::math::relative::UNIT_ROUNDOFF;
 use crate::mesh::Mesh;
 use crate::mesh::storage::frame::REACH;
 
-/// What looks for faces.
+/// A search for the faces of a mesh.
 pub(crate) trait FaceSearch {
-    /// How far whatever is in a box of the mesh's own frame is at least; what is not a number counts as near.
-    fn bound(&self, centre: &[f64; 3], half_extents: &[f64; 3]) -> f64;
+    /// Returns a lower bound of the distance to everything in a box of the mesh's own frame. NaN
+    /// counts as near.
+    fn bound(&self, center: &[f64; 3], half_extents: &[f64; 3]) -> f64;
 
-    /// What is farther than this is left out.
+    /// Returns the distance above which boxes are skipped.
     fn cut(&self) -> f64;
 
-    /// Looks at a face; every face whose boxes are not farther than the cut comes once, unless the search is broken off.
+    /// Processes a face. Every face whose boxes are not farther than the cut comes once, unless the
+    /// search is stopped by `Break`.
     fn visit(&mut self, face: u32) -> ControlFlow<()>;
 }
 
 impl Mesh {
-    /// Leads a search to the faces of near boxes, the nearest boxes of each node first.
+    /// Runs a search: visits the faces of near boxes, the nearest boxes of each node first.
     ///
     /// # Accuracy
-    /// Boxes come enlarged by what unpacking rounds: two roundings of coordinates of at most the origin's magnitude and the
-    /// mesh's extent.
+    /// Boxes are enlarged by the rounding error of unpacking: two roundings of coordinates of at
+    /// most the origin's magnitude and the mesh's extent.
     pub(crate) fn search(&self, search: &mut impl FaceSearch) {
         let nodes = self.0.tree.nodes();
         if nodes.is_empty() {
@@ -40,7 +45,7 @@ impl Mesh {
                 Child::Leaf(leaf) => {
                     let faces = self.leaf(leaf).faces;
                     for (lane, &face) in faces.iter().enumerate() {
-                        // Lanes that are not in use repeat the first.
+                        // Unused lanes repeat the first face.
                         if (lane == 0 || face != faces[0]) && search.visit(face) == Break(()) {
                             return;
                         }
@@ -50,18 +55,19 @@ impl Mesh {
         }
     }
 
+    /// Queues the near children of a node, the nearest last.
     fn open(&self, node: &Node, search: &impl FaceSearch, tasks: &mut Vec<(f64, Child)>) {
         let frame = &self.0.frame;
         let start = tasks.len();
         for lane in 0..node.count() {
-            let (mut centre, mut half_extents) = ([0.0; 3], [0.0; 3]);
+            let (mut center, mut half_extents) = ([0.0; 3], [0.0; 3]);
             for k in 0..3 {
                 let (min, max) = (f64::from(node.min[k][lane]), f64::from(node.max[k][lane]));
-                centre[k] = frame.origin[k] + 0.5 * (min + max) / frame.scale;
+                center[k] = frame.origin[k] + 0.5 * (min + max) / frame.scale;
                 let slack = 4.0 * UNIT_ROUNDOFF * (frame.origin[k].abs() + 2.0 * REACH / frame.scale);
                 half_extents[k] = 0.5 * (max - min) / frame.scale + slack;
             }
-            let bound = search.bound(&centre, &half_extents);
+            let bound = search.bound(&center, &half_extents);
             if bound > search.cut() {
                 continue;
             }
@@ -73,7 +79,8 @@ impl Mesh {
         }
     }
 
-    /// A box of the mesh's own frame that holds it; none where there are no faces.
+    /// Returns the minimum and maximum corner of a box that holds the mesh, in the mesh's own
+    /// frame, or `None` for a mesh without faces.
     pub(crate) fn local_bounds(&self) -> Option<[[f64; 3]; 2]> {
         let root = self.0.tree.nodes().first()?;
         let frame = &self.0.frame;

@@ -1,7 +1,8 @@
-//! Queries of points and rays.
+//! Queries of points and rays against a mesh.
 //!
-//! `nearest` finds the closest point of a mesh, `face_search` finds the faces for which a caller's
-//! bound is small. `ray_packet` culls the triangles of a packet against a ray for `rays`.
+//! `nearest` finds the closest point of a mesh. `face_search` finds the faces for which a caller's
+//! bound is small. `rays` finds the faces that a ray intersects, and `ray_packet` culls the
+//! triangles of a packet against a ray for it.
 
 pub(super) mod face_search;
 pub(super) mod nearest;

@@ -1,7 +1,10 @@
 //! The point of a mesh that is nearest to a given point.
 //!
-//! Source: the descent with the nearest child first of Roussopoulos, Kelley, Vincent, *Nearest neighbor queries*, SIGMOD 1995,
-//! to triangles in place of points. Boxes are compared in double precision, as a point may be far from the mesh.
+//! Source: the descent with the nearest child first of Roussopoulos, Kelley, Vincent, *Nearest
+//! neighbor queries*, SIGMOD 1995. Ours departs in using triangles instead of points. Boxes are
+//! compared in double precision, because a point may be far from the mesh.
+//!
+//! Guarded by `tests/it/distance/points.rs`.
 
 use rayon::prelude::*;
 
@@ -14,21 +17,23 @@ use crate::mesh::storage::frame::reciprocal_power_of_two;
 use crate::primitive::{CLOSED_FORM_ERROR, point_triangle};
 use crate::simd::LANES;
 
-/// The point of a mesh that is nearest to a given point.
+/// The point of a mesh that is nearest to a given point, with a proved interval of the distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosestPoint {
     /// The nearest point, in the mesh's own frame, rounded.
     pub point: [f64; 3],
-    /// The face that it is on; the first of those that are equally near by the closed form.
+    /// Index of the face that holds the point. If several faces are equally near by the closed
+    /// form, the first of them.
     pub face: u32,
-    /// No point of the mesh is nearer than this.
+    /// Lower bound of the distance, in the mesh's own unit.
     pub lower: f64,
-    /// Some point of the mesh is no farther than this.
+    /// Upper bound of the distance, in the mesh's own unit.
     pub upper: f64,
 }
 
 impl Mesh {
-    /// The point of the mesh that is nearest to `point`, in the mesh's own frame; none where the mesh has no faces.
+    /// Returns the point of the mesh that is nearest to `point`, both in the mesh's own frame, or
+    /// `None` if the mesh has no faces.
     ///
     /// ```
     /// use impinge::{Mesh, Positions};
@@ -42,26 +47,28 @@ impl Mesh {
     /// ```
     ///
     /// # Accuracy
-    /// The true distance lies in `[lower, upper]`, whose width is at most 2^-44 of the distance of the point from the
-    /// mesh's centre and the mesh's extent, added up.
+    /// The true distance lies in `[lower, upper]`. The width of this interval is at most 2^-44 of
+    /// the sum of the point's distance from the mesh's center and the mesh's extent.
     ///
     /// # Errors
-    /// A coordinate that is not finite, or beyond 2^300.
+    /// Returns an error if a coordinate is not finite, or above 2^300 in magnitude.
     ///
     /// # Complexity
-    /// Logarithmic, and grows with the faces that are as near as the nearest.
+    /// Logarithmic in the faces. It grows with the number of faces that are as near as the nearest.
     pub fn closest_point(&self, point: [f64; 3]) -> Result<Option<ClosestPoint>, InputError> {
         InputError::judge_row(&point, "point", 0)?;
         Ok(self.nearest_to(&point))
     }
 
-    /// [`closest_point`](Self::closest_point) of many points, on all cores of the current rayon pool.
+    /// Returns the [`closest_point`](Self::closest_point) of each point, computed on all cores of
+    /// the current rayon pool.
     ///
     /// # Errors
-    /// As there, naming the first point that is refused; none is answered then.
+    /// Returns an error for the first invalid point, as [`closest_point`](Self::closest_point)
+    /// does. Then no point is processed.
     pub fn closest_points(&self, points: &[[f64; 3]]) -> Result<Vec<Option<ClosestPoint>>, InputError> {
         points.iter().enumerate().try_for_each(|(index, point)| InputError::judge_row(point, "point", index))?;
-        Ok(points.par_iter().with_min_len(LEAST_SHARED).map(|point| self.nearest_to(point)).collect())
+        Ok(points.par_iter().with_min_len(MIN_POINTS_PER_TASK).map(|point| self.nearest_to(point)).collect())
     }
 
     fn nearest_to(&self, point: &Vector) -> Option<ClosestPoint> {
@@ -75,42 +82,53 @@ impl Mesh {
             }
             match child {
                 Child::Inner(node) => search.open(&nodes[node as usize], &mut tasks),
-                Child::Leaf(leaf) => search.meet(leaf),
+                Child::Leaf(leaf) => search.process_leaf(leaf),
             }
         }
         Some(search.finish())
     }
 }
 
-/// Fewer points than this are not worth another thread.
-const LEAST_SHARED: usize = 64;
+/// Minimum number of points per parallel task. Fewer points cost less than handing them to another
+/// thread.
+const MIN_POINTS_PER_TASK: usize = 64;
 
-/// About the given point, in a unit in which neither it nor the mesh is far out.
+/// A search for the point of the mesh that is nearest to a given point. Coordinates are relative to
+/// the given point, and scaled so that neither it nor the mesh is large.
 struct Search<'a> {
     mesh: &'a Mesh,
     point: &'a Vector,
+    /// Units of the search in one unit of the mesh, a power of two.
     scale: f64,
-    /// The point in the packed frame, in this unit, and packed units in it.
+    /// The point relative to the center of the mesh, in the unit of the search.
     packed: Vector,
+    /// Units of the search in one packed unit.
     per_packed: f64,
+    /// Error bound of `value`, in the unit of the search.
     error: f64,
-    /// What is farther, in squares, does not matter.
+    /// Squared distance above which boxes are skipped, in the unit of the search.
     cut: f64,
+    /// Least distance so far, in the unit of the search.
     value: f64,
     face: u32,
+    /// Nearest point so far, relative to the point, in the unit of the search.
     foot: Vector,
 }
 
 impl<'a> Search<'a> {
+    /// Prepares a search.
+    ///
     /// # Accuracy
-    /// Corners are taken about the point and rounded once, to 2 units of 2^-53 of the size; the closed form adds its own.
+    /// Corners are taken relative to the point and rounded once, to 2 units of 2^-53 of the size.
+    /// The closed form adds its own error.
     fn new(mesh: &'a Mesh, point: &'a Vector) -> Self {
         let frame = &mesh.0.frame;
         let offset = sub(point, &frame.origin);
-        // Squares of 2^300 do not overflow, and those that vanish are nothing beside the mesh.
+        // Squares of 2^300 do not overflow, and squares that vanish do not matter beside the mesh.
         let reach = length(&offset) + 2.0 / frame.scale;
         let scale = reciprocal_power_of_two(reach);
-        // The diagonal of the box that holds a triangle and the point: both are within the reach of the centre.
+        // The diagonal of the box that holds a triangle and the point, which are both within
+        // `reach` of the mesh's center.
         let size = 4.0 * reach * scale;
         let error = (CLOSED_FORM_ERROR + 4.0 * UNIT_ROUNDOFF) * size;
         Self {
@@ -127,9 +145,9 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Appends the children that are near, the nearest last.
+    /// Appends the near children of a node, the nearest last.
     fn open(&self, node: &Node, tasks: &mut Vec<(f64, Child)>) {
-        // The packed point is off by two roundings, packed boxes by nothing.
+        // The packed point has two roundings, and packed boxes have no error.
         let slack = 4.0 * UNIT_ROUNDOFF;
         let mut bounds = [0.0_f64; LANES];
         for axis in 0..3 {
@@ -154,7 +172,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn meet(&mut self, leaf: u32) {
+    fn process_leaf(&mut self, leaf: u32) {
         let faces = self.mesh.leaf(leaf).faces;
         for (lane, &face) in faces.iter().enumerate() {
             if lane > 0 && face == faces[0] {

@@ -1,8 +1,12 @@
-//! A line beside a packet: which of up to eight triangles it may meet, in single precision.
+//! The triangles of a packet that a line may intersect, in single precision.
 //!
-//! Source: Woop, Benthin, Wald, *Watertight Ray/Triangle Intersection*, JCGT 2(1), 2013: seen along the line, each triangle is one of
-//! the plane, and the line a point that is beside it where two edges have it on opposite sides. Ours departs in that sides only
-//! count where a bound leaves them certain: it leaves triangles out, and `primitive::ray_triangle` decides about the rest.
+//! Source: Woop, Benthin, Wald, *Watertight Ray/Triangle Intersection*, JCGT 2(1), 2013. Seen along
+//! the line, each triangle is a triangle of the plane and the line is a point. The point is outside
+//! if it is on opposite sides of two edges. Ours departs in that a side only counts if it is
+//! certain. This test culls triangles, and `primitive::ray_triangle` decides about the rest.
+//!
+//! Error bound: docs/proof.md, L15. Guarded by the test below and by the benchmark `rays` of
+//! `impinge-bench`.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
@@ -13,23 +17,25 @@ use crate::mesh::storage::frame::PACKING_ERROR;
 use crate::mesh::storage::packet::Packet;
 use crate::simd::{by_axis, load};
 
-/// A line in the packed frame, as it is seen along itself: a point `p` is at `p_i - slope_i p_k` and likewise for `j`, with `k` the axis
-/// on which the line goes farthest, so that slopes are at most one.
+/// A line in the packed frame, prepared for looking along it. A point `p` is seen at `p_i - slope_i
+/// p_k` and `p_j - slope_j p_k`. The axis `k` is the axis on which the line goes farthest, so
+/// slopes are at most one.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::mesh) struct Line {
-    /// `i`, `j` and `k`.
+    /// The axes `i`, `j` and `k`.
     axes: [usize; 3],
     slopes: [f64; 2],
     origin: [f64; 3],
-    /// What a coordinate of the origin may be off by.
+    /// Error bound of a coordinate of the origin, in packed units.
     error: f64,
 }
 
-/// What products too small for a float may lose: 2^-120.
+/// Upper bound of the loss of products too small for a float: 2^-120.
 const UNDERFLOW: f64 = f64::from_bits((1023 - 120) << 52);
 
 impl Line {
-    /// The line through `origin`, which is off by at most `error`, in `direction`, which is not zero.
+    /// Creates the line through `origin` in `direction`, which must not be zero. `error` is the
+    /// error bound of the origin's coordinates.
     pub(in crate::mesh) fn new(origin: [f64; 3], direction: [f64; 3], error: f64) -> Self {
         let size = direction.map(f64::abs);
         let k = if size[0] >= size[1] && size[0] >= size[2] { 0 } else { 1 + usize::from(size[2] > size[1]) };
@@ -37,16 +43,18 @@ impl Line {
         Self { axes: [i, j, k], slopes: [direction[i] / direction[k], direction[j] / direction[k]], origin, error }
     }
 
-    /// The lanes in use whose triangles the line is not proved to pass by, as bits.
+    /// Returns the used lanes whose triangles the line is not proved to miss, as bits.
     ///
     /// # Accuracy
-    /// Let u be 2^-24 and X the sum of how far the packet reaches from its anchor and the line passes from there, seen along itself.
-    /// Corner and line are off from each other by 9 u X for what is rounded in single precision, and by `error` for what was before:
-    /// two packed coordinates (L1), two of the origin, and 6 units of 2^-53 of what is subtracted. As no coordinate is beyond 2 X, a side,
-    /// the difference of two products, is off by 10 X times that and 16 u X² for its own rounding, fused or not:
-    /// 106 u X² + 10 X `error`, taken as 128 and 16.
+    /// Let u be 2^-24. Let X be the sum of the packet's radius and the distance at which the line
+    /// passes its local origin, seen along the line. The error of a corner relative to the line is
+    /// 9 u X for rounding in single precision, and `error` for the rounding before: two packed
+    /// coordinates (L1), two of the origin, and 6 units of 2^-53 of the subtracted numbers. No
+    /// coordinate is beyond 2 X. So a side, which is the difference of two products, has an error
+    /// of 10 X times that, and 16 u X² for its own rounding, fused or not: 106 u X² + 10 X `error`.
+    /// The code takes 128 and 16.
     #[inline(always)]
-    pub(in crate::mesh) fn may_meet<S: Simd>(&self, simd: S, packet: &Packet<'_>) -> u32 {
+    pub(in crate::mesh) fn may_intersect<S: Simd>(&self, simd: S, packet: &Packet<'_>) -> u32 {
         let [i, j, k] = self.axes;
         let from: [f64; 3] = by_axis!(axis => self.origin[axis] - packet.anchor[axis]);
         let passes = [from[i] - self.slopes[0] * from[k], from[j] - self.slopes[1] * from[k]];
@@ -90,31 +98,32 @@ mod tests {
     use crate::primitive::ray_triangle;
     use crate::simd::kernel_levels;
 
-    /// Lines through corners, edges and places beside triangles of many sizes, from near and far: none that is met is left out, and
-    /// nearly all others are.
+    /// Aims lines at corners, edges and places beside triangles of many sizes, from near and far.
+    /// No triangle that a line intersects may be culled, and nearly all other triangles must be.
     #[test]
     fn what_a_line_meets_is_never_left_out() {
         let mut rng = Rng::new(77);
-        let (mut met, mut kept, mut left_out) = (0, 0, 0);
+        let (mut intersected, mut kept, mut left_out) = (0, 0, 0);
         for round in 0..600 {
             let size = 2.0_f64.powi(-(round % 30));
-            let centre = [0; 3].map(|_| rng.uniform(-1.0, 1.0));
-            // On a coarse grid, so that many are flat, edge-on or of no area; two more vertices keep the frame as large as one.
+            let center = [0; 3].map(|_| rng.uniform(-1.0, 1.0));
+            // On a coarse grid, so that many triangles are flat, edge-on or without area. Two more
+            // vertices keep the frame at size one.
             let mut vertices: Vec<[f64; 3]> =
-                (0..24).map(|_| centre.map(|x| x + size * rng.integer(-4, 4) as f64 / 4.0)).collect();
+                (0..24).map(|_| center.map(|x| x + size * rng.integer(-4, 4) as f64 / 4.0)).collect();
             vertices.extend([[-1.0; 3], [1.0; 3]]);
             let faces: Vec<[u32; 3]> = (0..8).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).chain([[24, 25, 25]]).collect();
-            // The small ones have a packet of their own.
+            // The small triangles have a packet of their own.
             let positions = Positions::F64(vertices.clone());
-            let mesh = Mesh::with_builder(positions, faces, Builder::Morton).expect("legal");
+            let mesh = Mesh::with_builder(positions, faces, Builder::Morton).expect("a valid mesh");
             for _ in 0..10 {
                 let far = 2.0_f64.powi(rng.integer(-4, 12) as i32);
-                let origin = [0, 1, 2].map(|k| centre[k] + far * rng.uniform(-1.0, 1.0));
+                let origin = [0, 1, 2].map(|k| center[k] + far * rng.uniform(-1.0, 1.0));
                 let [p, q] = [0; 2].map(|_| vertices[rng.integer(0, 23) as usize]);
                 let aim: [f64; 3] = match rng.integer(0, 2) {
                     0 => p,
                     1 => std::array::from_fn(|k| 0.5 * (p[k] + q[k])),
-                    _ => centre.map(|x| x + size * rng.uniform(-1.0, 1.0)),
+                    _ => center.map(|x| x + size * rng.uniform(-1.0, 1.0)),
                 };
                 let direction: [f64; 3] = std::array::from_fn(|k| aim[k] - origin[k]);
                 let from = mesh.0.frame.pack(origin);
@@ -123,17 +132,19 @@ mod tests {
                 for (name, level) in kernel_levels() {
                     for (at, leaf) in mesh.0.leaves.iter().enumerate() {
                         let packets = mesh.packets();
-                        let lanes = dispatch_every!(level, simd => line.may_meet(simd, &packets.get(simd, at as u32)));
-                        // Beside the one that keeps the frame large, small ones are too small to tell.
+                        let lanes =
+                            dispatch_every!(level, simd => line.may_intersect(simd, &packets.get(simd, at as u32)));
+                        // In the packet of the face that keeps the frame large, the error bound
+                        // hides small triangles.
                         let is_small = !leaf.held().contains(&8);
                         for (lane, &face) in leaf.held().iter().enumerate() {
                             let corners = mesh.corners(face);
                             let both_ways = [direction, direction.map(|x| -x)];
-                            let meets = both_ways.iter().any(|d| ray_triangle(&origin, d, &corners).is_some());
+                            let intersects = both_ways.iter().any(|d| ray_triangle(&origin, d, &corners).is_some());
                             let is_kept = lanes >> lane & 1 == 1;
-                            assert!(is_kept || !meets, "{name}: face {face} of round {round}");
-                            met += usize::from(meets);
-                            kept += usize::from(is_small && is_kept && !meets);
+                            assert!(is_kept || !intersects, "{name}: face {face} of round {round}");
+                            intersected += usize::from(intersects);
+                            kept += usize::from(is_small && is_kept && !intersects);
                             left_out += usize::from(is_small && !is_kept);
                         }
                         assert_eq!(lanes & !((1 << leaf.count()) - 1), 0);
@@ -143,8 +154,8 @@ mod tests {
         }
         let levels = kernel_levels().len();
         assert!(
-            met > 2_000 * levels && left_out > 10_000 * levels && kept < left_out / 4,
-            "{met} met, {kept} kept, {left_out} left out"
+            intersected > 2_000 * levels && left_out > 10_000 * levels && kept < left_out / 4,
+            "{intersected} intersected, {kept} kept, {left_out} left out"
         );
     }
 }

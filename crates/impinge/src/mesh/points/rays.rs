@@ -1,9 +1,12 @@
-//! Rays against a mesh: the first face that a ray meets, any, or all of them.
+//! Rays against a mesh: the first face that a ray intersects, any face, or all faces.
 //!
-//! Source: Ize, *Robust BVH ray traversal*, JCGT 2(2), 2013, for boxes that a ray never misses by rounding; ours differs
-//! in that rays are moved along themselves to near the mesh and boxes grown by a bound of all that is rounded. Whether a ray meets
-//! a triangle, and which of two it meets first, is decided exactly (see `primitive::ray_triangle`), so no ray passes
-//! between two faces that share an edge or a corner.
+//! Source: Ize, *Robust BVH ray traversal*, JCGT 2(2), 2013, for boxes that a ray never misses by
+//! rounding. Ours departs in that rays are moved along themselves to near the mesh, and boxes are
+//! grown by a bound of all rounding errors. Whether a ray intersects a triangle, and which of two
+//! triangles it intersects first, is decided exactly (see `primitive::ray_triangle`). So no ray
+//! passes between two faces that share an edge or a corner (docs/proof.md, L15).
+//!
+//! Guarded by `tests/it/distance/rays.rs` and by the benchmark `rays` of `impinge-bench`.
 
 use std::cmp::Ordering;
 use std::ops::ControlFlow::{self, Break, Continue};
@@ -30,10 +33,11 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// The ray from `origin` in `direction`, which need not be of unit length.
+    /// Creates the ray from `origin` in `direction`, which need not have unit length.
     ///
     /// # Errors
-    /// A number that is not finite or beyond 2^300, or a direction of zero.
+    /// Returns an error if a number is not finite or above 2^300 in magnitude, or if the direction
+    /// is zero.
     pub fn new(origin: [f64; 3], direction: [f64; 3]) -> Result<Self, InputError> {
         InputError::judge_row(&origin, "ray origin", 0)?;
         InputError::judge_row(&direction, "ray direction", 0)?;
@@ -43,48 +47,52 @@ impl Ray {
         Ok(Self { origin, direction })
     }
 
-    /// Where the ray starts.
+    /// Returns the point at which the ray starts.
     #[must_use]
     pub fn origin(&self) -> [f64; 3] {
         self.origin
     }
 
-    /// Where it goes.
+    /// Returns the direction of the ray.
     #[must_use]
     pub fn direction(&self) -> [f64; 3] {
         self.direction
     }
 
-    /// The same ray with a direction of components below 2, of which one is not below 1 unless the direction is below the least
-    /// normal number, and what its parameters are to be multiplied by.
+    /// Returns the same ray with a scaled direction, and the factor that turns the returned ray's
+    /// parameters into this ray's parameters. All components of the new direction are below 2 in
+    /// magnitude. The largest is at least 1, unless this ray's direction is below the least normal
+    /// number.
     pub(crate) fn of_unit_size(&self) -> (Self, f64) {
         let largest = self.direction.iter().fold(f64::MIN_POSITIVE, |most, x| x.abs().max(most));
-        // A power of two from its exponent, and its reciprocal: 2^-1022 to 2^300.
+        // The factor is the reciprocal of a power of two from 2^-1022 to 2^300.
         let exponent = (largest.to_bits() >> 52) as i64 - 1023;
         let reciprocal = f64::from_bits(((1023 - exponent) as u64) << 52);
         (Self { origin: self.origin, direction: self.direction.map(|x| x * reciprocal) }, reciprocal)
     }
 
-    /// The point at `t`, rounded.
+    /// Returns the point at the parameter `t`, in the mesh's own frame, rounded.
     #[must_use]
     pub fn at(&self, t: f64) -> [f64; 3] {
         std::array::from_fn(|k| self.origin[k] + t * self.direction[k])
     }
 }
 
-/// Where a ray meets a mesh.
+/// The intersection of a ray with a face of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
-    /// In units of the direction's length; within 2^-40 of itself of the true one, and zero where that is zero.
+    /// Parameter of the hit, in units of the direction's length. Its relative error is at most
+    /// 2^-40, and it is zero if the true parameter is zero.
     pub t: f64,
-    /// The face; where several are met in one point, the first of them.
+    /// Index of the face. If the ray intersects several faces in one point, the first of them.
     pub face: u32,
-    /// The point, in the mesh's own frame, rounded.
+    /// The point of the hit, in the mesh's own frame, rounded.
     pub point: [f64; 3],
 }
 
 impl Mesh {
-    /// The first face that a ray meets, the ray's origin included; none where it meets none.
+    /// Returns the first face that a ray intersects, or `None`. The ray's origin belongs to the
+    /// ray.
     ///
     /// ```
     /// use impinge::mesh::Ray;
@@ -98,8 +106,8 @@ impl Mesh {
     /// # Ok::<(), impinge::InputError>(())
     /// ```
     ///
-    /// Faces are closed and have no sides: edges, corners and triangles without area count, and a ray within the plane of a face
-    /// meets it in its first point.
+    /// Faces are closed and have no sides: edges, corners and triangles without area count. A ray
+    /// within the plane of a face intersects the face in the first point that they share.
     #[must_use]
     pub fn ray_cast(&self, ray: &Ray) -> Option<RayHit> {
         let mut first = First { mesh: self, ray, best: None };
@@ -107,55 +115,58 @@ impl Mesh {
         first.best.map(|(face, crossing)| RayHit { t: crossing.t, face, point: ray.at(crossing.t) })
     }
 
-    /// Whether a ray meets the mesh.
+    /// Reports whether a ray intersects the mesh.
     #[must_use]
     pub fn ray_cast_any(&self, ray: &Ray) -> bool {
-        let mut any = Any { mesh: self, ray, is_met: false };
+        let mut any = Any { mesh: self, ray, is_hit: false };
         self.cast(ray, simd::best_level(), &mut any);
-        any.is_met
+        any.is_hit
     }
 
-    /// Every face that a ray meets, by the order in which it does and then by number.
+    /// Returns every face that a ray intersects, sorted by parameter and then by index.
     #[must_use]
     pub fn ray_cast_all(&self, ray: &Ray) -> Vec<RayHit> {
-        let mut all = All { mesh: self, ray, met: Vec::new() };
+        let mut all = All { mesh: self, ray, hits: Vec::new() };
         self.cast(ray, simd::best_level(), &mut all);
-        let mut met = all.met;
-        met.sort_by(|one, other| order(self, ray, *one, *other));
-        met.into_iter().map(|(face, crossing)| RayHit { t: crossing.t, face, point: ray.at(crossing.t) }).collect()
+        let mut hits = all.hits;
+        hits.sort_by(|one, other| order(self, ray, *one, *other));
+        hits.into_iter().map(|(face, crossing)| RayHit { t: crossing.t, face, point: ray.at(crossing.t) }).collect()
     }
 
-    /// [`ray_cast`](Self::ray_cast) of many rays, on all cores of the current rayon pool.
+    /// Returns the [`ray_cast`](Self::ray_cast) of each ray, computed on all cores of the current
+    /// rayon pool.
     #[must_use]
     pub fn ray_casts(&self, rays: &[Ray]) -> Vec<Option<RayHit>> {
-        rays.par_iter().with_min_len(LEAST_SHARED).map(|ray| self.ray_cast(ray)).collect()
+        rays.par_iter().with_min_len(MIN_RAYS_PER_TASK).map(|ray| self.ray_cast(ray)).collect()
     }
 
     #[inline(never)]
     fn cast<V: Visitor>(&self, ray: &Ray, level: Level, visitor: &mut V) {
         if !self.0.tree.nodes().is_empty() {
-            let moving = MovingPoint::new(self, ray);
-            let _ = dispatch!(level, simd => descend(simd, self, &moving, visitor));
+            let moved = MovedRay::new(self, ray);
+            let _ = dispatch!(level, simd => descend(simd, self, &moved, visitor));
         }
     }
 }
 
-/// Fewer rays than this are not worth another thread.
-const LEAST_SHARED: usize = 256;
+/// Minimum number of rays per parallel task. Fewer rays cost less than handing them to another
+/// thread.
+const MIN_RAYS_PER_TASK: usize = 256;
 
-/// A face, and where a ray meets it.
+/// A face, and its intersection with a ray.
 pub(in crate::mesh) type FaceCrossing = (u32, RayCrossing);
 
-/// By true parameter, then by face.
+/// Compares two intersections of a ray by their true parameters, then by face.
 pub(in crate::mesh) fn order(mesh: &Mesh, ray: &Ray, one: FaceCrossing, other: FaceCrossing) -> Ordering {
     let triangles = [mesh.corners(one.0), mesh.corners(other.0)];
     one.1.compare(&other.1, (&ray.origin, &ray.direction), triangles.each_ref()).then(one.0.cmp(&other.0))
 }
 
-/// What is done with the faces that a ray may meet.
+/// Processes the faces that a ray may intersect.
 trait Visitor {
-    /// Returns the parameter past which nothing matters.
-    fn meet(&mut self, faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64>;
+    /// Processes some faces. Returns the parameter above which faces are skipped, or `Break` if the
+    /// query is answered.
+    fn process(&mut self, faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64>;
 }
 
 fn crossing(mesh: &Mesh, ray: &Ray, face: u32) -> Option<FaceCrossing> {
@@ -169,10 +180,10 @@ struct First<'m> {
 }
 
 impl Visitor for First<'_> {
-    fn meet(&mut self, faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64> {
-        for met in faces.filter_map(|face| crossing(self.mesh, self.ray, face)) {
-            if self.best.is_none_or(|best| order(self.mesh, self.ray, met, best) == Ordering::Less) {
-                self.best = Some(met);
+    fn process(&mut self, faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64> {
+        for hit in faces.filter_map(|face| crossing(self.mesh, self.ray, face)) {
+            if self.best.is_none_or(|best| order(self.mesh, self.ray, hit, best) == Ordering::Less) {
+                self.best = Some(hit);
             }
         }
         Continue(self.best.map_or(f64::INFINITY, |(_, crossing)| crossing.t + crossing.error))
@@ -182,59 +193,67 @@ impl Visitor for First<'_> {
 struct Any<'m> {
     mesh: &'m Mesh,
     ray: &'m Ray,
-    is_met: bool,
+    is_hit: bool,
 }
 
 impl Visitor for Any<'_> {
-    fn meet(&mut self, mut faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64> {
-        self.is_met = faces.any(|face| crossing(self.mesh, self.ray, face).is_some());
-        if self.is_met { Break(()) } else { Continue(f64::INFINITY) }
+    fn process(&mut self, mut faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64> {
+        self.is_hit = faces.any(|face| crossing(self.mesh, self.ray, face).is_some());
+        if self.is_hit { Break(()) } else { Continue(f64::INFINITY) }
     }
 }
 
 struct All<'m> {
     mesh: &'m Mesh,
     ray: &'m Ray,
-    met: Vec<FaceCrossing>,
+    hits: Vec<FaceCrossing>,
 }
 
 impl Visitor for All<'_> {
-    fn meet(&mut self, faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64> {
-        self.met.extend(faces.filter_map(|face| crossing(self.mesh, self.ray, face)));
+    fn process(&mut self, faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64> {
+        self.hits.extend(faces.filter_map(|face| crossing(self.mesh, self.ray, face)));
         Continue(f64::INFINITY)
     }
 }
 
-/// A ray in the packed frame, from a point near the mesh, in single precision.
-struct MovingPoint {
+/// A ray in the packed frame in single precision, from a point near the mesh.
+struct MovedRay {
     line: Line,
-    /// The origin, less and more what boxes are grown by: what their near and their far planes are compared with.
+    /// The origin minus the slack and plus the slack. Maximum planes of boxes are compared with the
+    /// first, and minimum planes with the second.
     origin: [[f32; 3]; 2],
-    /// One over the direction, whose largest component is between 1/2 and 1; finite.
+    /// Reciprocals of the direction's components, all finite. The largest component is between 1/2
+    /// and 1.
     inverse: [f32; 3],
-    /// What boxes are grown by.
+    /// Length by which boxes are grown, in packed units.
     slack: f32,
-    /// Parameters are `given · per_given - moved`.
+    /// Packed parameters are `given · per_given - moved`, for a given parameter of the original
+    /// ray.
     per_given: f64,
+    /// Packed parameter by which the ray was moved.
     moved: f64,
 }
 
-impl MovingPoint {
+impl MovedRay {
+    /// Moves a ray to the mesh.
+    ///
     /// # Accuracy
-    /// A plane at x is passed at `(x ± slack - origin) · inverse`, rounded four times. The slack pays for that: 4 units of
-    /// 2^-24 of what is multiplied, taken as 16, beside what the origin is off by. A component of the direction below 2^-60
-    /// is taken for 2^-60, which moves the ray by less than the slack for as long as it is near the mesh.
+    /// A plane at x is passed at `(x ± slack - origin) · inverse`, rounded four times. The slack
+    /// pays for that with 16 units of 2^-24 of the multiplied number, of which 4 are needed, and
+    /// for the error of the origin. A component of the direction below 2^-60 is replaced by 2^-60.
+    /// That moves the ray by less than the slack as long as it is near the mesh.
     fn new(mesh: &Mesh, ray: &Ray) -> Self {
         const LEAST: f64 = 1.0 / (1_u64 << 60) as f64;
         let frame = &mesh.0.frame;
         let largest = ray.direction.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        // Twice, as one power of two does not bring up the smallest numbers.
+        // Two factors, because one power of two does not scale up the smallest numbers.
         let units =
             [reciprocal_power_of_two(largest), reciprocal_power_of_two(largest * reciprocal_power_of_two(largest))];
         let direction = ray.direction.map(|x| x * units[0] * units[1]);
         let from = sub(&ray.origin, &frame.origin).map(|x| x * frame.scale);
         let far = from.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        // To where the ray passes the mesh's centre, less a few units so that it starts before the mesh.
+        // To the point at which the ray passes the mesh's center, less a few units so that it
+        // starts before the mesh.
         let moved =
             if far > 4.0 { (-dot(&from, &direction) / dot(&direction, &direction) - 4.0).max(0.0) } else { 0.0 };
         let origin: Vector = std::array::from_fn(|k| from[k] + moved * direction[k]);
@@ -251,14 +270,15 @@ impl MovingPoint {
         }
     }
 
-    /// The parameter that is no less than the given one.
+    /// Returns an upper bound of the packed parameter for a given parameter.
     fn parameter(&self, given: f64) -> f32 {
         let exact = given * self.per_given;
         let doubt = (exact + self.moved) * 1e-6;
         ((exact - self.moved + doubt) as f32).next_up()
     }
 
-    /// The children of a node that the ray may meet before `last`, as bits, and where it enters their boxes.
+    /// Returns the children of a node that the ray may intersect before the packed parameter
+    /// `last`, as bits, and the parameters at which it enters their boxes.
     #[inline(always)]
     fn enter<S: Simd>(&self, simd: S, node: &Node, last: f32) -> (u32, [f32; LANES]) {
         let planes: [[f32x8<S>; 2]; 3] = by_axis!(axis => {
@@ -272,7 +292,8 @@ impl MovingPoint {
         });
         let enter = planes[0][0].max(planes[1][0]).max(planes[2][0]);
         let leave = planes[0][1].min(planes[1][1]).min(planes[2][1]);
-        // A ray that starts in the mesh starts at zero; others were moved to before it.
+        // A ray that starts in the mesh starts at zero. Other rays were moved to a point before the
+        // mesh.
         let misses = enter.simd_gt(leave)
             | leave.simd_lt(f32x8::splat(simd, -self.slack))
             | enter.simd_gt(f32x8::splat(simd, last));
@@ -282,12 +303,13 @@ impl MovingPoint {
     }
 }
 
-/// Shows the faces that the ray may meet, leaf by leaf, the nearest first.
+/// Passes the faces that the ray may intersect to the visitor, leaf by leaf, the nearest leaf
+/// first.
 #[inline(always)]
-fn descend<S: Simd>(simd: S, mesh: &Mesh, ray: &MovingPoint, visitor: &mut impl Visitor) -> ControlFlow<()> {
+fn descend<S: Simd>(simd: S, mesh: &Mesh, ray: &MovedRay, visitor: &mut impl Visitor) -> ControlFlow<()> {
     let (nodes, packets) = (mesh.0.tree.nodes(), mesh.packets());
     let mut last = f32::INFINITY;
-    let mut tasks = Vec::with_capacity(ROOM);
+    let mut tasks = Vec::with_capacity(INITIAL_CAPACITY);
     tasks.push((f32::NEG_INFINITY, Child::Inner(0)));
     while let Some((entered, child)) = tasks.pop() {
         if entered > last {
@@ -296,16 +318,16 @@ fn descend<S: Simd>(simd: S, mesh: &Mesh, ray: &MovingPoint, visitor: &mut impl 
         match child {
             Child::Leaf(leaf) => {
                 let packet = packets.get(simd, leaf);
-                let may_meet = ray.line.may_meet(simd, &packet);
-                if may_meet != 0 {
-                    last = ray.parameter(visitor.meet(bits(may_meet).map(|lane| packet.leaf.faces[lane]))?);
+                let may_intersect = ray.line.may_intersect(simd, &packet);
+                if may_intersect != 0 {
+                    last = ray.parameter(visitor.process(bits(may_intersect).map(|lane| packet.leaf.faces[lane]))?);
                 }
             }
             Child::Inner(node) => {
                 let node = &nodes[node as usize];
-                let (met, entered) = ray.enter(simd, node, last);
+                let (entered_lanes, entered) = ray.enter(simd, node, last);
                 let start = tasks.len();
-                for lane in bits(met) {
+                for lane in bits(entered_lanes) {
                     let child = node.child(lane);
                     match child {
                         Child::Inner(node) => prefetch(&nodes[node as usize]),
@@ -327,5 +349,5 @@ fn descend<S: Simd>(simd: S, mesh: &Mesh, ray: &MovingPoint, visitor: &mut impl 
     Continue(())
 }
 
-/// Tasks that there is room for to begin with: of eight levels, which few trees exceed.
-const ROOM: usize = 64;
+/// Initial capacity of the stack of tasks: eight levels of eight children, which few trees exceed.
+const INITIAL_CAPACITY: usize = 64;

@@ -1,4 +1,4 @@
-//! What a mesh may suffer from. None of it changes an answer about its surface; all of it is worth knowing.
+//! The defects of a mesh. None of them changes an answer about its surface.
 
 use rayon::prelude::*;
 
@@ -7,33 +7,37 @@ use crate::math::Sign;
 use crate::math::dyadic::{self, Dyadic};
 use crate::mesh::{Mesh, Positions};
 
-/// Counts of what is odd about a mesh. Vertices with equal coordinates are one point here, whatever their indices: it is
-/// the surface that is judged. All counts are exact.
+/// Counts of the defects of a mesh, all exact.
+///
+/// The counts describe the surface, so vertices with equal coordinates count as one point, whatever
+/// their indices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Health {
-    /// Faces without area: segments and points.
+    /// Number of faces without area: segments and points.
     pub degenerate_faces: usize,
-    /// Faces with the same three points as an earlier one, in any order.
+    /// Number of faces with the same three points as an earlier face, in any order.
     pub duplicate_faces: usize,
-    /// Vertices at the same point as an earlier one.
+    /// Number of vertices at the same point as an earlier vertex.
     pub duplicate_vertices: usize,
-    /// Vertices that no face has.
+    /// Number of vertices that no face uses.
     pub unused_vertices: usize,
-    /// Edges between two points that one face has.
+    /// Number of edges between two points that exactly one face has.
     pub open_edges: usize,
-    /// Edges that more than two faces have.
+    /// Number of edges that more than two faces have.
     pub non_manifold_edges: usize,
-    /// Edges that two faces have, both in the same direction: one of the faces is inside out.
+    /// Number of edges that two faces have, both in the same direction: one of the faces is inside
+    /// out.
     pub misoriented_edges: usize,
-    /// Pieces, each of all faces that are linked by points in common.
+    /// Number of connected components. Faces are connected if they share a point.
     pub components: usize,
-    /// Coordinates that single precision cannot hold.
+    /// Number of coordinates that single precision cannot hold.
     pub double_coordinates: usize,
 }
 
 impl Health {
-    /// Whether each edge has two faces that agree on what is inside. A mesh may be [closed](Mesh::is_closed) and no manifold, as two
-    /// cubes that share an edge are.
+    /// Reports whether each edge has two faces that agree on the inside. A mesh may be
+    /// [closed](Mesh::is_closed) and still not be a manifold, for example two cubes that share an
+    /// edge.
     #[must_use]
     pub fn is_manifold(&self) -> bool {
         self.open_edges + self.non_manifold_edges + self.misoriented_edges == 0
@@ -46,7 +50,7 @@ impl Mesh {
         is_degenerate(&self.corners(face))
     }
 
-    /// Looks for everything in [`Health`].
+    /// Checks the mesh for every defect in [`Health`].
     ///
     /// ```
     /// use impinge::{Mesh, Positions};
@@ -83,15 +87,16 @@ impl Mesh {
     }
 }
 
-/// Returns the faces without area.
+/// Returns the faces without area, in ascending order.
 pub(in crate::mesh) fn degenerate_faces(mesh: &Mesh) -> Vec<u32> {
     (0..mesh.faces().len() as u32).into_par_iter().filter(|&face| is_degenerate(&mesh.corners(face))).collect()
 }
 
-/// Whether the corners lie on one line, exactly.
+/// Reports whether the corners lie on one line, exactly.
 fn is_degenerate([a, b, c]: &Corners) -> bool {
-    /// Differences, products and their difference together lose at most (3 + 16 u) u of the sum of the products' sizes
-    /// (Shewchuk 1997, 4.2); this is twice as much.
+    /// Bound for the rounding of differences, products and their difference, relative to the sum of
+    /// the products' magnitudes. They lose at most (3 + 16 u) u (Shewchuk 1997, 4.2). This is twice
+    /// as much.
     const ROUNDING: f64 = 4.0 * f64::EPSILON;
     /// Far more than underflows lose.
     const UNDERFLOW: f64 = 1e-300;
@@ -107,7 +112,8 @@ fn is_degenerate([a, b, c]: &Corners) -> bool {
     dyadic::cross(&from_a(b), &from_a(c)).iter().all(|x| x.sign() == Sign::Zero)
 }
 
-/// Returns the faces with the same three points as an earlier one, in any order.
+/// Returns the faces with the same three points as an earlier face, in any order. The result is in
+/// ascending order.
 pub(in crate::mesh) fn duplicate_faces(mesh: &Mesh) -> Vec<u32> {
     let points = &mesh.topology().first_at;
     let named = mesh.faces().par_iter().zip(0_u32..mesh.faces().len() as u32).map(|(face, number)| {
@@ -122,14 +128,17 @@ pub(in crate::mesh) fn duplicate_faces(mesh: &Mesh) -> Vec<u32> {
     later
 }
 
+/// Returns the number of vertices that no face uses.
 fn unused(faces: &[[u32; 3]], vertices: usize) -> usize {
     let mut used = vec![false; vertices];
     faces.as_flattened().iter().for_each(|&vertex| used[vertex as usize] = true);
     used.iter().filter(|&&used| !used).count()
 }
 
+/// Counts open, misoriented and non-manifold edges.
 fn count_edges(faces: &[[u32; 3]], health: &mut Health) {
-    // Each edge from its lesser point to its greater, and whether the face runs through it the other way.
+    // Each edge from its lesser point to its greater, and whether the face runs along it the other
+    // way.
     let mut edges: Vec<([u32; 2], bool)> = faces
         .par_iter()
         .flat_map_iter(|&[a, b, c]| [[a, b], [b, c], [c, a]])
@@ -151,7 +160,7 @@ mod tests {
     use super::*;
 
     fn health(vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Health {
-        Mesh::new(Positions::F64(vertices), faces).expect("a legal mesh").health()
+        Mesh::new(Positions::F64(vertices), faces).expect("a valid mesh").health()
     }
 
     #[test]
@@ -169,9 +178,9 @@ mod tests {
             [0.0, 0.0, 0.0],
             [1.0, 0.0, 0.0],
             [0.0, 1.0, 0.0],
-            [-0.0, 0.0, 0.0], // vertex 0 again
+            [-0.0, 0.0, 0.0], // the same point as vertex 0
             [2.0, 0.0, 0.0],
-            [third, 5.0, 5.0], // of no face
+            [third, 5.0, 5.0], // in no face
             [7.0, 7.0, 7.0],
             [8.0, 7.0, 7.0],
             [7.0, 8.0, 7.0],
@@ -191,7 +200,7 @@ mod tests {
             unused_vertices: 1,
             open_edges: 5,         // 1-4, 4-0 and the three of 6, 7, 8
             non_manifold_edges: 1, // 0-1
-            misoriented_edges: 2,  // 1-2 and 2-0, which both duplicates run through alike
+            misoriented_edges: 2,  // 1-2 and 2-0, along which both duplicates run the same way
             components: 2,
             double_coordinates: 1,
         };
@@ -200,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn no_area_is_told_from_hardly_any() {
+    fn faces_without_area_differ_from_tiny_faces() {
         let (tiny, one) = (5e-324, 1.0_f64);
         let cases: [(Corners, bool); 6] = [
             ([[0.0; 3], [1.0, 1.0, 1.0], [3.0, 3.0, 3.0]], true),

@@ -1,4 +1,4 @@
-//! What a mesh's hierarchy looks like from outside.
+//! The shape of a mesh's hierarchy.
 
 use rayon::prelude::*;
 
@@ -6,14 +6,15 @@ use crate::hierarchy::TreeStatistics;
 use crate::mesh::Mesh;
 
 impl Mesh {
-    /// What can be read off the hierarchy that queries descend.
+    /// Returns statistics of the hierarchy that queries descend.
     #[must_use]
     pub fn tree_statistics(&self) -> TreeStatistics {
         self.0.tree.statistics(|leaf| self.leaf(leaf).count())
     }
 
-    /// The hierarchy's boxes at a level as (least, greatest) corners in the mesh's own frame, rounded to nearest: one box at
-    /// level 0, those of its children at level 1, and so on; a leaf above the level stands for what would be below it.
+    /// Returns the hierarchy's boxes at a level as (minimum, maximum) corners in the mesh's own
+    /// frame, rounded to nearest. Level 0 has one box, level 1 has the boxes of its children, and
+    /// so on. A leaf above the level is included in place of the boxes below it.
     #[must_use]
     pub fn tree_level(&self, level: usize) -> Vec<[[f64; 3]; 2]> {
         let frame = &self.0.frame;
@@ -43,10 +44,10 @@ mod tests {
             ("slivers", &stadium(60, 15, 40), [0.0006, 0.0004, 0.0005]),
             ("knot", &torus_knot(100, 25, TREFOIL), [0.3, 0.2, 0.1]),
         ] {
-            let pose = Pose::from_translation(offset).expect("a legal pose");
+            let pose = Pose::from_translation(offset).expect("a valid pose");
             let built = Builder::ALL.map(|builder| {
                 let positions = Positions::F64(mesh.vertices.clone());
-                Mesh::with_builder(positions, mesh.faces.clone(), builder).expect("a legal mesh")
+                Mesh::with_builder(positions, mesh.faces.clone(), builder).expect("a valid mesh")
             });
             let expected = intersecting_pairs(&built[0], built[0].at(pose));
             assert!(expected.len() > 50, "{name}: {}", expected.len());
@@ -63,7 +64,7 @@ mod tests {
     #[test]
     fn the_boxes_of_a_level_hold_the_mesh() {
         let knot = torus_knot(100, 25, TREFOIL);
-        let mesh = Mesh::new(Positions::F64(knot.vertices.clone()), knot.faces).expect("a legal mesh");
+        let mesh = Mesh::new(Positions::F64(knot.vertices.clone()), knot.faces).expect("a valid mesh");
         let statistics = mesh.tree_statistics();
         assert!(statistics.leaves >= 5_000 / 8 && statistics.leaf_fill > 0.9 && statistics.sah > 1.0, "{statistics:?}");
         let holds = |[min, max]: &[[f64; 3]; 2], p: &[f64; 3]| (0..3).all(|k| min[k] <= p[k] && p[k] <= max[k]);

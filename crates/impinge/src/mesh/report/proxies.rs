@@ -1,4 +1,7 @@
-//! What may stand for a mesh: the convex hull and the bounding volumes of its surface, made, stored and proved.
+//! The volumes that may replace a mesh: the convex hull and the bounding volumes of its surface,
+//! made, stored and proved.
+//!
+//! Proof: docs/proof.md, L27a. Guarded by `tests/it/hull/proxies.rs`.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,8 +13,9 @@ use crate::mesh::storage::leaf::CHUNK;
 use crate::volume::{Proxies, ProxyFlaw};
 
 impl Mesh {
-    /// The convex hull of the surface, whose vertices have the numbers of the mesh's, and the volumes fitted to it; none for
-    /// a mesh without faces. Vertices that no face has do not count.
+    /// Returns the convex hull of the surface and the volumes fitted to it, in the mesh's own
+    /// frame, or `None` for a mesh without faces. The hull's vertices have the indices of the
+    /// mesh's vertices. Vertices that no face uses are ignored.
     ///
     /// ```
     /// use impinge::{Mesh, Positions, hull::HullKind};
@@ -27,19 +31,19 @@ impl Mesh {
     #[must_use]
     pub fn proxies(&self) -> Option<Proxies> {
         let (numbers, points) = self.surface_points();
-        // There is no error but that of no points: a mesh is in range.
+        // The only possible error is that there are no points: a mesh's coordinates are in range.
         let hull = Hull::new(&points).ok()?.renumbered(|at| numbers[at as usize]);
         Proxies::about(hull).ok()
     }
 
-    /// The proxies that [`Proxies::to_bytes`] made bytes of.
+    /// Restores the proxies from the bytes of [`Proxies::to_bytes`].
     ///
-    /// The bytes are believed: where they are not those of this mesh's proxies, what the hull and the volumes answer is wrong.
-    /// They are looked at as far as no question needs memory that is not theirs. [`validate_proxies`](Self::validate_proxies)
-    /// removes all doubt.
+    /// The bytes are trusted. If they are not the bytes of this mesh's proxies, queries of the hull
+    /// and the volumes return wrong answers. The bytes are only checked so far that no query reads
+    /// memory that is not theirs. [`validate_proxies`](Self::validate_proxies) checks the rest.
     ///
     /// # Errors
-    /// [`ProxyFlaw::Shape`].
+    /// Returns [`ProxyFlaw::Shape`] if the bytes do not fit together.
     ///
     /// # Complexity
     /// Linear in the bytes.
@@ -49,14 +53,16 @@ impl Mesh {
         Proxies::from_bytes(bytes, |vertex| ((vertex as usize) < count).then(|| vertices.get(vertex as usize)))
     }
 
-    /// Whether the hull is the convex hull of this mesh's surface, exactly, and each volume holds it. How facets are cut into
-    /// triangles, which of several vertices at a corner is named and how tight the volumes are is not proved.
+    /// Checks that the hull is the convex hull of this mesh's surface, exactly, and that each
+    /// volume holds it. Not checked are the triangulation of facets, the choice among several
+    /// vertices at a corner, and how tight the volumes are.
     ///
     /// # Errors
-    /// What is wrong first.
+    /// Returns the first flaw that is found.
     ///
     /// # Complexity
-    /// O(n log n), nearly linear in effect, on all cores of the current rayon pool; about what making them takes.
+    /// O(n log n), nearly linear in practice, on all cores of the current rayon pool. It takes
+    /// about as long as making the proxies.
     pub fn validate_proxies(&self, proxies: &Proxies) -> Result<(), ProxyFlaw> {
         let (numbers, points) = self.surface_points();
         let hull = proxies.hull();
@@ -72,12 +78,12 @@ impl Mesh {
         proxies.validate(&others)
     }
 
-    /// The vertices that faces have, with their numbers, ascending.
+    /// Returns the indices of the vertices that faces use, in ascending order, and their positions.
     fn surface_points(&self) -> (Vec<u32>, Vec<[f64; 3]>) {
         let vertices = &self.0.vertices;
         let is_used: Vec<AtomicBool> = (0..vertices.slice().len()).map(|_| AtomicBool::new(false)).collect();
         self.faces().par_iter().with_min_len(CHUNK).flatten_iter().for_each(|&vertex| {
-            // Ordered by the end of the loop.
+            // The end of the loop orders the stores.
             is_used[vertex as usize].store(true, Ordering::Relaxed);
         });
         let used = (0..is_used.len() as u32).filter(|&vertex| is_used[vertex as usize].load(Ordering::Relaxed));

@@ -1,4 +1,7 @@
-//! What is far from the border of an open mesh, so that it may be taken as closed there.
+//! The parts of space that are far from the border of an open mesh, which counts as closed there
+//! (docs/proof.md, L19a).
+//!
+//! Guarded by the test below and by `tests/it/solids/open.rs`.
 
 use rayon::prelude::*;
 
@@ -7,22 +10,25 @@ use crate::mesh::{Mesh, PlacedMesh};
 use crate::volume::{BoundingVolume, MinMax};
 
 impl Mesh {
-    /// Returns the boxes about the cap of the border.
+    /// Returns the boxes about the cap of the border. The first call computes them.
     ///
     /// # Complexity
     /// O(n log n) in the edges of the border the first time, then constant.
     pub(crate) fn cap(&self) -> &Cap {
         let border = &self.topology().border;
-        self.0.cap.get_or_init(|| Cap::of(self.positions(), border))
+        self.0.derived.cap.get_or_init(|| Cap::of(self.positions(), border))
     }
 }
 
 impl PlacedMesh<'_> {
-    /// Reports whether all that is within reach of this mesh's border is proved to be apart from
-    /// the faces of another mesh and from all that is within reach of that one's border.
+    /// Reports whether everything within reach of this mesh's border is proved to be apart from
+    /// another mesh. This includes the other mesh's faces and everything within reach of its
+    /// border. Both meshes are compared in the world frame. Returns `false` if a box is out of
+    /// range.
     ///
     /// # Complexity
-    /// Linear in the faces of the other mesh, times the boxes about loops that are in its bounds.
+    /// Linear in the faces of the other mesh, times the boxes about loops that overlap the other
+    /// mesh's box.
     pub(crate) fn has_border_clear_of(&self, other: &Self) -> bool {
         let [mine, others] = [self, other].map(|placed| placed.mesh.cap().within_reach(&placed.world_from_mesh));
         // Boxes out of range prove nothing.
@@ -50,7 +56,7 @@ mod tests {
     use super::*;
     use crate::mesh::Positions;
 
-    /// The cap of the unit cube's open top is that square, of area 1. So the reach is √(1 / 2π).
+    /// The cap of the unit cube's open top is a square of area 1, so the reach is √(1 / 2π).
     #[test]
     fn faces_are_far_from_a_hole_beyond_twice_its_reach() -> Result<(), Box<dyn Error>> {
         let corners: Vec<[f64; 3]> = (0_u32..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();

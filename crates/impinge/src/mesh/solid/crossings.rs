@@ -1,4 +1,8 @@
-//! A point beside a mesh: the faces that it is on, and how often a ray along an axis crosses the others, exactly.
+//! The faces that hold a point, and the number of other faces that a ray along an axis crosses,
+//! both exact (docs/proof.md, L16).
+//!
+//! Guarded by `tests/it/solids/winding.rs` and `containment.rs`, and by the benchmark `solids` of
+//! `impinge-bench`.
 
 use crate::exact::{AxisRay, Corners, PosedPoint};
 use crate::hierarchy::{Child, Node};
@@ -7,16 +11,18 @@ use crate::mesh::storage::frame::PackedFrame;
 use crate::simd::LANES;
 use crate::volume::Aabb;
 
-/// What one ray meets.
+/// The faces that one ray crosses or starts on.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Crossings {
-    /// How often the ray leaves through a face more than it enters through one.
+    /// Number of faces that the ray leaves through, less the number of faces that it enters
+    /// through.
     pub(crate) count: i64,
-    /// The faces that the point is on; none of them is counted.
+    /// The faces that hold the point, in ascending order. None of them is counted.
     pub(crate) holding: Vec<u32>,
 }
 
-/// The six rays along the axes, those first that leave the bounds soonest.
+/// Returns the six rays along the axes of the mesh's frame, sorted by their length within the
+/// mesh's bounds, the shortest first.
 pub(crate) fn rays_by_length(mesh: &Mesh, point: &PosedPoint<'_>) -> [AxisRay; 6] {
     let bounds = mesh.packed_bounds();
     let at = packed_interval(&mesh.0.frame, point);
@@ -30,24 +36,27 @@ pub(crate) fn rays_by_length(mesh: &Mesh, point: &PosedPoint<'_>) -> [AxisRay; 6
 }
 
 impl Mesh {
-    /// Bounds of the whole mesh in the packed frame.
+    /// Returns the bounds of the whole mesh in the packed frame, or an empty box for a mesh without
+    /// faces.
     pub(crate) fn packed_bounds(&self) -> Aabb {
         let Some(root) = self.0.tree.nodes().first() else { return Aabb::EMPTY };
         (0..root.count()).fold(Aabb::EMPTY, |bounds, lane| bounds.union(lane_bounds(root, lane)))
     }
 
-    /// The faces of a leaf, each once.
+    /// Returns the faces of a leaf, each once.
     pub(crate) fn leaf_faces(&self, leaf: u32) -> impl Iterator<Item = u32> {
         let faces = self.leaf(leaf).faces;
-        // Unused lanes repeat the first face, which stands in no other lane of its own.
+        // Unused lanes repeat the first face, and no other lane has it.
         let used = (1..LANES).take_while(move |&lane| faces[lane] != faces[0]).count() + 1;
         faces.into_iter().take(used)
     }
 
-    /// Follows a ray from a point. `stack` is working memory.
+    /// Returns the faces that hold a point and the crossings of a ray from it. `stack` is working
+    /// memory.
     ///
     /// # Complexity
-    /// The nodes whose boxes the ray passes: logarithmic in the faces, times the layers that it crosses.
+    /// Linear in the nodes whose boxes the ray passes: logarithmic in the faces, times the layers
+    /// that the ray crosses.
     pub(crate) fn crossings(&self, point: &PosedPoint<'_>, ray: AxisRay, stack: &mut Vec<u32>) -> Crossings {
         let mut found = Crossings::default();
         let reach = reach(packed_interval(&self.0.frame, point), ray);
@@ -64,7 +73,7 @@ impl Mesh {
                     Child::Inner(child) => stack.push(child),
                     Child::Leaf(leaf) => {
                         for face in self.leaf_faces(leaf) {
-                            meet(point, ray, &self.corners(face), face, &mut found);
+                            compare_face(point, ray, &self.corners(face), face, &mut found);
                         }
                     }
                 }
@@ -76,8 +85,8 @@ impl Mesh {
 }
 
 #[inline]
-fn meet(point: &PosedPoint<'_>, ray: AxisRay, corners: &Corners, face: u32, found: &mut Crossings) {
-    // Certainly beside the face, or past it.
+fn compare_face(point: &PosedPoint<'_>, ray: AxisRay, corners: &Corners, face: u32, found: &mut Crossings) {
+    // Skips a face that is certainly beside the ray or behind the point.
     let p = &point.approximate;
     for axis in 0..3 {
         let (x, error) = (p[axis], point.error[axis]);
@@ -97,21 +106,22 @@ fn meet(point: &PosedPoint<'_>, ray: AxisRay, corners: &Corners, face: u32, foun
     }
 }
 
-/// A box of the packed frame that holds the point.
+/// Returns a box of the packed frame that holds the point.
 fn packed_interval(frame: &PackedFrame, point: &PosedPoint<'_>) -> Aabb {
     let mut bounds = Aabb::EMPTY;
     for axis in 0..3 {
         let (x, error) = (point.approximate[axis], point.error[axis]);
-        // Twice what rounding the two sums may cost; nothing where the point is given in this frame.
+        // Twice the rounding error of the two sums, or zero if the point is given in this frame.
         let error = if error == 0.0 { 0.0 } else { error + 2.0 * f64::EPSILON * x.abs() };
         let packed = |x: f64| ((x - frame.origin[axis]) * frame.scale) as f32;
-        // As for the boxes of faces: one step makes up for rounding to single precision and before.
+        // As for the boxes of faces, one step to the next float pays for rounding to single
+        // precision and before.
         (bounds.min[axis], bounds.max[axis]) = (packed(x - error).next_down(), packed(x + error).next_up());
     }
     bounds
 }
 
-/// The box extended along the ray without end.
+/// Returns the box, extended to infinity along the ray.
 fn reach(mut bounds: Aabb, ray: AxisRay) -> Aabb {
     if ray.ascending {
         bounds.max[ray.axis] = f32::INFINITY;
@@ -121,7 +131,8 @@ fn reach(mut bounds: Aabb, ray: AxisRay) -> Aabb {
     bounds
 }
 
-/// Not proved apart: comparisons with NaN prove nothing.
+/// Reports whether a child's box is not proved to be apart from `bounds`. Comparisons with NaN
+/// prove nothing.
 #[inline(always)]
 fn overlaps(node: &Node, lane: usize, bounds: &Aabb) -> bool {
     let apart = |axis: usize| node.min[axis][lane] > bounds.max[axis] || node.max[axis][lane] < bounds.min[axis];

@@ -1,15 +1,19 @@
-//! The solid angles of many faces at once, seen from afar: expansions over the nodes of the wide tree.
+//! The sum of the solid angles of many faces, by expansions over the nodes of the wide tree.
 //!
-//! Source: Barill, Dickson, Schmidt, Levin and Jacobson, *Fast Winding Numbers for Soups and Clouds*, ACM Transactions on
-//! Graphics 37(4), 2018. As there, a group of faces has moments about a centre up to the second order, integrated over the
-//! triangles. Here every expansion has a bound, and groups are opened worst first until the sum of the bounds is as small
-//! as was asked for, instead of wherever a group is nearer than a multiple of its radius.
+//! Source: Barill, Dickson, Schmidt, Levin and Jacobson, *Fast Winding Numbers for Soups and
+//! Clouds*, ACM Transactions on Graphics 37(4), 2018. As in the paper, a group of faces has moments
+//! about a center up to the second order, integrated over the triangles. Ours departs in two ways.
+//! Every expansion has an error bound. And groups are opened worst first until the sum of the
+//! bounds is small enough, instead of whenever a group is nearer than a multiple of its radius.
 //!
-//! The bound: a face at x = c + y is seen from p through the gradient of 1 / |x - p|, whose Taylor term of order k in y is
-//! `D^(k+1)(1/|·|)[y, ..., y, n] / k!` at c - p. A symmetric form is largest, over unit vectors, where all of them are equal
-//! (Banach, *Über homogene Polynome in (L²)*, Studia Mathematica 7, 1938), and there it is `(k+1)! P / R^(k+2)` with a Legendre
-//! polynomial P, at most 1. So with R = |c - p| and |y| <= qR the term is at most `(k+1) q^k / R²` an area, and all terms from
-//! the third on at most `q³ (4 - 3q) / (1 - q)² / R²`.
+//! The bound (docs/proof.md, L17): a face at x = c + y is seen from p through the gradient of 1 /
+//! |x - p|. Its Taylor term of order k in y is `D^(k+1)(1/|·|)[y, ..., y, n] / k!` at c - p. A
+//! symmetric form is largest, over unit vectors, if all of them are equal (Banach, *Über homogene
+//! Polynome in (L²)*, Studia Mathematica 7, 1938). There it is `(k+1)! P / R^(k+2)` with a Legendre
+//! polynomial P, at most 1. So with R = |c - p| and |y| <= qR the term is at most `(k+1) q^k / R²`
+//! per area, and all terms from the third on are at most `q³ (4 - 3q) / (1 - q)² / R²`.
+//!
+//! Guarded by `tests/it/solids/winding.rs` and by the benchmark `solids` of `impinge-bench`.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -22,18 +26,20 @@ use crate::mesh::Mesh;
 use crate::mesh::derived::moments::{Group, pair};
 use crate::mesh::storage::frame::{PACKING_ERROR, PackedFrame};
 
-/// What moments may be off by, relative to the [size](Group::size) and a unit length: 2^-36. A moment is summed up along the
-/// tree, of at most 64 levels with 8 children of some 20 roundings each, from edges that are off by 2^-53 of themselves and
-/// corners that are off by 2^-51 of the packed frame.
+/// Error bound of a moment, relative to the [size](Group::size) of its group and a unit length:
+/// 2^-36. A moment is summed up along the tree, of at most 64 levels with 8 children of about 20
+/// roundings each. Its edges are off by 2^-53 of themselves, and its corners by 2^-51 of the packed
+/// frame.
 const MOMENT_ERROR: f64 = 1.0 / (1_u64 << 36) as f64;
 
-/// More than all products that underflow may lose.
+/// Upper bound of the loss of all products that underflow.
 const UNDERFLOW: f64 = 1e-280;
 
-/// Nearer than this many times its radius a group is opened, whatever its bound: there the bound grows without end.
-const NEAREST: f64 = 1.25;
+/// Ratio of a group's distance to its radius below which the group is opened, whatever its error
+/// bound: the bound grows without limit there.
+const MIN_DISTANCE_RATIO: f64 = 1.25;
 
-/// A node whose expansion is in the sum, worst first.
+/// A node whose expansion is in the sum. Nodes are ordered by their error bounds.
 struct Seen {
     node: u32,
     value: f64,
@@ -41,8 +47,9 @@ struct Seen {
 }
 
 impl Mesh {
-    /// The sum of the solid angles of all faces over 4π: `is_enough` is asked of the sum so far until it holds or every face
-    /// was summed up by itself.
+    /// Returns the sum of the solid angles of all faces over 4π, as seen from a point. Stops as
+    /// soon as `is_enough` returns `true` for the sum so far, or if every face was summed up by
+    /// itself.
     ///
     /// # Complexity
     /// O(log n) for a wide bound far from the faces, and up to O(n log n).
@@ -61,7 +68,8 @@ impl Mesh {
                 value: sum.value + one.value,
                 error: sum.error + one.error + f64::EPSILON * (one.value.abs() + one.error),
             });
-            // The sums so far are at most those of magnitudes, which the errors of moments are far above.
+            // The sums so far are at most the sums of magnitudes, and the errors of moments are far
+            // larger.
             let rounding = 4.0 * f64::EPSILON * (near.value.abs() + far.value.abs() + near.error + far.error);
             Bounded { value: near.value + far.value, error: near.error + far.error + rounding }
         };
@@ -74,7 +82,8 @@ impl Mesh {
                 if is_enough(&total) || seen.is_empty() {
                     return total;
                 }
-                // Summing is linear in what is seen: not for every node that is opened.
+                // A sum costs time linear in the seen nodes, so it is not computed for every node
+                // that is opened.
                 until_sum = 1 + seen.len() / 8;
             }
             let Some(worst) = seen.pop() else {
@@ -97,7 +106,7 @@ impl Mesh {
 /// The point in the packed frame.
 struct Eye {
     at: [f64; 3],
-    /// How far it may be off.
+    /// Bound of the sum of the errors of the three coordinates.
     error: f64,
 }
 
@@ -108,17 +117,18 @@ impl Eye {
         Self { at, error }
     }
 
-    /// The solid angle of a group over 4π; of infinite error where it is near.
+    /// Returns the solid angle of a group over 4π. Its error bound is infinite if the group is
+    /// near.
     fn sees(&self, group: &Group) -> Bounded {
-        let v = sub(&group.centre, &self.at);
+        let v = sub(&group.center, &self.at);
         let squared = dot(&v, &v);
         if squared == f64::INFINITY {
             return Bounded { value: 0.0, error: UNDERFLOW };
         }
         let distance = squared.sqrt();
         let nearest = distance * (1.0 - 1e-12) - self.error;
-        // Not where it is NaN.
-        let is_far = nearest > NEAREST * group.radius;
+        // A NaN does not count as far.
+        let is_far = nearest > MIN_DISTANCE_RATIO * group.radius;
         if !is_far {
             return Bounded { value: 0.0, error: f64::INFINITY };
         }
@@ -126,7 +136,8 @@ impl Eye {
         let (first, second) = (&group.first, &group.second);
         let trace = first[0][0] + first[1][1] + first[2][2];
         let along: f64 = (0..3).map(|i| v[i] * dot(&first[i], &v)).sum();
-        // Of the second moments: the trace of the first two indices, that of the last two, and all three along v.
+        // Contractions of the second moments with v: the trace of the first two indices, the trace
+        // of the last two, and all three along v.
         let (mut traces, mut thrice) = (0.0, 0.0);
         for i in 0..3 {
             let of = |j: usize, k: usize| second[i][pair(j, k)];
@@ -143,9 +154,11 @@ impl Eye {
         let value = terms * inverse / distance;
         let q = group.radius / nearest;
         let left_out = q * q * q * (4.0 - 3.0 * q) / ((1.0 - q) * (1.0 - q));
-        // The moments' entries, 3, 9 and 18 of them, enter with at most 1, 4 and 12 over the powers of R.
+        // The entries of the moments, 3, 9 and 18 of them, have factors of at most 1, 4 and 12 over
+        // the powers of R.
         let moments = group.size * MOMENT_ERROR * (3.0 + 36.0 / nearest + 216.0 / (nearest * nearest));
-        // The gradient of what a face adds, for the point's error, is at most 2 / R³ an area at the nearest face.
+        // For the point's error: the gradient of a face's contribution is at most 2 / R³ per area
+        // at the nearest face.
         let near = nearest - group.radius;
         let moved = 2.0 * group.area * self.error / (near * near * near);
         let error = (group.area * left_out + moments) / (nearest * nearest) + moved;

@@ -1,10 +1,12 @@
 //! Meshes as solids.
 //!
-//! `crossings` counts the faces that a ray crosses. `solid_angle` sums solid angles with error
-//! bounds, and `far_field` sums those of many faces by their moments. `winding` computes winding
-//! numbers from all three. `sheets` connects faces along edges, `walls` tells on which sides of a
-//! face the solid is, and `border` tells what is far from the border of an open mesh. `bsp` is a
-//! tree of planes for many points against one solid.
+//! - `crossings` counts the faces that a ray crosses.
+//! - `solid_angle` sums solid angles with error bounds, and `far_field` sums the solid angles of
+//!   many faces by their moments.
+//! - `winding` computes winding numbers from all three.
+//! - `sheets` connects faces along edges, and `walls` finds on which sides of a face the solid is.
+//! - `border` finds the parts of space that are far from the border of an open mesh.
+//! - `bsp` is a tree of planes for many points against one solid.
 
 pub(super) mod border;
 pub(super) mod bsp;

@@ -1,13 +1,16 @@
-//! The faces that a winding number depends on, and the sheets that they form along shared edges.
+//! The faces that a winding number depends on, and the sheets that they form along shared edges
+//! (docs/proof.md, L19).
 //!
 //! A face without area adds nothing to any winding number. Faces with the same three corners add
 //! nothing either if as many of them turn one way as the other. Such faces are the shared walls of
-//! bodies that stand side by side in one mesh, or membranes without thickness. All other faces
-//! count. The winding numbers on both sides of a face that counts differ, unless other faces of the
-//! mesh overlap it in part.
+//! bodies that touch each other in one mesh, or membranes without thickness. All other faces
+//! *count*. The winding numbers on both sides of a face that counts differ, unless other faces of
+//! the mesh overlap it in part.
 //!
 //! A sheet is a set of faces that count and are connected along edges. Faces that share a vertex
 //! alone are not connected: a touch in that vertex would separate them.
+//!
+//! Guarded by `tests/it/solids/bricks.rs`.
 
 use rayon::prelude::*;
 
@@ -18,13 +21,15 @@ use crate::mesh::Mesh;
 use crate::mesh::derived::topology::{Components, DisjointSets};
 
 impl Mesh {
-    /// Returns the names of a face's corners: for each corner the first vertex at its position.
+    /// Returns the names of a face's corners. The name of a corner is the first vertex at its
+    /// position.
     pub(crate) fn corner_names(&self, face: u32) -> [u32; 3] {
         let first_at = &self.topology().first_at;
         self.faces()[face as usize].map(|vertex| first_at[vertex as usize])
     }
 
     /// Returns the name of an edge of a face: the names of its ends, the lesser one first.
+    /// `corners` are the two corners of the edge.
     pub(crate) fn edge_name(&self, face: u32, corners: [usize; 2]) -> [u32; 2] {
         let names = self.corner_names(face);
         let [p, q] = corners.map(|corner| names[corner]);
@@ -34,7 +39,7 @@ impl Mesh {
     /// Returns all faces of the mesh at an edge that count, in ascending order.
     ///
     /// # Complexity
-    /// Linear in the faces at that end of the edge which has fewer of them.
+    /// Linear in the faces at the end of the edge that has fewer faces.
     pub(crate) fn faces_at_edge(&self, edge: [u32; 2]) -> impl Iterator<Item = u32> {
         self.faces_with(edge).filter(|&face| self.counts(face))
     }
@@ -43,21 +48,21 @@ impl Mesh {
     /// corners cancel it.
     ///
     /// # Complexity
-    /// Linear in the faces at that corner which has the fewest of them.
+    /// Linear in the faces at the corner that has the fewest faces.
     pub(crate) fn counts(&self, face: u32) -> bool {
         let names = self.corner_names(face);
         let net: i64 = self.faces_with(names).map(|other| parity(self.corner_names(other))).sum();
         net != 0 && turn_along_some_axis(&self.corners(face)).is_some()
     }
 
-    /// Returns the sheets of the mesh. A face that does not count is in none of them.
+    /// Returns the sheets of the mesh. A face that does not count is in no sheet.
     ///
     /// # Complexity
     /// About linear in the faces the first time, then constant.
     pub(crate) fn sheets(&self) -> &Components {
-        let slot = &self.0.sheets;
-        // The slot is not locked meanwhile: a thread that waits for its share of the work may need
-        // it for another task.
+        let slot = &self.0.derived.sheets;
+        // The slot is not locked during the computation: a thread that waits for its share of the
+        // work may need it for another task.
         if slot.get().is_none() {
             let _ = slot.set(self.connected_along_edges());
         }
@@ -79,7 +84,7 @@ impl Mesh {
         Components::numbered(faces as usize, roots)
     }
 
-    /// Returns all faces that have corners of these names and no two corners of one name, in
+    /// Returns all faces that have corners with these names and no two corners with one name, in
     /// ascending order.
     fn faces_with<const N: usize>(&self, names: [u32; N]) -> impl Iterator<Item = u32> {
         let lists = names.map(|name| self.faces_at(name));
@@ -91,16 +96,16 @@ impl Mesh {
     }
 }
 
-/// Returns 1 if the names are an even permutation of their ascending order, -1 if an odd one, 0 if
-/// two are equal.
+/// Returns 1 if the names are an even permutation of their ascending order, -1 if they are an odd
+/// one, and 0 if two are equal.
 fn parity([a, b, c]: [u32; 3]) -> i64 {
     let sign = |x: u32, y: u32| i64::from(x < y) - i64::from(x > y);
     sign(a, b) * sign(b, c) * sign(a, c)
 }
 
-/// Returns how the corners of a face turn, looking against the axis along which the face is seen
-/// largest, or against another one if it is not seen at all there. Returns `None` if the face has
-/// no area.
+/// Returns an axis and how the corners of a face turn, looking against that axis. It is the axis
+/// along which the face appears largest, or another axis if the face appears as a line there.
+/// Returns `None` if the face has no area.
 pub(super) fn turn_along_some_axis(corners: &Corners) -> Option<(usize, Sign)> {
     let seen = cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0])).map(f64::abs);
     let mut axes = [0, 1, 2];
@@ -111,7 +116,8 @@ pub(super) fn turn_along_some_axis(corners: &Corners) -> Option<(usize, Sign)> {
     })
 }
 
-/// Returns how the corners of a face turn, looking against an axis.
+/// Returns how the corners of a face turn, looking against an axis: positive if they are
+/// counterclockwise.
 pub(in crate::mesh) fn turn([a, b, c]: &Corners, axis: usize) -> Sign {
     PosedPoint::local(Spot::At(*c)).beside(axis, a, b)
 }

@@ -1,4 +1,6 @@
-//! Whether the solid of a mesh is on either side of its faces.
+//! The sides of a face on which the solid of a mesh is (docs/proof.md, L19 and L19a).
+//!
+//! Guarded by `tests/it/solids/bricks.rs` and `open.rs`.
 
 use rayon::prelude::*;
 
@@ -9,13 +11,14 @@ use crate::math::Sign;
 use crate::mesh::Mesh;
 use crate::mesh::pairs::self_descent::{WantedFaces, collect_self_intersecting};
 
-/// Whether the solid of a mesh is on either side of one of its faces.
+/// The sides of one face on which the solid of its mesh is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wall {
-    /// The same all over the face. The front is where its corners are counterclockwise in the frame of the mesh.
+    /// Both sides are known and the same all over the face. The front is the side from which the
+    /// corners are counterclockwise in the frame of the mesh.
     Sides { front: bool, back: bool },
-    /// The face is near the border of an open mesh, or another face that counts meets it elsewhere
-    /// than in common corners and edges.
+    /// The face is near the border of an open mesh, or another face that counts intersects it
+    /// outside common corners and edges.
     Unknown,
 }
 
@@ -26,45 +29,44 @@ pub(crate) struct Walls {
 }
 
 impl Walls {
-    /// Returns the walls of faces that count, which are sorted, without duplicates. Each wall
-    /// depends on the mesh and the face alone, not on which other faces are asked about.
+    /// Returns the walls of faces that count, which must be sorted and without duplicates. Each
+    /// wall depends on the mesh and the face alone, not on the other faces in the list.
     ///
     /// # Complexity
-    /// For each of them that of [`Mesh::contains`] for one point.
+    /// For each face, the cost of [`Mesh::contains`] for one point.
     pub(crate) fn of(mesh: &Mesh, faces: Vec<u32>) -> Self {
         if faces.is_empty() {
             return Self { faces, walls: Vec::new() };
         }
         let mut marks = vec![false; mesh.faces().len()];
         faces.iter().for_each(|&face| marks[face as usize] = true);
-        let mut meets_others = vec![false; mesh.faces().len()];
+        let mut intersects_others = vec![false; mesh.faces().len()];
         for pair in collect_self_intersecting(mesh, WantedFaces::WithMarked(&marks)) {
             if pair.into_iter().all(|face| mesh.counts(face)) {
-                pair.into_iter().for_each(|face| meets_others[face as usize] = true);
+                pair.into_iter().for_each(|face| intersects_others[face as usize] = true);
             }
         }
         let cap = mesh.cap();
         let wall = |judge: &mut Judge<'_>, face: u32| {
-            if meets_others[face as usize] || !cap.is_far_from(&mesh.corners(face)) {
+            if intersects_others[face as usize] || !cap.is_far_from(&mesh.corners(face)) {
                 Wall::Unknown
             } else {
-                judge.wall_amid(face)
+                judge.wall_at_inner_point(face)
             }
         };
         let walls = faces.par_iter().map_init(|| Judge::new(mesh), |judge, &face| wall(judge, face)).collect();
         Self { faces, walls }
     }
 
-    /// Returns the wall of a face; unknown if it was not asked for.
+    /// Returns the wall of a face, or [`Wall::Unknown`] if the face was not in the list.
     pub(crate) fn get(&self, face: u32) -> Wall {
         self.faces.binary_search(&face).map_or(Wall::Unknown, |at| self.walls[at])
     }
 }
 
 impl Judge<'_> {
-    /// Returns the wall of a face at one of its inner points, for a face that is far from the
-    /// border.
-    fn wall_amid(&mut self, face: u32) -> Wall {
+    /// Returns the wall of a face at one of its inner points. The face must be far from the border.
+    fn wall_at_inner_point(&mut self, face: u32) -> Wall {
         let corners = self.mesh.corners(face);
         let Some((axis, turn)) = turn_along_some_axis(&corners) else { return Wall::Unknown };
         let sides = windings(self.mesh, &corners, axis, &mut self.stack);
@@ -82,26 +84,28 @@ impl Judge<'_> {
     }
 
     /// Returns the integers nearest to the winding numbers above and below the point of
-    /// [`Spot::Within`] of a face of an open mesh, given two numbers of the same difference. Far
-    /// from the border the winding numbers are within 1/8 of them.
+    /// [`Spot::Within`] of a face of an open mesh. The given numbers have the same difference. Far
+    /// from the border the winding numbers are within 1/8 of the integers. Returns `None` if the
+    /// proved interval leaves a doubt.
     fn nearest_integers(&mut self, corners: &Corners, [above, below]: [i64; 2]) -> Option<[i64; 2]> {
-        /// The sum of that eighth and of what the proved interval may add, with room for more.
+        /// Maximum distance of the proved interval from the integer: 1/8 plus the width of the
+        /// interval, with room for more.
         const FAR_FROM_HALF: f64 = 0.375;
         let through = below - above;
-        let amid = self.winding_number(&PosedPoint::local(Spot::Within(*corners)));
-        // On the face itself it is the mean of both sides.
+        let on_face = self.winding_number(&PosedPoint::local(Spot::Within(*corners)));
+        // On the face itself the winding number is the mean of both sides.
         let half = 0.5 * through as f64;
-        let nearest = (amid.value - half).round();
-        let is_certain =
-            (amid.lower - half - nearest).abs() < FAR_FROM_HALF && (amid.upper - half - nearest).abs() < FAR_FROM_HALF;
+        let nearest = (on_face.value - half).round();
+        let is_certain = (on_face.lower - half - nearest).abs() < FAR_FROM_HALF
+            && (on_face.upper - half - nearest).abs() < FAR_FROM_HALF;
         is_certain.then(|| [nearest as i64, nearest as i64 + through])
     }
 }
 
 impl Mesh {
-    /// Reports whether the solid is as near as is wanted to the point of [`Spot::Within`] of the corners of a face,
-    /// given in any order; for an open mesh, whether its winding number differs between both sides
-    /// there. False if the face has no area.
+    /// Reports whether points of the solid are arbitrarily near to the point of [`Spot::Within`] of
+    /// the corners of a face, given in any order. For an open mesh, reports whether the winding
+    /// numbers on both sides of the face differ there. Returns `false` if the face has no area.
     pub(crate) fn is_solid_beside(&self, corners: &Corners, stack: &mut Vec<u32>) -> bool {
         match turn_along_some_axis(corners) {
             None => false,
@@ -113,13 +117,15 @@ impl Mesh {
     }
 }
 
-/// The winding numbers above and below an inner point of a face along an axis, at two points off the surface that are as
-/// near to it as is wanted. They are those of a closed mesh; for an open one their difference alone is meant.
+/// Returns the winding numbers above and below an inner point of a face along an axis, at two
+/// points off the surface that are arbitrarily near to it. They are exact for a closed mesh. For an
+/// open mesh only their difference has a meaning.
 fn windings(mesh: &Mesh, corners: &Corners, axis: usize, stack: &mut Vec<u32>) -> [i64; 2] {
     let point = PosedPoint::local(Spot::Within(*corners));
     let ray = AxisRay { axis, ascending: true };
     let crossings = mesh.crossings(&point, ray, stack);
-    // The point may be on an edge of another face. Both points are beside it, on the line that the ray is in.
+    // The point may be on an edge of another face. Both points are beside that edge, on the line of
+    // the ray.
     let turns = |&holding: &u32| i64::from(point.turns_about(ray, &mesh.corners(holding)));
     let through: i64 = crossings.holding.iter().map(turns).sum();
     [crossings.count, crossings.count + through]

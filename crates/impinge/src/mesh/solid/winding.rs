@@ -1,16 +1,24 @@
-//! The generalised winding number of a mesh about a point: how often its faces wind round it, and so what is inside.
+//! The generalized winding number of a mesh about a point: how often the faces wind around it. It
+//! decides whether a point is inside.
 //!
-//! It is the sum of the solid angles of the faces over 4π: an integer where the mesh is closed, and a fraction that
-//! falls off smoothly through the holes where it is open (Jacobson, Kavan and Sorkine-Hornung, *Robust Inside-Outside
-//! Segmentation using Generalized Winding Numbers*, ACM Transactions on Graphics 32(4), 2013).
+//! The winding number is the sum of the solid angles of the faces over 4π. It is an integer if the
+//! mesh is closed. Otherwise it is a fraction that falls off smoothly through the holes (Jacobson,
+//! Kavan and Sorkine-Hornung, *Robust Inside-Outside Segmentation using Generalized Winding
+//! Numbers*, ACM Transactions on Graphics 32(4), 2013).
 //!
-//! A ray from the point crosses the faces a whole number of times, which is exact and quick by the tree. Let strips from
-//! every border edge to infinity, against the ray, make the mesh closed: its winding number is the crossings of the
-//! ray, as the ray meets no strip, and the mesh's is that less the strips'. A strip is a spherical triangle of its edge
-//! and the direction against the ray (Martens and Bessmeltsev, *One-shot Method for Computing Generalized Winding
-//! Numbers*, Computer Graphics Forum 44(5), 2025, who integrate curves; ours are polygons, with a bound of the error, and
-//! the rays along the axes, with their ties, are exact). So the cost is that of the border, not of the mesh; where the
-//! border is long, as that of a soup of triangles is, the faces are summed up with expansions for those that are far.
+//! A ray from the point crosses faces an integer number of times, which the tree counts exactly and
+//! fast. Let strips from every border edge to infinity, against the ray, make the mesh closed. The
+//! ray crosses no strip, so the crossings of the ray are the winding number of the closed mesh. The
+//! mesh's own winding number is that number less the strips' own. A strip is seen as a spherical
+//! triangle of its edge and the direction against the ray (Martens and Bessmeltsev, *One-shot
+//! Method for Computing Generalized Winding Numbers*, Computer Graphics Forum 44(5), 2025). They
+//! integrate curves. Ours are polygons with an error bound, and our rays along the axes, with their
+//! ties, are exact. So the cost depends on the border, not on the mesh. If the border is long, as
+//! for a soup of triangles, the solid angles of the faces are summed up instead. Far faces are
+//! summed up by expansions.
+//!
+//! Proof: docs/proof.md, L16 and L17. Guarded by `tests/it/solids/winding.rs` and `containment.rs`,
+//! and by the benchmark `solids` of `impinge-bench`.
 
 use rayon::prelude::*;
 
@@ -23,32 +31,35 @@ use crate::math::relative::UNIT_ROUNDOFF;
 use crate::mesh::Mesh;
 use crate::mesh::derived::topology::BorderEdge;
 
-/// How often a mesh winds round a point, with what is proved of it.
+/// The winding number of a mesh about a point, with a proved interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindingNumber {
-    /// About 1 inside a mesh whose faces are counterclockwise seen from outside, 0 outside.
+    /// Approximate winding number: about 1 inside a mesh whose faces are counterclockwise seen from
+    /// outside, and 0 outside.
     pub value: f64,
-    /// The true number is not below this.
+    /// Lower bound of the true winding number.
     pub lower: f64,
-    /// The true number is not above this.
+    /// Upper bound of the true winding number.
     pub upper: f64,
 }
 
-/// Where a point is to a mesh taken as a solid: inside is where the winding number is beyond one half, of either sign.
+/// Position of a point relative to a mesh taken as a solid. A point is inside if its winding number
+/// is above 1/2 or below -1/2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Containment {
-    /// Outside, and not on the surface.
+    /// The point is outside, and not on the surface.
     Outside,
-    /// On the surface, exactly.
+    /// The point is exactly on the surface.
     Surface,
-    /// Inside, and not on the surface.
+    /// The point is inside, and not on the surface.
     Inside,
-    /// The mesh is open there, and its winding number so close to one half that the proved interval holds it.
+    /// The mesh is open, and the proved interval of the winding number contains 1/2 or -1/2.
     Undecided,
 }
 
 impl Containment {
-    /// Whether the point counts as contained: the surface does, and what is undecided does, which is the safe side.
+    /// Returns `true` unless the point is outside. Points on the surface and undecided points count
+    /// as contained, which is the safe side.
     #[must_use]
     pub fn is_contained(self) -> bool {
         self != Self::Outside
@@ -56,8 +67,9 @@ impl Containment {
 }
 
 impl WindingNumber {
-    /// Edges of a border that are summed up for each point; longer ones give way to expansions of the faces. More cost time
-    /// that grows with them, fewer give wider intervals to meshes that could have narrow ones.
+    /// Maximum number of border edges that are summed up for each point. If the border is longer,
+    /// expansions of the faces are summed up instead. A larger number costs time in proportion to
+    /// the border. A smaller number gives wider intervals to meshes that could have narrow ones.
     pub const LONG_BORDER: usize = 8192;
 
     fn exactly(count: i64) -> Self {
@@ -65,16 +77,16 @@ impl WindingNumber {
         Self { value, lower: value, upper: value }
     }
 
-    /// A whole number and a fraction.
+    /// Returns the sum of an integer and a fraction.
     fn about(count: i64, turns: &Bounded) -> Self {
         let whole = count as f64;
         let value = whole + turns.value;
-        // The sum, and the steps to the bounds, round by less than two units of the larger.
+        // The sum and the steps to the bounds round by less than two units of the larger number.
         let error = turns.error + 2.0 * f64::EPSILON * (whole.abs() + turns.value.abs() + turns.error);
         Self { value, lower: value - error, upper: value + error }
     }
 
-    /// By which side of one half it is surely on, for a point that is not on the surface.
+    /// Returns the containment of a point that is not on the surface.
     fn containment(&self) -> Containment {
         if self.lower > 0.5 || self.upper < -0.5 {
             Containment::Inside
@@ -87,8 +99,9 @@ impl WindingNumber {
 }
 
 impl Mesh {
-    /// Whether every edge is run through as often one way as the other, edges being named by the positions of their
-    /// ends: then the winding number is an integer everywhere off the surface.
+    /// Reports whether the faces run along every edge as often one way as the other. Edges are
+    /// named by the positions of their ends. If the mesh is closed, its winding number is an
+    /// integer everywhere off the surface.
     ///
     /// # Complexity
     /// O(n log n) the first time, then constant.
@@ -97,23 +110,24 @@ impl Mesh {
         self.topology().border.is_empty()
     }
 
-    /// The winding numbers of points in the mesh's own frame.
+    /// Returns the winding numbers of points given in the mesh's own frame.
     ///
-    /// On the surface, a face whose plane holds the point counts nothing: within a face of a closed mesh the number is
-    /// the mean of those of both sides.
+    /// A face whose plane holds the point adds nothing. So within a face of a closed mesh the
+    /// winding number is the mean of both sides.
     ///
     /// # Accuracy
-    /// Exact off the surface of a closed mesh. Otherwise the interval is proved, and about 1e-13 wide for a border of a
-    /// thousand edges; at most 1e-5 wide where the border is longer than [`LONG_BORDER`](WindingNumber::LONG_BORDER), as far
-    /// as rounding allows.
+    /// Exact off the surface of a closed mesh. Otherwise the interval is proved, and about 1e-13
+    /// wide for a border of a thousand edges. It is at most 1e-5 wide if the border is longer than
+    /// [`LONG_BORDER`](WindingNumber::LONG_BORDER), as far as rounding allows.
     ///
     /// # Complexity
-    /// For each point logarithmic in the faces for each layer that a ray crosses, and linear in the border. Where that is
-    /// long, or the point in line with border vertices along all three axes, as many faces and groups of faces as the width of
-    /// the interval needs. On all cores of the current rayon pool.
+    /// For each point, logarithmic in the faces for each layer that a ray crosses, and linear in
+    /// the border. The border may be long, or the point in line with border vertices along all
+    /// three axes. Then the cost is linear in the faces and groups of faces that the width of the
+    /// interval needs. Runs on all cores of the current rayon pool.
     ///
     /// # Errors
-    /// A coordinate that is not finite, or not below 2^128 in magnitude.
+    /// Returns an error if a coordinate is not finite, or not below 2^128 in magnitude.
     ///
     /// ```
     /// use impinge::{Mesh, Positions};
@@ -130,16 +144,19 @@ impl Mesh {
         self.for_each_point(points, |judge, point| judge.winding_number(point))
     }
 
-    /// Where points in the mesh's own frame are to it, taken as a solid.
+    /// Returns the positions of points, given in the mesh's own frame, relative to the mesh taken
+    /// as a solid.
     ///
     /// # Accuracy
-    /// Exact for a closed mesh, and on the surface of any; for an open one as sure as the proved interval.
+    /// Exact for a closed mesh, and on the surface of any mesh. Off the surface of an open mesh the
+    /// answer follows from the proved interval of the winding number, and is
+    /// [`Containment::Undecided`] if that does not decide.
     ///
     /// # Complexity
     /// As [`winding_number`](Self::winding_number).
     ///
     /// # Errors
-    /// A coordinate that is not finite, or not below 2^128 in magnitude.
+    /// Returns an error if a coordinate is not finite, or not below 2^128 in magnitude.
     ///
     /// ```
     /// use impinge::mesh::Containment::{Inside, Outside, Surface};
@@ -178,14 +195,15 @@ impl Mesh {
     }
 }
 
-/// A sum of angles over 2π that is off by less is not tried to be bettered along another axis.
-const NARROW: f64 = 1e-9;
+/// Error bound of the winding number below which no other axis is tried.
+const NARROW_ERROR: f64 = 1e-9;
 
-/// Along no axis better than this, the expansions take over, and are opened until their sum is off by less. The faces that
-/// they need grow with the cube root of its reciprocal.
-const WIDE: f64 = 5e-6;
+/// Error bound of the winding number above which, along every axis, expansions are used instead.
+/// They are opened until the error of their sum is below it. The number of faces that they need
+/// grows with the cube root of its reciprocal.
+const WIDE_ERROR: f64 = 5e-6;
 
-/// Answers where points are to one mesh, with the working memory for it.
+/// Computes the positions of points relative to one mesh, and keeps the working memory for it.
 pub(crate) struct Judge<'m> {
     pub(in crate::mesh) mesh: &'m Mesh,
     pub(in crate::mesh) stack: Vec<u32>,
@@ -196,7 +214,7 @@ impl<'m> Judge<'m> {
         Self { mesh, stack: Vec::new() }
     }
 
-    /// Where a point is to the mesh.
+    /// Returns the position of a point relative to the mesh taken as a solid.
     pub(crate) fn containment(&mut self, point: &PosedPoint<'_>) -> Containment {
         let rays = crossings::rays_by_length(self.mesh, point);
         let crossings = self.mesh.crossings(point, rays[0], &mut self.stack);
@@ -216,10 +234,10 @@ impl<'m> Judge<'m> {
         self.mesh.topology().border.len() > WindingNumber::LONG_BORDER
     }
 
-    /// How often the mesh winds round a point.
+    /// Returns the winding number of the mesh about a point.
     pub(crate) fn winding_number(&mut self, point: &PosedPoint<'_>) -> WindingNumber {
         if self.has_long_border() {
-            return WindingNumber::about(0, &self.mesh.solid_angles(point, |sum| sum.error < WIDE));
+            return WindingNumber::about(0, &self.mesh.solid_angles(point, |sum| sum.error < WIDE_ERROR));
         }
         let topology = self.mesh.topology();
         let mut best: Option<(i64, Bounded)> = None;
@@ -240,25 +258,27 @@ impl<'m> Judge<'m> {
             if best.is_none_or(|(_, known)| strips.error < known.error) {
                 best = Some((crossings.count, strips));
             }
-            if strips.error < NARROW {
+            if strips.error < NARROW_ERROR {
                 break;
             }
         }
         match best {
-            Some((count, strips)) if strips.error < WIDE => WindingNumber::about(count, &strips),
-            _ => WindingNumber::about(0, &self.mesh.solid_angles(point, |sum| sum.error < WIDE)),
+            Some((count, strips)) if strips.error < WIDE_ERROR => WindingNumber::about(count, &strips),
+            _ => WindingNumber::about(0, &self.mesh.solid_angles(point, |sum| sum.error < WIDE_ERROR)),
         }
     }
 
-    /// What the strips from the border against the ray make the winding number too large by.
+    /// Returns the mesh's winding number less the crossings of the ray: the winding number of the
+    /// strips from the border against the ray, with the opposite sign.
     fn strips(&self, point: &PosedPoint<'_>, ray: AxisRay, border: &[BorderEdge]) -> Bounded {
         let positions = self.mesh.positions();
         let mut sum = AngleSum::default();
         for edge in border {
             let ends = [edge.from, edge.to].map(|vertex| positions.get(vertex as usize));
             let [a, b] = ends.map(|end| Direction::to(&end, point).project(ray));
-            // arg(1 + conj(a) b): half the spherical triangle of both ends and the direction against the ray, which the
-            // projection takes to zero. Positive where the edge turns left, looking against the axis.
+            // arg(1 + conj(a) b): half the spherical triangle of both ends and the direction
+            // against the ray, which the projection takes to zero. It is positive if the edge turns
+            // left, looking against the axis.
             let re = 1.0 + (a.x * b.x + a.y * b.y);
             let im = a.x * b.y - a.y * b.x;
             let (size_a, size_b) = (a.size(), b.size());
@@ -278,7 +298,7 @@ impl<'m> Judge<'m> {
     }
 }
 
-/// The border without that of some faces, edges run through as often either way left out.
+/// Returns the border without the border of some faces. Edges that cancel are left out.
 fn without(border: &[BorderEdge], taken: Vec<BorderEdge>) -> Vec<BorderEdge> {
     let negated = taken.into_iter().map(|edge| BorderEdge { times: -edge.times, ..edge });
     let mut all: Vec<BorderEdge> = border.iter().copied().chain(negated).collect();

@@ -1,10 +1,11 @@
-//! All boxes at once: split at the median centre along the longest axis.
+//! Builds the tree over all boxes at once: split at the median center along the longest axis.
 
 use super::super::Dynamic;
 use super::{BoxTree, MinMax};
 
 impl BoxTree {
-    /// The tree of these boxes, whose keys are their places: balanced, and several times quicker than inserting them.
+    /// Returns the tree of these boxes. The key of a box is its index in `boxes`. The tree is
+    /// balanced, and building it is several times faster than inserting the boxes one by one.
     ///
     /// # Complexity
     /// O(n log n) for any boxes.
@@ -18,14 +19,16 @@ impl BoxTree {
         tree
     }
 
-    /// Rebuilds the tree over its boxes. After most of them moved far, this makes the tree as good as a new one.
+    /// Rebuilds the tree over its boxes. After most of them moved far, rebuilding makes the tree as good
+    /// as a new one.
     pub fn rebuild(&mut self) {
         let mut leaves: Vec<_> = self.items.iter().map(|(key, bounds)| (key, self.fattened(bounds))).collect();
         self.bvh.rebuild(&mut leaves, split_at_median);
     }
 }
 
-/// Moves the half of the boxes with the least centers along the axis of the widest spread to the front.
+/// Moves the half of the boxes with the smallest centers, along the axis on which the centers
+/// spread most, to the front.
 fn split_at_median(leaves: &mut [(u32, MinMax)]) {
     let twice_center = |bounds: &MinMax, axis: usize| bounds.min()[axis] + bounds.max()[axis];
     let extent = |axis: usize| {
@@ -41,7 +44,7 @@ fn split_at_median(leaves: &mut [(u32, MinMax)]) {
 }
 
 impl FromIterator<(u32, MinMax)> for BoxTree {
-    /// Boxes with their keys, put in one after the other.
+    /// Returns a tree into which the boxes were inserted one by one under their keys.
     fn from_iter<I: IntoIterator<Item = (u32, MinMax)>>(boxes: I) -> Self {
         let mut tree = Self::new();
         for (key, bounds) in boxes {

@@ -1,5 +1,5 @@
-//! The dynamic bounding-volume tree as a partition: the boxes by their keys beside the tree over them, and a margin about
-//! each leaf.
+//! The dynamic bounding-volume tree as a partition: a tree with a margin around each leaf, and the
+//! exact boxes by key.
 //!
 //! Source: Catto, *Dynamic bounding volume hierarchies*, GDC 2019 (fat leaves).
 
@@ -12,15 +12,18 @@ use super::Items;
 use crate::hierarchy::{DynamicBvh, DynamicNode};
 use crate::volume::{BoundingVolume, MinMax};
 
-/// A tree of boxes that come, go and move: the kind to take where nothing is known of them.
+/// A tree of boxes that can be inserted, removed and moved. Use it if you know nothing about the
+/// boxes.
 ///
-/// A box that moves stays where it is in the tree while it is inside its leaf's or its parent's volume, and is put elsewhere
-/// when it is not. With a margin, leaves are fat: a box that moves by less costs one comparison, and answers are as exact
-/// as without.
+/// A box that moves keeps its place in the tree while it stays inside its leaf's or its parent's
+/// volume, and is reinserted otherwise. With a margin, leaves are larger than their boxes: a box
+/// that moves by less than the margin costs one comparison. Results are exact with and without a
+/// margin.
 ///
 /// # Complexity
-/// A change O(log n) for boxes that are spread somehow, and never more than about 100 nodes looked at and 48 refitted;
-/// a question O(log n + k) likewise. 64 bytes a node, two nodes a box, and 48 bytes a key.
+/// A change takes O(log n) for boxes that are spread in space, and always visits at most about 100
+/// nodes and refits at most 48. A query with k results takes O(log n + k) for such boxes. Memory:
+/// 64 bytes per node, two nodes per box, and 48 bytes per key.
 ///
 /// ```
 /// use impinge::partition::{BoxTree, Dynamic, Partition};
@@ -43,27 +46,29 @@ pub struct BoxTree {
 }
 
 impl BoxTree {
-    /// A tree of nothing, whose leaves are as large as their boxes.
+    /// Returns an empty tree whose leaves are as large as their boxes.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// A tree of nothing, whose leaves are larger than their boxes by `margin` on every side. A margin that is not above zero
-    /// is none, and one beyond 2^320 is that.
+    /// Returns an empty tree whose leaves extend beyond their boxes by `margin` on every side. A
+    /// negative or NaN margin counts as zero, and a margin beyond 2^320 as 2^320.
     #[must_use]
     pub fn with_margin(margin: f64) -> Self {
         Self { margin: margin.clamp(0.0, super::best::LIMIT), ..Self::default() }
     }
 
-    /// Steps from the root to the deepest leaf, at most 48; zero for fewer than two boxes.
+    /// Returns the number of steps from the root to the deepest leaf, at most 48. It is zero for
+    /// fewer than two boxes.
     #[must_use]
     pub fn height(&self) -> usize {
         self.bvh.root().map_or(0, |root| usize::from(self.node(root).height))
     }
 
-    /// The area of all inner nodes over that of the root, which is what a search costs (MacDonald, Booth, *Heuristics for ray
-    /// tracing using space subdivision*, 1990); zero for fewer than two boxes, or where the root has no area.
+    /// Returns the summed surface area of all inner nodes divided by that of the root, which
+    /// estimates the cost of a search (MacDonald, Booth, *Heuristics for ray tracing using space
+    /// subdivision*, 1990). It is zero for fewer than two boxes, or if the root has no area.
     #[must_use]
     pub fn cost(&self) -> f64 {
         let Some(root) = self.bvh.root() else { return 0.0 };
@@ -84,12 +89,12 @@ impl BoxTree {
         self.bvh.node(at)
     }
 
-    /// Whether leaves may be larger than their boxes.
+    /// Reports whether leaves may be larger than their boxes.
     fn is_fat(&self) -> bool {
         self.margin > 0.0
     }
 
-    /// What a leaf covers for a box.
+    /// Returns the volume of the leaf for a box: the box enlarged by the margin.
     fn fattened(&self, bounds: &MinMax) -> MinMax {
         if !self.is_fat() {
             return *bounds;

@@ -3,9 +3,9 @@
 use super::super::{Dynamic, Partition};
 use super::{BoxTree, MinMax};
 
-/// Maximum size of a leaf beyond that of its box, in margins. If it is smaller, boxes that slow down are reinserted; if it is
-/// larger, leaves stay large when their boxes shrink.
-const MOST_MARGINS: f64 = 4.0;
+/// Maximum excess of a leaf's extent over that of its box, in margins. If it is smaller, boxes that
+/// slow down are reinserted more often; if it is larger, leaves stay large when their boxes shrink.
+const MAX_MARGINS: f64 = 4.0;
 
 impl Dynamic for BoxTree {
     fn insert(&mut self, key: u32, bounds: MinMax) -> Option<MinMax> {
@@ -26,8 +26,9 @@ impl Dynamic for BoxTree {
 }
 
 impl BoxTree {
-    /// Updates the leaf of a box that moved. The leaf stays as it is while it encloses the box, and stays where it is while
-    /// its parent encloses it. Otherwise it is reinserted.
+    /// Updates the leaf of a box that moved. While the leaf encloses the box and is not too large,
+    /// nothing changes. While the parent encloses the new leaf, the leaf is only resized. Otherwise
+    /// it is reinserted.
     fn move_leaf(&mut self, leaf: u32, bounds: &MinMax) {
         let held = self.node(leaf).bounds;
         let stays = self.is_fat() && held.encloses(bounds) && !self.is_too_fat(&held, bounds);
@@ -43,7 +44,7 @@ impl BoxTree {
     }
 
     fn is_too_fat(&self, held: &MinMax, bounds: &MinMax) -> bool {
-        let most = MOST_MARGINS * self.margin;
+        let most = MAX_MARGINS * self.margin;
         let (held_extent, extent) = ([held.min(), held.max()], [bounds.min(), bounds.max()]);
         (0..3).any(|k| held_extent[1][k] - held_extent[0][k] > extent[1][k] - extent[0][k] + most)
     }

@@ -1,6 +1,7 @@
-//! All pairs by a simultaneous descent: the tree against itself, or against another tree.
+//! Finds all pairs by a simultaneous descent: the tree against itself, or against another tree.
 //!
-//! Source: Ericson, 6.3.2; a node meets itself in its children, each with itself and one with the other.
+//! Source: Ericson, 6.3.2. A node against itself becomes each child against itself and one child
+//! against the other.
 
 use super::{BoxTree, MinMax};
 use crate::volume::BoundingVolume;
@@ -23,7 +24,8 @@ impl BoxTree {
         pairs
     }
 
-    /// What [`Partition::pairs_with`](super::super::Partition::pairs_with) answers, by opening both trees at once.
+    /// Returns the same pairs as [`Partition::pairs_with`](super::super::Partition::pairs_with), by
+    /// descending both trees at once.
     #[must_use]
     pub fn pairs_with_tree(&self, other: &Self) -> Vec<[u32; 2]> {
         let (Some(root), Some(other_root)) = (self.bvh.root(), other.bvh.root()) else { return Vec::new() };
@@ -33,8 +35,9 @@ impl BoxTree {
         pairs
     }
 
-    /// Opens pairs of nodes that overlap, the higher one of the two, down to leaves.
-    fn descend(&self, other: &Self, waiting: &mut Vec<[u32; 2]>, mut meet: impl FnMut([u32; 2])) {
+    /// Descends pairs of nodes that overlap, expanding the higher node of each, and calls `found`
+    /// with the keys of overlapping boxes.
+    fn descend(&self, other: &Self, waiting: &mut Vec<[u32; 2]>, mut found: impl FnMut([u32; 2])) {
         while let Some([one, two]) = waiting.pop() {
             let (a, b) = (self.node(one), other.node(two));
             if !a.bounds.overlaps(&b.bounds) {
@@ -45,7 +48,7 @@ impl BoxTree {
                     let thin = !self.is_fat() && !other.is_fat();
                     let exact: [MinMax; 2] = [self.exact(a), other.exact(b)];
                     if thin || exact[0].overlaps(&exact[1]) {
-                        meet([a.key(), b.key()]);
+                        found([a.key(), b.key()]);
                     }
                 }
                 (false, is_leaf) if is_leaf || a.height >= b.height => {

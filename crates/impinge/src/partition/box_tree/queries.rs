@@ -1,4 +1,4 @@
-//! Searches of one box, point or ray.
+//! Searches with one box, point or ray.
 
 use std::ops::ControlFlow;
 
@@ -9,7 +9,7 @@ use crate::hierarchy::Stack;
 use crate::volume::BoundingVolume;
 
 impl BoxTree {
-    /// The exact box of a leaf.
+    /// Returns the exact box of a leaf.
     #[inline]
     pub(super) fn exact(&self, leaf: &DynamicNode<MinMax>) -> MinMax {
         if self.is_fat() { *self.items.get(leaf.key()).unwrap_or(&leaf.bounds) } else { leaf.bounds }
@@ -48,7 +48,7 @@ impl Partition for BoxTree {
         )
     }
 
-    /// The nearer child first, so that a reach that shrinks prunes.
+    /// Visits the nearer child first, so that a reach that shrinks prunes the search.
     fn ray(&self, ray: &Ray, visit: &mut dyn FnMut(RayVisit) -> f64) {
         let mut reach = ray.reach();
         let enters = |node: u32| ray.enters(&self.node(node).bounds).map(|t| (t, node));
@@ -80,7 +80,7 @@ impl Partition for BoxTree {
         }
     }
 
-    /// Depth first, the nearer child before the other.
+    /// Descends depth first, into the nearer child before the other.
     fn nearest(&self, point: [f64; 3], count: usize) -> Vec<Neighbour> {
         let mut best = Best::new(count);
         let Some(root) = self.bvh.root().filter(|_| in_range(&point) && count > 0) else { return Vec::new() };

@@ -1,46 +1,50 @@
-//! Columns in memory: each a chain of blocks, so that boxes find their places in one pass.
+//! Columns in memory: each a chain of blocks, so that one pass puts boxes into their columns.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x16};
 
-use super::frame::{Frame, LARGEST, LEVELS, WIDTH, nearest};
+use super::frame::{Frame, LEVELS, MAX_EXTENT, WIDTH, nearest};
 use super::record::{Record, from_next, interval};
 use crate::simd::{best_level, by_axis, dispatch, prefetch};
 use crate::volume::MinMax;
 
-/// Copies in a block: 1 KiB, so that what is left empty in the last block of a column is little, and few links are followed.
+/// Number of copies in a block: 1 KiB. Larger blocks leave more memory empty in the last block of a
+/// column; smaller ones need more links.
 const BLOCK: usize = 64;
 
-/// Not a block.
+/// Block number that stands for "no block".
 const NONE: u32 = u32::MAX;
 
-/// Columns that a box reaches into at most.
-const MOST_COPIES: usize = 4;
+/// Maximum number of columns that a box of regular size reaches into.
+const MAX_COPIES: usize = 4;
 
-/// The bit of boxes that are too large for the columns of the finest level, or outside of them, beside those of axes.
+/// Bit in [`Batch::lacks`] for boxes that are too large for the finest level or outside its
+/// columns. The lower two bits stand for the axes.
 const SPECIAL: u32 = 1 << 2;
 
-/// Boxes that are dealt out at a time: in loops of their own they take the vector unit.
+/// Number of boxes that are distributed at a time. Each step has its own loop over a batch, so that
+/// the compiler can vectorize it.
 const BATCH: usize = 64;
 
-/// The copies of a run of boxes, by column.
+/// Copies of a run of boxes, by column.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Columns {
     records: Vec<Record>,
-    /// For each block the one before it in its column.
+    /// Number of the preceding block in the same column, for each block.
     links: Vec<u32>,
-    /// Blocks in use.
+    /// Number of blocks in use.
     used: usize,
-    /// For each column where its next copy goes: one past its last; zero where it has none.
+    /// Index at which the next copy of each column goes, one past its last copy. Zero if the column
+    /// is empty.
     next: Vec<u32>,
-    /// For each place of a column whether others may share it.
+    /// For each place of a column in memory: `true` if several columns may share it.
     shared: Vec<bool>,
-    /// Boxes of each level.
+    /// Number of boxes in each level.
     counts: [u32; LEVELS],
 }
 
 impl Columns {
-    /// Puts copies of these boxes, whose keys are counted from `first`, in place of all others.
+    /// Replaces all copies by copies of these boxes, whose keys are counted from `first`.
     pub(super) fn fill(&mut self, frame: &Frame, boxes: &[MinMax], first: u32) {
         self.used = 0;
         self.next.clear();
@@ -63,12 +67,12 @@ impl Columns {
 
     #[inline(always)]
     fn push_all<S: Simd>(&mut self, simd: S, frame: &Frame, batch: &Batch, boxes: &[MinMax], first: u32) {
-        self.reserve(MOST_COPIES * boxes.len());
-        // Slices of their own, which no write to another can move.
+        self.reserve(MAX_COPIES * boxes.len());
+        // Local slices, so that the compiler knows that no other write changes them.
         let (records, links, next) = (&mut self.records[..], &mut self.links[..], &mut self.next[..]);
         let used = &mut self.used;
         for &place in &batch.place[..boxes.len()] {
-            // The block is far from the processor, as all columns take turns.
+            // The block is probably not in the cache, because writes go to all columns in turn.
             if let Some(next) = records.get(next[place as usize] as usize) {
                 prefetch(next);
             }
@@ -76,7 +80,8 @@ impl Columns {
         let mut push = |place: u32, record| push(records, links, next, used, place, record);
         let all = u64::MAX >> (BATCH - boxes.len());
         let [regular, x, y] = [batch.with(simd, SPECIAL) & all, batch.with(simd, 1), batch.with(simd, 2)];
-        // Bits of who has which copies, as asking each box would be a branch that is as good as chance.
+        // Bit masks select the boxes that have each copy, because a branch per box would be
+        // unpredictable.
         for (copy, boxes) in (0..).zip([regular, regular & x, regular & y, regular & x & y]) {
             let mut left = boxes;
             while left != 0 {
@@ -98,7 +103,7 @@ impl Columns {
         }
     }
 
-    /// Makes sure that there are blocks for so many copies, each in another column.
+    /// Makes room for this number of copies, even if each goes to a different column.
     #[inline(always)]
     fn reserve(&mut self, copies: usize) {
         if self.links.len() < self.used + copies {
@@ -107,14 +112,14 @@ impl Columns {
         }
     }
 
-    /// A box that is too large for the finest level, or outside of its columns.
+    /// Adds a box that is too large for the finest level, or outside its columns.
     #[cold]
     fn push_special(&mut self, frame: &Frame, bounds: &MinMax, key: u32) {
         let image = frame.image(bounds);
         let level = Frame::level(&image);
         let [first, last] = frame.reach(&image, level);
         let is_within = frame.is_within(level, [first, last]);
-        self.reserve(MOST_COPIES);
+        self.reserve(MAX_COPIES);
         for row in first[1]..=last[1] {
             for column in first[0]..=last[0] {
                 let place = frame.place(level, [column, row]);
@@ -126,17 +131,17 @@ impl Columns {
         self.counts[level] += u32::from(level > 0);
     }
 
-    /// Boxes of a level; of the finest all that there are.
+    /// Returns the number of boxes in a level; for the finest level, the number of all boxes.
     pub(super) fn count(&self, level: usize) -> u32 {
         self.counts[level]
     }
 
-    /// Whether what is in a place may be of several columns.
+    /// Reports whether a place may hold copies of several columns.
     pub(super) fn is_shared(&self, place: usize) -> bool {
         self.shared[place]
     }
 
-    /// The copies in a place, a block at a time.
+    /// Returns the copies in a place, one block at a time.
     pub(super) fn blocks(&self, place: usize) -> impl Iterator<Item = &[Record]> {
         let mut end = self.next[place] as usize;
         std::iter::from_fn(move || {
@@ -148,7 +153,8 @@ impl Columns {
     }
 }
 
-/// Puts a copy behind the others of its column: in a new block where there are none, or theirs is full.
+/// Appends a copy to its column. Takes a new block if the column is empty or its last block is
+/// full.
 #[inline(always)]
 fn push(records: &mut [Record], links: &mut [u32], next: &mut [u32], used: &mut usize, place: u32, record: Record) {
     let next = &mut next[place as usize];
@@ -161,17 +167,18 @@ fn push(records: &mut [Record], links: &mut [u32], next: &mut [u32], used: &mut 
     *next += 1;
 }
 
-/// Boxes side by side on their way to columns of the finest level.
+/// A batch of boxes on their way to columns of the finest level, one array per coordinate.
 #[derive(Clone, Debug)]
 struct Batch {
     min: [[f32; BATCH]; 3],
     max: [[f32; BATCH]; 3],
     first: [[i32; BATCH]; 2],
-    /// Where the first column is in memory.
+    /// Place of the first column in memory.
     place: [u32; BATCH],
-    /// For each axis a bit where a box does not reach into the next column, and one for boxes that have no copies here.
+    /// Bits of each box: one per axis, set if the box does not reach into the next column, and
+    /// [`SPECIAL`] if the box has no copies in the finest level.
     lacks: [u32; BATCH],
-    /// What a record holds.
+    /// Intervals of each box along the column and across, as a record stores them.
     words: [[u32; BATCH]; 3],
 }
 
@@ -189,7 +196,7 @@ impl Default for Batch {
 }
 
 impl Batch {
-    /// The boxes that have what others lack, a bit each.
+    /// Returns the boxes whose `lacks` does not contain the bit `lacked`, one bit per box.
     #[inline(always)]
     fn with<S: Simd>(&self, simd: S, lacked: u32) -> u64 {
         let lacked = u32x16::splat(simd, lacked);
@@ -220,9 +227,9 @@ impl Batch {
         for at in 0..BATCH {
             let first = [nearest(min[0][at]), nearest(min[1][at])];
             let last = [nearest(max[0][at]), nearest(max[1][at])];
-            let is_small = (max[0][at] - min[0][at] <= LARGEST)
-                & (max[1][at] - min[1][at] <= LARGEST)
-                & (along.1[at] - along.0[at] <= LARGEST);
+            let is_small = (max[0][at] - min[0][at] <= MAX_EXTENT)
+                & (max[1][at] - min[1][at] <= MAX_EXTENT)
+                & (along.1[at] - along.0[at] <= MAX_EXTENT);
             let is_special = !(is_small & frame.is_within(0, [first, last]));
             self.lacks[at] = u32::from(last[0] == first[0])
                 | u32::from(last[1] == first[1]) << 1
@@ -233,7 +240,8 @@ impl Batch {
         }
     }
 
-    /// As [`Frame::record`]: differences to columns from zero on are exact in single precision.
+    /// Computes the same steps as [`Frame::record`]: differences to column numbers of zero or more
+    /// are exact in single precision.
     #[inline(always)]
     fn take_steps(&mut self, frame: &Frame) {
         let along = (&self.min[frame.along % 3], &self.max[frame.along % 3]);
@@ -256,7 +264,8 @@ mod tests {
     use super::*;
     use impinge_testkit::generate::Rng;
 
-    /// Boxes whose corners are often where steps and columns part, and some that are too large for a column.
+    /// Returns boxes whose corners often lie on boundaries of steps and columns. Some are too large
+    /// for a column.
     fn boxes(rng: &mut Rng, far: f64) -> Vec<MinMax> {
         let unit = 1.0 / 1024.0;
         (0..8_000)
@@ -270,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn copies_dealt_out_in_batches_are_those_of_one_box_at_a_time() {
+    fn copies_made_in_batches_equal_copies_made_one_box_at_a_time() {
         let (mut rng, mut columns) = (Rng::new(71), Columns::default());
         let (mut second, mut large) = (0, 0);
         for far in [0.0, 1e6, -3.0] {

@@ -1,4 +1,4 @@
-//! A column sorted and swept, sixteen boxes at a time.
+//! Sorts a column and sweeps it, sixteen boxes at a time.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u8x32, u32x8};
@@ -6,28 +6,31 @@ use fearless_simd::{Simd, u8x32, u32x8};
 use super::record::{Record, Verdict, probe};
 use super::slots::Slots;
 
-/// Copies that are compared at a time, and in a vector.
-const WIDE: usize = 16;
-const VECTOR: usize = 8;
+/// Number of copies compared at a time.
+const COMPARED: usize = 16;
+/// Number of copies in a vector.
+const VECTOR_LANES: usize = 8;
 
-/// The copies of a column, by where they begin along it, and memory to sort them in.
+/// The copies of a column, sorted by their beginnings along it, and memory to sort them in.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lanes {
-    /// As they came.
+    /// Copies in the order in which they were added.
     unsorted: Vec<Record>,
-    /// In order; here and below what is behind their number means nothing.
+    /// Sorted copies. In this and the following lists only the first entries, one per copy, are
+    /// meaningful.
     sorted: Vec<Record>,
     slots: Slots,
-    /// Of each where it is across, in four bytes.
+    /// Word of each sorted copy, its interval across in four bytes: [`Record::word`].
     words: Vec<u32>,
-    /// Where those end that may begin before a copy ends, for each; only where they are sorted in full.
+    /// For each sorted copy, the index after the last copy that may begin before it ends.
     ends: Vec<u32>,
     hits: Vec<Hits>,
-    /// Pairs of which images are not certain.
-    open: Vec<[u32; 2]>,
+    /// Pairs whose images do not decide whether the boxes overlap.
+    undecided: Vec<[u32; 2]>,
 }
 
-/// Which part of the columns is asked for: the steps and the images of where it begins and ends along.
+/// The part of a column that is searched: the steps, and the more precise images, of its beginning
+/// and its end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
     pub(super) steps: [u32; 2],
@@ -35,7 +38,8 @@ pub(super) struct Span {
 }
 
 impl Lanes {
-    /// Takes these copies in place of all others; `span` tells where the box of a copy is along.
+    /// Replaces all copies by these. `span` returns the images between which the box of a copy lies
+    /// along the column.
     #[inline(always)]
     pub(super) fn fill<'r>(&mut self, blocks: impl Iterator<Item = &'r [Record]>, span: impl Fn(&Record) -> [f32; 2]) {
         self.unsorted.clear();
@@ -43,7 +47,7 @@ impl Lanes {
         let len = self.unsorted.len();
         if self.sorted.len() < len {
             self.sorted.resize(2 * len, Record::default());
-            self.words.resize(2 * len + WIDE, 0);
+            self.words.resize(2 * len + COMPARED, 0);
             self.ends.resize(2 * len, 0);
         }
         let sorted = &mut self.sorted[..len];
@@ -58,41 +62,43 @@ impl Lanes {
         }
     }
 
-    /// The copies, in order.
+    /// Returns the copies in sorted order.
     pub(super) fn records(&self) -> &[Record] {
         &self.sorted[..self.unsorted.len()]
     }
 
-    /// Adds each two copies to `found` whose boxes meet: as `judge` says, or `decide` where it is not certain.
+    /// Adds each pair of copies whose boxes overlap to `found`. `classify` compares their images;
+    /// `decide` compares the boxes if that is not certain.
     #[inline(always)]
     pub(super) fn sweep_self<S: Simd>(
         &mut self,
         simd: S,
         found: &mut Vec<[u32; 2]>,
-        judge: impl Fn(&Record, &Record) -> Verdict,
+        classify: impl Fn(&Record, &Record) -> Verdict,
         decide: impl Fn([u32; 2]) -> bool,
     ) {
         let len = self.unsorted.len();
         if len == 0 {
-            return; // before there is any memory
+            return; // no memory is allocated yet
         }
-        let words = &self.words[..len + WIDE];
+        let words = &self.words[..len + COMPARED];
         let (records, ends) = (&self.sorted[..len], &self.ends[..len]);
-        let open = &mut self.open;
-        // Each has one hit taken at a time, so that how many it has is no branch, nor what is judged of it.
+        let undecided = &mut self.undecided;
+        // Each round takes one hit of every entry. The number of hits of an entry and the verdict
+        // about a hit thus cause no branches.
         let mut expand = |hits: &mut [Hits]| {
             let mut left = hits.len();
             while left > 0 {
                 let before = found.len();
                 found.resize(before + left, [0; 2]);
-                open.resize(open.len().max(left), [0; 2]);
-                let (met, asked) = (&mut found[before..], &mut open[..left]);
+                undecided.resize(undecided.len().max(left), [0; 2]);
+                let (met, asked) = (&mut found[before..], &mut undecided[..left]);
                 let (mut kept, mut certain, mut uncertain) = (0, 0, 0);
                 for at in 0..left {
                     let Hits { one, first, bits } = hits[at];
                     let (one_record, other) =
                         (&records[one as usize], &records[(first + bits.trailing_zeros()) as usize]);
-                    let Verdict { is_apart, is_certain } = judge(one_record, other);
+                    let Verdict { is_apart, is_certain } = classify(one_record, other);
                     let pair = [one_record.key.min(other.key), one_record.key.max(other.key)];
                     (met[certain], asked[uncertain]) = (pair, pair);
                     certain += usize::from(is_certain & !is_apart);
@@ -102,56 +108,61 @@ impl Lanes {
                     kept += usize::from(bits != 0);
                 }
                 found.truncate(before + certain);
-                found.extend(open[..uncertain].iter().filter(|&&pair| decide(pair)));
+                found.extend(undecided[..uncertain].iter().filter(|&&pair| decide(pair)));
                 left = kept;
             }
         };
-        // Room for all of one copy, so that nothing but comparisons is in the inner loop.
+        // Reserves room for all hits of one copy, so that the inner loop contains nothing but
+        // comparisons.
         let hits = &mut self.hits;
-        hits.resize(MOST_HITS + len.div_ceil(WIDE) + 1, Hits::default());
+        hits.resize(HITS_PER_BATCH + len.div_ceil(COMPARED) + 1, Hits::default());
         let mut count = 0;
         for one in 0..=len {
-            // Called from here alone, the last time too, so that it is compiled with the vector unit.
-            if count > MOST_HITS || one == len {
+            // The only call, also for the remaining hits, so that it is inlined and compiled for
+            // the vector unit.
+            if count > HITS_PER_BATCH || one == len {
                 expand(&mut hits[..count]);
                 count = 0;
             }
             let Some(&end) = ends.get(one) else { break };
             let end = end as usize;
-            let most = u32x8::splat(simd, probe(words[one]));
+            let limits = u32x8::splat(simd, probe(words[one]));
             let mut at = one + 1;
             while at < end {
-                let bits = compare(simd, words, at, most) & first_bits(end - at);
-                // Written in any case and kept where there is a hit: whether there is one is hard to predict.
+                let bits = compare(simd, words, at, limits) & first_bits(end - at);
+                // Always written, and kept only if there is a hit: a branch would be hard to
+                // predict.
                 hits[count] = Hits { one: one as u32, first: at as u32, bits };
                 count += usize::from(bits != 0);
-                at += WIDE;
+                at += COMPARED;
             }
         }
     }
 
-    /// Calls `meet` for each copy whose image may meet one that has this word across, and may meet this span along.
+    /// Calls `visit` for each copy whose image may overlap both a box with this word across the
+    /// column and this span along it.
     #[inline(always)]
-    pub(super) fn sweep_one<S: Simd>(&self, simd: S, word: u32, span: &Span, mut meet: impl FnMut(&Record)) {
-        let words = &self.words[..self.unsorted.len() + WIDE];
-        let most = u32x8::splat(simd, probe(word));
+    pub(super) fn sweep_one<S: Simd>(&self, simd: S, word: u32, span: &Span, mut visit: impl FnMut(&Record)) {
+        let words = &self.words[..self.unsorted.len() + COMPARED];
+        let limits = u32x8::splat(simd, probe(word));
         let (start, end) = if self.slots.is_full() {
             (self.slots.full_start(span.images[0]), self.slots.full_end(span.images[1]))
         } else {
             (self.slots.start(span.steps[0]), self.slots.end(span.steps[1]))
         };
         let end = end as usize;
-        for at in (start as usize..end).step_by(WIDE) {
-            let mut bits = compare(simd, words, at, most) & first_bits(end - at);
+        for at in (start as usize..end).step_by(COMPARED) {
+            let mut bits = compare(simd, words, at, limits) & first_bits(end - at);
             while bits != 0 {
-                meet(&self.sorted[at + bits.trailing_zeros() as usize]);
+                visit(&self.sorted[at + bits.trailing_zeros() as usize]);
                 bits &= bits - 1;
             }
         }
     }
 }
 
-/// Sorted copies whose images meet one's: a bit each, from `first` on.
+/// Sorted copies whose images overlap that of the copy `one`: one bit each, counted from index
+/// `first`.
 #[derive(Clone, Copy, Debug, Default)]
 struct Hits {
     one: u32,
@@ -159,25 +170,26 @@ struct Hits {
     bits: u32,
 }
 
-/// Hits that are looked at together.
-const MOST_HITS: usize = 256;
+/// Number of hits that are expanded together.
+const HITS_PER_BATCH: usize = 256;
 
-/// As many bits as there are copies, or as are compared at a time.
+/// Returns one bit for each of `count` copies, at most the number compared at a time.
 #[inline(always)]
 fn first_bits(count: usize) -> u32 {
-    (1 << count.min(WIDE)) - 1
+    (1 << count.min(COMPARED)) - 1
 }
 
-/// Which words from a place on have no byte that is more than one's.
+/// Returns one bit for each word from index `at` on: set if none of its bytes exceeds the byte in
+/// `limits`.
 #[inline(always)]
-fn compare<S: Simd>(simd: S, words: &[u32], at: usize, most: u32x8<S>) -> u32 {
-    let most = most.bitcast::<u8x32<S>>();
-    let words = &words[at..at + WIDE];
+fn compare<S: Simd>(simd: S, words: &[u32], at: usize, limits: u32x8<S>) -> u32 {
+    let limits = limits.bitcast::<u8x32<S>>();
+    let words = &words[at..at + COMPARED];
     let mut bits = 0;
-    for vector in 0..WIDE / VECTOR {
-        let words = u32x8::from_slice(simd, &words[vector * VECTOR..][..VECTOR]);
-        let is_near = words.bitcast::<u8x32<S>>().min(most).bitcast::<u32x8<S>>().simd_eq(words);
-        bits |= (is_near.to_bitmask() as u32) << (vector * VECTOR);
+    for vector in 0..COMPARED / VECTOR_LANES {
+        let words = u32x8::from_slice(simd, &words[vector * VECTOR_LANES..][..VECTOR_LANES]);
+        let is_near = words.bitcast::<u8x32<S>>().min(limits).bitcast::<u32x8<S>>().simd_eq(words);
+        bits |= (is_near.to_bitmask() as u32) << (vector * VECTOR_LANES);
     }
     bits
 }

@@ -1,11 +1,18 @@
-//! All pairs of boxes that all move: sorted into columns and swept along them, from nothing, each time.
+//! Finds all pairs of boxes if most boxes move: it sorts the boxes into columns and sweeps along
+//! them, from scratch on every call.
 //!
-//! Source: Tracy, Buss, Woods, *Efficient large-scale sweep and prune methods with AABB insertion and removal*, IEEE VR 2009
-//! (a grid of sweeps); Ericson, 7.2 (levels for sizes). Ours departs in that nothing is kept from step to step, in columns
-//! that cross space so that a sweep replaces one axis of the grid, in sixteen boxes a comparison, and in coordinates that are
-//! rounded *monotonically* to whole steps of 15 bits: if a coordinate is not greater than another, neither is its step. Steps
-//! that are apart thus prove boxes apart, steps that overlap by more than a touch prove that they meet, and only for a touch
-//! are the boxes themselves asked.
+//! Source: Tracy, Buss, Woods, *Efficient large-scale sweep and prune methods with AABB insertion
+//! and removal*, IEEE VR 2009 (a grid of sweeps); Ericson, 7.2 (levels for sizes). Ours departs in
+//! four ways:
+//! - Nothing is kept from step to step.
+//! - Columns cross the whole space, so that a sweep replaces one axis of the grid.
+//! - Sixteen boxes are compared at a time.
+//! - Coordinates are rounded *monotonically* to whole steps of 15 bits: if a coordinate is not
+//!   greater than another, neither is its step. Steps that are apart therefore prove that boxes are
+//!   apart. Steps that overlap by more than a touch prove that they overlap. Only if steps touch
+//!   are the boxes themselves compared.
+//!
+//! Guarded by `tests/it/partition/columns.rs`, measured by the benchmark `partitions`.
 
 mod columns;
 mod frame;
@@ -23,21 +30,23 @@ use rayon::prelude::*;
 use crate::simd::{best_level, dispatch};
 use crate::volume::{BoundingVolume, MinMax};
 use columns::Columns;
-use frame::{Frame, Image, LARGEST, LEVELS, nearest};
+use frame::{Frame, Image, LEVELS, MAX_EXTENT, nearest};
 use lanes::{Lanes, Span};
 use order::sort_pairs;
 use record::{Record, Verdict};
 
-/// Finds all pairs of boxes that meet, without memory of earlier places: the quickest way where most boxes move.
+/// Finds all pairs of boxes that overlap, without memory of earlier positions. It is the fastest
+/// kind if most boxes move.
 ///
-/// Boxes about as large as each other share one level of columns, with copies in each column that they reach into; larger
-/// ones have levels of their own, up to one for those that are larger than the scene. It holds no boxes and so answers no
-/// questions but this; what it keeps is memory to work in.
+/// Boxes of similar size share one level of columns, with a copy in each column that they reach
+/// into. Larger boxes use coarser levels, up to a single column for boxes larger than the scene.
+/// This type stores no boxes, so it has no other queries; it only keeps memory to work in.
 ///
 /// # Complexity
-/// O(n) and a sweep of each column: boxes that are spread are compared with about ten others each, and sizes over any
-/// ratio add a comparison for each level of fourfold size. Boxes that are long and thin, many side by side in one column,
-/// are compared with each other: then a [`BoxTree`](super::BoxTree) is the better kind.
+/// O(n) and a sweep of each column. Boxes that are spread in space are compared with about ten
+/// others each. Sizes of any ratio add one comparison for each level; a level covers a factor of
+/// four. Many long thin boxes side by side in one column are all compared with each other: use a
+/// [`BoxTree`](super::BoxTree) for them.
 ///
 /// ```
 /// use impinge::partition::ColumnSweep;
@@ -50,57 +59,62 @@ use record::{Record, Verdict};
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct ColumnSweep {
-    /// Of each run of boxes, for a thread.
+    /// Columns of each run of consecutive boxes; one thread fills a run.
     runs: Vec<Columns>,
-    /// Of each level but the finest.
+    /// Columns of each level but the finest.
     coarse: Vec<Coarse>,
     sweepers: Vec<Sweeper>,
 }
 
-/// What a thread sweeps columns with.
+/// Working memory with which a thread sweeps columns.
 #[derive(Clone, Debug, Default)]
 struct Sweeper {
     lanes: Lanes,
-    /// Pairs before they are sorted.
+    /// Pairs found, unsorted.
     found: Vec<[u32; 2]>,
 }
 
-/// The columns of a level one after the other.
+/// The columns of one coarse level, one after the other.
 #[derive(Clone, Debug, Default)]
 struct Coarse {
     copies: Vec<CoarseCopy>,
-    /// Where each column starts, and the last one ends.
+    /// Index in `copies` at which each column starts, and the end of the last column.
     starts: Vec<u32>,
 }
 
-/// A box of a coarse level in one of its columns.
+/// Copy of a box of a coarse level in one of its columns.
 #[derive(Clone, Copy, Debug)]
 struct CoarseCopy {
     image: Image,
     key: u32,
     column: [i32; 2],
-    /// The columns of the finest level that it reaches into first and last.
+    /// First and last column of the finest level that the box reaches into.
     reach: [[i32; 2]; 2],
 }
 
-/// Boxes that a thread sorts into columns at least: of 3,000 two threads take 0.66 of the time of one, of 10,000 as much.
-const SHORTEST_RUN: usize = 1 << 11;
+/// Minimum number of boxes that a thread sorts into columns. With 3,000 boxes and with 10,000
+/// boxes, two threads take 0.66 times as long as one thread.
+const MIN_RUN: usize = 1 << 11;
 
-/// Columns that a thread takes at a time: so few that no thread waits for another for long.
-const TASK: usize = 4;
+/// Number of columns that a thread takes at a time. It is small, so that no thread waits long for
+/// another at the end.
+const COLUMNS_PER_TASK: usize = 4;
 
 impl ColumnSweep {
-    /// One that has no memory yet.
+    /// Returns a finder that has no working memory yet.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Puts the pairs of places in `boxes` whose boxes meet in `pairs`, in place of what is there: sorted, each once, the
-    /// lesser first. Exact, and the same for any number of threads, on as many as the caller's `rayon` pool has.
+    /// Replaces the contents of `pairs` by the pairs of indices in `boxes` whose boxes overlap:
+    /// sorted, without duplicates, the smaller index first.
+    ///
+    /// Exact. The result does not depend on the number of threads. It runs on the threads of the
+    /// caller's `rayon` pool.
     pub fn find(&mut self, boxes: &[MinMax], pairs: &mut Vec<[u32; 2]>) {
         let Some(frame) = Frame::of(boxes) else { return pairs.clear() };
-        self.deal(&frame, boxes);
+        self.distribute(&frame, boxes);
         self.gather_coarse(&frame, boxes);
         self.sweep(&frame, boxes);
         let Some((first, others)) = self.sweepers.split_first_mut() else { return };
@@ -108,11 +122,11 @@ impl ColumnSweep {
         sort_pairs(&mut first.found, pairs, boxes.len());
     }
 
-    fn deal(&mut self, frame: &Frame, boxes: &[MinMax]) {
-        let run = boxes.len().div_ceil(rayon::current_num_threads()).max(SHORTEST_RUN);
+    fn distribute(&mut self, frame: &Frame, boxes: &[MinMax]) {
+        let run = boxes.len().div_ceil(rayon::current_num_threads()).max(MIN_RUN);
         self.runs.resize_with(boxes.len().div_ceil(run), Columns::default);
         if let [columns] = self.runs.as_mut_slice() {
-            // A pool that is not needed is not woken either, which would take longer than a thousand boxes.
+            // Waking a pool that is not needed would take longer than processing a thousand boxes.
             return columns.fill(frame, boxes, 0);
         }
         self.runs.par_iter_mut().zip(boxes.par_chunks(run)).enumerate().for_each(|(at, (columns, boxes))| {
@@ -120,7 +134,7 @@ impl ColumnSweep {
         });
     }
 
-    /// Puts the columns of all levels but the finest together, for finer ones to be compared with.
+    /// Collects the columns of all levels but the finest, to compare finer levels with them.
     fn gather_coarse(&mut self, frame: &Frame, boxes: &[MinMax]) {
         self.coarse.resize_with(LEVELS - 1, Coarse::default);
         for (level, coarse) in (1..).zip(&mut self.coarse) {
@@ -148,7 +162,10 @@ impl ColumnSweep {
         let used = (0..LEVELS).filter(|&level| level == 0 || !coarse[level - 1].copies.is_empty());
         let tasks = used.flat_map(|level| {
             let places = frame.columns(level);
-            places.clone().step_by(TASK).map(move |first| (level, first..places.end.min(first + TASK)))
+            places
+                .clone()
+                .step_by(COLUMNS_PER_TASK)
+                .map(move |first| (level, first..places.end.min(first + COLUMNS_PER_TASK)))
         });
         let sweep = |Sweeper { lanes, found }: &mut Sweeper, (level, places): (usize, Range<usize>)| {
             for place in places {
@@ -172,13 +189,13 @@ impl ColumnSweep {
     }
 }
 
-/// The column of a copy, which does not say it.
+/// Returns the column of a copy, which the record does not store.
 fn own_column(frame: &Frame, level: usize, image: &Image, record: &Record) -> [i32; 2] {
     let [first, _] = frame.reach(image, level);
     [0, 1].map(|axis| first[axis] + (record.second() >> axis & 1) as i32)
 }
 
-/// A column at work, or several that share its place.
+/// A column that is being swept, or several columns that share its place in memory.
 struct Bucket<'a> {
     frame: &'a Frame,
     boxes: &'a [MinMax],
@@ -189,7 +206,8 @@ struct Bucket<'a> {
 }
 
 impl Bucket<'_> {
-    /// Finds the pairs among these copies, and of them with those of coarser levels.
+    /// Finds the pairs among these copies, and the pairs of these copies with copies of coarser
+    /// levels.
     fn find<'r>(&mut self, blocks: impl Iterator<Item = &'r [Record]>, coarser: &[Coarse], found: &mut Vec<[u32; 2]>) {
         let &mut Self { frame, boxes, level, is_shared, .. } = self;
         let span = |record: &Record| {
@@ -199,8 +217,8 @@ impl Bucket<'_> {
         let column = |record: &Record| own_column(frame, level, &frame.image(&boxes[record.key as usize]), record);
         dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || {
             self.lanes.fill(blocks, span);
-            let judge = |one: &Record, other: &Record| {
-                // Of the columns that both reach into the first reports them.
+            let classify = |one: &Record, other: &Record| {
+                // If two columns contain both boxes, the first column reports the pair.
                 let is_seen = one.second() & other.second() != 0;
                 let Verdict { is_apart, is_certain } = one.verdict(other);
                 if is_shared {
@@ -209,14 +227,15 @@ impl Bucket<'_> {
                 Verdict { is_apart: is_seen | is_apart, is_certain }
             };
             let decide = |[one, other]: [u32; 2]| boxes[one as usize].overlaps(&boxes[other as usize]);
-            self.lanes.sweep_self(simd, found, judge, decide);
+            self.lanes.sweep_self(simd, found, classify, decide);
         }));
         if !self.lanes.records().is_empty() && coarser.iter().any(|coarse| !coarse.copies.is_empty()) {
             self.find_coarser(coarser, found);
         }
     }
 
-    /// A coarse copy that comes near these is swept against them: there are few.
+    /// Sweeps each copy of a coarser level that is near this column against the copies of this
+    /// column.
     fn find_coarser(&self, coarser: &[Coarse], found: &mut Vec<[u32; 2]>) {
         let &Self { frame, boxes, level, is_shared, .. } = self;
         let column = |record: &Record| own_column(frame, level, &frame.image(&boxes[record.key as usize]), record);
@@ -228,8 +247,8 @@ impl Bucket<'_> {
         } else {
             columns.push(frame.column_at(level, self.place));
         }
-        // A little more than the sizes of a level, for the rounding of differences.
-        let longest = LARGEST * 1.001 * (1_u32 << (2 * level)) as f32;
+        // Slightly more than the maximum extent in this level, to allow for rounded differences.
+        let longest = MAX_EXTENT * 1.001 * (1_u32 << (2 * level)) as f32;
         for (coarser_level, coarse) in (level + 1..).zip(coarser).filter(|(_, coarse)| !coarse.copies.is_empty()) {
             let first = frame.columns(coarser_level).start;
             for &own in &columns {
@@ -242,7 +261,8 @@ impl Bucket<'_> {
                     if !is_near || other.column != about {
                         continue;
                     }
-                    // The column that reports a pair holds the least corner of what the two share.
+                    // The pair is reported by the column that contains the minimum corner of the
+                    // boxes' intersection.
                     let begun = u32::from(first[0] < own[0]) | u32::from(first[1] < own[1]) << 1;
                     let record = frame.record(&other.image, level, own, other.key);
                     let [begin, end] = [other.image.min, other.image.max].map(|corner| corner[frame.along]);
@@ -254,8 +274,8 @@ impl Bucket<'_> {
                                 return;
                             }
                             if !is_shared {
-                                meet(one, &record, boxes, found);
-                            } else if column(one) == own && are_met(one, &record, boxes) {
+                                report_overlap(one, &record, boxes, found);
+                            } else if column(one) == own && boxes_overlap(one, &record, boxes) {
                                 found.push(pair(one, &record));
                             }
                         });
@@ -266,17 +286,18 @@ impl Bucket<'_> {
     }
 }
 
-/// Reports a pair whose images meet across, if the boxes themselves meet.
+/// Reports a pair if its images overlap across the columns and the boxes overlap; compares the
+/// boxes only if the images leave it uncertain.
 #[inline(always)]
-fn meet(one: &Record, other: &Record, boxes: &[MinMax], found: &mut Vec<[u32; 2]>) {
+fn report_overlap(one: &Record, other: &Record, boxes: &[MinMax], found: &mut Vec<[u32; 2]>) {
     let verdict = one.verdict(other);
-    if !verdict.is_apart && (verdict.is_certain || are_met(one, other, boxes)) {
+    if !verdict.is_apart && (verdict.is_certain || boxes_overlap(one, other, boxes)) {
         found.push(pair(one, other));
     }
 }
 
-/// Whether the boxes of two copies meet.
-fn are_met(one: &Record, other: &Record, boxes: &[MinMax]) -> bool {
+/// Reports whether the boxes of two copies overlap.
+fn boxes_overlap(one: &Record, other: &Record, boxes: &[MinMax]) -> bool {
     boxes[one.key as usize].overlaps(&boxes[other.key as usize])
 }
 

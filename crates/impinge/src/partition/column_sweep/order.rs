@@ -1,52 +1,54 @@
-//! Pairs in order.
+//! Sorting of the pairs found.
 
 use rayon::prelude::*;
 
 use crate::hierarchy::scatter;
 
-/// Pairs that are sorted as they are; more are dealt out first.
-const FEW: usize = 1 << 9;
+/// Maximum number of pairs that are sorted directly; longer lists are first distributed to buckets.
+const MAX_SORTED_DIRECTLY: usize = 1 << 9;
 
-/// Pairs that are dealt out by 12 bits of their first number; more by 14.
-const MANY: usize = 1 << 15;
+/// Maximum number of pairs that are distributed by 12 bits of their first number; longer lists use
+/// 14 bits.
+const MAX_COARSELY_DISTRIBUTED: usize = 1 << 15;
 
-/// Pairs of the longest deal with which all are put in order at once, each moved past the few that it has to pass.
-const SHORT: u32 = 24;
+/// Maximum size of the largest bucket for which one insertion sort orders the whole list. Each pair
+/// then passes few others.
+const MAX_INSERTION_BUCKET: u32 = 24;
 
-/// Sorts pairs of numbers below `len` from one list into another.
+/// Sorts pairs of numbers below `len` from one list into another. May reorder `from`.
 pub(super) fn sort_pairs(from: &mut [[u32; 2]], to: &mut Vec<[u32; 2]>, len: usize) {
     to.clear();
-    if from.len() <= FEW {
+    if from.len() <= MAX_SORTED_DIRECTLY {
         from.sort_unstable();
         to.extend_from_slice(from);
-    } else if from.len() <= MANY {
-        deal_and_sort::<{ 1 << 12 }>(from, to, len);
+    } else if from.len() <= MAX_COARSELY_DISTRIBUTED {
+        distribute_and_sort::<{ 1 << 12 }>(from, to, len);
     } else {
-        deal_and_sort::<{ 1 << 14 }>(from, to, len);
+        distribute_and_sort::<{ 1 << 14 }>(from, to, len);
     }
 }
 
-/// Deals pairs out by the first bits of their first number, and sorts each deal.
-fn deal_and_sort<const DEALS: usize>(from: &[[u32; 2]], to: &mut Vec<[u32; 2]>, len: usize) {
-    let shift = len.next_power_of_two().ilog2().saturating_sub(DEALS.ilog2());
-    let deal = |pair: [u32; 2]| (pair[0] >> shift) as usize;
+/// Distributes pairs to buckets by the leading bits of their first number, and sorts each bucket.
+fn distribute_and_sort<const BUCKETS: usize>(from: &[[u32; 2]], to: &mut Vec<[u32; 2]>, len: usize) {
+    let shift = len.next_power_of_two().ilog2().saturating_sub(BUCKETS.ilog2());
+    let bucket = |pair: [u32; 2]| (pair[0] >> shift) as usize;
     to.resize(from.len(), [0; 2]);
-    let ends = scatter::<DEALS, [u32; 2]>(from, to, deal);
+    let ends = scatter::<BUCKETS, [u32; 2]>(from, to, bucket);
     let longest = ends.windows(2).map(|ends| ends[1] - ends[0]).fold(ends[0], u32::max);
-    if longest <= SHORT {
+    if longest <= MAX_INSERTION_BUCKET {
         return insert_each(to);
     }
-    // A deal ends where the next begins.
-    let sort = |deal: &mut [[u32; 2]]| deal.sort_unstable_by_key(|&pair| number(pair));
+    // A bucket ends where the next begins.
+    let sort = |bucket: &mut [[u32; 2]]| bucket.sort_unstable_by_key(|&pair| number(pair));
     if rayon::current_num_threads() == 1 {
-        to.chunk_by_mut(|one, other| deal(*one) == deal(*other)).for_each(sort);
+        to.chunk_by_mut(|one, other| bucket(*one) == bucket(*other)).for_each(sort);
     } else {
-        let deals: Vec<_> = to.chunk_by_mut(|one, other| deal(*one) == deal(*other)).collect();
-        deals.into_par_iter().with_min_len(64).for_each(sort);
+        let buckets: Vec<_> = to.chunk_by_mut(|one, other| bucket(*one) == bucket(*other)).collect();
+        buckets.into_par_iter().with_min_len(64).for_each(sort);
     }
 }
 
-/// Moves each pair before those that are greater, of which there are few.
+/// Sorts the list by insertion, which is fast if few greater pairs precede each pair.
 fn insert_each(pairs: &mut [[u32; 2]]) {
     for at in 1..pairs.len() {
         let pair = pairs[at];

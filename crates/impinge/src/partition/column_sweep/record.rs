@@ -1,42 +1,51 @@
-//! A box as a column knows it: sixteen bytes.
+//! A box as a column stores it, in sixteen bytes.
 
-/// A copy of a box in a column: its image in whole steps of 15 bits, along the column from the frame's low end, and across from
-/// the column itself. Where it ends is told from behind, by how far the last step is from it: so what begins no later than
-/// something ends has a sum with that of no more than the last step, and the bit above tells it of all axes at once.
+/// Copy of a box in a column: its image in whole steps of 15 bits. Along the column, steps are
+/// counted from the frame's low end; across, from the column itself.
+///
+/// Ends are stored reversed, as `LAST - end`. One box begins no later than another ends exactly if
+/// `begin + (LAST - end) <= LAST`. Bit 15 of the sum shows this, so one addition tests all axes at
+/// once.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Record {
-    /// On each axis across, in 16 bits each: where it begins, and in the bit above whether this is the second column that the box
-    /// reaches into on that axis; and where it ends.
+    /// Interval on each of the two axes across, in 32 bits: the lower 16 bits hold its beginning
+    /// and in bit 15 whether this is the second column that the box reaches into on that axis. The
+    /// upper 16 bits hold its reversed end.
     across: u64,
-    /// Where it begins and ends along the column, in 16 bits each.
+    /// Interval along the column: its beginning in the lower 16 bits, its reversed end in the upper
+    /// 16 bits.
     along: u32,
     pub(super) key: u32,
 }
 
-/// The last step.
+/// Largest step.
 pub(super) const LAST: u32 = (1 << 15) - 1;
 
-/// Of four numbers of 16 bits the highest bits, and the lowest.
+/// Highest bit of each of four 16-bit numbers.
 const OVER: u64 = 0x8000_8000_8000_8000;
+
+/// Lowest bit of each of four 16-bit numbers.
 const ONES: u64 = 0x0001_0001_0001_0001;
 
-/// How many bits a step has more than the part of it that is compared first.
+/// Number of low bits of a step that the first comparison, which uses bytes, ignores.
 const FINE: u32 = 7;
 
-/// What is told of an axis; of steps beyond the last nothing that means something.
+/// Returns an interval of steps as a record stores it. The result is meaningless if a step exceeds
+/// [`LAST`].
 #[inline(always)]
 pub(super) fn interval(begin: u32, end: u32) -> u32 {
     begin | LAST.wrapping_sub(end) << 16
 }
 
-/// The same interval counted from the next column, `width` steps on, as its second one.
+/// Returns the interval counted from the next column, `width` steps farther, marked as in the
+/// second column.
 #[inline(always)]
 pub(super) fn from_next(interval: u32, width: u32) -> u32 {
-    // What is told from behind grows, and each stays within its half.
+    // The reversed end grows by the width, and each half stays within its 16 bits.
     as_second(interval.wrapping_sub(width).wrapping_add(width << 16))
 }
 
-/// An interval as that of the second column that a box reaches into.
+/// Returns the interval, marked as in the second column that the box reaches into.
 #[inline(always)]
 pub(super) fn as_second(interval: u32) -> u32 {
     interval | (LAST + 1)
@@ -48,19 +57,21 @@ impl Record {
         Self { across: u64::from(x) | u64::from(y) << 32, along, key }
     }
 
-    /// Where it begins and ends along.
+    /// Returns the first and the last step along the column.
     #[inline(always)]
     pub(super) fn along(&self) -> [u32; 2] {
         [self.along & LAST, LAST - (self.along >> 16)]
     }
 
-    /// Whether this is the second column that the box reaches into on an axis: a bit for each.
+    /// Returns one bit per axis across: set if this is the second column that the box reaches into
+    /// on that axis.
     #[inline(always)]
     pub(super) fn second(&self) -> u32 {
         (self.across >> 15 & 1 | self.across >> 46 & 2) as u32
     }
 
-    /// Where it begins and ends across in bytes, which are in order as the steps are.
+    /// Returns the beginnings and reversed ends across, reduced to four bytes whose order follows
+    /// that of the steps.
     #[inline(always)]
     pub(super) fn word(&self) -> u32 {
         let bytes = self.across >> FINE & 0x00ff_00ff_00ff_00ff;
@@ -68,26 +79,28 @@ impl Record {
         (pairs | pairs >> 16) as u32
     }
 
-    /// What the images say of two boxes.
+    /// Compares the images of two boxes.
     #[inline(always)]
     pub(super) fn verdict(&self, other: &Self) -> Verdict {
         const LOW: u64 = 0x0000_ffff_0000_ffff;
         let theirs = other.across & !OVER;
         let across = (self.across & !OVER) + ((theirs & LOW) << 16 | theirs >> 16 & LOW);
         let along = u64::from(self.along + other.along.rotate_left(16));
-        // A sum that is the last step is a touch.
+        // If a sum equals the last step, the images touch.
         Verdict { is_apart: (across | along) & OVER != 0, is_certain: ((across + ONES) | (along + ONES)) & OVER == 0 }
     }
 }
 
-/// The most that bytes may be of a box that meets one with these; see [`Record::word`].
+/// Returns an upper bound for each byte of the word of a box that can overlap the box with this
+/// word; see [`Record::word`].
 #[inline(always)]
 pub(super) fn probe(word: u32) -> u32 {
     const LOW: u32 = 0x00ff_00ff;
     !((word & LOW) << 8 | word >> 8 & LOW)
 }
 
-/// What is proved by images: steps in the wrong order prove boxes apart, all steps in strict order that they meet.
+/// Facts that images prove about two boxes: steps in the wrong order prove the boxes apart; if all
+/// steps are in strict order, the boxes overlap.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Verdict {
     pub(super) is_apart: bool,
@@ -99,7 +112,7 @@ mod tests {
     use super::*;
     use impinge_testkit::generate::Rng;
 
-    /// Steps of which many are equal, next to each other or at the ends.
+    /// Returns an interval of steps. Many steps are equal, adjacent or at the ends of the range.
     fn ends(rng: &mut Rng) -> [u32; 2] {
         let [one, other] = match rng.integer(0, 2) {
             0 => [0; 2].map(|_: i32| rng.integer(0, i64::from(LAST)) as u32),
@@ -110,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn sums_and_bytes_say_of_steps_what_comparing_them_one_by_one_says() {
+    fn sums_and_bytes_agree_with_comparing_steps_one_by_one() {
         let mut rng = Rng::new(77);
         let (mut apart, mut certain, mut passed) = (0, 0, 0);
         for _ in 0..200_000 {
@@ -124,23 +137,23 @@ mod tests {
             });
             assert_eq!([one, other].map(|record| record.second()), second);
             assert_eq!([one, other].map(|record| record.along()), boxes.map(|axes| axes[0]));
-            let meet = |is_less: &dyn Fn(u32, u32) -> bool, axes: std::ops::Range<usize>| {
+            let overlap = |is_less: &dyn Fn(u32, u32) -> bool, axes: std::ops::Range<usize>| {
                 axes.clone().all(|axis| {
                     is_less(boxes[0][axis][0], boxes[1][axis][1]) && is_less(boxes[1][axis][0], boxes[0][axis][1])
                 })
             };
             let verdict = one.verdict(&other);
-            assert_eq!(verdict.is_apart, !meet(&|begin, end| begin <= end, 0..3), "{boxes:?}");
-            assert_eq!(verdict.is_certain, meet(&|begin, end| begin < end, 0..3), "{boxes:?}");
+            assert_eq!(verdict.is_apart, !overlap(&|begin, end| begin <= end, 0..3), "{boxes:?}");
+            assert_eq!(verdict.is_certain, overlap(&|begin, end| begin < end, 0..3), "{boxes:?}");
             let most = probe(other.word()).to_ne_bytes();
             let is_near = one.word().to_ne_bytes().iter().zip(most).all(|(&byte, most)| byte <= most);
-            assert_eq!(is_near, meet(&|begin, end| begin >> FINE <= end >> FINE, 1..3), "{boxes:?}");
+            assert_eq!(is_near, overlap(&|begin, end| begin >> FINE <= end >> FINE, 1..3), "{boxes:?}");
             (apart, certain) = (apart + u32::from(verdict.is_apart), certain + u32::from(verdict.is_certain));
             passed += u32::from(is_near && verdict.is_apart);
         }
         assert!(
             apart > 50_000 && certain > 5_000 && passed > 1_000,
-            "{apart} apart, {certain} meet, {passed} by bytes alone"
+            "{apart} apart, {certain} overlap, {passed} overlap by bytes alone"
         );
     }
 

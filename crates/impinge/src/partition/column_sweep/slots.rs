@@ -1,30 +1,35 @@
-//! Sorting records as far as a sweep needs it: into slots of equal length, in which they are in no order.
+//! Sorts records as far as a sweep needs it: into slots of equal length, within which the order is
+//! arbitrary.
 
 use super::record::Record;
 
-/// Slots for which records are sorted in full: some slot would hold so many that to compare all in it takes longer.
-const FULLEST: u32 = 32;
+/// Maximum number of records in a slot. If a slot would hold more, all records are sorted
+/// completely instead, because comparing everything in a full slot takes longer.
+const MAX_SLOT_LEN: u32 = 32;
 
-/// Slots at most: their counts fit the first cache.
-const MOST_SLOTS: usize = 1 << 11;
+/// Maximum number of slots. Their counts fit into the first-level cache.
+const MAX_SLOTS: usize = 1 << 11;
 
 /// The order of records along a column.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Slots {
-    /// The step at which the first slot begins.
+    /// Step at which the first slot begins.
     low: u32,
-    /// How often the steps of a slot are halved to be one.
+    /// Binary logarithm of the number of steps in a slot.
     shift: u32,
+    /// Number of the last slot.
     last: u32,
-    /// For each slot where it starts, and then where it ends, once all are in their places.
+    /// Start of each slot while records are counted, and its end once all records are in their
+    /// places.
     next: Vec<u32>,
-    /// All beginnings in order where slots were too full; else nothing.
+    /// Beginnings of all records with their indices, in order, if a slot was too full. Empty
+    /// otherwise.
     sorted: Vec<(f32, u32)>,
 }
 
 impl Slots {
-    /// Puts records from one list into places of another, which is as long; `begin` tells where a record begins, more exactly than
-    /// by steps.
+    /// Writes the records of `from` to `to`, which has the same length, in slot order. `begin`
+    /// returns the image at which a record begins, which is more precise than its step.
     #[inline(always)]
     pub(super) fn sort(&mut self, from: &[Record], to: &mut [Record], begin: impl Fn(&Record) -> f32) {
         let (mut low, mut high) = (u32::MAX, 0);
@@ -34,7 +39,7 @@ impl Slots {
             high = high.max(step);
         }
         self.low = low;
-        let most = from.len().clamp(8, MOST_SLOTS) as u32;
+        let most = from.len().clamp(8, MAX_SLOTS) as u32;
         let range = high.saturating_sub(low);
         self.shift = (range / most).checked_ilog2().map_or(0, |halvings| halvings + 1);
         self.last = range >> self.shift;
@@ -42,7 +47,7 @@ impl Slots {
         self.next.resize(self.last as usize + 1, 0);
         self.sorted.clear();
         let shift = self.shift;
-        // A slice of its own, which no write to another can move.
+        // A local slice, so that the compiler knows that no other write changes it.
         let next = &mut self.next[..];
         for record in from {
             next[((record.along()[0] - low) >> shift) as usize] += 1;
@@ -52,7 +57,7 @@ impl Slots {
             fullest = fullest.max(*next);
             (*next, before) = (before, before + *next);
         }
-        if fullest > FULLEST {
+        if fullest > MAX_SLOT_LEN {
             self.sorted.extend(from.iter().map(begin).zip(0..));
             self.sorted.sort_unstable_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
             to.iter_mut().zip(&self.sorted).for_each(|(to, &(_, place))| *to = from[place as usize]);
@@ -65,48 +70,48 @@ impl Slots {
         }
     }
 
-    /// Whether records are in order of where they begin exactly.
+    /// Reports whether the records are sorted completely, by their exact beginnings.
     #[inline(always)]
     pub(super) fn is_full(&self) -> bool {
         !self.sorted.is_empty()
     }
 
-    /// The slot of a step, monotone.
+    /// Returns the slot of a step; monotone.
     #[inline(always)]
     fn slot(&self, step: u32) -> u32 {
         (step.saturating_sub(self.low) >> self.shift).min(self.last)
     }
 
-    /// Where the records end that may begin at or before a step.
+    /// Returns the index after the last record that may begin at or before a step.
     #[inline(always)]
     pub(super) fn end(&self, step: u32) -> u32 {
         self.ends().at(step)
     }
 
-    /// Asks for many ends.
+    /// Returns the ends of all slots, for many lookups.
     #[inline(always)]
     pub(super) fn ends(&self) -> Ends<'_> {
         Ends { low: self.low, shift: self.shift, last: self.last, ends: &self.next }
     }
 
-    /// Where the records start that may begin at a step or after it.
+    /// Returns the index of the first record that may begin at or after a step.
     #[inline(always)]
     pub(super) fn start(&self, step: u32) -> u32 {
         self.slot(step).checked_sub(1).map_or(0, |before| self.next[before as usize])
     }
 
-    /// As [`end`](Self::end) where all are in order.
+    /// Like [`end`](Self::end), for an image, if the records are sorted completely.
     pub(super) fn full_end(&self, at: f32) -> u32 {
         self.sorted.partition_point(|&(begin, _)| begin <= at) as u32
     }
 
-    /// As [`start`](Self::start) where all are in order.
+    /// Like [`start`](Self::start), for an image, if the records are sorted completely.
     pub(super) fn full_start(&self, at: f32) -> u32 {
         self.sorted.partition_point(|&(begin, _)| begin < at) as u32
     }
 }
 
-/// Where slots end.
+/// Ends of the slots, with the map from steps to slots.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ends<'s> {
     low: u32,
@@ -116,7 +121,7 @@ pub(super) struct Ends<'s> {
 }
 
 impl Ends<'_> {
-    /// As [`Slots::end`].
+    /// Like [`Slots::end`].
     #[inline(always)]
     pub(super) fn at(&self, step: u32) -> u32 {
         self.ends[(step.saturating_sub(self.low) >> self.shift).min(self.last) as usize]
@@ -128,7 +133,8 @@ mod tests {
     use super::super::record::{LAST, interval};
     use super::*;
 
-    /// Steps that are alike, repeat, or crowd about one place so that all are sorted in full.
+    /// Steps that are close together, that repeat, or that crowd around one place so that all
+    /// records are sorted completely.
     fn steps(kind: usize, len: usize) -> impl Iterator<Item = u32> {
         (0..len).map(move |at| match kind {
             0 => (at * at % 97) as u32,
@@ -139,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_sweep_skips_lies_apart() {
+    fn records_that_a_sweep_skips_are_apart() {
         let (mut slots, mut full) = (Slots::default(), 0);
         for (kind, len) in [(0, 0), (0, 1), (0, 90), (0, 4000), (1, 500), (1, 5000), (2, 900), (3, 20), (3, 300)] {
             let records: Vec<Record> =

@@ -1,4 +1,4 @@
-//! Applies moves in batches, so that the memory of all moves of a batch is requested at once.
+//! Applies moves in batches, so that the memory of all moves of a batch is prefetched at once.
 
 use super::super::{Changes, Dynamic, Move, record};
 use super::cell_visits::CellVisits;
@@ -10,10 +10,11 @@ pub(super) trait BatchedMoves: Dynamic {
     /// Returns the number of levels of cells.
     fn levels(&self) -> usize;
 
-    /// Notes the cells that a moving box visits, in each level. Returns whether its path is short and all in cells.
+    /// Records the cells that a moving box visits, in each level. Returns `true` if its path is
+    /// short and all its boxes are in cells.
     fn note_path(&self, mover: usize, path: &[MinMax; 2], visits: &mut [CellVisits]) -> bool;
 
-    /// Moves the boxes of a batch and records which overlaps begin and end.
+    /// Moves the boxes of a batch, and records which overlaps begin and end.
     fn apply_batch(&mut self, batch: &MoveBatch, visits: &mut [CellVisits], changes: &mut Changes);
 }
 
@@ -24,7 +25,8 @@ pub(super) fn step(grid: &mut impl BatchedMoves, moves: &[Move], changes: &mut C
     let mut visits: Vec<CellVisits> = Vec::new();
     for (at, step) in moves.iter().enumerate() {
         if at % BATCH == 0 {
-            // The boxes of the next batch, too: they arrive while this batch waits for its memory.
+            // Also prefetches the boxes of the next batch: they arrive while this batch waits for
+            // its memory.
             let first = if at == 0 { 0 } else { at + BATCH };
             for step in moves.iter().take(at + 2 * BATCH).skip(first) {
                 grid.items().prefetch(step.key);

@@ -9,21 +9,23 @@ use super::layout::Along;
 use super::level::Level;
 use super::lines::LINE_CAPACITY;
 use super::move_batch::{BATCH, MoveBatch};
-use super::quantization::PARTS;
+use super::quantization::PART_BITS;
 use super::quantized_move::QuantizedMove;
 use crate::simd::{best_level, by_axis, dispatch, prefetch};
 use crate::volume::MinMax;
 
-/// Maximum number of cells about a short path. A path about more cells is looked through more often than batching is worth.
-pub(super) const SHORT: usize = 27;
+/// Maximum number of cells around a path that is processed in a batch. For longer paths, batching
+/// costs more than it saves.
+pub(super) const MAX_PATH_CELLS: usize = 27;
 
-/// Maximum number of cells about a short path along each axis.
-const WIDEST: usize = 4;
+/// Maximum number of cells around such a path along each axis.
+const MAX_PATH_WIDTH: usize = 4;
 
-/// The cells of a level that the boxes of a batch visit, in the order of the moves. Its memory is used again for each batch.
+/// The cells of one level that the boxes of a batch visit, in the order of the moves. The memory is
+/// reused for each batch.
 #[derive(Clone, Debug)]
 pub(super) struct CellVisits {
-    /// The visits, of which the first `count` are valid.
+    /// Visits; the first `count` are valid.
     visits: Vec<CellVisit>,
     count: usize,
     paths: Paths,
@@ -36,22 +38,26 @@ struct CellVisit {
     seen: QuantizedMove,
     place: u32,
     mover: u8,
-    /// Number of the cell among those about the path: two bits for each axis, counted from the first cell.
+    /// Number of the cell among the cells around the path: two bits per axis, counted from the
+    /// first cell.
     number: u8,
 }
 
-/// Paths of the boxes of a batch among the cells, one lane each.
+/// Paths of the boxes of a batch among the cells, one lane per box.
 #[derive(Clone, Debug, Default)]
 struct Paths {
-    /// First cell about each path along each axis.
+    /// First cell around each path, along each axis.
     low: [[i64; BATCH]; 3],
-    /// Begin and end of each box before the move and after it, in parts of a cell from the first cell.
+    /// Beginning and end of each box before the move and after it, in parts of a cell, counted from
+    /// the first cell around the path.
     parts: [[[i16; BATCH]; 4]; 3],
-    /// Bits of the cells about each path, by their numbers, and whether there are more than two along an axis.
+    /// Cells around each path, one bit per cell number.
     cells: [u64; BATCH],
+    /// For each path: `true` if it has more than two cells along an axis.
     is_wide: [bool; BATCH],
-    /// Whether each box has copies in this level, and whether it stays in its cells.
+    /// For each box: `true` if it has copies in this level.
     is_here: [bool; BATCH],
+    /// For each box: `true` if it stays in its cells.
     stays: [bool; BATCH],
 }
 
@@ -65,9 +71,10 @@ struct Undecided {
 
 impl Default for CellVisits {
     fn default() -> Self {
-        // One more than the maximum, because a visit is written before it is known whether it is kept.
+        // One more than the maximum, because a visit is written before it is known whether it is
+        // kept.
         Self {
-            visits: vec![CellVisit::default(); BATCH * SHORT + 1],
+            visits: vec![CellVisit::default(); BATCH * MAX_PATH_CELLS + 1],
             count: 0,
             paths: Paths::default(),
             candidates: Vec::new(),
@@ -76,15 +83,16 @@ impl Default for CellVisits {
 }
 
 impl CellVisits {
-    /// Notes a path among the cells of a level, unless the cells about it are too many. `is_here` says whether the box has copies
-    /// in this level. If not, the box only looks for others here.
+    /// Records a path among the cells of a level. Returns `false` if there are too many cells
+    /// around it. `is_here` is `true` if the box has copies in this level; otherwise the box only
+    /// looks for others here.
     #[inline(always)]
     pub(super) fn note_path(&mut self, level: &Level, mover: usize, [from, to]: &[MinMax; 2], is_here: bool) -> bool {
         let [before, after] = [level.frame.reach(from), level.frame.reach(to)];
         let low = by_axis!(axis => before.low[axis].min(after.low[axis]).cell());
         let counts = by_axis!(axis => before.high[axis].max(after.high[axis]).cell() - low[axis] + 1);
         let most = counts[0].max(counts[1]).max(counts[2]);
-        if most > WIDEST as i64 || counts[0] * counts[1] * counts[2] > SHORT as i64 {
+        if most > MAX_PATH_WIDTH as i64 || counts[0] * counts[1] * counts[2] > MAX_PATH_CELLS as i64 {
             return false;
         }
         let paths = &mut self.paths;
@@ -101,11 +109,11 @@ impl CellVisits {
         }
         paths.cells[mover] = cells_of(counts);
         paths.is_wide[mover] = most > 2;
-        (paths.is_here[mover], paths.stays[mover]) = (is_here, changed >> PARTS == 0);
+        (paths.is_here[mover], paths.stays[mover]) = (is_here, changed >> PART_BITS == 0);
         true
     }
 
-    /// Finds the cells about the paths.
+    /// Computes the visits from the recorded paths.
     #[inline(always)]
     fn spread<const WIDE: usize, S: Simd>(&mut self, simd: S, level: &Level, movers: usize) {
         let paths = &self.paths;
@@ -124,7 +132,7 @@ impl CellVisits {
                     along[axis][nth] = level.layout.along(axis, paths.low[axis][mover] + nth as i64);
                 }
             }
-            // A visit is written in any case and kept if the cell exists: the branch would be hard to predict.
+            // Always written, and kept if the cell exists: a branch would be hard to predict.
             for z in 0..WIDE {
                 for y in 0..WIDE {
                     let row = slices[1][y][mover].lanes(simd) | slices[2][z][mover].lanes(simd);
@@ -162,12 +170,12 @@ impl CellVisits {
     ) {
         let number = batch.iter().len();
         if self.paths.is_wide[..number].contains(&true) {
-            self.spread::<WIDEST, S>(simd, level, number);
+            self.spread::<MAX_PATH_WIDTH, S>(simd, level, number);
         } else {
             self.spread::<2, S>(simd, level, number);
         }
         let visits = &self.visits[..self.count];
-        // Close together, so that a processor looks up many pages at once.
+        // All prefetches come together, so that the processor translates many addresses at once.
         let first = level.lines.first();
         for visit in visits {
             prefetch(&first[visit.place as usize]);
@@ -221,15 +229,16 @@ impl CellVisits {
             let mover = usize::from(candidate.mover);
             let (key, [from, to]) = batch.of(mover);
             let Some(bounds) = batch.at_turn(items, mover, candidate.key) else { continue };
-            let (met, meets) = (overlap(from, bounds), overlap(to, bounds));
-            if met != meets && self.paths.is_first(mover, candidate.number, &level.frame, bounds) {
-                changes.note(key, candidate.key, meets);
+            let (overlapped, overlaps) = (overlap(from, bounds), overlap(to, bounds));
+            if overlapped != overlaps && self.paths.is_first(mover, candidate.number, &level.frame, bounds) {
+                changes.note(key, candidate.key, overlaps);
             }
         }
     }
 }
 
-/// Returns bits of the places of a key in a line. Places of removed copies may be among them.
+/// Returns one bit for each position of a key in a line. Positions of removed copies may be among
+/// them.
 #[inline(always)]
 fn places_of<S: Simd>(simd: S, key: u32, keys: &[u32; LINE_CAPACITY]) -> u32 {
     let [first @ .., last] = keys;
@@ -246,36 +255,39 @@ impl Paths {
         for axis in 0..3 {
             let at = i16::from(cell[axis]);
             for (time, holds) in holds.iter_mut().enumerate() {
-                let [first, last] = [2 * time, 2 * time + 1].map(|end| self.parts[axis][end][mover] >> PARTS);
+                let [first, last] = [2 * time, 2 * time + 1].map(|end| self.parts[axis][end][mover] >> PART_BITS);
                 *holds &= (first <= at) & (at <= last);
             }
         }
         holds
     }
 
-    /// Reports whether a cell holds the least corner of the intersection of a box and the cells about a path.
+    /// Reports whether a cell contains the minimum corner of the intersection of a box and the
+    /// block of cells around a path.
     fn is_first(&self, mover: usize, number: u8, frame: &Frame, bounds: &MinMax) -> bool {
         let (low, cell) = ([0, 1, 2].map(|axis| self.low[axis][mover]), from_first(number));
         frame.is_first([0, 1, 2].map(|axis| low[axis] + i64::from(cell[axis])), &Block { low, high: low }, bounds)
     }
 }
 
-/// Returns the bits of a block of cells, given the number of cells along each axis, at most four.
+/// Returns the bits of the cells of a block, given the number of cells along each axis, at most
+/// four.
 #[inline(always)]
 fn cells_of(counts: [i64; 3]) -> u64 {
     let [x, y, z] = by_axis!(axis => u64::MAX >> (64 - (counts[axis] << (2 * axis))));
-    // The bits of all rows along x, and so on.
+    // Repeats the pattern of x along y and z, and that of y along z.
     (x * 0x1111_1111_1111_1111) & (y * 0x0001_0001_0001_0001) & z
 }
 
-/// Returns the place of a cell about a path along each axis, counted from the first cell.
+/// Returns the position of a cell along each axis, counted from the first cell around the path.
 fn from_first(number: u8) -> [u8; 3] {
     [number & 3, number >> 2 & 3, number >> 4]
 }
 
-/// As [`BoundingVolume::overlaps`](crate::volume::BoundingVolume::overlaps), without a branch: it is as often true as not.
+/// Like [`BoundingVolume::overlaps`](crate::volume::BoundingVolume::overlaps), but without a
+/// branch, because the result is hard to predict.
 #[inline]
 fn overlap(one: &MinMax, other: &MinMax) -> bool {
     let (min, max, other_min, other_max) = (one.min(), one.max(), other.min(), other.max());
-    (0..3).fold(true, |meet, axis| meet & (min[axis] <= other_max[axis]) & (other_min[axis] <= max[axis]))
+    (0..3).fold(true, |overlap, axis| overlap & (min[axis] <= other_max[axis]) & (other_min[axis] <= max[axis]))
 }

@@ -1,28 +1,32 @@
-//! Where boxes are among cells of one size: which cells they reach into, and where in these they begin and end.
+//! Maps boxes to cells of one size: the cells that they reach into, and the parts of these at which
+//! they begin and end.
 
 use std::ops::ControlFlow;
 
-use super::quantization::{DISTINCT_KEYS, PARTS, quantized_step};
+use super::quantization::{DISTINCT_KEYS, PART_BITS, quantized_step};
 use super::quantized_box::QuantizedBox;
 use crate::simd::by_axis;
 use crate::volume::MinMax;
 
-/// Cells are counted to here from the origin, and farther ones are the last.
-const FARTHEST: f64 = (1_u64 << 40) as f64;
+/// Maximum distance of a cell from the origin, in cells. Everything farther away belongs to the
+/// last cell.
+const MAX_CELL: f64 = (1_u64 << 40) as f64;
 
-/// A sum with it ends in the whole number that is nearest to the other part, which has to be below 2^51.
-const WHOLE: f64 = (3_u64 << 51) as f64;
+/// Float whose low bits represent a whole number. Adding it rounds to the nearest whole number, if
+/// the other summand is below 2^51 in magnitude.
+const ROUNDING_OFFSET: f64 = (3_u64 << 51) as f64;
 
-/// A cell by its place, counted along each axis.
+/// Numbers of a cell along each axis.
 pub(super) type Cell = [i64; 3];
 
-/// Equal cells, counted from an origin.
+/// A partition of space into equal cells, counted from an origin.
 #[derive(Clone, Debug)]
 pub(super) struct Frame {
     origin: [f64; 3],
-    /// Parts of a cell in a unit: a division takes four times as long as a product, which is monotone, too.
+    /// Number of parts of a cell per unit of length. Coordinates are multiplied by it, because a
+    /// division takes four times as long; a product is monotone, too.
     scale: f64,
-    /// The first and the last part of a cell along each axis.
+    /// First and last part along each axis. Coordinates beyond them are clamped.
     ends: [[f64; 2]; 3],
 }
 
@@ -30,14 +34,14 @@ pub(super) struct Frame {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Place(i64);
 
-/// Where a box begins and ends.
+/// The beginning and the end of a box along each axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Reach {
     pub(super) low: [Place; 3],
     pub(super) high: [Place; 3],
 }
 
-/// A block of cells, from one corner to the other, with them.
+/// A block of cells, from one corner to the other, both included.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Block {
     pub(super) low: Cell,
@@ -45,26 +49,27 @@ pub(super) struct Block {
 }
 
 impl Frame {
-    /// Cells that are counted from `origin`, `counts` of them along each axis.
+    /// Returns a frame with `counts` cells along each axis, counted from `origin`.
     pub(super) fn dense(origin: [f64; 3], cell: f64, counts: [usize; 3]) -> Self {
-        Self { origin, scale: scale(cell), ends: counts.map(|count| [0.0, ((count << PARTS) - 1) as f64]) }
+        Self { origin, scale: scale(cell), ends: counts.map(|count| [0.0, ((count << PART_BITS) - 1) as f64]) }
     }
 
-    /// Cells without an end.
+    /// Returns a frame with cells in all of space, counted from the coordinate origin.
     pub(super) fn endless(cell: f64) -> Self {
-        let last = FARTHEST * f64::from(1 << PARTS);
+        let last = MAX_CELL * f64::from(1 << PART_BITS);
         Self { origin: [0.0; 3], scale: scale(cell), ends: [[-last, last]; 3] }
     }
 
-    /// Every operation is monotone, so that what is between two corners is in the cells between theirs, and places that are
-    /// in strict order belong to coordinates that are.
+    /// Returns the place of a coordinate along an axis. Every operation is monotone. Points between
+    /// two corners therefore lie in the cells between the corners' cells, and places in strict
+    /// order belong to coordinates in strict order.
     #[inline(always)]
     fn place(&self, coordinate: f64, axis: usize) -> Place {
         let [first, last] = self.ends[axis];
         let at = (coordinate - self.origin[axis]) * self.scale;
         let above = if at > first { at } else { first };
         let within = if above < last { above } else { last };
-        Place((within + WHOLE).to_bits() as i64 - WHOLE.to_bits() as i64)
+        Place((within + ROUNDING_OFFSET).to_bits() as i64 - ROUNDING_OFFSET.to_bits() as i64)
     }
 
     #[inline]
@@ -81,52 +86,54 @@ impl Frame {
         }
     }
 
-    /// Whether a cell is the one of the least corner of what a box shares with a block.
+    /// Reports whether a cell contains the minimum corner of the intersection of a box and a block.
     pub(super) fn is_first(&self, cell: Cell, block: &Block, bounds: &MinMax) -> bool {
         let min = bounds.min();
         (0..3).all(|axis| cell[axis] == block.low[axis].max(self.cell_along(min[axis], axis)))
     }
 }
 
-/// A float of the least size has an infinite inverse.
+/// Returns the number of parts of a cell per unit of length. It is limited to a finite number,
+/// because the smallest floats have infinite reciprocals.
 fn scale(cell: f64) -> f64 {
-    (f64::from(1 << PARTS) / cell).min(f64::MAX)
+    (f64::from(1 << PART_BITS) / cell).min(f64::MAX)
 }
 
 impl Place {
     #[inline]
     pub(super) fn cell(self) -> i64 {
-        self.0 >> PARTS
+        self.0 >> PART_BITS
     }
 
-    /// How far the place is behind the beginning of a cell, in parts of one.
+    /// Returns the signed distance from the beginning of a cell to the place, in parts of a cell.
     #[inline(always)]
     pub(super) fn parts_from(self, cell: i64) -> i64 {
-        self.0 - (cell << PARTS)
+        self.0 - (cell << PART_BITS)
     }
 
-    /// Returns the step as seen from a cell: 0 for what is before it, 255 for what is behind it, and 1 to 254 between.
+    /// Returns the step relative to a cell: 0 for a place before the cell, 255 for a place behind
+    /// it, and 1 to 254 inside.
     #[inline]
     fn quantized(self, cell: i64) -> u8 {
-        let parts = self.parts_from(cell).clamp(-1, 1 << PARTS);
+        let parts = self.parts_from(cell).clamp(-1, 1 << PART_BITS);
         quantized_step(parts as i16, 0) as u8
     }
 }
 
 impl Reach {
-    /// The cells that the box reaches into.
+    /// Returns the cells that the box reaches into.
     #[inline]
     pub(super) fn block(&self) -> Block {
         Block { low: self.low.map(Place::cell), high: self.high.map(Place::cell) }
     }
 
-    /// The box along an axis as it is seen from a cell.
+    /// Returns the beginning and the end of the box along an axis, in steps relative to a cell.
     #[inline]
     pub(super) fn along(&self, axis: usize, cell: i64) -> [u8; 2] {
         [self.low[axis].quantized(cell), self.high[axis].quantized(cell)]
     }
 
-    /// The box as it is seen from a cell.
+    /// Returns the box quantized relative to a cell.
     #[inline]
     pub(super) fn quantized(&self, cell: Cell) -> QuantizedBox {
         let along = |axis| QuantizedBox::along(axis, self.along(axis, cell[axis]), cell[axis]);
@@ -135,7 +142,7 @@ impl Reach {
 }
 
 impl Block {
-    /// How many cells there are.
+    /// Returns the number of cells.
     pub(super) fn count(&self) -> f64 {
         (0..3).map(|axis| (self.high[axis] - self.low[axis] + 1) as f64).product()
     }

@@ -1,4 +1,4 @@
-//! A grid for boxes of all sizes: a hashed one for each size.
+//! A grid for boxes of all sizes: one hashed grid per range of sizes.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -8,33 +8,38 @@ use super::batched_step::{self, BatchedMoves};
 use super::cell_visits::CellVisits;
 use super::level::Level;
 use super::move_batch::MoveBatch;
-use super::single::judge_cell;
+use super::single::validate_cell;
 use crate::input::InputError;
 use crate::volume::MinMax;
 
-/// Edges of the least cells are between these: all boxes are less than so many times as large as cells that no product
-/// overflows, and a float of the least size still has an inverse.
-const EDGES: [f64; 2] = [f64::from_bits((1023 - 600) << 52), f64::from_bits((1023 + 1020) << 52)];
+/// Minimum and maximum edge length of the smallest cells. With at least 2^-600, the ratio of any
+/// box to these cells overflows no product; at most 2^1020 still has a reciprocal.
+const EDGE_RANGE: [f64; 2] = [f64::from_bits((1023 - 600) << 52), f64::from_bits((1023 + 1020) << 52)];
 
-/// Levels are so many powers of two apart: each box is looked for in every level that holds one, and in larger cells are
-/// more boxes that it misses.
-const STEP: i32 = 2;
+/// Binary logarithm of the ratio between the cell sizes of successive levels. If it is smaller, a
+/// query visits more levels; if it is larger, more boxes in the larger cells are compared although
+/// they are apart.
+const LEVEL_STEP: i32 = 2;
 
-/// Hashed grids, one for each fourfold size of boxes, each box in the first one whose cells are as large as it is: the kind for
-/// boxes of unlike sizes that come, go and move.
+/// Hashed grids, one for each range of sizes that spans a factor of four. A box is in the first
+/// grid whose cells are as large as the box. Use it for boxes of different sizes that are inserted,
+/// removed and moved.
 ///
-/// A box has eight copies or so at most, mostly two or four. Nothing is large: however the sizes are spread, a box touches no more
-/// cells, and only levels that hold boxes are looked at. Boxes smaller than the least cells, and points, share these.
+/// A box has at most about eight copies, usually two or four, however the sizes are spread. Only
+/// levels that hold boxes are visited. Points, and boxes smaller than the smallest cells, share the
+/// finest level.
 ///
 /// # Complexity
-/// A change O(1); a question O(levels in use + boxes in the same cells). One that is much larger than the cells of a level
-/// looks at all that it covers, or at all boxes of that level if these are fewer: where large boxes among many small ones
-/// are asked about often, a [`BoxTree`](super::super::BoxTree) is the better kind.
+/// A change takes O(1), a query O(levels in use + boxes in the same cells). A query much larger
+/// than the cells of a level visits all cells that it covers, or all boxes of the level if they are
+/// fewer. If you often query large boxes among many small ones, a
+/// [`BoxTree`](super::super::BoxTree) is faster.
 ///
 /// # Source
-/// Ericson, 7.2 (hierarchical grids); Eitz, Gu, *Hierarchical spatial hashing for real-time collision detection*, SMI 2007.
-/// Ours departs in that boxes are in all cells of their level that they reach into, so that a question looks at its own
-/// cells alone, in that levels come and go with what they hold, and in that each has its own table.
+/// Ericson, 7.2 (hierarchical grids); Eitz, Gu, *Hierarchical spatial hashing for real-time
+/// collision detection*, SMI 2007. Ours departs in three ways: a box is in every cell of its level
+/// that it reaches into, so that a query visits only its own cells; levels exist only while they
+/// hold boxes; and each level has its own table.
 ///
 /// ```
 /// use impinge::partition::{Dynamic, HierarchicalGrid, Partition};
@@ -49,48 +54,51 @@ const STEP: i32 = 2;
 /// ```
 #[derive(Clone, Debug)]
 pub struct HierarchicalGrid {
-    /// The edge of the least cells.
+    /// Edge length of the smallest cells.
     least: f64,
-    /// By how many levels of larger cells could be below them.
+    /// Levels that hold boxes, by number. The cells of each level are four times as large as those
+    /// of the level before.
     levels: BTreeMap<i32, Level>,
     items: Items,
 }
 
-/// Of two.
-fn power(exponent: i32) -> f64 {
+/// Returns 2 to the power of `exponent`.
+fn power_of_two(exponent: i32) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
 impl HierarchicalGrid {
-    /// A grid of nothing, whose least cells have edges of `cell`: a little more than most boxes have, or than the smallest of which
-    /// there are many.
+    /// Returns an empty grid whose smallest cells have edges of length `cell`. Choose it slightly
+    /// larger than most boxes, or than the smallest size of which there are many boxes.
     ///
     /// # Errors
-    /// [`NonFinite`](crate::input::InputErrorKind::NonFinite) and [`Negative`](crate::input::InputErrorKind::Negative) for a
-    /// `"cell size"` that is not above zero.
+    /// Returns [`NonFinite`](crate::input::InputErrorKind::NonFinite) or
+    /// [`Negative`](crate::input::InputErrorKind::Negative) if the `"cell size"` is not finite or
+    /// not above zero.
     pub fn new(cell: f64) -> Result<Self, InputError> {
-        judge_cell(cell)?;
+        validate_cell(cell)?;
         Ok(Self::with_cell(cell))
     }
 
-    /// As [`new`](Self::new), for a number above zero.
+    /// Like [`new`](Self::new), for a number above zero.
     pub(crate) fn with_cell(cell: f64) -> Self {
-        Self { least: cell.clamp(EDGES[0], EDGES[1]), levels: BTreeMap::new(), items: Items::default() }
+        Self { least: cell.clamp(EDGE_RANGE[0], EDGE_RANGE[1]), levels: BTreeMap::new(), items: Items::default() }
     }
 
-    /// The edge of the least cells.
+    /// Returns the edge length of the smallest cells.
     pub(crate) fn cell(&self) -> f64 {
         self.least
     }
 
-    /// The level of a box: the first whose cells are at least as large as the next power of two above its longest edge, in least cells.
+    /// Returns the level of a box: the first level whose cells are at least as large as the next
+    /// power of two above the box's longest edge. Lengths are measured in smallest cells.
     fn level_of(&self, bounds: &MinMax) -> i32 {
         let edge = (0..3).map(|axis| bounds.max()[axis] - bounds.min()[axis]).fold(0.0, f64::max) / self.least;
         if edge <= 1.0 {
             return 0;
         }
         let above = (edge.to_bits() >> 52) as i32 - 1022;
-        (above + STEP - 1) / STEP
+        (above + LEVEL_STEP - 1) / LEVEL_STEP
     }
 
     fn take(&mut self, key: u32, from: &MinMax) {
@@ -128,7 +136,7 @@ impl Dynamic for HierarchicalGrid {
         if let Some(from) = from.as_ref().filter(|_| !is_moved) {
             self.take(key, from);
         }
-        let level = self.levels.entry(at).or_insert_with(|| Level::hashed(self.least * power(STEP * at)));
+        let level = self.levels.entry(at).or_insert_with(|| Level::hashed(self.least * power_of_two(LEVEL_STEP * at)));
         match &from {
             Some(from) if is_moved => level.relocate(&self.items, key, from, &to),
             _ => level.insert(&self.items, key, &to),

@@ -1,40 +1,43 @@
-//! Cells of one size, in an array or hashed, and which boxes reach into them.
+//! Cells of one size, in an array or hashed, and the boxes that reach into them.
 
 use std::ops::ControlFlow;
 
 use super::super::{Items, Visitor, Work};
 use super::frame::Frame;
-use super::layout::{FEWEST, Layout};
+use super::layout::{Layout, MIN_PLACES};
 use super::lines::Lines;
 use super::quantized_box::QuantizedBox;
 use crate::volume::{BoundingVolume, MinMax};
 
-/// Lines for each copy that they hold at least, where cells are hashed, and at most.
-const ROOM: [f64; 2] = [0.3, 2.4];
+/// Minimum and maximum number of places per copy, if cells are hashed. Fewer places make more cells
+/// share one; more places use more memory. Beyond these limits the cells are laid out again.
+const PLACES_PER_COPY: [f64; 2] = [0.3, 2.4];
 
 /// Equal cells, each with a copy of each box that reaches into it.
 ///
-/// A copy says where its box begins and ends in steps as seen from its cell, and boxes themselves are looked at where steps
-/// decide nothing. Cells that share a place in memory are told apart by their keys, and the copies of one box have different cell keys. So a
-/// copy of another cell with the same key is a copy of a box that is not in this cell.
+/// A copy stores the beginning and the end of its box, in steps relative to its cell. The boxes
+/// themselves are compared only if the steps do not decide. Cells that share a place in memory are
+/// distinguished by their keys. All cells that a box reaches into have different keys, so a copy
+/// from another cell with the same key belongs to a box that is not in this cell.
 #[derive(Clone, Debug)]
 pub(super) struct Level {
     pub(super) frame: Frame,
     pub(super) layout: Layout,
     pub(super) lines: Lines,
-    /// The cells of a block, along each axis, where there is one; what is outside belongs to those at its border.
+    /// Number of cells along each axis, if the level is a block. Space outside the block belongs to
+    /// the cells at its border.
     block: Option<[usize; 3]>,
-    /// Copies that there may be at least and at most before the cells are laid out anew.
+    /// Minimum and maximum number of copies for which the current layout is kept.
     fits: [f64; 2],
 }
 
 impl Level {
-    /// A block of cells, `counts` of them along each axis, from `origin`.
+    /// Returns an empty block of cells, `counts` of them along each axis, from `origin`.
     pub(super) fn dense(origin: [f64; 3], cell: f64, counts: [usize; 3]) -> Self {
         Self::empty(Frame::dense(origin, cell, counts), Some(counts))
     }
 
-    /// Cells without an end.
+    /// Returns empty cells in all of space.
     pub(super) fn hashed(cell: f64) -> Self {
         Self::empty(Frame::endless(cell), None)
     }
@@ -81,7 +84,8 @@ impl Level {
         self.resize(items);
     }
 
-    /// Moves a box that is here; one that stays in its cells is only written anew.
+    /// Moves a box that is in this level. If it stays in its cells, only its copies are
+    /// overwritten.
     pub(super) fn relocate(&mut self, items: &Items, key: u32, from: &MinMax, to: &MinMax) {
         let (before, after) = (self.frame.reach(from), self.frame.reach(to));
         if before.block() != after.block() {
@@ -96,7 +100,7 @@ impl Level {
         });
     }
 
-    /// Keeps the number of lines in proportion to what they hold.
+    /// Keeps the number of places in proportion to the number of copies.
     #[inline]
     pub(super) fn resize(&mut self, items: &Items) {
         let copies = self.lines.copies() as f64;
@@ -118,7 +122,7 @@ impl Level {
         }
     }
 
-    /// Visits each box here once: in its first cell.
+    /// Visits each box of the level once: in its first cell.
     fn each_once(&self, visit: &mut impl FnMut(u32) -> ControlFlow<()>) -> ControlFlow<()> {
         for place in 0..self.lines.len() {
             for line in self.lines.of(place) {
@@ -132,7 +136,8 @@ impl Level {
         ControlFlow::Continue(())
     }
 
-    /// Visits each box that meets this one, once: in the cell of the least corner of what they share.
+    /// Visits each box that overlaps `bounds` once: in the cell of the minimum corner of the
+    /// intersection.
     pub(super) fn overlapping(
         &self,
         items: &Items,
@@ -140,14 +145,14 @@ impl Level {
         work: &mut Work,
         visit: &mut Visitor<'_>,
     ) -> ControlFlow<()> {
-        let meets = |key: u32| items.get(key).filter(|other| other.overlaps(bounds));
+        let overlapping = |key: u32| items.get(key).filter(|other| other.overlaps(bounds));
         let reach = self.frame.reach(bounds);
         let block = reach.block();
         if block.count() > self.lines.len() as f64 {
             work.nodes += self.lines.len() as u64;
             return self.each_once(&mut |key| {
                 work.boxes += 1;
-                if meets(key).is_some() { visit(key) } else { ControlFlow::Continue(()) }
+                if overlapping(key).is_some() { visit(key) } else { ControlFlow::Continue(()) }
             });
         }
         block.each(|cell| {
@@ -158,9 +163,9 @@ impl Level {
                 for (&quantized, &key) in line.boxes.iter().zip(&line.keys) {
                     work.boxes += u64::from(!quantized.is_none());
                     if quantized.has_cell_key_of(like)
-                        && probe.may_meet(quantized)
+                        && probe.may_overlap(quantized)
                         && (0..3).all(|axis| cell[axis] == block.low[axis] || !quantized.begins_before(axis))
-                        && let Some(other) = meets(key)
+                        && let Some(other) = overlapping(key)
                         && self.frame.is_first(cell, &block, other)
                     {
                         visit(key)?;
@@ -171,8 +176,9 @@ impl Level {
         })
     }
 
-    /// Calls for each two boxes here that meet, once, in the cell of the least corner of what they share.
-    pub(super) fn pairs(&self, items: &Items, mut meet: impl FnMut(u32, u32)) {
+    /// Calls `report` once for each pair of boxes of this level that overlap, in the cell of the
+    /// minimum corner of their intersection.
+    pub(super) fn pairs(&self, items: &Items, mut report: impl FnMut(u32, u32)) {
         let mut here: Vec<(u32, QuantizedBox)> = Vec::new();
         for place in 0..self.lines.len() {
             here.clear();
@@ -181,9 +187,9 @@ impl Level {
             for (at, &(key, quantized)) in here.iter().enumerate() {
                 let probe = quantized.probe();
                 for &(other, like) in &here[at + 1..] {
-                    // One of them begins in the cell along each axis.
+                    // At least one of the boxes begins in the cell along each axis.
                     if like.has_cell_key_of(quantized)
-                        && probe.may_meet(like)
+                        && probe.may_overlap(like)
                         && !(0..3).any(|axis| quantized.begins_before(axis) && like.begins_before(axis))
                         && key != other
                         && let (Some(one), Some(two)) = (items.get(key), items.get(other))
@@ -193,7 +199,7 @@ impl Level {
                         let cell = [0, 1, 2].map(|axis| self.frame.cell_along(min[axis].max(others[axis]), axis));
                         let [one, two] = [one, two].map(|bounds| self.frame.reach(bounds).quantized(cell));
                         if self.layout.of(cell) == place && one == quantized && two == like {
-                            meet(key, other);
+                            report(key, other);
                         }
                     }
                 }
@@ -202,19 +208,21 @@ impl Level {
     }
 }
 
-/// Places for so many copies: one for each cell of a block, where these are not too many for what they hold, else shared ones;
-/// and how many copies there may be at least and at most for that to stand.
+/// Returns a layout for this number of copies, and the minimum and maximum number of copies for
+/// which it is kept. The layout has one place for each cell of a block if the block does not have
+/// too many cells for the copies. Otherwise cells share places.
 fn layout_for(block: Option<[usize; 3]>, copies: f64) -> (Layout, [f64; 2]) {
-    let [fewest, most] = ROOM;
+    let [fewest, most] = PLACES_PER_COPY;
     let cells = block.map_or(f64::INFINITY, |counts| counts.iter().map(|&count| count as f64).product());
     if let Some(counts) = block
-        && cells <= (most * copies).max(FEWEST as f64)
+        && cells <= (most * copies).max(MIN_PLACES as f64)
     {
-        // Half of what they are taken up for, so that they are not laid out anew time and again.
-        let least = if cells <= FEWEST as f64 { 0.0 } else { 0.5 * cells / most };
+        // Half the number that led to this layout, so that small changes do not switch back and
+        // forth.
+        let least = if cells <= MIN_PLACES as f64 { 0.0 } else { 0.5 * cells / most };
         return (Layout::block(counts), [least, f64::INFINITY]);
     }
-    let places = (((fewest * most).sqrt() * copies) as usize).next_power_of_two().max(FEWEST);
-    let least = if places == FEWEST { 0.0 } else { places as f64 / most };
+    let places = (((fewest * most).sqrt() * copies) as usize).next_power_of_two().max(MIN_PLACES);
+    let least = if places == MIN_PLACES { 0.0 } else { places as f64 / most };
     (Layout::hashed(places), [least, (places as f64 / fewest).min(cells / most)])
 }

@@ -1,4 +1,5 @@
-//! What cells hold: a few copies of boxes in a line of memory each, and more lines where there are more.
+//! The memory of cells: a line of memory per cell with a few copies of boxes, and more lines if a
+//! cell holds more.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -8,17 +9,19 @@ use crate::storage::{Buffer, Pages};
 /// Number of copies in a line, so that a line has 64 bytes.
 pub(super) const LINE_CAPACITY: usize = 5;
 
-/// Where no line follows, as in memory that is all zeros.
+/// Value of `next` if no line follows. It is zero, so that zeroed memory is an empty line.
 const LAST: u32 = 0;
 
-/// Copies of boxes, as many as a line of memory of a processor's cache holds. One of zeros is empty.
+/// Copies of boxes, as many as fit into a cache line of the processor. A line of zeros is empty.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Line {
-    /// Those that are there come first, in the first line of a cell; the lines that follow are full.
+    /// Quantized boxes. In the first line of a cell, copies come before empty places. The following
+    /// lines are full.
     pub(super) boxes: [QuantizedBox; LINE_CAPACITY],
     pub(super) keys: [u32; LINE_CAPACITY],
-    /// The next line of the same cell, among those that are shared, counted from one.
+    /// Number of the next line of the same cell among the additional lines, counted from one, or
+    /// [`LAST`].
     pub(super) next: u32,
 }
 
@@ -26,18 +29,22 @@ const _: () = assert!(size_of::<Line>() == 64);
 
 const EMPTY: Line = Line { boxes: [QuantizedBox::NONE; LINE_CAPACITY], keys: [0; LINE_CAPACITY], next: LAST };
 
-/// A line for each of a number of cells, and more where one does not do.
+/// One line for each of a number of cells, and additional lines for cells that need more.
 #[derive(Debug)]
 pub(super) struct Lines {
-    /// In large pages: cells that are looked at lie anywhere, and to find a small page takes longer than to have a line.
+    /// First line of each cell, in large pages. Cells are visited in random order, and with small
+    /// pages translating an address takes longer than loading the line.
     first: Buffer<Line>,
+    /// Additional lines of all cells.
     more: Vec<Line>,
-    /// The first of the lines in `more` that are not in use, which follow each other, counted from one.
+    /// Number of the first unused line in `more`, counted from one. Each unused line refers to the
+    /// next.
     free: u32,
+    /// Number of copies in all lines.
     copies: usize,
 }
 
-/// Lines to be written: what a buffer asks each time that it is to be changed is asked once.
+/// The lines, borrowed for writing, so that the buffer is made writable once for many writes.
 pub(super) struct Opened<'a> {
     first: &'a mut [Line],
     more: &'a mut Vec<Line>,
@@ -50,7 +57,8 @@ impl Line {
         self.boxes.iter().position(|quantized| quantized.is_none()).unwrap_or(LINE_CAPACITY)
     }
 
-    /// Returns the place of a copy, by the key of its box and the key of its cell.
+    /// Returns the position of a copy, given the key of its box and a word with the key of its
+    /// cell.
     fn find(&self, key: u32, like: QuantizedBox) -> Option<usize> {
         (0..LINE_CAPACITY).find(|&at| self.keys[at] == key && self.boxes[at].has_cell_key_of(like))
     }
@@ -61,35 +69,35 @@ impl Lines {
         Self { first: Pages::zeroed(cells), more: Vec::new(), free: LAST, copies: 0 }
     }
 
-    /// How many cells there are.
+    /// Returns the number of cells.
     pub(super) fn len(&self) -> usize {
         self.first.len()
     }
 
-    /// How many copies they hold.
+    /// Returns the number of copies in all cells.
     pub(super) fn copies(&self) -> usize {
         self.copies
     }
 
-    /// The first lines of all cells.
+    /// Returns the first lines of all cells.
     #[inline]
     pub(super) fn first(&self) -> &[Line] {
         &self.first
     }
 
-    /// The line that follows one.
+    /// Returns the line that follows a line.
     #[inline]
     pub(super) fn after(&self, line: &Line) -> Option<&Line> {
         self.more.get(shared(line.next))
     }
 
-    /// The lines of a cell.
+    /// Returns the lines of a cell.
     #[inline]
     pub(super) fn of(&self, at: usize) -> impl Iterator<Item = &Line> {
         std::iter::successors(self.first.get(at), |line| self.after(line))
     }
 
-    /// All of them, to be written.
+    /// Borrows all lines for writing.
     #[inline(always)]
     pub(super) fn open(&mut self) -> Opened<'_> {
         let Self { first, more, free, copies } = self;
@@ -98,25 +106,26 @@ impl Lines {
 }
 
 impl Opened<'_> {
-    /// The first line of a cell, to write copies anew.
+    /// Returns the first line of a cell, for overwriting its copies.
     #[inline(always)]
     pub(super) fn first(&mut self, at: usize) -> &mut Line {
         &mut self.first[at]
     }
 
-    /// A line that follows one.
+    /// Returns the additional line with this number.
     #[inline(always)]
     pub(super) fn more(&mut self, next: u32) -> Option<&mut Line> {
         self.more.get_mut(shared(next))
     }
 
-    /// Adds a copy. No copy of this box here has the same cell key.
+    /// Adds a copy to a cell. The cell must not contain a copy of the same box with the same cell
+    /// key.
     pub(super) fn put(&mut self, at: usize, key: u32, quantized: QuantizedBox) {
         *self.copies += 1;
         let mut held = self.first[at].held();
         if held == LINE_CAPACITY {
-            // The full line makes room and follows.
-            let next = self.lend(self.first[at]);
+            // The full line moves to the additional lines and follows the new first line.
+            let next = self.allocate(self.first[at]);
             self.first[at] = Line { next, ..EMPTY };
             held = 0;
         }
@@ -125,10 +134,10 @@ impl Opened<'_> {
         line.keys[held] = key;
     }
 
-    /// Removes the copy of a box with the cell key of `like`.
+    /// Removes the copy of a box that has the cell key of `like`, if there is one.
     pub(super) fn take(&mut self, at: usize, key: u32, like: QuantizedBox) {
         let Some((line, place)) = self.find(at, key, like) else { return };
-        // The last of the first line fills the gap.
+        // The last copy of the first line fills the gap.
         let first = &mut self.first[at];
         let last = first.held() - 1;
         let (last_word, last_key) = (first.boxes[last], first.keys[last]);
@@ -151,7 +160,7 @@ impl Opened<'_> {
         *self.copies -= 1;
     }
 
-    /// Overwrites the copy of a box with the same cell key.
+    /// Overwrites the copy of a box that has the same cell key, if there is one.
     pub(super) fn write(&mut self, at: usize, key: u32, quantized: QuantizedBox) {
         match self.find(at, key, quantized) {
             Some((None, place)) => self.first[at].boxes[place] = quantized,
@@ -160,7 +169,8 @@ impl Opened<'_> {
         }
     }
 
-    /// The line of a copy among those that are shared, none for the first, and its place there.
+    /// Returns the position of a copy: the index of its additional line (`None` for the first
+    /// line), and its position in the line.
     fn find(&self, at: usize, key: u32, like: QuantizedBox) -> Option<(Option<usize>, usize)> {
         let mut line = &self.first[at];
         let mut number = None;
@@ -173,8 +183,8 @@ impl Opened<'_> {
         }
     }
 
-    /// Puts a line among those that are shared, and says which it is there, counted from one.
-    fn lend(&mut self, line: Line) -> u32 {
+    /// Stores a line among the additional lines, and returns its number, counted from one.
+    fn allocate(&mut self, line: Line) -> u32 {
         match self.more.get_mut(shared(*self.free)) {
             Some(free) => {
                 let at = *self.free;
@@ -197,7 +207,8 @@ impl Clone for Lines {
     }
 }
 
-/// Where a line is that is counted from one; nowhere for none.
+/// Returns the index of an additional line from its number, which counts from one. For zero the
+/// index is out of bounds.
 #[inline(always)]
 fn shared(next: u32) -> usize {
     (next as usize).wrapping_sub(1)
@@ -210,12 +221,12 @@ mod tests {
     use std::collections::BTreeMap;
 
     #[test]
-    fn lines_hold_what_was_put_and_lend_no_more_than_they_need() {
+    fn lines_hold_the_copies_put_and_allocate_no_more_than_needed() {
         let mut rng = Rng::new(92);
         let mut lines = Lines::new(3);
         let mut expected = BTreeMap::new();
         for round in 0..30_000_u32 {
-            // Filled and emptied in turns.
+            // Filling and emptying take turns.
             let fills = round / 3000 % 2 == 0;
             let (at, key, cell) = (rng.integer(0, 2) as usize, rng.integer(0, 20) as u32, rng.integer(0, 3));
             let now = quantized(cell, rng.integer(1, 99) as u8);

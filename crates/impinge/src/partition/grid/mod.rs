@@ -1,9 +1,16 @@
-//! Grids: space in equal cells, each of which knows the boxes that reach into it (Ericson, 7.1 and 7.2).
+//! Grids: space divided into equal cells, each of which stores the boxes that reach into it
+//! (Ericson, 7.1 and 7.2).
 //!
-//! `quantization` divides a cell into steps. `quantized_box` has a box in such steps, `lines` stores the quantized boxes of each
-//! cell, `frame` finds the cells of a box, `layout` finds the memory of a cell, and `level` is all cells of one size. Moves are
-//! processed in batches: `move_batch` collects them, `quantized_move` compares a moving box with those of a line, `cell_visits`
-//! goes through the cells about the moves, and `batched_step` ties these together. `single` and `hierarchical` are the public grids.
+//! `quantization` divides a cell into steps. `quantized_box` is a box in such steps, `lines` stores
+//! the quantized boxes of each cell, `frame` finds the cells of a box, `layout` finds the memory of
+//! a cell, and `level` holds all cells of one size.
+//!
+//! Moves are processed in batches: `move_batch` collects them, `quantized_move` compares a moving
+//! box with the boxes of a line, `cell_visits` visits the cells around the moves, and
+//! `batched_step` ties these together. `single` and `hierarchical` are the public grids.
+//!
+//! Guarded by `tests/it/partition/cells.rs` and `tests/it/partition/churn.rs`, measured by the
+//! benchmark `partitions`.
 
 mod batched_step;
 mod cell_visits;

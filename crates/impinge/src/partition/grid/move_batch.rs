@@ -3,21 +3,23 @@
 use super::super::Items;
 use crate::volume::MinMax;
 
-/// Number of moves per batch, which are lanes of a vector. All memory of a batch fits the first-level cache, and requesting it in a
-/// row lets the processor look up several pages at once. With 32 a step took 1.07 times as long.
+/// Number of moves per batch, which are lanes of a vector. All memory of a batch fits into the
+/// first-level cache, and prefetching it together lets the processor translate several addresses at
+/// once. With 32, a step took 1.07 times as long.
 pub(super) const BATCH: usize = 16;
 
-/// Number that stands for no key. All keys are less.
+/// Value that stands for "no key". All keys are smaller.
 const NONE: u32 = u32::MAX;
 
-/// A batch of moves, each along a short path and each of another box.
+/// A batch of moves, each along a short path and each of a different box.
 #[derive(Clone, Debug)]
 pub(super) struct MoveBatch {
     keys: [u32; BATCH],
     /// Start and end of each path.
     boxes: [[MinMax; 2]; BATCH],
     count: usize,
-    /// Bits of the keys, modulo 64. Most other keys have no bit here, so that the keys themselves need not be compared.
+    /// Set of the keys modulo 64, one bit each. Most keys outside the batch have no bit here, so
+    /// that their comparison is skipped.
     seen: u64,
 }
 
@@ -41,7 +43,8 @@ impl MoveBatch {
         self.seen >> (key % 64) & 1 == 1 && self.keys.contains(&key)
     }
 
-    /// Returns the box of a key at the time of a move: the moves before it in the batch are done.
+    /// Returns the box of a key at the time of a move, after the moves that precede it in the
+    /// batch.
     #[inline]
     pub(super) fn at_turn<'b>(&'b self, items: &'b Items, mover: usize, key: u32) -> Option<&'b MinMax> {
         if !self.holds(key) {
@@ -51,7 +54,8 @@ impl MoveBatch {
         Some(&self.boxes[own][usize::from(own < mover)])
     }
 
-    /// Writes a path into the next free place of the batch, which has room. Returns the place and the path.
+    /// Writes a path into the next free place of the batch, which must have room. Returns the place
+    /// and the path.
     #[inline(always)]
     pub(super) fn next(&mut self, from: &MinMax, to: &MinMax) -> (usize, &[MinMax; 2]) {
         let mover = self.count;

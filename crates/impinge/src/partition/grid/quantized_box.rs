@@ -1,40 +1,50 @@
-//! A box as it is seen from a cell, quantized to one machine word: so small that the boxes of a cell fit one line of a cache.
+//! A box relative to a cell, quantized to one machine word, so that the boxes of a cell fit into
+//! one cache line.
 
 use super::quantization::DISTINCT_KEYS;
 use bytemuck::{Pod, Zeroable};
 
-/// Number of bits of an axis, which has two steps. The cell key has as many bits above all axes.
+/// Number of bits per axis, which hold two steps. The cell key has the same number of bits, above
+/// all axes.
 pub(super) const AXIS: u32 = 16;
 pub(super) const CELL_KEY: u32 = 3 * AXIS;
 const ALL: u64 = (1 << CELL_KEY) - 1;
 
-/// How far above the first step of an axis is the other one.
-const END: u32 = 8;
+/// Distance in bits between the two steps of an axis.
+const END_SHIFT: u32 = 8;
 
-/// The first step of each axis.
-const FIRST: u64 = 0x00ff_00ff_00ff;
+/// Mask of the first step of each axis.
+const BEGINS: u64 = 0x00ff_00ff_00ff;
 
-/// Where the three bits of the cell along each axis are in a cell key. One more bit is always set. No byte of a cell key is full.
+/// Position in a cell key of the low three bits of the cell's number, for each axis. No byte of a
+/// cell key has all bits set.
 const CELL_KEYS: [u32; 3] = [0, 3, 8];
-const IS_THERE: u16 = 1 << 6;
 
-/// Where a box begins and ends as seen from a cell, in steps along the three axes, and the key of the cell. The ends are counted
-/// from behind, so that a larger box has lesser steps throughout. The key tells cells apart that are fewer than [`DISTINCT_KEYS`]
-/// apart along each axis.
+/// Bit that is set in every cell key, so that no cell key is zero.
+const IS_PRESENT: u16 = 1 << 6;
+
+/// The beginning and the end of a box along the three axes, in steps relative to a cell, and the
+/// key of the cell.
+///
+/// Ends are counted from the far side of the cell, so that the steps of a larger box are all
+/// smaller. The key distinguishes cells that are less than [`DISTINCT_KEYS`] apart along each axis.
+/// A word of zero means that there is no box.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub(super) struct QuantizedBox(pub(super) u64);
 
-/// A box that quantized boxes are compared with: the greatest steps that a box may have that it meets.
+/// A box that quantized boxes are compared with: for each step, the maximum that a box overlapping
+/// it may have.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Probe(u64);
 
 impl QuantizedBox {
-    /// No box.
+    /// Word that represents no box.
     pub(super) const NONE: Self = Self(0);
 
-    /// The part of one axis: where the box begins and ends, from 0, before the cell, to 255, behind it, and the place of the
-    /// cell. A quantized box is all three.
+    /// Returns the part of one axis: the beginning and the end of the box, from 0 (before the cell)
+    /// to 255 (behind it), and the cell's number along the axis. A quantized box is the union of
+    /// its three parts.
     #[inline(always)]
     pub(super) fn along(axis: usize, [begin, end]: [u8; 2], cell: i64) -> Self {
         let steps = u64::from(steps(u16::from(begin), u16::from(u8::MAX - end)));
@@ -51,42 +61,43 @@ impl QuantizedBox {
         self.0 == 0
     }
 
-    /// Reports whether both are seen from the same cell, or from two cells of one key.
+    /// Reports whether both are relative to the same cell, or to two cells with the same key.
     #[inline]
     pub(super) fn has_cell_key_of(self, other: Self) -> bool {
         (self.0 ^ other.0) & !ALL == 0
     }
 
-    /// Whether the box begins before the cell along an axis.
+    /// Reports whether the box begins before the cell along an axis.
     #[inline]
     pub(super) fn begins_before(self, axis: usize) -> bool {
         self.0 >> (AXIS * axis as u32) & 0xff == 0
     }
 
-    /// The box as others are compared with it.
+    /// Returns the box in the form in which others are compared with it.
     #[inline]
     pub(super) fn probe(self) -> Probe {
         let steps = !self.0;
-        Probe(!ALL | steps >> END & FIRST | (steps & FIRST) << END)
+        Probe(!ALL | steps >> END_SHIFT & BEGINS | (steps & BEGINS) << END_SHIFT)
     }
 }
 
-/// Two steps of an axis together.
+/// Packs two steps of an axis.
 #[inline(always)]
 pub(super) fn steps(first: u16, second: u16) -> u16 {
-    first | second << END
+    first | second << END_SHIFT
 }
 
 #[inline(always)]
 pub(super) fn cell_key(axis: usize, cell: i64) -> u16 {
-    ((cell & (DISTINCT_KEYS - 1)) as u16) << CELL_KEYS[axis] | IS_THERE
+    ((cell & (DISTINCT_KEYS - 1)) as u16) << CELL_KEYS[axis] | IS_PRESENT
 }
 
 impl Probe {
-    /// Unless it does, the boxes are apart: steps that are in strict order belong to coordinates in strict order. Only of use for a
-    /// quantized box that is seen from the same cell.
+    /// Returns `false` if the boxes are certainly apart: steps in strict order belong to
+    /// coordinates in strict order. The result is meaningful only if both boxes are relative to the
+    /// same cell.
     #[inline]
-    pub(super) fn may_meet(self, quantized: QuantizedBox) -> bool {
+    pub(super) fn may_overlap(self, quantized: QuantizedBox) -> bool {
         let (most, bytes) = (self.0.to_ne_bytes(), quantized.0.to_ne_bytes());
         let over: [u8; 8] = std::array::from_fn(|at| bytes[at].saturating_sub(most[at]));
         u64::from_ne_bytes(over) == 0
@@ -119,21 +130,21 @@ pub(super) mod tests {
             let cell = [0; 3].map(|_: i32| rng.integer(-20, 20));
             let (one, other) = (draw(&mut rng), draw(&mut rng));
             let [quantized, seen] = [one, other].map(|ends| quantized(ends, cell));
-            let may_meet = (0..3).all(|k| one[0][k] <= other[1][k] && other[0][k] <= one[1][k]);
-            assert_eq!(seen.probe().may_meet(quantized), may_meet);
+            let may_overlap = (0..3).all(|k| one[0][k] <= other[1][k] && other[0][k] <= one[1][k]);
+            assert_eq!(seen.probe().may_overlap(quantized), may_overlap);
             assert_eq!([0, 1, 2].map(|axis| quantized.begins_before(axis)), one[0].map(|step| step == 0));
             assert!(
                 !quantized.is_none()
                     && quantized.has_cell_key_of(seen)
                     && !quantized.has_cell_key_of(QuantizedBox::NONE)
             );
-            apart += u32::from(!may_meet);
+            apart += u32::from(!may_overlap);
         }
         assert!((20_000..95_000).contains(&apart), "{apart} apart");
     }
 
     #[test]
-    fn cell_keys_tell_neighbouring_cells_apart() {
+    fn neighboring_cells_have_different_cell_keys() {
         let quantized = |cell| quantized([[1; 3], [9; 3]], cell);
         for axis in 0..3 {
             for away in 1..DISTINCT_KEYS {

@@ -8,22 +8,32 @@ use super::move_batch::BATCH;
 use super::quantization::quantized_step;
 use super::quantized_box::{AXIS, CELL_KEY, QuantizedBox, cell_key, steps};
 
-/// A moving box as seen from a cell, for finding the boxes that may begin or cease to overlap it.
+/// A moving box relative to a cell, for finding the boxes that it may begin or cease to overlap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct QuantizedMove([u64; KINDS]);
 
-/// The words of [`QuantizedMove`]: the box after the move; the least and the greatest bytes of boxes that may overlap it before or
-/// after the move and are found in this cell; and the greatest bytes of boxes that overlap it before and after.
+/// Number of words of [`QuantizedMove`]. The words before `WITHIN` describe the moved box and, as
+/// bytes, the range of boxes that may overlap it before or after the move and that are found in
+/// this cell.
 const KINDS: usize = 4;
+/// Index of the word of the box after the move.
 const AFTER: usize = 0;
-const LEAST: usize = 1;
-const MOST: usize = 2;
+/// Index of the lower bounds for the bytes of boxes that may overlap before or after the move.
+const LOWER: usize = 1;
+/// Index of the upper bounds for the bytes of boxes that may overlap before or after the move.
+const UPPER: usize = 2;
+/// Index of the upper bounds for the bytes of boxes that certainly overlap before and after the
+/// move.
 const WITHIN: usize = 3;
 
 impl QuantizedMove {
-    /// Returns the part of one axis for the moves of a batch, as seen from the `nth` cell. `parts` has the begin and the end of each
-    /// box before and after the move, counted from the first cell about the path, which is `low`. One of the ends is in the `nth`
-    /// cell or behind it. Boxes that begin before a cell are found in another cell, unless it is the first along the axis.
+    /// Returns the part of one axis for the moves of a batch, relative to the `nth` cell along the
+    /// axis.
+    ///
+    /// `parts` contains the beginning and the end of each box before the move, then after it,
+    /// counted from the first cell around the path, whose number is `low`. At least one of the ends
+    /// must lie in the `nth` cell or behind it. Boxes that begin before a cell are found in another
+    /// cell, unless the cell is the first along the axis.
     #[inline(always)]
     pub(super) fn along<S: Simd>(
         simd: S,
@@ -37,16 +47,18 @@ impl QuantizedMove {
             let step = |end: usize| quantized_step(parts[end][lane], nth) as u16;
             let ([begin, end], [next_begin, next_end]) = ([step(0), step(1)], [step(2), step(3)]);
             slices[AFTER][lane] = steps(next_begin, 255 - next_end);
-            slices[LEAST][lane] = nth.min(1) as u16;
-            slices[MOST][lane] = steps(end.max(next_end), 255 - begin.min(next_begin));
-            // Bytes not less than both: if nothing qualifies, all bits of the cell key, which no cell key has.
+            slices[LOWER][lane] = nth.min(1) as u16;
+            slices[UPPER][lane] = steps(end.max(next_end), 255 - begin.min(next_begin));
+            // Maximum bytes of boxes that overlap both before and after, inverted here because
+            // `all` inverts them again. If no box can do so, the cell key becomes zero there, which
+            // no cell has.
             let (first, second) = (end.min(next_end), 255 - begin.max(next_begin));
             slices[WITHIN][lane] = !steps(first.wrapping_sub(1), second.wrapping_sub(1));
             cell_keys[WITHIN][lane] = if (first == 0) | (second == 0) { u16::MAX } else { 0 };
         }
         for lane in 0..BATCH {
             let cell_key = cell_key(axis, low[lane] + nth as i64);
-            (cell_keys[AFTER][lane], cell_keys[LEAST][lane], cell_keys[MOST][lane]) = (cell_key, cell_key, cell_key);
+            (cell_keys[AFTER][lane], cell_keys[LOWER][lane], cell_keys[UPPER][lane]) = (cell_key, cell_key, cell_key);
         }
         let mut seen = [Self::default(); BATCH];
         let quarters = interleaved(simd, &slices).into_iter().zip(interleaved(simd, &cell_keys));
@@ -65,13 +77,13 @@ impl QuantizedMove {
         seen
     }
 
-    /// Loads the words as lanes.
+    /// Loads the words into lanes.
     #[inline(always)]
     pub(super) fn lanes<S: Simd>(&self, simd: S) -> u64x4<S> {
         u64x4::from_slice(simd, &self.0)
     }
 
-    /// Combines three axes, given the union of their bits.
+    /// Combines the parts of three axes, given the union of their bits, and inverts the last word.
     #[inline(always)]
     pub(super) fn all<S: Simd>(simd: S, any: u64x4<S>) -> Self {
         let mut boxes = [0; KINDS];
@@ -85,26 +97,27 @@ impl QuantizedMove {
         QuantizedBox(self.0[AFTER])
     }
 
-    /// Returns the bits of the boxes of a line that may begin or cease to overlap the moving box.
+    /// Returns one bit for each box of a line: set if it may begin or cease to overlap the moving
+    /// box.
     #[inline(always)]
     pub(super) fn compare<S: Simd>(&self, simd: S, boxes: &[QuantizedBox; LINE_CAPACITY]) -> u32 {
         let bytes = |kind: usize| u64x4::splat(simd, self.0[kind]).bitcast::<u8x32<S>>();
-        let (least, most, within) = (bytes(LEAST), bytes(MOST), bytes(WITHIN));
+        let (least, most, within) = (bytes(LOWER), bytes(UPPER), bytes(WITHIN));
         let [one, two, three, four, five] = boxes.map(|quantized| quantized.0);
-        let mut open = 0;
-        // An empty place has no cell key.
+        let mut undecided = 0;
+        // An empty place has no cell key, so it is never near.
         for (boxes, shift) in [([one, two, three, four], 0), ([five, 0, 0, 0], 4)] {
             let boxes = u64x4::from_slice(simd, &boxes);
             let bytes = boxes.bitcast::<u8x32<S>>();
             let is_near = bytes.max(least).min(most).bitcast::<u64x4<S>>().simd_eq(boxes);
-            let meets = bytes.min(within).bitcast::<u64x4<S>>().simd_eq(boxes);
-            open |= (is_near & !meets).to_bitmask() << shift;
+            let overlaps = bytes.min(within).bitcast::<u64x4<S>>().simd_eq(boxes);
+            undecided |= (is_near & !overlaps).to_bitmask() << shift;
         }
-        open as u32
+        undecided as u32
     }
 }
 
-/// All kinds of each lane, four lanes after the other.
+/// Interleaves the words: returns all kinds of one lane next to each other, four lanes per vector.
 #[inline(always)]
 fn interleaved<S: Simd>(simd: S, kinds: &[[u16; BATCH]; KINDS]) -> [u16x16<S>; 4] {
     let [one, two, three, four] = kinds;
@@ -122,7 +135,7 @@ mod tests {
     use fearless_simd::Level;
     use impinge_testkit::generate::Rng;
 
-    /// Parts of a cell, of which many are about one of the ends of the `nth`.
+    /// Returns parts of a cell. Many lie near one of the ends of the `nth` cell.
     fn draw_parts(rng: &mut Rng, nth: usize) -> [i16; 2] {
         let about = 256 * nth as i64 + rng.choose(&[0, 256]);
         let [one, other] = [0; 2].map(|_: i32| match rng.integer(0, 1) {
@@ -133,9 +146,9 @@ mod tests {
     }
 
     #[test]
-    fn what_a_move_may_change_is_told_by_steps_one_by_one() {
+    fn compare_agrees_with_comparing_steps_one_by_one() {
         let mut rng = Rng::new(93);
-        let (mut open, mut decided) = (0, 0);
+        let (mut undecided, mut decided) = (0, 0);
         for _ in 0..4_000 {
             let nth = [0; 3].map(|_: i32| rng.integer(0, 3) as usize);
             let (mut parts, mut low) = ([[[0; BATCH]; 4]; 3], [[0; BATCH]; 3]);
@@ -181,23 +194,24 @@ mod tests {
                                 if end == 1 { Some(step) <= most(k, 1) } else { Some(step) >= least(k, 0) }
                             },
                         );
-                    let meets = axes().all(
-                        |(step, k, end)| {
-                            if end == 1 { Some(step) < least(k, 1) } else { Some(step) > most(k, 0) }
-                        },
-                    );
+                    let overlaps =
+                        axes().all(
+                            |(step, k, end)| {
+                                if end == 1 { Some(step) < least(k, 1) } else { Some(step) > most(k, 0) }
+                            },
+                        );
                     let is_here = (0..3).all(|k| nth[k] == 0 || other[0][k] > 0);
-                    elsewhere != at && elsewhere != at + LINE_CAPACITY && is_near && !meets && is_here
+                    elsewhere != at && elsewhere != at + LINE_CAPACITY && is_near && !overlaps && is_here
                 });
                 let expected = expected.fold(0, |bits, at| bits | 1 << at);
                 for level in [Level::fallback(), crate::simd::best_level()] {
-                    let open = dispatch_every!(level, simd => seen.compare(simd, &boxes));
-                    assert_eq!(open, expected, "{level:?}: {seen:?}, {boxes:?}");
+                    let undecided = dispatch_every!(level, simd => seen.compare(simd, &boxes));
+                    assert_eq!(undecided, expected, "{level:?}: {seen:?}, {boxes:?}");
                 }
-                open += expected.count_ones();
+                undecided += expected.count_ones();
                 decided += LINE_CAPACITY as u32 - expected.count_ones();
             }
         }
-        assert!(open > 10_000 && decided > 100_000, "{open} are open, {decided} are not");
+        assert!(undecided > 10_000 && decided > 100_000, "{undecided} undecided, {decided} decided");
     }
 }

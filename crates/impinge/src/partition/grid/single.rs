@@ -4,30 +4,33 @@ use std::ops::ControlFlow;
 
 use super::super::{BoxTree, Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visitor, Work, forward_to_inner};
 use super::batched_step::{self, BatchedMoves};
-use super::cell_visits::{CellVisits, SHORT};
+use super::cell_visits::{CellVisits, MAX_PATH_CELLS};
 use super::level::Level;
 use super::move_batch::MoveBatch;
 use crate::input::{InputError, InputErrorKind};
 use crate::volume::{BoundingVolume, MinMax};
 
-/// Cells that a box reaches into at most; larger ones, and those that reach into more than eight along an axis, are kept in a
-/// tree beside the cells, so that no box touches cells without bound.
-const MOST_CELLS: f64 = 27.0;
+/// Maximum number of cells that a box may reach into. Larger boxes, and boxes that reach into more
+/// than eight cells along an axis, are kept in a tree beside the cells, so that no box touches an
+/// unbounded number of cells.
+const MAX_CELLS: f64 = 27.0;
 
-/// A short path is all in cells.
-const _: () = assert!(SHORT as f64 <= MOST_CELLS);
+/// The boxes of a path that is processed in a batch are all in cells.
+const _: () = assert!(MAX_PATH_CELLS as f64 <= MAX_CELLS);
 
-/// Cells of a uniform grid at most: a GiB of them, where they are full.
-const MOST_DENSE: f64 = (1 << 24) as f64;
+/// Maximum number of cells of a uniform grid. This number of cells takes 1 GiB.
+const MAX_DENSE_CELLS: f64 = (1 << 24) as f64;
 
-/// Equal cells in a block, one after the other in memory: the kind for boxes of like size that fill a known space evenly.
+/// A block of equal cells, contiguous in memory. Use it for boxes of similar size that fill a known
+/// region evenly.
 ///
-/// A box is in each cell that it reaches into, at most 27 and eight along an axis; larger ones are in a tree beside them. What
-/// lies outside the block belongs to the cells at its border: nothing is lost, but many boxes there are many in one cell.
+/// A box is stored in each cell that it reaches into, at most 27 cells and eight along an axis.
+/// Larger boxes are kept in a tree beside the cells. The space outside the block belongs to the
+/// cells at its border: results stay exact, but many boxes out there are many boxes in one cell.
 ///
 /// # Complexity
-/// O(1 + boxes in the same cells) for each change and question, where cells are about as large as boxes. Memory for each
-/// cell, full or not.
+/// O(1 + boxes in the same cells) for each change and query, if cells are about as large as boxes.
+/// Every cell takes memory, full or empty.
 ///
 /// ```
 /// use impinge::partition::{Dynamic, Partition, UniformGrid};
@@ -42,14 +45,16 @@ const MOST_DENSE: f64 = (1 << 24) as f64;
 #[derive(Clone, Debug)]
 pub struct UniformGrid(Single);
 
-/// Equal cells without an end, of which those that hold something are found by a hash: the kind for boxes of like size
-/// anywhere.
+/// Equal cells in all of space; a hash finds the cells that hold boxes. Use it for boxes of similar
+/// size anywhere.
 ///
-/// As [`UniformGrid`], with memory for boxes instead of cells. Cells that share a place in memory cost comparisons and change
-/// no answer. Cells are told apart as far as 2^40 of them from the origin.
+/// It works like [`UniformGrid`], but memory grows with the number of boxes instead of cells. Cells
+/// that share a place in memory cost extra comparisons but change no result. Cells are
+/// distinguished up to a distance of 2^40 cells from the origin.
 ///
 /// # Source
-/// Teschner et al., *Optimized spatial hashing for collision detection of deformable objects*, VMV 2003.
+/// Teschner et al., *Optimized spatial hashing for collision detection of deformable objects*, VMV
+/// 2003.
 ///
 /// ```
 /// use impinge::partition::{Dynamic, HashedGrid, Partition};
@@ -73,43 +78,46 @@ struct Single {
     items: Items,
 }
 
-/// Whether cells can have this edge.
-pub(super) fn judge_cell(cell: f64) -> Result<(), InputError> {
+/// Validates the edge length of cells: it must be finite and above zero.
+pub(super) fn validate_cell(cell: f64) -> Result<(), InputError> {
     match cell {
         x if !x.is_finite() => Err(InputError::new(InputErrorKind::NonFinite { what: "cell size", index: 0 })),
         x if x <= 0.0 => Err(InputError::new(InputErrorKind::Negative { what: "cell size", index: 0 })
-            .with_hint("a cell has to have a size above zero")),
+            .with_hint("pass a cell size greater than zero")),
         _ => Ok(()),
     }
 }
 
 impl UniformGrid {
-    /// Cells with edges of `cell` over `bounds`, and none in them.
+    /// Returns an empty grid over `bounds` whose cells have edges of length `cell`.
     ///
     /// # Errors
-    /// [`NonFinite`](InputErrorKind::NonFinite) and [`Negative`](InputErrorKind::Negative) for a `"cell size"` that is not
-    /// above zero; [`OutOfRange`](InputErrorKind::OutOfRange) for one that makes more than 2^24 cells.
+    /// Returns [`NonFinite`](InputErrorKind::NonFinite) or [`Negative`](InputErrorKind::Negative)
+    /// if the `"cell size"` is not finite or not above zero. Returns
+    /// [`OutOfRange`](InputErrorKind::OutOfRange) for the `"grid"` if it would have more than 2^24
+    /// cells.
     pub fn over(bounds: &MinMax, cell: f64) -> Result<Self, InputError> {
-        judge_cell(cell)?;
+        validate_cell(cell)?;
         let (min, max) = (bounds.min(), bounds.max());
         let counts = [0, 1, 2].map(|axis| ((max[axis] - min[axis]) / cell).ceil().max(1.0));
-        if counts.iter().product::<f64>() > MOST_DENSE {
-            let limit = "what makes 2^24 cells";
-            return Err(InputError::new(InputErrorKind::OutOfRange { what: "cell size", index: 0, limit })
-                .with_hint("larger cells, or a hashed grid"));
+        if counts.iter().product::<f64>() > MAX_DENSE_CELLS {
+            let limit = "2^24 cells";
+            return Err(InputError::new(InputErrorKind::OutOfRange { what: "grid", index: 0, limit })
+                .with_hint("the cell size is too small: pass a larger one, or use a HashedGrid"));
         }
         Ok(Self(Single::new(Level::dense(min, cell, counts.map(|count| count as usize)))))
     }
 }
 
 impl HashedGrid {
-    /// Cells with edges of `cell`; about twice the boxes' are a good choice.
+    /// Returns an empty grid whose cells have edges of length `cell`. About twice the edge length
+    /// of the boxes is a good choice.
     ///
     /// # Errors
-    /// [`NonFinite`](InputErrorKind::NonFinite) and [`Negative`](InputErrorKind::Negative) for a `"cell size"` that is not
-    /// above zero.
+    /// Returns [`NonFinite`](InputErrorKind::NonFinite) or [`Negative`](InputErrorKind::Negative)
+    /// if the `"cell size"` is not finite or not above zero.
     pub fn new(cell: f64) -> Result<Self, InputError> {
-        judge_cell(cell)?;
+        validate_cell(cell)?;
         Ok(Self(Single::new(Level::hashed(cell))))
     }
 }
@@ -120,16 +128,16 @@ impl Single {
     }
 
     fn is_large(&self, bounds: &MinMax) -> bool {
-        !self.level.takes(bounds, MOST_CELLS)
+        !self.level.takes(bounds, MAX_CELLS)
     }
 
-    /// Notes which pairs with large boxes a path changes.
+    /// Records which pairs with large boxes a path changes.
     fn follow_among_large(&self, key: u32, [from, to]: &[MinMax; 2], changes: &mut Changes) {
         let _ = self.large.overlapping(&from.merged(to), &mut |other| {
             if let Some(bounds) = self.items.get(other) {
-                let meets = to.overlaps(bounds);
-                if from.overlaps(bounds) != meets {
-                    changes.note(key, other, meets);
+                let overlaps = to.overlaps(bounds);
+                if from.overlaps(bounds) != overlaps {
+                    changes.note(key, other, overlaps);
                 }
             }
             ControlFlow::Continue(())

@@ -6,15 +6,17 @@ use super::super::{Cells, Dynamic, Holds, Items, Partition, Visitor, Work};
 use super::{Axis, Widest, reorder};
 use crate::volume::{BoundingVolume, MinMax};
 
-/// Boxes in the order in which they begin along one axis.
+/// Boxes sorted by their beginnings along one axis.
 ///
-/// All pairs take one sweep: each box against those that begin before it ends. That is quick where boxes lie apart along
-/// the axis, and compares every two that do not, however far apart they are otherwise.
+/// One sweep finds all pairs: it compares each box with the boxes that begin before it ends. That
+/// is fast if boxes lie apart along the axis. Boxes that overlap along the axis are compared,
+/// however far apart they are along the others.
 ///
 /// # Complexity
-/// A change finds its place in O(log n) and shifts what is between the old and the new one, which is little for boxes that
-/// move little and at most n. A question looks at what begins from the greatest extent of any box before to the end of its
-/// own: one long box makes all of them long.
+/// A change finds its position in O(log n) and shifts the boxes between the old and the new
+/// position: few for boxes that move little, at most n. A query looks at the boxes that begin
+/// between its own end and its beginning minus the maximum extent of all boxes. One long box
+/// therefore slows down all queries.
 ///
 /// ```
 /// use impinge::partition::{Axis, Dynamic, Partition, SweepOneAxis};
@@ -31,7 +33,7 @@ use crate::volume::{BoundingVolume, MinMax};
 #[derive(Clone, Debug, Default)]
 pub struct SweepOneAxis {
     axis: Axis,
-    /// By where they begin, then by key.
+    /// Boxes sorted by their beginnings, then by key.
     entries: Vec<Entry>,
     widest: Widest,
     items: Items,
@@ -44,13 +46,14 @@ struct Entry {
 }
 
 impl SweepOneAxis {
-    /// Nothing, to be sorted along this axis.
+    /// Returns an empty partition sorted along this axis.
     #[must_use]
     pub fn along(axis: Axis) -> Self {
         Self { axis, ..Self::default() }
     }
 
-    /// These boxes, whose keys are their places.
+    /// Returns the partition of these boxes, sorted along an axis. The key of a box is its index in
+    /// `boxes`.
     ///
     /// # Complexity
     /// O(n log n).
@@ -68,13 +71,13 @@ impl SweepOneAxis {
         sweep
     }
 
-    /// The axis.
+    /// Returns the axis along which the boxes are sorted.
     #[must_use]
     pub fn axis(&self) -> Axis {
         self.axis
     }
 
-    /// Where this entry stands, or would.
+    /// Returns the index of this entry, or the index at which to insert it.
     fn place(&self, entry: &Entry) -> usize {
         let axis = self.axis.number();
         self.entries.partition_point(|other| precedes(other, entry, axis))
@@ -87,7 +90,7 @@ impl SweepOneAxis {
     }
 }
 
-/// Where a box begins, zeros of both signs being equal.
+/// Returns the coordinate at which a box begins. Adding zero turns -0 into +0.
 #[inline]
 fn begin(entry: &Entry, axis: usize) -> f64 {
     entry.bounds.min()[axis] + 0.0

@@ -1,7 +1,8 @@
 //! Sort-and-sweep along all three axes, with the pairs kept.
 //!
-//! Source: Cohen, Lin, Manocha, Ponamgi, *I-COLLIDE*, I3D 1995, 4; Terdiman, *Sweep-and-prune*, 2007. Ours departs in that an
-//! end finds its place by bisection and passes all that is between at once, and in that ends need not know where they are.
+//! Source: Cohen, Lin, Manocha, Ponamgi, *I-COLLIDE*, I3D 1995, 4; Terdiman, *Sweep-and-prune*,
+//! 2007. Ours departs in two ways: an end finds its place by bisection and passes all ends between
+//! at once, and ends do not store their positions.
 
 use std::ops::ControlFlow;
 
@@ -9,15 +10,16 @@ use super::super::{Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visit
 use super::{Widest, reorder};
 use crate::volume::{BoundingVolume, MinMax};
 
-/// The ends of boxes in order along each axis, and the pairs that meet, kept up to date: a pair begins or ends where ends
-/// pass each other, and nothing else is ever looked at.
+/// The ends of boxes, sorted along each axis, and the overlapping pairs, kept up to date. A pair
+/// begins or ends when ends pass each other, so a step looks at nothing else.
 ///
-/// The kind whose steps cost least where most boxes rest and few pairs change, as long as ends lie apart: many boxes
-/// that stand on one plane pass each other's ends along its normal with every small move.
+/// Steps of this kind cost least if most boxes rest and few pairs change, provided that the ends
+/// lie apart. If many boxes stand on one plane, every small move passes many ends along its normal.
 ///
 /// # Complexity
-/// A move O(log n + what it passes on the three axes), with what is between shifted by one place; a box that comes or goes
-/// shifts at most all ends. Pairs are kept for both boxes: 8 bytes a pair.
+/// A move takes O(log n + number of ends passed on the three axes) and shifts the ends it passes by
+/// one place. Inserting or removing a box shifts up to all ends. Each pair is stored for both of
+/// its boxes, in 8 bytes.
 ///
 /// ```
 /// use impinge::partition::{Changes, Dynamic, Move, Partition, SweepThreeAxes};
@@ -32,21 +34,22 @@ use crate::volume::{BoundingVolume, MinMax};
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct SweepThreeAxes {
-    /// By axis, in order.
+    /// Ends of all boxes by axis, sorted.
     ends: [Vec<End>; 3],
     widest: [Widest; 3],
     items: Items,
-    /// By key, those that it meets, in order.
+    /// Keys of the boxes that overlap the box of each key, sorted.
     partners: Vec<Vec<u32>>,
 }
 
-/// Where a box begins or ends along an axis.
+/// The beginning or the end of a box along an axis.
 #[derive(Clone, Copy, Debug)]
 struct End {
-    /// Never -0, so that equal places are equal in order.
+    /// Coordinate. It is never -0, so that equal coordinates compare equal in the sort order.
     place: f64,
     key: u32,
-    /// Whether the box ends here; what begins comes before what ends at the same place, as touching counts.
+    /// `true` if the box ends here. Beginnings precede ends at the same coordinate, because boxes
+    /// that touch overlap.
     is_last: bool,
 }
 
@@ -62,16 +65,16 @@ impl End {
 }
 
 impl SweepThreeAxes {
-    /// Nothing.
+    /// Returns an empty partition.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// These boxes, whose keys are their places.
+    /// Returns the partition of these boxes. The key of a box is its index in `boxes`.
     ///
     /// # Complexity
-    /// O(n log n) and one sweep along the axis on which they lie apart most.
+    /// O(n log n), and one search per box along the axis on which the fewest ends are in range.
     #[must_use]
     pub fn build(boxes: &[MinMax]) -> Self {
         let mut sweep = Self::new();
@@ -102,12 +105,12 @@ impl SweepThreeAxes {
         sweep
     }
 
-    /// Joins or parts two boxes, and says whether they were not so before.
-    fn pair(&mut self, key: u32, other: u32, meet: bool) -> bool {
+    /// Stores (`overlap` is `true`) or deletes a pair. Returns `true` if that changed anything.
+    fn pair(&mut self, key: u32, other: u32, overlap: bool) -> bool {
         let mut changed = false;
         for (key, other) in [(key, other), (other, key)] {
             let partners = &mut self.partners[key as usize];
-            match (partners.binary_search(&other), meet) {
+            match (partners.binary_search(&other), overlap) {
                 (Err(at), true) => {
                     partners.insert(at, other);
                     changed = true;
@@ -122,7 +125,8 @@ impl SweepThreeAxes {
         changed
     }
 
-    /// Takes the ends of a box that is held to their new places, and its pairs with them.
+    /// Moves the ends of a box to their new places, and updates its pairs. Calls `note` for each
+    /// pair that began or ended.
     fn relocate(&mut self, key: u32, from: &MinMax, to: &MinMax, note: &mut dyn FnMut(u32, u32, bool)) {
         for axis in 0..3 {
             self.widest[axis].include(to, axis);
@@ -131,7 +135,8 @@ impl SweepThreeAxes {
                 let ends = &mut self.ends[axis];
                 let before = ends.partition_point(|end| end.precedes(&old));
                 let after = reorder(ends, before, new, End::precedes);
-                // To begin later than another ends, or to end before it begins, is to part from it.
+                // Beginning later than another box ends, or ending before it begins, separates the
+                // two.
                 let ascends = after > before;
                 let parts = ascends != is_last;
                 let (low, high) = if ascends { (before, after) } else { (after + 1, before + 1) };
@@ -140,9 +145,9 @@ impl SweepThreeAxes {
                     if passed.is_last == is_last || passed.key == key {
                         continue;
                     }
-                    let meet = !parts && self.items.get(passed.key).is_some_and(|bounds| bounds.overlaps(to));
-                    if (meet || parts) && self.pair(key, passed.key, meet) {
-                        note(key, passed.key, meet);
+                    let overlap = !parts && self.items.get(passed.key).is_some_and(|bounds| bounds.overlaps(to));
+                    if (overlap || parts) && self.pair(key, passed.key, overlap) {
+                        note(key, passed.key, overlap);
                     }
                 }
             }
@@ -165,23 +170,23 @@ impl SweepThreeAxes {
                 self.items.insert(key, to);
                 self.relocate(key, &from, &to, note);
             }
-            (None, Some(to)) => self.come(key, &to, note),
-            (Some(from), None) => self.go(key, &from, note),
+            (None, Some(to)) => self.insert_new(key, &to, note),
+            (Some(from), None) => self.remove_held(key, &from, note),
             (None, None) => {}
         }
         from
     }
 
-    fn come(&mut self, key: u32, to: &MinMax, note: &mut dyn FnMut(u32, u32, bool)) {
+    fn insert_new(&mut self, key: u32, to: &MinMax, note: &mut dyn FnMut(u32, u32, bool)) {
         if key as usize >= self.partners.len() {
             self.partners.resize(key as usize + 1, Vec::new());
         }
-        let mut met = Vec::new();
+        let mut found = Vec::new();
         let _ = self.overlapping(to, &mut |other| {
-            met.push(other);
+            found.push(other);
             ControlFlow::Continue(())
         });
-        for other in met {
+        for other in found {
             self.pair(key, other, true);
             note(key, other, true);
         }
@@ -196,7 +201,7 @@ impl SweepThreeAxes {
         }
     }
 
-    fn go(&mut self, key: u32, from: &MinMax, note: &mut dyn FnMut(u32, u32, bool)) {
+    fn remove_held(&mut self, key: u32, from: &MinMax, note: &mut dyn FnMut(u32, u32, bool)) {
         for other in self.partners[key as usize].clone() {
             self.pair(key, other, false);
             note(key, other, false);
@@ -224,7 +229,7 @@ impl Partition for SweepThreeAxes {
         Cells::Order
     }
 
-    /// Along the axis on which the fewest ends are in question.
+    /// Searches along the axis on which the fewest ends are in range.
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {
         let range = |axis: usize| {
             let (ends, before) = (&self.ends[axis], self.widest[axis].before(bounds.min()[axis]));
@@ -244,7 +249,7 @@ impl Partition for SweepThreeAxes {
         ControlFlow::Continue(())
     }
 
-    /// Those that are kept: nothing is compared.
+    /// Returns the stored pairs; nothing is compared.
     fn pairs(&self) -> Vec<[u32; 2]> {
         let above = |key: usize| {
             let partners = &self.partners[key];
@@ -265,11 +270,11 @@ impl Dynamic for SweepThreeAxes {
         self.change(key, None, &mut |_, _, _| {})
     }
 
-    /// The changes are those that passing ends made.
+    /// The changes are recorded while ends pass each other.
     fn step(&mut self, moves: &[Move], changes: &mut Changes) {
         changes.clear();
         for step in moves {
-            self.change(step.key, step.to, &mut |key, other, meet| changes.note(key, other, meet));
+            self.change(step.key, step.to, &mut |key, other, overlap| changes.note(key, other, overlap));
         }
         changes.settle();
     }

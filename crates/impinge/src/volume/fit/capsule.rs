@@ -1,4 +1,4 @@
-//! A capsule about points (Ericson 4.5; Eberly, *Geometric Tools*: capsule from a line).
+//! Fits a capsule to points (Ericson 4.5; Eberly, *Geometric Tools*: capsule from a line).
 
 use super::super::{BoundingVolume, Capsule, round};
 use super::enclosing::{scaled_offset, unit_scale};
@@ -6,10 +6,11 @@ use super::minimal::circle;
 use super::moments::principal_axes;
 use crate::input::InputError;
 use crate::math::vec3::{add, dot, scale, sub};
-use crate::volume::points::{Coordinate, judge, widen};
+use crate::volume::points::{Coordinate, validated_bounds, widen};
 
-/// The smallest capsule of those about the three principal axes: for each the least radius, that of the minimal circle of
-/// the points seen along the axis, and the shortest segment for it.
+/// Returns the smallest of three capsules, one along each principal axis. Each has the radius of
+/// the minimal circle of the points projected along its axis, and the shortest segment for that
+/// radius.
 ///
 /// ```
 /// use impinge::volume::{BoundingVolume, fit};
@@ -20,17 +21,17 @@ use crate::volume::points::{Coordinate, judge, widen};
 /// ```
 ///
 /// # Errors
-/// As [`BoundingVolume::of_points`].
+/// Same as [`BoundingVolume::of_points`].
 ///
 /// # Complexity
-/// Some fifty passes over memory.
+/// About 50 passes over memory.
 ///
 /// # Source
-/// *Notes*, 2.3 (principal axes); Ericson 4.5.3. The line of least squares is not the axis of the thinnest capsule with its
-/// direction, so the minimal circle moves it there; the two other axes are tried as well, since a flat disc is thinnest
-/// about the shortest one.
+/// *Notes*, 2.3 (principal axes); Ericson 4.5.3. The least-squares line is not the axis of the
+/// thinnest capsule in its direction, so the minimal circle moves it there. The two other axes are
+/// tried as well, because a flat disc is thinnest around its shortest axis.
 pub fn capsule<T: Coordinate>(points: &[[T; 3]]) -> Result<Capsule, InputError> {
-    let bounds = judge(points)?;
+    let bounds = validated_bounds(points)?;
     let scale_up = unit_scale(&bounds);
     let (min, max) = (bounds.min(), bounds.max());
     let origin: [f64; 3] = std::array::from_fn(|axis| 0.5 * min[axis] + 0.5 * max[axis]);
@@ -40,7 +41,7 @@ pub fn capsule<T: Coordinate>(points: &[[T; 3]]) -> Result<Capsule, InputError> 
     Ok(rest.into_iter().fold(first, |best, next| if next.volume() < best.volume() { next } else { best }))
 }
 
-/// The capsule with this direction.
+/// Returns the capsule with the given direction.
 fn along<T: Coordinate>(points: &[[T; 3]], axis: [f64; 3], origin: [f64; 3], scale_up: f64) -> Capsule {
     let local = |&point: &[T; 3]| scaled_offset(widen(point), origin, scale_up);
     let flat: Vec<[f64; 3]> = points
@@ -51,7 +52,8 @@ fn along<T: Coordinate>(points: &[[T; 3]], axis: [f64; 3], origin: [f64; 3], sca
         })
         .collect();
     let (centre, squared_radius) = circle(&flat);
-    // Each point wants the segment to come within the radius of it; the caps reach out by what the radius leaves.
+    // The segment must come within the radius of each point. The caps extend past its ends, so each
+    // point allows a shorter segment.
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (point, seen) in points.iter().zip(&flat) {
         let t = dot(&axis, &local(point));

@@ -1,5 +1,7 @@
-//! The least radius about a given centre, rounded up; and the power of two that makes a set of points about one large, so
-//! that no square overflows or vanishes.
+//! Computes the smallest radius around a given center, rounded up. Also computes the power of two
+//! that scales a set of points to a size of about 1, so that no square overflows or underflows.
+//!
+//! Tests: `tests/it/volumes/spheres.rs`.
 
 use super::super::rounding::{HALF_ULP, two_product, two_sum};
 use super::super::{BoundingSphere, MinMax};
@@ -8,7 +10,8 @@ use crate::math::dyadic::Dyadic;
 use crate::math::vec3::dot;
 use crate::volume::points::{Coordinate, widen};
 
-/// The power of two by which the greatest extent of a box becomes at least 1 and less than 2, and 1 for a point.
+/// Returns the power of two that scales the largest extent of a box into [1, 2). For a point it
+/// returns 1.
 ///
 /// Multiplying a difference of coordinates by it is exact.
 pub(super) fn unit_scale(bounds: &MinMax) -> f64 {
@@ -16,39 +19,45 @@ pub(super) fn unit_scale(bounds: &MinMax) -> f64 {
     if extent == 0.0 {
         return 1.0;
     }
-    // Subnormal extents have a leading bit below the least normal exponent, which the clamp gives up on: they become
-    // as large as a scale can make them.
+    // The leading bit of a subnormal extent is below the smallest normal exponent. The clamp then
+    // gives the largest possible scale, and the extent stays below 1.
     let exponent = (extent.to_bits() >> 52) as i64 - 1023;
     f64::from_bits(((1023 - exponent).clamp(1, 2046) as u64) << 52)
 }
 
-/// The offset of a point from a centre, in the scale.
+/// Returns the offset of a point from a center, in scaled units.
 #[inline(always)]
 pub(super) fn scaled_offset(point: [f64; 3], centre: [f64; 3], scale: f64) -> [f64; 3] {
     std::array::from_fn(|axis| (point[axis] - centre[axis]) * scale)
 }
 
-/// The squared length of an offset.
+/// Returns the squared length of an offset.
 ///
 /// # Accuracy
-/// For an offset of points that are doubles: two roundings of each difference in its square, one of the square, two of the
-/// sums: within 5.1 half units, taken as [`SQUARE_ERROR`].
+/// For an offset between two double-precision points: two roundings of each difference in its
+/// square, one of the square and two of the sums. The error is within 5.1 half units;
+/// [`SQUARE_ERROR`] is larger.
 #[inline(always)]
 pub(super) fn squared(offset: [f64; 3]) -> f64 {
     dot(&offset, &offset)
 }
 
-/// A bound on the relative error of a squared distance, its comparison included.
+/// Bound on the relative error of a squared distance, including its comparison.
 pub(super) const SQUARE_ERROR: f64 = 8.0 * HALF_ULP;
 
-/// The sphere about a centre with the least radius that holds all the points: the least double.
+/// Returns the sphere around a given center that encloses all points with the smallest double as
+/// radius.
 pub(super) fn about<T: Coordinate>(centre: [f64; 3], points: &[[T; 3]], scale: f64) -> BoundingSphere {
     let square_of = |point: [T; 3]| squared(scaled_offset(widen(point), centre, scale));
     let furthest = points.iter().map(|&point| square_of(point)).fold(0.0, |far, d| if d > far { d } else { far });
-    // Among those that doubles cannot tell from the most distant, pairs of doubles leave a few, and exact numbers decide.
+    // Double-double arithmetic leaves a few of the points whose distance doubles cannot distinguish
+    // from the largest. Exact arithmetic decides those.
     let near = furthest * (1.0 - 2.0 * SQUARE_ERROR);
     let mut rim = Rim { greatest: [0.0; 2], points: Vec::new() };
-    points.iter().filter(|&&point| square_of(point) >= near).for_each(|&point| rim.take(widen(point), centre, scale));
+    points
+        .iter()
+        .filter(|&&point| square_of(point) >= near)
+        .for_each(|&point| rim.include(widen(point), centre, scale));
     rim.points.sort_by(|p, q| p.partial_cmp(q).unwrap_or(std::cmp::Ordering::Equal));
     rim.points.dedup();
     let root = furthest.sqrt() / scale;
@@ -57,15 +66,17 @@ pub(super) fn about<T: Coordinate>(centre: [f64; 3], points: &[[T; 3]], scale: f
     BoundingSphere::from_valid(centre, radius)
 }
 
-/// The points whose squared distance, as a pair of doubles, is the greatest, or cannot be told from it.
+/// The points whose squared distance, in double-double arithmetic, is the largest or cannot be
+/// distinguished from it.
 struct Rim {
     greatest: [f64; 2],
     points: Vec<[f64; 3]>,
 }
 
 impl Rim {
-    fn take(&mut self, point: [f64; 3], centre: [f64; 3], scale: f64) {
-        /// Beyond what pairs of doubles lose in three squares and their sum, with either of two: 2^-96.
+    fn include(&mut self, point: [f64; 3], centre: [f64; 3], scale: f64) {
+        /// Relative error bound, 2^-96. It exceeds the loss of double-double arithmetic in three
+        /// squares and their sum, for both compared distances.
         const ERROR: f64 = 1.0 / (1_u128 << 96) as f64;
         let square = pair_squared(point, centre, scale);
         let above = (square[0] - self.greatest[0]) + (square[1] - self.greatest[1]);
@@ -80,7 +91,7 @@ impl Rim {
     }
 }
 
-/// The squared distance of two points in the scale, as a pair of doubles.
+/// Returns the squared distance of two points, in scaled units, as a pair of doubles.
 fn pair_squared(point: [f64; 3], centre: [f64; 3], scale: f64) -> [f64; 2] {
     let (mut high, mut low) = (0.0, 0.0);
     for axis in 0..3 {
@@ -95,8 +106,8 @@ fn pair_squared(point: [f64; 3], centre: [f64; 3], scale: f64) -> [f64; 2] {
     [high, low]
 }
 
-/// The least double not below `radius` nor the distance of the point, which exceeds it by a few units in the last place at
-/// most.
+/// Returns the smallest double that is not below `radius` nor the distance of the point. The
+/// distance must exceed `radius` by at most a few units in the last place.
 fn cover(centre: [f64; 3], point: [f64; 3], mut radius: f64) -> f64 {
     let square = |x: &Dyadic| x * x;
     let squares = [0, 1, 2].map(|axis| square(&(&Dyadic::from_f64(point[axis]) - &Dyadic::from_f64(centre[axis]))));

@@ -1,4 +1,4 @@
-//! A lozenge about points (Larsen, Gottschalk, Lin and Manocha 1999, section 3.3; Ericson 4.5).
+//! Fits a lozenge to points (Larsen, Gottschalk, Lin and Manocha 1999, section 3.3; Ericson 4.5).
 
 use super::super::core::Core;
 use super::super::{BoundingVolume, Lozenge, round};
@@ -6,12 +6,12 @@ use super::enclosing::{scaled_offset, unit_scale};
 use super::moments::principal_axes;
 use crate::input::InputError;
 use crate::math::vec3::{add, dot, scale};
-use crate::volume::points::{Coordinate, judge, widen};
+use crate::volume::points::{Coordinate, validated_bounds, widen};
 
-/// The smallest lozenge of those whose thickness is along a principal axis.
+/// Returns the smallest of the lozenges whose thickness is along a principal axis.
 ///
-/// The radius is half the extent along that axis; the rectangle is as short as the rims, rounded by the radius, allow, and
-/// the radius last of all what corners that stick out need.
+/// The radius starts as half the extent along that axis. The rectangle is as short as the rounded
+/// rims allow for that radius. Finally the radius grows until it covers corners that stick out.
 ///
 /// ```
 /// use impinge::volume::{BoundingVolume, fit};
@@ -22,16 +22,17 @@ use crate::volume::points::{Coordinate, judge, widen};
 /// ```
 ///
 /// # Errors
-/// As [`BoundingVolume::of_points`].
+/// Same as [`BoundingVolume::of_points`].
 ///
 /// # Complexity
-/// Some twenty passes over memory.
+/// About 20 passes over memory.
 ///
 /// # Source
-/// The authors' covariance fit, with all three axes tried for the thickness. Where they move the sides outward until no
-/// corner sticks out, both are tried here: sides that hold all corners, and a larger radius.
+/// The authors' covariance fit, with all three axes tried for the thickness. They move the sides
+/// outward until no corner sticks out. Here both options are tried: sides that enclose all corners,
+/// and a larger radius.
 pub fn lozenge<T: Coordinate>(points: &[[T; 3]]) -> Result<Lozenge, InputError> {
-    let bounds = judge(points)?;
+    let bounds = validated_bounds(points)?;
     let scale_up = unit_scale(&bounds);
     let (min, max) = (bounds.min(), bounds.max());
     let origin: [f64; 3] = std::array::from_fn(|axis| 0.5 * min[axis] + 0.5 * max[axis]);
@@ -44,14 +45,15 @@ pub fn lozenge<T: Coordinate>(points: &[[T; 3]]) -> Result<Lozenge, InputError> 
     Ok(candidates.reduce(smaller).unwrap_or(Lozenge::from_valid(origin, [[0.0; 3]; 2], 0.0)))
 }
 
-/// Whether the rectangle leaves out what the swept rims hold, corners aside, or nothing.
+/// Extent of the rectangle: `Short` leaves out the points that the swept rims hold, corners aside;
+/// `Long` covers the projection of every point.
 #[derive(Clone, Copy, PartialEq)]
 enum Sides {
     Short,
     Long,
 }
 
-/// The lozenge with its thickness along the last axis of a frame.
+/// Returns the lozenge whose thickness is along the last axis of the frame.
 fn in_frame<T: Coordinate>(
     points: &[[T; 3]],
     frame: [[f64; 3]; 3],

@@ -1,8 +1,12 @@
-//! Volumes fitted to points: every one holds all of them *by construction*, its size being rounded up last of all, from
-//! the points themselves.
+//! Fits volumes to points. Every volume encloses all points *by construction*, because its size is
+//! computed last, from the points themselves, and rounded up.
 //!
-//! Points are taken in single or double precision, with coordinates below 2^128 in magnitude, as those of a mesh. Any set
-//! but the empty one has a volume of every kind: one point, duplicates, points on a line, in a plane or on a sphere.
+//! Points are in single or double precision, with coordinates below 2^128 in magnitude, like those
+//! of a mesh. Every non-empty set has a volume of every kind: one point, duplicates, points on a
+//! line, in a plane or on a sphere.
+//!
+//! Tests: `tests/it/volumes/fitted.rs`, `tests/it/volumes/spheres.rs`,
+//! `tests/it/volumes/minimal.rs`. Benchmark: `volumes`.
 
 mod capsule;
 mod enclosing;

@@ -1,7 +1,8 @@
 //! Mean, covariance and principal axes of points (*Notes*, 2.3).
 //!
-//! The covariance is summed in a second pass, about the mean. The one-pass form of the *Notes*, the mean of products less
-//! the product of means, cancels: far from the origin all digits that matter are gone.
+//! The covariance is summed in a second pass, around the mean. The one-pass form of the *Notes*
+//! (the mean of products minus the product of means) cancels: far from the origin it loses all
+//! significant digits.
 //!
 //! Source: Golub and Van Loan, *Matrix Computations*, 8.5 (Jacobi rotations, in the order of rows).
 
@@ -9,7 +10,7 @@ use super::super::obb::orthonormal;
 use super::enclosing::scaled_offset;
 use crate::volume::points::{Coordinate, widen};
 
-/// The mean of the points, rounded: offsets from `origin` are summed, in the scale in which they are about one.
+/// Returns the mean of the points, rounded. Offsets from `origin` are summed in scaled units.
 pub(super) fn mean<T: Coordinate>(points: &[[T; 3]], origin: [f64; 3], scale: f64) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for &point in points {
@@ -20,7 +21,8 @@ pub(super) fn mean<T: Coordinate>(points: &[[T; 3]], origin: [f64; 3], scale: f6
     std::array::from_fn(|axis| origin[axis] + sum[axis] / count / scale)
 }
 
-/// Unit vectors along the axes of the covariance, that of the greatest spread first; orthonormal up to rounding.
+/// Returns unit vectors along the axes of the covariance, orthonormal up to rounding. The direction
+/// of the largest spread comes first.
 pub(super) fn principal_axes<T: Coordinate>(points: &[[T; 3]], origin: [f64; 3], scale: f64) -> [[f64; 3]; 3] {
     let mean = mean(points, origin, scale);
     let mut covariance = [[0.0; 3]; 3];
@@ -43,9 +45,10 @@ pub(super) fn principal_axes<T: Coordinate>(points: &[[T; 3]], origin: [f64; 3],
     orthonormal(order.map(|k| std::array::from_fn(|axis| vectors[axis][k])))
 }
 
-/// The eigenvalues of a symmetric matrix, and its eigenvectors as columns.
+/// Returns the eigenvalues of a symmetric matrix, and its eigenvectors as columns.
 fn eigenvectors(mut a: [[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
-    /// Each sweep squares what is left off the diagonal: six reach the last bit from anywhere, the rest are for luck.
+    /// Number of Jacobi sweeps. Each sweep squares the remaining off-diagonal part. Six are enough
+    /// for full precision from any start; the rest are a safety margin.
     const SWEEPS: usize = 12;
     let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for _ in 0..SWEEPS {
@@ -55,7 +58,7 @@ fn eigenvectors(mut a: [[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
             }
             let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
             if !theta.is_finite() {
-                continue; // already as good as zero
+                continue; // negligible: counts as zero
             }
             let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
             let c = 1.0 / (t * t + 1.0).sqrt();

@@ -1,4 +1,5 @@
-//! Oriented boxes about points: by principal components, and nearly of the least volume, with a proof of how nearly.
+//! Fits oriented boxes to points: by principal components, or nearly of minimal volume with a
+//! proved bound.
 
 use super::super::obb::{orthonormal, projection_up};
 use super::super::rounding::HALF_ULP;
@@ -7,45 +8,48 @@ use super::enclosing::{scaled_offset, unit_scale};
 use super::moments::principal_axes;
 use crate::input::InputError;
 use crate::math::vec3::{cross, dot, sub};
-use crate::volume::points::{Coordinate, judge, widen};
+use crate::volume::points::{Coordinate, validated_bounds, widen};
 
-/// An oriented box that holds the points, and how small one could be at best.
+/// An oriented box that encloses the points, and a lower bound of the minimal volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FittedObb {
-    /// It holds every point.
+    /// The box. It encloses every point.
     pub obb: Obb,
-    /// No convex set that holds the points has a volume below this; that of the box is at most 6√6 of it, rounding aside.
+    /// Lower bound of the volume of any convex set that encloses the points. The volume of the box
+    /// is at most 6√6 times this bound, up to rounding.
     pub volume_lower: f64,
 }
 
-/// The points about an origin, in the scale in which they are about one large.
+/// The points relative to an origin, with the scale in which their size is about 1.
 struct Set<'a, T> {
     points: &'a [[T; 3]],
     origin: [f64; 3],
     scale: f64,
 }
 
-/// The box along the principal axes.
+/// Returns the box along the principal axes.
 ///
 /// # Errors
-/// As [`BoundingVolume::of_points`].
+/// Same as [`BoundingVolume::of_points`].
 ///
 /// # Complexity
 /// Six passes over memory.
 ///
 /// # Source
-/// *Notes*, 2.3; Gottschalk, Lin and Manocha 1996. How the points are spread inside moves the axes, so this box can be
-/// larger than the axis-aligned one by any factor.
+/// *Notes*, 2.3; Gottschalk, Lin and Manocha 1996. The distribution of interior points moves the
+/// axes, so this box can be larger than the axis-aligned one by any factor.
 pub fn principal_obb<T: Coordinate>(points: &[[T; 3]]) -> Result<Obb, InputError> {
     let set = Set::new(points)?;
     Ok(set.box_along(principal_axes(points, set.origin, set.scale)))
 }
 
-/// A box of nearly the least volume.
+/// Returns a box of nearly minimal volume.
 ///
-/// Candidates are the axis-aligned box, that along the principal axes, one along approximate diameters, and those about
-/// fixed directions, each then improved: about one axis after the other the box is turned until a side lies flush with an
-/// edge of what is seen along the axis and the rectangle is least, as long as that helps.
+/// Candidates are the axis-aligned box, the box along the principal axes, one along approximate
+/// diameters, and boxes along fixed directions. Each candidate is then improved, as long as that
+/// helps: the box is rotated about one axis after the other into the smallest rectangle around the
+/// points as seen along that axis. One side of that rectangle is flush with an edge of their
+/// outline.
 ///
 /// ```
 /// use impinge::volume::{BoundingVolume, fit};
@@ -59,25 +63,27 @@ pub fn principal_obb<T: Coordinate>(points: &[[T; 3]]) -> Result<Obb, InputError
 /// ```
 ///
 /// # Errors
-/// As [`BoundingVolume::of_points`].
+/// Same as [`BoundingVolume::of_points`].
 ///
 /// # Accuracy
-/// The volume is at most 6√6 ≈ 14.7 of the least one's. The points p, q at the ends of the longest side of the
-/// axis-aligned box are at least 1/√3 of the diameter apart; seen along pq, two points r, s at the ends of the longer side
-/// of a rectangle are at least 1/√2 of the diameter of what is seen apart; let w be the extent in the direction at right
-/// angles to both. The box along these three has at most √3 |pq| · √2 |rs| · w. What is seen along pq has an area of at
-/// least |rs| w / 2, and the hull, having a chord of length |pq| over it and being convex, a volume of at least a third of
-/// their product: `volume_lower` is |pq| |rs| w / 6, less rounding. On real meshes the ratio to the hull is in
-/// `docs/volumes.md`.
+/// The volume is at most 6√6 ≈ 14.7 times the minimal one. Proof: let p, q be the points at the
+/// ends of the longest side of the axis-aligned box. They are at least 1/√3 of the diameter apart.
+/// Project along pq. Two points r, s at the ends of the longer side of a rectangle are at least
+/// 1/√2 of the projection's diameter apart. Let w be the extent perpendicular to both. The box
+/// along these three directions has at most the volume √3 |pq| · √2 |rs| · w. The projection has an
+/// area of at least |rs| w / 2. The hull is convex and has a chord of length |pq| over it, so its
+/// volume is at least a third of their product: `volume_lower` is |pq| |rs| w / 6, less rounding.
+/// `docs/volumes.md` lists the ratio to the hull for real meshes.
 ///
 /// # Complexity
-/// Some thirty passes over memory.
+/// About 30 passes over memory.
 ///
 /// # Source
-/// Barequet and Har-Peled, *Efficiently approximating the minimum-volume bounding box of a point set in three dimensions*,
-/// 2001 (the approximation from diameters; the constant above is ours); Toussaint 1983 (rotating calipers), applied to one
-/// axis after the other; Larsson and Källberg, *Fast computation of tight-fitting oriented bounding boxes*, 2011 (working
-/// on points that are extreme in fixed directions).
+/// Barequet and Har-Peled, *Efficiently approximating the minimum-volume bounding box of a point
+/// set in three dimensions*, 2001 (the approximation from diameters; the constant above is ours);
+/// Toussaint 1983 (rotating calipers), applied to one axis after the other; Larsson and Källberg,
+/// *Fast computation of tight-fitting oriented bounding boxes*, 2011 (working on points that are
+/// extreme in fixed directions).
 pub fn obb<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedObb, InputError> {
     let set = Set::new(points)?;
     let (diameters, volume_lower) = set.diameters();
@@ -88,8 +94,8 @@ pub fn obb<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedObb, InputError> {
     let extreme = set.extreme();
     let mut improved: Vec<([[f64; 3]; 3], f64)> = starts.iter().map(|&axes| improve(&extreme, axes)).collect();
     improved.sort_by(|a, b| a.1.total_cmp(&b.1));
-    // The extreme points stand for all of them, so the best few are measured on all, and the starts that the proof and the
-    // comparison rest on with them.
+    // The extreme points only approximate the whole set, so the best few boxes are measured on all
+    // points. The three starts on which the proof and the comparison rest are measured, too.
     let finalists = improved.iter().map(|&(axes, _)| axes).take(3).chain([identity, principal, diameters]);
     let smallest = finalists.map(|axes| (axes, set.volume_along(axes))).min_by(|a, b| a.1.total_cmp(&b.1));
     let obb = set.box_along(smallest.map_or(identity, |(axes, _)| axes));
@@ -98,7 +104,7 @@ pub fn obb<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedObb, InputError> {
 
 impl<'a, T: Coordinate> Set<'a, T> {
     fn new(points: &'a [[T; 3]]) -> Result<Self, InputError> {
-        let bounds = judge(points)?;
+        let bounds = validated_bounds(points)?;
         let (min, max) = (bounds.min(), bounds.max());
         let origin = std::array::from_fn(|axis| 0.5 * min[axis] + 0.5 * max[axis]);
         Ok(Self { points, origin, scale: unit_scale(&bounds) })
@@ -108,7 +114,7 @@ impl<'a, T: Coordinate> Set<'a, T> {
         self.points.iter().map(|&point| scaled_offset(widen(point), self.origin, self.scale))
     }
 
-    /// The extent along each axis of a frame, and the points at its ends.
+    /// Returns the extent along each axis of a frame, and the points at its ends.
     fn extents<const N: usize>(&self, axes: [[f64; 3]; N]) -> [([f64; 2], [[f64; 3]; 2]); N] {
         let mut extents = [([f64::INFINITY, f64::NEG_INFINITY], [[0.0; 3]; 2]); N];
         for point in self.local() {
@@ -129,9 +135,10 @@ impl<'a, T: Coordinate> Set<'a, T> {
         self.extents(axes).iter().map(|([low, high], _)| high - low).product()
     }
 
-    /// Axes along approximate diameters, and a volume that the hull of the points certainly has.
+    /// Returns axes along approximate diameters, and a proved lower bound of the volume of the
+    /// hull.
     fn diameters(&self) -> ([[f64; 3]; 3], f64) {
-        /// More than the rounding of any length here, all below 8: 2^-45.
+        /// Bound on the rounding error of any length here, all below 8: 2^-45.
         const ROUNDING: f64 = 1.0 / (1_u64 << 45) as f64;
         let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let chord = |extents: &[([f64; 2], [[f64; 3]; 2])]| {
@@ -143,17 +150,18 @@ impl<'a, T: Coordinate> Set<'a, T> {
         let second = chord(&self.extents([u, v]));
         let axes = orthonormal([first_axis, second, u]);
         let [([low, high], _)] = self.extents([axes[2]]);
-        // What of the second chord is seen along the first.
+        // The length of the second chord as seen along the first.
         let seen = dot(&second, &axes[1]);
         let lengths =
             [dot(&first, &first).sqrt(), seen, high - low].map(|length| (length - ROUNDING).max(0.0) / self.scale);
         (axes, lengths.into_iter().product::<f64>() / 6.0 * (1.0 - ROUNDING))
     }
 
-    /// Points that are extreme in some of 61 directions spread over the sphere; all of them where they are few.
+    /// Returns the points that are extreme in at least one of 61 directions spread over the sphere.
+    /// If there are at most 200 points, returns all of them.
     fn extreme(&self) -> Vec<[f64; 3]> {
-        const FEW: usize = 200;
-        if self.points.len() <= FEW {
+        const MAX_UNREDUCED: usize = 200;
+        if self.points.len() <= MAX_UNREDUCED {
             return self.local().collect();
         }
         let between = |i: usize, j: usize| {
@@ -171,7 +179,8 @@ impl<'a, T: Coordinate> Set<'a, T> {
         extreme
     }
 
-    /// The box with these axes, about the middle of the points along them: what any reaches is rounded up.
+    /// Returns the box with the given axes around the middle of the points along them. The
+    /// half-extents are rounded up.
     fn box_along(&self, axes: [[f64; 3]; 3]) -> Obb {
         let extents = self.extents(axes);
         let mut centre = self.origin;
@@ -187,7 +196,8 @@ impl<'a, T: Coordinate> Set<'a, T> {
             let projected = projections(point);
             reach = std::array::from_fn(|k| reach[k].max(projected[k]));
         }
-        // Six roundings of terms below 4 in sum of magnitudes: only points that close to the greatest can exceed it exactly.
+        // Six roundings of terms whose magnitudes sum to less than 4: only points this close to the
+        // largest value can exceed it exactly.
         let near = reach.map(|x| x - 64.0 * HALF_ULP);
         let mut exact = [0.0_f64; 3];
         for point in self.points {
@@ -202,10 +212,12 @@ impl<'a, T: Coordinate> Set<'a, T> {
     }
 }
 
-/// Turns a box about one axis after the other, each time into the least rectangle, as long as the volume shrinks.
+/// Rotates a box about one axis after the other, each time into the smallest rectangle, as long as
+/// the volume shrinks. Returns the axes and the volume.
 fn improve(points: &[[f64; 3]], mut axes: [[f64; 3]; 3]) -> ([[f64; 3]; 3], f64) {
-    /// Where each turn of three gains a part in a thousand or more, this is far more than enough; some ten are usual.
-    const MOST_TURNS: usize = 30;
+    /// Maximum number of rotations, far more than enough while every three rotations gain 0.1 % or
+    /// more. About ten are typical.
+    const MAX_TURNS: usize = 30;
     let volume = |axes: &[[f64; 3]; 3]| -> f64 {
         let extent = |axis: &[f64; 3]| {
             let range = points
@@ -218,17 +230,18 @@ fn improve(points: &[[f64; 3]], mut axes: [[f64; 3]; 3]) -> ([[f64; 3]; 3], f64)
     };
     let mut least = volume(&axes);
     let mut idle = 0;
-    for turn in 0..MOST_TURNS {
+    for turn in 0..MAX_TURNS {
         let about = turn % 3;
         let (u, v) = (axes[(about + 1) % 3], axes[(about + 2) % 3]);
-        let turned = orthonormal(match least_rectangle(points, u, v) {
+        let turned = orthonormal(match smallest_rectangle(points, u, v) {
             Some(side) => [axes[about], side, cross(&axes[about], &side)],
             None => axes,
         });
         let next = volume(&turned);
         if next < least * (1.0 - 1e-9) {
             (axes, least, idle) = (turned, next, 0);
-            // What was turned about is first now; go on with the next axis.
+            // The axis of rotation is first now. Put it back, so that the next turn uses the next
+            // axis.
             axes.rotate_right(about);
         } else {
             idle += 1;
@@ -240,9 +253,9 @@ fn improve(points: &[[f64; 3]], mut axes: [[f64; 3]; 3]) -> ([[f64; 3]; 3], f64)
     (axes, least)
 }
 
-/// The direction of a side of the least rectangle about the points seen in the plane of u and v; none where they are seen
-/// as one point.
-fn least_rectangle(points: &[[f64; 3]], u: [f64; 3], v: [f64; 3]) -> Option<[f64; 3]> {
+/// Returns the direction of a side of the smallest rectangle around the points as seen in the plane
+/// of u and v. Returns `None` if they all appear as one point.
+fn smallest_rectangle(points: &[[f64; 3]], u: [f64; 3], v: [f64; 3]) -> Option<[f64; 3]> {
     let hull = hull_2d(points.iter().map(|&point| [dot(&u, &point), dot(&v, &point)]).collect());
     let mut best = (f64::INFINITY, None);
     for (at, p) in hull.iter().enumerate() {
@@ -268,7 +281,8 @@ fn least_rectangle(points: &[[f64; 3]], u: [f64; 3], v: [f64; 3]) -> Option<[f64
     best.1
 }
 
-/// The convex hull in the plane, counter-clockwise (Andrew 1979), up to rounding: all that rests on it is a direction.
+/// Returns the convex hull in the plane, counter-clockwise (Andrew 1979), up to rounding. Only a
+/// direction depends on it, so rounding is harmless.
 fn hull_2d(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     points.sort_by(|p, q| p.partial_cmp(q).unwrap_or(std::cmp::Ordering::Equal));
     points.dedup();

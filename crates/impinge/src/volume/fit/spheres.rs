@@ -1,25 +1,28 @@
-//! Five constructions of a bounding sphere that are quick and not minimal (*Notes*, 2.3; Ericson 4.3).
+//! Five fast, not minimal constructions of a bounding sphere (*Notes*, 2.3; Ericson 4.3).
 //!
-//! All end alike: whatever centre was found, the radius is the distance of the most distant point, rounded up. So each
-//! holds every point by construction, and none is worse than its centre.
+//! All end in the same way: for the center that was found, the radius is the distance of the most
+//! distant point, rounded up. So each sphere encloses every point by construction, with the best
+//! radius for its center.
+//!
+//! Tests: `tests/it/volumes/spheres.rs`. Benchmark: `volumes`.
 
 use super::super::rounding::{HALF_ULP, add_down};
 use super::super::{BoundingSphere, MinMax};
 use super::enclosing::{about, scaled_offset, squared, unit_scale};
 use super::moments;
 use crate::input::InputError;
-use crate::volume::points::{Coordinate, judge, widen};
+use crate::volume::points::{Coordinate, validated_bounds, widen};
 
-/// A sphere that holds the points, and how small one could be at best.
+/// A sphere that encloses the points, and a lower bound of the minimal radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FittedSphere {
-    /// It holds every point.
+    /// The sphere. It encloses every point.
     pub sphere: BoundingSphere,
-    /// No sphere that holds the points has a radius below this.
+    /// Lower bound of the radius of any sphere that encloses the points.
     pub lower: f64,
 }
 
-/// Points, their box, and the scale in which it is about one.
+/// Points, their box, and the scale in which its size is about 1.
 struct Set<'a, T> {
     points: &'a [[T; 3]],
     bounds: MinMax,
@@ -28,7 +31,7 @@ struct Set<'a, T> {
 
 impl<'a, T: Coordinate> Set<'a, T> {
     fn new(points: &'a [[T; 3]]) -> Result<Self, InputError> {
-        let bounds = judge(points)?;
+        let bounds = validated_bounds(points)?;
         Ok(Self { points, bounds, scale: unit_scale(&bounds) })
     }
 
@@ -37,7 +40,8 @@ impl<'a, T: Coordinate> Set<'a, T> {
         std::array::from_fn(|axis| 0.5 * min[axis] + 0.5 * max[axis])
     }
 
-    /// The sphere about a centre, with what two known points and the box say of the least radius.
+    /// Returns the sphere around a center. The lower bound of the radius comes from the box and, if
+    /// given, from two of the points.
     fn fitted(&self, centre: [f64; 3], pair: Option<[[f64; 3]; 2]>) -> FittedSphere {
         let (min, max) = (self.bounds.min(), self.bounds.max());
         let by_box = (0..3).map(|axis| 0.5 * add_down(max[axis], -min[axis])).fold(0.0, f64::max);
@@ -49,7 +53,7 @@ impl<'a, T: Coordinate> Set<'a, T> {
         FittedSphere { sphere, lower: by_box.max(by_pair).min(sphere.radius()) }
     }
 
-    /// The two points that are extreme along a direction.
+    /// Returns the two points that are extreme along a direction.
     fn extremes(&self, direction: [f64; 3]) -> [[f64; 3]; 2] {
         let origin = self.middle();
         let (mut low, mut high) = ((f64::INFINITY, origin), (f64::NEG_INFINITY, origin));
@@ -67,28 +71,30 @@ impl<'a, T: Coordinate> Set<'a, T> {
         [low.1, high.1]
     }
 
-    /// The sphere that grows, from one with these two as poles, to each point that it does not hold yet.
-    fn grown(&self, [p, q]: [[f64; 3]; 2]) -> Growing {
+    /// Starts with the sphere that has the two points as poles, and grows it to each point that it
+    /// does not enclose yet.
+    fn grown(&self, [p, q]: [[f64; 3]; 2]) -> GrowingSphere {
         let centre = std::array::from_fn(|axis| 0.5 * p[axis] + 0.5 * q[axis]);
         let mut growing =
-            Growing { centre, radius: squared(scaled_offset(p, centre, self.scale)).sqrt(), scale: self.scale };
-        self.points.iter().for_each(|&point| growing.take(widen(point)));
+            GrowingSphere { centre, radius: squared(scaled_offset(p, centre, self.scale)).sqrt(), scale: self.scale };
+        self.points.iter().for_each(|&point| growing.include(widen(point)));
         growing
     }
 }
 
-/// A sphere that grows; its radius is in the scale.
+/// A sphere that grows. Its radius is in scaled units.
 #[derive(Clone, Copy)]
-struct Growing {
+struct GrowingSphere {
     centre: [f64; 3],
     radius: f64,
     scale: f64,
 }
 
-impl Growing {
-    /// Takes in one more point: the new diameter is from there to the far pole, so that the old sphere stays inside.
+impl GrowingSphere {
+    /// Includes one more point. The new diameter reaches from the point to the far pole, so the old
+    /// sphere stays inside.
     #[inline(always)]
-    fn take(&mut self, point: [f64; 3]) {
+    fn include(&mut self, point: [f64; 3]) {
         let offset = scaled_offset(point, self.centre, self.scale);
         let square = squared(offset);
         if square > self.radius * self.radius {
@@ -101,13 +107,14 @@ impl Growing {
     }
 }
 
-/// About the mean of the points. The mean lies in their hull, so the radius is less than twice the minimal one.
+/// Returns a sphere around the mean of the points. The mean lies in their hull, so the radius is
+/// less than twice the minimal one.
 ///
 /// # Errors
-/// As [`BoundingVolume::of_points`](super::super::BoundingVolume::of_points).
+/// Same as [`BoundingVolume::of_points`](super::super::BoundingVolume::of_points).
 ///
 /// # Complexity
-/// Four passes over memory, as many as all of these but the ones that say more.
+/// Four passes over memory.
 ///
 /// # Source
 /// *Notes*, 2.3, the first attempt.
@@ -116,10 +123,11 @@ pub fn mean_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, Inp
     Ok(set.fitted(moments::mean(points, set.middle(), set.scale), None))
 }
 
-/// About the centre of the box. The box has half a diagonal of at most √3 times the minimal radius, and so has the sphere.
+/// Returns a sphere around the center of the box. Half the diagonal of the box is at most √3 times
+/// the minimal radius, so the radius of the sphere is, too.
 ///
 /// # Errors
-/// As [`BoundingVolume::of_points`](super::super::BoundingVolume::of_points).
+/// Same as [`BoundingVolume::of_points`](super::super::BoundingVolume::of_points).
 ///
 /// # Complexity
 /// Three passes over memory.
@@ -131,18 +139,19 @@ pub fn box_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, Inpu
     Ok(set.fitted(set.middle(), None))
 }
 
-/// Ritter's: from the farthest pair of the points that are extreme along the axes, grown to all others.
+/// Returns Ritter's sphere. It starts with the two most distant of the points that are extreme
+/// along the axes, and grows to all others.
 ///
 /// # Errors
-/// As [`BoundingVolume::of_points`](super::super::BoundingVolume::of_points).
+/// Same as [`BoundingVolume::of_points`](super::super::BoundingVolume::of_points).
 ///
 /// # Complexity
 /// Seven passes over memory.
 ///
 /// # Source
-/// Ritter, *An efficient bounding sphere*, Graphics Gems 1990; *Notes*, 2.3. The six extremal points are compared in all
-/// fifteen pairs, not in the three of an axis, and the radius is what the points need about the final centre, which is at
-/// most what growing left.
+/// Ritter, *An efficient bounding sphere*, Graphics Gems 1990; *Notes*, 2.3. The six extremal
+/// points are compared in all fifteen pairs, not only in the three pairs of an axis. The radius is
+/// recomputed for the final center; it is at most the grown one.
 pub fn ritter_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, InputError> {
     let set = Set::new(points)?;
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -160,45 +169,47 @@ pub fn ritter_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, I
     Ok(set.fitted(set.grown(pair).centre, Some(pair)))
 }
 
-/// From the two points that are extreme along the first principal axis, grown to all others.
+/// Returns a sphere that starts with the two points that are extreme along the first principal
+/// axis, and grows to all others.
 ///
 /// # Errors
-/// As [`BoundingVolume::of_points`](super::super::BoundingVolume::of_points).
+/// Same as [`BoundingVolume::of_points`](super::super::BoundingVolume::of_points).
 ///
 /// # Complexity
 /// Seven passes over memory.
 ///
 /// # Source
-/// *Notes*, 2.3; Wu 1992 by Ericson 4.3.3. The distance of the two extremes is the diameter of the first sphere, not its
-/// radius, as the *Notes* have it; and the covariance takes two passes (`moments`).
+/// *Notes*, 2.3; Wu 1992 by Ericson 4.3.3. The *Notes* take the distance of the two extremes as the
+/// radius of the first sphere; it is the diameter. The covariance takes two passes (`moments`).
 pub fn principal_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, InputError> {
     let set = Set::new(points)?;
     let pair = set.extremes(moments::principal_axes(points, set.middle(), set.scale)[0]);
     Ok(set.fitted(set.grown(pair).centre, Some(pair)))
 }
 
-/// Ritter's, shrunk and grown again in other orders, the smallest kept.
+/// Returns the smallest of several spheres: Ritter's, then shrunk and grown again in other orders.
 ///
 /// # Errors
-/// As [`BoundingVolume::of_points`](super::super::BoundingVolume::of_points).
+/// Same as [`BoundingVolume::of_points`](super::super::BoundingVolume::of_points).
 ///
 /// # Complexity
-/// Sixteen rounds of growing, some forty passes over memory.
+/// Sixteen rounds of growing; about 40 passes over memory.
 ///
 /// # Source
-/// Ericson 4.3.4, *Bounding sphere using iterative refinement*: shrink by 5 %, grow in random order, eight times. Here the
-/// order is fixed, so that the result is (blocks of points by a stride), there are sixteen rounds, and the shrinking eases
-/// from 5 % towards none.
+/// Ericson 4.3.4, *Bounding sphere using iterative refinement*: shrink by 5 %, grow in random
+/// order, eight times. Here the order is fixed (blocks of points, visited at a stride), so the
+/// result is reproducible. There are sixteen rounds, and the shrinking decreases from 5 % towards
+/// zero.
 pub fn refined_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, InputError> {
     const ROUNDS: u32 = 16;
     let first = ritter_sphere(points)?;
     let set = Set::new(points)?;
     let mut best = first;
     let mut growing =
-        Growing { centre: first.sphere.centre(), radius: first.sphere.radius() * set.scale, scale: set.scale };
+        GrowingSphere { centre: first.sphere.centre(), radius: first.sphere.radius() * set.scale, scale: set.scale };
     for round in 0..ROUNDS {
         growing.radius *= 0.95 + 0.05 * f64::from(round) / f64::from(ROUNDS);
-        in_order(points, round, |point| growing.take(point));
+        visit_in_blocks(points, round, |point| growing.include(point));
         let sphere = about(growing.centre, points, set.scale);
         if sphere.radius() < best.sphere.radius() {
             best.sphere = sphere;
@@ -208,9 +219,9 @@ pub fn refined_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, 
     Ok(best)
 }
 
-/// All points once, in an order of the round's own: blocks, for the sake of memory, visited at a stride that is coprime to
-/// their number.
-fn in_order<T: Coordinate>(points: &[[T; 3]], round: u32, mut visit: impl FnMut([f64; 3])) {
+/// Visits all points once, in an order that depends on the round. Blocks of neighbors, which suit
+/// the cache, are visited at a stride that is coprime to their number.
+fn visit_in_blocks<T: Coordinate>(points: &[[T; 3]], round: u32, mut visit: impl FnMut([f64; 3])) {
     const BLOCK: usize = 16;
     let count = points.len().div_ceil(BLOCK);
     let greatest_common_divisor = |mut a: usize, mut b: usize| {
@@ -219,7 +230,7 @@ fn in_order<T: Coordinate>(points: &[[T; 3]], round: u32, mut visit: impl FnMut(
         }
         a
     };
-    // The golden section of the number spreads neighbours; the round moves it.
+    // The golden ratio of the number of blocks separates neighbors; the round shifts it.
     let mut stride = (count as f64 * 0.618) as usize + 1 + round as usize;
     while greatest_common_divisor(stride, count) != 1 {
         stride += 1;

@@ -1,4 +1,4 @@
-//! Capsules as bounding volumes.
+//! Implements [`BoundingVolume`] for capsules.
 
 use std::f64::consts::PI;
 
@@ -12,13 +12,14 @@ use crate::volume::rounding::{add_up, mul_up};
 use crate::volume::{BoundingSphere, BoundingVolume, Round, fit};
 
 impl BoundingVolume for Capsule {
-    /// By [`fit::capsule`].
+    /// Uses [`fit::capsule`].
     fn of_points(points: &[[f64; 3]]) -> Result<Self, InputError> {
         fit::capsule(points)
     }
 
     fn overlaps(&self, other: &Self) -> bool {
-        // A quick yes: the bounds below say the same of what is clearly closer, and cost more.
+        // Shortcut: for clearly overlapping capsules the proved bounds give the same answer and
+        // cost more.
         let (p, q) = closest_points(&self.core(), &other.core());
         let sum = self.radius + other.radius;
         squared_distance(&p, &q) <= 0.99 * sum * sum || self.meets(other)
@@ -28,7 +29,7 @@ impl BoundingVolume for Capsule {
         self.meets(&BoundingSphere::from_valid(point, 0.0))
     }
 
-    /// The smallest of the capsules whose ends are two of the four.
+    /// Returns the smallest of the capsules whose segment joins two of the four ends.
     fn merged(&self, other: &Self) -> Self {
         let mut spheres = [
             (self.ends[0], self.radius),
@@ -36,14 +37,14 @@ impl BoundingVolume for Capsule {
             (other.ends[0], other.radius),
             (other.ends[1], other.radius),
         ];
-        // In one order, so that swapping the two changes no bit.
+        // A fixed order, so swapping the two capsules changes no bit.
         spheres.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
         let pairs = (0..4).flat_map(|i| (i + 1..4).map(move |j| [i, j]));
         let candidates = pairs.map(|pair| Self::about(pair.map(|i| spheres[i].0), &spheres));
         candidates.min_by(|a, b| a.volume().total_cmp(&b.volume())).unwrap_or(*self)
     }
 
-    /// A rigid motion within 1e-4.
+    /// Accepts poses that are rigid within 1e-4.
     fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
         let stretch = stretch(world_from_local)?;
         let [(start, off_start), (end, off_end)] = self.ends.map(|end| image(world_from_local, end));

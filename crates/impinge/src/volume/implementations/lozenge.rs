@@ -1,4 +1,4 @@
-//! Lozenges as bounding volumes.
+//! Implements [`BoundingVolume`] for lozenges.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use crate::volume::rounding::{add_up, mul_up};
 use crate::volume::{BoundingSphere, BoundingVolume, Lozenge, Round, fit};
 
 impl BoundingVolume for Lozenge {
-    /// By [`fit::lozenge`].
+    /// Uses [`fit::lozenge`].
     fn of_points(points: &[[f64; 3]]) -> Result<Self, InputError> {
         fit::lozenge(points)
     }
@@ -23,7 +23,7 @@ impl BoundingVolume for Lozenge {
         self.meets(&BoundingSphere::from_valid(point, 0.0))
     }
 
-    /// The smaller one of those in the directions of either.
+    /// Returns the smaller of the two lozenges that have the directions of one of the inputs.
     fn merged(&self, other: &Self) -> Self {
         let spheres: Vec<([f64; 3], f64)> = [self, other]
             .into_iter()
@@ -50,7 +50,7 @@ impl BoundingVolume for Lozenge {
         if key(&first) <= key(&second) { first } else { second }
     }
 
-    /// A rigid motion within 1e-4.
+    /// Accepts poses that are rigid within 1e-4.
     fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
         let stretch = stretch(world_from_local)?;
         let (corner, off_corner) = image(world_from_local, self.corner);

@@ -1,6 +1,8 @@
-//! The trait [`BoundingVolume`](super::BoundingVolume) for the volumes that [`fit`](super::fit) makes.
+//! Implements [`BoundingVolume`](super::BoundingVolume) for the volumes that [`fit`](super::fit)
+//! builds.
 //!
-//! The trait makes volumes from points by `fit`, and `fit` needs the volumes. So these implementations come after both.
+//! The trait builds volumes by `fit`, and `fit` needs the volume types. These implementations
+//! depend on both, so they are a module of their own.
 
 mod capsule;
 mod lozenge;

@@ -1,4 +1,4 @@
-//! Oriented boxes as bounding volumes.
+//! Implements [`BoundingVolume`] for oriented boxes.
 
 use crate::input::InputError;
 use crate::math::Pose;
@@ -9,22 +9,23 @@ use crate::volume::rounding::{HALF_ULP, add_up, mul_up};
 use crate::volume::{BoundingVolume, fit};
 
 impl BoundingVolume for Obb {
-    /// By [`fit::obb`].
+    /// Uses [`fit::obb`].
     fn of_points(points: &[[f64; 3]]) -> Result<Self, InputError> {
         fit::obb(points).map(|fitted| fitted.obb)
     }
 
-    /// The separating axis test with the six face normals and the nine products of edges; each proves on its own, whatever
-    /// the rounding of the axis.
+    /// Separating axis test with the six face normals and the nine edge-cross axes. Each axis
+    /// proves separation on its own, whatever its rounding.
     ///
     /// # Source
-    /// Gottschalk, Lin and Manocha, *OBBTree*, 1996; Ericson 4.4.1. Both add a constant to the products of edges where
-    /// these are nearly parallel; here each axis has its own bound.
+    /// Gottschalk, Lin and Manocha, *OBBTree*, 1996; Ericson 4.4.1. Both add a constant to the
+    /// edge-cross axes if edges are nearly parallel; here each axis has its own error bound.
     fn overlaps(&self, other: &Self) -> bool {
         let between = sub(&other.centre, &self.centre);
         let sum = |v: [f64; 3]| v[0].abs() + v[1].abs() + v[2].abs();
-        // Two roundings of a difference or a product, three of each dot product, its product with the half-extent, six sums:
-        // twelve half units of |n|·size with components of the axes a little above 1; 24 cover this too.
+        // Error bound: two roundings of a difference or product, three of each dot product, one of
+        // its product with the half-extent, six of sums. That is 12 half units of |n|·size, with
+        // components of the axes slightly above 1. 24 cover this as well.
         let size = sum(between) + sum(self.half_extents) + sum(other.half_extents);
         let error = 24.0 * HALF_ULP * size + f64::MIN_POSITIVE;
         let separates = |n: [f64; 3]| {
@@ -41,12 +42,12 @@ impl BoundingVolume for Obb {
     fn contains(&self, point: [f64; 3]) -> bool {
         let offset = sub(&point, &self.centre);
         let size = offset[0].abs() + offset[1].abs() + offset[2].abs();
-        // The skew of the axes, at most 2^-40 and its square, and eight roundings.
+        // The skew of the axes, at most 2^-40 and its square, plus eight roundings.
         let error = (2.0 * deviation(&self.axes) + 16.0 * HALF_ULP) * size + f64::MIN_POSITIVE;
         !(0..3).any(|k| dot(&self.axes[k], &offset).abs() - error > self.half_extents[k])
     }
 
-    /// The smaller one of the boxes with the axes of either.
+    /// Returns the smaller of the two boxes that have the axes of one of the inputs.
     fn merged(&self, other: &Self) -> Self {
         let (first, second) = (
             Self::around(self.axes, &[self.generated(), other.generated()]),
@@ -56,14 +57,14 @@ impl BoundingVolume for Obb {
         if key(&first) <= key(&second) { first } else { second }
     }
 
-    /// Any affine map: the axes are turned and made orthonormal again, and the half-extents are what the image reaches
-    /// along them.
+    /// Accepts any affine map. The axes are rotated and made orthonormal again; the half-extents
+    /// cover the extent of the image along them.
     fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
-        let (centre, off_centre) = image(world_from_local, self.centre);
+        let (centre, centre_error) = image(world_from_local, self.centre);
         let turned = self.axes.map(|axis| direction(world_from_local, axis));
         let generators = turned.map(|(generator, _)| generator);
-        let off = (0..3).fold(off_centre, |off, k| add_up(off, mul_up(self.half_extents[k], turned[k].1)));
-        let image = Generated { centre, generators, half_extents: self.half_extents, off };
+        let error = (0..3).fold(centre_error, |error, k| add_up(error, mul_up(self.half_extents[k], turned[k].1)));
+        let image = Generated { centre, generators, half_extents: self.half_extents, error };
         let moved = Self::around(orthonormal(generators), &[image]);
         Self::new(moved.centre, moved.axes, moved.half_extents)
     }

@@ -1,4 +1,4 @@
-//! Spheres as bounding volumes.
+//! Implements [`BoundingVolume`] for spheres.
 
 use crate::input::InputError;
 use crate::math::{Pose, Sign};
@@ -8,23 +8,25 @@ use crate::volume::sphere::{BoundingSphere, distance_against};
 use crate::volume::{BoundingVolume, fit};
 
 impl BoundingVolume for BoundingSphere {
-    /// The minimal sphere.
+    /// Uses [`fit::minimal_sphere`].
     fn of_points(points: &[[f64; 3]]) -> Result<Self, InputError> {
         fit::minimal_sphere(points).map(|fitted| fitted.sphere)
     }
 
-    /// Exact. Algorithm 2.3 of the *Notes* compares with the difference of the radii; the sum is right.
+    /// Reports whether the spheres overlap, exactly. Algorithm 2.3 of the *Notes* compares with the
+    /// difference of the radii, which is wrong; the sum is right.
     #[inline]
     fn overlaps(&self, other: &Self) -> bool {
         distance_against(self.centre, other.centre, self.radius, other.radius) != Sign::Positive
     }
 
-    /// Exact, for a point within the range of 2^320.
+    /// Reports whether the point is inside, exactly for a point within the range of 2^320.
     fn contains(&self, point: [f64; 3]) -> bool {
         distance_against(self.centre, point, self.radius, 0.0) != Sign::Positive
     }
 
-    /// The least sphere that holds both, up to rounding: one of them, or the one with both far poles.
+    /// Returns the smallest sphere that encloses both, up to rounding: one of them, or the one
+    /// through both far poles.
     fn merged(&self, other: &Self) -> Self {
         if self.encloses(other) {
             return *self;
@@ -32,7 +34,7 @@ impl BoundingVolume for BoundingSphere {
         if other.encloses(self) {
             return *other;
         }
-        // In one order, so that swapping the two changes no bit.
+        // A fixed order, so swapping the two spheres changes no bit.
         let (a, b) =
             if (self.centre, self.radius) <= (other.centre, other.radius) { (self, other) } else { (other, self) };
         let between: [f64; 3] = std::array::from_fn(|axis| b.centre[axis] - a.centre[axis]);
@@ -43,8 +45,8 @@ impl BoundingVolume for BoundingSphere {
         Self { centre, radius: reach(a).max(reach(b)) }
     }
 
-    /// A rigid motion within 1e-4; the radius grows by what the pose may stretch it and by the rounding of the centre, and
-    /// by nothing where both are exact.
+    /// Accepts poses that are rigid within 1e-4. The radius grows by the bound of the pose's
+    /// stretch and by the rounding error of the center. If both are exact it does not grow.
     fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
         let stretch = stretch(world_from_local)?;
         let (centre, off) = image(world_from_local, self.centre);

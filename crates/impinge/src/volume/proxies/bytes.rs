@@ -1,10 +1,12 @@
 //! Proxies as bytes: little-endian numbers, the same on every machine.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
-//! | 0 .. 16 | kind of the hull (1 a point to 4 a solid); how many vertices, faces and neighbours it has |
-//! | 16 .. 816 | a hundred doubles: box, sphere, capsule, lozenge, oriented box, 14-, 18- and 26-DOP |
-//! | from 816 | vertices; three corners a face; where the neighbours of each vertex begin, and the end; neighbours |
+//! | 0 .. 16 | kind of the hull (1 point to 4 solid); its number of vertices, faces and neighbors |
+//! | 16 .. 816 | 100 doubles: box, sphere, capsule, lozenge, oriented box, 14-, 18- and 26-DOP |
+//! | from 816 | vertices; three corners per face; neighbor starts per vertex, and the end; neighbors |
+//!
+//! Tests: `tests/it/hull/proxies.rs`.
 
 use std::sync::Arc;
 
@@ -12,22 +14,24 @@ use super::{Proxies, ProxyFlaw, Volumes};
 use crate::hull::{Hull, HullKind, HullParts};
 use crate::volume::{BoundingSphere, Capsule, Kdop, Lozenge, MinMax, Obb};
 
-/// Kinds by their numbers among the bytes, from one on.
+/// Kinds of hulls by their number in the bytes, starting at 1.
 const KINDS: [HullKind; 4] = [HullKind::Point, HullKind::Segment, HullKind::Polygon, HullKind::Solid];
 
-/// Doubles of all volumes.
+/// Number of doubles of all volumes.
 const NUMBERS: usize = 6 + 4 + 7 + 10 + 15 + 14 + 18 + 26;
 
 impl Proxies {
-    /// All of it as bytes, which [`Mesh::proxies_from_bytes`](crate::Mesh::proxies_from_bytes) reads: little-endian numbers, the
-    /// same on every machine. Where the hull's vertices are is not among them: the mesh has that.
+    /// Returns everything as bytes, which
+    /// [`Mesh::proxies_from_bytes`](crate::Mesh::proxies_from_bytes) reads back. The numbers are
+    /// little-endian and the same on every machine. The positions of the hull's vertices are not
+    /// included, because the mesh has them.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let HullParts { kind, vertices, faces, first, neighbours } = self.hull.parts();
         let kind = KINDS.iter().position(|&one| one == kind).map_or(0, |at| at as u32 + 1);
         let counts = [kind, vertices.len() as u32, faces.len() as u32, neighbours.len() as u32];
         let mut bytes: Vec<u8> = counts.into_iter().flat_map(u32::to_le_bytes).collect();
-        // Zeros have no sign.
+        // Adding zero makes negative zeros positive.
         bytes.extend(self.volumes.numbers().into_iter().flat_map(|x| (x + 0.0).to_le_bytes()));
         for array in [vertices, faces.as_flattened(), first, neighbours] {
             bytes.extend(array.iter().flat_map(|x| x.to_le_bytes()));
@@ -35,11 +39,11 @@ impl Proxies {
         bytes
     }
 
-    /// What [`to_bytes`](Self::to_bytes) made bytes of, believed but for what would make a question panic; `position` is asked for
-    /// each vertex of the hull.
+    /// Reads the bytes of [`to_bytes`](Self::to_bytes). `position` returns the position of each
+    /// vertex of the hull. Only properties that could make a query panic are checked.
     ///
     /// # Errors
-    /// [`ProxyFlaw::Shape`] where the bytes are not of proxies of any points.
+    /// Returns [`ProxyFlaw::Shape`] if the bytes cannot be proxies of any points.
     pub(crate) fn from_bytes(bytes: &[u8], position: impl Fn(u32) -> Option<[f64; 3]>) -> Result<Self, ProxyFlaw> {
         Self::read(bytes, position).ok_or(ProxyFlaw::Shape)
     }
@@ -78,7 +82,8 @@ impl Volumes {
         numbers
     }
 
-    /// Nothing where the numbers are too few, or not those of volumes.
+    /// Builds the volumes from their numbers. Returns `None` if there are too few numbers or a
+    /// volume is invalid.
     fn of_numbers(numbers: &[f64]) -> Option<Self> {
         let mut rest = numbers;
         Some(Self {
@@ -94,7 +99,7 @@ impl Volumes {
     }
 }
 
-/// Takes words off the front of bytes; nothing where there are not as many.
+/// Removes `count` words from the start of the bytes. Returns `None` if there are fewer.
 fn words(bytes: &mut &[u8], count: usize) -> Option<Vec<u32>> {
     Some(take(bytes, count)?.iter().map(|&word| u32::from_le_bytes(word)).collect())
 }

@@ -1,5 +1,5 @@
-//! What may stand for points where they are too many: their convex hull, and volumes fitted to it (*Notes on Real Time
-//! Collision Detection*, 1.1: a render mesh wants a proxy, and proxies are precomputed).
+//! Simple stand-ins for many points: their convex hull, and volumes fitted to it (*Notes on Real
+//! Time Collision Detection*, 1.1: a render mesh needs a proxy, and proxies are precomputed).
 
 mod bytes;
 mod proof;
@@ -13,8 +13,8 @@ use crate::input::InputError;
 
 pub use proof::ProxyFlaw;
 
-/// The convex hull of points, and a bounding volume of each kind about it, all in the frame of the points. Each holds every
-/// point.
+/// The convex hull of points, and a bounding volume of each kind around it, all in the frame of the
+/// points. Each of them encloses every point.
 ///
 /// ```
 /// use impinge::volume::{BoundingVolume, Proxies};
@@ -28,15 +28,15 @@ pub use proof::ProxyFlaw;
 /// ```
 ///
 /// # Accuracy
-/// The hull is exact, and so is the box; each other volume holds what it holds over the reals. The same points give the same
-/// bits on every machine.
+/// The hull and the box are exact. Each other volume encloses the points in real arithmetic. The
+/// same points give the same bits on every machine.
 #[derive(Clone, Debug)]
 pub struct Proxies {
     hull: Arc<Hull>,
     volumes: Volumes,
 }
 
-/// A volume of each kind.
+/// One bounding volume of each kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Volumes {
     bounds: MinMax,
@@ -50,18 +50,19 @@ struct Volumes {
 }
 
 impl Proxies {
-    /// The hull of the points, and the default construction of each volume from the hull's corners, which are all that counts.
+    /// Builds the hull of the points, and each volume by its default construction from the hull's
+    /// corners, which suffice.
     ///
     /// # Errors
-    /// As [`Hull::new`].
+    /// Same as [`Hull::new`].
     ///
     /// # Complexity
-    /// That of [`Hull::new`], and some hundred passes over the hull's corners.
+    /// That of [`Hull::new`], plus about 100 passes over the hull's corners.
     pub fn of_points<T: Coordinate>(points: &[[T; 3]]) -> Result<Self, InputError> {
         Self::about(Hull::new(points)?)
     }
 
-    /// About a hull.
+    /// Builds the volumes around a hull.
     pub(crate) fn about(hull: Hull) -> Result<Self, InputError> {
         let corners = hull.positions();
         let obb = fit::obb(corners)?.obb;
@@ -70,7 +71,8 @@ impl Proxies {
             sphere: fit::minimal_sphere(corners)?.sphere,
             capsule: fit::capsule(corners)?,
             lozenge: fit::lozenge(corners)?,
-            // Extents by the sums that the proof takes, so that it cannot find them a bit too small.
+            // The half-extents use the same sums as the proof, so the proof cannot find them one
+            // bit too small.
             obb: Obb::about(obb.centre(), obb.axes(), corners),
             kdop14: Kdop14::of(corners)?,
             kdop18: Kdop18::of(corners)?,
@@ -79,61 +81,62 @@ impl Proxies {
         Ok(Self { hull: Arc::new(hull), volumes })
     }
 
-    /// The convex hull, ready to be a [`Shape`](crate::shape::Shape::hull). Its vertices have the numbers of the points.
+    /// Returns the convex hull, ready for [`Shape::hull`](crate::shape::Shape::hull). Its vertices
+    /// keep the indices of the points.
     #[must_use]
     pub fn hull(&self) -> &Arc<Hull> {
         &self.hull
     }
 
-    /// The axis-aligned box.
+    /// Returns the axis-aligned box.
     #[must_use]
     pub fn bounds(&self) -> MinMax {
         self.volumes.bounds
     }
 
-    /// The minimal sphere.
+    /// Returns the minimal sphere.
     #[must_use]
     pub fn sphere(&self) -> BoundingSphere {
         self.volumes.sphere
     }
 
-    /// The capsule of [`fit::capsule`].
+    /// Returns the capsule built by [`fit::capsule`].
     #[must_use]
     pub fn capsule(&self) -> Capsule {
         self.volumes.capsule
     }
 
-    /// The lozenge of [`fit::lozenge`].
+    /// Returns the lozenge built by [`fit::lozenge`].
     #[must_use]
     pub fn lozenge(&self) -> Lozenge {
         self.volumes.lozenge
     }
 
-    /// The oriented box of [`fit::obb`].
+    /// Returns the oriented box, with the axes of [`fit::obb`].
     #[must_use]
     pub fn obb(&self) -> Obb {
         self.volumes.obb
     }
 
-    /// The polytope of 14 faces.
+    /// Returns the polytope with 14 faces.
     #[must_use]
     pub fn kdop14(&self) -> Kdop14 {
         self.volumes.kdop14
     }
 
-    /// The polytope of 18 faces.
+    /// Returns the polytope with 18 faces.
     #[must_use]
     pub fn kdop18(&self) -> Kdop18 {
         self.volumes.kdop18
     }
 
-    /// The polytope of 26 faces.
+    /// Returns the polytope with 26 faces.
     #[must_use]
     pub fn kdop26(&self) -> Kdop26 {
         self.volumes.kdop26
     }
 
-    /// Bytes that all of it holds.
+    /// Returns the size of the hull and all volumes in bytes.
     #[must_use]
     pub fn memory(&self) -> usize {
         self.hull.memory() + size_of::<Volumes>()

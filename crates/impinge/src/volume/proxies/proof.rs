@@ -1,4 +1,4 @@
-//! Whether proxies that somebody else made hold the points that they are said to stand for.
+//! Proves that proxies from an outside source enclose the points that they stand for.
 
 use std::fmt;
 
@@ -8,41 +8,45 @@ use super::{Proxies, Volumes};
 use crate::volume::core::Core;
 use crate::volume::{BoundingVolume, Obb, round};
 
-/// Corners of a hull that a thread takes at a time.
+/// Number of hull corners per parallel task.
 const CHUNK: usize = 1 << 10;
 
-/// Why bytes are not the proxies of a mesh.
+/// The reason why bytes are not valid proxies of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ProxyFlaw {
-    /// The bytes are no hull and volumes at all, or the hull has a vertex that no face of the mesh has.
+    /// The bytes are not a hull and volumes, or the hull has a vertex that is in no face of the
+    /// mesh.
     Shape,
-    /// The hull is not that of the mesh: it is not convex, or does not hold each vertex, or has one that is not extreme.
+    /// The hull is not that of the mesh: it is not convex, does not enclose every vertex, or has a
+    /// vertex that is not extreme.
     Hull,
-    /// A volume does not hold the hull.
+    /// A volume does not enclose the hull.
     Volume {
-        /// Which one.
+        /// Name of the volume, such as `"sphere"`.
         which: &'static str,
     },
 }
 
 impl Proxies {
-    /// Whether the hull is that of its own vertices and these points, and each volume holds it.
+    /// Checks that the hull is the convex hull of its own vertices and these points, and that each
+    /// volume encloses it.
     ///
     /// # Errors
-    /// What is wrong first.
+    /// Returns the first flaw found: that of the hull, or else the alphabetically first volume.
     ///
     /// # Complexity
-    /// That of [`Hull::is_of`](crate::hull::Hull::is_of), on all cores of the current rayon pool, and a pass over the hull's corners.
+    /// That of [`Hull::is_of`](crate::hull::Hull::is_of), on all cores of the current rayon pool,
+    /// plus a pass over the hull's corners.
     pub(crate) fn validate(&self, others: &[[f64; 3]]) -> Result<(), ProxyFlaw> {
         if !self.hull.is_of(others) {
             return Err(ProxyFlaw::Hull);
         }
         let corners = self.hull.positions();
-        // Of what is convex the corners decide.
-        let strangers: Vec<&'static str> =
-            corners.par_chunks(CHUNK).filter_map(|chunk| self.volumes.one_that_misses(chunk)).collect();
-        match strangers.into_iter().min() {
+        // A convex volume encloses the hull if it holds all corners.
+        let too_small: Vec<&'static str> =
+            corners.par_chunks(CHUNK).filter_map(|chunk| self.volumes.first_that_misses(chunk)).collect();
+        match too_small.into_iter().min() {
             Some(which) => Err(ProxyFlaw::Volume { which }),
             None => Ok(()),
         }
@@ -50,10 +54,11 @@ impl Proxies {
 }
 
 impl Volumes {
-    /// A volume that is not proved to hold these points, if there is one.
-    fn one_that_misses(&self, points: &[[f64; 3]]) -> Option<&'static str> {
+    /// Returns the name of a volume that is not proved to hold all the points, or `None` if all
+    /// volumes do.
+    fn first_that_misses(&self, points: &[[f64; 3]]) -> Option<&'static str> {
         let Self { bounds, sphere, capsule, lozenge, obb, kdop14, kdop18, kdop26 } = self;
-        // NaN, which comes of nothing in range, would prove nothing.
+        // NaN would fail the comparison and prove nothing; numbers in range never produce it.
         let swept =
             |core: &Core, radius: f64| points.iter().all(|&point| round::distance_to_core(point, core) <= radius);
         let all = |holds: &dyn Fn([f64; 3]) -> bool| points.iter().all(|&point| holds(point));
@@ -76,9 +81,13 @@ impl Volumes {
 impl fmt::Display for ProxyFlaw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Shape => write!(f, "the proxies are no hull and volumes"),
-            Self::Hull => write!(f, "the hull is not that of the mesh"),
-            Self::Volume { which } => write!(f, "the {which} does not hold the mesh"),
+            Self::Shape => write!(f, "the bytes are not valid proxies: compute the proxies of this mesh again"),
+            Self::Hull => {
+                write!(f, "the hull is not the convex hull of the mesh: compute the proxies of this mesh again")
+            }
+            Self::Volume { which } => {
+                write!(f, "the {which} does not enclose the mesh: compute the proxies of this mesh again")
+            }
         }
     }
 }

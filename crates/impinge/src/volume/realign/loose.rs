@@ -1,4 +1,4 @@
-//! The box of the bounding sphere about the pivot: the same size for every rotation.
+//! The box of the bounding sphere around the pivot: the same size for every rotation.
 
 use super::Realign;
 use crate::exact::{image_down, image_up};
@@ -9,13 +9,18 @@ use crate::math::relative::UNIT_ROUNDOFF;
 use crate::math::vec3::{dot, squared_distance};
 use crate::volume::MinMax;
 
-/// By how much a row of a pose may be longer than 1, squared, to count as one of a rotation: 2^-40, which entries that were
-/// each rounded to double precision stay well below. The radius is enlarged by that, so that the box keeps its size.
-const ROTATION: f64 = 4096.0 * f64::EPSILON;
+/// Maximum by which the squared length of a row may exceed 1 if the row is to count as part of a
+/// rotation: 2^-40. Rows of rotations whose entries were each rounded to double precision stay well
+/// below it. The radius is enlarged by this amount, so the box keeps its size under rotations.
+const MAX_ROW_EXCESS: f64 = 4096.0 * f64::EPSILON;
 
-/// Way (a) of the *Notes*: a box that bounds the sphere about the pivot through the farthest point.
+/// Way (a) of the *Notes*: a box around the sphere that is centered at the pivot and passes through
+/// the farthest point.
 ///
-/// Under a rotation only its centre moves, and where the pivot is the origin only by the translation.
+/// Under a rotation only its center moves. If the pivot is the origin, only the translation moves
+/// it.
+///
+/// Tests: `tests/it/realign`. Benchmark: `realign`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LooseBox {
     pivot: [f64; 3],
@@ -23,13 +28,16 @@ pub struct LooseBox {
 }
 
 impl LooseBox {
-    /// For points that turn about a pivot, given in their frame.
+    /// Builds the box for points that rotate about a pivot. Points and pivot are in the local
+    /// frame.
     ///
     /// # Errors
-    /// As [`Hull::new`](crate::hull::Hull::new), the pivot being judged like a point, as the one after the last.
+    /// Same as [`Hull::new`](crate::hull::Hull::new). The pivot is validated like a point; its
+    /// index is the number of points.
     ///
     /// # Accuracy
-    /// The radius exceeds the distance of the farthest point by at most 1e-12 of it and 2^-530.
+    /// The radius exceeds the distance of the farthest point by at most 1e-12 of that distance plus
+    /// 2^-530.
     pub fn new<T: Copy + Into<f64> + Sync>(points: &[[T; 3]], pivot: [f64; 3]) -> Result<Self, InputError> {
         judge(points)?;
         if let Err(error) = judge(&[pivot]) {
@@ -42,13 +50,13 @@ impl LooseBox {
         let squared = points
             .iter()
             .fold(0.0, |squared: f64, point| squared.max(squared_distance(&point.map(Into::into), &pivot)));
-        // A difference, its square, two sums and the root are off by less than 5 units; squares that vanish lose 2^-1075
-        // each, so the root 2^-536.
-        const LOST: f64 = f64::from_bits((1023 - 531) << 52);
-        Ok(Self { pivot, radius: squared.sqrt() * (1.0 + ROTATION) + LOST })
+        // A difference, its square, two sums and the root have an error of less than 5 units. A
+        // square that underflows loses up to 2^-1075, so the root loses up to 2^-536.
+        const UNDERFLOW_LOSS: f64 = f64::from_bits((1023 - 531) << 52);
+        Ok(Self { pivot, radius: squared.sqrt() * (1.0 + MAX_ROW_EXCESS) + UNDERFLOW_LOSS })
     }
 
-    /// The radius of the sphere, as it is for rotations.
+    /// Returns the radius of the sphere as used for rotations.
     #[must_use]
     pub fn radius(&self) -> f64 {
         self.radius
@@ -57,16 +65,17 @@ impl LooseBox {
 
 impl Realign for LooseBox {
     /// # Accuracy
-    /// Rows of length 1 give the radius as half-extent. The image of the sphere under any other map is an ellipsoid whose
-    /// half-extent on an axis is the radius times the length of the row, rounded up.
+    /// If the rows of the pose have length 1, the half-extents are the radius. Under any other map
+    /// the image of the sphere is an ellipsoid. Its half-extent on an axis is the radius times the
+    /// length of the row, rounded up.
     #[inline]
     fn realign(&mut self, world_from_local: &Pose) -> MinMax {
         let half = world_from_local.linear().map(|row| {
             let squared = dot(&row, &row);
-            if squared <= 1.0 + ROTATION {
+            if squared <= 1.0 + MAX_ROW_EXCESS {
                 self.radius
             } else {
-                // Squares, sums and the root: 4 units at most, and one for the product.
+                // Squares, sums and the root have an error of 4 units at most, the product of one.
                 self.radius * (squared.sqrt() * (1.0 + 8.0 * UNIT_ROUNDOFF))
             }
         });

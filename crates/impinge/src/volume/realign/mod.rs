@@ -1,18 +1,22 @@
-//! Boxes that follow what they bound when it turns: five ways, one interface (*Notes on Real Time Collision Detection*, 2.2;
-//! Ericson, *Real-Time Collision Detection*, 4.2.3 to 4.2.6).
+//! Boxes that follow their contents when these rotate: five ways behind one interface (*Notes on
+//! Real Time Collision Detection*, 2.2; Ericson, *Real-Time Collision Detection*, 4.2.3 to 4.2.6).
 //!
-//! | way | what it keeps | box | time |
+//! | way | stored data | box | time |
 //! |---|---|---|---|
-//! | [`LooseBox`] | a sphere about the pivot | the same for every rotation | O(1) |
+//! | [`LooseBox`] | a sphere around the pivot | the same for every rotation | O(1) |
 //! | [`TightPoints`] | all points | tight | O(points) |
 //! | [`TightHull`] | the vertices of the hull | tight | O(vertices) |
-//! | [`ClimbingHull`] | the hull, and the last extremes | tight | O(steps) |
-//! | [`RotatedBox`] | the box as it was built | that of the turned box | O(1) |
+//! | [`ClimbingHull`] | the hull and the last extremes | tight | O(steps) |
+//! | [`RotatedBox`] | the original box | box of the rotated box | O(1) |
 //!
-//! *Tight* is the box of the exact extremes of the real images `R p + t`, each rounded outward to the next float and no
-//! further, so that all tight ways return the same bits. The others hold that box, whatever the pose.
+//! A *tight* box has the exact extremes of the real images `R p + t`, each rounded outward to the
+//! next float and no further. So all tight ways return the same bits. The other ways return a box
+//! that encloses the tight one for every pose.
 //!
-//! The pose is always the one from the local frame. No way looks at its last box, so none grows over a thousand turns.
+//! The pose always maps from the local frame. No way uses its last box, so boxes do not grow over a
+//! thousand rotations.
+//!
+//! Tests: `tests/it/realign`. Benchmark: `realign`. Proof: `docs/proof.md`.
 
 mod loose;
 mod rotated;
@@ -25,7 +29,7 @@ pub use tight::{ClimbingHull, TightHull, TightPoints};
 use super::MinMax;
 use crate::math::Pose;
 
-/// A way of bounding one thing by a box under any pose.
+/// A way of bounding one object by a box under any pose.
 ///
 /// ```
 /// use impinge::Pose;
@@ -48,9 +52,9 @@ use crate::math::Pose;
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 pub trait Realign {
-    /// A box in the world that holds the image of what is bounded.
+    /// Returns a box in the world frame that encloses the image of the object under the pose.
     fn realign(&mut self, world_from_local: &Pose) -> MinMax;
 
-    /// Bytes that this way keeps for one thing, what it borrows included.
+    /// Returns the number of bytes kept for one object, including borrowed data.
     fn memory(&self) -> usize;
 }

@@ -1,4 +1,4 @@
-//! The box of the turned box, one at a time or many.
+//! The box of the rotated box, for one box or many.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x4};
@@ -9,33 +9,37 @@ use crate::math::relative::{UNDERFLOW, UNIT_ROUNDOFF};
 use crate::simd::{best_level, by_axis, dispatch};
 use crate::volume::MinMax;
 
-/// Units of relative rounding that the half-extents are enlarged by: 6 are needed, see [`RotatedBox::new`].
+/// Relative rounding error by which the half-extents are enlarged: 8 units. 6 are needed, see
+/// [`RotatedBox::new`].
 const ROUNDING: f64 = 8.0 * UNIT_ROUNDOFF;
 
-/// Way (d) of the *Notes*: the box of the box that was built, under the present pose.
+/// Way (d) of the *Notes*: the box, under the current pose, of the box that was built.
 ///
-/// It is always the *original* box that is turned. Boxes of boxes grow with each turn, by up to √3 in length.
+/// It is always the *original* box that is rotated. Boxes of boxes grow with each rotation, by up
+/// to √3 in length.
 ///
 /// # Source
-/// Arvo, *Transforming axis-aligned bounding boxes*, Graphics Gems 1990, in the centre and half-extents form (Ericson, 4.2.6):
-/// 18 products for any form of box. Example 2.2.3 of the *Notes* takes the extent of x in all three terms; term j takes
-/// that of coordinate j.
+/// Arvo, *Transforming axis-aligned bounding boxes*, Graphics Gems 1990, in the center and
+/// half-extents form (Ericson, 4.2.6): 18 products for any form of box. Example 2.2.3 of the
+/// *Notes* takes the extent of x in all three terms, which is wrong: term j takes that of
+/// coordinate j.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RotatedBox {
     centre: [f64; 3],
-    /// Half-extents, enlarged by what rounding may cost any image.
+    /// Half-extents, enlarged by the rounding error that any image may have.
     half_extents: [f64; 3],
 }
 
 impl RotatedBox {
-    /// For what is in this box, in the local frame.
+    /// Prepares a box given in the local frame.
     ///
     /// # Accuracy
-    /// On an axis let `C` be the exact centre of the image and `H` its exact half-extent, `Σ |r_k| e_k`, and let u = 2^-53. The
-    /// computed centre is off by at most 4 u `Σ |r_k| |c_k|` and u `|t|`; the computed half-extent falls short of the true
-    /// sum by 4 u of it; the last sum and difference round by u of both. So 6 u of `Σ |r_k| (|c_k| + e_k) + |t|` are enough,
-    /// up to terms in u²: 8 u of `|c_k| + e_k` are part of each half-extent from the start, and 8 u `|t|` and 2^-1070, for
-    /// products that underflow, are added to the image's.
+    /// On an axis let `C` be the exact center of the image, `H = Σ |r_k| e_k` its exact
+    /// half-extent, and u = 2^-53. The computed center has an error of at most 4 u `Σ |r_k| |c_k|`
+    /// plus u `|t|`. The computed half-extent is below the true sum by at most 4 u of it. The last
+    /// sum and difference round by u of both. So 6 u of `Σ |r_k| (|c_k| + e_k) + |t|` are enough,
+    /// up to terms in u². Each half-extent therefore includes 8 u of `|c_k| + e_k` from the start.
+    /// The image adds 8 u `|t|`, and 2^-1070 for products that underflow.
     #[must_use]
     pub fn new(bounds: &MinMax) -> Self {
         let (min, max) = (bounds.min(), bounds.max());
@@ -47,11 +51,11 @@ impl RotatedBox {
         Self { centre, half_extents }
     }
 
-    /// Many boxes that move as one.
+    /// Computes the images of many boxes under one pose. They replace the contents of `images`.
     ///
-    /// The boxes of `images`, which are as [`realign`](Realign::realign) makes them one by one, replace what it held.
+    /// The results are the same bits that [`realign`](Realign::realign) returns for each box.
     pub fn realign_all(boxes: &[Self], world_from_local: &Pose, images: &mut Vec<MinMax>) {
-        images.resize(boxes.len(), ORIGIN);
+        images.resize(boxes.len(), PLACEHOLDER);
         dispatch!(best_level(), simd => {
             let columns = Columns::new(simd, world_from_local);
             for (image, one) in images.iter_mut().zip(boxes) {
@@ -60,12 +64,13 @@ impl RotatedBox {
         });
     }
 
-    /// Many boxes, each with its own pose; as many images as there are of both.
+    /// Computes the images of many boxes, each under its own pose. They replace the contents of
+    /// `images`. If there are more boxes than poses or more poses than boxes, the rest is ignored.
     ///
-    /// The boxes of `images`, which are as [`realign`](Realign::realign) makes them one by one, replace what it held.
+    /// The results are the same bits that [`realign`](Realign::realign) returns for each box.
     pub fn realign_each(boxes: &[Self], world_from_locals: &[Pose], images: &mut Vec<MinMax>) {
-        images.resize(boxes.len().min(world_from_locals.len()), ORIGIN);
-        // No vector unit: bringing one pose into lanes takes longer than its sums do.
+        images.resize(boxes.len().min(world_from_locals.len()), PLACEHOLDER);
+        // No vector unit: loading one pose into lanes takes longer than its sums do.
         for ((image, one), world_from_local) in images.iter_mut().zip(boxes).zip(world_from_locals) {
             *image = one.image(world_from_local);
         }
@@ -87,10 +92,10 @@ impl RotatedBox {
     }
 }
 
-/// What images are before they are computed.
-const ORIGIN: MinMax = MinMax::from_ordered([0.0; 3], [0.0; 3]);
+/// Placeholder for images that are not yet computed.
+const PLACEHOLDER: MinMax = MinMax::from_ordered([0.0; 3], [0.0; 3]);
 
-/// A pose with a lane for each axis of the world; the fourth is idle.
+/// A pose with one lane for each axis of the world; the fourth lane is unused.
 struct Columns<S: Simd> {
     columns: [f64x4<S>; 3],
     magnitudes: [f64x4<S>; 3],
@@ -108,7 +113,7 @@ impl<S: Simd> Columns<S> {
         Self { columns, magnitudes: by_axis!(k => columns[k].abs()), translation, slack }
     }
 
-    /// The sums of [`RotatedBox::image`] in its order, so that the bits are the same.
+    /// Computes the sums of [`RotatedBox::image`] in the same order, so the bits are the same.
     #[inline(always)]
     fn image(&self, simd: S, one: &RotatedBox) -> MinMax {
         let [c0, c1, c2]: [f64x4<S>; 3] = by_axis!(k => self.columns[k] * f64x4::splat(simd, one.centre[k]));

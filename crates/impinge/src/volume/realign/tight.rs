@@ -1,4 +1,5 @@
-//! Tight boxes: the exact extremes, found among all points, among the vertices of the hull, or by climbing on it.
+//! Tight boxes: the exact extremes, found by scanning all points, by scanning the vertices of the
+//! hull, or by climbing on it.
 
 use super::Realign;
 use crate::exact::{image_down, image_up};
@@ -7,10 +8,11 @@ use crate::input::InputError;
 use crate::math::Pose;
 use crate::volume::MinMax;
 
-/// Way (b) of the *Notes*: every point is looked at (algorithm 2.2, whose extremes start the wrong way round there).
+/// Way (b) of the *Notes*: scans every point (algorithm 2.2, whose initial extremes are swapped
+/// there).
 ///
 /// # Complexity
-/// O(points), in single precision at the speed of memory: 12 bytes a point.
+/// O(points), in single precision at the speed of memory: 12 bytes per point.
 #[derive(Clone, Debug)]
 pub struct TightPoints<'p, T> {
     points: &'p [[T; 3]],
@@ -18,10 +20,10 @@ pub struct TightPoints<'p, T> {
 }
 
 impl<'p, T: Copy + Into<f64> + Sync> TightPoints<'p, T> {
-    /// For all of these points.
+    /// Prepares all of the points, given in the local frame.
     ///
     /// # Errors
-    /// As [`Hull::new`].
+    /// Same as [`Hull::new`].
     pub fn new(points: &'p [[T; 3]]) -> Result<Self, InputError> {
         judge(points)?;
         Ok(Self { points, extremes: Extremes::new(points) })
@@ -39,17 +41,17 @@ impl<T: Copy + Into<f64> + Sync> Realign for TightPoints<'_, T> {
     }
 }
 
-/// Way (b) on the hull: only its vertices are looked at.
+/// Way (b) on the hull: scans only its vertices.
 ///
 /// # Complexity
-/// O(vertices), as [`TightPoints`].
+/// O(vertices), like [`TightPoints`].
 #[derive(Clone, Copy, Debug)]
 pub struct TightHull<'h> {
     hull: &'h Hull,
 }
 
 impl<'h> TightHull<'h> {
-    /// For what has this hull.
+    /// Prepares the object that has this hull.
     #[must_use]
     pub fn new(hull: &'h Hull) -> Self {
         Self { hull }
@@ -67,35 +69,36 @@ impl Realign for TightHull<'_> {
     }
 }
 
-/// Way (c) of the *Notes*: each extreme is climbed to from the last one. The true one always, however large the turn;
-/// the smaller it is, the sooner.
+/// Way (c) of the *Notes*: climbs to each extreme from the last one. The extreme found is always
+/// the true one, however large the rotation. Smaller rotations are faster.
 ///
 /// # Complexity
-/// As many steps as vertices lie between the last extremes and the new ones. For an extreme that is not reached after looking
-/// at as many vertices as there are, all are scanned.
+/// As many steps as there are vertices between the last extremes and the new ones. If a climb has
+/// visited as many vertices as the hull has and has not arrived, all vertices are scanned.
 #[derive(Clone, Copy, Debug)]
 pub struct ClimbingHull<'h> {
     hull: &'h Hull,
-    /// The least and the greatest vertex along each axis of the world, when last asked.
+    /// The minimal and maximal vertex along each world axis at the last call.
     last: [[u32; 2]; 3],
 }
 
 impl<'h> ClimbingHull<'h> {
-    /// For what has this hull.
+    /// Prepares the object that has this hull. The first climb starts at vertex 0.
     #[must_use]
     pub fn new(hull: &'h Hull) -> Self {
         Self { hull, last: [[0; 2]; 3] }
     }
 
-    /// For what has this hull, from where an earlier climb ended: [`extremes`](Self::extremes), which may be kept where the
-    /// hull cannot be borrowed. Vertices that there are not count as the first.
+    /// Prepares the object that has this hull, with climbs that start at `last`, the
+    /// [`extremes`](Self::extremes) of an earlier climb. Use this if the hull cannot stay borrowed.
+    /// A vertex index that is out of range becomes 0.
     #[must_use]
     pub fn resume(hull: &'h Hull, last: [[u32; 2]; 3]) -> Self {
         let count = hull.positions().len() as u32;
         Self { hull, last: last.map(|ends| ends.map(|end| if end < count { end } else { 0 })) }
     }
 
-    /// The least and the greatest vertex along each axis of the world, when last asked.
+    /// Returns the minimal and maximal vertex along each world axis at the last call.
     #[must_use]
     pub fn extremes(&self) -> [[u32; 2]; 3] {
         self.last
@@ -115,7 +118,7 @@ impl Realign for ClimbingHull<'_> {
     }
 }
 
-/// The box of the images of the least and the greatest point along each axis.
+/// Returns the box of the images of the minimal and maximal point along each axis, rounded outward.
 #[inline]
 fn bounds(world_from_local: &Pose, extremes: [[[f64; 3]; 2]; 3]) -> MinMax {
     let coordinates = |round: fn(&Pose, usize, &[f64; 3]) -> f64, end: usize| -> [f64; 3] {

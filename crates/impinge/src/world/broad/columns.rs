@@ -1,9 +1,9 @@
-//! All pairs anew at each step.
+//! Finds all pairs again at each step.
 
 use super::every::Every;
 use crate::partition::ColumnSweep;
 
-/// Boxes side by side, and a sweep that keeps nothing of them.
+/// An array of boxes, and a sweep over it that keeps nothing between steps.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Columns {
     pub(super) boxes: Every,
@@ -11,7 +11,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// All pairs of bodies whose boxes overlap.
+    /// Returns all pairs of bodies whose boxes overlap.
     pub(super) fn pairs(&mut self) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
         self.sweep.find(self.boxes.boxes(), &mut pairs);

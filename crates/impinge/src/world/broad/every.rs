@@ -1,18 +1,19 @@
-//! No structure: every box is looked at. What the other kinds are measured against, and the quickest for a few bodies.
+//! No structure: every box is compared. The fastest kind for a few bodies, and the baseline for the
+//! other kinds.
 
 use crate::partition::Ray;
 use crate::volume::{BoundingVolume, MinMax};
 
-/// No place.
+/// Value that stands for "no place".
 const NONE: u32 = u32::MAX;
 
-/// Boxes side by side.
+/// An array of boxes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Every {
     boxes: Vec<MinMax>,
-    /// The body of each.
+    /// Body of each box.
     bodies: Vec<u32>,
-    /// Where the box of each body is; [`NONE`] where it has none.
+    /// Index of the box of each body, or [`NONE`] if the body has no box.
     places: Vec<u32>,
 }
 
@@ -21,17 +22,17 @@ impl Every {
         &self.boxes
     }
 
-    /// The body of each box.
+    /// Returns the body of each box.
     pub(super) fn bodies(&self) -> &[u32] {
         &self.bodies
     }
 
-    /// Each box, with its body.
+    /// Returns all boxes with their bodies.
     pub(super) fn iter(&self) -> impl Iterator<Item = (&MinMax, u32)> {
         self.boxes.iter().zip(self.bodies.iter().copied())
     }
 
-    /// A new box, or another one for a body that has one.
+    /// Inserts the box of a body, or replaces it.
     pub(super) fn insert(&mut self, body: u32, bounds: &MinMax) {
         if self.places.len() <= body as usize {
             self.places.resize(body as usize + 1, NONE);

@@ -1,4 +1,4 @@
-//! The structures that find overlapping boxes, one of them at work.
+//! The structures that find overlapping boxes, and the choice between them.
 
 mod columns;
 mod every;
@@ -15,56 +15,66 @@ use columns::Columns;
 use every::Every;
 use sizes::{SAMPLE, Sizes};
 
-/// More boxes than this are looked for through a structure, and fewer than half of it one by one again, so that a world about
-/// as large does not go back and forth. By `--bin worlds -- kinds` of the benchmarks: of 100 that move, to look at each takes
-/// as long as columns do, and less than anything else where a fifth of them moves; of 300 it takes 1.6 times as long.
-const MOST_FOR_EVERY: usize = 128;
+/// Maximum number of boxes that are compared one by one; more use a structure. Comparing one by one
+/// resumes at half of it, so that a world of about this size does not switch back and forth.
+///
+/// Measured by `--bin worlds -- kinds` of the benchmarks: with 100 moving boxes, comparing every
+/// box takes as long as columns. If 1/5 of 100 boxes move, it is faster than every structure. With
+/// 300 boxes, it takes 1.6 times as long.
+const MAX_FOR_EVERY: usize = 128;
 
-/// Where a greater share of the boxes moves, all of them are sorted into columns, and where less than half of it does, each is
-/// moved in a tree. By the same measurement: where a twentieth of 1,000 or 10,000 moves, columns take 0.8 and 0.6 of the tree's
-/// time, and 17 times as long where a thousandth of 10,000 does; sizes that are spread change little of that.
+/// Minimum share of the boxes that must move before all boxes are sorted into columns. Below half
+/// of this share, each box is moved in a tree instead.
+///
+/// By the same measurement: if 1/20 of 1,000 or 10,000 boxes move, columns take 0.8 and 0.6 times
+/// as long as the tree. If 1/1000 of 10,000 boxes move, columns take 17 times as long. Boxes of
+/// different sizes change this little.
 const SHARE_FOR_COLUMNS: f64 = 0.04;
 
-/// How much the last step counts in what share moves: a burst of one step changes nothing, one of two may.
-const LAST_STEP: f64 = 0.03;
+/// Weight of the last step in the average share of moving boxes. A burst of one step changes no
+/// choice; a burst of two steps may.
+const LAST_STEP_WEIGHT: f64 = 0.03;
 
-/// How pairs of boxes are found. No answer depends on it; `docs/worlds.md` says which is at home where.
+/// Method by which overlapping pairs of boxes are found. No result depends on it; `docs/worlds.md`
+/// compares the methods.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BroadPhase {
-    /// By the number of bodies, how many of them move, and what they are: [`Every`](Self::Every) for a few, [`Columns`](Self::Columns)
-    /// where many move, [`Grid`](Self::Grid) for bodies of like size in a world that was never asked about rays, else [`Tree`](Self::Tree).
+    /// Chooses by the number of bodies, the share of them that moves, and their sizes. Uses
+    /// [`Every`](Self::Every) for a few bodies and [`Columns`](Self::Columns) if many move.
+    /// Otherwise uses [`Grid`](Self::Grid) for bodies of similar size in a world in which no ray
+    /// was ever cast, else [`Tree`](Self::Tree).
     #[default]
     Auto,
-    /// Every box is compared with every box that moved.
+    /// Compares every box with every box that moved.
     Every,
-    /// The dynamic bounding-volume tree, [`BoxTree`].
+    /// Uses the dynamic bounding-volume tree, [`BoxTree`].
     Tree,
-    /// All pairs anew at each step, by [`ColumnSweep`](crate::partition::ColumnSweep). Queries look at every box, so that a world
-    /// that is asked about many rays a step is better off with a tree.
+    /// Finds all pairs again at each step, by [`ColumnSweep`](crate::partition::ColumnSweep).
+    /// Queries visit every box, so use a tree if you cast many rays per step.
     Columns,
-    /// The [`HierarchicalGrid`], with least cells that follow the sizes of the boxes.
+    /// Uses the [`HierarchicalGrid`], whose smallest cells follow the sizes of the boxes.
     Grid,
-    /// Sort and sweep along one axis, [`SweepOneAxis`].
+    /// Sorts and sweeps along one axis, by [`SweepOneAxis`].
     OneAxis,
-    /// Sort and sweep along three axes, [`SweepThreeAxes`].
+    /// Sorts and sweeps along three axes, by [`SweepThreeAxes`].
     ThreeAxes,
 }
 
-/// The boxes of the bodies.
+/// The boxes of the bodies, in the structure in use.
 #[derive(Clone, Debug)]
 pub(super) struct Broad {
     choice: BroadPhase,
     structure: Structure,
-    /// The share of the bodies that moves in a step, as it was of late.
+    /// Average share of the bodies that move in a step, weighted to the most recent steps.
     moving: f64,
     sizes: Sizes,
-    /// Keys are below this.
+    /// Bound for the keys: all are smaller.
     keys: u32,
-    /// Set once rays were asked about.
+    /// Set once a ray was cast.
     knows_rays: OnceLock<()>,
 }
 
-/// What is at work.
+/// The structure in use.
 #[derive(Clone, Debug)]
 enum Structure {
     Every(Every),
@@ -75,14 +85,14 @@ enum Structure {
     ThreeAxes(Box<SweepThreeAxes>),
 }
 
-/// What a structure knows about pairs after boxes moved.
+/// Facts about pairs that a structure knows after boxes moved.
 #[derive(Clone, Debug)]
-pub(super) enum Told {
-    /// Nothing: each box is to be asked about.
+pub(super) enum KnownPairs {
+    /// Nothing is known: each box must be searched for.
     Nothing,
-    /// What changed by the moves.
+    /// The changes by the moves are known.
     Changes(Changes),
-    /// All pairs.
+    /// All overlapping pairs are known.
     All(Vec<[u32; 2]>),
 }
 
@@ -104,15 +114,16 @@ impl Broad {
         }
     }
 
-    /// Takes up the structure that suits what there is now, where the choice is left to it.
+    /// Switches to the structure that suits the current boxes, if the choice is automatic. Adapts
+    /// the cells of a grid in any case.
     pub(super) fn adapt(&mut self, moved: usize) {
         let len = self.structure.len();
-        self.moving += LAST_STEP * (moved.min(len) as f64 / len.max(1) as f64 - self.moving);
+        self.moving += LAST_STEP_WEIGHT * (moved.min(len) as f64 / len.max(1) as f64 - self.moving);
         self.sizes.age(moved);
-        if self.sizes.are_old(len) {
+        if self.sizes.are_stale(len) {
             self.sizes = Sizes::of(self.structure.sample(self.keys));
             if let Structure::Grid(grid) = &self.structure
-                && !self.sizes.suit(grid.cell())
+                && !self.sizes.fit(grid.cell())
             {
                 self.structure = self.build(BroadPhase::Grid);
             }
@@ -121,11 +132,11 @@ impl Broad {
             return;
         }
         let wanted = match &self.structure {
-            Structure::Every(_) if len <= MOST_FOR_EVERY => return,
-            _ if len < MOST_FOR_EVERY / 2 => BroadPhase::Every,
+            Structure::Every(_) if len <= MAX_FOR_EVERY => return,
+            _ if len < MAX_FOR_EVERY / 2 => BroadPhase::Every,
             _ if self.moving > SHARE_FOR_COLUMNS => BroadPhase::Columns,
             Structure::Columns(_) if self.moving > 0.5 * SHARE_FOR_COLUMNS => return,
-            _ if self.sizes.are_alike && self.knows_rays.get().is_none() => BroadPhase::Grid,
+            _ if self.sizes.are_uniform && self.knows_rays.get().is_none() => BroadPhase::Grid,
             _ => BroadPhase::Tree,
         };
         if wanted != self.structure.kind() {
@@ -133,11 +144,11 @@ impl Broad {
         }
     }
 
-    /// A structure of the boxes that there are.
+    /// Builds a structure of the current boxes.
     fn build(&self, kind: BroadPhase) -> Structure {
         let boxes = self.structure.boxes();
         let mut structure = match kind {
-            // All at once, by a builder.
+            // Inserts the boxes one after the other, through `FromIterator`.
             BroadPhase::Tree => return Structure::Tree(Box::new(boxes.into_iter().collect())),
             BroadPhase::Grid => Structure::Grid(Box::new(HierarchicalGrid::with_cell(self.sizes.cell))),
             _ => Structure::of(kind),
@@ -146,7 +157,7 @@ impl Broad {
         structure
     }
 
-    /// A new box, or another one for a body that has one.
+    /// Inserts the box of a body, or replaces it.
     pub(super) fn insert(&mut self, body: u32, bounds: &MinMax) {
         self.sizes.age(1);
         self.keys = self.keys.max(body + 1);
@@ -164,8 +175,8 @@ impl Broad {
         }
     }
 
-    /// Moves boxes, and tells what is known by that.
-    pub(super) fn step(&mut self, moves: &[Move]) -> Told {
+    /// Moves boxes, and returns the facts about pairs that are known afterwards.
+    pub(super) fn step(&mut self, moves: &[Move]) -> KnownPairs {
         let dynamic: &mut dyn Dynamic = match &mut self.structure {
             Structure::Grid(grid) => &mut **grid,
             Structure::OneAxis(sweep) => &mut **sweep,
@@ -174,14 +185,14 @@ impl Broad {
                 let moves = moves.iter().filter_map(|step| Some((step.key, step.to.as_ref()?)));
                 moves.for_each(|(body, bounds)| structure.insert(body, bounds));
                 return match structure {
-                    Structure::Columns(columns) => Told::All(columns.pairs()),
-                    _ => Told::Nothing,
+                    Structure::Columns(columns) => KnownPairs::All(columns.pairs()),
+                    _ => KnownPairs::Nothing,
                 };
             }
         };
         let mut changes = Changes::default();
         dynamic.step(moves, &mut changes);
-        Told::Changes(changes)
+        KnownPairs::Changes(changes)
     }
 
     pub(super) fn for_each_overlapping(&self, bounds: &MinMax, visit: &mut dyn FnMut(u32)) {
@@ -196,26 +207,27 @@ impl Broad {
         }
     }
 
-    /// Visits the bodies whose boxes a ray meets before what `visit` last returned.
+    /// Visits the bodies whose boxes a ray enters, up to the ray parameter that `visit` last
+    /// returned.
     pub(super) fn along(&self, ray: &Ray, visit: &mut dyn FnMut(u32) -> f64) {
         if self.knows_rays.get().is_none() {
             let _ = self.knows_rays.set(());
         }
         match self.structure.look() {
             Look::Through(every) => every.along(ray, visit),
-            Look::In(partition) => partition.ray(ray, &mut |met| visit(met.key)),
+            Look::In(partition) => partition.ray(ray, &mut |found| visit(found.key)),
         }
     }
 }
 
-/// Where a query looks.
+/// The data that a query searches.
 enum Look<'b> {
     Through(&'b Every),
     In(&'b dyn Partition),
 }
 
 impl Structure {
-    /// Of nothing.
+    /// Returns an empty structure.
     fn of(kind: BroadPhase) -> Self {
         match kind {
             BroadPhase::Auto | BroadPhase::Every => Self::Every(Every::default()),
@@ -267,7 +279,7 @@ impl Structure {
         }
     }
 
-    /// Some of the boxes, spread over the keys, which are below this.
+    /// Returns some of the boxes, spread over the keys, which are all below `keys`.
     fn sample(&self, keys: u32) -> impl Iterator<Item = MinMax> {
         let len = match self.look() {
             Look::Through(every) => every.boxes().len(),
@@ -311,18 +323,18 @@ mod tests {
     }
 
     #[test]
-    fn a_choice_goes_by_numbers_moves_sizes_and_rays() {
+    fn the_choice_depends_on_numbers_moves_sizes_and_rays() {
         let mut broad = world_of(|_| 1.0);
         assert_eq!(kind_after(&mut broad, 1, 1), BroadPhase::Grid);
         assert_eq!(kind_after(&mut broad, 20, 300), BroadPhase::Columns);
         assert_eq!(kind_after(&mut broad, 200, 1), BroadPhase::Grid);
         let ray = Ray::new([0.5; 3], [1.0, 0.0, 0.0], f64::INFINITY).expect("a ray");
-        let mut met = 0;
+        let mut found = 0;
         broad.along(&ray, &mut |_| {
-            met += 1;
+            found += 1;
             f64::INFINITY
         });
-        assert_eq!(met, 300);
+        assert_eq!(found, 300);
         assert_eq!(kind_after(&mut broad, 1, 1), BroadPhase::Tree);
         (64..300).for_each(|body| broad.remove(body));
         assert_eq!(kind_after(&mut broad, 1, 1), BroadPhase::Tree);

@@ -3,7 +3,7 @@
 use impinge::hierarchy::Builder;
 use impinge::mesh::{Aging, Ray};
 use impinge::query::{Cache, Query};
-use impinge::{InputErrorKind, Mesh, Positions, query};
+use impinge::{InputErrorKind, Mesh, Pose, Positions, query};
 use impinge_testkit::cases::Precision;
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
@@ -320,4 +320,39 @@ fn faces_that_met_last_change_no_answer() {
         }
     }
     assert!(met > 200 && apart > 200, "{met} met, {apart} apart");
+}
+
+/// The caps of holes and the sheets of faces, which decide what penetrates an open mesh, follow the
+/// vertices too.
+#[test]
+fn an_open_mesh_penetrates_by_its_moved_vertices() {
+    let sphere = cube_sphere(8);
+    // Without some neighboring faces the sphere has a hole around its first vertex.
+    let faces: Vec<[u32; 3]> = sphere.faces.iter().copied().filter(|face| !face.contains(&0)).collect();
+    let made = |vertices: &[[f64; 3]]| Mesh::new(Positions::F64(vertices.to_vec()), faces.clone()).expect("a legal mesh");
+    let hole = sphere.vertices[0];
+    let mut rng = Rng::new(47);
+    let (mut changed, mut decided) = (0, 0);
+    for _ in 0..40 {
+        let mut moving = made(&sphere.vertices);
+        let [p, q, r] = std::array::from_fn(|_| rng.integer(0, 4) as f64 / 4.0);
+        let grown: Vec<[f64; 3]> =
+            sphere.vertices.iter().map(|v| [(1.0 + p) * v[0] + q, v[1] * (1.0 - 0.5 * q), v[2] + r * v[0]]).collect();
+        // A small copy near the old hole.
+        let pose = Pose::from_matrix([
+            [0.25, 0.0, 0.0, 0.75 * hole[0]],
+            [0.0, 0.25, 0.0, 0.75 * hole[1]],
+            [0.0, 0.0, 0.25, 0.75 * hole[2]],
+            [0.0, 0.0, 0.0, 1.0],
+        ])
+        .expect("a legal pose");
+        let ask = |mesh: &Mesh| query::penetrates(mesh, made(&sphere.vertices).at(pose));
+        let before = ask(&moving);
+        moving.refit(Positions::F64(grown.clone())).expect("as many vertices as before");
+        let after = ask(&moving);
+        assert_eq!(after, ask(&made(&grown)));
+        changed += u32::from(after != before);
+        decided += u32::from(after != query::Penetrates::Undecided);
+    }
+    assert!(changed >= 10 && (1..40).contains(&decided), "{changed} changed, {decided} decided");
 }

@@ -19,7 +19,7 @@ pub(crate) fn rows() -> Vec<Dialect> {
     [obj::rows(), stl::rows(), ply::rows(), off::rows()].into_iter().flatten().collect()
 }
 
-/// A row whose samples are texts, each under the extension of the format.
+/// Returns a row whose samples are texts, each with the extension of the format.
 fn row<T: AsRef<[u8]>>(
     format: Format,
     what: &'static str,

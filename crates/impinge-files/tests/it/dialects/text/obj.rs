@@ -8,7 +8,7 @@ use impinge_files::{
 use super::{row, triangles, utf16};
 use crate::dialects::{Dialect, Expect::Refused};
 
-/// Four vertices of an OBJ file, then these lines.
+/// Returns an OBJ file of four vertices, then these lines.
 fn square(faces: &str) -> String {
     format!("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n{faces}\n")
 }

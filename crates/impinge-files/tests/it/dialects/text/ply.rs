@@ -8,7 +8,8 @@ use impinge_files::{
 use super::{row, triangles};
 use crate::dialects::{Dialect, Expect::Refused};
 
-/// An ASCII file with this line in its header, these types of coordinates, lengths and indices, and these rows.
+/// Returns an ASCII file with this line in its header, these types of coordinates, lengths and
+/// indices, and these rows.
 fn ascii_ply(line: &str, [x, length, index]: [&str; 3], rows: &str) -> String {
     format!(
         "ply\nformat ascii 1.0\n{line}\nelement vertex 4\nproperty {x} x\nproperty {x} y\nproperty {x} z\nelement face 1\n\

@@ -90,7 +90,7 @@ fn ascii_stl() -> Vec<Dialect> {
     ]
 }
 
-/// A binary file with this header and number, two triangles, and this end.
+/// Returns a binary file with this header and count, two triangles, and this end.
 fn binary(header: &[u8], count: u32, end: &[u8]) -> Vec<u8> {
     let mut bytes = header.to_vec();
     bytes.resize(80, b' ');

@@ -1,4 +1,4 @@
-//! Searches that begin where the last one ended, against searches on their own.
+//! Searches that resume at a frontier, compared with searches that start anew.
 
 use std::collections::BTreeSet;
 
@@ -18,21 +18,22 @@ use crate::primitive::triangle_triangle;
 use crate::simd::levels;
 
 fn mesh(plain: &Plain) -> Mesh {
-    Mesh::new(Positions::F64(plain.vertices.clone()), plain.faces.clone()).expect("a legal mesh")
+    Mesh::new(Positions::F64(plain.vertices.clone()), plain.faces.clone()).expect("a valid mesh")
 }
 
 fn relative(a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) -> Option<RelativeFrame> {
     Bounds::new(a, b, &Metric::new(a, b), options.host).relative
 }
 
-/// Lets the next search keep a frontier, however cheap this one was.
+/// Lets the next search keep a frontier, even if this search was not costly.
 fn keep_frontier(warm_start: &mut WarmStart, a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) {
     if warm_start.frontier.is_none() {
         warm_start.costly = relative(a, b, options);
     }
 }
 
-/// Pairs of meshes, and how they stand to each other first: many of their triangles are equally near.
+/// Pairs of meshes, with the first position of the second mesh. Many of their triangles are equally
+/// near.
 fn scenes() -> Vec<(Plain, Plain, [f64; 3])> {
     let sphere = solids::icosphere(2);
     let knot = torus_knot(32, 10, TREFOIL);
@@ -48,7 +49,7 @@ fn scenes() -> Vec<(Plain, Plain, [f64; 3])> {
     ]
 }
 
-/// A pose near another, in one of the ways in which things move.
+/// Returns a pose near another pose, after one of several kinds of motion.
 fn next(rng: &mut Rng, pose: &Affine) -> Affine {
     let shift = |rng: &mut Rng, step: f64| [0; 3].map(|_| step * rng.integer(-2, 2) as f64);
     let plus = |by: [f64; 3]| [0, 1, 2].map(|k| pose.translation[k] + by[k]);
@@ -70,7 +71,7 @@ fn next(rng: &mut Rng, pose: &Affine) -> Affine {
 
 #[test]
 fn where_a_search_ended_changes_no_answer() {
-    let (mut followed, mut met, mut apart) = (0, 0, 0);
+    let (mut followed, mut intersecting, mut apart) = (0, 0, 0);
     for (scene, (a, b, at)) in scenes().into_iter().enumerate() {
         for (name, level) in levels() {
             let mut rng = Rng::new(scene as u64 + 40);
@@ -79,7 +80,7 @@ fn where_a_search_ended_changes_no_answer() {
             let mut warm_start = WarmStart::default();
             for step in 0..150 {
                 if rng.one_in(24) {
-                    // A mesh that moved by itself.
+                    // The mesh deforms.
                     let swell = 1.0 + rng.uniform(0.0, 0.01);
                     let positions = a.vertices.iter().map(|v| v.map(|x| x * swell)).collect();
                     mesh_a.refit(Positions::F64(positions)).expect("as many vertices");
@@ -109,16 +110,20 @@ fn where_a_search_ended_changes_no_answer() {
                 let found = nearest(place_a, place_b, &mut warm_start, &options).expect("faces");
                 assert_eq!(found, alone, "scene {scene}, {name}, step {step}");
                 followed += usize::from(had_frontier && warm_start.frontier.is_some());
-                *(if found.upper > 0.0 { &mut apart } else { &mut met }) += 1;
+                *(if found.upper > 0.0 { &mut apart } else { &mut intersecting }) += 1;
             }
         }
     }
-    assert!(followed > 200 && met > 50 && apart > 500, "{followed} followed, {met} met, {apart} apart");
+    assert!(
+        followed > 200 && intersecting > 50 && apart > 500,
+        "{followed} followed, {intersecting} intersecting, {apart} apart"
+    );
 }
 
 #[test]
 fn what_has_come_to_cross_meets() {
-    // The tip of a spike goes through a plate far from the plate's edges: neither's edges are near the other's.
+    // The tip of a spike goes through a plate far from the plate's edges, so no edge of one mesh is
+    // near an edge of the other.
     let plate: [[f64; 3]; 3] = [[-8.0, -8.0, 0.0], [8.0, -8.0, 0.0], [0.0, 9.0, 0.0]];
     let far_apart = plate.map(|[x, y, z]| [x, y, z + 100.0]);
     let corners = [plate, far_apart].concat();
@@ -130,7 +135,7 @@ fn what_has_come_to_cross_meets() {
     keep_frontier(&mut warm_start, (&plates).into(), above, &options);
     assert_eq!(nearest((&plates).into(), above, &mut warm_start, &options).expect("faces").faces, [0, 0]);
     assert!(warm_start.frontier.is_some());
-    // With the far_apart plate for the nearest the step is a small one.
+    // If the far plate is tried first, the step is small compared with the distance.
     warm_start.faces = Some([1, 0]);
     let through = spike.at(Pose::from_translation([0.0, 0.0, -0.5]).expect("a pose"));
     let found = nearest((&plates).into(), through, &mut warm_start, &options).expect("faces");
@@ -139,7 +144,8 @@ fn what_has_come_to_cross_meets() {
 
 #[test]
 fn n20_boxes_too_far_for_squares_are_not_forgotten() {
-    // Beside a speck of 2^-70 two plates are so far in its unit that squares of single precision overflow.
+    // In the unit of a cube of size 2^-70, two plates are so far away that squares in single
+    // precision overflow.
     let speck = mesh(&solids::cuboid([-1.0; 3], [1.0; 3]));
     let scale = 1.0 / (1_u128 << 70) as f64;
     let small = Pose::new([[scale, 0.0, 0.0], [0.0, scale, 0.0], [0.0, 0.0, scale]], [0.0; 3]).expect("a pose");
@@ -164,10 +170,10 @@ fn n20_boxes_too_far_for_squares_are_not_forgotten() {
     assert!(kept > 1, "{kept} of 4 kept a frontier");
 }
 
-/// The faces below a child.
+/// Collects the faces below a child.
 fn faces(mesh: &Mesh, child: Child, found: &mut Vec<u32>) {
     match child {
-        // Lanes that are not in use repeat a face.
+        // Unused lanes repeat a face.
         Child::Leaf(leaf) => found.extend(BTreeSet::from(mesh.leaf(leaf).faces)),
         Child::Inner(node) => {
             let node = &mesh.0.tree.nodes()[node as usize];

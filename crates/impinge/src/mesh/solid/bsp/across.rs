@@ -1,15 +1,19 @@
-//! The plane across an axis that cuts a cell best, by the surface area heuristic at the borders of bins.
+//! The plane across an axis that cuts a cell best, by the surface area heuristic at the borders of
+//! bins.
 //!
-//! Source: MacDonald, Booth, *Heuristics for ray tracing using space subdivision*, 1990; Shevtsov, Soupikov, Kapustin, *Highly parallel
-//! fast kd-tree construction*, 2007 (where faces begin and end is counted in bins).
+//! Source: MacDonald, Booth, *Heuristics for ray tracing using space subdivision*, 1990; Shevtsov,
+//! Soupikov, Kapustin, *Highly parallel fast kd-tree construction*, 2007, for counting in bins the
+//! places at which faces begin and end.
 
-/// Borders that are tried along an axis are one less.
+/// Number of bins along an axis. One border less is tried. More bins find better planes and cost
+/// time.
 const BINS: usize = 32;
 
-/// What passing a plane costs, in comparisons with faces.
-const PASSAGE: f64 = 1.0;
+/// Cost of passing a plane, in comparisons with faces.
+const PASSAGE_COST: f64 = 1.0;
 
-/// The part of the mesh's box that a cell has, planes of faces aside.
+/// The part of the mesh's box that belongs to a cell, ignoring planes of faces, in the mesh's own
+/// frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Region {
     pub(super) low: [f64; 3],
@@ -17,26 +21,28 @@ pub(super) struct Region {
 }
 
 impl Region {
-    /// The parts below and above a plane in it.
+    /// Returns the parts below and above a plane that cuts the region.
     pub(super) fn cut(&self, axis: usize, at: f64) -> [Self; 2] {
         let (mut below, mut above) = (*self, *self);
         (below.high[axis], above.low[axis]) = (at, at);
         [below, above]
     }
 
+    /// Returns the eight corners of the region.
     pub(super) fn corners(&self) -> [[f64; 3]; 8] {
         let end = |corner: usize, axis: usize| if corner >> axis & 1 == 1 { self.high[axis] } else { self.low[axis] };
         std::array::from_fn(|corner| [0, 1, 2].map(|axis| end(corner, axis)))
     }
 
-    /// Half of the surface.
+    /// Returns half of the surface area.
     fn area(&self) -> f64 {
         let [x, y, z] = [0, 1, 2].map(|axis| self.high[axis] - self.low[axis]);
         x * y + y * z + z * x
     }
 
-    /// The axis and the place of the plane that makes rays cheapest, where it makes them cheaper than comparing them with all faces.
-    /// The faces are given by where they begin and end along the axes.
+    /// Returns the axis and the coordinate of the plane that makes rays fastest. Returns `None` if
+    /// comparing rays with all faces costs no more. `faces` has the minimum and maximum corners of
+    /// the faces' boxes.
     pub(super) fn best_plane(&self, faces: &[[[f64; 3]; 2]]) -> Option<(usize, f64)> {
         let whole = self.area();
         let mut best = (faces.len() as f64, None);
@@ -54,8 +60,8 @@ impl Region {
                 above -= lasts[border - 1];
                 let at = low + width * (border as f64 / BINS as f64);
                 let [under, over] = self.cut(axis, at).map(|part| part.area());
-                let cost = PASSAGE + (under * f64::from(below) + over * f64::from(above)) / whole;
-                // Not where the region is flat: neither is a NaN below the best.
+                let cost = PASSAGE_COST + (under * f64::from(below) + over * f64::from(above)) / whole;
+                // In a flat region the cost may be NaN, which is not below the best.
                 if cost < best.0 && low < at && at < self.high[axis] {
                     best = (cost, Some((axis, at)));
                 }

@@ -1,4 +1,5 @@
-//! Cutting space by planes: across an axis while that makes rays cheaper, by faces' own planes where few are left.
+//! Builds the tree: planes across an axis cut space while that makes rays faster, and the faces'
+//! own planes cut cells with few faces.
 
 use super::across::Region;
 use super::plane::CutPlane;
@@ -7,45 +8,50 @@ use crate::exact::{WidePlane, collinear};
 use crate::math::Sign;
 use crate::mesh::Mesh;
 
-/// Faces of a cell below which it is cut by their own planes.
-const FEW: usize = 3;
+/// Maximum number of faces of a cell that is cut by the planes of its faces without trying planes
+/// across an axis.
+const MAX_FACES_WITHOUT_AXIS_PLANE: usize = 3;
 
-/// Faces up to which a cell is cut by their own planes where no plane across an axis is worth it: those round a corner.
-const MANY: usize = 64;
+/// Maximum number of faces of a cell that is cut by the planes of its faces if no plane across an
+/// axis is worth it, as around a corner. A larger number finishes more cells and costs more cuts.
+const MAX_FACES_FOR_FACE_PLANE: usize = 64;
 
-/// Faces whose planes are tried.
-const TRIED: usize = 6;
+/// Maximum number of faces whose planes are compared for one cut.
+const MAX_PLANES_TRIED: usize = 6;
 
-/// How often planes may pass through faces, for each face.
-const COPIES: usize = 8;
+/// Maximum number of copies of faces in the tree, for each face of the mesh. A plane that cuts a
+/// face makes a copy. A larger number finishes more cells and takes more time and memory.
+const COPIES_PER_FACE: usize = 8;
 
-/// Planes across an axis on the way to a cell at most.
-const DEEPEST: usize = 64;
+/// Maximum number of planes across an axis on the way to a cell.
+const MAX_AXIS_DEPTH: usize = 64;
 
 impl SolidBsp {
-    /// The tree of a mesh as it is now: what is done to the mesh later does not change it.
+    /// Builds the tree of a mesh in its current state. Later changes of the mesh do not change the
+    /// tree.
     ///
     /// # Complexity
-    /// O(n log n), whatever the mesh is: planes pass through faces at most eight times as often as there are faces. What these do
-    /// not suffice for stays in cells with faces, where each point is asked for by itself.
+    /// O(n log n) for any mesh, because planes cut faces at most eight times as often as there are
+    /// faces. Beyond that, cells keep their faces, and each point in them costs an exact winding
+    /// number.
     #[must_use]
     pub fn build(mesh: &Mesh) -> Self {
         Building::of(mesh)
     }
 }
 
-/// A tree in the making.
+/// A tree that is being built.
 pub(super) struct Building<'m> {
     mesh: &'m Mesh,
     tree: SolidBsp,
-    /// Where each face begins and ends along the axes.
+    /// Minimum and maximum corner of each face's box.
     extents: Vec<[[f64; 3]; 2]>,
 }
 
-/// A plane, how it parts the faces of a cell, and the regions of both sides.
+/// A plane, the faces on its sides, and the regions of both sides.
 type Chosen = (CutPlane, Parted, [Region; 2]);
 
-/// Faces by where they are to a plane; those that it passes through are on both sides.
+/// Faces by their side of a plane. Faces that the plane cuts are on both sides.
 #[derive(Default)]
 struct Parted {
     below: Vec<u32>,
@@ -54,22 +60,22 @@ struct Parted {
 }
 
 impl Parted {
-    /// How many of so many faces are on both sides.
+    /// Returns the number of faces that are on both sides, given the number of all faces.
     fn copies(&self, faces: usize) -> usize {
         (self.below.len() + self.within.len() + self.above.len()).saturating_sub(faces)
     }
 }
 
-/// What becomes of a list of faces.
+/// A list of faces from which a cut or a cell is made.
 struct Task {
     faces: Vec<u32>,
     region: Region,
     depth: usize,
-    /// The cut that it hangs on, and whether above it.
+    /// The parent cut, and whether the list belongs above it. `None` for the root.
     parent: Option<(u32, bool)>,
-    /// Whether it is below the plane of a face, where rays do not come.
+    /// Whether a plane of a face cuts space above this in the tree. Rays do not descend that far.
     is_inner: bool,
-    /// How many more of its faces may be put onto two lists in place of one.
+    /// Maximum number of faces of this list that may still be copied.
     spare: usize,
 }
 
@@ -86,18 +92,22 @@ impl<'m> Building<'m> {
         let region = Region { low: tree.low, high: tree.high };
         let mut building = Self { mesh, tree, extents };
         let faces = (0..all as u32).collect();
-        let mut pending = vec![Task { faces, region, depth: 0, parent: None, is_inner: false, spare: COPIES * all }];
+        let mut pending =
+            vec![Task { faces, region, depth: 0, parent: None, is_inner: false, spare: COPIES_PER_FACE * all }];
         while let Some(task) = pending.pop() {
-            building.take(task, &mut pending);
+            building.process(task, &mut pending);
         }
         building.tree
     }
 
-    fn take(&mut self, Task { faces, region, depth, parent, is_inner, spare }: Task, pending: &mut Vec<Task>) {
-        let mut chosen =
-            if faces.len() <= FEW || depth >= DEEPEST || is_inner { None } else { self.across(&faces, &region) };
+    fn process(&mut self, Task { faces, region, depth, parent, is_inner, spare }: Task, pending: &mut Vec<Task>) {
+        let mut chosen = if faces.len() <= MAX_FACES_WITHOUT_AXIS_PLANE || depth >= MAX_AXIS_DEPTH || is_inner {
+            None
+        } else {
+            self.across(&faces, &region)
+        };
         chosen = chosen.filter(|cut| cut.1.copies(faces.len()) <= spare);
-        if chosen.is_none() && faces.len() <= MANY {
+        if chosen.is_none() && faces.len() <= MAX_FACES_FOR_FACE_PLANE {
             chosen = self.by_face(&faces, &region).filter(|cut| cut.1.copies(faces.len()) <= spare);
         }
         let child = match chosen {
@@ -109,20 +119,21 @@ impl<'m> Building<'m> {
             Some((plane, parted, regions)) => {
                 let spare = spare - parted.copies(faces.len());
                 let Parted { below, within, above } = parted;
-                // To each side for its faces, so that what is cut first does not use up what others need.
+                // Each side gets a share in proportion to its faces, so that the first cuts do not
+                // use up what other cuts need.
                 let below_spare = spare * below.len() / (below.len() + above.len()).max(1);
                 let cut = self.tree.cuts.len() as u32;
                 let is_of_face = matches!(plane, CutPlane::OfFace(_));
-                let met = if is_inner {
+                let compared = if is_inner {
                     &[]
                 } else if is_of_face {
                     &faces[..]
                 } else {
                     &within
                 };
-                let met = listed(&mut self.tree.faces, met);
-                // Both children are told when they are taken.
-                self.tree.cuts.push(Cut { plane, faces: met, below: Child::Cell(0), above: Child::Cell(0) });
+                let compared = listed(&mut self.tree.faces, compared);
+                // Both children are set when their tasks are processed.
+                self.tree.cuts.push(Cut { plane, faces: compared, below: Child::Cell(0), above: Child::Cell(0) });
                 let (depth, is_inner, [low, high]) = (depth + 1, is_inner || is_of_face, regions);
                 let parent = Some((cut, true));
                 pending.push(Task { faces: above, region: high, depth, parent, is_inner, spare: spare - below_spare });
@@ -137,8 +148,8 @@ impl<'m> Building<'m> {
         }
     }
 
-    /// A plane across an axis that makes rays cheaper. Of the faces that it passes through those are left out of a side whose planes
-    /// pass that by.
+    /// Returns a plane across an axis that makes rays faster. A face that it cuts is left out of a
+    /// side if the plane of the face does not reach into that side's region.
     fn across(&self, faces: &[u32], region: &Region) -> Option<Chosen> {
         let extents: Vec<_> = faces.iter().map(|&face| self.extents[face as usize]).collect();
         let (axis, at) = region.best_plane(&extents)?;
@@ -160,7 +171,7 @@ impl<'m> Building<'m> {
         Some((CutPlane::Across { axis, at }, parted, regions))
     }
 
-    /// Whether the plane of a face certainly does not come into a region.
+    /// Reports whether the plane of a face certainly does not reach into a region.
     fn is_beside(&self, face: u32, region: &Region) -> bool {
         let plane = &self.tree.planes[face as usize];
         let corners = region.corners();
@@ -168,13 +179,14 @@ impl<'m> Building<'m> {
         first.is_some() && corners[1..].iter().all(|corner| plane.side(corner) == first)
     }
 
-    /// The plane of a face, of a few the one that passes through the fewest others and leaves both sides most alike.
+    /// Returns the plane of one of a few faces: the plane that cuts the fewest other faces and best
+    /// balances both sides. Returns `None` if no face has a plane.
     fn by_face(&self, faces: &[u32], region: &Region) -> Option<Chosen> {
         let has_plane = |face: &&u32| {
             let [a, b, c] = self.mesh.corners(**face);
             !collinear(&a, &b, &c)
         };
-        let tried = faces.iter().filter(has_plane).take(TRIED).map(|&face| {
+        let tried = faces.iter().filter(has_plane).take(MAX_PLANES_TRIED).map(|&face| {
             let plane = CutPlane::OfFace(face);
             (plane, self.parted(faces, &plane))
         });
@@ -183,6 +195,7 @@ impl<'m> Building<'m> {
         Some((plane, parted, [*region; 2]))
     }
 
+    /// Returns the faces by their side of a plane, exactly.
     fn parted(&self, faces: &[u32], plane: &CutPlane) -> Parted {
         let mut parted = Parted::default();
         for &face in faces {
@@ -202,7 +215,7 @@ impl<'m> Building<'m> {
     }
 }
 
-/// The tree of a mesh without cuts and cells.
+/// Returns the tree of a mesh without cuts and cells.
 fn empty(mesh: &Mesh, extents: &[[[f64; 3]; 2]]) -> SolidBsp {
     let planes = (0..extents.len() as u32).map(|face| WidePlane::new(&mesh.corners(face))).collect();
     let end = |of: fn(f64, f64) -> f64, end: usize, none: f64| {
@@ -213,6 +226,7 @@ fn empty(mesh: &Mesh, extents: &[[[f64; 3]; 2]]) -> SolidBsp {
     SolidBsp { mesh, low, high, planes, cuts: Vec::new(), cells: Vec::new(), faces: Vec::new(), depth: 0, is_closed }
 }
 
+/// Appends faces to the list of all faces, and returns their range.
 fn listed(all: &mut Vec<u32>, faces: &[u32]) -> std::ops::Range<u32> {
     let start = all.len() as u32;
     all.extend_from_slice(faces);

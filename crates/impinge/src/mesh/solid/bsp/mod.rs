@@ -1,13 +1,18 @@
-//! A solid-leaf BSP tree over the faces of a mesh: space cut by planes until no face is left in a cell, so that one answer tells
-//! for all points of it.
+//! A solid-leaf BSP tree over the faces of a mesh. Planes cut space until no face is left in a
+//! cell, so that one answer holds for all points of the cell.
 //!
-//! Source: Thibault, Naylor, *Set operations on polyhedra using binary space partitioning trees*, SIGGRAPH 1987 (Ericson, 8.2 to
-//! 8.4). Ours departs in three ways. Faces that a plane passes through go to both sides whole, as pieces of them would be rounded.
-//! Planes across an axis come first and those of faces last, so that round solids, of which no face's plane halves the others, get
-//! trees of small depth too. And what a cell is is asked, exactly, when a point first falls into it.
+//! Source: Thibault, Naylor, *Set operations on polyhedra using binary space partitioning trees*,
+//! SIGGRAPH 1987 (Ericson, 8.2 to 8.4). Ours departs in three ways. Faces that a plane cuts go to
+//! both sides whole, because pieces of them would be rounded. Planes across an axis come first and
+//! planes of faces last, so that round solids get trees of small depth too: no plane of their faces
+//! halves the others. And whether a cell is inside is computed, exactly, when a point first falls
+//! into it.
 //!
-//! `plane` has the planes and `tree` the tree with its point queries. `across` finds planes across an axis for `build`, and `cast`
-//! follows rays.
+//! `plane` has the planes and `tree` the tree with its point queries. `across` finds planes across
+//! an axis for `build`, and `cast` follows rays.
+//!
+//! Proof: docs/proof.md, L32. Guarded by `tests/it/solids/bsp.rs` and by the benchmark `solid_bsp`
+//! of `impinge-bench`.
 
 mod across;
 mod build;

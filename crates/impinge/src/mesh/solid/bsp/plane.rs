@@ -1,34 +1,37 @@
-//! Planes that cut space, across an axis or of a face: where points are to them, and where rays pass those across an axis.
+//! Planes that cut space, across an axis or of a face: the sides of points, exactly, and the
+//! parameters at which rays pass planes across an axis.
 
 use crate::exact::{WidePlane, orient3d};
 use crate::math::Sign;
 use crate::mesh::Mesh;
 
+/// A plane that cuts space, in the mesh's own frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum CutPlane {
-    /// Points whose coordinate along an axis is this number.
+    /// The plane of the points whose coordinate along an axis is `at`.
     Across { axis: usize, at: f64 },
-    /// The plane of a face, above it being where its corners turn left.
+    /// The plane of a face. The side from which its corners are counterclockwise is above.
     OfFace(u32),
 }
 
 /// How a ray passes a plane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Passage {
-    /// Whether it comes from below.
+    /// Whether the ray comes from below.
     pub(super) ascends: bool,
-    /// Between which parameters it is on the plane: none where it never is, all where that is not certain.
+    /// Interval of the parameters at which the ray may be on the plane.
     pub(super) between: [f64; 2],
 }
 
-/// Where nothing is certain.
+/// Interval if nothing is certain.
 const ANYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
-/// Where it never is, as it stays where it starts.
+/// Interval of a ray parallel to the plane: it stays on the side on which it starts.
 const NEVER: [f64; 2] = [f64::INFINITY, f64::INFINITY];
 
 impl CutPlane {
-    /// On which side a point is, exactly. `planes` are those of the faces.
+    /// Returns the side of the plane on which a point is, exactly. `planes` has the planes of all
+    /// faces.
     pub(super) fn side(&self, mesh: &Mesh, planes: &[WidePlane], point: &[f64; 3]) -> Sign {
         match *self {
             Self::Across { axis, at } if point[axis] < at => Sign::Negative,
@@ -36,16 +39,18 @@ impl CutPlane {
             Self::Across { .. } => Sign::Zero,
             Self::OfFace(face) => planes[face as usize].side(point).unwrap_or_else(|| {
                 let [p, q, r] = mesh.corners(face);
-                // Most points that a plane leaves open are corners that faces share.
+                // Most points that the filter does not decide are corners that faces share.
                 if [p, q, r].contains(point) { Sign::Zero } else { orient3d(&p, &q, &r, point) }
             }),
         }
     }
 }
 
-/// How a ray with this coordinate of its origin and its direction passes the plane across the axis at another.
+/// Returns how a ray passes the plane across an axis at `at`, given the ray's origin and direction
+/// along that axis.
 ///
-/// The difference and the quotient are rounded once each, and what vanishes is below the least normal number.
+/// The difference and the quotient are rounded once each. A result that vanishes is below the least
+/// normal number.
 pub(super) fn across(at: f64, origin: f64, direction: f64) -> Passage {
     if direction == 0.0 {
         return Passage { ascends: origin < at, between: if origin == at { ANYWHERE } else { NEVER } };

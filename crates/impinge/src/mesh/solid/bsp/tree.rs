@@ -10,10 +10,11 @@ use crate::math::Sign;
 use crate::mesh::Mesh;
 use crate::mesh::solid::winding::{Containment, Judge};
 
-/// Cells of space about a mesh, disjoint and convex, by a binary tree of planes.
+/// A binary tree of planes that divides space around a mesh into disjoint convex cells.
 ///
-/// For points and rays that are many and a mesh that stands still: a point costs a plane for each level, and an exact winding
-/// number only where it is the first of its cell, on a plane, or in a cell that was not cut to the end.
+/// It is for many points and rays against a mesh that does not change. A point costs a comparison
+/// with one plane for each level. It costs an exact winding number only if it is the first point of
+/// its cell, on a plane, or in a cell that still has faces.
 ///
 /// ```
 /// use impinge::mesh::{Containment, SolidBsp};
@@ -30,23 +31,26 @@ use crate::mesh::solid::winding::{Containment, Judge};
 #[derive(Debug)]
 pub struct SolidBsp {
     pub(super) mesh: Mesh,
-    /// Corners of the box about all faces; of nothing where there are none.
+    /// Minimum corner of the box of all faces. Infinity if there are no faces.
     pub(super) low: [f64; 3],
+    /// Maximum corner of the box of all faces. Negative infinity if there are no faces.
     pub(super) high: [f64; 3],
-    /// Those of the faces.
+    /// The planes of the faces.
     pub(super) planes: Vec<WidePlane>,
-    /// The root first; none where there is one cell.
+    /// The cuts, the root first. Empty if there is only one cell.
     pub(super) cuts: Vec<Cut>,
     pub(super) cells: Vec<Cell>,
-    /// The lists of cuts and of cells.
+    /// The faces of cuts and cells, list after list.
     pub(super) faces: Vec<u32>,
+    /// Maximum number of cuts on the way to a cell.
     pub(super) depth: usize,
-    /// Whether the mesh is, so that a cell without faces is inside or outside as a whole.
+    /// Whether the mesh is closed. Then a cell without faces is inside or outside as a whole.
     pub(super) is_closed: bool,
 }
 
-/// A plane, and what rays are compared with there: of one across an axis the faces that lie in it as far as they come near, of the first
-/// one of a face all faces that come near. Rays go no further than to that.
+/// A plane, and the faces that are compared with a ray there. At a plane across an axis these are
+/// the faces of its cell that lie in it. At the first plane of a face these are all faces of its
+/// cell, and rays do not descend further.
 #[derive(Debug)]
 pub(super) struct Cut {
     pub(super) plane: CutPlane,
@@ -55,30 +59,32 @@ pub(super) struct Cut {
     pub(super) above: Child,
 }
 
+/// Index of a child: another cut or a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Child {
     Cut(u32),
     Cell(u32),
 }
 
-/// A cell that no plane cuts any more.
+/// A cell that no plane cuts.
 #[derive(Debug)]
 pub(super) struct Cell {
-    /// Those that may come into it.
+    /// The faces that may reach into the cell.
     pub(super) faces: Range<u32>,
-    /// Where all its points are, if no face comes into it.
+    /// The containment of all points of the cell if it has no faces.
     pub(super) label: OnceLock<Containment>,
 }
 
 impl SolidBsp {
-    /// Where a point is to the mesh taken as a solid: the same as [`Mesh::contains`] says.
+    /// Returns the position of a point, given in the mesh's own frame, relative to the mesh taken
+    /// as a solid. The result is the same as that of [`Mesh::contains`].
     ///
     /// # Errors
-    /// A coordinate that is not finite, or not below 2^128 in magnitude.
+    /// Returns an error if a coordinate is not finite, or above 2^300 in magnitude.
     ///
     /// # Accuracy
-    /// Exact for closed meshes (docs/proof.md, L32). Round an open mesh winding numbers are not constant in a cell, and every point
-    /// is asked for by itself.
+    /// Exact for closed meshes (docs/proof.md, L32). Around an open mesh the winding number is not
+    /// constant in a cell, so it is computed for each point.
     pub fn contains(&self, point: [f64; 3]) -> Result<Containment, InputError> {
         InputError::judge_row(&point, "point", 0)?;
         let ask = || Judge::new(&self.mesh).containment(&PosedPoint::local(Spot::At(point)));
@@ -105,29 +111,31 @@ impl SolidBsp {
         Ok(if cell.faces.is_empty() { *cell.label.get_or_init(ask) } else { ask() })
     }
 
-    /// How many cells there are.
+    /// Returns the number of cells.
     #[must_use]
     pub fn cells(&self) -> usize {
         self.cells.len()
     }
 
-    /// The most planes that a point is compared with.
+    /// Returns the maximum number of planes that a point is compared with.
     #[must_use]
     pub fn depth(&self) -> usize {
         self.depth
     }
 
-    /// Bytes that the tree takes, the mesh aside.
+    /// Returns the size of the tree in bytes, without the mesh.
     #[must_use]
     pub fn memory(&self) -> usize {
         let lists = size_of_val(&self.cells[..]) + size_of_val(&self.faces[..]);
         size_of_val(&self.planes[..]) + size_of_val(&self.cuts[..]) + lists
     }
 
+    /// Returns the faces of a cut or a cell.
     pub(super) fn listed(&self, faces: &Range<u32>) -> &[u32] {
         &self.faces[faces.start as usize..faces.end as usize]
     }
 
+    /// Returns the root of the tree.
     pub(super) fn root(&self) -> Child {
         if self.cuts.is_empty() { Child::Cell(0) } else { Child::Cut(0) }
     }

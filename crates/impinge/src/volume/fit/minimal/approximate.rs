@@ -1,26 +1,30 @@
-//! The minimal sphere in plain doubles: quick, nearly always right in its support, and never trusted.
+//! The minimal sphere in plain doubles: fast, nearly always with the right support, and never
+//! trusted.
 //!
-//! From a support of at most four points step to the most distant point: the new support is the subset of these five whose
-//! sphere, about the new point among others, is best. Each step makes the sphere larger; ten or so reach the end.
+//! From a support of at most four points, step to the most distant point. The new support is the
+//! subset of these five, always including the new point, whose sphere needs the smallest radius to
+//! hold all five. Each step enlarges the sphere; about ten steps reach the end.
 
 use crate::math::vec3::{add, cross, dot, scale, squared_distance, sub};
 
-/// A centre, and which points it rests on.
+/// A center and the points that the sphere passes through.
 #[derive(Clone, Debug)]
 pub(super) struct Approximation {
     pub(super) centre: [f64; 3],
-    /// At most four indices.
+    /// At most four indices of points.
     pub(super) support: Vec<usize>,
 }
 
-/// The sphere of points about the origin and about one large; there is at least one.
+/// Returns the approximate minimal sphere of the points. There must be at least one; their
+/// coordinates are about 1 in magnitude.
 pub(super) fn minimal(points: &[[f64; 3]]) -> Approximation {
-    /// Far more than were ever needed; where rounding leads in circles, the exact steps take over.
-    const MOST_STEPS: usize = 100;
+    /// Maximum number of steps, far more than any input has needed. If rounding causes a cycle, the
+    /// exact steps take over.
+    const MAX_STEPS: usize = 100;
     let (start, _) = most_distant(points, points[0]);
     let mut best = Approximation { centre: points[start], support: vec![start] };
     let mut squared_radius = 0.0;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let (furthest, square) = most_distant(points, best.centre);
         if square <= squared_radius * (1.0 + f64::EPSILON) || best.support.contains(&furthest) {
             break;
@@ -36,10 +40,11 @@ pub(super) fn minimal(points: &[[f64; 3]]) -> Approximation {
     best
 }
 
-/// The index of the point that is most distant from a centre, and its squared distance.
+/// Returns the index of the point that is most distant from a center, and its squared distance.
 fn most_distant(points: &[[f64; 3]], centre: [f64; 3]) -> (usize, f64) {
     const LANES: usize = 8;
-    // By lanes first, so that vector units can help; the index is looked up in the group that had the greatest.
+    // The search is by lanes, so that vector units help. The index is then looked up in the group
+    // with the largest distance.
     let mut best = (0, -1.0);
     for (group, chunk) in points.chunks(LANES * 16).enumerate() {
         let mut lanes = [-1.0_f64; LANES];
@@ -64,8 +69,8 @@ fn most_distant(points: &[[f64; 3]], centre: [f64; 3]) -> (usize, f64) {
     (from + within.unwrap_or(0), best.1)
 }
 
-/// Of the subsets that contain the last of these points the one about whose sphere's centre all of them are closest, and
-/// their greatest squared distance.
+/// Returns the best sphere through a subset of the points that includes the last one: its center
+/// has the smallest maximum distance to all of them. Also returns that distance, squared.
 fn best_subset(points: &[[f64; 3]], from: &[usize]) -> (Approximation, f64) {
     let (&last, others) = from.split_last().unwrap_or((&0, &[]));
     let mut best = (Approximation { centre: points[last], support: vec![last] }, f64::INFINITY);
@@ -84,10 +89,11 @@ fn best_subset(points: &[[f64; 3]], from: &[usize]) -> (Approximation, f64) {
     best
 }
 
-/// The centre of the smallest sphere through one to four points; none where they have none.
+/// Returns the center of the smallest sphere through one to four points, or `None` if they are
+/// affinely dependent.
 fn circumcentre(points: &[[f64; 3]], support: &[usize]) -> Option<[f64; 3]> {
-    let anchor = points[support[0]];
-    let edge = |k: usize| sub(&points[support[k]], &anchor);
+    let origin = points[support[0]];
+    let edge = |k: usize| sub(&points[support[k]], &origin);
     let offset = match support.len() {
         1 => [0.0; 3],
         2 => scale(&edge(1), 0.5),
@@ -104,5 +110,5 @@ fn circumcentre(points: &[[f64; 3]], support: &[usize]) -> Option<[f64; 3]> {
             scale(&numerator, 0.5 / dot(&u, &vw))
         }
     };
-    offset.iter().all(|x| x.is_finite()).then(|| add(&anchor, &offset))
+    offset.iter().all(|x| x.is_finite()).then(|| add(&origin, &offset))
 }

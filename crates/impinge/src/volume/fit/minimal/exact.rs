@@ -1,9 +1,13 @@
-//! The minimal sphere in exact arithmetic: spheres through at most four points, and which points lie outside.
+//! The minimal sphere in exact arithmetic: spheres through at most four points, and the points that
+//! lie outside.
 //!
-//! With edges u, v, w from one of the points, the offset of the centre from there is a quotient of polynomials, whose
-//! numerator and (positive) denominator are kept as exact numbers. A point is judged in doubles, then in pairs of doubles
-//! (Dekker 1971), then exactly: points that were rounded onto a sphere are a unit in the last place from it, which pairs
-//! see, and only those that are on it, or as good as, need more.
+//! With edges u, v, w from one of the points, the offset of the center from that point is a
+//! quotient of polynomials. Its numerator and its (positive) denominator are kept as exact numbers.
+//! A point is classified in doubles, then in pairs of doubles (Dekker 1971), then exactly. Points
+//! that were rounded onto a sphere are one unit in the last place from it, which pairs can resolve.
+//! Only points on the sphere, or extremely close to it, need exact arithmetic.
+//!
+//! Tests: those of this file, and `tests/it/volumes/minimal.rs`.
 
 use super::super::super::rounding::{two_product, two_sum};
 use super::super::enclosing::{SQUARE_ERROR, scaled_offset, squared};
@@ -13,111 +17,115 @@ use crate::math::dyadic::{Dyadic, cross, dot};
 
 /// The smallest sphere through one to four points that are affinely independent.
 #[derive(Clone, Debug)]
-pub(super) struct ExactBall {
+pub(super) struct ExactSphere {
     support: Vec<[f64; 3]>,
-    anchor: [Dyadic; 3],
-    /// From the anchor to the centre, times the denominator.
+    origin: [Dyadic; 3],
+    /// Offset from the local origin to the center, times the denominator.
     offset: [Dyadic; 3],
-    /// Positive.
+    /// Denominator of `offset`. Positive.
     denominator: Dyadic,
-    /// Whether the centre is in the hull of the support.
+    /// Whether the center is in the convex hull of the support.
     centred: bool,
     rounded: Rounded,
 }
 
-/// The sphere in doubles and pairs of doubles; lengths are in the scale of the frame.
+/// The sphere in doubles and pairs of doubles. Lengths are in the scale of the frame unless stated
+/// otherwise.
 #[derive(Clone, Debug)]
 struct Rounded {
     scale: f64,
-    /// To nearest, in the points' own unit.
+    /// Center, rounded to nearest, in the unit of the points.
     centre: [f64; 3],
-    /// What that lost.
+    /// Rounding error of the center, in the unit of the points.
     centre_rest: [f64; 3],
     squared_radius: [f64; 2],
-    /// Not above the radius, in the points' own unit.
+    /// Lower bound of the radius, in the unit of the points.
     radius_down: f64,
-    /// What the judgement in doubles, and in pairs, may be off by.
+    /// Error bounds of the classification in doubles and in pairs of doubles.
     error: [f64; 2],
 }
 
-/// The minimal sphere of the points, of which `guess` is a likely support.
-pub(super) fn minimal(points: &[[f64; 3]], guess: &[[f64; 3]], frame: Frame) -> ExactBall {
-    /// Each step enlarges the sphere, so there is an end; it comes within ten steps, and where it does not, the other
-    /// way has a bound on its expected work.
-    const MOST_STEPS: usize = 64;
-    let mut ball = of_few(guess, frame);
-    for _ in 0..MOST_STEPS {
-        let Some(current) = &ball else { break };
+/// Returns the minimal sphere of the points. `guess` is a likely support.
+pub(super) fn minimal(points: &[[f64; 3]], guess: &[[f64; 3]], frame: Frame) -> ExactSphere {
+    /// Maximum number of exact steps. Each step enlarges the sphere, so the steps end, usually
+    /// within ten. Beyond the maximum, [`of_all`] takes over, whose expected work is bounded.
+    const MAX_STEPS: usize = 64;
+    let mut sphere = of_few(guess, frame);
+    for _ in 0..MAX_STEPS {
+        let Some(current) = &sphere else { break };
         let Some(outside) = current.furthest_outside(points) else { break };
         let mut next = current.support.clone();
         next.push(outside);
-        ball = of_few(&next, frame);
+        sphere = of_few(&next, frame);
     }
-    match ball {
-        Some(ball) if ball.furthest_outside(points).is_none() => ball,
+    match sphere {
+        Some(sphere) if sphere.furthest_outside(points).is_none() => sphere,
         _ => of_all(points, frame),
     }
 }
 
-/// The minimal sphere of up to five points: the one of a subset that holds the others and has its centre in the hull of
-/// the subset. There is always one; a subset as large as can be is the likely one.
-fn of_few(points: &[[f64; 3]], frame: Frame) -> Option<ExactBall> {
+/// Returns the minimal sphere of up to five points: the sphere through a subset that encloses the
+/// others and has its center in the hull of the subset. There is always one. Large subsets are
+/// tried first, because they are more likely.
+fn of_few(points: &[[f64; 3]], frame: Frame) -> Option<ExactSphere> {
     let mut subsets: Vec<u32> = (1..1 << points.len()).filter(|subset: &u32| subset.count_ones() <= 4).collect();
     subsets.sort_by_key(|subset| std::cmp::Reverse(subset.count_ones()));
     subsets.into_iter().find_map(|subset| {
         let chosen: Vec<[f64; 3]> = (0..points.len()).filter(|i| subset >> i & 1 == 1).map(|i| points[i]).collect();
-        let ball = ExactBall::through(&chosen, frame)?;
-        let holds = |point: &[f64; 3]| ball.excess(*point) != Sign::Positive;
-        (ball.centred && points.iter().all(holds)).then_some(ball)
+        let sphere = ExactSphere::through(&chosen, frame)?;
+        let holds = |point: &[f64; 3]| sphere.excess(*point) != Sign::Positive;
+        (sphere.centred && points.iter().all(holds)).then_some(sphere)
     })
 }
 
-/// Welzl's algorithm, in a fixed random order and exact arithmetic, where it needs no care for degenerate sets: a point
-/// outside the sphere through others is affinely independent of them.
+/// Runs Welzl's algorithm in a fixed random order and in exact arithmetic. Degenerate sets then
+/// need no special care: a point outside the sphere through other points is affinely independent of
+/// them.
 ///
 /// # Complexity
-/// Linear, expected over the orders, whatever the points are.
-fn of_all(points: &[[f64; 3]], frame: Frame) -> ExactBall {
+/// Linear, as an expected value over the orders, for any points.
+fn of_all(points: &[[f64; 3]], frame: Frame) -> ExactSphere {
     let mut order = points.to_vec();
-    // Fisher and Yates with Knuth's linear congruence (MMIX), whose high bits are random enough to scatter an input that was
-    // not made against it.
+    // The shuffle of Fisher and Yates with Knuth's linear congruential generator (MMIX). Its high
+    // bits are random enough, unless an input is built to defeat it.
     let mut state = 1_u64;
     for i in (1..order.len()).rev() {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         order.swap(i, ((u128::from(state) * (i as u128 + 1)) >> 64) as usize);
     }
-    with_on_it(&order, &[], frame).unwrap_or_else(|| ExactBall::at(points[0], frame))
+    with_on_it(&order, &[], frame).unwrap_or_else(|| ExactSphere::at(points[0], frame))
 }
 
-/// The smallest sphere that holds the points and has the given ones on it.
-fn with_on_it(points: &[[f64; 3]], on_it: &[[f64; 3]], frame: Frame) -> Option<ExactBall> {
-    let mut ball = ExactBall::through(on_it, frame);
+/// Returns the smallest sphere that encloses the points and passes through the points of `on_it`.
+fn with_on_it(points: &[[f64; 3]], on_it: &[[f64; 3]], frame: Frame) -> Option<ExactSphere> {
+    let mut sphere = ExactSphere::through(on_it, frame);
     if on_it.len() == 4 {
-        return ball;
+        return sphere;
     }
     for (i, &point) in points.iter().enumerate() {
-        if ball.as_ref().is_none_or(|ball| ball.excess(point) == Sign::Positive) {
+        if sphere.as_ref().is_none_or(|sphere| sphere.excess(point) == Sign::Positive) {
             let mut more = on_it.to_vec();
             more.push(point);
-            ball = with_on_it(&points[..i], &more, frame).or(ball);
+            sphere = with_on_it(&points[..i], &more, frame).or(sphere);
         }
     }
-    ball
+    sphere
 }
 
-impl ExactBall {
-    /// The point.
+impl ExactSphere {
+    /// Builds the sphere of radius zero at a point.
     fn at(point: [f64; 3], frame: Frame) -> Self {
         let zero = [Dyadic::ZERO, Dyadic::ZERO, Dyadic::ZERO];
         Self::new(&[point], point.map(Dyadic::from_f64), zero, Dyadic::from_f64(1.0), true, frame)
     }
 
-    /// The smallest sphere through these points; none without points, or where they are affinely dependent.
+    /// Returns the smallest sphere through the points. Returns `None` if there are no points or
+    /// they are affinely dependent.
     fn through(points: &[[f64; 3]], frame: Frame) -> Option<Self> {
         let (&first, others) = points.split_first()?;
-        let anchor = first.map(Dyadic::from_f64);
+        let origin = first.map(Dyadic::from_f64);
         let edges: Vec<[Dyadic; 3]> =
-            others.iter().map(|&point| subtract(&point.map(Dyadic::from_f64), &anchor)).collect();
+            others.iter().map(|&point| subtract(&point.map(Dyadic::from_f64), &origin)).collect();
         let (offset, denominator, weights) = match &edges[..] {
             [] => return Some(Self::at(first, frame)),
             // Halfway.
@@ -142,57 +150,59 @@ impl ExactBall {
             }
             _ => return None,
         };
-        // Barycentric coordinates of the centre, times what is positive, and those of the anchor what is left.
+        // These are the barycentric coordinates of the center times a positive number. The local
+        // origin has the rest.
         let (weights, whole) = weights;
         let rest = weights.iter().fold(whole, |rest, weight| &rest - weight);
         let centred = weights.iter().chain([&rest]).all(|weight| weight.sign() != Sign::Negative);
         match denominator.sign() {
             Sign::Zero => None,
-            Sign::Positive => Some(Self::new(points, anchor, offset, denominator, centred, frame)),
+            Sign::Positive => Some(Self::new(points, origin, offset, denominator, centred, frame)),
             Sign::Negative => {
                 let negate = |x: &Dyadic| &Dyadic::ZERO - x;
                 let offset = [0, 1, 2].map(|axis| negate(&offset[axis]));
-                Some(Self::new(points, anchor, offset, negate(&denominator), centred, frame))
+                Some(Self::new(points, origin, offset, negate(&denominator), centred, frame))
             }
         }
     }
 
     fn new(
         support: &[[f64; 3]],
-        anchor: [Dyadic; 3],
+        origin: [Dyadic; 3],
         offset: [Dyadic; 3],
         denominator: Dyadic,
         centred: bool,
         frame: Frame,
     ) -> Self {
-        let mut rounded = Rounded::new(&anchor, &offset, &denominator, frame);
+        let mut rounded = Rounded::new(&origin, &offset, &denominator, frame);
         if centred {
             rounded.round_radius(&dot(&offset, &offset), &(&denominator * &denominator));
         }
-        Self { support: support.to_vec(), anchor, offset, denominator, centred, rounded }
+        Self { support: support.to_vec(), origin, offset, denominator, centred, rounded }
     }
 
-    /// The centre, each coordinate rounded to nearest.
+    /// Returns the center, each coordinate rounded to nearest.
     pub(super) fn centre(&self) -> [f64; 3] {
         self.rounded.centre
     }
 
-    /// A bound on what that lost, in the scale of the frame.
+    /// Returns a bound on the rounding error of the center, in the scale of the frame.
     pub(super) fn centre_error(&self) -> f64 {
         2.0 * self.rounded.centre_rest.iter().fold(0.0_f64, |sum, x| sum + x.abs()) * self.rounded.scale
     }
 
-    /// A double not above the radius.
+    /// Returns a double not above the radius.
     pub(super) fn radius_down(&self) -> f64 {
         self.rounded.radius_down
     }
 
-    /// The point that lies furthest outside, up to rounding; none where none lies outside, exactly.
+    /// Returns the point that lies farthest outside, up to rounding. Returns `None` if no point
+    /// lies outside, which is exact.
     fn furthest_outside(&self, points: &[[f64; 3]]) -> Option<[f64; 3]> {
         let mut furthest: Option<(f64, [f64; 3])> = None;
         for &point in points {
             let coarse = self.rounded.coarse_excess(point);
-            // Compared so that NaN, after an overflow, counts as near the sphere.
+            // NaN, after an overflow, fails this comparison and counts as near the sphere.
             if coarse < -self.rounded.error[0] {
                 continue;
             }
@@ -200,7 +210,7 @@ impl ExactBall {
             if furthest.as_ref().is_some_and(|&(worst, _)| excess <= worst) {
                 continue;
             }
-            // As [`excess`](Self::excess), from what is at hand.
+            // This repeats [`excess`](Self::excess) with the value computed above.
             let error = self.rounded.error[1];
             let certain = excess > error || excess < -error;
             let outside = if certain { excess > error } else { self.exact_excess(point) == Sign::Positive };
@@ -211,7 +221,8 @@ impl ExactBall {
         furthest.map(|(_, point)| point)
     }
 
-    /// Whether a point is outside (positive), on the sphere, or inside.
+    /// Returns the position of a point: outside (positive), on the sphere (zero) or inside
+    /// (negative).
     fn excess(&self, point: [f64; 3]) -> Sign {
         let excess = self.rounded.fine_excess(point);
         if excess > self.rounded.error[1] {
@@ -223,18 +234,19 @@ impl ExactBall {
         }
     }
 
-    /// |q|² - 2 q · offset / denominator for q from the anchor, times the denominator.
+    /// Returns the sign of (|q|² - 2 q · offset / denominator) times the denominator, with q the
+    /// offset of the point from the local origin.
     fn exact_excess(&self, point: [f64; 3]) -> Sign {
-        let q = subtract(&point.map(Dyadic::from_f64), &self.anchor);
+        let q = subtract(&point.map(Dyadic::from_f64), &self.origin);
         let across = dot(&q, &self.offset);
         (&(&dot(&q, &q) * &self.denominator) - &(&across + &across)).sign()
     }
 }
 
 impl Rounded {
-    fn new(anchor: &[Dyadic; 3], offset: &[Dyadic; 3], denominator: &Dyadic, frame: Frame) -> Self {
+    fn new(origin: &[Dyadic; 3], offset: &[Dyadic; 3], denominator: &Dyadic, frame: Frame) -> Self {
         let Frame { scale, .. } = frame;
-        let numerator = |axis: usize| &(&anchor[axis] * denominator) + &offset[axis];
+        let numerator = |axis: usize| &(&origin[axis] * denominator) + &offset[axis];
         let centre = [0, 1, 2].map(|axis| Dyadic::nearest_quotient(&numerator(axis), denominator) + 0.0);
         let centre_rest = [0, 1, 2].map(|axis| {
             let rest = &numerator(axis) - &(&Dyadic::from_f64(centre[axis]) * denominator);
@@ -245,18 +257,21 @@ impl Rounded {
         let in_scale = &square * &Dyadic::product(scale, scale);
         let high = Dyadic::nearest_quotient(&in_scale, &whole);
         let low = Dyadic::nearest_quotient(&(&in_scale - &(&Dyadic::from_f64(high) * &whole)), &whole);
-        // The coarse judgement leaves out the rest of the centre, and is for spheres that are centred in their points.
+        // The coarse classification ignores the rounding error of the center. It is used for
+        // spheres whose center is in the hull of their points.
         let rest = centre_rest.iter().fold(0.0_f64, |largest, x| largest.max(x.abs())) * scale;
         let coarse = 2.0 * SQUARE_ERROR * high + 16.0 * rest;
-        // Squares of pairs are within 2^-100 of themselves, and the rest of the centre within 2^-106 of its size, which moves
-        // a square by twice the distance times that; points are within 4 of each other, so a distance is at most `far`.
+        // Squares of pairs have an error of 2^-100 of their size. The rest of the center has one of
+        // 2^-106, which changes a square by twice the distance times that. Points are within 4 of
+        // each other, so no distance exceeds `far`.
         let reach = centre.iter().fold(1.0_f64, |largest, x| largest.max(x.abs() * scale));
         let far = 4.0 + high.sqrt();
         let fine = far * (far + reach) / (1_u128 << 96) as f64;
         Self { scale, centre, centre_rest, squared_radius: [high, low], radius_down: 0.0, error: [coarse, fine] }
     }
 
-    /// Sets the radius, for a squared one that is this quotient, and not larger than the points are apart.
+    /// Sets the radius from its square, given as a quotient. The radius must not exceed the extent
+    /// of the points.
     fn round_radius(&mut self, numerator: &Dyadic, denominator: &Dyadic) {
         let above =
             |radius: f64| (&(&Dyadic::product(radius, radius) * denominator) - numerator).sign() == Sign::Positive;
@@ -266,14 +281,15 @@ impl Rounded {
         }
     }
 
-    /// How much the squared distance of a point exceeds the squared radius, within `error[0]` for points that are not
-    /// well outside.
+    /// Returns the squared distance of a point minus the squared radius. The error is within
+    /// `error[0]` for points that are not far outside.
     #[inline(always)]
     fn coarse_excess(&self, point: [f64; 3]) -> f64 {
         squared(scaled_offset(point, self.centre, self.scale)) - self.squared_radius[0]
     }
 
-    /// The same within `error[1]`, for points within 4 of the centre.
+    /// Returns the same as [`coarse_excess`](Self::coarse_excess) with an error within `error[1]`,
+    /// for points within 4 of the center.
     #[inline(always)]
     fn fine_excess(&self, point: [f64; 3]) -> f64 {
         let (mut high, mut low) = (-self.squared_radius[0], -self.squared_radius[1]);
@@ -313,7 +329,7 @@ mod tests {
         let frame = Frame { origin: [0.0; 3], scale: 0.25 };
         let mut supports = [0; 5];
         for _ in 0..400 {
-            // Points of a small grid: collinear, coplanar, cospherical and duplicated ones among them.
+            // Points of a small grid include collinear, coplanar, cospherical and duplicate ones.
             let count = rng.integer(1, 12);
             let side = rng.integer(0, 3);
             let points: Vec<[f64; 3]> =
@@ -329,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn the_three_judgements_agree() {
+    fn the_three_classifications_agree() {
         let mut rng = Rng::new(6);
         let (mut coarse, mut fine, mut exact) = (0, 0, 0);
         for round in 0..3_000 {
@@ -341,15 +357,15 @@ mod tests {
             };
             let support: Vec<[f64; 3]> = (0..4).map(|_| point(&mut rng)).collect();
             let frame = Frame { origin: [offset; 3], scale: 1.0 };
-            let Some(ball) = ExactBall::through(&support, frame) else { continue };
-            if !ball.centred {
+            let Some(sphere) = ExactSphere::through(&support, frame) else { continue };
+            if !sphere.centred {
                 continue;
             }
-            // On the sphere, a step beside it, and anywhere.
+            // On the sphere, next to it, and anywhere.
             let mut beside = support[rng.integer(0, 3) as usize];
             beside[0] = if rng.one_in(3) { beside[0] } else { beside[0].next_up() };
             for q in [beside, point(&mut rng)] {
-                let truth = ball.exact_excess(q);
+                let truth = sphere.exact_excess(q);
                 let sign = |x: f64, error: f64| {
                     if x > error {
                         Some(Sign::Positive)
@@ -359,8 +375,8 @@ mod tests {
                         None
                     }
                 };
-                let by_doubles = sign(ball.rounded.coarse_excess(q), ball.rounded.error[0]);
-                let by_pairs = sign(ball.rounded.fine_excess(q), ball.rounded.error[1]);
+                let by_doubles = sign(sphere.rounded.coarse_excess(q), sphere.rounded.error[0]);
+                let by_pairs = sign(sphere.rounded.fine_excess(q), sphere.rounded.error[1]);
                 assert!(
                     by_doubles.is_none_or(|s| s == truth) && by_pairs.is_none_or(|s| s == truth),
                     "{q:?} {support:?}"

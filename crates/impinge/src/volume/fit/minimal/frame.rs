@@ -3,7 +3,8 @@
 use super::super::enclosing::{scaled_offset, squared, unit_scale};
 use crate::volume::MinMax;
 
-/// Where points are about one large: about an origin, in a scale that is a power of two.
+/// A frame in which the points have a size of about 1: an origin, and a scale that is a power of
+/// two.
 #[derive(Clone, Copy)]
 pub(super) struct Frame {
     pub(super) origin: [f64; 3],

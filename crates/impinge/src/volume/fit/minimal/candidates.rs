@@ -1,4 +1,5 @@
-//! The points that may be on the sphere: those beyond a distance that nearly all of them keep.
+//! The candidates: points that may be on the minimal sphere, because they lie beyond a distance
+//! within which nearly all points are.
 
 use fearless_simd::Simd;
 use rayon::prelude::*;
@@ -7,81 +8,87 @@ use super::super::super::rounding::{add_up, length_up};
 use super::super::super::{BoundingVolume, MinMax};
 use super::super::enclosing::{SQUARE_ERROR, scaled_offset};
 use super::approximate;
-use super::exact::ExactBall;
+use super::exact::ExactSphere;
 use super::frame::Frame;
 use crate::input::InputError;
 use crate::simd::{best_level, dispatch};
-use crate::volume::points::{Coordinate, bounds, judge, widen};
+use crate::volume::points::{Coordinate, bounds, validated_bounds, widen};
 
-/// Points that are not nearer to a centre than a distance, which is in the scale of a frame.
-pub(super) struct Beyond {
+/// The points at or beyond a distance from a center. The distance is in the scale of a frame.
+pub(super) struct Candidates {
     centre: [f64; 3],
     distance: f64,
     pub(super) points: Vec<[f64; 3]>,
 }
 
-/// Sets up to this size are candidates as a whole: sampling them would cost more than it saves.
-const SMALL: usize = 1 << 13;
+/// Maximum number of points that are all candidates. Sampling smaller sets costs more than it
+/// saves.
+const MAX_UNSAMPLED: usize = 1 << 13;
 
-/// The box of the points and, by the same pass over memory, what is beyond a sphere that a sample suggests; nothing of the
-/// second where there are few points.
+/// Returns the box of the points and, from the same pass over memory, the candidates beyond a
+/// sphere that a sample suggests. The candidates are `None` if there are few points or the sample
+/// is unusable.
 ///
 /// # Errors
-/// As [`judge`].
-pub(super) fn first_look<T: Coordinate>(points: &[[T; 3]]) -> Result<(MinMax, Option<Beyond>), InputError> {
-    if points.len() <= SMALL {
-        return Ok((judge(points)?, None));
+/// Same as [`validated_bounds`].
+pub(super) fn first_candidates<T: Coordinate>(points: &[[T; 3]]) -> Result<(MinMax, Option<Candidates>), InputError> {
+    if points.len() <= MAX_UNSAMPLED {
+        return Ok((validated_bounds(points)?, None));
     }
-    let Some(guess) = Guess::of(points) else { return Ok((judge(points)?, None)) };
+    let Some(guess) = Guess::of(points) else { return Ok((validated_bounds(points)?, None)) };
     let look = |chunk| bounds(chunk).map(|bounds| (bounds, guess.beyond(chunk)));
     let Some(chunks) = points.par_chunks(CHUNK).map(look).collect::<Option<Vec<_>>>() else {
-        return Ok((judge(points)?, None));
+        return Ok((validated_bounds(points)?, None));
     };
     let whole = chunks.iter().map(|&(bounds, _)| bounds).reduce(|a, b| a.merged(&b));
-    let whole = whole.map_or_else(|| judge(points), Ok)?;
+    let whole = whole.map_or_else(|| validated_bounds(points), Ok)?;
     let kept = chunks.into_iter().flat_map(|(_, kept)| kept).collect();
-    // From the scale of the sample to that of the whole, which is no larger: both are powers of two.
+    // Converts from the scale of the sample to that of all points, which is not larger. Both are
+    // powers of two.
     let distance = guess.square.sqrt() * (Frame::of(&whole).scale / guess.scale);
-    Ok((whole, Some(Beyond { centre: guess.centre, distance, points: kept })))
+    Ok((whole, Some(Candidates { centre: guess.centre, distance, points: kept })))
 }
 
-/// Small enough to stay in the cache for a second look, and large enough to share out cheaply.
+/// Number of points per parallel task: small enough to stay in the cache for a second pass, large
+/// enough to be distributed at low cost.
 const CHUNK: usize = 1 << 13;
 
-impl Beyond {
-    /// The next candidates, about the sphere of the last.
-    pub(super) fn next<T: Coordinate>(&self, points: &[[T; 3]], ball: &ExactBall, frame: Frame) -> Self {
-        let guess = Guess { centre: ball.centre(), square: next_square(&self.points, ball, frame), scale: frame.scale };
+impl Candidates {
+    /// Returns the next candidates, around the sphere of the last ones.
+    pub(super) fn next<T: Coordinate>(&self, points: &[[T; 3]], sphere: &ExactSphere, frame: Frame) -> Self {
+        let guess =
+            Guess { centre: sphere.centre(), square: next_square(&self.points, sphere, frame), scale: frame.scale };
         let kept: Vec<Vec<[f64; 3]>> = points.par_chunks(CHUNK).map(|chunk| guess.beyond(chunk)).collect();
         Self { centre: guess.centre, distance: guess.square.sqrt(), points: kept.concat() }
     }
 
-    /// Whether every point nearer to the centre is proved to be strictly inside, by more than what decides the
-    /// radius.
-    pub(super) fn rest_is_inside(&self, ball: &ExactBall, frame: Frame) -> bool {
+    /// Reports whether every point nearer to the center is proved to be strictly inside the sphere,
+    /// by more than the difference that could decide the radius.
+    pub(super) fn rest_is_inside(&self, sphere: &ExactSphere, frame: Frame) -> bool {
         const STRICTLY: f64 = 1.0 - 1.0 / (1_u64 << 40) as f64;
-        // Differences and the scale are as exact as those of points: a few half units, as are the steps from here on,
-        // within the share that is given away.
-        let moved = length_up(scaled_offset(ball.centre(), self.centre, frame.scale));
-        let far = add_up(add_up(moved, ball.centre_error()), self.distance * (1.0 + 2.0 * SQUARE_ERROR));
-        far <= ball.radius_down() * frame.scale * STRICTLY
+        // Differences and the scale have the same error as those of points, a few half units. The
+        // following steps add a few more. `STRICTLY` covers all of them.
+        let moved = length_up(scaled_offset(sphere.centre(), self.centre, frame.scale));
+        let far = add_up(add_up(moved, sphere.centre_error()), self.distance * (1.0 + 2.0 * SQUARE_ERROR));
+        far <= sphere.radius_down() * frame.scale * STRICTLY
     }
 }
 
-/// From the new centre: near enough for half of the candidates to be passed over next time, and below the sphere by a
-/// margin that the next one may use up.
-fn next_square(candidates: &[[f64; 3]], ball: &ExactBall, frame: Frame) -> f64 {
+/// Returns the squared distance from the new center beyond which points are candidates next time.
+/// It excludes half of the current candidates, and it is below the sphere by a margin that the next
+/// sphere may use up.
+fn next_square(candidates: &[[f64; 3]], sphere: &ExactSphere, frame: Frame) -> f64 {
     const MARGIN: f64 = 1.0 - 1.0 / (1 << 20) as f64;
-    let centre = ball.centre();
+    let centre = sphere.centre();
     let mut squares: Vec<f64> = candidates.iter().map(|&point| frame.squared_distance(point, centre)).collect();
     let middle = squares.len() / 2;
     let (_, &mut median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
-    let inside = ball.radius_down() * frame.scale * MARGIN;
+    let inside = sphere.radius_down() * frame.scale * MARGIN;
     median.min(inside * inside)
 }
 
-/// Where the sphere may be: a centre, and the square of a distance from it that nearly all points keep, in a scale that is
-/// a power of two.
+/// A guess of the sphere: a center, and the square of a distance from it within which nearly all
+/// points are. The scale is a power of two.
 struct Guess {
     centre: [f64; 3],
     square: f64,
@@ -89,8 +96,8 @@ struct Guess {
 }
 
 impl Guess {
-    /// From a sample: all but about one in 256 points keep the distance. None where the sample is one point, or not to be
-    /// used.
+    /// Guesses from a sample, so that about one point in 256 lies beyond the distance. Returns
+    /// `None` if the sample is a single point or invalid.
     fn of<T: Coordinate>(points: &[[T; 3]]) -> Option<Self> {
         const SAMPLE: usize = 1 << 11;
         const KEPT: usize = SAMPLE / 256;
@@ -105,7 +112,7 @@ impl Guess {
         Some(Self { centre, square, scale: frame.scale })
     }
 
-    /// The points at least this far from the centre.
+    /// Returns the points at or beyond the distance from the center.
     fn beyond<T: Coordinate>(&self, points: &[[T; 3]]) -> Vec<[f64; 3]> {
         dispatch!(best_level(), simd => simd.vectorize(#[inline(always)] || self.beyond_by_lanes(points)))
     }
@@ -113,7 +120,7 @@ impl Guess {
     #[inline(always)]
     fn beyond_by_lanes<T: Coordinate>(&self, points: &[[T; 3]]) -> Vec<[f64; 3]> {
         const GROUP: usize = 8;
-        /// Coordinates of a group, each in a lane of its own.
+        /// Number of coordinates of a group, each in its own lane.
         const LANES: usize = 3 * GROUP;
         let mut centres = [0.0; LANES];
         for (lane, centre) in centres.iter_mut().enumerate() {
@@ -127,7 +134,7 @@ impl Guess {
                 let offset = (x.into() - centres[lane]) * self.scale;
                 squares[lane] = offset * offset;
             }
-            // Compared as a whole, as nearly every group has none.
+            // One comparison for the whole group, because nearly every group has no candidate.
             let mut any = false;
             for [x, y, z] in squares.as_chunks::<3>().0 {
                 any |= x + y + z >= self.square;

@@ -1,39 +1,42 @@
-//! Whether two volumes in their frames meet.
+//! Tests whether two volumes in their frames overlap.
+//!
+//! Tests: `impinge-files/tests/it/characters/strikes.rs`. Benchmark: `characters`.
 
 use crate::input::InputError;
 use crate::query;
 use crate::volume::Proximity;
 
 use super::frame::Frame;
-use super::overlap::holds_origin;
+use super::overlap::contains_origin;
 use super::transform::apply_transposed;
 use super::volume::HitVolume;
 use crate::math::vec3::{Vector, add, dot, length, scale, sub};
 
 /// A volume in its frame.
 #[derive(Clone, Copy)]
-pub(super) struct Stood<'a> {
+pub(super) struct PlacedVolume<'a> {
     pub(super) volume: &'a HitVolume,
     pub(super) frame: &'a Frame,
-    /// About it, in the world.
+    /// A sphere around it, in the world: center and radius.
     pub(super) sphere: (Vector, f64),
 }
 
-impl Stood<'_> {
-    /// The point that is farthest along a direction.
+impl PlacedVolume<'_> {
+    /// Returns the point that is farthest along a direction, in the world.
     fn support(&self, direction: Vector) -> Vector {
         self.frame.apply(self.volume.support(apply_transposed(&self.frame.rotation, direction)))
     }
 
-    /// Of all numbers that its points are made of.
+    /// Returns a bound on the magnitude of all numbers that its points are computed from.
     fn size(&self) -> f64 {
         length(&self.sphere.0) + length(&self.frame.origin) + self.sphere.1
     }
 }
 
-/// Whether two volumes are not proved apart.
-pub(super) fn meet(a: &Stood<'_>, b: &Stood<'_>) -> Result<bool, InputError> {
-    // Spheres and pills make most of a character: in closed form, with more than what rounding takes.
+/// Reports whether two volumes may overlap: `false` is returned only if they are proved apart.
+pub(super) fn may_overlap(a: &PlacedVolume<'_>, b: &PlacedVolume<'_>) -> Result<bool, InputError> {
+    // Most volumes of a character are spheres and capsules. They have a closed form, with margins
+    // larger than its rounding errors.
     if let (Some(core_a), Some(core_b)) = (segment(a.volume), segment(b.volume)) {
         let [ends_a, ends_b] = [core_a.map(|p| a.frame.apply(p)), core_b.map(|p| b.frame.apply(p))];
         let (p, q) = super::segments::closest(ends_a, ends_b);
@@ -44,7 +47,8 @@ pub(super) fn meet(a: &Stood<'_>, b: &Stood<'_>) -> Result<bool, InputError> {
         if dot(&between, &between) <= reach * reach {
             return Ok(true);
         }
-        // A plane between them proves it, whatever rounding did to the closest points.
+        // A plane between the volumes proves them apart, whatever the rounding of the closest
+        // points.
         let most = |ends: [Vector; 2]| dot(&between, &ends[0]).max(dot(&between, &ends[1]));
         let least = |ends: [Vector; 2]| dot(&between, &ends[0]).min(dot(&between, &ends[1]));
         let gap = least(ends_b) - most(ends_a);
@@ -52,14 +56,14 @@ pub(super) fn meet(a: &Stood<'_>, b: &Stood<'_>) -> Result<bool, InputError> {
     }
     let size = a.size() + b.size();
     let difference = |direction: Vector| sub(&a.support(direction), &b.support(scale(&direction, -1.0)));
-    if let Some(found) = holds_origin(difference, sub(&b.sphere.0, &a.sphere.0), 1e-12 * size, size) {
+    if let Some(found) = contains_origin(difference, sub(&b.sphere.0, &a.sphere.0), 1e-12 * size, size) {
         return Ok(found);
     }
     let (placed_a, placed_b) = (a.volume.placed(a.frame.pose()?)?, b.volume.placed(b.frame.pose()?)?);
     Ok(query::proximity(&placed_a, &placed_b) != Proximity::Apart)
 }
 
-/// The segment that a sphere sweeps.
+/// Returns the segment that a sphere sweeps, or `None` for other volumes.
 fn segment(volume: &HitVolume) -> Option<[Vector; 2]> {
     match volume {
         HitVolume::Sphere(sphere) => Some([sphere.centre(); 2]),
@@ -68,7 +72,8 @@ fn segment(volume: &HitVolume) -> Option<[Vector; 2]> {
     }
 }
 
-/// What a volume's sphere sweeps, or the surface of one without, as a mesh; points and segments as triangles without area.
+/// Returns the core that the volume's sphere sweeps, or the surface of a volume without one, as a
+/// mesh. Points and segments become triangles without area.
 pub(super) fn core(volume: &HitVolume) -> (Vec<Vector>, Vec<[u32; 3]>) {
     match volume {
         HitVolume::Sphere(sphere) => (vec![sphere.centre()], vec![[0; 3]]),
