@@ -121,14 +121,14 @@ impl WorldCore {
         &self,
         py: Python<'py>,
         placement: Placement<'py>,
-        arguments: TraitArguments<'_>,
+        standing: TraitArguments<'_>,
         owners: Option<&Handles<'py>>,
         tags: &Handles<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (shape, way, poses) = placement;
         let (body, made_of) = (Body::new(read_shape(&shape, "shape", false)?.shape), Source::object(&shape));
         let way = chosen(&way, "realigned_by", &REALIGNMENTS)?;
-        let Traits { kind, layers, .. } = traits(&arguments)?;
+        let Traits { kind, layers, .. } = traits(&standing)?;
         let (lead, poses) = poses::read_all(&poses, "pose")?;
         let body = py.detach(|| body.realigned_by(way)).map_err(|error| {
             Fault::new(kind_and_place(&error).0, "shape", message(&error)).hint(error.hint()).raised(py)
@@ -279,11 +279,11 @@ impl WorldCore {
     fn set_traits(
         &self,
         bodies: &Handles<'_>,
-        arguments: TraitArguments<'_>,
+        standing: TraitArguments<'_>,
         owners: Option<&Handles<'_>>,
     ) -> PyResult<()> {
         let ids = ids(bodies)?;
-        let made = traits(&arguments)?;
+        let made = traits(&standing)?;
         let owners = owners.map(numbers).transpose()?;
         let set = self.change(bodies.py(), |world| {
             ids.iter().try_for_each(|&id| world.traits(id).map(drop))?;
