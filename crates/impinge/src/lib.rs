@@ -1,6 +1,6 @@
 //! Exact, fast collision detection for triangle meshes and for shapes: spheres, boxes, hulls,
-//! half-spaces and others. Yes-or-no answers about meshes are exact, and every distance or depth is
-//! an interval that is proved to hold the true value.
+//! half-spaces and others. Yes-or-no answers about surfaces, closed solids and polytopes are exact.
+//! Every distance or depth is an interval that is proved to hold the true value.
 //!
 //! Two meshes (touching counts as intersecting):
 //!
@@ -76,12 +76,12 @@
 //! | [`query`] | queries about two things: intersection, distance, depth, contacts; [`query::batch`] at many poses |
 //! | [`mesh`] | [`Mesh`]: building, refitting, repair, and its own queries of points and rays |
 //! | [`shape`] | [`Shape`]: spheres, capsules, boxes, hulls, half-spaces, meshes and compounds |
-//! | [`sweep`] | when moving or deforming things first touch |
+//! | [`sweep`] | the time when moving or deforming things first touch |
 //! | [`scene`] | named parts, checked against each other in one configuration or in many |
 //! | [`world`] | moving bodies: which pairs begin or cease to touch at each step, with contacts |
 //! | [`character`] | rigged bodies with hit volumes |
 //! | [`math`] | [`Pose`], vectors and exact numbers |
-//! | [`input`] | [`InputError`]: which input is invalid, where and why |
+//! | [`input`] | [`InputError`]: which input is invalid, and why |
 //! | [`hull`] | convex hulls of points |
 //! | [`volume`] | bounding volumes: boxes, spheres, capsules and others fitted to points |
 //! | [`partition`] | many boxes: trees, grids and sweeps that find overlaps and neighbors |
