@@ -329,7 +329,8 @@ fn an_open_mesh_penetrates_by_its_moved_vertices() {
     let sphere = cube_sphere(8);
     // Without some neighboring faces the sphere has a hole around its first vertex.
     let faces: Vec<[u32; 3]> = sphere.faces.iter().copied().filter(|face| !face.contains(&0)).collect();
-    let made = |vertices: &[[f64; 3]]| Mesh::new(Positions::F64(vertices.to_vec()), faces.clone()).expect("a legal mesh");
+    let made =
+        |vertices: &[[f64; 3]]| Mesh::new(Positions::F64(vertices.to_vec()), faces.clone()).expect("a legal mesh");
     let hole = sphere.vertices[0];
     let mut rng = Rng::new(47);
     let (mut changed, mut decided) = (0, 0);
