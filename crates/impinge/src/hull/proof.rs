@@ -18,8 +18,8 @@
 //! compared.
 //!
 //! # Accuracy
-//! Every decision is exact (docs/proof.md, L27a). The tests are in `tests/it/hull/stored_hulls.rs`
-//! and `proxies.rs`.
+//! Every decision is exact (docs/notes/proof.md, L27a). The tests are in
+//! `tests/it/hull/stored_hulls.rs` and `proxies.rs`.
 
 use rayon::prelude::*;
 

@@ -1,5 +1,5 @@
 //! Stored surfaces that claim to be hulls. Each one except the hull is rejected, for one reason
-//! (docs/proof.md, L27a).
+//! (docs/notes/proof.md, L27a).
 
 use impinge::hull::Hull;
 use impinge::volume::ProxyFlaw;
