@@ -58,11 +58,11 @@ const FORMS: [Form; 3] = [
         counts: [18, 9, 24, 3],
     },
     Form {
-        name: "centre-radius",
+        name: "center-radius",
         from_corners: |min, max| [sum(&min, &max).map(|x| 0.5 * x), difference(&max, &min).map(|x| 0.5 * x)],
-        corners: |[centre, radii]| [difference(&centre, &radii), sum(&centre, &radii)],
-        rotated: rotated_centre_radius,
-        translated: |[centre, radii], t| [sum(centre, t), *radii],
+        corners: |[center, radii]| [difference(&center, &radii), sum(&center, &radii)],
+        rotated: rotated_center_radius,
+        translated: |[center, radii], t| [sum(center, t), *radii],
         counts: [18, 0, 15, 3],
     },
 ];
@@ -79,8 +79,8 @@ fn main() -> Result<()> {
     let mut vector = || -> Vector { std::array::from_fn(|_| rng.uniform(-1.0, 1.0)) };
     let boxes: Vec<[Vector; 2]> = (0..BOXES)
         .map(|_| {
-            let (centre, half) = (vector(), vector().map(f64::abs));
-            [difference(&centre, &half), sum(&centre, &half)]
+            let (center, half) = (vector(), vector().map(f64::abs));
+            [difference(&center, &half), sum(&center, &half)]
         })
         .collect();
     let poses: Vec<Pose> = (0..10)
@@ -88,7 +88,7 @@ fn main() -> Result<()> {
         .collect::<Result<_, _>>()?;
     let steps: Vec<Vector> = (0..10).map(|_| vector()).collect();
 
-    let mut measured = Table::new(["n rotations, m translations", "min-max", "min-widths", "centre-radius"]);
+    let mut measured = Table::new(["n rotations, m translations", "min-max", "min-widths", "center-radius"]);
     for [rotations, translations] in SEQUENCES {
         let results = FORMS.map(|form| run(&form, &boxes, &poses[..rotations], &steps[..translations]));
         for (_, found) in &results {
@@ -153,11 +153,11 @@ fn rotated_min_widths([min, widths]: &[Vector; 2], pose: &Pose) -> [Vector; 2] {
     [low, wide]
 }
 
-fn rotated_centre_radius([centre, radii]: &[Vector; 2], pose: &Pose) -> [Vector; 2] {
+fn rotated_center_radius([center, radii]: &[Vector; 2], pose: &Pose) -> [Vector; 2] {
     let (mut middle, mut reach) = (*pose.translation(), [0.0; 3]);
     for axis in 0..3 {
         for k in 0..3 {
-            middle[axis] += pose.linear()[axis][k] * centre[k];
+            middle[axis] += pose.linear()[axis][k] * center[k];
             reach[axis] += pose.linear()[axis][k].abs() * radii[k];
         }
     }

@@ -47,7 +47,7 @@ type Construct = fn(&[[f64; 3]]) -> Result<FittedSphere, impinge::InputError>;
 
 const SPHERES: [(&str, Construct); 6] = [
     ("mean", fit::mean_sphere),
-    ("box centre", fit::box_sphere),
+    ("box center", fit::box_sphere),
     ("Ritter", fit::ritter_sphere),
     ("PCA", fit::principal_sphere),
     ("refined", fit::refined_sphere),
@@ -71,7 +71,7 @@ fn main() -> Result<()> {
     let points: Vec<(String, Vec<[f64; 3]>)> =
         meshes.into_iter().map(|(name, surface)| (name, corners(&surface))).collect();
     println!("\nRadius over the minimal one, and time");
-    let mut table = Table::new(["", "points", "mean", "box centre", "Ritter", "PCA", "refined", "minimal"]);
+    let mut table = Table::new(["", "points", "mean", "box center", "Ritter", "PCA", "refined", "minimal"]);
     for (name, points) in &points {
         table.row(spheres(name, points, repeats)?);
     }

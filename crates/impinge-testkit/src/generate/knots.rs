@@ -41,7 +41,7 @@ pub fn torus_knot(along: u32, around: u32, knot: Knot) -> Mesh {
         let wave = sin(40.0 * u);
         vertices.extend(circle.iter().map(|&[cosine, sine, bump]| {
             let radius = knot.radius * (1.0 + knot.bump * wave * bump);
-            std::array::from_fn(|k| frame.centre[k] + radius * (cosine * frame.normal[k] + sine * frame.binormal[k]))
+            std::array::from_fn(|k| frame.center[k] + radius * (cosine * frame.normal[k] + sine * frame.binormal[k]))
         }));
     }
     let corners = |which: fn([u32; 4]) -> [u32; 3]| {
@@ -89,29 +89,29 @@ pub fn bumpy_sphere(n: u32) -> Mesh {
 }
 
 struct Frame {
-    centre: [f64; 3],
+    center: [f64; 3],
     normal: [f64; 3],
     binormal: [f64; 3],
 }
 
 impl Knot {
-    fn centre(self, u: f64) -> [f64; 3] {
+    fn center(self, u: f64) -> [f64; 3] {
         let k = 2.0 + cos(self.q * u);
         [k * cos(self.p * u), k * sin(self.p * u), sin(self.q * u)]
     }
 
     fn frame(self, u: f64) -> Frame {
-        let centre = self.centre(u);
-        let (after, before) = (self.centre(u + 1e-4), self.centre(u - 1e-4));
+        let center = self.center(u);
+        let (after, before) = (self.center(u + 1e-4), self.center(u - 1e-4));
         let tangent = unit(std::array::from_fn(|k| after[k] - before[k]));
-        let outward = unit([centre[0], centre[1], 0.0]);
+        let outward = unit([center[0], center[1], 0.0]);
         let lean = outward[0] * tangent[0] + outward[1] * tangent[1] + outward[2] * tangent[2];
         let normal = unit(std::array::from_fn(|k| outward[k] - lean * tangent[k]));
         let binormal = std::array::from_fn(|k| {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             tangent[i] * normal[j] - tangent[j] * normal[i]
         });
-        Frame { centre, normal, binormal }
+        Frame { center, normal, binormal }
     }
 }
 

@@ -9,7 +9,7 @@ use dashu_ratio::RBig;
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeastSphere {
     /// Center of the sphere.
-    pub centre: [RBig; 3],
+    pub center: [RBig; 3],
     /// Square of the radius.
     pub squared_radius: RBig,
     /// Number of points on the sphere, including duplicates.
@@ -34,14 +34,14 @@ pub fn minimal_sphere(points: &[[f64; 3]]) -> Option<LeastSphere> {
                 for l in k..n {
                     let mut chosen = vec![i, j, k, l];
                     chosen.dedup();
-                    let Some((centre, squared_radius)) = through(&exact, &chosen) else { continue };
+                    let Some((center, squared_radius)) = through(&exact, &chosen) else { continue };
                     if least.as_ref().is_some_and(|least| least.squared_radius <= squared_radius) {
                         continue;
                     }
-                    let squares: Vec<RBig> = exact.iter().map(|p| square(&minus(p, &centre))).collect();
+                    let squares: Vec<RBig> = exact.iter().map(|p| square(&minus(p, &center))).collect();
                     if squares.iter().all(|square| *square <= squared_radius) {
                         let on_it = squares.iter().filter(|&square| *square == squared_radius).count();
-                        least = Some(LeastSphere { centre, squared_radius, on_it });
+                        least = Some(LeastSphere { center, squared_radius, on_it });
                     }
                 }
             }
@@ -77,8 +77,8 @@ fn through(points: &[[RBig; 3]], chosen: &[usize]) -> Option<([RBig; 3], RBig)> 
         let weight = rows[k][n].clone() / rows[k][k].clone();
         offset = std::array::from_fn(|axis| offset[axis].clone() + weight.clone() * edge[axis].clone());
     }
-    let centre = std::array::from_fn(|axis| first[axis].clone() + offset[axis].clone());
-    Some((centre, square(&offset)))
+    let center = std::array::from_fn(|axis| first[axis].clone() + offset[axis].clone());
+    Some((center, square(&offset)))
 }
 
 fn minus(p: &[RBig; 3], q: &[RBig; 3]) -> [RBig; 3] {
@@ -102,7 +102,7 @@ mod tests {
         let rational = |numerator: i32, denominator: i32| RBig::from(numerator) / RBig::from(denominator);
         let cube: Vec<[f64; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
         let sphere = minimal_sphere(&cube).unwrap();
-        assert_eq!((sphere.centre, sphere.on_it), ([rational(1, 2), rational(1, 2), rational(1, 2)], 8));
+        assert_eq!((sphere.center, sphere.on_it), ([rational(1, 2), rational(1, 2), rational(1, 2)], 8));
         assert_eq!(sphere.squared_radius, rational(3, 4));
         // An equilateral triangle needs all three points, an obtuse one needs two, and a point
         // inside is not needed.

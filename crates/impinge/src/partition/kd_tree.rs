@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 
 use super::best::{Best, distance_squared, in_range};
 use super::plane_tree::{PlaneNode, PlaneTree, Split};
-use super::{Cells, Held, Holds, Items, Neighbour, Partition, Visitor, Work};
+use super::{Cells, Held, Holds, Items, Neighbor, Partition, Visitor, Work};
 use crate::math::vec3::dot;
 use crate::volume::{BoundingVolume, MinMax};
 
@@ -149,7 +149,7 @@ impl Partition for KdTree {
     /// Descends to the near side of each plane first, and to the far side only if it is not too
     /// far. The squared distance to a cell is the sum of squares of the distances to its planes
     /// along each axis (Arya, Mount, *Algorithms for fast vector quantization*, 1993).
-    fn nearest(&self, point: [f64; 3], count: usize) -> Vec<Neighbour> {
+    fn nearest(&self, point: [f64; 3], count: usize) -> Vec<Neighbor> {
         let mut best = Best::new(count);
         let Some(root) = self.0.root().filter(|_| in_range(&point) && count > 0) else { return Vec::new() };
         let mut stack = Vec::with_capacity(MAX_DEPTH);

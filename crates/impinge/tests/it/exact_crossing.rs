@@ -215,7 +215,7 @@ fn segments_of_neighbors_link_up() {
         let [p, q, _] = a;
         let other: [f64; 3] = std::array::from_fn(|_| random.integer(-2, 2) as f64);
         // The neighbor across edge 0 lists the ends of that edge in the opposite order.
-        let neighbour = [q, p, other];
+        let neighbor = [q, p, other];
         let pose = rotation(&mut random);
         let placement = Placement::new(&pose, &pose);
         let ends = |crossing: Crossing| match crossing {
@@ -223,13 +223,13 @@ fn segments_of_neighbors_link_up() {
             Crossing::Segment(start, finish) => vec![start, finish],
             _ => vec![],
         };
-        let (own, others) = (ends(crossing(&placement, &a, &b)), ends(crossing(&placement, &neighbour, &b)));
+        let (own, others) = (ends(crossing(&placement, &a, &b)), ends(crossing(&placement, &neighbor, &b)));
         // If the interior of edge 0 ends in the face of B, then the edge pierces B. A neighbor
         // without area may name its features otherwise.
         let pierces = |end: &&Endpoint| (end.on_a, end.on_b) == (Feature::Edge(0), Feature::Face);
         for end in own.iter().filter(pierces) {
-            let has_area = !is_zero(&normal(&neighbour.map(|corner| corner.map(rational))));
-            assert!(others.contains(end) || !has_area, "{a:?} {neighbour:?} {b:?}");
+            let has_area = !is_zero(&normal(&neighbor.map(|corner| corner.map(rational))));
+            assert!(others.contains(end) || !has_area, "{a:?} {neighbor:?} {b:?}");
             links += usize::from(has_area);
         }
     }
@@ -261,9 +261,9 @@ fn a_point_has_one_name() {
     for case in 0..3000 {
         let mut mesh = || -> (Vec<[f64; 3]>, &[[usize; 3]]) {
             if random.one_in(2) {
-                let centre = integer_offset(&mut random, 1);
+                let center = integer_offset(&mut random, 1);
                 let size = random.integer(1, 2) as f64;
-                let moved = |v: [f64; 3]| std::array::from_fn(|k| size * v[k] + centre[k]);
+                let moved = |v: [f64; 3]| std::array::from_fn(|k| size * v[k] + center[k]);
                 (UNIT.map(moved).to_vec(), OCTAHEDRON)
             } else {
                 // The tetrahedron has a volume. Otherwise one point could be on two of its faces.

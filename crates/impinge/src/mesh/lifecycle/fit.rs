@@ -234,7 +234,7 @@ mod tests {
             let [patch] = &Patches::of(&data.tree, data.leaves.len()).patches[..] else { panic!("one patch") };
             for (name, level) in levels() {
                 let mut nodes = data.tree.nodes().to_vec();
-                moved.fit_patch(level, patch, &mut nodes, &data.leaves, &mut Vec::new());
+                moved.fit_subtree(level, patch, &mut nodes, &data.leaves, &mut Vec::new());
                 let (fitted, built) = (bytemuck::cast_slice::<_, u8>(&nodes), bytemuck::cast_slice(data.tree.nodes()));
                 assert!(fitted == built, "{name}: other bits");
             }

@@ -71,7 +71,7 @@ fn stored_proxies_of_small_sets_are_read_back_and_validated() {
         assert_eq!(again.to_bytes(), bytes);
         assert_eq!((again.hull().kind(), again.hull().positions()), (own.hull().kind(), own.hull().positions()));
         let (hull, own) = (again.hull(), own.hull());
-        assert!((0..expected.len() as u32).all(|vertex| hull.neighbours(vertex) == own.neighbours(vertex)));
+        assert!((0..expected.len() as u32).all(|vertex| hull.neighbors(vertex) == own.neighbors(vertex)));
         assert!([[1.0, 2.0, 3.0], [-1.0, 0.0, 0.0]].iter().all(|&d| hull.support(d) == own.support(d)));
         kinds[dimension(&set)] += 1;
     }

@@ -7,14 +7,14 @@ use impinge::volume::ProxyFlaw;
 use crate::hull::proxies::{ARRAYS, VOLUMES, mesh, proxies, read_and_validated};
 
 /// Returns the bytes of a hull made by hand, with the volumes of other bytes.
-fn stored_hull(kind: u32, vertices: &[u32], faces: &[[u32; 3]], neighbours: &[Vec<u32>], volumes: &[u8]) -> Vec<u8> {
-    let flat: Vec<u32> = neighbours.concat();
+fn stored_hull(kind: u32, vertices: &[u32], faces: &[[u32; 3]], neighbors: &[Vec<u32>], volumes: &[u8]) -> Vec<u8> {
+    let flat: Vec<u32> = neighbors.concat();
     let mut numbers = vec![kind, vertices.len() as u32, faces.len() as u32, flat.len() as u32];
     let mut bytes: Vec<u8> = numbers.drain(..).flat_map(u32::to_le_bytes).collect();
     bytes.extend(&volumes[VOLUMES..ARRAYS]);
     numbers.extend(vertices);
     numbers.extend(faces.as_flattened());
-    let ends = neighbours.iter().scan(0, |end, own| {
+    let ends = neighbors.iter().scan(0, |end, own| {
         *end += own.len() as u32;
         Some(*end)
     });
@@ -26,17 +26,17 @@ fn stored_hull(kind: u32, vertices: &[u32], faces: &[[u32; 3]], neighbours: &[Ve
 }
 
 fn neighbours_of(hull: &Hull) -> Vec<Vec<u32>> {
-    (0..hull.vertices().len() as u32).map(|vertex| hull.neighbours(vertex).to_vec()).collect()
+    (0..hull.vertices().len() as u32).map(|vertex| hull.neighbors(vertex).to_vec()).collect()
 }
 
 /// Returns the neighbors of each vertex, if every edge of the surface is an edge of the hull.
 fn neighbors_by_edges(vertices: usize, faces: &[[u32; 3]]) -> Vec<Vec<u32>> {
-    let mut neighbours = vec![Vec::new(); vertices];
+    let mut neighbors = vec![Vec::new(); vertices];
     for face in faces {
-        (0..3).for_each(|edge| neighbours[face[edge] as usize].push(face[(edge + 1) % 3]));
+        (0..3).for_each(|edge| neighbors[face[edge] as usize].push(face[(edge + 1) % 3]));
     }
-    neighbours.iter_mut().for_each(|own| own.sort_unstable());
-    neighbours
+    neighbors.iter_mut().for_each(|own| own.sort_unstable());
+    neighbors
 }
 
 #[test]
@@ -94,8 +94,8 @@ fn surfaces_with_one_dent_or_one_gap_are_rejected() {
     let own = proxies(&mesh);
     let (vertices, faces, volumes) = (own.hull().vertices(), own.hull().faces(), own.to_bytes());
     assert_eq!((vertices.len(), faces.len()), (12, 20));
-    let flaw = |faces: &[[u32; 3]], neighbours: &[Vec<u32>]| {
-        read_and_validated(&mesh, &stored_hull(4, vertices, faces, neighbours, &volumes)).err()
+    let flaw = |faces: &[[u32; 3]], neighbors: &[Vec<u32>]| {
+        read_and_validated(&mesh, &stored_hull(4, vertices, faces, neighbors, &volumes)).err()
     };
     assert_eq!(flaw(faces, &neighbors_by_edges(12, faces)), None);
 
@@ -138,23 +138,23 @@ fn surfaces_that_are_no_hull_are_rejected() {
     let mesh = mesh(&points);
     let own = proxies(&mesh);
     let hull = own.hull();
-    let (vertices, faces, neighbours, volumes) =
+    let (vertices, faces, neighbors, volumes) =
         (hull.vertices().to_vec(), hull.faces().to_vec(), neighbours_of(hull), own.to_bytes());
-    let flaw = |vertices: &[u32], faces: &[[u32; 3]], neighbours: &[Vec<u32>]| {
-        read_and_validated(&mesh, &stored_hull(4, vertices, faces, neighbours, &volumes)).err()
+    let flaw = |vertices: &[u32], faces: &[[u32; 3]], neighbors: &[Vec<u32>]| {
+        read_and_validated(&mesh, &stored_hull(4, vertices, faces, neighbors, &volumes)).err()
     };
-    assert_eq!(flaw(&vertices, &faces, &neighbours), None);
+    assert_eq!(flaw(&vertices, &faces, &neighbors), None);
 
     let inside_out: Vec<[u32; 3]> = faces.iter().map(|&[a, b, c]| [a, c, b]).collect();
-    assert_eq!(flaw(&vertices, &inside_out, &neighbours), Some(ProxyFlaw::Hull));
+    assert_eq!(flaw(&vertices, &inside_out, &neighbors), Some(ProxyFlaw::Hull));
     let mut open = faces.clone();
     open[3] = open[4];
-    assert_eq!(flaw(&vertices, &open, &neighbours), Some(ProxyFlaw::Hull));
+    assert_eq!(flaw(&vertices, &open, &neighbors), Some(ProxyFlaw::Hull));
     for vertex in 0..8 {
-        let mut fewer = neighbours.clone();
+        let mut fewer = neighbors.clone();
         fewer[vertex].pop();
         assert_eq!(flaw(&vertices, &faces, &fewer), Some(ProxyFlaw::Hull));
-        let mut more = neighbours.clone();
+        let mut more = neighbors.clone();
         more[vertex].push(vertex as u32 ^ 7);
         more[vertex].sort_unstable();
         assert_eq!(flaw(&vertices, &faces, &more), Some(ProxyFlaw::Hull));
@@ -169,7 +169,7 @@ fn surfaces_that_are_no_hull_are_rejected() {
     let others = if diagonal == 4 || diagonal == 7 { [5, 7, 6, 4] } else { [4, 5, 7, 6] };
     let [a, b, c, d] = others;
     (turned[upper[0]], turned[upper[1]]) = ([a, b, c], [a, c, d]);
-    assert_eq!(flaw(&vertices, &turned, &neighbours), None);
+    assert_eq!(flaw(&vertices, &turned, &neighbors), None);
 
     // The upper side as four triangles around a point on it or below it: the point is not extreme,
     // or edges are bent inward.
@@ -179,7 +179,7 @@ fn surfaces_that_are_no_hull_are_rejected() {
         let mut fan: Vec<[u32; 3]> = faces.iter().copied().filter(|face| face.iter().any(|&c| c < 4)).collect();
         fan.extend([[4, 5, 8], [5, 7, 8], [7, 6, 8], [6, 4, 8]]);
         for own in [vec![], vec![4, 5, 6, 7]] {
-            let mut around = neighbours.clone();
+            let mut around = neighbors.clone();
             if !own.is_empty() {
                 (4..8).for_each(|corner: usize| around[corner].push(8));
             }
@@ -193,7 +193,7 @@ fn surfaces_that_are_no_hull_are_rejected() {
     assert_eq!(flaw(&vertices[..5], &pyramid, &neighbors_by_edges(5, &pyramid)), Some(ProxyFlaw::Hull));
     for kind in [0, 1, 2, 3, 5, u32::MAX] {
         assert!(
-            read_and_validated(&mesh, &stored_hull(kind, &vertices, &faces, &neighbours, &volumes)).is_err(),
+            read_and_validated(&mesh, &stored_hull(kind, &vertices, &faces, &neighbors, &volumes)).is_err(),
             "{kind}"
         );
     }

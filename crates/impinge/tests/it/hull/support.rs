@@ -45,7 +45,7 @@ fn climbing_finds_the_farthest_vertex_from_every_start() {
                 assert_eq!(hull.support_from(direction, start), expected, "{direction:?} from {start}");
             }
             let reversed = farthest(&hull, direction.map(|x| -x));
-            ties += usize::from(hull.neighbours(expected).iter().any(|&other| {
+            ties += usize::from(hull.neighbors(expected).iter().any(|&other| {
                 let along = |v: u32| (0..3).map(|k| direction[k] * hull.positions()[v as usize][k]).sum::<f64>();
                 along(other) == along(expected) && other != reversed
             }));

@@ -25,10 +25,10 @@ pub(crate) fn check(hull: &Hull, points: impl Iterator<Item = [f64; 3]>, side: i
         "an edge has a face on one side only"
     );
     match hull.kind() {
-        HullKind::Point => assert!(positions.len() == 1 && corners.is_empty() && hull.neighbours(0).is_empty()),
+        HullKind::Point => assert!(positions.len() == 1 && corners.is_empty() && hull.neighbors(0).is_empty()),
         HullKind::Segment => {
             assert!(positions.len() == 2 && corners.is_empty());
-            assert!(hull.neighbours(0) == [1] && hull.neighbours(1) == [0]);
+            assert!(hull.neighbors(0) == [1] && hull.neighbors(1) == [0]);
         }
         HullKind::Polygon | HullKind::Solid => {
             let edges = faces_at.len() / 2;
@@ -38,7 +38,7 @@ pub(crate) fn check(hull: &Hull, points: impl Iterator<Item = [f64; 3]>, side: i
     // An edge of triangles is an edge of the hull unless the two faces at it lie in one plane with
     // their third corners on opposite sides. The two sides of a polygon lie in one plane with their
     // corners on the same side.
-    let mut neighbours = vec![Vec::new(); positions.len()];
+    let mut neighbors = vec![Vec::new(); positions.len()];
     for (&(from, to), &face) in &faces_at {
         let opposite = faces_at[&(to, from)];
         let third = |face: usize| hull.faces()[face].into_iter().find(|&corner| corner != from && corner != to);
@@ -51,13 +51,13 @@ pub(crate) fn check(hull: &Hull, points: impl Iterator<Item = [f64; 3]>, side: i
             }
         };
         if is_edge {
-            neighbours[from as usize].push(to);
+            neighbors[from as usize].push(to);
         }
     }
     if hull.kind() >= HullKind::Polygon {
-        for (vertex, expected) in neighbours.iter_mut().enumerate() {
+        for (vertex, expected) in neighbors.iter_mut().enumerate() {
             expected.sort_unstable();
-            assert_eq!(hull.neighbours(vertex as u32), expected, "neighbors of {vertex}");
+            assert_eq!(hull.neighbors(vertex as u32), expected, "neighbors of {vertex}");
         }
     }
     for point in points {

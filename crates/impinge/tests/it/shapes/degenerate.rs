@@ -30,7 +30,7 @@ fn depth(a: &PlacedShape, b: &PlacedShape) -> [f64; 2] {
 #[test]
 fn zero_radii_and_extents_are_valid() {
     let point = here(Shape::sphere([0.0; 3], 0.0));
-    assert_eq!(query::proximity(&point, &point), Proximity::Meets);
+    assert_eq!(query::proximity(&point, &point), Proximity::Intersects);
     assert_eq!(query::distance(&point, &point).upper, 0.0);
     assert!(depth(&point, &point)[1] < 1e-15);
     let pill = here(Shape::capsule([1.0; 3], [1.0; 3], 0.0));
@@ -79,14 +79,14 @@ fn touching_under_a_nearly_rigid_map_is_undecided() {
     let nearly = Pose::new([[1.0 + 1e-7, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [0.0; 3]).unwrap();
     let ball = Shape::sphere([0.0; 3], 1.0).unwrap();
     let a = ball.at(nearly).unwrap();
-    for (x, wanted) in [(1.99, Proximity::Meets), (2.0, Proximity::Undecided), (2.01, Proximity::Apart)] {
+    for (x, wanted) in [(1.99, Proximity::Intersects), (2.0, Proximity::Undecided), (2.01, Proximity::Apart)] {
         let b = ball.at(Pose::from_translation([0.0, x, 0.0]).unwrap()).unwrap();
         assert_eq!(query::proximity(&a, &b), wanted, "{x}");
         assert_eq!(query::distance(&a, &b).distance() == 0.0, wanted != Proximity::Apart, "{x}");
     }
     let exactly = ball.at(Pose::IDENTITY).unwrap();
     let touching = ball.at(Pose::from_translation([0.0, 2.0, 0.0]).unwrap()).unwrap();
-    assert_eq!(query::proximity(&exactly, &touching), Proximity::Meets);
+    assert_eq!(query::proximity(&exactly, &touching), Proximity::Intersects);
     let apart = ball.at(Pose::from_translation([0.0, 2_f64.next_up(), 0.0]).unwrap()).unwrap();
     assert_eq!(query::proximity(&exactly, &apart), Proximity::Apart);
     assert!(query::distance(&exactly, &apart).distance() > 0.0);
@@ -109,7 +109,7 @@ fn aligned_round_shapes_certainly_intersect() {
             for z in [0.0, 0.0625] {
                 let pose = Pose::from_translation([x, y, z]).unwrap();
                 let (a, b) = (a.at(Pose::IDENTITY).unwrap(), b.at(pose).unwrap());
-                assert_eq!(query::proximity(&a, &b), Proximity::Meets, "{a:?} {b:?}");
+                assert_eq!(query::proximity(&a, &b), Proximity::Intersects, "{a:?} {b:?}");
                 assert_eq!((query::distance(&a, &b).lower, query::distance(&a, &b).upper), (0.0, 0.0));
                 asked += 1;
             }
@@ -118,7 +118,7 @@ fn aligned_round_shapes_certainly_intersect() {
     assert_eq!(asked, 512);
     // Touching is undecided, and shapes farther apart are apart.
     let drum = &shapes[0];
-    for (x, wanted) in [(1.999, Proximity::Meets), (2.0, Proximity::Undecided), (2.001, Proximity::Apart)] {
+    for (x, wanted) in [(1.999, Proximity::Intersects), (2.0, Proximity::Undecided), (2.001, Proximity::Apart)] {
         let b = drum.at(Pose::from_translation([x, 0.0, 0.0]).unwrap()).unwrap();
         assert_eq!(query::proximity(drum.at(Pose::IDENTITY).unwrap(), &b), wanted, "{x}");
     }
@@ -140,7 +140,7 @@ fn flat_and_pointlike_polytopes_have_depths() {
     ];
     for (i, a) in flat.iter().enumerate() {
         for (j, b) in flat.iter().enumerate() {
-            assert_eq!(query::proximity(a, b), Proximity::Meets, "{i} {j}");
+            assert_eq!(query::proximity(a, b), Proximity::Intersects, "{i} {j}");
             let found = depth(a, b);
             assert!(found[1] - found[0] < 1e-13, "{i} {j} {found:?}");
             // In one plane, or for points and segments, no interiors overlap and the depth is zero.

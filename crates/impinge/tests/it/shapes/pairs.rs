@@ -160,7 +160,7 @@ fn half_spaces_intersect_unless_they_face_each_other() {
     assert!(query::within(&floor, &ceiling, 3.0) && !query::within(&floor, &ceiling, 3_f64.next_down()));
     assert!(query::penetration(&floor, &ceiling).is_none());
     let low = place([0.0, 0.0, -1.0], 0.0, [5.0, 0.0, 0.5]);
-    assert_eq!(query::proximity(&floor, &low), Proximity::Meets);
+    assert_eq!(query::proximity(&floor, &low), Proximity::Intersects);
     assert_eq!(query::penetration(&floor, &low).unwrap().upper, 0.0);
     let lower = place([0.0, 0.0, -1.0], 0.0, [5.0, 0.0, -0.5]);
     let depth = query::penetration(&lower, &floor).unwrap();

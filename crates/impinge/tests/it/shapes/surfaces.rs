@@ -163,7 +163,7 @@ fn solids_contain_shapes_inside_them() {
 fn contacts_on_a_floor_of_triangles_have_one_normal() {
     let floor = engine(&plane_grid(16, 16));
     let bounds = Shape::mesh(&floor).at(Pose::IDENTITY).unwrap().bounds().unwrap();
-    let centre: [f64; 3] = std::array::from_fn(|k| 0.5 * (bounds[0][k] + bounds[1][k]));
+    let center: [f64; 3] = std::array::from_fn(|k| 0.5 * (bounds[0][k] + bounds[1][k]));
     let size = (bounds[1][0] - bounds[0][0]).min(bounds[1][1] - bounds[0][1]);
     let half = 0.2 * size;
     let mut rng = Rng::new(573);
@@ -172,7 +172,7 @@ fn contacts_on_a_floor_of_triangles_have_one_normal() {
     let floor = Shape::mesh(&floor).at(Pose::IDENTITY).unwrap();
     for case in 0..6 {
         let depth = half * [0.0, 1e-3, 0.05][case % 3];
-        let place = [centre[0] + 0.1 * size * rng.uniform(-1.0, 1.0), centre[1], centre[2] + half - depth];
+        let place = [center[0] + 0.1 * size * rng.uniform(-1.0, 1.0), center[1], center[2] + half - depth];
         let lying = query::contacts(&floor, crate_.at(at(place)).unwrap());
         assert_eq!(lying.len(), 1, "{lying:?}");
         assert!(lying[0].normal[2] > 1.0 - 1e-12, "{lying:?}");

@@ -66,17 +66,17 @@ fn brute_force(mesh: &Mesh) -> Vec<[u32; 2]> {
 #[test]
 fn soups_on_the_grid_have_the_self_intersections_of_brute_force() {
     let mut rng = Rng::new(21);
-    let (mut reported, mut neighbours) = (0, 0);
+    let (mut reported, mut neighbors) = (0, 0);
     for side in [2, 3, 4, 6, 9] {
         let mesh = solids::grid_soup(&mut rng, 50, side, 2);
         let expected = brute_force(&mesh);
         assert_eq!(query::self_intersecting_pairs(&engine(&mesh)), expected);
         assert_eq!(query::self_intersecting_pairs(&engine(&soup(&mesh))), expected, "each face with its own vertices");
         let touching = query::intersecting_pairs(&engine(&mesh), &engine(&mesh));
-        neighbours += touching.iter().filter(|[i, j]| i < j).count() - expected.len();
+        neighbors += touching.iter().filter(|[i, j]| i < j).count() - expected.len();
         reported += expected.len();
     }
-    assert!(reported > 300 && neighbours > 300, "{reported} reported, {neighbours} not");
+    assert!(reported > 300 && neighbors > 300, "{reported} reported, {neighbors} not");
 }
 
 #[test]

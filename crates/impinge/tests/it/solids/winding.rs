@@ -100,8 +100,8 @@ fn winding_numbers_of_long_borders_are_within_their_bounds() {
     let soup_of = |rng: &mut Rng, count: usize, size: f64| {
         let mut mesh = Mesh::default();
         for face in 0..count as u32 {
-            let centre: [f64; 3] = std::array::from_fn(|_| rng.uniform(-1.0, 1.0));
-            mesh.vertices.extend((0..3).map(|_| centre.map(|x| x + rng.uniform(-size, size))));
+            let center: [f64; 3] = std::array::from_fn(|_| rng.uniform(-1.0, 1.0));
+            mesh.vertices.extend((0..3).map(|_| center.map(|x| x + rng.uniform(-size, size))));
             mesh.faces.push([3 * face, 3 * face + 1, 3 * face + 2]);
         }
         mesh

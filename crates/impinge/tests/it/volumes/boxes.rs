@@ -2,7 +2,7 @@
 //! overlap are never reported apart.
 
 use impinge::volume::{
-    Aabb, BoundingVolume, CentreRadius, MinMax, MinWidths, PackedCentreRadius, PackedMinWidths, Steps,
+    Aabb, BoundingVolume, CenterRadius, MinMax, MinWidths, PackedCenterRadius, PackedMinWidths, Steps,
 };
 use impinge_testkit::generate::Rng;
 
@@ -25,7 +25,7 @@ fn no_chain_of_conversions_shrinks() {
         holds_box(&widths, &bounds);
         let back = MinMax::from(widths);
         holds_box(&back, &widths);
-        let radius = CentreRadius::from(back);
+        let radius = CenterRadius::from(back);
         holds_box(&radius, &back);
         let again = MinMax::from(radius);
         holds_box(&again, &radius);
@@ -41,7 +41,7 @@ fn no_chain_of_conversions_shrinks() {
 /// Checks packed forms: they contain the original box, decode exactly, and stay tight. A step is a
 /// power of two below 2 / MOST of the longest extent.
 fn packed_chain<T: Steps>(bounds: &MinMax) {
-    let (widths, radius) = (MinWidths::from(*bounds), CentreRadius::from(*bounds));
+    let (widths, radius) = (MinWidths::from(*bounds), CenterRadius::from(*bounds));
     let packed = PackedMinWidths::<T>::try_from(widths).unwrap();
     let decoded = MinWidths::from(packed);
     holds_box(&decoded, &widths);
@@ -51,10 +51,10 @@ fn packed_chain<T: Steps>(bounds: &MinMax) {
         packed.volume(),
         "packing again changes nothing"
     );
-    let centred = PackedCentreRadius::<T>::try_from(radius).unwrap();
-    let decoded_radius = CentreRadius::from(centred);
+    let centerd = PackedCenterRadius::<T>::try_from(radius).unwrap();
+    let decoded_radius = CenterRadius::from(centerd);
     holds_box(&decoded_radius, &radius);
-    holds_box(&MinMax::from(centred), &decoded_radius);
+    holds_box(&MinMax::from(centerd), &decoded_radius);
     let longest = widths.widths().into_iter().fold(0.0, f64::max);
     // The rounding error of a corner in single precision.
     let corner = bounds.min().into_iter().chain(bounds.max()).fold(0.0_f64, |far, x| far.max(2.4e-7 * x.abs()));
@@ -89,7 +89,7 @@ fn overlap_tests_of_all_forms_are_right() {
         assert_eq!(a.overlaps(&b), truth);
         let (p, q) = (MinWidths::from(a), MinWidths::from(b));
         assert_eq!(p.overlaps(&q), have_common_point(&p, &q), "{p:?} {q:?}");
-        let (p, q) = (CentreRadius::from(a), CentreRadius::from(b));
+        let (p, q) = (CenterRadius::from(a), CenterRadius::from(b));
         assert!(p.overlaps(&q) || !have_common_point(&p, &q), "{p:?} {q:?}");
         packed_overlap::<u8>(&a, &b);
         packed_overlap::<u16>(&a, &b);
@@ -103,11 +103,11 @@ fn packed_overlap<T: Steps>(a: &MinMax, b: &MinMax) {
     assert_eq!(p.overlaps(&q), have_common_point(&MinWidths::from(p), &MinWidths::from(q)));
     assert!(p.overlaps(&q) || !have_common_point(a, b));
     holds_box(&MinWidths::from(p.merged(&q).unwrap()), a);
-    let pack = |bounds: &MinMax| PackedCentreRadius::<T>::try_from(CentreRadius::from(*bounds)).unwrap();
+    let pack = |bounds: &MinMax| PackedCenterRadius::<T>::try_from(CenterRadius::from(*bounds)).unwrap();
     let (p, q) = (pack(a), pack(b));
-    assert!(p.overlaps(&q) || !have_common_point(&CentreRadius::from(p), &CentreRadius::from(q)));
+    assert!(p.overlaps(&q) || !have_common_point(&CenterRadius::from(p), &CenterRadius::from(q)));
     assert!(p.overlaps(&q) || !have_common_point(a, b));
-    holds_box(&CentreRadius::from(p.merged(&q).unwrap()), b);
+    holds_box(&CenterRadius::from(p.merged(&q).unwrap()), b);
 }
 
 /// Reports whether two boxes have a common point: no axis separates all corners of one box from
@@ -134,14 +134,14 @@ fn containment_agrees_with_rationals() {
         let p: [f64; 3] =
             std::array::from_fn(|k| rng.choose(&[a.min()[k], a.max()[k], a.max()[k].next_up(), b.min()[k]]));
         assert_eq!(a.contains(p), a.holds(&point(p)));
-        let (widths, radius) = (MinWidths::from(a), CentreRadius::from(a));
+        let (widths, radius) = (MinWidths::from(a), CenterRadius::from(a));
         assert_eq!(widths.contains(p), widths.holds(&point(p)));
         assert_eq!(radius.contains(p), radius.holds(&point(p)));
         let truth = b.witnesses().iter().all(|corner| a.holds(corner));
         assert_eq!(a.encloses(&b), truth);
         let of_widths = MinWidths::from(b);
         assert!(!widths.encloses(&of_widths) || of_widths.witnesses().iter().all(|corner| widths.holds(corner)));
-        let of_radius = CentreRadius::from(b);
+        let of_radius = CenterRadius::from(b);
         assert!(!radius.encloses(&of_radius) || of_radius.witnesses().iter().all(|corner| radius.holds(corner)));
         inside += usize::from(a.contains(p));
         enclosed += usize::from(truth);
@@ -153,7 +153,7 @@ fn containment_agrees_with_rationals() {
 fn volume_and_surface_area_are_those_of_the_box() {
     let bounds = MinMax::new([1.0; 3], [2.0, 3.0, 4.0]).unwrap();
     assert_eq!((bounds.volume(), bounds.surface_area()), (6.0, 22.0));
-    let (widths, radius) = (MinWidths::from(bounds), CentreRadius::from(bounds));
+    let (widths, radius) = (MinWidths::from(bounds), CenterRadius::from(bounds));
     assert_eq!((widths.volume(), widths.surface_area()), (6.0, 22.0));
     assert_eq!((radius.volume(), radius.surface_area()), (6.0, 22.0));
     assert_eq!(MinMax::from_aabb(&Aabb::EMPTY), None);
@@ -174,7 +174,7 @@ fn tiny_and_huge_boxes_are_packed() {
 
 fn packed_holds<T: Steps>(bounds: &MinMax) {
     holds_box(&MinMax::from(PackedMinWidths::<T>::try_from(MinWidths::from(*bounds)).unwrap()), bounds);
-    holds_box(&MinMax::from(PackedCentreRadius::<T>::try_from(CentreRadius::from(*bounds)).unwrap()), bounds);
+    holds_box(&MinMax::from(PackedCenterRadius::<T>::try_from(CenterRadius::from(*bounds)).unwrap()), bounds);
 }
 
 /// Offset and size shared by the boxes of a pair. Half of the pairs are on a grid.

@@ -5,7 +5,7 @@
 
 use dashu_ratio::RBig;
 use impinge::Pose;
-use impinge::volume::{BoundingSphere, BoundingVolume, Capsule, CentreRadius, Kdop, Lozenge, MinMax, MinWidths, Obb};
+use impinge::volume::{BoundingSphere, BoundingVolume, Capsule, CenterRadius, Kdop, Lozenge, MinMax, MinWidths, Obb};
 
 pub(crate) type Point = [RBig; 3];
 
@@ -87,28 +87,28 @@ impl Exact for MinWidths {
     }
 }
 
-impl Exact for CentreRadius {
+impl Exact for CenterRadius {
     fn holds(&self, p: &Point) -> bool {
-        (0..3).all(|k| magnitude(p[k].clone() - rational(self.centre()[k])) <= rational(self.half_extents()[k]))
+        (0..3).all(|k| magnitude(p[k].clone() - rational(self.center()[k])) <= rational(self.half_extents()[k]))
     }
 
     fn witnesses(&self) -> Vec<Point> {
-        let (centre, half) = (point(self.centre()), point(self.half_extents()));
-        let low = subtract(&centre, &half);
-        let high = std::array::from_fn(|k| centre[k].clone() + half[k].clone());
+        let (center, half) = (point(self.center()), point(self.half_extents()));
+        let low = subtract(&center, &half);
+        let high = std::array::from_fn(|k| center[k].clone() + half[k].clone());
         corners(&low, &high)
     }
 }
 
 impl Exact for BoundingSphere {
     fn holds(&self, p: &Point) -> bool {
-        let offset = subtract(p, &point(self.centre()));
+        let offset = subtract(p, &point(self.center()));
         let radius = rational(self.radius());
         dot(&offset, &offset) <= radius.clone() * radius
     }
 
     fn witnesses(&self) -> Vec<Point> {
-        poles(&point(self.centre()), self.radius())
+        poles(&point(self.center()), self.radius())
     }
 }
 
@@ -172,7 +172,7 @@ impl Exact for Lozenge {
 impl Exact for Obb {
     fn holds(&self, p: &Point) -> bool {
         let [a, b, c] = self.axes().map(point);
-        let offset = subtract(p, &point(self.centre()));
+        let offset = subtract(p, &point(self.center()));
         let normals = [cross(&b, &c), cross(&c, &a), cross(&a, &b)];
         let volume = dot(&a, &normals[0]);
         assert!(volume != RBig::ZERO, "the axes span space");
@@ -184,7 +184,7 @@ impl Exact for Obb {
         (0..8)
             .map(|corner| {
                 std::array::from_fn(|k| {
-                    (0..3).fold(rational(self.centre()[k]), |sum, axis| {
+                    (0..3).fold(rational(self.center()[k]), |sum, axis| {
                         let reach = axes[axis][k].clone() * rational(self.half_extents()[axis]);
                         if corner >> axis & 1 == 1 { sum + reach } else { sum - reach }
                     })
@@ -251,9 +251,9 @@ fn corners(low: &Point, high: &Point) -> Vec<Point> {
     (0..8).map(|i| std::array::from_fn(|k| if i >> k & 1 == 1 { high[k].clone() } else { low[k].clone() })).collect()
 }
 
-fn poles(centre: &Point, radius: f64) -> Vec<Point> {
+fn poles(center: &Point, radius: f64) -> Vec<Point> {
     let at = |axis: usize, reach: f64| -> Point {
-        std::array::from_fn(|k| centre[k].clone() + if k == axis { rational(reach) } else { RBig::ZERO })
+        std::array::from_fn(|k| center[k].clone() + if k == axis { rational(reach) } else { RBig::ZERO })
     };
     (0..3).flat_map(|axis| [at(axis, radius), at(axis, -radius)]).collect()
 }

@@ -2,7 +2,7 @@
 //! a common point are never reported apart.
 
 use impinge::Pose;
-use impinge::volume::{BoundingSphere, Capsule, CentreRadius, Kdop14, Kdop18, Kdop26, Lozenge, MinMax, MinWidths, Obb};
+use impinge::volume::{BoundingSphere, Capsule, CenterRadius, Kdop14, Kdop18, Kdop26, Lozenge, MinMax, MinWidths, Obb};
 use impinge_testkit::generate::Rng;
 
 use crate::volumes::exact::{Exact, Point, image, point};
@@ -29,7 +29,7 @@ macro_rules! for_every_volume {
 for_every_volume! {
     min_max: MinMax,
     min_widths: MinWidths,
-    centre_radius: CentreRadius,
+    center_radius: CenterRadius,
     sphere: BoundingSphere,
     capsule: Capsule,
     lozenge: Lozenge,

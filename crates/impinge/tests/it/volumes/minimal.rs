@@ -13,7 +13,7 @@ use crate::volumes::points::{KINDS, Kind, cloud};
 /// Checks the documented bound: the radius exceeds the lower bound by at most 1e-12 of it and 2
 /// units in the last place of the center.
 fn assert_tight(fitted: &FittedSphere) {
-    let ulp = fitted.sphere.centre().iter().map(|x| x.abs().next_up() - x.abs()).fold(0.0, f64::max);
+    let ulp = fitted.sphere.center().iter().map(|x| x.abs().next_up() - x.abs()).fold(0.0, f64::max);
     let gap = fitted.sphere.radius() - fitted.lower;
     assert!((0.0..=1e-12 * fitted.lower + 2.0 * ulp).contains(&gap), "{fitted:?}: {gap:e}");
 }
@@ -27,9 +27,9 @@ fn minimal_spheres_agree_with_the_oracle() {
         let points = cloud(&mut rng, KINDS[round % 8], count);
         let fitted = minimal_sphere(&points).unwrap();
         let truth = oracle(&points).expect("points");
-        for (axis, &x) in fitted.sphere.centre().iter().enumerate() {
+        for (axis, &x) in fitted.sphere.center().iter().enumerate() {
             let off = |x: f64| {
-                let off = rational(x) - truth.centre[axis].clone();
+                let off = rational(x) - truth.center[axis].clone();
                 if off < RBig::ZERO { -off } else { off }
             };
             assert!(off(x) <= off(x.next_up()) && off(x) <= off(x.next_down()), "the center is not rounded to nearest");
@@ -76,7 +76,7 @@ fn scaling_by_powers_of_two_scales_the_sphere() {
             let factor = 2_f64.powi(exponent);
             let scaled: Vec<[f64; 3]> = points.iter().map(|p| p.map(|x| x * factor)).collect();
             let other = minimal_sphere(&scaled).unwrap();
-            assert_eq!(other.sphere.centre(), fitted.sphere.centre().map(|x| x * factor), "{kind:?} {exponent}");
+            assert_eq!(other.sphere.center(), fitted.sphere.center().map(|x| x * factor), "{kind:?} {exponent}");
             assert_eq!(other.sphere.radius(), fitted.sphere.radius() * factor, "{kind:?} {exponent}");
             assert_eq!(other.lower, fitted.lower * factor);
         }

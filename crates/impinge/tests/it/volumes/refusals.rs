@@ -2,7 +2,7 @@
 //! maps that are not rigid.
 
 use impinge::volume::fit;
-use impinge::volume::{BoundingSphere, BoundingVolume, Capsule, CentreRadius, Kdop14, Lozenge, MinMax, MinWidths, Obb};
+use impinge::volume::{BoundingSphere, BoundingVolume, Capsule, CenterRadius, Kdop14, Lozenge, MinMax, MinWidths, Obb};
 use impinge::{InputErrorKind, Pose};
 
 fn kind<T: std::fmt::Debug>(result: Result<T, impinge::InputError>) -> InputErrorKind {
@@ -16,7 +16,7 @@ fn empty_and_nonfinite_point_sets_are_rejected() {
         vec![
             kind(MinMax::of_points(points)),
             kind(MinWidths::of_points(points)),
-            kind(CentreRadius::of_points(points)),
+            kind(CenterRadius::of_points(points)),
             kind(BoundingSphere::of_points(points)),
             kind(Capsule::of_points(points)),
             kind(Lozenge::of_points(points)),

@@ -90,7 +90,7 @@ trait Resized: Round {
 
 impl Resized for BoundingSphere {
     fn resized(&self, radius: f64) -> Self {
-        Self::new(self.centre(), radius).unwrap()
+        Self::new(self.center(), radius).unwrap()
     }
 }
 
@@ -134,8 +134,8 @@ impl Draw {
     }
 
     fn sphere(&self, rng: &mut Rng) -> (BoundingSphere, Core) {
-        let (centre, radius) = (self.point(rng), self.radius(rng));
-        (BoundingSphere::new(centre, radius).unwrap(), Core { corner: exactly(centre), edges: vec![], radius })
+        let (center, radius) = (self.point(rng), self.radius(rng));
+        (BoundingSphere::new(center, radius).unwrap(), Core { corner: exactly(center), edges: vec![], radius })
     }
 
     fn capsule(&self, rng: &mut Rng) -> (Capsule, Core) {
@@ -193,7 +193,7 @@ impl Tally {
                 assert!(!meets && !a.meets(&b));
                 self.apart += 1;
             }
-            Proximity::Meets => {
+            Proximity::Intersects => {
                 assert!(meets && a.meets(&b));
                 self.meets += 1;
             }
@@ -234,7 +234,7 @@ fn an_interpenetrating_pair_is_proved_to_intersect() {
     let plate = Lozenge::new([0.0; 3], [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0]], 0.5).unwrap();
     let nail = Capsule::new([1.0, 1.0, -3.0], [1.5, 1.0, 3.0], 0.125).unwrap();
     assert_eq!(plate.distance(&nail), DistanceBounds { lower: 0.0, upper: 0.0 });
-    assert_eq!(nail.proximity(&plate), Proximity::Meets);
+    assert_eq!(nail.proximity(&plate), Proximity::Intersects);
     let across = Lozenge::new([2.0, 2.0, -1.0], [[0.0, 0.0, 2.0], [1.0, 1.0, 0.0]], 0.0).unwrap();
-    assert!(across.overlaps(&plate) && across.proximity(&plate) == Proximity::Meets);
+    assert!(across.overlaps(&plate) && across.proximity(&plate) == Proximity::Intersects);
 }

@@ -33,7 +33,7 @@ fn every_construction_contains_all_points_within_its_factor() {
             assert!(points.iter().all(|&p| sphere.holds(&point(p))), "{name}: {sphere:?}");
             assert!(lower <= least.sphere.radius(), "{name}: {lower} {least:?}");
             // A center far from the origin may be rounded by more than the size of the set.
-            let slack = 1e-15 * sphere.centre().iter().fold(0.0_f64, |sum, x| sum + x.abs());
+            let slack = 1e-15 * sphere.center().iter().fold(0.0_f64, |sum, x| sum + x.abs());
             assert!(sphere.radius() >= least.lower, "{name}");
             assert!(sphere.radius() <= factor * least.sphere.radius() + 4.0 * slack, "{name}: {sphere:?} {least:?}");
             exact += usize::from(sphere.radius() == least.sphere.radius());
@@ -50,9 +50,9 @@ fn overlap_and_containment_are_exact() {
     for round in 0..4000 {
         let scale = rng.choose(&[1.0, 1e-6, 1e6, 2_f64.powi(-300), 2_f64.powi(-530), 2_f64.powi(150)]);
         let offset = rng.choose(&[0.0, 0.0, 1e7]) * scale;
-        let centre =
+        let center =
             |rng: &mut Rng| -> [f64; 3] { std::array::from_fn(|_| offset + scale * rng.integer(-4, 4) as f64) };
-        let (p, q) = (centre(&mut rng), centre(&mut rng));
+        let (p, q) = (center(&mut rng), center(&mut rng));
         let r = scale * rng.integer(0, 4) as f64;
         // The radius that touches from inside or outside, its neighboring floats, or any radius.
         let distance = (0..3).map(|k| (p[k] - q[k]) / scale).map(|x| x * x).sum::<f64>().sqrt() * scale;

@@ -15,8 +15,8 @@ use impinge_testkit::rounds;
 use super::{BROAD_PHASES, pose};
 
 /// Returns the parameter at which a ray first hits a sphere, by the quadratic formula.
-fn on_sphere(ray: &Ray, centre: [f64; 3], radius: f64) -> Option<f64> {
-    let from: [f64; 3] = std::array::from_fn(|k| ray.origin()[k] - centre[k]);
+fn on_sphere(ray: &Ray, center: [f64; 3], radius: f64) -> Option<f64> {
+    let from: [f64; 3] = std::array::from_fn(|k| ray.origin()[k] - center[k]);
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let (a, b, c) =
         (dot(ray.direction(), ray.direction()), dot(from, ray.direction()), dot(from, from) - radius * radius);
@@ -41,9 +41,9 @@ fn rays_hit_spheres_as_in_closed_form() {
         let mut world = World::with_options(Options { broad_phase, ..Options::default() });
         let balls: Vec<([f64; 3], f64)> =
             (0..40).map(|_| ([0; 3].map(|_| rng.uniform(-3.0, 3.0)), rng.uniform(0.1, 0.8))).collect();
-        for (tag, &(centre, radius)) in balls.iter().enumerate() {
+        for (tag, &(center, radius)) in balls.iter().enumerate() {
             let ball = Body::new(Shape::sphere([0.0; 3], radius).unwrap()).tag(tag as u64);
-            world.insert(ball.at(Pose::from_translation(centre).unwrap())).unwrap();
+            world.insert(ball.at(Pose::from_translation(center).unwrap())).unwrap();
         }
         let (mut hits, mut misses) = (0, 0);
         for _ in 0..500 {
@@ -51,7 +51,7 @@ fn rays_hit_spheres_as_in_closed_form() {
             let mut expected: Vec<(f64, u64)> = balls
                 .iter()
                 .enumerate()
-                .filter_map(|(tag, &(centre, radius))| Some((on_sphere(&ray, centre, radius)?, tag as u64)))
+                .filter_map(|(tag, &(center, radius))| Some((on_sphere(&ray, center, radius)?, tag as u64)))
                 .collect();
             expected.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
             let found = world.ray_cast_all(&ray, |_| true);
@@ -89,10 +89,10 @@ fn rays_hit_meshes_between_their_inner_and_outer_spheres() {
         for _ in 0..600 {
             let ray = random_ray(&mut rng);
             let found = world.ray_cast_all(&ray, |_| true);
-            for (body, centre) in &bodies {
+            for (body, center) in &bodies {
                 let hit: Option<&BodyRayHit> = found.iter().find(|hit| hit.body == *body);
                 // The mesh lies between two spheres.
-                let (inner, outer) = (on_sphere(&ray, *centre, 0.98), on_sphere(&ray, *centre, 1.0 + 1e-12));
+                let (inner, outer) = (on_sphere(&ray, *center, 0.98), on_sphere(&ray, *center, 1.0 + 1e-12));
                 if let Some(hit) = hit {
                     assert!(outer.is_some(), "{hit:?}");
                     let starts_inside = hit.t == 0.0;

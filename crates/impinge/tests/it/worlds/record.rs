@@ -4,7 +4,7 @@
 use impinge::Pose;
 use impinge::query::Proximity;
 use impinge::shape::Shape;
-use impinge::world::{Body, BodyId, Change, Kind, NarrowPhase, Options, Record, RecordFlaw, Snapshot, Traits, World};
+use impinge::world::{Body, BodyId, Change, Kind, NarrowPhase, Options, Record, RecordError, Snapshot, Traits, World};
 use impinge_testkit::generate::Rng;
 
 use super::{BROAD_PHASES, pose};
@@ -139,7 +139,7 @@ fn inconsistent_records_are_rejected() {
         &|record| record.bodies[1].id = record.bodies[0].id,
     ];
     for spoil in places {
-        assert_eq!(flaw(spoil), Some(RecordFlaw::Places));
+        assert_eq!(flaw(spoil), Some(RecordError::Places));
     }
     let pairs: [&dyn Fn(&mut Record); 4] = [
         &|record| record.pairs[0].bodies[0] = BodyId::from_bits(0),
@@ -148,7 +148,7 @@ fn inconsistent_records_are_rejected() {
         &|record| record.pairs.insert(0, record.pairs[0].clone()),
     ];
     for (spoil, row) in pairs.into_iter().zip([0, 0, 0, 1]) {
-        assert_eq!(flaw(spoil), Some(RecordFlaw::Pair { row }));
+        assert_eq!(flaw(spoil), Some(RecordError::Pair { row }));
     }
     let meetings: [&dyn Fn(&mut Record); 3] = [
         &|record| record.pairs[0].meeting.as_mut().unwrap().0 = Proximity::Apart,
@@ -156,11 +156,11 @@ fn inconsistent_records_are_rejected() {
         &|record| record.pairs[0].meeting.as_mut().unwrap().1[0].points[0].lower = f64::NAN,
     ];
     for spoil in meetings {
-        assert_eq!(flaw(spoil), Some(RecordFlaw::Contact { row: 0 }));
+        assert_eq!(flaw(spoil), Some(RecordError::Contact { row: 0 }));
     }
     let stretched = Pose::new([[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [0.0; 3]).unwrap();
     let refused = flaw(&|record| record.bodies[0].body = record.bodies[0].body.clone().at(stretched));
-    assert!(matches!(refused, Some(RecordFlaw::Input { .. })), "{refused:?}");
+    assert!(matches!(refused, Some(RecordError::Input { .. })), "{refused:?}");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::exact::{PosedPoint, Spot, WidePlane};
 use crate::input::InputError;
 use crate::math::Sign;
 use crate::mesh::Mesh;
-use crate::mesh::solid::winding::{Containment, Judge};
+use crate::mesh::solid::winding::{Containment, PointClassifier};
 
 /// A binary tree of planes that divides space around a mesh into disjoint convex cells.
 ///
@@ -86,8 +86,8 @@ impl SolidBsp {
     /// Exact for closed meshes (docs/notes/proof.md, L32). Around an open mesh the winding number is not
     /// constant in a cell, so it is computed for each point.
     pub fn contains(&self, point: [f64; 3]) -> Result<Containment, InputError> {
-        InputError::judge_row(&point, "point", 0)?;
-        let ask = || Judge::new(&self.mesh).containment(&PosedPoint::local(Spot::At(point)));
+        InputError::validate_row(&point, "point", 0)?;
+        let ask = || PointClassifier::new(&self.mesh).containment(&PosedPoint::local(Spot::At(point)));
         if !self.is_closed {
             return Ok(ask());
         }
