@@ -4,8 +4,8 @@
 //! Every decision is exact, so a hull exists for every set of points: flat, straight, cospherical
 //! or all in one place.
 //!
-//! The proof is docs/notes/proof.md, L10. The tests are in `tests/it/hull`, and the benchmark is `hulls`
-//! in `impinge-bench`.
+//! The proof is docs/notes/proof.md, L10. The tests are in `tests/it/hull`, and the benchmark is
+//! `hulls` in `impinge-bench`.
 
 mod build;
 mod climb;
@@ -42,14 +42,11 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 /// ```
 /// use impinge::hull::{Hull, HullKind};
 ///
-/// // The corners of a cube, and points in a face, in an edge and inside.
-/// let mut points: Vec<[f64; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
-/// points.extend([[0.5, 0.5, 1.0], [0.5, 1.0, 1.0], [0.5, 0.5, 0.5]]);
-/// let hull = Hull::new(&points)?;
-/// assert_eq!(hull.kind(), HullKind::Solid);
-/// assert_eq!(hull.vertices(), [0, 1, 2, 3, 4, 5, 6, 7]);
-/// assert_eq!(hull.faces().len(), 12);
-/// assert_eq!(hull.neighbors(0), [1, 2, 4]);
+/// // The corners of a cube, and points in a face, in an edge and inside. let mut points: Vec<[f64;
+/// 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect(); points.extend([[0.5,
+/// 0.5, 1.0], [0.5, 1.0, 1.0], [0.5, 0.5, 0.5]]); let hull = Hull::new(&points)?;
+/// assert_eq!(hull.kind(), HullKind::Solid); assert_eq!(hull.vertices(), [0, 1, 2, 3, 4, 5, 6, 7]);
+/// assert_eq!(hull.faces().len(), 12); assert_eq!(hull.neighbors(0), [1, 2, 4]);
 /// assert_eq!(hull.support([1.0, 2.0, 3.0]), 7);
 /// # Ok::<(), impinge::InputError>(())
 /// ```
@@ -62,8 +59,8 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 ///
 /// # Complexity
 /// Expected O(n log n) for points in general position, in any order. There is no proof for many
-/// points in one plane; docs/notes/realigning.md has measurements of lattices and prisms. No input takes
-/// more than O(n² log n).
+/// points in one plane; docs/notes/realigning.md has measurements of lattices and prisms. No input
+/// takes more than O(n² log n).
 ///
 /// # Source
 /// See `build` for the insertion, `order` for its order, `cull` for the points culled before it,

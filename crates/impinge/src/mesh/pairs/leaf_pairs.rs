@@ -35,7 +35,7 @@ const QUEUE_CAPACITY: usize =
 /// they are cached; twice as many would fill the L1 cache and save hardly more.
 pub(in crate::mesh) const CACHED_GUEST_LEAVES: usize = 32;
 
-/// Maximum number of undecided pairs that are put off before they are decided exactly. A decision
+/// Maximum number of undecided pairs that are queued before they are decided exactly. A decision
 /// costs as much as filtering some leaf pairs, any of which may hold a pair that the filter proves
 /// intersecting. If the surfaces only touch, none does, and waiting longer is wasted.
 const MAX_UNDECIDED_PAIRS: usize = 8;
@@ -266,7 +266,7 @@ impl LeafPairs<'_> {
         self.continue_or_stop(MAX_UNDECIDED_PAIRS)
     }
 
-    /// Decides the pairs that were put off if there are more than `max_undecided` of them. Returns
+    /// Decides the queued pairs if there are more than `max_undecided` of them. Returns
     /// `Break` if enough pairs are found.
     #[inline(always)]
     fn continue_or_stop(&mut self, max_undecided: usize) -> ControlFlow<()> {
@@ -276,7 +276,7 @@ impl LeafPairs<'_> {
         if self.found.len() < self.question.wanted.limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
-    /// Decides the pairs that were put off, until enough pairs are found.
+    /// Decides the queued pairs until enough pairs are found.
     #[cold]
     fn decide_undecided(&mut self) {
         let [a, b] = self.packets();

@@ -17,8 +17,8 @@
 //! for a soup of triangles, the solid angles of the faces are summed up instead. Far faces are
 //! summed up by expansions.
 //!
-//! Proof: docs/notes/proof.md, L16 and L17. Guarded by `tests/it/solids/winding.rs` and `containment.rs`,
-//! and by the benchmark `solids` of `impinge-bench`.
+//! Proof: docs/notes/proof.md, L16 and L17. Guarded by `tests/it/solids/winding.rs` and
+//! `containment.rs`, and by the benchmark `solids` of `impinge-bench`.
 
 use rayon::prelude::*;
 
@@ -132,12 +132,11 @@ impl Mesh {
     /// ```
     /// use impinge::{Mesh, Positions};
     ///
-    /// // A tetrahedron without the face that is farthest from the origin.
-    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    /// let open = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2]])?;
-    /// assert!(!open.is_closed());
-    /// let [deep, out] = open.winding_number(&[[0.1, 0.1, 0.1], [0.5, 0.5, 0.5]])?[..] else { unreachable!() };
-    /// assert!(deep.lower > 0.5 && out.upper < 0.5);
+    /// // A tetrahedron without the face that is farthest from the origin. let corners = vec![[0.0,
+    /// 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]; let open =
+    /// Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2]])?;
+    /// assert!(!open.is_closed()); let [deep, out] = open.winding_number(&[[0.1, 0.1, 0.1], [0.5,
+    /// 0.5, 0.5]])?[..] else { unreachable!() }; assert!(deep.lower > 0.5 && out.upper < 0.5);
     /// # Ok::<(), impinge::InputError>(())
     /// ```
     pub fn winding_number(&self, points: &[[f64; 3]]) -> Result<Vec<WindingNumber>, InputError> {
@@ -162,10 +161,10 @@ impl Mesh {
     /// use impinge::mesh::Containment::{Inside, Outside, Surface};
     /// use impinge::{Mesh, Positions};
     ///
-    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    /// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-    /// let solid = Mesh::new(Positions::F32(corners), faces)?;
-    /// assert_eq!(solid.contains(&[[0.1, 0.1, 0.1], [0.5, 0.5, 0.0], [0.5, 0.5, 1e-300]])?, [Inside, Surface, Outside]);
+    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]; let
+    /// faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]; let solid =
+    /// Mesh::new(Positions::F32(corners), faces)?; assert_eq!(solid.contains(&[[0.1, 0.1, 0.1],
+    /// [0.5, 0.5, 0.0], [0.5, 0.5, 1e-300]])?, [Inside, Surface, Outside]);
     /// # Ok::<(), impinge::InputError>(())
     /// ```
     pub fn contains(&self, points: &[[f64; 3]]) -> Result<Vec<Containment>, InputError> {
