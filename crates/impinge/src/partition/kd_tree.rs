@@ -110,8 +110,8 @@ impl Partition for KdTree {
         Cells::Disjoint
     }
 
-    /// Visits a box that is in several cells only once: in the cell that contains the minimum corner
-    /// of its intersection with the query box.
+    /// Visits a box that is in several cells only once: in the cell that contains the minimum
+    /// corner of its intersection with the query box.
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {
         const ALL: [[f64; 3]; 2] = [[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]];
         let (min, max) = (bounds.min(), bounds.max());
