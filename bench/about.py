@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def circumstances(*packages: str) -> dict[str, str]:
-    """Return what the numbers depend on beside the code, with the versions of the packages that are measured."""
+    """Return what the numbers depend on beside the code, with the versions of the packages."""
     cpus = [line.split(":", 1)[1].strip() for line in read_lines("/proc/cpuinfo") if line.startswith("model name")]
     return {
         "date": date.today().isoformat(),

@@ -5,8 +5,8 @@ the commit and the command to the rows that the benchmark appends to it. A bench
 without the variable records nothing.
 
 A row has a case (a scene, pose or size), an engine (a library), a quantity, its unit (`s`, `%`, or
-`1` for counts and other plain numbers) and its value. No two rows of a run share all of case, engine
-and quantity.
+`1` for counts and other plain numbers) and its value. No two rows of a run share all of case,
+engine and quantity.
 """
 
 import csv
